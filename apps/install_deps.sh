@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 Octant developers
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2034
+# Sourced by apps/demo.sh and tests/run.sh: the one list of the Debian packages that Octant needs, and how they get here.
+
+OCTANT_BUILD_PACKAGES="g++ cmake ninja-build pkg-config ca-certificates libboost-dev libceres-dev libcli11-dev libeigen3-dev
+  libexpected-dev libfast-float-dev libfmt-dev libnlopt-cxx-dev libnlopt-dev libspdlog-dev libssl-dev libsuitesparse-dev
+  libyaml-cpp-dev nlohmann-json3-dev"
+OCTANT_TEST_PACKAGES="libbenchmark-dev libgmock-dev libgtest-dev librapidcheck-dev python3 python3-numpy python3-yaml"
+
+# octant_install PACKAGE...: installs what is missing, says what, and does nothing where nothing is.
+octant_install() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "octant: this script installs with apt; elsewhere install the like of: $*" >&2
+    return 1
+  fi
+  octant_missing=
+  for octant_package in "$@"; do
+    case $(dpkg-query -W -f='${db:Status-Abbrev}' "$octant_package" 2>/dev/null) in
+      ?i*) ;;
+      *) octant_missing="$octant_missing $octant_package" ;;
+    esac
+  done
+  [ -n "$octant_missing" ] || return 0
+  octant_sudo=
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || {
+      echo "octant: run as root, or install these first:$octant_missing" >&2
+      return 1
+    }
+    octant_sudo=sudo
+  fi
+  echo "octant: installing with apt-get:$octant_missing" >&2
+  $octant_sudo apt-get update -q >&2 || return 1
+  # Unquoted on purpose: a list of words.
+  # shellcheck disable=SC2086
+  $octant_sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $octant_missing >&2
+}

@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/calibrate.h"
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "apps/octant/commands.h"
+#include "apps/octant/interrupt.h"
+#include "apps/octant/steps.h"
+#include "io/atomic_file.h"
+#include "io/deployment_json.h"
+
+namespace octant::app {
+namespace {
+
+struct Words {
+  std::string site, output, report;
+  std::vector<std::string> runs;
+  bool strict = false;
+};
+
+/// What the adjustment itself says, whether or not there is something to export.
+Json solution_json(const Calibration& c, const Session& session) {
+  const calib::Solution& s = c.solution;
+  Json weak = Json::array();
+  for (const auto& w : s.weak) {
+    weak.push_back({{"description", w.description}, {"parameters", w.parameters}, {"sigma_m", w.sigma_m}, {"consequence_m", w.consequence_m},
+                    {"remedy", w.remedy}, {"blocking", w.blocking}});
+  }
+  return {{"converged", s.status == calib::SolveStatus::kConverged},
+          {"iterations", s.iterations},
+          {"seconds", session.seconds()},
+          {"arrivals", s.statistics.arrivals},
+          {"rejected", s.statistics.rejected},
+          {"unknowns", s.statistics.unknowns},
+          {"redundancy", s.statistics.redundancy},
+          {"variance_factor", s.statistics.variance_factor},
+          {"chi2_p", s.statistics.chi2_p},
+          {"rms_s", s.statistics.rms_s},
+          {"speed_mps", nullptr},
+          {"speed_sigma_mps", nullptr},
+          {"beacons", Json::array()},
+          {"receivers", Json::array()},
+          {"attenuation", nullptr},
+          {"undetermined", s.undetermined},
+          {"weak", weak},
+          {"datum", {{"description", s.datum.description}, {"position", s.datum.position}, {"orientation", s.datum.orientation},
+                     {"scale", s.datum.scale}, {"control_points", s.datum.control_points}}},
+          {"left_out", left_out_json(c)}};
+}
+
+void add_deployment(Json& object, const Deployment& d) {
+  object["speed_mps"] = d.speed_mps(d.medium.temperature_degC);
+  object["speed_sigma_mps"] = d.speed_sigma_mps;
+  for (const auto& b : d.beacons) {
+    const Eigen::Vector3d sigma_m = b.covariance_m2.diagonal().cwiseMax(0.0).cwiseSqrt();
+    object["beacons"].push_back({{"id", b.name}, {"position_m", to_json(b.position_m)}, {"sigma_m", to_json(sigma_m)}, {"delay_s", b.delay_s},
+                                 {"delay_sigma_s", b.delay_sigma_s}, {"status", to_string(b.status)}});
+  }
+  for (const auto& r : d.receivers) {
+    object["receivers"].push_back({{"vehicle", d.vehicles[r.vehicle.index()].name}, {"id", r.name}, {"position_m", to_json(r.position_m)}});
+  }
+  if (d.attenuation) {
+    object["attenuation"] = {{"amplitude_1m_v", d.attenuation->amplitude_1m_v}, {"absorption_np_per_m", d.attenuation->absorption_np_per_m},
+                             {"threshold_v", d.attenuation->threshold_v}, {"rise_time_s", d.attenuation->rise_time_s}};
+  }
+}
+
+Failure failure_of(const calib::Solution& s) {
+  if (s.status == calib::SolveStatus::kUndetermined) {
+    std::string message = s.message.empty() ? "the data do not determine what is asked for" : s.message, advice;
+    if (s.message.empty())
+      for (const auto& name : s.undetermined) message += (&name == &s.undetermined.front() ? ": " : ", ") + name;
+    for (const auto& weak : s.weak) {
+      // The message of the solver may name the remedy already.
+      if (!weak.blocking || weak.remedy.empty() || message.find(weak.remedy) != std::string::npos) continue;
+      advice += (advice.empty() ? "settled by: " : "; ") + weak.remedy;
+    }
+    return {"undetermined", "undetermined", kUndetermined, message, advice};
+  }
+  return {"not_converged", "not_converged", kNotConverged, s.message.empty() ? "the adjustment did not converge" : s.message,
+          "are the units, the beacon ids and the approximate positions right?"};
+}
+
+/// Both files or none.
+Result<void> write_outputs(const Words& words, const Calibration& c, const Session& session) {
+  if (!words.report.empty()) {
+    const auto page = survey::report_html(report_input(c, session.warnings()));
+    if (auto written = io::write_file(words.report, page); !written) return written;
+  }
+  auto written = io::write_deployment(words.output, *c.deployment);
+  if (!written && !words.report.empty() && words.report != "-") std::remove(words.report.c_str());
+  return written;
+}
+
+int run(const Words& words, Session& session) {
+  const int on_stdout = (words.output == "-") + (words.report == "-") + session.options.json;
+  if (on_stdout > 1) return session.fail({"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
+  if (words.output == "-" || words.report == "-") session.result_to_stderr();
+  for (const auto& path : {words.output, words.report})
+    if (auto fit = check_output(path); !fit) return session.fail(fit.error());
+
+  auto calibration = calibrate_files(words.site, words.runs, words.strict, session);
+  if (!calibration) return session.fail(calibration.error());
+  if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
+  Json object = solution_json(*calibration, session);
+  if (!calibration->deployment) return session.fail(failure_of(calibration->solution), object);
+
+  if (auto written = write_outputs(words, *calibration, session); !written) return session.fail(written.error());
+  add_deployment(object, *calibration->deployment);
+  session.result(calibration_text(*calibration));
+  if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
+  if (!words.report.empty() && words.report != "-") session.result(fmt::format("{:<17}{}\n", "report", words.report));
+  return session.finish(std::move(object));
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
+  auto words = std::make_shared<Words>();
+  CLI::App* command = add_command(app, common, "calibrate", "Find beacons, delays, speed and receivers from recordings",
+                                  "octant calibrate hall/site.yaml hall/run -o hall/deployment.json --report hall/report.html");
+  command->add_option("site", words->site, "Site file: what is known beforehand")->required()->type_name("SITE.yaml");
+  command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
+  command->add_option("-o,--output", words->output, "Deployment file to write; - is standard output")->required()->type_name("DEPLOYMENT.json");
+  command->add_option("--report", words->report, "Report to write, one HTML page")->type_name("R.html");
+  command->add_flag("--strict", words->strict, "A single undetermined beacon is exit 5");
+  command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+}
+
+}  // namespace octant::app

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/commands.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+namespace octant::app {
+
+void add_common_options(CLI::App& app, CommonOptions& common) {
+  const std::string group = "Common options";
+  app.set_help_flag("-h,--help", "Print this help and exit")->group(group);
+  app.set_version_flag("--version", "octant " OCTANT_VERSION)->group(group);
+  app.add_flag("--json", common.json, "Print one JSON object on standard output, on failure too, and nothing else there")->group(group);
+  app.add_flag("-q,--quiet", common.quiet, "No notes and no progress; warnings and errors stay")->group(group);
+  app.add_flag("-v,--verbose", common.verbose, "Say more on standard error")->group(group);
+  app.add_option("--progress", common.progress, "On standard error: auto, plain, json or none")
+      ->check(CLI::IsMember({"auto", "plain", "json", "none"}))->capture_default_str()->type_name("STYLE")->group(group);
+  app.add_option("--threads", common.threads, "Threads to use; 0: all cores")->check(CLI::Range(0, 1024))->capture_default_str()
+      ->type_name("N")->group(group);
+  app.add_option("--seed", common.seed, "Seed of everything random")->capture_default_str()->type_name("N")->group(group);
+}
+
+CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name, const std::string& purpose, const std::string& example) {
+  CLI::App* command = app.add_subcommand(name, purpose);
+  add_common_options(*command, common);
+  command->footer("Example:\n  " + example);
+  return command;
+}
+
+}  // namespace octant::app

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/App.hpp>
+
+#include "apps/octant/session.h"
+
+namespace octant::app {
+
+/// What main() runs when the words are understood; a command's set-up puts it here.
+using Action = std::function<int(Session&)>;
+
+// One file each, of the same name. Each adds its words to the command line.
+void add_demo(CLI::App& app, CommonOptions& common, Action& action);
+void add_simulate(CLI::App& app, CommonOptions& common, Action& action);
+void add_calibrate(CLI::App& app, CommonOptions& common, Action& action);
+void add_localize(CLI::App& app, CommonOptions& common, Action& action);
+void add_verify(CLI::App& app, CommonOptions& common, Action& action);
+void add_schema(CLI::App& app, CommonOptions& common, Action& action);
+
+/// A command with the options that all have. @param example  shown by --help
+[[nodiscard]] CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name, const std::string& purpose,
+                                    const std::string& example);
+void add_common_options(CLI::App& app, CommonOptions& common);
+
+}  // namespace octant::app

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace octant::app {
+
+/// Takes over SIGINT and SIGTERM. A first signal asks politely (interrupted() becomes true); a second one kills.
+/// A SIGINT that the parent ignores (background jobs) stays ignored.
+/// @param last_words  what goes to standard output where a signal ends the program at once; may be empty
+void install_interrupt_handlers(const std::string& last_words);
+
+[[nodiscard]] bool interrupted();
+
+/// While one lives, nothing of ours is half on disk, and a signal may end the program at once with exit 130: for long
+/// computations that cannot be asked to stop. They may be nested.
+class ExitAtOnce {
+ public:
+  ExitAtOnce();
+  ~ExitAtOnce();
+  ExitAtOnce(const ExitAtOnce&) = delete;
+  ExitAtOnce& operator=(const ExitAtOnce&) = delete;
+};
+
+}  // namespace octant::app

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string_view>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+
+#include "apps/octant/commands.h"
+#include "apps/octant/interrupt.h"
+
+namespace octant::app {
+namespace {
+
+/// Among the words even where the others are wrong: whoever reads JSON wants his failure in it too.
+bool wants_json(int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i) {
+    if (std::string_view(argv[i]) == "--") return false;
+    if (std::string_view(argv[i]) == "--json") return true;
+  }
+  return false;
+}
+
+/// Help and version are no failures; all other faults of the words are exit 2, whatever CLI11 numbers them.
+int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& session) {
+  const auto chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.back();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+    const bool version = error.get_name() == "CallForVersion";
+    const std::string text = version ? "octant " OCTANT_VERSION "\n" : command.help();
+    session.result(text);
+    return session.finish(version ? Json{{"program", "octant"}, {"version", OCTANT_VERSION}} : Json{{"help", text}});
+  }
+  std::string message = error.what();
+  const auto strange = app.remaining(true);
+  if (chosen.empty()) message = strange.empty() ? "a command is missing" : fmt::format("unknown command '{}'", strange.front());
+  const std::string name = chosen.empty() ? "octant" : "octant " + command.get_name();
+  return session.fail({"error", "usage", kUsage, message, fmt::format("{} --help explains", name)});
+}
+
+int run(int argc, const char* const* argv, Session& session) {
+  session.command_line = quote_command(argc, argv);
+  session.options.json = wants_json(argc, argv);
+  install_interrupt_handlers(session.options.json ? dump(interrupted_object()) + "\n" : "");
+
+  CLI::App app("Octant calibrates time-of-flight beacon positioning: beacons, delays and the speed of sound from a recording,\n"
+               "and tells a robot where it is.", "octant");
+  add_common_options(app, session.options);
+  app.footer("Example:\n  octant demo\n\nExit codes: 0 done, 1 fault of the program, 2 wrong usage, 3 bad input, 4 not converged,\n"
+             "5 undetermined, 6 a quality gate failed, 130 interrupted.");
+  app.require_subcommand(1);
+  Action action;
+  add_demo(app, session.options, action);
+  add_simulate(app, session.options, action);
+  add_calibrate(app, session.options, action);
+  add_localize(app, session.options, action);
+  add_verify(app, session.options, action);
+  add_schema(app, session.options, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return end_of_parsing(app, error, session);
+  }
+  return action(session);
+}
+
+}  // namespace
+}  // namespace octant::app
+
+int main(int argc, char** argv) {
+  using namespace octant::app;
+  Session session;
+  try {
+    return run(argc, argv, session);
+  } catch (const std::bad_alloc&) {
+    return session.fail({"error", "internal", kFault, "out of memory", "use a machine with more, or fewer arrivals"});
+  } catch (const std::exception& error) {
+    return session.fail({"error", "internal", kFault, fmt::format("a fault of octant: {}", error.what()), "please report it with the command"});
+  }
+}

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/progress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+namespace octant::app {
+
+ProgressStyle progress_style(std::string_view wanted, bool quiet) {
+  if (wanted == "none") return ProgressStyle::kNone;
+  if (wanted == "json") return ProgressStyle::kJson;
+  if (wanted == "plain") return ProgressStyle::kPlain;
+  if (quiet) return ProgressStyle::kNone;
+  const char* term = std::getenv("TERM");
+  const bool can_draw = isatty(STDERR_FILENO) == 1 && term != nullptr && std::string_view(term) != "dumb";
+  return can_draw ? ProgressStyle::kBar : ProgressStyle::kPlain;
+}
+
+bool ProgressReporter::due(bool new_stage) {
+  // Iterations of small problems take microseconds; ten pictures a second are enough for anybody.
+  const auto now = std::chrono::steady_clock::now();
+  if (!new_stage && now - last_ < std::chrono::milliseconds(100)) return false;
+  last_ = now;
+  return true;
+}
+
+void ProgressReporter::show(const std::string& stage, int iteration, double cost, double fraction) {
+  if (style_ == ProgressStyle::kNone) return;
+  const bool new_stage = stage != stage_;
+  stage_ = stage;
+  if (!due(new_stage)) return;
+  fraction = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
+  if (style_ == ProgressStyle::kBar) {
+    const int full = static_cast<int>(std::lround(24 * fraction));
+    fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {:3.0f} % {}", "", full, "", 24 - full, 100 * fraction, stage);
+    drawn_ = true;
+  } else if (style_ == ProgressStyle::kPlain) {
+    if (new_stage) fmt::print(stderr, "{:3.0f} % {}\n", 100 * fraction, stage);
+  } else {
+    const nlohmann::ordered_json line = {{"stage", stage}, {"iteration", iteration}, {"cost", cost}, {"fraction", fraction}};
+    fmt::print(stderr, "{}\n", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  }
+  std::fflush(stderr);
+}
+
+void ProgressReporter::finish() {
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+  drawn_ = false;
+}
+
+}  // namespace octant::app

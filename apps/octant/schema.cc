@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/schema.h"
+
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "apps/octant/commands.h"
+
+namespace octant::app {
+
+void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
+  auto format = std::make_shared<std::string>();
+  CLI::App* command = add_command(app, common, "schema", "Print the JSON Schema of a file format", "octant schema deployment > deployment.schema.json");
+  command->add_option("format", *format, "site, run, deployment or scenario")->required()->check(CLI::IsMember({"site", "run", "deployment", "scenario"}))
+      ->type_name("FORMAT");
+  command->callback([format, &action] {
+    action = [format](Session& session) {
+      // It is one JSON object already, so --json changes nothing.
+      fmt::print(stdout, "{}\n", io::schema(*format));
+      if (std::fflush(stdout) != 0) return session.fail({"error", "output", kBadInput, "standard output could not be written", ""});
+      return static_cast<int>(kDone);
+    };
+  });
+}
+
+}  // namespace octant::app

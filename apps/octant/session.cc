@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/session.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <thread>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace octant::app {
+namespace {
+
+constexpr std::size_t kMaxWarningLines = 50, kMaxWarningBytes = 12'000;
+
+/// Colour where people look, and only if they did not say no (https://no-color.org).
+std::string painted(const char* colour, std::string_view text) {
+  const char* no_color = std::getenv("NO_COLOR");
+  const char* term = std::getenv("TERM");
+  const bool plain = (no_color != nullptr && *no_color != '\0') || term == nullptr || std::string_view(term) == "dumb" || isatty(STDERR_FILENO) != 1;
+  return plain ? std::string(text) : fmt::format("\033[{}m{}\033[0m", colour, text);
+}
+
+Json error_object(const std::string& code, int exit, const std::string& message, const Error& error) {
+  const auto number = [](int n) { return n > 0 ? Json(n) : Json(nullptr); };
+  const auto text = [](const std::string& s) { return s.empty() ? Json(nullptr) : Json(s); };
+  return {{"code", code},          {"exit", exit},
+          {"message", message},    {"file", text(error.file)},
+          {"line", number(error.line)}, {"column", number(error.column)},
+          {"found", text(error.found)}, {"expected", text(error.expected)},
+          {"advice", text(error.advice)}};
+}
+
+struct Mapping {
+  const char* code;
+  Exit exit;
+};
+Mapping mapping(Errc code) {
+  switch (code) {
+    case Errc::kUsage: return {"usage", kUsage};
+    case Errc::kBadInput: return {"bad_input", kBadInput};
+    case Errc::kOutput: return {"output", kBadInput};
+    case Errc::kInterrupted: return {"interrupted", kInterrupted};
+    default: return {"internal", kFault};
+  }
+}
+
+}  // namespace
+
+std::string dump(const Json& object) { return object.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+void Session::result(std::string_view text) {
+  if (!options.json) fmt::print(results_, "{}", text);
+}
+
+void Session::note(std::string_view text) {
+  if (!options.quiet) fmt::print(stderr, "{}\n", text);
+}
+
+void Session::detail(std::string_view text) {
+  if (options.verbose > 0) fmt::print(stderr, "{}\n", text);
+}
+
+void Session::warn(const std::vector<std::string>& warnings) {
+  for (const auto& warning : warnings) {
+    if (std::find(warnings_.begin(), warnings_.end(), warning) != warnings_.end()) continue;
+    warnings_.push_back(warning);
+    if (warning_lines_ >= kMaxWarningLines || warning_bytes_ >= kMaxWarningBytes) continue;
+    ++warning_lines_;
+    warning_bytes_ += warning.size();
+    fmt::print(stderr, "{} {}\n", painted("1;33", "warning:"), warning);
+  }
+}
+
+void Session::complain(const std::string& message) { fmt::print(stderr, "{} {}\n", painted("1;31", "error:"), message); }
+
+int Session::print(Json object, Exit exit) {
+  if (warnings_.size() > warning_lines_) {
+    fmt::print(stderr, "{} {} more; --json lists them all\n", painted("1;33", "warning:"), warnings_.size() - warning_lines_);
+    warning_lines_ = warnings_.size();
+  }
+  if (options.json) fmt::print(stdout, "{}\n", dump(object));
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    complain("standard output could not be written");
+    return exit == kDone ? kBadInput : exit;
+  }
+  return exit;
+}
+
+int Session::finish(Json object) {
+  Json whole = {{"status", "ok"}};
+  whole.update(object);
+  if (!whole.contains("warnings")) whole["warnings"] = warnings_;
+  return print(std::move(whole), kDone);
+}
+
+int Session::fail(const Failure& failure, Json object) {
+  complain(failure.message + (failure.advice.empty() ? "" : "; " + failure.advice));
+  Error error;
+  error.advice = failure.advice;
+  Json whole = {{"status", failure.status}, {"error", error_object(failure.code, failure.exit, failure.message, error)}};
+  object.erase("status");
+  whole.update(object);
+  if (!whole.contains("warnings")) whole["warnings"] = warnings_;
+  return print(std::move(whole), failure.exit);
+}
+
+int Session::fail(const Error& error) {
+  const Mapping map = mapping(error.code);
+  if (map.exit == kInterrupted) return interrupted();
+  complain(error.message());
+  return print({{"status", "error"}, {"error", error_object(map.code, map.exit, error.message(), error)}, {"warnings", warnings_}}, map.exit);
+}
+
+int Session::interrupted() {
+  complain("interrupted, nothing was written");
+  return print(interrupted_object(), kInterrupted);
+}
+
+int Session::threads() const {
+  return options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+double Session::seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count(); }
+
+Json interrupted_object() {
+  return {{"status", "interrupted"}, {"error", error_object("interrupted", kInterrupted, "interrupted, nothing was written", {})}};
+}
+
+std::string quote_command(int argc, const char* const* argv) {
+  std::string line = "octant";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;~#!") == std::string::npos;
+    line += ' ';
+    if (plain) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += '\'';
+  }
+  return line;
+}
+
+std::string created_now() {
+  std::time_t now = std::time(nullptr);
+  // Reproducible builds of documents: https://reproducible-builds.org/specs/source-date-epoch
+  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
+    char* end = nullptr;
+    const long long seconds = std::strtoll(epoch, &end, 10);
+    if (end != epoch && *end == '\0' && seconds >= 0 && seconds < 253402300800LL) now = static_cast<std::time_t>(seconds);
+  }
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+}
+
+}  // namespace octant::app

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "models/result.h"
+
+namespace octant::app {
+
+using Json = nlohmann::ordered_json;
+
+/// Exit codes of the contract.
+enum Exit : int {
+  kDone = 0,
+  kFault = 1,
+  kUsage = 2,
+  kBadInput = 3,
+  kNotConverged = 4,
+  kUndetermined = 5,
+  kGateFailed = 6,
+  kInterrupted = 130
+};
+
+/// Options that every command has.
+struct CommonOptions {
+  bool json = false;
+  bool quiet = false;
+  int verbose = 0;
+  std::string progress = "auto";
+  int threads = 0;  ///< 0: as many as there are cores
+  std::uint64_t seed = 1;
+};
+
+/// What went wrong, for people and for machines.
+struct Failure {
+  std::string status;  ///< of the JSON object: "error", "undetermined", ...
+  std::string code;    ///< of its error: "bad_input", ...
+  Exit exit = kFault;
+  std::string message;
+  std::string advice;
+};
+
+/// One invocation of the program: its options, and the only way to standard output and standard error.
+/// With --json exactly one object goes to standard output, at the end; otherwise text for people goes there. Talk goes to
+/// standard error.
+class Session {
+ public:
+  CommonOptions options;
+  std::string command_line;  ///< as typed, quoted where needed
+
+  /// Text of a result: standard output, or standard error where standard output carries a file (`-o -`); none with --json.
+  void result(std::string_view text);
+  void result_to_stderr() { results_ = stderr; }
+  /// Talk, unless --quiet.
+  void note(std::string_view text);
+  /// Talk with --verbose.
+  void detail(std::string_view text);
+  /// Warnings are kept for the JSON object and go to standard error, each once, the first fifty of them.
+  void warn(const std::vector<std::string>& warnings);
+  void warn(const std::string& warning) { warn(std::vector<std::string>{warning}); }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+
+  /// Ends with success: prints the object, which gets `status` and `warnings` where it has none.
+  [[nodiscard]] int finish(Json object);
+  /// Ends with a failure; keys of `object` are kept beside `status` and `error`.
+  [[nodiscard]] int fail(const Failure& failure, Json object = Json::object());
+  [[nodiscard]] int fail(const Error& error);
+  [[nodiscard]] int interrupted();
+
+  /// Threads to use.
+  [[nodiscard]] int threads() const;
+  /// Since the start of the program.
+  [[nodiscard]] double seconds() const;
+
+ private:
+  void complain(const std::string& message);
+  int print(Json object, Exit exit);
+
+  std::FILE* results_ = stdout;
+  std::vector<std::string> warnings_;
+  std::size_t warning_lines_ = 0, warning_bytes_ = 0;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
+/// The object that stands for an interruption; also the last words of a program that a signal ends at once.
+[[nodiscard]] Json interrupted_object();
+/// One line, with bytes that are not UTF-8 replaced and numbers that are not finite as null.
+[[nodiscard]] std::string dump(const Json& object);
+/// Joins words as a shell would need them typed.
+[[nodiscard]] std::string quote_command(int argc, const char* const* argv);
+/// Now, or SOURCE_DATE_EPOCH, as ISO 8601 in UTC.
+[[nodiscard]] std::string created_now();
+/// A point as a JSON list.
+template <class Vector>
+[[nodiscard]] Json to_json(const Vector& v) {
+  return Json::array({v[0], v[1], v[2]});
+}
+
+}  // namespace octant::app

@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "apps/octant/interrupt.h"
+#include "apps/octant/progress.h"
+#include "apps/octant/steps.h"
+#include "apps/octant/table.h"
+#include "io/atomic_file.h"
+#include "io/site_yaml.h"
+
+namespace octant::app {
+namespace {
+
+std::string in_words(Rejection reason) {
+  switch (reason) {
+    case Rejection::kUsed: return "used";
+    case Rejection::kLate: return "late (echo)";
+    case Rejection::kEarly: return "early (spurious)";
+    case Rejection::kBeaconUnusable: return "beacon undetermined";
+    case Rejection::kNoPose: return "no vehicle pose at its time";
+  }
+  return "other";
+}
+
+calib::Provenance provenance(const std::string& site_path, const std::string& site_sha256, const std::vector<MeasurementLog>& runs,
+                             const Session& session) {
+  calib::Provenance from;
+  from.created = created_now();
+  from.version = OCTANT_VERSION;
+  from.command = session.command_line;
+  from.inputs.push_back({site_path, site_sha256});
+  for (const auto& run : runs)
+    for (const auto& [path, sha256] : run.sha256) from.inputs.push_back({path, sha256});
+  return from;
+}
+
+calib::Solution solve_with_progress(const calib::Problem& problem, bool strict, Session& session) {
+  ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
+  calib::SolveOptions options;
+  options.threads = session.threads();
+  options.strict = strict;
+  options.on_progress = [&](const calib::Progress& p) {
+    reporter.show(p.stage, p.iteration, p.cost, p.fraction);
+    return !interrupted();
+  };
+  return calib::solve(problem, options);
+}
+
+std::string beacon_table(const Deployment& deployment) {
+  double largest_sigma_m = 0.0, largest_delay_s = 0.0;
+  for (const auto& b : deployment.beacons) {
+    if (b.status == BeaconStatus::kUndetermined) continue;
+    largest_sigma_m = std::max(largest_sigma_m, std::sqrt(std::max(0.0, b.covariance_m2.diagonal().maxCoeff())));
+    largest_delay_s = std::max({largest_delay_s, std::abs(b.delay_s), b.delay_sigma_s});
+  }
+  const Unit length = length_unit(largest_sigma_m), time = time_unit(largest_delay_s);
+  Table table{"lrrrrrrrrl", {{"beacon", "x [m]", "y [m]", "z [m]", fmt::format("sx [{}]", length.name), "sy", "sz",
+                             fmt::format("delay [{}]", time.name), "s", ""}}};
+  for (const auto& b : deployment.beacons) {
+    if (b.status == BeaconStatus::kUndetermined) {
+      table.rows.push_back({b.name, "-", "-", "-", "-", "-", "-", "-", "-", "undetermined"});
+      continue;
+    }
+    const auto sigma = [&](int i) { return fmt::format("{:.2f}", length.per_si * std::sqrt(std::max(0.0, b.covariance_m2(i, i)))); };
+    table.rows.push_back({b.name, fmt::format("{:.4f}", b.position_m.x()), fmt::format("{:.4f}", b.position_m.y()),
+                          fmt::format("{:.4f}", b.position_m.z()), sigma(0), sigma(1), sigma(2), fmt::format("{:.3f}", time.per_si * b.delay_s),
+                          fmt::format("{:.3f}", time.per_si * b.delay_sigma_s),
+                          b.status == BeaconStatus::kControlPoint ? "control point" : ""});
+  }
+  return table.text();
+}
+
+}  // namespace
+
+Result<Calibration> calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths, bool strict, Session& session) {
+  Calibration result;
+  calib::Provenance from;
+  {
+    const ExitAtOnce nothing_written_yet;
+    auto site = io::read_site(site_path);
+    if (!site) return fail(site.error());
+    auto bytes = io::read_file(site_path);
+    if (!bytes) return fail(bytes.error());
+    session.warn(site->warnings);
+    auto runs = read_runs(run_paths, names_of(*site), site->timing, {}, session);
+    if (!runs) return fail(runs.error());
+    from = provenance(site_path, io::sha256_hex(*bytes), *runs, session);
+    auto problem = calib::make_problem(std::move(*site), std::move(*runs));
+    if (!problem) return fail(problem.error());
+    result.problem = std::move(*problem);
+  }
+  session.warn(result.problem.warnings);
+  result.solution = solve_with_progress(result.problem, strict, session);
+  session.warn(result.solution.warnings);
+  if (result.solution.status == calib::SolveStatus::kConverged) {
+    result.deployment = calib::make_deployment(result.problem, result.solution, from);
+  }
+  return result;
+}
+
+std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration) {
+  std::map<std::string, std::size_t> counts;
+  for (const auto& arrival : calibration.solution.left_out) ++counts[in_words(arrival.reason)];
+  for (const auto& run : calibration.problem.runs)
+    for (const auto& row : run.rejected) ++counts[row.reason];
+  return counts;
+}
+
+Json left_out_json(const Calibration& calibration) {
+  Json by_reason = Json::object(), by_beacon = Json::object();
+  std::size_t total = 0;
+  for (const auto& [reason, count] : left_out_by_reason(calibration)) {
+    by_reason[reason] = count;
+    total += count;
+  }
+  std::map<std::size_t, std::size_t> beacons;
+  for (const auto& left : calibration.solution.left_out) {
+    if (left.run >= calibration.problem.runs.size() || left.arrival >= calibration.problem.runs[left.run].arrivals.size()) continue;
+    const BeaconId beacon = calibration.problem.runs[left.run].arrivals[left.arrival].beacon;
+    if (beacon.valid() && beacon.index() < calibration.problem.site.beacons.size()) ++beacons[beacon.index()];
+  }
+  for (const auto& [index, count] : beacons) by_beacon[calibration.problem.site.beacons[index].name] = count;
+  return {{"total", total}, {"by_reason", by_reason}, {"by_beacon", by_beacon}};
+}
+
+survey::ReportInput report_input(const Calibration& calibration, const std::vector<std::string>& warnings) {
+  survey::ReportInput input;
+  if (calibration.deployment) input.plan.deployment = *calibration.deployment;
+  for (const auto& trajectory : calibration.solution.trajectories) {
+    survey::Track track;
+    track.moving = trajectory.moving;
+    for (const auto& node : trajectory.nodes)
+      if (node.placed) track.points_m.emplace_back(node.T_map_vehicle.translation_m.head<2>());
+    input.plan.tracks.push_back(std::move(track));
+  }
+  for (const auto& weak : calibration.solution.weak) input.weak.push_back({weak.description, weak.remedy, weak.consequence_m});
+  for (const auto& [reason, count] : left_out_by_reason(calibration)) input.left_out.push_back({reason, count});
+  input.warnings = warnings;
+  return input;
+}
+
+std::string calibration_text(const Calibration& calibration) {
+  const Deployment& d = *calibration.deployment;
+  const calib::Solution& s = calibration.solution;
+  std::string text = fmt::format("{}: calibrated, {} iterations, {:.2f} s\n\n", d.site, s.iterations, s.seconds) + beacon_table(d) + "\n";
+  const auto line = [&](const char* name, const std::string& what) { text += fmt::format("{:<17}{}\n", name, what); };
+  line("speed", fmt::format("{:.8g} m/s, sigma {:.2g} m/s, at {:g} degC ({})", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps,
+                            d.medium.temperature_degC, std::string(to_string(d.medium.model))));
+  if (d.attenuation) {
+    line("time-walk", fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, rise time constant {}", d.attenuation->amplitude_1m_v,
+                                  d.attenuation->absorption_np_per_m, time_text(d.attenuation->rise_time_s)));
+  }
+  std::string reasons;
+  for (const auto& [reason, count] : left_out_by_reason(calibration)) reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, reason);
+  line("arrivals", fmt::format("{} used, {} left out{}", d.statistics.arrivals, d.statistics.rejected, reasons.empty() ? "" : ": " + reasons));
+  line("unknowns", fmt::format("{}, redundancy {:.0f}", d.statistics.unknowns, d.statistics.redundancy));
+  line("residuals", fmt::format("{} RMS; variance factor {:.3f}, p = {:.2g}", time_text(d.statistics.rms_s), d.statistics.variance_factor,
+                                d.statistics.chi2_p));
+  line("datum", d.datum.description);
+  for (const auto& weak : s.weak) {
+    line("weak", fmt::format("{}: up to {} at the robot{}", weak.description, length_text(weak.consequence_m),
+                             weak.remedy.empty() ? "" : "; settled by " + weak.remedy));
+  }
+  return text;
+}
+
+}  // namespace octant::app

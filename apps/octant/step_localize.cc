@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "apps/octant/interrupt.h"
+#include "apps/octant/steps.h"
+#include "apps/octant/table.h"
+#include "models/localizers/epoch_fix.h"
+#include "models/localizers/tracker.h"
+
+namespace octant::app {
+namespace {
+
+/// Where the user does not say: a drive with odometry is tracked, all else is fixed epoch by epoch.
+Method method_for(const MeasurementLog& run, Method wanted) {
+  if (wanted != Method::kAuto) return wanted;
+  return !run.has_epochs && !run.odometry.empty() ? Method::kTracker : Method::kLeastSquares;
+}
+
+const char* name_of(Method method) { return method == Method::kTracker ? "tracker" : "least_squares"; }
+
+}  // namespace
+
+Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
+                                              const io::ReadRunOptions& options, Session& session) {
+  const ExitAtOnce nothing_written_yet;
+  std::vector<MeasurementLog> runs;
+  for (const auto& folder : folders) {
+    auto run = io::read_run(folder, names, timing, options);
+    if (!run) return fail(run.error());
+    session.warn(run->warnings);
+    session.detail(fmt::format("{}: {} arrivals, {} rows that are none, {} odometry rows, {} measured poses", folder, run->arrivals.size(),
+                               run->rejected.size(), run->odometry.size(), run->poses.size()));
+    runs.push_back(std::move(*run));
+  }
+  return runs;
+}
+
+std::vector<Fix> Localization::all() const {
+  std::vector<Fix> together;
+  for (const auto& run : fixes) together.insert(together.end(), run.begin(), run.end());
+  return together;
+}
+
+Localization localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method wanted) {
+  Localization result;
+  const LeastSquaresLocalizer localizer(deployment);
+  for (const auto& run : runs) {
+    const Method method = method_for(run, wanted);
+    {
+      const ExitAtOnce nothing_written_yet;
+      result.fixes.push_back(method == Method::kTracker ? track(run, deployment) : localizer.locate(run));
+    }
+    const std::string name = name_of(method);
+    if (result.method.find(name) == std::string::npos) result.method += (result.method.empty() ? "" : "+") + name;
+    result.rejected += run.rejected.size();
+    for (const Fix& fix : result.fixes.back()) {
+      ++(fix.ok() ? result.ok : result.no_fix);
+      if (!fix.ok()) ++result.no_fix_reasons[to_string(fix.status)];
+      result.arrivals += static_cast<std::size_t>(std::max(0, fix.arrivals_used));
+      result.rejected += static_cast<std::size_t>(std::max(0, fix.arrivals_rejected));
+    }
+  }
+  return result;
+}
+
+Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs, const Localization& localization) {
+  std::vector<survey::ReferencedRun> referenced;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (runs[i].truth.empty()) {
+      return fail({.code = Errc::kBadInput, .file = runs[i].path + "/truth.tum", .found = "there is no reference trajectory",
+                   .expected = "a file truth.tum with at least one pose", .advice = "verify needs a run whose true poses are known; localize does not"});
+    }
+    survey::ReferencedRun run{{}, runs[i].truth, runs[i].truth_accuracy};
+    // truth.tum follows one vehicle; the others of the run have no reference.
+    std::copy_if(localization.fixes[i].begin(), localization.fixes[i].end(), std::back_inserter(run.fixes),
+                 [&](const Fix& fix) { return !runs[i].vehicle.valid() || !fix.vehicle.valid() || fix.vehicle == runs[i].vehicle; });
+    referenced.push_back(std::move(run));
+  }
+  return survey::evaluate(referenced, deployment.motion, deployment.tolerance);
+}
+
+Json evaluation_json(const survey::Evaluation& e) {
+  const auto figure = [&](double value) { return e.matched > 0 ? Json(value) : Json(nullptr); };
+  Json gates = Json::array();
+  for (const auto& gate : e.gates) gates.push_back({{"name", gate.name}, {"limit", gate.limit}, {"value", gate.value}, {"pass", gate.pass}});
+  return {{"fixes", e.fixes},
+          {"no_fix", e.no_fix},
+          {"matched", e.matched},
+          {"position_rmse_m", figure(e.position_rmse_m)},
+          {"position_p95_m", figure(e.position_p95_m)},
+          {"heading_rmse_rad", e.heading_rmse_rad ? Json(*e.heading_rmse_rad) : Json(nullptr)},
+          {"max_error_m", figure(e.max_error_m)},
+          {"nees_mean", e.nees_mean ? Json(*e.nees_mean) : Json(nullptr)},
+          {"gates", gates}};
+}
+
+std::string evaluation_text(const survey::Evaluation& e) {
+  std::string text;
+  const auto line = [&](const char* name, const std::string& what) { text += fmt::format("{:<17}{}\n", name, what); };
+  line("fixes", fmt::format("{}, {} of them with a reference; {} times no fix", e.fixes, e.matched, e.no_fix));
+  if (e.matched > 0) {
+    line("position error", fmt::format("RMSE {}, 95 % {}, largest {}", length_text(e.position_rmse_m), length_text(e.position_p95_m),
+                                       length_text(e.max_error_m)));
+  }
+  if (e.heading_rmse_rad) line("heading error", fmt::format("RMSE {:.4f} rad", *e.heading_rmse_rad));
+  if (e.nees_mean) line("NEES", fmt::format("{:.2f} of its degrees of freedom (1: the stated sigmas are honest)", *e.nees_mean));
+  for (const auto& gate : e.gates) {
+    if (gate.name == "matched") {
+      line("gate matched", "NOT KEPT: no fix has a reference at its time");
+    } else {
+      line(("gate " + gate.name).c_str(), fmt::format("{}: {}, limit {}", gate.pass ? "kept" : "NOT KEPT", length_text(gate.value), length_text(gate.limit)));
+    }
+  }
+  if (e.gates.empty()) line("gates", "none: the site states no tolerance for fixes");
+  return text;
+}
+
+}  // namespace octant::app

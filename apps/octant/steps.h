@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/octant/session.h"
+#include "calib/calibrate.h"
+#include "io/run_folder.h"
+#include "models/deployment.h"
+#include "models/fix.h"
+#include "models/result.h"
+#include "models/run.h"
+#include "models/synthetic.h"
+#include "survey/report.h"
+
+// The steps of the road, shared by the commands that walk a part of it and by the demo that walks all of it.
+namespace octant::app {
+
+/// Fails early where an output could not be written anyway: its folder is missing, or it is a folder.
+[[nodiscard]] Result<void> check_output(const std::string& path);
+
+/// Reads recordings in order; warnings go to the session.
+[[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
+                                                            const io::ReadRunOptions& options, Session& session);
+
+/// Writes a simulated world as a folder that is complete or not there: site.yaml, run/, heldout/, deployment.true.json and
+/// the scenario's text. An older world of the same place is replaced; a folder that holds anything else is refused.
+/// @param may_replace  names of further files that may lie there and are dropped
+[[nodiscard]] Result<void> write_world(const std::string& folder, const World& world, std::string_view scenario_text,
+                                       const std::vector<std::string>& may_replace = {});
+
+/// A calibration with all that is said of it.
+struct Calibration {
+  calib::Problem problem;
+  calib::Solution solution;
+  std::optional<Deployment> deployment;  ///< where the solver converged
+};
+/// Errors of reading; numerical trouble is in the solution.
+[[nodiscard]] Result<Calibration> calibrate_files(const std::string& site, const std::vector<std::string>& runs, bool strict, Session& session);
+[[nodiscard]] survey::ReportInput report_input(const Calibration& calibration, const std::vector<std::string>& warnings);
+/// Arrivals and rows left out, by reason and by beacon.
+[[nodiscard]] Json left_out_json(const Calibration& calibration);
+[[nodiscard]] std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration);
+/// Tables for people.
+[[nodiscard]] std::string calibration_text(const Calibration& calibration);
+
+enum class Method { kAuto, kLeastSquares, kTracker };
+
+/// Fixes of some recordings, one list for each.
+struct Localization {
+  std::vector<std::vector<Fix>> fixes;
+  std::string method;   ///< as used; joined by '+' where recordings differ
+  std::size_t ok = 0, no_fix = 0, arrivals = 0, rejected = 0;
+  std::map<std::string, std::size_t> no_fix_reasons;
+  [[nodiscard]] std::vector<Fix> all() const;
+};
+/// Epochs are fixed one by one; drives with odometry are tracked.
+[[nodiscard]] Localization localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method method);
+
+/// Fixes of the vehicle that truth.tum follows against it. Errors: a run without truth.
+[[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
+                                                      const Localization& localization);
+[[nodiscard]] Json evaluation_json(const survey::Evaluation& evaluation);
+[[nodiscard]] std::string evaluation_text(const survey::Evaluation& evaluation);
+
+}  // namespace octant::app

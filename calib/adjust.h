@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "calib/parameters.h"
+#include "calib/tile.h"
+
+namespace octant::calib {
+
+struct AdjustOptions {
+  RobustLoss loss;
+  int max_iterations = 100;
+  int threads = 1;
+  double function_tolerance = 1e-10;
+  std::function<bool(int iteration, double cost)> on_iteration;  ///< false stops
+};
+
+struct AdjustResult {
+  bool converged = false;
+  bool interrupted = false;
+  int iterations = 0;
+  double cost = 0.0;      ///< 1/2 sum of rho, priors and control distances included
+  std::string message;    ///< Ceres's own words on why it stopped
+};
+
+/// One adjustment of all shared parameters by Ceres: a tile is one cost function over the parameter blocks it touches.
+/// With H = R'R the tile's residual is z = R^-T g and one more row sqrt(2 cost - z'z); its Jacobian is R and a row of zeros, so
+/// that Ceres sees the cost, gradient and Gauss-Newton matrix of the full bundle adjustment.
+/// @param x  start and result, order of the layout
+/// @param trajectories  states and rejection marks; the states are left as settled at x
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
+                    const AdjustOptions& options);
+
+/// Gauss-Newton matrix of arrivals and bearings alone (data) and of priors and control distances (prior) at x, states settled.
+struct Information {
+  Eigen::MatrixXd data, prior;
+  double data_cost = 0.0, prior_cost = 0.0;
+};
+[[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
+                                         const Eigen::VectorXd& x, const RobustLoss& loss = {});
+
+}  // namespace octant::calib

@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "calib/calibrate.h"
+
+namespace octant::calib {
+namespace {
+
+/// Look-up of variances in the joint covariance by parameter name.
+class Variances {
+ public:
+  explicit Variances(const JointCovariance& joint) : joint_(joint) {
+    for (std::size_t i = 0; i < joint.parameters.size(); ++i) index_[joint.parameters[i]] = static_cast<Eigen::Index>(i);
+  }
+  [[nodiscard]] double covariance(const std::string& a, const std::string& b) const {
+    const auto i = index_.find(a), j = index_.find(b);
+    return i == index_.end() || j == index_.end() ? 0.0 : joint_.matrix(i->second, j->second);
+  }
+  [[nodiscard]] double sigma(const std::string& a) const { return std::sqrt(std::max(0.0, covariance(a, a))); }
+
+ private:
+  const JointCovariance& joint_;
+  std::map<std::string, Eigen::Index> index_;
+};
+
+constexpr const char* kAxis[3] = {"/x_m", "/y_m", "/z_m"};
+
+void add_beacons(const Problem& problem, const Solution& solution, const Variances& variances, Deployment& d) {
+  // A site's one delay stands on every beacon; pair biases are part of a pair and stay out.
+  for (std::size_t b = 0; b < problem.site.beacons.size(); ++b) {
+    DeploymentBeacon beacon;
+    beacon.name = problem.site.beacons[b].name;
+    const std::string prefix = "beacon/" + beacon.name;
+    beacon.position_m = solution.state.beacon_p_map_m[b];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) beacon.covariance_m2(i, j) = variances.covariance(prefix + kAxis[i], prefix + kAxis[j]);
+    beacon.delay_s = solution.state.beacon_delay_s[b] + solution.state.site_delay_s;
+    beacon.delay_sigma_s = std::hypot(variances.sigma(prefix + "/delay_s"), variances.sigma("site/delay_s"));
+    beacon.status = solution.beacon_status[b];
+    d.beacons.push_back(std::move(beacon));
+  }
+}
+
+void add_receivers(const Problem& problem, const Solution& solution, const Variances& variances, Deployment& d) {
+  d.vehicles = problem.site.vehicles;
+  for (std::size_t r = 0; r < problem.site.receivers.size(); ++r) {
+    const SiteReceiver& given = problem.site.receivers[r];
+    DeploymentReceiver receiver;
+    receiver.name = given.name;
+    receiver.vehicle = given.vehicle;
+    receiver.axis = given.axis;
+    receiver.position_m = solution.state.receiver_p_vehicle_m[r];
+    const std::string prefix = "receiver/" + problem.site.vehicles[given.vehicle.index()].name + "/" + given.name;
+    for (int i = 0; i < 3; ++i) receiver.sigma_m[i] = variances.sigma(prefix + kAxis[i]);
+    receiver.delay_s = solution.state.receiver_delay_s[r];
+    receiver.delay_sigma_s = variances.sigma(prefix + "/delay_s");
+    d.receivers.push_back(std::move(receiver));
+  }
+}
+
+/// Convex hull by Andrew's monotone chain, counter-clockwise.
+std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
+  const auto before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); };
+  std::sort(points.begin(), points.end(), before);
+  if (points.size() < 3) return points;
+  const auto turn = [](const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
+  };
+  std::vector<Eigen::Vector2d> hull;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t base = hull.size();
+    for (const Eigen::Vector2d& p : points) {
+      while (hull.size() >= base + 2 && turn(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+      hull.push_back(p);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+void add_validity(const Problem& problem, const Solution& solution, Deployment& d) {
+  std::vector<Eigen::Vector2d> places;
+  double coldest = INFINITY, hottest = -INFINITY;
+  for (const Trajectory& t : solution.trajectories) {
+    for (const Node& node : t.nodes)
+      if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
+    const MeasurementLog& run = problem.runs[t.run];
+    for (const ArrivalObservation& a : t.arrivals) {
+      const double own = run.arrivals[a.arrival].temperature_degC;
+      const double degC = std::isfinite(own) ? own : run.temperature_degC.value_or(problem.site.medium.temperature_degC);
+      coldest = std::min(coldest, degC);
+      hottest = std::max(hottest, degC);
+    }
+  }
+  if (coldest <= hottest && problem.site.medium.model != MediumModel::kConstant) d.validity_temperature_degC = {coldest, hottest};
+  d.validity_area_m = convex_hull(std::move(places));
+}
+
+}  // namespace
+
+Deployment make_deployment(const Problem& problem, const Solution& solution, const Provenance& provenance) {
+  const Variances variances(solution.covariance);
+  Deployment d;
+  d.site = problem.site.name;
+  d.created = provenance.created;
+  d.motion = problem.site.motion;
+  d.datum = solution.datum;
+  d.medium = problem.site.medium;
+  const auto& offsets = solution.state.speed_offset_mps;
+  // With one offset a run, the last run is the nearest to the present.
+  d.speed_offset_mps = offsets.back();
+  d.speed_sigma_mps = variances.sigma(offsets.size() > 1 ? "medium/run" + std::to_string(offsets.size()) + "/speed_mps" : "medium/speed_mps");
+  d.timing = problem.site.timing;
+  d.noise = problem.site.noise;
+  d.noise.tof_sigma_s = solution.tof_sigma_s;
+  d.attenuation = solution.state.attenuation;
+  d.tolerance = problem.site.tolerance;
+  d.covariance = solution.covariance;
+  d.statistics = solution.statistics;
+  d.warnings = solution.warnings;
+  d.inputs = provenance.inputs;
+  d.program_version = provenance.version;
+  d.program_command = provenance.command;
+  add_beacons(problem, solution, variances, d);
+  add_receivers(problem, solution, variances, d);
+  add_validity(problem, solution, d);
+  return d;
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,222 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/observability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calib/adjust.h"
+
+namespace octant::calib {
+namespace {
+
+/// Below this eigenvalue of the matrix scaled to a unit diagonal a direction counts as unseen.
+constexpr double kUnseen = 1e-12;
+
+/// Standard deviation of the worst direction of a beacon, in metres.
+double worst_sigma_m(const Eigen::Matrix3d& covariance_m2) {
+  return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance_m2, Eigen::EigenvaluesOnly).eigenvalues()[2]));
+}
+
+Eigen::Matrix3d beacon_block(const ParameterLayout& layout, const Eigen::MatrixXd& C, std::size_t b) {
+  Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      if (layout.beacon[b][i] >= 0 && layout.beacon[b][j] >= 0)
+        block(static_cast<int>(i), static_cast<int>(j)) = C(layout.beacon[b][i], layout.beacon[b][j]);
+  return block;
+}
+
+double sigma_of(const Eigen::MatrixXd& C, int column) { return column < 0 ? 0.0 : std::sqrt(std::max(0.0, C(column, column))); }
+
+class Judge {
+ public:
+  Judge(const Problem& problem, const ParameterLayout& layout, const Eigen::MatrixXd& C, Solution& solution)
+      : problem_(problem), site_(problem.site), layout_(layout), C_(C), solution_(solution), limit_m_(tolerance_m(problem)) {}
+
+  void beacons(const std::vector<bool>& usable, const std::vector<bool>& mirrored) {
+    std::vector<std::size_t> heard(site_.beacons.size(), 0);
+    for (const Trajectory& t : solution_.trajectories.empty() ? problem_.trajectories : solution_.trajectories) {
+      for (const ArrivalObservation& a : t.arrivals) ++heard[a.beacon.index()];
+      for (const BearingObservation& b : t.bearings)
+        if (b.reflector.valid()) ++heard[b.reflector.index()];
+    }
+    for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
+      BeaconStatus status = BeaconStatus::kCalibrated;
+      const std::string& name = site_.beacons[b].name;
+      const double sigma_m = std::max(worst_sigma_m(beacon_block(layout_, C_, b)), sigma_of(C_, layout_.beacon_delay[b]));
+      if (site_.beacons[b].is_control_point()) {
+        status = BeaconStatus::kControlPoint;
+      } else {
+        ++asked_;
+        if (heard[b] == 0) {
+          status = undetermined(name, "it was not heard", "drive where it is heard, or check that it sends");
+        } else if (!usable[b]) {
+          status = undetermined(name, "too few arrivals agree on a place for it", "hear it from more places, or give its approximate position");
+        } else if (sigma_m > limit_m_) {
+          status = undetermined(name, fmt::format("its position is known to {} only, the tolerance is {}", length(sigma_m), length(limit_m_)),
+                                "hear it from places spread around it in all directions, or tape its distance to a control point");
+        } else if (mirrored[b]) {
+          status = undetermined(name, "a mirror image explains the arrivals as well", "hear it from beside the line driven so far, or give its approximate position");
+        }
+      }
+      solution_.beacon_status.push_back(status);
+    }
+  }
+
+  void common_parameters() {
+    const double range_m = typical_range_m(problem_);
+    for (const int column : layout_.speed) {
+      const double sigma_m = sigma_of(C_, column) * range_m;
+      if (sigma_m > limit_m_)
+        block({"speed of sound and overall scale", {name_of(column)}, sigma_m, sigma_m,
+               "tape the distance between two beacons, or state the temperature and a smaller medium.sigma_mps", true});
+    }
+    if (const double sigma_m = sigma_of(C_, layout_.site_delay); sigma_m > limit_m_)
+      block({"the common delay", {name_of(layout_.site_delay)}, sigma_m, sigma_m,
+             "hear the beacons from near and from far, or measure the delay at a known distance", true});
+    for (std::size_t r = 0; r < layout_.receiver.size(); ++r) receiver(r);
+  }
+
+  void verdict(bool strict) {
+    const auto count = static_cast<std::size_t>(
+        std::count(solution_.beacon_status.begin(), solution_.beacon_status.end(), BeaconStatus::kUndetermined));
+    const bool too_many = count > 0 && 2 * count >= asked_;
+    if (!blocked_ && !too_many && !(strict && count > 0)) return;
+    solution_.status = SolveStatus::kUndetermined;
+    std::vector<std::string> what, remedies;
+    for (const WeakDirection& w : solution_.weak) {
+      if (!w.blocking && !too_many && !strict) continue;
+      what.push_back(w.description);
+      if (std::find(remedies.begin(), remedies.end(), w.remedy) == remedies.end()) remedies.push_back(w.remedy);
+    }
+    solution_.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}", fmt::join(what, "; "), fmt::join(remedies, "; "));
+  }
+
+ private:
+  static std::string length(double m) { return m < 1.0 ? fmt::format("{:.0f} mm", 1000 * m) : m < 1e4 ? fmt::format("{:.2f} m", m) : "nothing"; }
+  [[nodiscard]] const std::string& name_of(int column) const { return layout_.parameters[static_cast<std::size_t>(column)].name; }
+
+  BeaconStatus undetermined(const std::string& beacon, const std::string& why, const std::string& remedy) {
+    solution_.undetermined.push_back("beacon/" + beacon);
+    solution_.warnings.push_back(fmt::format("beacon {} is undetermined: {}; {}", beacon, why, remedy));
+    solution_.weak.push_back({fmt::format("beacon {} ({})", beacon, why), {"beacon/" + beacon}, 0.0, 0.0, remedy, false});
+    return BeaconStatus::kUndetermined;
+  }
+
+  void block(WeakDirection direction) {
+    blocked_ = true;
+    for (const std::string& name : direction.parameters) solution_.undetermined.push_back(name);
+    solution_.weak.push_back(std::move(direction));
+  }
+
+  /// An array that its prior alone would leave useless and that the data did not improve either.
+  void receiver(std::size_t r) {
+    double sigma_m = 0.0;
+    for (const int column : layout_.receiver[r]) sigma_m = std::max(sigma_m, sigma_of(C_, column));
+    sigma_m = std::max(sigma_m, sigma_of(C_, layout_.receiver_delay[r]));
+    const double limit_m = std::max(limit_m_, site_.tolerance.fix_m.value_or(limit_m_));
+    if (sigma_m <= limit_m) return;
+    const SiteReceiver& receiver = site_.receivers[r];
+    block({fmt::format("receiver {} of {}", receiver.name, site_.vehicles[receiver.vehicle.index()].name),
+           {"receiver/" + site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name}, sigma_m, sigma_m,
+           "measure its place on the vehicle, or turn the vehicle on the spot among the beacons", true});
+  }
+
+  const Problem& problem_;
+  const Site& site_;
+  const ParameterLayout& layout_;
+  const Eigen::MatrixXd& C_;
+  Solution& solution_;
+  double limit_m_;
+  std::size_t asked_ = 0;
+  bool blocked_ = false;
+};
+
+}  // namespace
+
+double typical_range_m(const Problem& problem) {
+  std::vector<double> ranges;
+  const SharedState prior = prior_state(problem.site);
+  for (const Trajectory& t : problem.trajectories)
+    for (const ArrivalObservation& a : t.arrivals)
+      ranges.push_back(std::max(0.0, a.tof_s - prior.delay_s(a.beacon, a.receiver) - (a.two_way ? t.turnaround_s : 0.0)) * a.model_speed_mps /
+                       (a.two_way ? 2.0 : 1.0));
+  if (ranges.empty()) return 1.0;
+  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), middle, ranges.end());
+  return std::max(*middle, 1e-3);
+}
+
+double tolerance_m(const Problem& problem) { return problem.site.tolerance.beacon_m.value_or(0.05 * typical_range_m(problem)); }
+
+Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const Eigen::MatrixXd& information) {
+  const bool planar = problem.site.motion == Motion::kPlanar;
+  const int motions = planar ? 3 : 6;
+  Eigen::MatrixXd F = Eigen::MatrixXd::Zero(layout.size(), motions);
+  for (std::size_t b = 0; b < layout.beacon.size(); ++b)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int column = layout.beacon[b][i];
+      if (column < 0) continue;
+      const Eigen::Vector3d& p = state.beacon_p_map_m[b];
+      const auto axis = static_cast<int>(i);
+      if (planar) {
+        if (axis < 2) F(column, axis) = 1.0;
+        F(column, 2) = Eigen::Vector3d::UnitZ().cross(p)[axis];
+      } else {
+        F(column, axis) = 1.0;
+        for (int k = 0; k < 3; ++k) F(column, 3 + k) = Eigen::Vector3d::Unit(k).cross(p)[axis];
+      }
+    }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(F);
+  if (layout.size() == 0 || qr.rank() == 0) return Eigen::MatrixXd(layout.size(), 0);
+  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(layout.size(), qr.rank());
+  // Motions that the information does not see: against what it says of single coordinates.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Q.transpose() * information * Q);
+  double reference = 0.0;
+  for (const auto& columns : layout.beacon)
+    for (const int c : columns)
+      if (c >= 0) reference = std::max(reference, information(c, c));
+  Eigen::Index unseen = 0;
+  while (unseen < eigen.eigenvalues().size() && eigen.eigenvalues()[unseen] < 1e-9 * reference) ++unseen;
+  return Q * eigen.eigenvectors().leftCols(unseen);
+}
+
+Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum) {
+  if (information.rows() == 0) return information;
+  Eigen::MatrixXd N = information;
+  const double weight = datum.cols() > 0 ? information.diagonal().mean() : 0.0;
+  if (datum.cols() > 0) N += weight * datum * datum.transpose();
+  const Eigen::VectorXd inverse_scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse_scale.asDiagonal() * N * inverse_scale.asDiagonal());
+  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kUnseen);
+  Eigen::MatrixXd C = inverse_scale.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
+                      eigen.eigenvectors().transpose() * inverse_scale.asDiagonal();
+  if (datum.cols() > 0) C -= datum * datum.transpose() / weight;
+  return 0.5 * (C + C.transpose());
+}
+
+void judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
+           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution) {
+  const Information information = information_at(problem, layout, trajectories, x);
+  const Eigen::MatrixXd N = information.data + information.prior;
+  const Eigen::MatrixXd C = covariance_of(N, free_datum(problem, layout, solution.state, N));
+  Eigen::VectorXd si(layout.size());
+  for (int i = 0; i < layout.size(); ++i) {
+    si[i] = layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
+    solution.covariance.parameters.push_back(layout.parameters[static_cast<std::size_t>(i)].name);
+  }
+  solution.covariance.matrix = si.asDiagonal() * C * si.asDiagonal();
+  Judge judge(problem, layout, C, solution);
+  judge.beacons(beacon_usable, beacon_mirrored);
+  judge.common_parameters();
+  judge.verdict(strict);
+}
+
+}  // namespace octant::calib

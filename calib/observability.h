@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calib/calibrate.h"
+#include "calib/parameters.h"
+
+namespace octant::calib {
+
+/// Motions of the whole map that nothing in a problem can see (planar: x, y, heading; spatial: six), as columns over the free
+/// parameters; orthonormal, none where the datum is fixed.
+[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+                                         const Eigen::MatrixXd& information);
+
+/// Inverse of a positive semidefinite information matrix; directions it says nothing of get a huge but finite variance, those of
+/// `datum` (inner constraints: F'x = 0) none.
+[[nodiscard]] Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum);
+
+/// Covariance, status of the beacons, weak directions, verdict: fills the solution.
+/// A beacon is undetermined when it was not found or the sigma of its worst direction is beyond the site's tolerance. The data
+/// refuse (SolveStatus::kUndetermined) when half or more of the beacons asked for are, or when speed, a common delay or a
+/// receiver array are not known to that tolerance.
+void judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
+           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution);
+
+/// Length that a deviation must not exceed: the site's tolerance for beacons, or a twentieth of the typical range.
+[[nodiscard]] double tolerance_m(const Problem& problem);
+[[nodiscard]] double typical_range_m(const Problem& problem);
+
+}  // namespace octant::calib

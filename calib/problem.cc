@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace octant::calib {
+namespace {
+
+/// Largest distance that the site file speaks of: between beacons with positions, taped, or between measured poses and beacons.
+double site_extent_m(const Site& site, const MeasurementLog& run) {
+  std::vector<Eigen::Vector3d> points;
+  for (const SiteBeacon& beacon : site.beacons)
+    if (beacon.position_m[0] && beacon.position_m[1])
+      points.emplace_back(*beacon.position_m[0], *beacon.position_m[1], beacon.position_m[2].value_or(0.0));
+  for (const TimedPose& pose : run.poses) points.push_back(pose.T_map_vehicle.translation_m);
+  double extent = 0.0;
+  if (!points.empty()) {
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& p : points) box.extend(p);
+    extent = box.diagonal().norm();
+  }
+  for (const SiteBeacon& beacon : site.beacons)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (beacon.position_m[i] && beacon.sigma_m[i]) extent = std::max(extent, *beacon.sigma_m[i]);
+  for (const ControlDistance& d : site.distances) extent = std::max(extent, d.distance_m);
+  for (const SiteReceiver& r : site.receivers) extent = std::max(extent, r.position_m.norm());
+  return extent;
+}
+
+/// Milliseconds for seconds: the median distance is beyond anything the site could hold.
+Result<void> check_unit(const Site& site, const MeasurementLog& run) {
+  std::vector<double> tof_s;
+  for (const Arrival& a : run.arrivals) tof_s.push_back(std::abs(a.tof_s));
+  if (tof_s.empty()) return {};
+  std::nth_element(tof_s.begin(), tof_s.begin() + static_cast<std::ptrdiff_t>(tof_s.size() / 2), tof_s.end());
+  const double median_s = tof_s[tof_s.size() / 2];
+  const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0;
+  const double distance_m = std::max(0.0, median_s - site.timing.turnaround_s) * speed_mps(site.medium) / legs;
+  const double extent_m = site_extent_m(site, run);
+  if (extent_m <= 0 || distance_m <= 20 * extent_m) return {};
+  return fail({.file = run.path + "/tof.csv",
+               .line = run.arrivals.front().line,
+               .found = fmt::format("a median time of flight of {:.6g} s, that is {:.6g} m, at a site {:.6g} m across", median_s, distance_m, extent_m),
+               .expected = "times of flight in seconds",
+               .advice = "check whether the log is in milliseconds or microseconds, or whether medium.speed_mps is right"});
+}
+
+}  // namespace
+
+Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs) {
+  Problem problem;
+  std::size_t observations = 0;
+  TrajectoryModel model{site.motion, site.medium, site.timing, site.noise, site.attenuation.has_value()};
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (auto ok = check_unit(site, runs[i]); !ok) return fail(ok.error());
+    for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
+      Trajectory t = make_trajectory(runs[i], i, VehicleId(v), model);
+      if (t.arrivals.empty() && t.bearings.empty() && t.stateless_arrivals.empty()) continue;
+      observations += t.arrivals.size() + t.bearings.size();
+      if (!t.stateless_arrivals.empty())
+        problem.warnings.push_back(fmt::format("{}/tof.csv:{}: {} arrivals have no vehicle state at their time (beyond odometry or in a gap of poses.tum) and are left out",
+                                               runs[i].path, runs[i].arrivals[t.stateless_arrivals.front()].line, t.stateless_arrivals.size()));
+      problem.trajectories.push_back(std::move(t));
+    }
+  }
+  if (observations == 0) {
+    return fail({.file = runs.empty() ? site.path : runs.front().path + "/tof.csv",
+                 .found = "no arrival or bearing to calibrate with",
+                 .expected = "rows of times of flight or bearings with a vehicle state at their time",
+                 .advice = "record a run while the beacons fire, or check poses.tum and odometry.csv against the times in tof.csv"});
+  }
+  problem.site = std::move(site);
+  problem.runs = std::move(runs);
+  return problem;
+}
+
+}  // namespace octant::calib

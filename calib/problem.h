@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "models/result.h"
+#include "models/run.h"
+#include "models/site.h"
+#include "models/trajectory.h"
+
+namespace octant::calib {
+
+/// What is to be adjusted: the site's prior knowledge and the recordings, turned into trajectories of vehicle states with
+/// their observations. A plain value; nobody downstream changes it.
+struct Problem {
+  Site site;
+  std::vector<MeasurementLog> runs;
+  std::vector<Trajectory> trajectories;  ///< one for each run and vehicle that has arrivals or bearings
+  std::vector<std::string> warnings;
+};
+
+/// Checks the recordings against the site and builds the trajectories.
+/// Errors (kBadInput): no arrival at all; times of flight in the wrong unit (median distance beyond 20 times the site's extent).
+[[nodiscard]] Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs);
+
+}  // namespace octant::calib

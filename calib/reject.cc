@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/reject.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/linearise.h"
+
+namespace octant::calib {
+namespace {
+
+/// Variance of a standard normal variable given that it lies within +-2.5: 1 - 2 * 2.5 phi(2.5) / (2 Phi(2.5) - 1).
+constexpr double kTruncation = 2.5;
+constexpr double kTruncatedVariance = 0.91125;
+constexpr double kReadmit = 0.9;
+
+}  // namespace
+
+double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedState& state) {
+  std::vector<double> magnitude;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals)
+      if ((a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly) && t.nodes[a.node].placed)
+        magnitude.push_back(std::abs(arrival_residual(t, a, state)));
+  if (magnitude.size() < 30) return 1.0;
+  std::sort(magnitude.begin(), magnitude.end());
+  double sigma = 1.4826 * magnitude[magnitude.size() / 2];
+  for (int round = 0; round < 50; ++round) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (; count < magnitude.size() && magnitude[count] < kTruncation * sigma; ++count) sum += magnitude[count] * magnitude[count];
+    if (count == 0) return 1.0;
+    const double next = std::sqrt(sum / static_cast<double>(count) / kTruncatedVariance);
+    const bool still = std::abs(next - sigma) < 1e-3 * sigma;
+    sigma = next;
+    if (still) break;
+  }
+  return sigma;
+}
+
+std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit) {
+  std::size_t changed = 0;
+  const auto decide = [&](double residual, Rejection now) {
+    const bool out = std::abs(residual) > (now == Rejection::kUsed ? limit : kReadmit * limit);
+    const Rejection next = !out ? Rejection::kUsed : residual > 0 ? Rejection::kLate : Rejection::kEarly;
+    changed += (next == Rejection::kUsed) != (now == Rejection::kUsed);
+    return next;
+  };
+  for (Trajectory& t : trajectories) {
+    for (ArrivalObservation& a : t.arrivals)
+      if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly)
+        a.rejection = decide(arrival_residual(t, a, state), a.rejection);
+    for (std::size_t i = 0; i < t.bearings.size(); ++i) {
+      BearingObservation& b = t.bearings[i];
+      ObservationRow row;
+      if (b.rejection == Rejection::kNoPose || b.rejection == Rejection::kBeaconUnusable || bearing_rows(t, i, state, &row) == 0) continue;
+      b.rejection = decide(row.residual, b.rejection);
+    }
+  }
+  return changed;
+}
+
+void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable) {
+  for (Trajectory& t : trajectories) {
+    for (ArrivalObservation& a : t.arrivals)
+      a.rejection = !beacon_usable[a.beacon.index()]  ? Rejection::kBeaconUnusable
+                    : !t.nodes[a.node].placed         ? Rejection::kNoPose
+                                                      : Rejection::kUsed;
+    for (BearingObservation& b : t.bearings)
+      b.rejection = !b.reflector.valid() || !beacon_usable[b.reflector.index()] ? Rejection::kBeaconUnusable
+                    : !t.nodes[b.node].placed                                   ? Rejection::kNoPose
+                                                                                : Rejection::kUsed;
+  }
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/deployment.h"
+#include "models/shared_state.h"
+#include "models/trajectory.h"
+
+namespace octant::calib {
+
+enum class SolveStatus {
+  kConverged,
+  kNotConverged,   ///< the iteration did not settle (exit 4)
+  kUndetermined,   ///< the data cannot tell something that the rest hangs on (exit 5)
+  kInterrupted     ///< the user asked to stop (exit 130)
+};
+[[nodiscard]] const char* to_string(SolveStatus status);
+
+/// A combination of parameters about which data and priors say too little.
+struct WeakDirection {
+  std::string description;               ///< in words: "speed of sound and overall scale"
+  std::vector<std::string> parameters;   ///< largest parts first, names as in the joint covariance
+  double sigma_m = 0.0;                  ///< of the combination, in metres at the beacons
+  double consequence_m = 0.0;            ///< at the robot
+  std::string remedy;                    ///< the cheapest measurement that settles it
+  bool blocking = false;                 ///< singular for the purpose: nothing may be exported
+};
+
+/// An arrival that was left out.
+struct LeftOut {
+  std::size_t run = 0;       ///< index into Problem::runs
+  std::size_t arrival = 0;   ///< index into MeasurementLog::arrivals
+  Rejection reason = Rejection::kUsed;
+  double residual_s = 0.0;
+};
+
+/// Result of a calibration. Numerical trouble is data here, never an exception and never NaN.
+struct Solution {
+  SolveStatus status = SolveStatus::kNotConverged;
+  std::string message;                       ///< one sentence on the outcome
+  int iterations = 0;
+  double seconds = 0.0;
+  double final_cost = 0.0;                   ///< half the weighted sum of squares of arrivals, poses and priors
+  SharedState state;                         ///< beacons, delays, speed, receivers, attenuation
+  std::vector<Trajectory> trajectories;      ///< adjusted vehicle states, arrivals marked used or rejected
+  std::vector<BeaconStatus> beacon_status;
+  JointCovariance covariance;                ///< SI units
+  Datum datum;
+  CalibrationStatistics statistics;
+  double tof_sigma_s = 0.0;                  ///< noise of the arrivals as found
+  std::vector<LeftOut> left_out;
+  std::vector<WeakDirection> weak;
+  std::vector<std::string> undetermined;     ///< names of parameters
+  std::vector<std::string> warnings;
+};
+
+}  // namespace octant::calib

@@ -1,0 +1,230 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calib/adjust.h"
+#include "calib/calibrate.h"
+#include "calib/datum.h"
+#include "calib/observability.h"
+#include "calib/reject.h"
+#include "calib/start.h"
+#include "calib/statistics.h"
+
+namespace octant::calib {
+
+const char* to_string(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::kConverged: return "ok";
+    case SolveStatus::kNotConverged: return "not_converged";
+    case SolveStatus::kUndetermined: return "undetermined";
+    case SolveStatus::kInterrupted: return "interrupted";
+  }
+  return "not_converged";
+}
+
+namespace {
+
+/// Cauchy's scale at which the loss costs 5 % of efficiency on clean data.
+constexpr double kCauchyScale = 2.385;
+constexpr int kRejectionRounds = 12;
+constexpr int kNoiseRounds = 3;
+
+/// The course of one calibration, stage by stage.
+class Calibrator {
+ public:
+  Calibrator(const Problem& problem, const SolveOptions& options) : problem_(problem), options_(options), began_(Clock::now()) {}
+
+  Solution run() {
+    if (!report("initial values", 0.02)) return interrupted();
+    start_ = initial_values(problem_);
+    take_start();
+    if (!placed_any_) return unplaced();
+    if (!graduated()) return interrupted();
+    if (!settle_noise()) return interrupted();
+    conclude();
+    return std::move(solution_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool report(const std::string& stage, double fraction) {
+    stage_ = stage;
+    fraction_ = fraction;
+    return !options_.on_progress || options_.on_progress({stage, 0, 0.0, fraction});
+  }
+
+  Solution interrupted() {
+    solution_.status = SolveStatus::kInterrupted;
+    solution_.message = "interrupted";
+    return std::move(solution_);
+  }
+
+  Solution unplaced() {
+    solution_.status = SolveStatus::kUndetermined;
+    solution_.message = "no vehicle state could be placed: the beacons' positions are not known well enough to begin with";
+    for (std::size_t b = 0; b < usable_.size(); ++b)
+      if (!usable_[b]) solution_.undetermined.push_back("beacon/" + problem_.site.beacons[b].name);
+    solution_.weak.push_back({.description = "positions of the beacons",
+                              .parameters = solution_.undetermined,
+                              .sigma_m = 0.0,
+                              .consequence_m = 0.0,
+                              .remedy = "give approximate positions of at least three beacons, or measured poses of the vehicle",
+                              .blocking = true});
+    finish();
+    return std::move(solution_);
+  }
+
+  void take_start() {
+    usable_ = start_.beacon_found;
+    trajectories_ = std::move(start_.trajectories);
+    std::vector<bool> held(usable_.size());
+    for (std::size_t b = 0; b < usable_.size(); ++b) held[b] = !usable_[b];
+    layout_ = make_layout(problem_, start_.state, held);
+    x_ = layout_.vector_of(start_.state);
+    readmit_all(trajectories_, usable_);
+    for (const Trajectory& t : trajectories_)
+      for (const Segment& s : t.segments) placed_any_ = placed_any_ || t.nodes[s.first_node].placed;
+    solution_.warnings = problem_.warnings;
+    solution_.warnings.insert(solution_.warnings.end(), start_.warnings.begin(), start_.warnings.end());
+  }
+
+  [[nodiscard]] double sigma_m() const { return problem_.site.noise.tof_sigma_s * noise_factor_ * layout_.nominal_speed_mps; }
+
+  bool adjust_with(double scale, double function_tolerance) {
+    AdjustOptions options;
+    options.loss = {scale, scale};
+    options.max_iterations = options_.max_iterations;
+    options.threads = options_.threads;
+    options.function_tolerance = function_tolerance;
+    options.on_iteration = [this](int iteration, double cost) {
+      ++solution_.iterations;
+      return !options_.on_progress || options_.on_progress({stage_, iteration, cost, fraction_});
+    };
+    last_ = adjust(problem_, layout_, trajectories_, x_, options);
+    return !last_.interrupted;
+  }
+
+  /// Graduated robustness: from the slack of the start down to the noise, placing states anew on the way.
+  bool graduated() {
+    double scale = std::max(start_.slack_m / sigma_m(), kCauchyScale);
+    for (int stage = 0;; ++stage) {
+      if (!report(fmt::format("adjustment, robust scale {:.3g} sigma", scale), std::min(0.6, 0.1 + 0.1 * stage))) return false;
+      const bool last = scale <= kCauchyScale;
+      if (!adjust_with(scale, last ? 1e-10 : 1e-4)) return false;
+      if (last) return true;
+      scale = std::max(scale / 5, kCauchyScale);
+      if (scale <= 30) place_again(scale);
+    }
+  }
+
+  /// States that fell into a wrong place while the beacons were off.
+  void place_again(double scale) {
+    const EpochFixModel model = search_model(problem_, layout_.state_of(x_), usable_);
+    for (Trajectory& t : trajectories_) place_states(t, model, scale > kCauchyScale ? sigma_m() : 0.0, true);
+    readmit_all(trajectories_, usable_);
+  }
+
+  /// Plain squares on the arrivals that agree; the noise as found where the stated one is off.
+  bool settle_noise() {
+    place_again(kCauchyScale);
+    if (!report("adjustment after a second search", 0.65)) return false;
+    if (!adjust_with(kCauchyScale, 1e-10)) return false;
+    double factor = agreeing_sigma(trajectories_, layout_.state_of(x_));
+    const bool far_off = factor < 0.5 || factor > 1.5;  // small departures wait for the chi-square test
+    if (far_off) scale_noise(factor);
+    for (int round = 0; round < kNoiseRounds; ++round) {
+      if (!reject_and_adjust()) return false;
+      const CalibrationStatistics s = statistics_of(problem_, layout_, trajectories_, layout_.state_of(x_), last_.cost);
+      if (s.chi2_p > 0.01 || !(s.redundancy >= 30) || !(s.variance_factor > 0)) break;
+      scale_noise(std::sqrt(s.variance_factor));
+    }
+    return true;
+  }
+
+  void scale_noise(double factor) {
+    noise_factor_ *= factor;
+    for (Trajectory& t : trajectories_)
+      for (ArrivalObservation& a : t.arrivals) a.sigma_s = problem_.site.noise.tof_sigma_s * noise_factor_;
+  }
+
+  bool reject_and_adjust() {
+    for (int round = 0; round < kRejectionRounds; ++round) {
+      if (!report("adjustment of the arrivals that agree", std::min(0.9, 0.7 + 0.03 * round))) return false;
+      const std::size_t changed = mark_rejected(trajectories_, layout_.state_of(x_), options_.rejection_sigmas);
+      if (round > 0 && changed == 0) break;
+      if (!adjust_with(0.0, 1e-12)) return false;
+    }
+    return true;
+  }
+
+  void conclude() {
+    report("covariance and verdict", 0.95);
+    solution_.state = layout_.state_of(x_);
+    solution_.final_cost = last_.cost;
+    solution_.tof_sigma_s = problem_.site.noise.tof_sigma_s * noise_factor_;
+    solution_.statistics = statistics_of(problem_, layout_, trajectories_, solution_.state, last_.cost);
+    solution_.statistics.converged = last_.converged;
+    // The factor is told against what the site file states, not against the noise as found.
+    solution_.statistics.variance_factor *= noise_factor_ * noise_factor_;
+    solution_.statistics.chi2_p =
+        chi_square_p(solution_.statistics.variance_factor * solution_.statistics.redundancy, solution_.statistics.redundancy);
+    solution_.status = last_.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
+    solution_.message = last_.converged ? "converged" : "the adjustment did not converge: " + last_.message;
+    solution_.datum = datum_of(problem_);
+    if (last_.converged) judge(problem_, layout_, x_, usable_, start_.beacon_mirrored, options_.strict, trajectories_, solution_);
+    collect_left_out();
+    noise_warning();
+    finish();
+  }
+
+  void noise_warning() {
+    const CalibrationStatistics& s = solution_.statistics;
+    if (s.redundancy >= 30 && noise_factor_ > 1.2)
+      solution_.warnings.push_back(fmt::format(
+          "residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled to the residuals, but errors that stay the "
+          "same at a place or a pair are not noise and make the beacons worse than their sigmas say",
+          noise_factor_, s.variance_factor));
+  }
+
+  void collect_left_out() {
+    for (const Trajectory& t : trajectories_) {
+      for (const std::size_t i : t.stateless_arrivals) solution_.left_out.push_back({t.run, i, Rejection::kNoPose, 0.0});
+      for (const ArrivalObservation& a : t.arrivals) {
+        if (a.rejection == Rejection::kUsed) continue;
+        const bool placed = a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly;
+        solution_.left_out.push_back({t.run, a.arrival, a.rejection, placed ? a.sigma_s * arrival_residual(t, a, solution_.state) : 0.0});
+      }
+    }
+  }
+
+  void finish() {
+    solution_.trajectories = std::move(trajectories_);
+    solution_.seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+  }
+
+  const Problem& problem_;
+  const SolveOptions& options_;
+  Clock::time_point began_;
+  Start start_;
+  std::vector<Trajectory> trajectories_;
+  std::vector<bool> usable_;
+  ParameterLayout layout_;
+  Eigen::VectorXd x_;
+  AdjustResult last_;
+  Solution solution_;
+  double noise_factor_ = 1.0;
+  bool placed_any_ = false;
+  std::string stage_;
+  double fraction_ = 0.0;
+};
+
+}  // namespace
+
+Solution solve(const Problem& problem, const SolveOptions& options) { return Calibrator(problem, options).run(); }
+
+}  // namespace octant::calib

@@ -1,0 +1,194 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/start.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calib/trilaterate.h"
+#include "models/linearise.h"
+#include "models/localizers/tracker.h"
+
+namespace octant::calib {
+namespace {
+
+/// A beacon counts as known when its prior is this much tighter than the ranges it takes part in.
+constexpr double kKnownShareOfRange = 0.2;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Range of an arrival by the prior speed and delays.
+double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
+  const double legs = a.two_way ? 2.0 : 1.0;
+  double tof_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? t.turnaround_s : 0.0);
+  if (state.attenuation) {
+    // One step of the fixed point is plenty for a start: the walk changes slowly with distance.
+    const double d = std::max(0.1, tof_s * a.model_speed_mps);
+    const auto walk = time_walk_s(amplitude_v(d, *state.attenuation), *state.attenuation);
+    if (walk) tof_s -= *walk;
+  }
+  return std::max(0.0, tof_s * (a.model_speed_mps + state.speed_offset(t.run)) / legs);
+}
+
+class Starter {
+ public:
+  explicit Starter(const Problem& problem) : problem_(problem), site_(problem.site) {
+    start_.state = prior_state(site_);
+    start_.trajectories = problem.trajectories;
+    start_.beacon_found.assign(site_.beacons.size(), false);
+    start_.beacon_mirrored.assign(site_.beacons.size(), false);
+  }
+
+  Start run() {
+    ranges_by_beacon();
+    take_known_beacons();
+    for (std::size_t round = 0; round < site_.beacons.size() + 2; ++round) {
+      const std::size_t placed = place_all(), found = find_beacons();
+      if (placed + found == 0) break;
+    }
+    return std::move(start_);
+  }
+
+ private:
+  void ranges_by_beacon() {
+    std::vector<std::vector<double>> ranges(site_.beacons.size());
+    std::vector<double> all;
+    for (const Trajectory& t : start_.trajectories)
+      for (const ArrivalObservation& a : t.arrivals) {
+        ranges[a.beacon.index()].push_back(prior_range_m(t, a, start_.state));
+        all.push_back(ranges[a.beacon.index()].back());
+      }
+    for (auto& r : ranges) median_range_m_.push_back(median(std::move(r)));
+    typical_range_m_ = std::max(median(std::move(all)), 1e-3);
+  }
+
+  void take_known_beacons() {
+    double worst_m = 0.0;
+    for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
+      const SiteBeacon& beacon = site_.beacons[b];
+      double sigma_m = 0.0;
+      for (std::size_t i = 0; i < 3; ++i) sigma_m = std::max(sigma_m, beacon.position_m[i] ? beacon.sigma_m[i].value_or(0.3) : INFINITY);
+      const double range_m = median_range_m_[b] > 0 ? median_range_m_[b] : typical_range_m_;
+      start_.beacon_found[b] = sigma_m <= kKnownShareOfRange * range_m;
+      if (start_.beacon_found[b]) worst_m = std::max(worst_m, sigma_m);
+    }
+    const Timing& timing = site_.timing;
+    const double c = speed_mps(site_.medium);
+    const double speed_m = std::min(0.15, site_.speed_sigma_mps / c) * typical_range_m_;
+    const double delay_m = timing.delay_per.none() ? 0.0 : std::min(c * timing.delay_sigma_s, 0.2 * typical_range_m_);
+    double lever_m = 0.0;
+    for (const SiteReceiver& r : site_.receivers) lever_m = std::max(lever_m, r.sigma_m.maxCoeff());
+    lever_m = std::min(lever_m, 0.2 * typical_range_m_);
+    start_.slack_m = std::sqrt(worst_m * worst_m + speed_m * speed_m + delay_m * delay_m + lever_m * lever_m);
+  }
+
+  std::size_t place_all() {
+    const EpochFixModel model = search_model(problem_, start_.state, start_.beacon_found);
+    std::size_t placed = 0;
+    if (std::count(start_.beacon_found.begin(), start_.beacon_found.end(), true) < 2) return 0;
+    for (Trajectory& t : start_.trajectories) placed += place_states(t, model, start_.slack_m, false);
+    return placed;
+  }
+
+  std::size_t find_beacons() {
+    std::size_t found = 0;
+    for (std::size_t b = 0; b < site_.beacons.size(); ++b)
+      if (!start_.beacon_found[b] && find_beacon(b)) ++found;
+    return found;
+  }
+
+  bool find_beacon(std::size_t b) {
+    std::vector<RangeFrom> ranges;
+    std::size_t nodes = 0;
+    for (const Trajectory& t : start_.trajectories) {
+      std::size_t last_node = static_cast<std::size_t>(-1);
+      for (const ArrivalObservation& a : t.arrivals) {
+        if (a.beacon.index() != b || !t.nodes[a.node].placed) continue;
+        const Pose T = pose_at(t, a.node, a.alpha);
+        ranges.push_back({T * start_.state.receiver_p_vehicle_m[a.receiver.index()], prior_range_m(t, a, start_.state)});
+        nodes += a.node != last_node;
+        last_node = a.node;
+      }
+    }
+    if (ranges.size() < 4) return false;
+    // A thousand ranges settle a start as well as a million.
+    if (ranges.size() > 1000) {
+      std::vector<RangeFrom> few;
+      for (std::size_t i = 0; i < 1000; ++i) few.push_back(ranges[i * ranges.size() / 1000]);
+      ranges = std::move(few);
+    }
+    TrilaterationOptions options;
+    options.guess = start_.state.beacon_p_map_m[b];
+    for (std::size_t i = 0; i < 3; ++i)
+      options.held[i] = site_.beacons[b].position_m[i] && site_.beacons[b].sigma_m[i].value_or(INFINITY) <= 0.05 * typical_range_m_;
+    options.scale_m = std::max(start_.slack_m, 3 * site_.noise.tof_sigma_s * speed_mps(site_.medium));
+    options.above = site_.motion == Motion::kPlanar;
+    const Trilateration place = trilaterate(ranges, options);
+    if (!place.ok) return false;
+    start_.state.beacon_p_map_m[b] = place.p_map_m;
+    start_.beacon_found[b] = true;
+    start_.beacon_mirrored[b] = place.has_mirror;
+    if (options.above && !options.held[2])
+      start_.warnings.push_back(fmt::format("beacon {}: its height is unknown; taken to lie above the receivers", site_.beacons[b].name));
+    return true;
+  }
+
+  const Problem& problem_;
+  const Site& site_;
+  Start start_;
+  std::vector<double> median_range_m_;
+  double typical_range_m_ = 1.0;
+};
+
+}  // namespace
+
+Start initial_values(const Problem& problem) { return Starter(problem).run(); }
+
+EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable) {
+  EpochFixModel model;
+  model.state = state;
+  model.beacon_usable = usable;
+  for (const SiteReceiver& r : problem.site.receivers) model.receiver_axis.push_back(r.axis);
+  model.nominal_speed_mps = speed_mps(problem.site.medium);
+  return model;
+}
+
+std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again) {
+  std::size_t placed = 0;
+  if (t.moving && !t.odometry.empty()) {
+    const bool all = std::all_of(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; });
+    if (all && (!again || !t.poses.empty())) return 0;
+    TrackerOptions options;
+    options.range_slack_m = slack_m;
+    if (!place_drive(t, model, options)) return 0;
+    for (Node& node : t.nodes) placed += !node.placed, node.placed = true;
+    return placed + again;
+  }
+  EpochFixOptions options;
+  options.range_slack_m = slack_m;
+  options.max_sigma_m = INFINITY;
+  for (const Segment& segment : t.segments) {
+    if (segment.first_pose < segment.last_pose) continue;  // a measured pose needs no search
+    Node& node = t.nodes[segment.first_node];
+    if (node.placed && !again) continue;
+    const Node before = node;
+    const Fix fix = fix_epoch(t, segment, model, options);
+    if (fix.ok()) {
+      node.placed = true;
+      ++placed;
+    } else if (before.placed) {
+      node = before;
+    }
+    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) t.arrivals[i].rejection = Rejection::kUsed;
+  }
+  return placed;
+}
+
+}  // namespace octant::calib

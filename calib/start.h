@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calib/problem.h"
+#include "models/localizers/epoch_fix.h"
+#include "models/shared_state.h"
+
+namespace octant::calib {
+
+/// Initial values of everything: shared parameters and vehicle states.
+struct Start {
+  SharedState state;
+  std::vector<Trajectory> trajectories;   ///< nodes placed where a start was found
+  std::vector<bool> beacon_found;         ///< position known well enough to begin with
+  std::vector<bool> beacon_mirrored;      ///< a second position explains its ranges as well
+  double slack_m = 0.0;                   ///< how far predicted ranges may be off at the start
+  std::vector<std::string> warnings;
+};
+
+/// Initial values from what the site and the runs offer, nearest first: approximate beacons, measured poses (beacons by
+/// trilateration), then in turn vehicle states from the beacons found so far and beacons from the states found so far.
+[[nodiscard]] Start initial_values(const Problem& problem);
+
+/// What the epoch search has to know, for the beacons marked usable.
+[[nodiscard]] EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable);
+
+/// Places the states of a trajectory that have no initial value (all of them with `again`, but those with a measured pose).
+/// Returns how many segments were placed anew.
+std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double slack_m, bool again);
+
+}  // namespace octant::calib

@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/tile.h"
+
+#include <algorithm>
+
+#include <Eigen/Cholesky>
+
+#include "models/linearise.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr std::size_t kNodesPerTile = 2048;
+
+/// Derivatives of a row by shared parameters as (column, value) pairs.
+struct SharedEntries {
+  int count = 0;
+  std::array<int, 16> column;
+  std::array<double, 16> value;
+  void add(int c, double v) {
+    if (c < 0) return;
+    column[static_cast<std::size_t>(count)] = c;
+    value[static_cast<std::size_t>(count++)] = v;
+  }
+};
+
+SharedEntries shared_entries(const ObservationRow& row, std::size_t run, const ParameterLayout& layout) {
+  SharedEntries e;
+  if (!row.has_shared) return e;
+  const auto scale = [&](int column) { return column < 0 ? 0.0 : layout.parameters[static_cast<std::size_t>(column)].si_per_unit; };
+  for (std::size_t i = 0; i < 3; ++i) e.add(layout.beacon[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
+  if (!row.receiver.valid()) return e;
+  for (std::size_t i = 0; i < 3; ++i) e.add(layout.receiver[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
+  for (std::size_t i = 0; i < 3; ++i)
+    e.add(layout.attenuation[i], row.by_attenuation[static_cast<int>(i)] * scale(layout.attenuation[i]));
+  if (row.kind != RowKind::kTof) return e;
+  for (const int column : {layout.beacon_delay[row.beacon.index()], layout.receiver_delay[row.receiver.index()], layout.site_delay})
+    e.add(column, row.by_delay * scale(column));
+  if (!layout.pair_bias.empty()) {
+    const int column = layout.pair_bias[row.beacon.index() * layout.receiver.size() + row.receiver.index()];
+    e.add(column, row.by_delay * scale(column));
+  }
+  const int column = layout.speed_column(run);
+  e.add(column, row.by_speed * scale(column));
+  return e;
+}
+
+}  // namespace
+
+Tile::Tile(Trajectory* trajectory, std::size_t first_segment, std::size_t last_segment, const ParameterLayout* layout)
+    : trajectory_(trajectory), first_segment_(first_segment), last_segment_(last_segment), layout_(layout) {
+  const Segment& first = trajectory->segments[first_segment];
+  const Segment& last = trajectory->segments[last_segment - 1];
+  std::vector<bool> touched(static_cast<std::size_t>(layout->size()), false);
+  const auto touch = [&](int column) {
+    if (column >= 0) touched[static_cast<std::size_t>(column)] = true;
+  };
+  for (std::size_t i = first.first_arrival; i < last.last_arrival; ++i) {
+    const ArrivalObservation& a = trajectory->arrivals[i];
+    for (const int c : layout->beacon[a.beacon.index()]) touch(c);
+    for (const int c : layout->receiver[a.receiver.index()]) touch(c);
+    touch(layout->beacon_delay[a.beacon.index()]);
+    touch(layout->receiver_delay[a.receiver.index()]);
+    if (!layout->pair_bias.empty()) touch(layout->pair_bias[a.beacon.index() * layout->receiver.size() + a.receiver.index()]);
+  }
+  for (std::size_t i = first.first_bearing; i < last.last_bearing; ++i)
+    if (trajectory->bearings[i].reflector.valid())
+      for (const int c : layout->beacon[trajectory->bearings[i].reflector.index()]) touch(c);
+  touch(layout->site_delay);
+  touch(layout->speed_column(trajectory->run));
+  for (const int c : layout->attenuation) touch(c);
+
+  local_of_.assign(touched.size(), -1);
+  for (std::size_t k = 0; k < layout->blocks.size(); ++k) {
+    const ParameterBlock& block = layout->blocks[k];
+    bool any = false;
+    for (int c = block.first; c < block.first + block.size; ++c) any = any || touched[static_cast<std::size_t>(c)];
+    if (!any) continue;
+    blocks_.push_back(static_cast<int>(k));
+    for (int c = block.first; c < block.first + block.size; ++c) {
+      local_of_[static_cast<std::size_t>(c)] = static_cast<int>(columns_.size());
+      columns_.push_back(c);
+    }
+  }
+  commit();
+}
+
+void Tile::commit() {
+  const auto begin = trajectory_->nodes.begin();
+  committed_.assign(begin + static_cast<std::ptrdiff_t>(trajectory_->segments[first_segment_].first_node),
+                    begin + static_cast<std::ptrdiff_t>(trajectory_->segments[last_segment_ - 1].last_node));
+}
+
+void Tile::restore() {
+  std::copy(committed_.begin(), committed_.end(),
+            trajectory_->nodes.begin() + static_cast<std::ptrdiff_t>(trajectory_->segments[first_segment_].first_node));
+}
+
+double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system) {
+  restore();
+  double cost = 0.0;
+  if (system != nullptr) {
+    const auto n = static_cast<Eigen::Index>(columns_.size());
+    system->H.setZero(n, n);
+    system->gradient.setZero(n);
+  }
+  for (std::size_t s = first_segment_; s < last_segment_; ++s) {
+    const Segment& segment = trajectory_->segments[s];
+    if (!trajectory_->nodes[segment.first_node].placed) continue;  // a segment that no start could place says nothing
+    cost += settle(*trajectory_, segment, state, loss).cost;
+    if (system != nullptr) reduce_segment(segment, state, loss, *system);
+  }
+  if (system != nullptr) {
+    system->cost = cost;
+    system->H = system->H.selfadjointView<Eigen::Lower>();
+  }
+  return cost;
+}
+
+void Tile::reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, ReducedSystem& system) {
+  const Trajectory& t = *trajectory_;
+  const auto n = t.block_size();
+  const std::size_t count = segment.last_node - segment.first_node;
+  // Coupling of each state to the shared parameters it sees; the last column carries the states' own gradient.
+  struct NodeSystem {
+    NodeBlock D, U;
+    std::vector<int> active;                      ///< local columns, in order of appearance
+    Eigen::Matrix<double, kMaxBlock, Eigen::Dynamic> G;
+  };
+  thread_local std::vector<NodeSystem> nodes;
+  thread_local std::vector<int> slot;             ///< local column -> position in the node's active list
+  if (nodes.size() < count) nodes.resize(count);
+  std::vector<NodeVector> g(count, NodeVector::Zero(n));
+  for (std::size_t k = 0; k < count; ++k) {
+    nodes[k].D.setZero(n, n);
+    nodes[k].U.setZero(n, n);
+    nodes[k].active.clear();
+  }
+  const auto couple = [&](std::size_t k, const NodeRow& by_state, const SharedEntries& e, double w) {
+    NodeSystem& node = nodes[k];
+    for (int i = 0; i < e.count; ++i) {
+      const int local = e.column[static_cast<std::size_t>(i)];
+      const auto found = std::find(node.active.begin(), node.active.end(), local);
+      const auto at = static_cast<Eigen::Index>(found - node.active.begin());
+      if (found == node.active.end()) {
+        node.active.push_back(local);
+        if (node.G.cols() < at + 1) node.G.conservativeResize(Eigen::NoChange, 2 * at + 16);
+        node.G.col(at).setZero();
+      }
+      node.G.col(at).head(n) += w * e.value[static_cast<std::size_t>(i)] * by_state.transpose();
+    }
+  };
+  for_each_row(t, segment, state, [&](const ObservationRow& row) {
+    double rho = 0.0, w = 1.0;
+    if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
+    SharedEntries e = shared_entries(row, t.run, *layout_);
+    for (int i = 0; i < e.count; ++i) e.column[static_cast<std::size_t>(i)] = local_of_[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
+    for (int i = 0; i < e.count; ++i) {
+      const double wi = w * e.value[static_cast<std::size_t>(i)];
+      const int ci = e.column[static_cast<std::size_t>(i)];
+      system.gradient[ci] += wi * row.residual;
+      for (int j = 0; j <= i; ++j) {
+        const int cj = e.column[static_cast<std::size_t>(j)];
+        system.H(std::max(ci, cj), std::min(ci, cj)) += wi * e.value[static_cast<std::size_t>(j)];
+      }
+    }
+    const std::size_t k = row.node - segment.first_node;
+    nodes[k].D.noalias() += w * row.by_node.transpose() * row.by_node;
+    g[k].noalias() += w * row.residual * row.by_node.transpose();
+    couple(k, row.by_node, e, w);
+    if (!row.has_next) return;
+    nodes[k + 1].D.noalias() += w * row.by_next.transpose() * row.by_next;
+    g[k + 1].noalias() += w * row.residual * row.by_next.transpose();
+    nodes[k].U.noalias() += w * row.by_node.transpose() * row.by_next;
+    couple(k + 1, row.by_next, e, w);
+  });
+
+  // Eliminate front to back: what a state passes on to the next one touches all the columns seen so far.
+  if (slot.size() < columns_.size()) slot.assign(columns_.size(), -1);
+  Eigen::LLT<NodeBlock> factor;
+  for (std::size_t k = 0; k < count; ++k) {
+    NodeSystem& node = nodes[k];
+    // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing.
+    node.D.diagonal().array() += 1e-12 * (1.0 + node.D.diagonal().maxCoeff());
+    factor.compute(node.D);
+    const auto active = static_cast<Eigen::Index>(node.active.size());
+    Eigen::Matrix<double, kMaxBlock, Eigen::Dynamic> Y(kMaxBlock, active);
+    const NodeVector y = factor.matrixL().solve(g[k]);
+    for (Eigen::Index c = 0; c < active; ++c) {
+      NodeVector column = node.G.col(c).head(n);
+      factor.matrixL().solveInPlace(column);
+      Y.col(c).head(n) = column;
+    }
+    for (Eigen::Index i = 0; i < active; ++i) {
+      const int ci = node.active[static_cast<std::size_t>(i)];
+      system.gradient[ci] -= Y.col(i).head(n).dot(y);
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        const int cj = node.active[static_cast<std::size_t>(j)];
+        system.H(std::max(ci, cj), std::min(ci, cj)) -= Y.col(i).head(n).dot(Y.col(j).head(n));
+      }
+    }
+    if (k + 1 == count) break;
+    NodeBlock W = node.U;
+    factor.matrixL().solveInPlace(W);
+    NodeSystem& next = nodes[k + 1];
+    next.D.noalias() -= W.transpose() * W;
+    g[k + 1].noalias() -= W.transpose() * y;
+    for (std::size_t i = 0; i < next.active.size(); ++i) slot[static_cast<std::size_t>(next.active[i])] = static_cast<int>(i);
+    for (Eigen::Index c = 0; c < active; ++c) {
+      const int local = node.active[static_cast<std::size_t>(c)];
+      int& at = slot[static_cast<std::size_t>(local)];
+      if (at < 0) {
+        at = static_cast<int>(next.active.size());
+        next.active.push_back(local);
+        if (next.G.cols() < at + 1) next.G.conservativeResize(Eigen::NoChange, 2 * at + 16);
+        next.G.col(at).setZero();
+      }
+      next.G.col(at).head(n) -= W.transpose() * Y.col(c).head(n);
+    }
+    for (const int local : next.active) slot[static_cast<std::size_t>(local)] = -1;
+  }
+}
+
+std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout) {
+  std::vector<Tile> tiles;
+  for (Trajectory& t : trajectories) {
+    std::size_t first = 0;
+    for (std::size_t s = 0; s < t.segments.size(); ++s) {
+      const std::size_t nodes = t.segments[s].last_node - t.segments[first].first_node;
+      if (nodes < kNodesPerTile && s + 1 < t.segments.size()) continue;
+      tiles.emplace_back(&t, first, s + 1, &layout);
+      first = s + 1;
+    }
+  }
+  return tiles;
+}
+
+}  // namespace octant::calib

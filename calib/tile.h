@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calib/parameters.h"
+#include "models/trajectory.h"
+
+namespace octant::calib {
+
+/// Cost, gradient and Gauss-Newton matrix of some observations in the shared parameters they touch, vehicle states eliminated.
+struct ReducedSystem {
+  double cost = 0.0;        ///< 1/2 sum of rho
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd H;
+};
+
+/// A tile: a run of segments of one trajectory. For given shared parameters it first settles its own vehicle states (variable
+/// projection), then eliminates them:
+///   H = sum Js'Js - Js'Jx (Jx'Jx)^-1 Jx'Js,   g = Js'r - Js'Jx (Jx'Jx)^-1 Jx'r
+/// Settled states make cost, gradient and Gauss-Newton matrix those of the full bundle adjustment; what is left of Jx'r is
+/// corrected to first order. Not safe to evaluate one tile from two threads; different tiles are independent.
+class Tile {
+ public:
+  /// @param trajectory  not owned; this tile writes the nodes of its segments and nothing else
+  Tile(Trajectory* trajectory, std::size_t first_segment, std::size_t last_segment, const ParameterLayout* layout);
+
+  /// Global columns of the parameters that this tile touches, ascending; the order of its system.
+  [[nodiscard]] const std::vector<int>& columns() const { return columns_; }
+  /// Parameter blocks (indices into ParameterLayout::blocks) that cover columns().
+  [[nodiscard]] const std::vector<int>& blocks() const { return blocks_; }
+
+  /// Settles the states and returns the cost; with `system`, the reduced system as well.
+  double evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system);
+  /// Makes the states of the last evaluation the start of the next ones (a step was accepted).
+  void commit();
+
+ private:
+  void restore();
+  void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, ReducedSystem& system);
+
+  Trajectory* trajectory_;
+  std::size_t first_segment_, last_segment_;
+  const ParameterLayout* layout_;
+  std::vector<int> columns_, blocks_;
+  std::vector<int> local_of_;        ///< global column -> local, -1
+  std::vector<Node> committed_;
+};
+
+/// Tiles of all trajectories; their number does not depend on the number of threads, so neither does any sum.
+[[nodiscard]] std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout);
+
+}  // namespace octant::calib

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "models/result.h"
+#include "models/run.h"
+#include "models/site.h"
+
+namespace octant::io {
+
+struct ReadRunOptions {
+  bool read_truth = false;  ///< open truth.tum; only verify does
+  bool read_poses = true;   ///< open poses.tum
+};
+
+/// Reads a run folder (contract). Needs at least one of tof.csv, bearings.csv, scans.csv with rows.
+/// Errors name file and line. Arrivals that are no measurement (nan, empty, not positive) are in MeasurementLog::rejected,
+/// with one warning that names the first line of each kind.
+[[nodiscard]] Result<MeasurementLog> read_run(const std::string& folder, const NameTable& names, const Timing& timing,
+                                              const ReadRunOptions& options = {});
+
+/// Writes a run folder; truth.tum when the log has truth.
+[[nodiscard]] Result<void> write_run(const std::string& folder, const MeasurementLog& log, const NameTable& names);
+
+}  // namespace octant::io

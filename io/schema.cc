@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/schema.h"
+
+#include "io/schema_scenario.h"
+#include "io/schema_texts.h"
+
+namespace octant::io {
+
+std::string_view schema(std::string_view format) {
+  if (format == "site") return site_schema();
+  if (format == "run") return run_schema();
+  if (format == "deployment") return deployment_schema();
+  if (format == "scenario") return scenario_schema();
+  return {};
+}
+
+}  // namespace octant::io

@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: the schemas that schema() gives, one file each.
+
+#include <string_view>
+
+namespace octant::io {
+
+[[nodiscard]] std::string_view site_schema();
+[[nodiscard]] std::string_view run_schema();
+[[nodiscard]] std::string_view deployment_schema();
+
+}  // namespace octant::io

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/ids.h"
+#include "models/pose.h"
+#include "models/run.h"
+
+namespace octant {
+
+enum class FixStatus {
+  kOk,
+  kTooFewArrivals,   ///< fewer arrivals than unknowns
+  kPoorGeometry,     ///< the arrivals do not determine the pose
+  kAmbiguous,        ///< two poses explain the arrivals equally well
+  kNoConsensus,      ///< too many arrivals disagree
+  kNotConverged
+};
+[[nodiscard]] const char* to_string(FixStatus status);
+
+/// Why an arrival was left out of a fix or of a calibration.
+enum class Rejection : std::uint8_t {
+  kUsed = 0,
+  kLate,            ///< later than the pose explains: echo
+  kEarly,           ///< earlier than the pose explains: spurious
+  kBeaconUnusable,  ///< its beacon is undetermined
+  kNoPose,          ///< no vehicle state at its time
+};
+[[nodiscard]] const char* to_string(Rejection rejection);
+
+/// Where the vehicle is, from the arrivals of one epoch or at one instant of a drive; or the reason why that is not known.
+struct Fix {
+  FixStatus status = FixStatus::kTooFewArrivals;
+  double time_s = 0.0;
+  VehicleId vehicle;
+  std::int64_t epoch = kNoEpoch;
+  Pose T_map_vehicle;                    ///< meaningful when status is kOk
+  /// Of the pose's tangent vector: planar (x, y, heading), 3x3; spatial (translation, rotation in the vehicle frame), 6x6.
+  Eigen::MatrixXd covariance;
+  double protection_level_m = 0.0;       ///< horizontal; 0: not computed
+  int arrivals_used = 0;
+  int arrivals_rejected = 0;
+  double cost = 0.0;                     ///< half the weighted sum of squares of the arrivals used
+  std::vector<Rejection> rejections;     ///< one for each arrival given; empty if there is no fix
+
+  [[nodiscard]] bool ok() const { return status == FixStatus::kOk; }
+};
+
+}  // namespace octant

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/deployment.h"
+#include "models/fix.h"
+#include "models/run.h"
+#include "models/trajectory.h"
+
+namespace octant {
+
+struct EpochFixOptions {
+  /// Extra standard deviation of every predicted range, for beacons known only roughly [m].
+  double range_slack_m = 0.0;
+  double rejection_sigmas = 4.0;
+  double max_sigma_m = 1.0;      ///< a horizontal sigma beyond this is poor geometry
+  int max_candidates = 640;      ///< poses tried in the coarse search
+  /// A second pose counts as equally good when its log likelihood is within this of the best (3: odds below twenty to one).
+  double ambiguity_margin = 3.0;
+};
+
+/// Everything the search has to know besides the arrivals.
+struct EpochFixModel {
+  SharedState state;
+  std::vector<bool> beacon_usable;
+  std::vector<std::optional<Eigen::Vector3d>> receiver_axis;
+  double nominal_speed_mps = 343.0;
+  /// Of each beacon's x, y, z [m], delay [s] and the speed [m/s]: how far calibration itself may be off. Empty: not at all.
+  std::vector<Eigen::Matrix<double, 5, 5>> beacon_covariance;
+};
+[[nodiscard]] EpochFixModel epoch_fix_model(const Deployment& deployment);
+
+/// The part of a segment that belongs to one of its nodes alone (epochs chained by odometry): its arrivals, bearings, poses.
+[[nodiscard]] Segment node_segment(const Trajectory& trajectory, const Segment& segment, std::size_t node);
+
+/// Robust least-squares fix of one segment (a stationary epoch: one node) from nothing: a coarse search over poses that
+/// pairs of arrivals allow, the largest consensus under a one-sided loss, then a plain adjustment of the arrivals that agree.
+/// The result is the least-squares estimate of the arrivals used; its covariance is that of their noise (and the slack), with
+/// the shared parameters held. Where nothing tells the heading (one receiver on the axis, no bearings) the position is still
+/// a fix, and the heading's sigma is pi.
+/// Sets the node, marks the arrivals of the segment used or rejected. The node counts as placed only if the fix is kOk; it
+/// holds the best pose found in any case.
+[[nodiscard]] Fix fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                            const EpochFixOptions& options = {});
+
+/// Robust least-squares localizer: one fix an epoch.
+class LeastSquaresLocalizer {
+ public:
+  explicit LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options = {});
+  /// Fix from the arrivals of one epoch of one vehicle.
+  [[nodiscard]] Fix locate(std::span<const Arrival> arrivals) const;
+  /// All epochs of a run, in order; epochs without a fix included with their reason.
+  [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& log) const;
+
+ private:
+  Deployment deployment_;
+  EpochFixOptions options_;
+  EpochFixModel model_;
+};
+
+}  // namespace octant

@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "models/localizers/epoch_fix.h"
+#include "models/localizers/trajectory_model.h"
+
+namespace octant {
+namespace {
+
+using Matrix5d = Eigen::Matrix<double, 5, 5>;
+
+/// Rows of the joint covariance that move a beacon's arrivals: x, y, z, delay, speed; -1 where a parameter is held.
+std::array<int, 5> rows_of(const JointCovariance& joint, const std::string& beacon) {
+  const std::array<std::string, 5> names = {"beacon/" + beacon + "/x_m", "beacon/" + beacon + "/y_m", "beacon/" + beacon + "/z_m",
+                                            "beacon/" + beacon + "/delay_s", "medium/speed_mps"};
+  std::array<int, 5> rows{};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto at = std::find(joint.parameters.begin(), joint.parameters.end(), names[i]);
+    rows[i] = at == joint.parameters.end() ? -1 : static_cast<int>(at - joint.parameters.begin());
+  }
+  return rows;
+}
+
+Matrix5d covariance_of(const Deployment& deployment, const DeploymentBeacon& beacon) {
+  Matrix5d C = Matrix5d::Zero();
+  const JointCovariance& joint = deployment.covariance;
+  if (joint.matrix.rows() > 0 && joint.matrix.rows() == static_cast<Eigen::Index>(joint.parameters.size())) {
+    const std::array<int, 5> rows = rows_of(joint, beacon.name);
+    for (int i = 0; i < 5; ++i)
+      for (int j = 0; j < 5; ++j)
+        if (rows[static_cast<std::size_t>(i)] >= 0 && rows[static_cast<std::size_t>(j)] >= 0)
+          C(i, j) = joint.matrix(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+    return C;
+  }
+  C.topLeftCorner<3, 3>() = beacon.covariance_m2;
+  C(3, 3) = beacon.delay_sigma_s * beacon.delay_sigma_s;
+  C(4, 4) = deployment.speed_sigma_mps * deployment.speed_sigma_mps;
+  return C;
+}
+
+}  // namespace
+
+TrajectoryModel trajectory_model(const Deployment& deployment) {
+  TrajectoryModel model;
+  model.motion = deployment.motion;
+  model.medium = deployment.medium;
+  model.timing = deployment.timing;
+  model.noise = deployment.noise;
+  model.use_amplitude = deployment.attenuation.has_value();
+  return model;
+}
+
+EpochFixModel epoch_fix_model(const Deployment& deployment) {
+  EpochFixModel model;
+  model.state = shared_state(deployment);
+  for (const DeploymentBeacon& beacon : deployment.beacons) {
+    model.beacon_usable.push_back(beacon.status != BeaconStatus::kUndetermined);
+    model.beacon_covariance.push_back(covariance_of(deployment, beacon));
+  }
+  for (const DeploymentReceiver& receiver : deployment.receivers) model.receiver_axis.push_back(receiver.axis);
+  model.nominal_speed_mps = deployment.speed_mps(deployment.medium.temperature_degC);
+  return model;
+}
+
+LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options)
+    : deployment_(std::move(deployment)), options_(options), model_(epoch_fix_model(deployment_)) {}
+
+Fix LeastSquaresLocalizer::locate(std::span<const Arrival> arrivals) const {
+  Fix none;
+  if (arrivals.empty()) return none;
+  MeasurementLog log;
+  log.has_epochs = true;
+  log.vehicle = arrivals.front().vehicle;
+  log.arrivals.assign(arrivals.begin(), arrivals.end());
+  // Whatever their times: they are said to belong to one pose.
+  for (Arrival& a : log.arrivals) {
+    a.epoch = arrivals.front().epoch;
+    a.vehicle = log.vehicle;
+  }
+  Trajectory trajectory = make_trajectory(log, 0, log.vehicle, trajectory_model(deployment_));
+  if (trajectory.segments.empty()) return none;
+  return fix_epoch(trajectory, trajectory.segments.front(), model_, options_);
+}
+
+std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) const {
+  std::vector<Fix> fixes;
+  for (std::size_t v = 0; v < deployment_.vehicles.size(); ++v) {
+    Trajectory trajectory = make_trajectory(log, 0, VehicleId(v), trajectory_model(deployment_));
+    for (const Segment& segment : trajectory.segments)
+      for (std::size_t node = segment.first_node; node < segment.last_node; ++node)
+        fixes.push_back(fix_epoch(trajectory, node_segment(trajectory, segment, node), model_, options_));
+  }
+  std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  return fixes;
+}
+
+}  // namespace octant

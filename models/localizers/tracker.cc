@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/linearise.h"
+#include "models/localizers/chain_covariance.h"
+#include "models/localizers/drive_filter.h"
+#include "models/localizers/drive_start.h"
+#include "models/localizers/node_adjustment.h"
+#include "models/localizers/trajectory_model.h"
+
+namespace octant {
+namespace {
+
+constexpr double kLost = 0.35;      ///< share of arrivals used below which the filter is lost
+constexpr int kMarkRounds = 5;
+constexpr double kStartInflation = 4.0;  ///< of the covariance at the end of a stretch that was settled robustly
+
+void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
+    t.arrivals[i].rejection = model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    BearingObservation& b = t.bearings[i];
+    b.rejection = !b.reflector.valid() || model.beacon_usable[b.reflector.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+  }
+}
+
+/// First arrival of the segment at or after a node.
+std::size_t arrival_from(const Trajectory& t, const Segment& segment, std::size_t node) {
+  const auto begin = t.arrivals.begin();
+  return static_cast<std::size_t>(std::partition_point(begin + static_cast<std::ptrdiff_t>(segment.first_arrival),
+                                                       begin + static_cast<std::ptrdiff_t>(segment.last_arrival),
+                                                       [node](const ArrivalObservation& a) { return a.node < node; }) - begin);
+}
+
+/// Part of an odometry step between two of its instants.
+Pose part_of(const Pose& step, double from, double to) {
+  return interpolate(Pose{}, step, from).inverse() * interpolate(Pose{}, step, to);
+}
+
+Eigen::Matrix3d covariance_at(const Trajectory& t, const Segment& stretch, const EpochFixModel& model, std::size_t node) {
+  const Eigen::MatrixXd P = node_covariance(t, stretch, node, model.state);
+  if (P.rows() < 3 || !P.allFinite()) return Eigen::Vector3d(1.0, 1.0, 0.1).asDiagonal();
+  return kStartInflation * P.topLeftCorner<3, 3>();
+}
+
+/// Forward from a node to the segment's end, or until lost; returns the node reached. Calls visit for the arrivals of each
+/// distinct time.
+template <class Visitor>
+std::size_t run_forward(Trajectory& t, const Segment& segment, DriveFilter& filter, std::size_t node, Visitor&& visit) {
+  std::size_t next = arrival_from(t, segment, node);
+  for (; node + 1 < segment.last_node; ++node) {
+    const OdometryObservation& step = t.odometry[segment.first_odometry + node - segment.first_node];
+    double done = 0.0;
+    while (next < segment.last_arrival && t.arrivals[next].node == node) {
+      const double alpha = t.arrivals[next].alpha;
+      filter.predict(part_of(step.T_before_after, done, alpha), step, alpha - done);
+      done = alpha;
+      const std::size_t first = next;
+      for (; next < segment.last_arrival && t.arrivals[next].node == node && t.arrivals[next].alpha == alpha; ++next)
+        t.arrivals[next].rejection = filter.update(t, t.arrivals[next]);
+      visit(first, next);
+    }
+    filter.predict(part_of(step.T_before_after, done, 1.0), step, 1.0 - done);
+    t.nodes[node + 1].T_map_vehicle = filter.pose();
+    t.nodes[node + 1].placed = true;
+    if (filter.acceptance() < kLost) return node + 1;
+  }
+  return node;
+}
+
+/// Backward from a node to the segment's first.
+void run_backward(Trajectory& t, const Segment& segment, DriveFilter& filter, std::size_t node) {
+  std::size_t next = arrival_from(t, segment, node);
+  for (; node > segment.first_node; --node) {
+    const OdometryObservation& step = t.odometry[segment.first_odometry + node - 1 - segment.first_node];
+    double done = 1.0;
+    while (next > segment.first_arrival && t.arrivals[next - 1].node == node - 1) {
+      const ArrivalObservation& a = t.arrivals[--next];
+      filter.predict(part_of(step.T_before_after, done, a.alpha), step, done - a.alpha);
+      done = a.alpha;
+      static_cast<void>(filter.update(t, a));
+    }
+    filter.predict(part_of(step.T_before_after, done, 0.0), step, done);
+    t.nodes[node - 1].T_map_vehicle = filter.pose();
+    t.nodes[node - 1].placed = true;
+  }
+}
+
+/// Initial states of a whole segment: a stretch that the arrivals settle, the filter from there both ways; where it gets
+/// lost, the next stretch that can be settled.
+bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
+  DriveFilter filter(model, options.rejection_sigmas, independent_slack_m(t, segment, model, options.range_slack_m));
+  std::size_t from = segment.first_node;
+  bool placed = false;
+  while (from + 2 <= segment.last_node) {
+    const DriveStart start = find_start(t, segment, model, options, from);
+    if (!start.found) break;
+    const Segment stretch = stretch_of(t, segment, start.first_node, start.last_node);
+    if (!placed) {
+      filter.start(t.nodes[start.first_node].T_map_vehicle, covariance_at(t, stretch, model, start.first_node));
+      run_backward(t, segment, filter, start.first_node);
+      placed = true;
+    }
+    filter.start(t.nodes[start.last_node - 1].T_map_vehicle, covariance_at(t, stretch, model, start.last_node - 1));
+    from = run_forward(t, segment, filter, start.last_node - 1, [](std::size_t, std::size_t) {});
+    if (from + 1 >= segment.last_node) return true;
+  }
+  // Whatever could not be placed follows the odometry, so that the adjustment has all states.
+  for (std::size_t k = from; placed && k + 1 < segment.last_node; ++k) {
+    const OdometryObservation& step = t.odometry[segment.first_odometry + k - segment.first_node];
+    t.nodes[k + 1].T_map_vehicle = t.nodes[k].T_map_vehicle * step.T_before_after;
+    t.nodes[k + 1].placed = true;
+  }
+  return placed;
+}
+
+/// Robust adjustment of a placed segment from coarse to fine, then by plain squares with the outliers left out.
+bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
+  reset_marks(t, segment, model);
+  const WidenedArrivals widened(t, segment, model, options.range_slack_m);
+  settle(t, segment, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 15);
+  SettleResult result = settle(t, segment, model.state, {.late_scale = 2.5, .early_scale = 4.0}, 25);
+  for (int round = 0; round < kMarkRounds; ++round) {
+    if (!mark_arrivals(t, segment, model, 0.0, options.rejection_sigmas) && round > 0) break;
+    result = settle(t, segment, model.state, RobustLoss{}, 20);
+  }
+  return std::isfinite(result.cost);
+}
+
+Fix fix_at(const Trajectory& t, std::size_t first, std::size_t last) {
+  Fix fix;
+  fix.time_s = t.arrivals[first].time_s;
+  fix.vehicle = t.vehicle;
+  for (std::size_t i = first; i < last; ++i) {
+    fix.rejections.push_back(t.arrivals[i].rejection);
+    ++(t.arrivals[i].rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  }
+  return fix;
+}
+
+/// Calls visit(first, last) for the arrivals of each distinct time.
+template <class Visitor>
+void for_each_instant(const Trajectory& t, const Segment& segment, Visitor&& visit) {
+  for (std::size_t first = segment.first_arrival; first < segment.last_arrival;) {
+    std::size_t last = first;
+    while (last < segment.last_arrival && t.arrivals[last].time_s == t.arrivals[first].time_s) ++last;
+    visit(first, last);
+    first = last;
+  }
+}
+
+void unlocated(const Trajectory& t, const Segment& segment, std::vector<Fix>& fixes) {
+  for_each_instant(t, segment, [&](std::size_t first, std::size_t last) {
+    fixes.push_back(fix_at(t, first, last));
+    fixes.back().status = FixStatus::kNoConsensus;
+  });
+}
+
+void track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options, std::vector<Fix>& fixes) {
+  if (!place_segment(t, segment, model, options) || !smooth_segment(t, segment, model, options)) return unlocated(t, segment, fixes);
+  const ChainCovariance covariance = chain_covariance(t, segment, model.state);
+  for_each_instant(t, segment, [&](std::size_t first, std::size_t last) {
+    Fix fix = fix_at(t, first, last);
+    const ArrivalObservation& a = t.arrivals[first];
+    fix.T_map_vehicle = pose_at(t, a.node, a.alpha);
+    fix.status = covariance.ok ? FixStatus::kOk : FixStatus::kPoorGeometry;
+    if (covariance.ok) fix.covariance = covariance.planar_pose(a.node - segment.first_node, a.alpha);
+    fixes.push_back(fix);
+  });
+}
+
+/// Only what came before: no fix until a stretch has been placed, then the filter's.
+void track_causal(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options, std::vector<Fix>& fixes) {
+  DriveFilter filter(model, options.rejection_sigmas, independent_slack_m(t, segment, model, options.range_slack_m));
+  std::size_t from = segment.first_node;
+  std::size_t reported = segment.first_arrival;
+  const auto report_lost = [&](std::size_t until) {
+    Segment lost = segment;
+    lost.first_arrival = reported;
+    lost.last_arrival = std::max(until, reported);
+    unlocated(t, lost, fixes);
+    reported = lost.last_arrival;
+  };
+  while (from + 2 <= segment.last_node) {
+    const DriveStart start = find_start(t, segment, model, options, from);
+    if (!start.found) break;
+    report_lost(arrival_from(t, segment, start.last_node - 1));
+    const Segment stretch = stretch_of(t, segment, start.first_node, start.last_node);
+    filter.start(t.nodes[start.last_node - 1].T_map_vehicle, covariance_at(t, stretch, model, start.last_node - 1));
+    from = run_forward(t, segment, filter, start.last_node - 1, [&](std::size_t first, std::size_t last) {
+      Fix fix = fix_at(t, first, last);
+      fix.T_map_vehicle = filter.pose();
+      fix.covariance = filter.covariance();
+      fix.status = FixStatus::kOk;
+      fixes.push_back(fix);
+      reported = last;
+    });
+  }
+  report_lost(segment.last_arrival);
+}
+
+bool is_drive(const Trajectory& t, const Segment& segment) {
+  return t.moving && t.motion == Motion::kPlanar && !t.has_cycle_offset && segment.last_node - segment.first_node >= 2 &&
+         segment.last_odometry - segment.first_odometry + 1 == segment.last_node - segment.first_node;
+}
+
+}  // namespace
+
+bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions& options) {
+  bool any = false;
+  for (const Segment& segment : t.segments) {
+    if (!is_drive(t, segment)) continue;
+    if (!place_segment(t, segment, model, options)) continue;
+    any = smooth_segment(t, segment, model, options) || any;
+  }
+  return any;
+}
+
+std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, const TrackerOptions& options) {
+  std::vector<Fix> fixes;
+  const EpochFixModel model = epoch_fix_model(deployment);
+  EpochFixOptions epoch_options;
+  epoch_options.rejection_sigmas = options.rejection_sigmas;
+  epoch_options.range_slack_m = options.range_slack_m;
+  for (std::size_t v = 0; v < deployment.vehicles.size(); ++v) {
+    Trajectory t = make_trajectory(log, 0, VehicleId(v), trajectory_model(deployment));
+    for (const Segment& segment : t.segments) {
+      if (!is_drive(t, segment)) {
+        for (std::size_t node = segment.first_node; node < segment.last_node; ++node)
+          fixes.push_back(fix_epoch(t, node_segment(t, segment, node), model, epoch_options));
+      } else if (options.smooth) {
+        track_smooth(t, segment, model, options, fixes);
+      } else {
+        track_causal(t, segment, model, options, fixes);
+      }
+    }
+  }
+  std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  return fixes;
+}
+
+}  // namespace octant

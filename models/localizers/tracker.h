@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "models/deployment.h"
+#include "models/fix.h"
+#include "models/localizers/epoch_fix.h"
+#include "models/run.h"
+#include "models/trajectory.h"
+
+namespace octant {
+
+struct TrackerOptions {
+  double rejection_sigmas = 4.0;
+  double start_window_s = 2.0;      ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
+  double max_start_window_s = 120.0;
+  double range_slack_m = 0.0;       ///< as in EpochFixOptions
+  bool smooth = true;               ///< use the whole run (fixed-interval smoothing); false: only what came before
+};
+
+/// Initial states of a moving trajectory with odometry: stretches are placed as rigid pieces of the odometry path by a search
+/// over poses, joined, and settled robustly. Sets nodes and marks arrivals. Returns false when no stretch could be placed.
+[[nodiscard]] bool place_drive(Trajectory& trajectory, const EpochFixModel& model, const TrackerOptions& options = {});
+
+/// Tracker of a moving vehicle: odometry predicts, arrivals correct one by one, robustly.
+/// One fix at every distinct arrival time; smoothed over the whole run unless options.smooth is off.
+[[nodiscard]] std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, const TrackerOptions& options = {});
+
+}  // namespace octant

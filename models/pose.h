@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace octant {
+
+/// Rigid motion T_a_b: p_a = rotation * p_b + translation_m. As a vehicle's pose it is T_map_vehicle.
+struct Pose {
+  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+
+  /// Planar pose: z = 0, rotation about +z by heading_rad (counter-clockwise).
+  [[nodiscard]] static Pose planar(double x_m, double y_m, double heading_rad);
+  /// Rotation of the vehicle's x axis about map +z, in (-pi, pi].
+  [[nodiscard]] double heading_rad() const;
+  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return rotation * p + translation_m; }
+  [[nodiscard]] Pose operator*(const Pose& other) const;
+  [[nodiscard]] Pose inverse() const;
+};
+
+/// Angle brought into (-pi, pi].
+[[nodiscard]] double wrap_angle(double angle_rad);
+
+/// Rotation vector of a unit quaternion, |phi| <= pi, and back.
+[[nodiscard]] Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q);
+[[nodiscard]] Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& phi);
+[[nodiscard]] Eigen::Matrix3d skew(const Eigen::Vector3d& v);
+/// Right Jacobian of SO(3) and its inverse: Exp(phi + d) ~ Exp(phi) Exp(Jr d).
+[[nodiscard]] Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& phi);
+[[nodiscard]] Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& phi);
+
+/// Pose between a (alpha = 0) and b (alpha = 1): linear in translation, shortest rotation.
+[[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double alpha);
+
+/// How a vehicle may move, and with it the tangent space of its pose:
+/// planar: (x, y) in the map and heading, 3 values; spatial: translation in the map, rotation in the vehicle frame, 6 values.
+enum class Motion { kPlanar, kSpatial };
+[[nodiscard]] constexpr int pose_dof(Motion motion) { return motion == Motion::kPlanar ? 3 : 6; }
+
+/// Moves a pose by a tangent vector (see Motion).
+[[nodiscard]] Pose retract(const Pose& pose, const Eigen::Ref<const Eigen::VectorXd>& delta, Motion motion);
+
+}  // namespace octant

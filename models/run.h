@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/ids.h"
+#include "models/pose.h"
+
+namespace octant {
+
+inline constexpr std::int64_t kNoEpoch = std::numeric_limits<std::int64_t>::min();
+
+/// One time of flight between one beacon and one receiver.
+struct Arrival {
+  double time_s = 0.0;  ///< the instant at which the vehicle's end of the path acts
+  double tof_s = 0.0;
+  BeaconId beacon;
+  ReceiverId receiver;
+  VehicleId vehicle;
+  std::int64_t epoch = kNoEpoch;
+  double amplitude_v = std::numeric_limits<double>::quiet_NaN();       ///< NaN: not logged
+  double temperature_degC = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the run's or the site's
+  int line = 0;                                                         ///< row in tof.csv
+};
+
+/// Direction of a reflector in the vehicle frame, counter-clockwise from +x.
+struct Bearing {
+  double time_s = 0.0;
+  double bearing_rad = 0.0;
+  BeaconId reflector;  ///< not valid(): unlabelled
+  VehicleId vehicle;
+  std::int64_t epoch = kNoEpoch;
+  int line = 0;
+};
+
+/// Pose of this row in the frame of the row before; the first row is the anchor.
+struct OdometryStep {
+  double time_s = 0.0;
+  double dx_m = 0.0;
+  double dy_m = 0.0;
+  double dheading_rad = 0.0;
+  VehicleId vehicle;
+};
+
+struct TimedPose {
+  double time_s = 0.0;
+  Pose T_map_vehicle;
+};
+
+struct Scan {
+  double time_s = 0.0;
+  double angle_min_rad = 0.0;
+  double angle_increment_rad = 0.0;
+  std::vector<double> range_m;  ///< NaN: saw nothing
+};
+
+/// Accuracy of measured poses or of a reference trajectory; sigma 0 = exact.
+struct PoseAccuracy {
+  double position_sigma_m = 0.01;
+  double heading_sigma_rad = 0.01;   ///< ignored when heading_known is false
+  bool heading_known = true;
+  double attitude_sigma_rad = 0.01;  ///< roll and pitch; the heading's where it is not given
+  double max_gap_s = 1.0;            ///< longest gap over which poses are interpolated
+};
+
+/// Odometry noise over a step of length d and turn a:
+///   sigma_xy^2 = distance^2 d + floor_m^2,  sigma_heading^2 = heading^2 d + (per_rad a)^2 + floor_rad^2
+struct OdometryAccuracy {
+  double distance_sigma_m_per_sqrt_m = 0.02;
+  double heading_sigma_rad_per_sqrt_m = 0.02;
+  double heading_sigma_per_rad = 0.0;
+  double floor_m = 1.0e-4;
+  double floor_rad = 1.0e-4;
+};
+
+/// A row that was read but is no measurement, and why ("tof_s is not a number").
+struct RejectedRow {
+  int line = 0;
+  std::string reason;
+};
+
+/// One recording: what a run folder holds, row for row, names resolved to ids.
+struct MeasurementLog {
+  std::string path;  ///< of the folder, as the user wrote it
+  std::vector<Arrival> arrivals;
+  std::vector<Bearing> bearings;
+  std::vector<OdometryStep> odometry;
+  std::vector<TimedPose> poses;  ///< measured poses, observations
+  std::vector<TimedPose> truth;  ///< reference; read only on request (verify)
+  std::vector<Scan> scans;
+  VehicleId vehicle;             ///< of rows that name none, and of poses.tum
+  std::optional<double> temperature_degC;
+  std::optional<double> relative_humidity;
+  std::optional<double> pressure_pa;
+  PoseAccuracy pose_accuracy;
+  PoseAccuracy truth_accuracy;
+  OdometryAccuracy odometry_accuracy;
+  bool has_epochs = false;       ///< tof.csv or bearings.csv has an epoch column
+  std::size_t rows = 0;          ///< data rows of tof.csv, rejected ones included
+  std::vector<RejectedRow> rejected;
+  std::vector<std::string> warnings;
+  std::map<std::string, std::string> sha256;  ///< of each file read, by its path
+};
+
+}  // namespace octant

@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/attenuation.h"
+#include "models/ids.h"
+#include "models/medium.h"
+#include "models/pose.h"
+
+namespace octant {
+
+/// Clock by which times of flight are taken.
+enum class Clock {
+  kSynchronised,  ///< radio or wire marks the firing
+  kCycleOffset    ///< one unknown offset each epoch (Kleeman)
+};
+
+enum class Ranging {
+  kOneWay,
+  kTwoWay  ///< tof_s is the time there and back plus turnaround_s; the vehicle hears the reply at time_s
+};
+
+/// Which delays are unknowns of their own; an arrival's delay is the sum of those that apply.
+struct DelayPer {
+  bool beacon = false;
+  bool receiver = false;
+  bool site = false;
+  [[nodiscard]] bool none() const { return !beacon && !receiver && !site; }
+};
+
+struct Timing {
+  Clock clock = Clock::kSynchronised;
+  Ranging ranging = Ranging::kOneWay;
+  double turnaround_s = 0.0;      ///< two-way ranging only
+  DelayPer delay_per;
+  double delay_s = 0.0;           ///< prior mean of each delay
+  double delay_sigma_s = 0.0;     ///< prior sigma of each delay; 0: held fixed
+};
+
+struct Noise {
+  double tof_sigma_s = 1.0e-5;
+  double amplitude_relative_sigma = 0.05;   ///< of the amplitude column
+  std::optional<double> pair_sigma_s;       ///< bias that a beacon-receiver pair keeps
+  double bearing_sigma_rad = 0.01;
+  double range_sigma_m = 0.02;              ///< of scan beams
+};
+
+/// A number with its prior sigma; 0 holds it fixed.
+struct Prior {
+  double value = 0.0;
+  double sigma = 0.0;
+};
+
+struct AttenuationPrior {
+  Prior amplitude_1m_v, absorption_np_per_m, rise_time_s;
+  double threshold_v = 0.0;
+  [[nodiscard]] AttenuationModel mean() const {
+    return {amplitude_1m_v.value, absorption_np_per_m.value, threshold_v, rise_time_s.value};
+  }
+};
+
+/// A beacon as the site file knows it. A coordinate without a value is unknown; sigma 0 holds it fixed.
+struct SiteBeacon {
+  std::string name;
+  std::array<std::optional<double>, 3> position_m;
+  std::array<std::optional<double>, 3> sigma_m;  ///< no value beside a position: unknown accuracy, no prior
+  int line = 0;                                  ///< in the site file
+
+  [[nodiscard]] bool is_control_point() const {
+    for (int i = 0; i < 3; ++i)
+      if (!position_m[i] || !sigma_m[i] || *sigma_m[i] != 0.0) return false;
+    return true;
+  }
+};
+
+struct SiteReceiver {
+  std::string name;
+  VehicleId vehicle;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< in the vehicle frame
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();     ///< prior, per axis; 0 holds it fixed
+  std::optional<Eigen::Vector3d> axis;                   ///< direction of hearing, unit vector
+};
+
+struct SiteVehicle {
+  std::string name = "robot";
+  std::size_t first_receiver = 0;  ///< its receivers are contiguous in Site::receivers
+  std::size_t receiver_count = 0;
+};
+
+struct ControlDistance {
+  BeaconId from, to;
+  double distance_m = 0.0;
+  double sigma_m = 0.0;
+};
+
+/// What the site must reach; gates in verify and in reports.
+struct Tolerance {
+  std::optional<double> beacon_m;
+  std::optional<double> fix_m;
+};
+
+/// All that is known of a site before calibration.
+struct Site {
+  std::string name;
+  std::string path;  ///< of the file, as the user wrote it; empty if made in memory
+  Motion motion = Motion::kPlanar;
+  Medium medium;
+  double speed_sigma_mps = 0.0;       ///< prior of the offset from the medium's model; 0: held fixed
+  bool speed_offset_per_run = false;  ///< one offset each run instead of one for all
+  Timing timing;
+  Noise noise;
+  std::optional<AttenuationPrior> attenuation;
+  std::vector<SiteBeacon> beacons;
+  std::vector<SiteVehicle> vehicles;
+  std::vector<SiteReceiver> receivers;  ///< all vehicles' receivers, vehicle by vehicle
+  std::vector<ControlDistance> distances;
+  Tolerance tolerance;
+  std::vector<std::string> warnings;    ///< of reading: ignored keys, assumptions made
+  /// Blocks that the site file states; they may be left out only where there are no arrivals (bearings or scans alone).
+  bool medium_given = true, timing_given = true, tof_sigma_given = true;
+};
+
+/// Names by which a run's rows are resolved; from a site or from a deployment.
+struct NameTable {
+  std::vector<std::string> beacons;
+  std::vector<std::string> vehicles;
+  struct Receiver {
+    std::string name;
+    VehicleId vehicle;
+  };
+  std::vector<Receiver> receivers;
+};
+[[nodiscard]] NameTable names_of(const Site& site);
+
+}  // namespace octant

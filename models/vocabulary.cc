@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/deployment.h"
+#include "models/fix.h"
+#include "models/site.h"
+
+namespace octant {
+namespace {
+
+template <class Beacons, class Vehicles, class Receivers>
+NameTable collect_names(const Beacons& beacons, const Vehicles& vehicles, const Receivers& receivers) {
+  NameTable names;
+  for (const auto& beacon : beacons) names.beacons.push_back(beacon.name);
+  for (const auto& vehicle : vehicles) names.vehicles.push_back(vehicle.name);
+  for (const auto& receiver : receivers) names.receivers.push_back({receiver.name, receiver.vehicle});
+  return names;
+}
+
+}  // namespace
+
+NameTable names_of(const Site& site) { return collect_names(site.beacons, site.vehicles, site.receivers); }
+
+NameTable names_of(const Deployment& deployment) {
+  return collect_names(deployment.beacons, deployment.vehicles, deployment.receivers);
+}
+
+const char* to_string(BeaconStatus status) {
+  switch (status) {
+    case BeaconStatus::kCalibrated: return "calibrated";
+    case BeaconStatus::kControlPoint: return "control_point";
+    case BeaconStatus::kUndetermined: return "undetermined";
+  }
+  return "undetermined";
+}
+
+const char* to_string(FixStatus status) {
+  switch (status) {
+    case FixStatus::kOk: return "ok";
+    case FixStatus::kTooFewArrivals: return "too_few_arrivals";
+    case FixStatus::kPoorGeometry: return "poor_geometry";
+    case FixStatus::kAmbiguous: return "ambiguous";
+    case FixStatus::kNoConsensus: return "no_consensus";
+    case FixStatus::kNotConverged: return "not_converged";
+  }
+  return "not_converged";
+}
+
+const char* to_string(Rejection rejection) {
+  switch (rejection) {
+    case Rejection::kUsed: return "used";
+    case Rejection::kLate: return "late";
+    case Rejection::kEarly: return "early";
+    case Rejection::kBeaconUnusable: return "beacon_unusable";
+    case Rejection::kNoPose: return "no_pose";
+  }
+  return "no_pose";
+}
+
+}  // namespace octant

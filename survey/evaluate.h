@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/deployment.h"
+#include "models/fix.h"
+#include "models/run.h"
+#include "models/site.h"
+
+namespace octant::survey {
+
+/// A limit that a figure must keep.
+struct Gate {
+  std::string name;  ///< "fix_m": position RMSE; "matched": how many fixes the reference covers (at least)
+  double limit = 0.0;
+  double value = 0.0;
+  bool pass = false;
+};
+
+/// Fixes against a reference trajectory.
+struct Evaluation {
+  std::size_t fixes = 0;      ///< with status ok
+  std::size_t no_fix = 0;
+  std::size_t matched = 0;    ///< fixes for which truth.tum has a pose
+  double position_rmse_m = 0.0;  ///< horizontal for planar motion, in space otherwise
+  double position_p95_m = 0.0;
+  double max_error_m = 0.0;
+  std::optional<double> heading_rmse_rad;  ///< where the reference has a heading
+  std::optional<double> nees_mean;         ///< over its degrees of freedom: 1 for honest covariances
+  std::vector<Gate> gates;
+  [[nodiscard]] bool pass() const;
+};
+
+/// Fixes of one recording with its reference trajectory.
+struct ReferencedRun {
+  std::vector<Fix> fixes;
+  std::vector<TimedPose> truth;  ///< ordered by time
+  PoseAccuracy truth_accuracy;
+};
+
+/// Error of each fix against the reference interpolated at its time (never beyond its ends, nor over gaps longer than
+/// truth_accuracy.max_gap_s), summarised, held against the site's tolerance. The reference's own accuracy is added to the
+/// fix's covariance in the NEES.
+/// Where no fix has a reference the figures are zero and the gate "matched" fails, so that silence never passes.
+[[nodiscard]] Evaluation evaluate(const std::vector<Fix>& fixes, const std::vector<TimedPose>& truth, const PoseAccuracy& truth_accuracy,
+                                  Motion motion, const Tolerance& tolerance);
+/// The same over several recordings together.
+[[nodiscard]] Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion, const Tolerance& tolerance);
+
+/// How far a calibrated beacon stands from a reference deployment's beacon of the same name, in the same frame.
+struct BeaconError {
+  std::string name;
+  double error_m = 0.0;
+};
+/// Beacons that were solved for; control points, undetermined ones and those that the reference does not name are left out.
+[[nodiscard]] std::vector<BeaconError> beacon_errors(const Deployment& deployment, const Deployment& reference);
+
+}  // namespace octant::survey

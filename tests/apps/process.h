@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace octant::test {
+
+/// How a process ended.
+struct Outcome {
+  int exit = -1;  ///< 128 + signal where one ended it
+  std::string out, err;
+  /// Standard output as the one JSON object that it must be: one line, no NaN; null otherwise.
+  [[nodiscard]] nlohmann::json json() const;
+};
+
+struct RunOptions {
+  std::vector<std::string> environment;  ///< KEY=value beside the tests' own
+  std::string folder;                    ///< to run in
+  bool on_terminal = false;              ///< standard error is a terminal
+  int interrupt_signal = 0;              ///< sent as soon as standard error says something
+  std::string out_file;                  ///< standard output goes there
+};
+
+/// Runs the octant binary with these words.
+[[nodiscard]] Outcome octant(const std::vector<std::string>& words, const RunOptions& options = {});
+
+/// A folder of its own for a test, removed afterwards.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// Names of what lies in it, hidden files included.
+  [[nodiscard]] std::vector<std::string> names() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+[[nodiscard]] std::string slurp(const std::string& path);
+void spit(const std::string& path, const std::string& content);
+/// The hall of the demo as text, with one replacement, so that tests can ask for other worlds.
+[[nodiscard]] std::string hall_scenario(const std::string& what = "", const std::string& by = "");
+
+}  // namespace octant::test

@@ -1,0 +1,262 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// The road from a recording to a position, walked with the program as a process.
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/apps/process.h"
+
+namespace octant::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+/// A simulated hall in a folder of its own, smaller than the demo's.
+class Road : public ::testing::Test {
+ protected:
+  void SetUp() override { make(hall_scenario("epochs: 120", "epochs: 40")); }
+  void make(const std::string& scenario) {
+    spit(box / "scenario.yaml", scenario);
+    const Outcome made = octant({"simulate", box / "scenario.yaml", "-o", box / "hall"});
+    ASSERT_EQ(made.exit, 0) << made.err;
+    std::filesystem::create_directory(box / "out");
+  }
+  [[nodiscard]] std::string hall(const std::string& name) const { return box / ("hall/" + name); }
+  [[nodiscard]] Outcome calibrate(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words = {"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "--progress", "none"};
+    words.insert(words.end(), more.begin(), more.end());
+    return octant(words);
+  }
+  [[nodiscard]] std::vector<std::string> outputs() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(box / "out")) names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+  TemporaryFolder box;
+};
+
+TEST_F(Road, SimulateMakesAWorldAndReplacesOnlyWorlds) {
+  for (const char* name : {"site.yaml", "run/tof.csv", "run/run.yaml", "heldout/tof.csv", "heldout/truth.tum", "deployment.true.json"}) {
+    EXPECT_TRUE(std::filesystem::exists(hall(name))) << name;
+  }
+  const std::string before = slurp(hall("run/tof.csv"));
+  EXPECT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / "hall"}).exit, 0);
+  EXPECT_EQ(slurp(hall("run/tof.csv")), before) << "the same seed gives the same world";
+  EXPECT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / "hall", "--seed", "2"}).exit, 0);
+  EXPECT_NE(slurp(hall("run/tof.csv")), before);
+
+  spit(hall("run/thesis.txt"), "years of work");
+  const Outcome refused = octant({"simulate", box / "scenario.yaml", "-o", box / "hall", "--json"});
+  EXPECT_EQ(refused.exit, 3);
+  EXPECT_THAT(refused.json()["error"]["message"].get<std::string>(), HasSubstr("thesis.txt"));
+  EXPECT_EQ(slurp(hall("run/thesis.txt")), "years of work");
+  EXPECT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / "scenario.yaml"}).exit, 3);
+  EXPECT_THAT(box.names(), ElementsAre("hall", "out", "scenario.yaml")) << "nothing temporary stays";
+}
+
+TEST_F(Road, SimulateIntoTheFolderWhereOneStands) {
+  std::filesystem::create_directory(box / "here");
+  EXPECT_EQ(octant({"simulate", box / "scenario.yaml", "-o", "."}, {.folder = box / "here"}).exit, 0);
+  EXPECT_TRUE(std::filesystem::exists(box / "here/site.yaml"));
+  EXPECT_THAT(box.names(), ElementsAre("hall", "here", "out", "scenario.yaml"));
+}
+
+TEST_F(Road, CalibrateSaysWhatTheContractNames) {
+  const Outcome done = calibrate({"--json"});
+  ASSERT_EQ(done.exit, 0) << done.err;
+  const auto object = done.json();
+  ASSERT_TRUE(object.is_object()) << done.out;
+  for (const char* key : {"status", "converged", "iterations", "seconds", "arrivals", "rejected", "unknowns", "redundancy", "variance_factor", "chi2_p",
+                          "rms_s", "speed_mps", "speed_sigma_mps", "beacons", "receivers", "attenuation", "undetermined", "warnings", "weak", "datum",
+                          "left_out"}) {
+    EXPECT_TRUE(object.contains(key)) << key;
+  }
+  EXPECT_EQ(object["status"], "ok");
+  EXPECT_EQ(object["converged"], true);
+  ASSERT_EQ(object["beacons"].size(), 8u);
+  EXPECT_EQ(object["beacons"][0]["id"], "B0");
+  EXPECT_EQ(object["beacons"][0]["status"], "control_point");
+  EXPECT_EQ(object["beacons"][1]["position_m"].size(), 3u);
+  EXPECT_EQ(object["beacons"][1]["sigma_m"].size(), 3u);
+  EXPECT_EQ(object["receivers"].size(), 8u);
+  EXPECT_EQ(object["receivers"][0]["vehicle"], "robot");
+  EXPECT_THAT(outputs(), ElementsAre("d.json"));
+}
+
+TEST_F(Road, CalibrateForPeople) {
+  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "--report", box / "out/r.html"});
+  ASSERT_EQ(done.exit, 0) << done.err;
+  for (const char* word : {"B7", "control point", "speed", "datum", "variance factor", "d.json", "r.html"}) EXPECT_THAT(done.out, HasSubstr(word));
+  EXPECT_THAT(done.err, HasSubstr(" % "));  // plain progress lines where there is no terminal
+  EXPECT_THAT(done.err, Not(HasSubstr("\r")));
+  EXPECT_THAT(slurp(box / "out/r.html"), HasSubstr("<svg"));
+  EXPECT_THAT(octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "-q"}).err, Not(HasSubstr(" % ")));
+}
+
+TEST_F(Road, CalibrateToStandardOutput) {
+  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", "-", "-q"});
+  ASSERT_EQ(done.exit, 0) << done.err;
+  EXPECT_EQ(nlohmann::json::parse(done.out, nullptr, false)["type"], "octant_deployment");
+  EXPECT_THAT(done.err, HasSubstr("variance factor"));
+}
+
+TEST_F(Road, CreatedHonoursSourceDateEpoch) {
+  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", "-", "-q"}, {.environment = {"SOURCE_DATE_EPOCH=86400"}});
+  const auto object = nlohmann::json::parse(done.out, nullptr, false);
+  EXPECT_EQ(object["created"], "1970-01-02T00:00:00Z");
+  EXPECT_THAT(object["program"]["command"].get<std::string>(), HasSubstr("calibrate"));
+  EXPECT_GE(object["inputs"].size(), 2u);
+}
+
+TEST_F(Road, NobodyButVerifyOpensTheTruth) {
+  // A folder in place of the file: whoever opens it fails.
+  for (const char* run : {"run", "heldout"}) {
+    std::filesystem::remove(hall(std::string(run) + "/truth.tum"));
+    std::filesystem::create_directories(hall(std::string(run) + "/truth.tum"));
+  }
+  EXPECT_EQ(calibrate().exit, 0);
+  EXPECT_EQ(octant({"localize", box / "out/d.json", hall("heldout"), "-o", box / "out/f.tum"}).exit, 0);
+  EXPECT_EQ(octant({"verify", box / "out/d.json", hall("heldout")}).exit, 3);
+}
+
+TEST_F(Road, LocalizeAndVerify) {
+  const std::string deployment = hall("deployment.true.json");
+  const Outcome fixes = octant({"localize", deployment, hall("heldout"), "-o", box / "out/f.tum", "--csv", box / "out/f.csv", "--json"});
+  ASSERT_EQ(fixes.exit, 0) << fixes.err;
+  const auto found = fixes.json();
+  for (const char* key : {"status", "fixes", "no_fix", "seconds", "arrivals", "rejected", "method", "no_fix_reasons"}) EXPECT_TRUE(found.contains(key)) << key;
+  EXPECT_GT(found["fixes"].get<int>(), 30);
+  EXPECT_EQ(found["method"], "least_squares");
+  const std::string tum = slurp(box / "out/f.tum"), csv = slurp(box / "out/f.csv");
+  EXPECT_EQ(std::count(tum.begin(), tum.end(), '\n') - std::count(tum.begin(), tum.end(), '#'), found["fixes"].get<int>());
+  EXPECT_THAT(csv, HasSubstr("protection_level_m"));
+  EXPECT_EQ(octant({"localize", deployment, hall("heldout"), "-o", "-", "-q"}).out, tum);
+
+  const Outcome checked = octant({"verify", deployment, hall("heldout"), "--json"});
+  ASSERT_EQ(checked.exit, 0) << checked.err;
+  const auto verdict = checked.json();
+  for (const char* key : {"status", "matched", "position_rmse_m", "position_p95_m", "heading_rmse_rad", "max_error_m", "nees_mean", "gates"}) {
+    EXPECT_TRUE(verdict.contains(key)) << key;
+  }
+  EXPECT_LT(verdict["position_rmse_m"].get<double>(), 0.01);
+  EXPECT_EQ(verdict["gates"][0]["name"], "fix_m");
+  EXPECT_EQ(verdict["gates"][0]["pass"], true);
+}
+
+TEST_F(Road, VerifyRefusesARunWithoutTruth) {
+  std::filesystem::remove(hall("heldout/truth.tum"));
+  const Outcome refused = octant({"verify", hall("deployment.true.json"), hall("heldout"), "--json"});
+  EXPECT_EQ(refused.exit, 3);
+  EXPECT_THAT(refused.json()["error"]["file"].get<std::string>(), HasSubstr("truth.tum"));
+}
+
+TEST_F(Road, ABrokenGateIsExit6) {
+  make(hall_scenario("fix_m: 0.05", "fix_m: 0.0001"));
+  const Outcome broken = octant({"verify", hall("deployment.true.json"), hall("heldout"), "--json"});
+  EXPECT_EQ(broken.exit, 6) << broken.err;
+  const auto object = broken.json();
+  EXPECT_EQ(object["status"], "gate_failed");
+  EXPECT_EQ(object["error"]["exit"], 6);
+  EXPECT_EQ(object["gates"][0]["pass"], false);
+  EXPECT_TRUE(object["position_rmse_m"].is_number());
+}
+
+TEST_F(Road, NoFixAtAllIsSaidAndIsNoFailure) {
+  // One arrival an epoch determines nothing.
+  spit(hall("heldout/tof.csv"), "time_s,epoch,beacon,receiver,tof_s\n1,1,B1,r0,0.01\n6,2,B2,r0,0.01\n");
+  const Outcome none = octant({"localize", hall("deployment.true.json"), hall("heldout"), "-o", box / "out/f.tum", "--json"});
+  EXPECT_EQ(none.exit, 0) << none.err;
+  EXPECT_EQ(none.json()["status"], "no_fix");
+  EXPECT_EQ(none.json()["fixes"], 0);
+  EXPECT_THAT(none.err, HasSubstr("warning:"));
+}
+
+TEST_F(Road, BadInputNamesFileAndLine) {
+  const std::string tof = slurp(hall("run/tof.csv"));
+  std::string bad = tof;
+  const std::size_t at = bad.find("B1", bad.find('\n'));
+  ASSERT_NE(at, std::string::npos);
+  bad.replace(at, 2, "B99");
+  const auto line = 1 + std::count(bad.begin(), bad.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+  spit(hall("run/tof.csv"), bad);
+  const Outcome refused = calibrate({"--json"});
+  EXPECT_EQ(refused.exit, 3);
+  const auto error = refused.json()["error"];
+  EXPECT_EQ(error["code"], "bad_input");
+  EXPECT_THAT(error["file"].get<std::string>(), HasSubstr("tof.csv"));
+  EXPECT_EQ(error["line"], line);
+  EXPECT_THAT(refused.err, HasSubstr("tof.csv:" + std::to_string(line)));
+  EXPECT_THAT(refused.err, HasSubstr("B99"));
+  EXPECT_THAT(outputs(), IsEmpty());
+  EXPECT_EQ(octant({"calibrate", box / "nowhere.yaml", hall("run"), "-o", box / "out/d.json"}).exit, 3);
+  EXPECT_EQ(octant({"localize", hall("site.yaml"), hall("heldout"), "-o", box / "out/f.tum"}).exit, 3);
+  EXPECT_THAT(outputs(), IsEmpty());
+}
+
+TEST_F(Road, AnOutputThatCannotBeWrittenIsSaidBeforeTheWork) {
+  const Outcome refused = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "missing/d.json", "--json"});
+  EXPECT_EQ(refused.exit, 3);
+  EXPECT_EQ(refused.json()["error"]["code"], "output");
+  EXPECT_EQ(octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out"}).exit, 3);
+  EXPECT_EQ(octant({"localize", hall("deployment.true.json"), hall("heldout"), "-o", "/dev/full"}).exit, 3);
+}
+
+TEST_F(Road, UndeterminedExportsNothing) {
+  // Two epochs cannot carry five unknown beacons.
+  make(hall_scenario("epochs: 120", "epochs: 2"));
+  const Outcome refused = calibrate({"--json"});
+  EXPECT_EQ(refused.exit, 5) << refused.err;
+  const auto object = refused.json();
+  EXPECT_EQ(object["status"], "undetermined");
+  EXPECT_EQ(object["error"]["exit"], 5);
+  EXPECT_FALSE(object["undetermined"].empty());
+  EXPECT_TRUE(object["speed_mps"].is_null());
+  EXPECT_THAT(outputs(), IsEmpty());
+}
+
+TEST_F(Road, InterruptedLeavesNothingBehind) {
+  make(hall_scenario("epochs: 120", "epochs: 3000"));
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Outcome stopped = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "--json", "--progress", "json"},
+                                   {.interrupt_signal = signal});
+    EXPECT_EQ(stopped.exit, 130) << stopped.err;
+    EXPECT_EQ(stopped.json()["status"], "interrupted") << stopped.out;
+    EXPECT_THAT(outputs(), IsEmpty());
+  }
+}
+
+TEST_F(Road, ProgressAsJsonLines) {
+  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "--json", "--progress", "json"});
+  ASSERT_EQ(done.exit, 0) << done.err;
+  const std::string first = done.err.substr(0, done.err.find('\n'));
+  EXPECT_TRUE(nlohmann::json::parse(first, nullptr, false).contains("stage")) << first;
+  EXPECT_TRUE(done.json().is_object());
+}
+
+TEST(Demo, KeepsItsPromise) {
+  const TemporaryFolder box;
+  const Outcome demo = octant({"demo"}, {.folder = box.path().string()});
+  ASSERT_EQ(demo.exit, 0) << demo.out << demo.err;
+  EXPECT_THAT(demo.out, HasSubstr("largest beacon error"));
+  EXPECT_THAT(demo.out, HasSubstr("octant-demo/deployment.json\n"));
+  EXPECT_TRUE(std::filesystem::exists(box / "octant-demo/report.html"));
+  const Outcome again = octant({"demo", "--json", "-o", box / "octant-demo"});
+  ASSERT_EQ(again.exit, 0) << again.err;
+  const auto object = again.json();
+  for (const auto& gate : object["gates"]) {
+    EXPECT_EQ(gate["limit"], 0.01);
+    EXPECT_LT(gate["value"].get<double>(), 0.01);
+  }
+  for (const auto& path : object["outputs"]) EXPECT_TRUE(std::filesystem::exists(path.get<std::string>())) << path;
+}
+
+}  // namespace
+}  // namespace octant::test

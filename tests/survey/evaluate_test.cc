@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/evaluate.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+namespace octant::survey {
+namespace {
+
+Fix fix_at(double time_s, const Pose& pose) {
+  Fix fix;
+  fix.status = FixStatus::kOk;
+  fix.time_s = time_s;
+  fix.T_map_vehicle = pose;
+  fix.covariance = 1.0e-4 * Eigen::Matrix3d::Identity();
+  return fix;
+}
+
+const std::vector<TimedPose> kStraight = {{10.0, Pose::planar(0, 0, 0)}, {10.5, Pose::planar(1, 0, 0)}, {11.0, Pose::planar(2, 0, 0)}};
+const PoseAccuracy kExact = {.position_sigma_m = 0.0, .heading_sigma_rad = 0.0};
+
+TEST(Evaluate, ClosedFormFigures) {
+  // Offsets of 3, 4 and 0 mm: RMSE sqrt(25/3), and p95 interpolated between the two largest of three: 3 + 0.9 (4 - 3).
+  const std::vector<Fix> fixes = {fix_at(10.0, Pose::planar(0.003, 0, 0.1)), fix_at(10.5, Pose::planar(1, 0.004, -0.1)),
+                                  fix_at(11.0, Pose::planar(2, 0, 0.1))};
+  const Evaluation e = evaluate(fixes, kStraight, kExact, Motion::kPlanar, {.beacon_m = {}, .fix_m = 0.0029});
+  EXPECT_EQ(e.fixes, 3u);
+  EXPECT_EQ(e.matched, 3u);
+  EXPECT_NEAR(e.position_rmse_m, std::sqrt(25.0 / 3) * 1e-3, 1e-12);
+  EXPECT_NEAR(e.position_p95_m, 3.9e-3, 1e-12);
+  EXPECT_NEAR(e.max_error_m, 4e-3, 1e-12);
+  ASSERT_TRUE(e.heading_rmse_rad);
+  EXPECT_NEAR(*e.heading_rmse_rad, 0.1, 1e-12);
+  // (25 mm^2 + 3 x 0.01 rad^2) / 1e-4 over 3 degrees of freedom and 3 fixes.
+  ASSERT_TRUE(e.nees_mean);
+  EXPECT_NEAR(*e.nees_mean, (25e-6 + 0.03) / 1e-4 / 9, 1e-6);
+  ASSERT_EQ(e.gates.size(), 1u);
+  EXPECT_EQ(e.gates[0].name, "fix_m");
+  EXPECT_TRUE(e.pass()) << e.gates[0].value;
+}
+
+TEST(Evaluate, GateFailsAndNoToleranceHasNoGate) {
+  const std::vector<Fix> fixes = {fix_at(10.0, Pose::planar(0.01, 0, 0))};
+  EXPECT_FALSE(evaluate(fixes, kStraight, kExact, Motion::kPlanar, {.beacon_m = {}, .fix_m = 0.009}).pass());
+  EXPECT_TRUE(evaluate(fixes, kStraight, kExact, Motion::kPlanar, {.beacon_m = {}, .fix_m = 0.01}).pass());
+  EXPECT_TRUE(evaluate(fixes, kStraight, kExact, Motion::kPlanar, {}).gates.empty());
+}
+
+TEST(Evaluate, InterpolatesBetweenSamples) {
+  const Evaluation e = evaluate({fix_at(10.75, Pose::planar(1.5, 0, 0))}, kStraight, kExact, Motion::kPlanar, {});
+  EXPECT_EQ(e.matched, 1u);
+  EXPECT_NEAR(e.max_error_m, 0.0, 1e-12);
+}
+
+TEST(Evaluate, TurnsTheShortWay) {
+  const std::vector<TimedPose> truth = {{0.0, Pose::planar(0, 0, 3.1)}, {1.0, Pose::planar(0, 0, -3.1)}};
+  const Evaluation e = evaluate({fix_at(0.5, Pose::planar(0, 0, -M_PI))}, truth, kExact, Motion::kPlanar, {});
+  EXPECT_NEAR(e.heading_rmse_rad.value(), 0.0, 1e-9);
+}
+
+TEST(Evaluate, NeverBeyondTheEndsNorOverGaps) {
+  const Pose here = Pose::planar(0, 0, 0);
+  EXPECT_EQ(evaluate({fix_at(9.99, here), fix_at(11.01, here)}, kStraight, kExact, Motion::kPlanar, {}).matched, 0u);
+  // A rounding error beside the last sample is still that sample.
+  EXPECT_EQ(evaluate({fix_at(11.0 + 1e-9, here), fix_at(10.0 - 1e-9, here)}, kStraight, kExact, Motion::kPlanar, {}).matched, 2u);
+  const std::vector<TimedPose> sparse = {{0.0, here}, {100.0, here}};
+  EXPECT_EQ(evaluate({fix_at(0.0, here), fix_at(50.0, here), fix_at(100.0, here)}, sparse, kExact, Motion::kPlanar, {}).matched, 2u);
+}
+
+TEST(Evaluate, NothingMatchedNeverPasses) {
+  const Evaluation e = evaluate({fix_at(99.0, Pose{})}, kStraight, kExact, Motion::kPlanar, {});
+  EXPECT_EQ(e.matched, 0u);
+  EXPECT_FALSE(e.pass());
+  EXPECT_FALSE(e.nees_mean);
+  EXPECT_FALSE(e.heading_rmse_rad);
+  EXPECT_FALSE(evaluate(std::vector<Fix>{}, {}, kExact, Motion::kPlanar, {}).pass());
+}
+
+TEST(Evaluate, CountsEpochsWithoutFix) {
+  Fix none;
+  none.time_s = 10.0;
+  const Evaluation e = evaluate({none, fix_at(10.0, Pose::planar(0, 0, 0))}, kStraight, kExact, Motion::kPlanar, {});
+  EXPECT_EQ(e.no_fix, 1u);
+  EXPECT_EQ(e.fixes, 1u);
+}
+
+TEST(Evaluate, UnknownHeadingLeavesTheHeadingOut) {
+  PoseAccuracy accuracy = kExact;
+  accuracy.heading_known = false;
+  const Evaluation e = evaluate({fix_at(10.0, Pose::planar(0.01, 0, 2.0))}, kStraight, accuracy, Motion::kPlanar, {});
+  EXPECT_FALSE(e.heading_rmse_rad);
+  EXPECT_NEAR(e.nees_mean.value(), 0.5, 1e-9);  // one sigma in x, two degrees of freedom
+}
+
+TEST(Evaluate, SingularCovarianceGivesNoNees) {
+  Fix fix = fix_at(10.0, Pose::planar(0, 0, 0));
+  fix.covariance.setZero();
+  EXPECT_FALSE(evaluate({fix}, kStraight, kExact, Motion::kPlanar, {}).nees_mean);
+  fix.covariance = Eigen::MatrixXd();
+  EXPECT_FALSE(evaluate({fix}, kStraight, kExact, Motion::kPlanar, {}).nees_mean);
+}
+
+TEST(Evaluate, SpatialErrorIsInSpace) {
+  const std::vector<TimedPose> truth = {{0.0, Pose{}}};
+  Fix fix = fix_at(0.0, Pose{{0.0, 0.003, 0.004}, Eigen::Quaterniond::Identity()});
+  fix.covariance = Eigen::MatrixXd::Identity(6, 6);
+  EXPECT_NEAR(evaluate({fix}, truth, kExact, Motion::kSpatial, {}).max_error_m, 0.005, 1e-12);
+  EXPECT_NEAR(evaluate({fix}, truth, kExact, Motion::kPlanar, {}).max_error_m, 0.003, 1e-12);
+}
+
+TEST(Evaluate, RunsTogetherAreOneSample) {
+  const ReferencedRun one = {{fix_at(10.0, Pose::planar(0.003, 0, 0))}, kStraight, kExact};
+  const ReferencedRun two = {{fix_at(10.0, Pose::planar(0, 0.004, 0))}, kStraight, kExact};
+  const Evaluation e = evaluate({one, two}, Motion::kPlanar, {});
+  EXPECT_EQ(e.matched, 2u);
+  EXPECT_NEAR(e.position_rmse_m, std::sqrt(12.5) * 1e-3, 1e-12);
+}
+
+/// Quantile of chi-square over its degrees of freedom, Wilson and Hilferty; 0.1 % exact at the sizes used here.
+double chi2_over_dof(double z, double dof) { return std::pow(1 - 2 / (9 * dof) + z * std::sqrt(2 / (9 * dof)), 3); }
+
+void expect_honest_nees(Motion motion, bool heading_known, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const int n = pose_dof(motion), count = 4000;
+  const auto draw = [&](int rows) { return Eigen::VectorXd::NullaryExpr(rows, [&] { return normal(random); }).eval(); };
+  const PoseAccuracy accuracy = {.position_sigma_m = 0.004, .heading_sigma_rad = 0.003, .heading_known = heading_known,
+                                 .attitude_sigma_rad = 0.002};
+  std::vector<Fix> fixes;
+  std::vector<TimedPose> truth;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
+    const Eigen::MatrixXd C = 1e-5 * (A * A.transpose() + Eigen::MatrixXd::Identity(n, n));
+    Eigen::VectorXd pose = draw(n);
+    const Pose T_true = retract(Pose{}, pose, motion);
+    Fix fix = fix_at(i, retract(T_true, Eigen::VectorXd(Eigen::LLT<Eigen::MatrixXd>(C).matrixL() * draw(n)), motion));
+    fix.covariance = C;
+    Eigen::VectorXd noise = draw(n);
+    noise.head(motion == Motion::kPlanar ? 2 : 3) *= accuracy.position_sigma_m;
+    if (motion == Motion::kPlanar) {
+      noise[2] *= accuracy.heading_sigma_rad;
+    } else {  // about the map's axes, then into the vehicle frame
+      const Eigen::Vector3d about_map = noise.tail<3>().cwiseProduct(
+          Eigen::Vector3d(accuracy.attitude_sigma_rad, accuracy.attitude_sigma_rad, accuracy.heading_sigma_rad));
+      noise.tail<3>() = T_true.rotation.conjugate() * about_map;
+    }
+    truth.push_back({double(i), retract(T_true, noise, motion)});
+    fixes.push_back(fix);
+  }
+  const double dof = double(count) * (heading_known ? n : n == 3 ? 2 : 3);
+  const double nees = evaluate(fixes, truth, accuracy, motion, {}).nees_mean.value();
+  // Two-sided at 4 sigma (6e-5): a fixed seed, so that a failure is a change of the code.
+  EXPECT_GT(nees, chi2_over_dof(-4.0, dof)) << "seed " << seed;
+  EXPECT_LT(nees, chi2_over_dof(4.0, dof)) << "seed " << seed;
+}
+
+TEST(Evaluate, NeesOfHonestCovariancesIsChiSquare) {
+  expect_honest_nees(Motion::kPlanar, true, 1);
+  expect_honest_nees(Motion::kPlanar, false, 2);
+  expect_honest_nees(Motion::kSpatial, true, 3);
+  expect_honest_nees(Motion::kSpatial, false, 4);
+}
+
+TEST(BeaconErrors, OnlyBeaconsThatWereSolvedFor) {
+  Deployment found, truth;
+  const auto add = [](Deployment& d, const char* name, double x_m, BeaconStatus status) {
+    DeploymentBeacon beacon;
+    beacon.name = name;
+    beacon.position_m.x() = x_m;
+    beacon.status = status;
+    d.beacons.push_back(beacon);
+  };
+  add(found, "B0", 0.0, BeaconStatus::kControlPoint);
+  add(found, "B1", 1.002, BeaconStatus::kCalibrated);
+  add(found, "B2", 7.0, BeaconStatus::kUndetermined);
+  add(found, "B3", 3.0, BeaconStatus::kCalibrated);
+  add(truth, "B1", 1.0, BeaconStatus::kCalibrated);
+  add(truth, "B2", 2.0, BeaconStatus::kCalibrated);
+  const auto errors = beacon_errors(found, truth);
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_EQ(errors[0].name, "B1");
+  EXPECT_NEAR(errors[0].error_m, 0.002, 1e-12);
+}
+
+}  // namespace
+}  // namespace octant::survey
