@@ -250,6 +250,17 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
   return result;
 }
 
+double prior_cost(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x) {
+  double cost = 0.0;
+  for (int i = 0; i < layout.size(); ++i) {
+    const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
+    if (std::isfinite(p.prior_sigma)) cost += 0.5 * std::pow((x[i] - p.prior_mean) / p.prior_sigma, 2);
+  }
+  const SharedState state = layout.state_of(x);
+  for (const ControlDistance& d : problem.site.distances) cost += 0.5 * std::pow(distance_row(d, layout, state).residual, 2);
+  return cost;
+}
+
 Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
                            const Eigen::VectorXd& x, const RobustLoss& loss) {
   Information info;
@@ -269,11 +280,9 @@ Information information_at(const Problem& problem, const ParameterLayout& layout
     const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
     if (!std::isfinite(p.prior_sigma)) continue;
     info.prior(i, i) += 1.0 / (p.prior_sigma * p.prior_sigma);
-    info.prior_cost += 0.5 * std::pow((x[i] - p.prior_mean) / p.prior_sigma, 2);
   }
   for (const ControlDistance& d : problem.site.distances) {
     const DistanceRow row = distance_row(d, layout, state);
-    info.prior_cost += 0.5 * row.residual * row.residual;
     for (const auto& [i, a] : row.entries)
       for (const auto& [j, b] : row.entries) info.prior(i, j) += a * b;
   }

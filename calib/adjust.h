@@ -36,10 +36,13 @@ struct AdjustResult {
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
                     const AdjustOptions& options);
 
+/// 1/2 the weighted squares of priors and control distances at x.
+[[nodiscard]] double prior_cost(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x);
+
 /// Gauss-Newton matrix of arrivals and bearings alone (data) and of priors and control distances (prior) at x, states settled.
 struct Information {
   Eigen::MatrixXd data, prior;
-  double data_cost = 0.0, prior_cost = 0.0;
+  double data_cost = 0.0;
 };
 [[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
                                          const Eigen::VectorXd& x, const RobustLoss& loss = {});

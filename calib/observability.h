@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,8 +28,11 @@ namespace octant::calib {
 void judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
            const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution);
 
+/// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or the speed itself, to a
+/// tenth. Empty if so, otherwise what is missing.
+[[nodiscard]] std::optional<WeakDirection> missing_scale(const Problem& problem);
+
 /// Length that a deviation must not exceed: the site's tolerance for beacons, or a twentieth of the typical range.
 [[nodiscard]] double tolerance_m(const Problem& problem);
-[[nodiscard]] double typical_range_m(const Problem& problem);
 
 }  // namespace octant::calib

@@ -27,7 +27,6 @@ double site_extent_m(const Site& site, const MeasurementLog& run) {
     for (std::size_t i = 0; i < 3; ++i)
       if (beacon.position_m[i] && beacon.sigma_m[i]) extent = std::max(extent, *beacon.sigma_m[i]);
   for (const ControlDistance& d : site.distances) extent = std::max(extent, d.distance_m);
-  for (const SiteReceiver& r : site.receivers) extent = std::max(extent, r.position_m.norm());
   return extent;
 }
 

@@ -5,10 +5,12 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calib/adjust.h"
 #include "calib/calibrate.h"
 #include "calib/datum.h"
+#include "calib/label_check.h"
 #include "calib/observability.h"
 #include "calib/reject.h"
 #include "calib/start.h"
@@ -40,10 +42,12 @@ class Calibrator {
 
   Solution run() {
     if (!report("initial values", 0.02)) return interrupted();
+    if (const auto missing = missing_scale(problem_)) return refuse(*missing);
     start_ = initial_values(problem_);
     take_start();
     if (!placed_any_) return unplaced();
     if (!graduated()) return interrupted();
+    if (!mend_labels()) return interrupted();
     if (!settle_noise()) return interrupted();
     conclude();
     return std::move(solution_);
@@ -64,19 +68,27 @@ class Calibrator {
     return std::move(solution_);
   }
 
-  Solution unplaced() {
+  Solution refuse(WeakDirection direction) {
     solution_.status = SolveStatus::kUndetermined;
-    solution_.message = "no vehicle state could be placed: the beacons' positions are not known well enough to begin with";
-    for (std::size_t b = 0; b < usable_.size(); ++b)
-      if (!usable_[b]) solution_.undetermined.push_back("beacon/" + problem_.site.beacons[b].name);
-    solution_.weak.push_back({.description = "positions of the beacons",
-                              .parameters = solution_.undetermined,
-                              .sigma_m = 0.0,
-                              .consequence_m = 0.0,
-                              .remedy = "give approximate positions of at least three beacons, or measured poses of the vehicle",
-                              .blocking = true});
+    solution_.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}", direction.description, direction.remedy);
+    solution_.undetermined = direction.parameters;
+    solution_.weak.push_back(std::move(direction));
     finish();
     return std::move(solution_);
+  }
+
+  Solution unplaced() {
+    WeakDirection direction;
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < usable_.size(); ++b) {
+      if (usable_[b]) continue;
+      direction.parameters.push_back("beacon/" + problem_.site.beacons[b].name);
+      names.push_back(problem_.site.beacons[b].name);
+    }
+    direction.description = fmt::format("any pose of the vehicle, and with it the positions of beacons {}", fmt::join(names, ", "));
+    direction.remedy = "give approximate positions of three beacons that do not stand in line with the path, or measured poses of the vehicle";
+    direction.blocking = true;
+    return refuse(std::move(direction));
   }
 
   void take_start() {
@@ -122,6 +134,16 @@ class Calibrator {
     }
   }
 
+  /// Exchanged or misplaced beacons, once the arrivals have told where they are.
+  bool mend_labels() {
+    const LabelCheck check = check_labels(problem_, layout_, x_);
+    solution_.warnings.insert(solution_.warnings.end(), check.warnings.begin(), check.warnings.end());
+    if (!check.mended) return true;
+    if (!report("adjustment with mended positions", 0.62)) return false;
+    place_again(kCauchyScale);
+    return adjust_with(kCauchyScale, 1e-10);
+  }
+
   /// States that fell into a wrong place while the beacons were off.
   void place_again(double scale) {
     const EpochFixModel model = search_model(problem_, layout_.state_of(x_), usable_);
@@ -140,8 +162,10 @@ class Calibrator {
     for (int round = 0; round < kNoiseRounds; ++round) {
       if (!reject_and_adjust()) return false;
       const CalibrationStatistics s = statistics_of(problem_, layout_, trajectories_, layout_.state_of(x_), last_.cost);
-      if (s.chi2_p > 0.01 || !(s.redundancy >= 30) || !(s.variance_factor > 0)) break;
-      scale_noise(std::sqrt(s.variance_factor));
+      // A prior that is contradicted is no noise of the arrivals: only what the recordings say counts.
+      const double squares = 2 * (last_.cost - prior_cost(problem_, layout_, x_));
+      if (!(s.redundancy >= 30) || !(squares > 0) || chi_square_p(squares, s.redundancy) > 0.01) break;
+      scale_noise(std::sqrt(squares / s.redundancy));
     }
     return true;
   }
@@ -179,6 +203,7 @@ class Calibrator {
     if (last_.converged) judge(problem_, layout_, x_, usable_, start_.beacon_mirrored, options_.strict, trajectories_, solution_);
     collect_left_out();
     noise_warning();
+    for (std::string& warning : suspect_control_points(problem_, solution_.state, trajectories_)) solution_.warnings.push_back(std::move(warning));
     finish();
   }
 

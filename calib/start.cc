@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "calib/cold_start.h"
+#include "calib/ranges.h"
 #include "calib/trilaterate.h"
 #include "models/linearise.h"
 #include "models/localizers/tracker.h"
@@ -16,26 +18,6 @@ namespace {
 
 /// A beacon counts as known when its prior is this much tighter than the ranges it takes part in.
 constexpr double kKnownShareOfRange = 0.2;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// Range of an arrival by the prior speed and delays.
-double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
-  const double legs = a.two_way ? 2.0 : 1.0;
-  double tof_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? t.turnaround_s : 0.0);
-  if (state.attenuation) {
-    // One step of the fixed point is plenty for a start: the walk changes slowly with distance.
-    const double d = std::max(0.1, tof_s * a.model_speed_mps);
-    const auto walk = time_walk_s(amplitude_v(d, *state.attenuation), *state.attenuation);
-    if (walk) tof_s -= *walk;
-  }
-  return std::max(0.0, tof_s * (a.model_speed_mps + state.speed_offset(t.run)) / legs);
-}
 
 class Starter {
  public:
@@ -49,14 +31,39 @@ class Starter {
   Start run() {
     ranges_by_beacon();
     take_known_beacons();
-    for (std::size_t round = 0; round < site_.beacons.size() + 2; ++round) {
-      const std::size_t placed = place_all(), found = find_beacons();
-      if (placed + found == 0) break;
+    spread();
+    if (nothing_placed()) {
+      start_cold();
+      spread();
     }
     return std::move(start_);
   }
 
  private:
+  /// States from beacons and beacons from states, in turn, until nothing new is found.
+  void spread() {
+    for (std::size_t round = 0; round < site_.beacons.size() + 2; ++round) {
+      const std::size_t placed = place_all(), found = find_beacons();
+      if (placed + found == 0) break;
+    }
+  }
+
+  [[nodiscard]] bool nothing_placed() const {
+    for (const Trajectory& t : start_.trajectories)
+      for (const Node& node : t.nodes)
+        if (node.placed) return false;
+    return true;
+  }
+
+  void start_cold() {
+    // With some beacons known the frame is theirs; a second one would not agree with it.
+    if (std::count(start_.beacon_found.begin(), start_.beacon_found.end(), true) > 0) return;
+    ColdStart cold = start_from_odometry(problem_, start_.trajectories);
+    if (!cold.ok)
+      cold = start_from_array(problem_, start_.state, start_.trajectories, start_.beacon_found, typical_range_m_);
+    start_.slack_m = std::hypot(start_.slack_m, cold.slack_m);
+  }
+
   void ranges_by_beacon() {
     std::vector<std::vector<double>> ranges(site_.beacons.size());
     std::vector<double> all;
@@ -147,6 +154,42 @@ class Starter {
   double typical_range_m_ = 1.0;
 };
 
+/// The nodes of a segment as segments of their own: epochs chained by odometry are searched one by one.
+std::vector<Segment> epochs_of(const Trajectory& t, const Segment& segment) {
+  if (segment.last_node - segment.first_node == 1) return {segment};
+  std::vector<Segment> epochs;
+  Segment rest = segment;
+  const auto split = [](const auto& list, std::size_t& first, std::size_t last, std::size_t node, std::size_t& from, std::size_t& to) {
+    from = first;
+    while (first < last && list[first].node == node) ++first;
+    to = first;
+  };
+  for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
+    Segment epoch = {};
+    epoch.first_node = node;
+    epoch.last_node = node + 1;
+    split(t.arrivals, rest.first_arrival, rest.last_arrival, node, epoch.first_arrival, epoch.last_arrival);
+    split(t.bearings, rest.first_bearing, rest.last_bearing, node, epoch.first_bearing, epoch.last_bearing);
+    split(t.poses, rest.first_pose, rest.last_pose, node, epoch.first_pose, epoch.last_pose);
+    epochs.push_back(epoch);
+  }
+  return epochs;
+}
+
+bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model, const EpochFixOptions& options, bool again) {
+  Node& node = t.nodes[epoch.first_node];
+  if (epoch.first_pose < epoch.last_pose || (node.placed && !again)) return false;  // a measured pose needs no search
+  const Node before = node;
+  const bool found = fix_epoch(t, epoch, model, options).ok();
+  if (found) {
+    node.placed = true;
+  } else {
+    node = before;
+  }
+  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i) t.arrivals[i].rejection = Rejection::kUsed;
+  return found;
+}
+
 }  // namespace
 
 Start initial_values(const Problem& problem) { return Starter(problem).run(); }
@@ -174,20 +217,19 @@ std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack
   EpochFixOptions options;
   options.range_slack_m = slack_m;
   options.max_sigma_m = INFINITY;
-  for (const Segment& segment : t.segments) {
-    if (segment.first_pose < segment.last_pose) continue;  // a measured pose needs no search
-    Node& node = t.nodes[segment.first_node];
-    if (node.placed && !again) continue;
-    const Node before = node;
-    const Fix fix = fix_epoch(t, segment, model, options);
-    if (fix.ok()) {
-      node.placed = true;
-      ++placed;
-    } else if (before.placed) {
-      node = before;
+  for (const Segment& segment : t.segments)
+    for (const Segment& epoch : epochs_of(t, segment)) placed += place_epoch(t, epoch, model, options, again);
+  // What the search could not place, odometry reaches from a neighbour.
+  for (const OdometryObservation& o : t.odometry)
+    if (t.nodes[o.node].placed && !t.nodes[o.node + 1].placed) {
+      t.nodes[o.node + 1].T_map_vehicle = t.nodes[o.node].T_map_vehicle * o.T_before_after;
+      t.nodes[o.node + 1].placed = true;
     }
-    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) t.arrivals[i].rejection = Rejection::kUsed;
-  }
+  for (auto o = t.odometry.rbegin(); o != t.odometry.rend(); ++o)
+    if (t.nodes[o->node + 1].placed && !t.nodes[o->node].placed) {
+      t.nodes[o->node].T_map_vehicle = t.nodes[o->node + 1].T_map_vehicle * o->T_before_after.inverse();
+      t.nodes[o->node].placed = true;
+    }
   return placed;
 }
 

@@ -109,7 +109,11 @@ void read_timing(const YAML::Node& node, Site& site, YamlLog& log) {
       map.choice<Clock>("clock", {{"synchronised", Clock::kSynchronised}, {"cycle_offset", Clock::kCycleOffset}}, timing.clock);
   timing.ranging = map.choice<Ranging>("ranging", {{"one_way", Ranging::kOneWay}, {"two_way", Ranging::kTwoWay}}, timing.ranging);
   timing.turnaround_s = map.number("turnaround_s", 0.0, kNotNegative);
-  if (const YAML::Node per = map.get("delay_per"); per.IsDefined()) timing.delay_per = read_delay_per(per, log);
+  if (map.has("delay_per")) {
+    timing.delay_per = read_delay_per(map.get("delay_per"), log);
+  } else if (map.get("delay_per").IsDefined()) {
+    map.fail_missing("delay_per", "beacon, receiver, site, none, or a list");
+  }
   timing.delay_s = map.number("delay_s", 0.0);
   if (!timing.delay_per.none() && !map.has("delay_sigma_s")) {
     log.warn(node, "timing.delay_sigma_s is not given; the delays are held fixed (delay_sigma_s: 0)");
@@ -132,7 +136,7 @@ void read_noise(const YAML::Node& node, Site& site, YamlLog& log) {
 
 /// {value: 12.5, sigma: 3.0}, or the value alone: held fixed.
 Prior read_prior(YamlMap& parent, const char* key, NumberRange range, YamlLog& log) {
-  const YAML::Node node = parent.get(key);
+  const YAML::Node node = parent.block(key);
   if (!node.IsDefined()) {
     parent.fail_missing(key, "{value: ..., sigma: ...}");
     return {};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <yaml-cpp/depthguard.h>
 
 namespace octant::io {
 namespace {
@@ -76,6 +77,8 @@ Result<YAML::Node> parse_yaml(std::string_view text, const std::string& file) {
       return fail({.file = file, .line = line_of(documents[1]), .found = "a second document", .expected = "one YAML document"});
     }
     return documents.front();
+  } catch (const YAML::DeepRecursion& e) {
+    return fail({.file = file, .line = e.mark.line + 1, .found = "brackets or indentation hundreds of levels deep", .expected = "a few"});
   } catch (const YAML::Exception& e) {
     return fail({.file = file,
                  .line = e.mark.line + 1,
@@ -203,41 +206,47 @@ YAML::Node YamlMap::block(std::string_view key) {
   return node.IsDefined() && node.IsNull() ? YAML::Node(YAML::NodeType::Undefined) : node;
 }
 
-double YamlMap::number(std::string_view key, double fallback, NumberRange range) {
+YAML::Node YamlMap::scalar(std::string_view key, const std::string& expected) {
   const YAML::Node node = get(key);
+  if (!node.IsDefined() || !node.IsNull()) return node;
+  fail_missing(key, expected);
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+double YamlMap::number(std::string_view key, double fallback, NumberRange range) {
+  const YAML::Node node = scalar(key, range.words);
   return node.IsDefined() ? number_of(node, path(key), log_, range, fallback) : fallback;
 }
 
 double YamlMap::required_number(std::string_view key, NumberRange range) {
-  const YAML::Node node = get(key);
-  if (node.IsDefined()) return number_of(node, path(key), log_, range);
-  fail_missing(key, range.words);
-  return 0.0;
+  const std::optional<double> value = optional_number(key, range);
+  if (!value) fail_missing(key, range.words);
+  return value.value_or(0.0);
 }
 
 std::optional<double> YamlMap::optional_number(std::string_view key, NumberRange range) {
-  const YAML::Node node = get(key);
+  const YAML::Node node = scalar(key, range.words);
   if (!node.IsDefined()) return std::nullopt;
   return number_of(node, path(key), log_, range);
 }
 
 int YamlMap::integer(std::string_view key, int fallback, int low, int high) {
-  const YAML::Node node = get(key);
+  const YAML::Node node = scalar(key, "a whole number");
   return node.IsDefined() ? integer_of(node, path(key), log_, low, high, fallback) : fallback;
 }
 
 bool YamlMap::boolean(std::string_view key, bool fallback) {
-  const YAML::Node node = get(key);
+  const YAML::Node node = scalar(key, "true or false");
   return node.IsDefined() ? boolean_of(node, path(key), log_, fallback) : fallback;
 }
 
 std::string YamlMap::text(std::string_view key, const std::string& fallback) {
-  const YAML::Node node = get(key);
+  const YAML::Node node = scalar(key, "text");
   return node.IsDefined() ? text_of(node, path(key), log_) : fallback;
 }
 
 std::string YamlMap::required_text(std::string_view key) {
-  const YAML::Node node = get(key);
+  const YAML::Node node = scalar(key, "text");
   if (node.IsDefined()) return text_of(node, path(key), log_);
   fail_missing(key, "text");
   return "";
@@ -259,6 +268,10 @@ void YamlMap::fail(std::string_view key, std::string found, std::string expected
 }
 
 void YamlMap::fail_missing(std::string_view key, const std::string& expected) {
+  if (const Entry* entry = find(key); entry != nullptr) {
+    // A null has no place of its own: yaml-cpp gives it that of what comes next.
+    return log_.fail(entry->key_node, fmt::format("{} has no value", in_quotes(path(key))), expected);
+  }
   std::vector<std::string> unknown;
   for (const Entry& entry : entries_) {
     if (!entry.known) unknown.push_back(entry.key);

@@ -85,6 +85,7 @@ class YamlMap {
   /// The same, undefined if null as well: for blocks and lists.
   YAML::Node block(std::string_view key);
 
+  // Values; absent keys give the fallback, a null is an error.
   double number(std::string_view key, double fallback, NumberRange range = kAnyNumber);
   double required_number(std::string_view key, NumberRange range = kAnyNumber);
   std::optional<double> optional_number(std::string_view key, NumberRange range = kAnyNumber);
@@ -98,7 +99,7 @@ class YamlMap {
 
   template <class Enum>
   Enum choice(std::string_view key, const std::vector<std::pair<std::string, Enum>>& choices, Enum fallback) {
-    const YAML::Node node = get(key);
+    const YAML::Node node = scalar(key, "a word");
     if (!node.IsDefined()) return fallback;
     return choice_of(node, path(key), choices, fallback, log_);
   }
@@ -127,6 +128,8 @@ class YamlMap {
     bool known = false;
   };
   Entry* find(std::string_view key);
+  /// Value of a key, undefined node if absent; null is an error.
+  YAML::Node scalar(std::string_view key, const std::string& expected);
   static void fail_choice(const YAML::Node& node, const std::string& name, const std::string& word,
                           const std::vector<std::string>& words, YamlLog& log);
 

@@ -45,8 +45,8 @@ Result<Deployment> simulate_hall(const Places& at, Session& session) {
       !written) {
     return fail(written.error());
   }
-  session.result(fmt::format("$ octant simulate scenario.yaml --seed {} -o {}\n{} beacons, {} arrivals to calibrate with, {} held out\n\n",
-                             session.options.seed, at.folder, world->site.beacons.size(), world->run.arrivals.size(),
+  session.result(fmt::format("$ octant simulate {} --seed {} -o {}\n{} beacons, {} arrivals to calibrate with, {} held out\n\n",
+                             at.in("scenario.yaml"), session.options.seed, at.folder, world->site.beacons.size(), world->run.arrivals.size(),
                              world->heldout.arrivals.size()));
   return world->truth;
 }

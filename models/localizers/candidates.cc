@@ -31,7 +31,8 @@ int intersect(const Circle& a, const Circle& b, std::array<PlanarState, 2>& out)
   if (d < 1e-6) return 0;
   double along = (d * d + a.radius * a.radius - b.radius * b.radius) / (2 * d);
   const double across2 = a.radius * a.radius - along * along;
-  if (across2 < 0) along = d > a.radius + b.radius ? 0.5 * (a.radius + d - b.radius) : 0.5 * (along + std::copysign(a.radius, along));
+  if (across2 < 0)
+    along = d > a.radius + b.radius ? 0.5 * (a.radius + d - b.radius) : 0.5 * (along + std::copysign(a.radius, along));
   const double across = std::sqrt(std::max(across2, 0.0));
   for (int side = 0; side < 2; ++side) {
     const double h = side == 0 ? across : -across;
@@ -48,9 +49,8 @@ std::vector<std::array<std::size_t, 2>> representatives(const SearchProblem& pro
   for (std::size_t group = 0; group < problem.groups(); ++group) {
     order.clear();
     for (std::size_t i = problem.group_first[group]; i < problem.group_first[group + 1]; ++i) order.push_back(i);
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return problem.ranges[a].range_m < problem.ranges[b].range_m;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return problem.ranges[a].range_m < problem.ranges[b].range_m; });
     out.push_back({order.front(), order[order.size() / 2]});
   }
   return out;
@@ -63,7 +63,8 @@ std::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& proble
     // Along a drive each arrival has its own place: pairs of all beacons at all distances in time.
     const std::size_t n = problem.ranges.size();
     for (std::size_t stride = std::max<std::size_t>(n / 2, 1); pairs.size() < max_pairs && stride > 0; stride = stride * 2 / 3)
-      for (std::size_t i = 0; i + stride < n && pairs.size() < max_pairs; i += std::max<std::size_t>(n / 8, 1)) pairs.push_back({i, i + stride});
+      for (std::size_t i = 0; i + stride < n && pairs.size() < max_pairs; i += std::max<std::size_t>(n / 8, 1))
+        pairs.push_back({i, i + stride});
     return pairs;
   }
   const auto stand_for = representatives(problem);
@@ -86,7 +87,8 @@ void offer(const SearchProblem& problem, Consensus& consensus, PlanarState state
   const std::size_t stride = std::max<std::size_t>(problem.bearings.size() / 4, 1);
   for (std::size_t i = 0; i < problem.bearings.size(); i += stride) {
     const SearchBearing& b = problem.bearings[i];
-    state.heading_rad = wrap_angle(std::atan2(b.p_reflector_map_m.y() - state.y_m, b.p_reflector_map_m.x() - state.x_m) - b.bearing_rad);
+    state.heading_rad =
+        wrap_angle(std::atan2(b.p_reflector_map_m.y() - state.y_m, b.p_reflector_map_m.x() - state.x_m) - b.bearing_rad);
     top.offer(state, consensus.score(state, top.worst()));
   }
 }

@@ -33,10 +33,10 @@ class TopList {
 };
 
 struct SearchOptions {
-  int headings = 8;          ///< coarse headings over the full turn
-  int max_pairs = 40;        ///< pairs of arrivals whose circles are cut
-  int max_cells = 400;       ///< of the grid, where pairs do not do
-  std::size_t keep = 10;     ///< candidates that are refined
+  int headings = 8;       ///< coarse headings over the full turn
+  int max_pairs = 40;     ///< pairs of arrivals whose circles are cut
+  int max_cells = 400;    ///< of the grid, where pairs do not do
+  std::size_t keep = 10;  ///< candidates that are refined
 };
 
 /// Poses that pairs of arrivals of different beacons allow: for each coarse heading the circles about beacon less lever arm

@@ -64,8 +64,7 @@ void Consensus::residuals_of_group(const PlanarState& s, double cosine, double s
     const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z();
     const double flat2 = dx * dx + dy * dy;
     residual_[i] = r.range_m - s.offset_m - std::sqrt(flat2 + dz * dz);
-    const double towards =
-        -(dx * (cosine * r.axis.x() - sine * r.axis.y()) + dy * (sine * r.axis.x() + cosine * r.axis.y()));
+    const double towards = -(dx * (cosine * r.axis.x() - sine * r.axis.y()) + dy * (sine * r.axis.x() + cosine * r.axis.y()));
     behind_[i] = towards < 0 && towards * towards > kBehindCosine * kBehindCosine * flat2 ? kBehindCost : 0.0;
   }
 }
@@ -166,7 +165,8 @@ double Consensus::best_offset(const PlanarState& state) {
 }
 
 /// Normal equations of one beacon's arrivals; its bias, where it has one, is eliminated by the Schur complement.
-void Consensus::add_group(const PlanarState& s, double cosine, double sine, std::size_t group, Eigen::Matrix4d& H, Eigen::Vector4d& g) {
+void Consensus::add_group(const PlanarState& s, double cosine, double sine, std::size_t group, Eigen::Matrix4d& H,
+                          Eigen::Vector4d& g) {
   residuals_of_group(s, cosine, sine, group);
   bool direct = true;
   static_cast<void>(group_cost(group, direct));

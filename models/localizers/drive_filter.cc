@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/drive_filter.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "models/measurement.h"
@@ -11,6 +12,14 @@ namespace {
 
 constexpr double kForget = 1.0 / 30.0;
 constexpr int kIterations = 3;
+
+/// What calibration may be off by. It widens the gate only: it does not average out, so it must not count as noise.
+double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, const PathOutput& path) {
+  if (beacon.index() >= model.beacon_covariance.size()) return 0.0;
+  Eigen::Matrix<double, 5, 1> by;
+  by << path.tof_by_beacon.transpose(), 1.0, path.tof_by_speed;
+  return std::max(0.0, by.dot(model.beacon_covariance[beacon.index()] * by));
+}
 
 }  // namespace
 
@@ -54,7 +63,7 @@ Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObserva
     H = out.tof_by_pose.head<3>();
     const double S = H * covariance_ * H.transpose() + noise2;
     const double innovation = a.tof_s - out.tof_s + H.dot(moved);
-    if (k == 0 && innovation * innovation > gate_sigmas_ * gate_sigmas_ * S) {
+    if (k == 0 && innovation * innovation > gate_sigmas_ * gate_sigmas_ * (S + calibration_variance_s2(model_, a.beacon, out))) {
       acceptance_ -= kForget * acceptance_;
       return innovation > 0 ? Rejection::kLate : Rejection::kEarly;
     }

@@ -15,9 +15,9 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kMaxRanges = 80;     ///< arrivals of a window that are looked at
+constexpr std::size_t kMaxRanges = 80;  ///< arrivals of a window that are looked at
 constexpr std::size_t kMinRanges = 8;
-constexpr double kClearMargin = 8.0;       ///< of the log likelihood; a window that is not clear can always grow
+constexpr double kClearMargin = 8.0;  ///< of the log likelihood; a window that is not clear can always grow
 constexpr double kWindowGrowth = 1.4;
 constexpr double kMaxHeadingSigma = 0.25;  ///< rad: within it the filter linearises safely
 constexpr double kMaxMeanCost = 2.0;       ///< of an arrival: 0.5 where all is well, the caps where nothing fits
@@ -95,7 +95,8 @@ bool place_window(Trajectory& t, const Segment& window, const EpochFixModel& mod
   thin_out(problem);
   SearchOptions search;
   // Fine enough that half a step moves the end of the path by a fraction of the distances.
-  search.headings = std::clamp(static_cast<int>(std::ceil(2 * std::numbers::pi * problem.lever_m / (0.1 * problem.span_m))), 16, 72);
+  search.headings =
+      std::clamp(static_cast<int>(std::ceil(2 * std::numbers::pi * problem.lever_m / (0.1 * problem.span_m))), 16, 72);
   search.max_pairs = 60;
   search.keep = 24;
   const SearchResult result = search_pose(problem, search);
@@ -118,7 +119,8 @@ bool place_window(Trajectory& t, const Segment& window, const EpochFixModel& mod
 double independent_slack_m(const Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m) {
   if (slack_m == 0.0 || segment.first_arrival == segment.last_arrival) return slack_m;
   double path_m = 0.0, range_m = 0.0;
-  for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i) path_m += t.odometry[i].T_before_after.translation_m.norm();
+  for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
+    path_m += t.odometry[i].T_before_after.translation_m.norm();
   std::set<BeaconId> beacons;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     beacons.insert(t.arrivals[i].beacon);

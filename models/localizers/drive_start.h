@@ -20,7 +20,8 @@ struct DriveStart {
 /// What the slack of roughly known beacons amounts to for arrivals that are counted as independent: those of one beacon share
 /// its error until its direction has changed, say over half of a range driven, so each of the n until then has sqrt(n) times
 /// the slack. Without it hundreds of equally wrong ranges would bend the odometry.
-[[nodiscard]] double independent_slack_m(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, double slack_m);
+[[nodiscard]] double independent_slack_m(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                                         double slack_m);
 
 /// Widens the sigmas of a segment's arrivals by that, for as long as it lives.
 class WidenedArrivals {
@@ -37,7 +38,8 @@ class WidenedArrivals {
 };
 
 /// The part of a segment between two of its nodes, with the observations that touch no other.
-[[nodiscard]] Segment stretch_of(const Trajectory& trajectory, const Segment& segment, std::size_t first_node, std::size_t last_node);
+[[nodiscard]] Segment stretch_of(const Trajectory& trajectory, const Segment& segment, std::size_t first_node,
+                                 std::size_t last_node);
 
 /// Searches the place of the first stretch at or after from_node that the arrivals settle: the odometry of a window is taken
 /// as a rigid piece, whose middle pose is found as an epoch's is, with lever arms along the path. The window grows until one

@@ -21,7 +21,7 @@ constexpr double kFirstGate = 1.5;  ///< the search ends near the optimum, not a
 constexpr int kMarkRounds = 8;
 
 struct Count {
-  int heard = 0, used = 0;              ///< arrivals of usable beacons
+  int heard = 0, used = 0;  ///< arrivals of usable beacons
   int bearings = 0, poses = 0;
   int beacons_heard = 0, beacons_used = 0;
 };
@@ -51,7 +51,8 @@ void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& mod
     t.arrivals[i].rejection = model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
     BearingObservation& b = t.bearings[i];
-    b.rejection = !b.reflector.valid() || model.beacon_usable[b.reflector.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+    b.rejection =
+        !b.reflector.valid() || model.beacon_usable[b.reflector.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
   }
 }
 
@@ -62,7 +63,8 @@ bool mark_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& m
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
     BearingObservation& b = t.bearings[i];
     if (b.rejection == Rejection::kBeaconUnusable || bearing_rows(t, i, model.state, &row) == 0) continue;
-    const double d = (model.state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m).head<2>().norm();
+    const double d =
+        (model.state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m).head<2>().norm();
     double variance = b.sigma_rad * b.sigma_rad + std::pow(slack_m / std::max(d, 1e-3), 2);
     if (b.reflector.index() < model.beacon_covariance.size())
       variance += model.beacon_covariance[b.reflector.index()].topLeftCorner<2, 2>().trace() / std::max(d * d, 1e-6);
@@ -100,7 +102,8 @@ PlanarState start_at_measured_pose(const PoseObservation& measured, const Search
 }
 
 /// Adjusts and marks in turn until the marks rest.
-NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options) {
+NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                               const EpochFixOptions& options) {
   mark_arrivals(t, segment, model, options.range_slack_m, kFirstGate * options.rejection_sigmas);
   mark_bearings(t, segment, model, options.range_slack_m, 2 * kFirstGate * options.rejection_sigmas);
   NodeAdjustment adjustment = adjust_node(t, segment, model.state, options.range_slack_m);
@@ -157,7 +160,8 @@ double instant_of(const Trajectory& t, const Segment& segment) {
 }
 
 /// Sets the node to the best pose of a planar search; returns whether another pose is as good.
-bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options, bool& found) {
+bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options,
+                  bool& found) {
   const SearchProblem problem = make_search_problem(t, segment, model, options.range_slack_m);
   Node& node = t.nodes[segment.first_node];
   found = true;
@@ -185,7 +189,8 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
     const auto begin = list.begin();
     const auto from = std::partition_point(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last),
                                            [node](const auto& o) { return o.node < node; });
-    const auto to = std::partition_point(from, begin + static_cast<std::ptrdiff_t>(last), [node](const auto& o) { return o.node == node; });
+    const auto to =
+        std::partition_point(from, begin + static_cast<std::ptrdiff_t>(last), [node](const auto& o) { return o.node == node; });
     first = static_cast<std::size_t>(from - begin);
     last = static_cast<std::size_t>(to - begin);
   };

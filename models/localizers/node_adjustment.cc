@@ -35,7 +35,8 @@ void eliminate(const Bias& bias, NormalEquations& eq) {
 }
 
 /// Rows of one beacon are not neighbours in the log, so with biases the arrivals are visited beacon by beacon.
-void add_biased_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state, double slack_m, NormalEquations& eq) {
+void add_biased_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state, double slack_m,
+                         NormalEquations& eq) {
   const int n = t.block_size();
   ObservationRow rows[2];
   for (std::size_t b = 0; b < state.beacon_p_map_m.size(); ++b) {
@@ -64,7 +65,8 @@ void add_biased_arrivals(const Trajectory& t, const Segment& segment, const Shar
 /// Bearings of a beacon that is off by the slack are off by the slack over its distance.
 double bearing_weight(const Trajectory& t, const BearingObservation& b, const SharedState& state, double slack_m) {
   if (slack_m == 0.0) return 1.0;
-  const double d2 = (state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m).head<2>().squaredNorm();
+  const double d2 =
+      (state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m).head<2>().squaredNorm();
   return b.sigma_rad * b.sigma_rad / (b.sigma_rad * b.sigma_rad + slack_m * slack_m / std::max(d2, 1e-6));
 }
 
@@ -98,7 +100,8 @@ void move_node(Trajectory& t, Node& node, const NodeVector& step) {
 
 }  // namespace
 
-NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedState& state, double range_slack_m, int max_iterations) {
+NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedState& state, double range_slack_m,
+                           int max_iterations) {
   NodeAdjustment out;
   Node& node = t.nodes[segment.first_node];
   NormalEquations eq = normal_equations(t, segment, state, range_slack_m);
@@ -131,13 +134,15 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
   return out;
 }
 
-double allowed_residual_m(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model, double range_slack_m, double sigmas) {
+double allowed_residual_m(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model, double range_slack_m,
+                          double sigmas) {
   const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
   const double noise_m = a.sigma_s * speed;
   double variance = noise_m * noise_m + range_slack_m * range_slack_m;
   if (a.beacon.index() < model.beacon_covariance.size()) {
     const Pose T = pose_at(t, a.node, a.alpha);
-    const Eigen::Vector3d v = T * model.state.receiver_p_vehicle_m[a.receiver.index()] - model.state.beacon_p_map_m[a.beacon.index()];
+    const Eigen::Vector3d v =
+        T * model.state.receiver_p_vehicle_m[a.receiver.index()] - model.state.beacon_p_map_m[a.beacon.index()];
     const double d = std::max(v.norm(), 1e-6);
     Eigen::Matrix<double, 5, 1> by;
     by << -v / d, speed, -d / (speed * (a.two_way ? 2.0 : 1.0));

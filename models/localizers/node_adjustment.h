@@ -20,14 +20,15 @@ struct NodeAdjustment {
 /// beacons are known only to range_slack_m, each has a bias of that sigma, eliminated beforehand: it is common to the
 /// beacon's arrivals, so that the heading still follows from what they differ by.
 [[nodiscard]] NodeAdjustment adjust_node(Trajectory& trajectory, const Segment& segment, const SharedState& state,
-                                         double range_slack_m, int max_iterations = 20);
+                                         double range_slack_m, int max_iterations = 50);
 
 /// Largest residual, in metres, that an arrival may have at the given sigmas: noise, calibration and slack together.
-[[nodiscard]] double allowed_residual_m(const Trajectory& trajectory, const ArrivalObservation& arrival, const EpochFixModel& model,
-                                        double range_slack_m, double sigmas);
+[[nodiscard]] double allowed_residual_m(const Trajectory& trajectory, const ArrivalObservation& arrival,
+                                        const EpochFixModel& model, double range_slack_m, double sigmas);
 
 /// Marks the arrivals of the segment by their residuals at the node's state: out beyond `sigmas`, back in below 0.85 of it.
 /// Returns whether any mark has changed.
-bool mark_arrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, double range_slack_m, double sigmas);
+bool mark_arrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, double range_slack_m,
+                   double sigmas);
 
 }  // namespace octant

@@ -30,7 +30,8 @@ void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState
   if (!std::isfinite(found.score)) return;
   for (std::size_t i = 0; i < result.poses.size(); ++i) {
     // The same place, come upon from two sides: keep the better.
-    if (std::min(distance2(result.poses[i].state, state, result.information[i]), distance2(state, result.poses[i].state, information)) > 9.0)
+    if (std::min(distance2(result.poses[i].state, state, result.information[i]),
+                 distance2(state, result.poses[i].state, information)) > 9.0)
       continue;
     if (found.score < result.poses[i].score) {
       result.poses[i] = found;
@@ -45,7 +46,8 @@ void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState
 void sort_by_score(SearchResult& result) {
   std::vector<std::size_t> order(result.poses.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return result.poses[a].score < result.poses[b].score; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return result.poses[a].score < result.poses[b].score; });
   SearchResult sorted;
   for (const std::size_t i : order) {
     sorted.poses.push_back(result.poses[i]);
@@ -64,7 +66,8 @@ SearchResult search_pose(const SearchProblem& problem, const SearchOptions& opti
   // Half a step of the heading moves the end of the longest lever arm by this much.
   double width_m = 0.5 * problem.lever_m * std::numbers::pi / std::max(options.headings, 1);
   if (!by_pairs) width_m = std::max(width_m, 0.02 * problem.span_m);
-  TopList top(options.keep, 2 * width_m + 5 * std::hypot(problem.median_sigma_m, problem.slack_m), 1.2 * 2 * std::numbers::pi / options.headings);
+  TopList top(options.keep, 2 * width_m + 5 * std::hypot(problem.median_sigma_m, problem.slack_m),
+              1.2 * 2 * std::numbers::pi / options.headings);
   if (by_pairs) {
     consensus.set_extra_sigma(std::hypot(width_m, problem.median_sigma_m));
     propose_from_pairs(problem, options, consensus, top);
@@ -72,7 +75,8 @@ SearchResult search_pose(const SearchProblem& problem, const SearchOptions& opti
     propose_from_grid(problem, options, consensus, top);
   }
   width_m = std::max(width_m, problem.median_sigma_m);
-  for (const Candidate& candidate : top.list()) settle_into(problem, consensus, candidate.state, width_m, Consensus::kNone, result);
+  for (const Candidate& candidate : top.list())
+    settle_into(problem, consensus, candidate.state, width_m, Consensus::kNone, result);
   if (result.poses.empty()) return result;
   sort_by_score(result);
   // Where something does not fit the best pose, another beacon may be the one that is wrong: try without each.

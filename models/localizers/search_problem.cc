@@ -55,7 +55,8 @@ double calibration_sigma_m(const EpochFixModel& model, BeaconId beacon, double r
   if (beacon.index() >= model.beacon_covariance.size()) return 0.0;
   const auto& C = model.beacon_covariance[beacon.index()];
   const double by_speed = range_m / speed_mps;
-  return std::sqrt(std::max(0.0, C.topLeftCorner<3, 3>().trace() / 3 + speed_mps * speed_mps * C(3, 3) + by_speed * by_speed * C(4, 4)));
+  return std::sqrt(
+      std::max(0.0, C.topLeftCorner<3, 3>().trace() / 3 + speed_mps * speed_mps * C(3, 3) + by_speed * by_speed * C(4, 4)));
 }
 
 void add_bearings(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, const RigidPath& path,
@@ -100,7 +101,8 @@ SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& s
     const SearchRange& r = problem.ranges[i];
     if (i == 0 || r.beacon != problem.ranges[i - 1].beacon) {
       problem.group_first.push_back(i);
-      problem.group_bias_m.push_back(std::hypot(range_slack_m, calibration_sigma_m(model, r.beacon, r.range_m, model.nominal_speed_mps)));
+      problem.group_bias_m.push_back(
+          std::hypot(range_slack_m, calibration_sigma_m(model, r.beacon, r.range_m, model.nominal_speed_mps)));
     }
     problem.span_m = std::max(problem.span_m, r.range_m);
     problem.lever_m = std::max(problem.lever_m, r.p_lever_m.head<2>().norm());

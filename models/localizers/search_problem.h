@@ -50,9 +50,9 @@ struct SearchProblem {
   /// Arrivals of one beacon share its error of position and an obstacle's detour: true within a stationary epoch.
   bool common_bias = true;
   double slack_m = 0.0;
-  double speed_mps = 1.0;    ///< by which times became ranges, of the middle arrival
-  double span_m = 1.0;       ///< longest range
-  double lever_m = 0.0;      ///< longest horizontal lever arm
+  double speed_mps = 1.0;  ///< by which times became ranges, of the middle arrival
+  double span_m = 1.0;     ///< longest range
+  double lever_m = 0.0;    ///< longest horizontal lever arm
   double median_sigma_m = 0.0;
 
   [[nodiscard]] std::size_t groups() const { return group_first.empty() ? 0 : group_first.size() - 1; }
@@ -63,8 +63,8 @@ struct SearchProblem {
 /// The frames of a stretch of odometry in the frame of its anchor, and how far they may have drifted.
 struct RigidPath {
   std::size_t first_node = 0;
-  std::vector<Pose> T_anchor_node;   ///< empty: all observations are of the anchor itself
-  std::vector<double> drift_m;       ///< sigma, one for each node
+  std::vector<Pose> T_anchor_node;  ///< empty: all observations are of the anchor itself
+  std::vector<double> drift_m;      ///< sigma, one for each node
 };
 
 /// Reduces the usable arrivals and bearings of a segment. Two-way paths get the mean of both lever arms: their curvature is
@@ -72,7 +72,8 @@ struct RigidPath {
 [[nodiscard]] SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                                                 double range_slack_m, const RigidPath& path = {});
 
-/// Distance at which an arrival's time of flight is explained, time-walk included (a fixed point of d = c (tof - delay - walk(d))).
+/// Distance at which an arrival's time of flight is explained, time-walk included (a fixed point of d = c (tof - delay -
+/// walk(d))).
 [[nodiscard]] double range_of(const ArrivalObservation& arrival, const Trajectory& trajectory, const SharedState& state);
 
 }  // namespace octant

@@ -57,7 +57,8 @@ std::vector<Eigen::Quaterniond> coarse_rotations() {
   for (int face = 0; face < 6; ++face) {
     const Eigen::Quaterniond tip(face < 4 ? Axis(face * quarter, Eigen::Vector3d::UnitY())
                                           : Axis((face == 4 ? 1 : -1) * quarter, Eigen::Vector3d::UnitX()));
-    for (int turn = 0; turn < 4; ++turn) out.emplace_back(tip * Eigen::Quaterniond(Axis(turn * quarter, Eigen::Vector3d::UnitZ())));
+    for (int turn = 0; turn < 4; ++turn)
+      out.emplace_back(tip * Eigen::Quaterniond(Axis(turn * quarter, Eigen::Vector3d::UnitZ())));
   }
   return out;
 }
@@ -68,7 +69,8 @@ bool differs(const Pose& a, const Pose& b, double distance_m) {
 
 }  // namespace
 
-bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options, bool& found) {
+bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options,
+                   bool& found) {
   Node& node = t.nodes[segment.first_node];
   const SearchProblem problem = make_search_problem(t, segment, model, options.range_slack_m);
   found = segment.first_pose != segment.last_pose || (problem.groups() >= 3 && problem.ranges.size() >= 6);
@@ -96,7 +98,8 @@ bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& m
     found = false;
     return false;
   }
-  const auto best = std::min_element(settled.begin(), settled.end(), [](const Settled& a, const Settled& b) { return a.cost < b.cost; });
+  const auto best =
+      std::min_element(settled.begin(), settled.end(), [](const Settled& a, const Settled& b) { return a.cost < b.cost; });
   node = best->node;
   const double apart = 10 * problem.median_sigma_m + options.range_slack_m;
   return std::any_of(settled.begin(), settled.end(), [&](const Settled& s) {

@@ -15,7 +15,7 @@
 namespace octant {
 namespace {
 
-constexpr double kLost = 0.35;      ///< share of arrivals used below which the filter is lost
+constexpr double kLost = 0.35;  ///< share of arrivals used below which the filter is lost
 constexpr int kMarkRounds = 5;
 constexpr double kStartInflation = 4.0;  ///< of the covariance at the end of a stretch that was settled robustly
 
@@ -24,7 +24,8 @@ void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& mod
     t.arrivals[i].rejection = model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
     BearingObservation& b = t.bearings[i];
-    b.rejection = !b.reflector.valid() || model.beacon_usable[b.reflector.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+    b.rejection =
+        !b.reflector.valid() || model.beacon_usable[b.reflector.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
   }
 }
 
@@ -33,7 +34,8 @@ std::size_t arrival_from(const Trajectory& t, const Segment& segment, std::size_
   const auto begin = t.arrivals.begin();
   return static_cast<std::size_t>(std::partition_point(begin + static_cast<std::ptrdiff_t>(segment.first_arrival),
                                                        begin + static_cast<std::ptrdiff_t>(segment.last_arrival),
-                                                       [node](const ArrivalObservation& a) { return a.node < node; }) - begin);
+                                                       [node](const ArrivalObservation& a) { return a.node < node; }) -
+                                  begin);
 }
 
 /// Part of an odometry step between two of its instants.
@@ -41,7 +43,9 @@ Pose part_of(const Pose& step, double from, double to) {
   return interpolate(Pose{}, step, from).inverse() * interpolate(Pose{}, step, to);
 }
 
-Eigen::Matrix3d covariance_at(const Trajectory& t, const Segment& stretch, const EpochFixModel& model, std::size_t node) {
+Eigen::Matrix3d covariance_at(Trajectory& t, const Segment& stretch, const EpochFixModel& model, double slack_m,
+                              std::size_t node) {
+  const WidenedArrivals widened(t, stretch, model, slack_m);
   const Eigen::MatrixXd P = node_covariance(t, stretch, node, model.state);
   if (P.rows() < 3 || !P.allFinite()) return Eigen::Vector3d(1.0, 1.0, 0.1).asDiagonal();
   return kStartInflation * P.topLeftCorner<3, 3>();
@@ -101,11 +105,13 @@ bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& m
     if (!start.found) break;
     const Segment stretch = stretch_of(t, segment, start.first_node, start.last_node);
     if (!placed) {
-      filter.start(t.nodes[start.first_node].T_map_vehicle, covariance_at(t, stretch, model, start.first_node));
+      filter.start(t.nodes[start.first_node].T_map_vehicle,
+                   covariance_at(t, stretch, model, options.range_slack_m, start.first_node));
       run_backward(t, segment, filter, start.first_node);
       placed = true;
     }
-    filter.start(t.nodes[start.last_node - 1].T_map_vehicle, covariance_at(t, stretch, model, start.last_node - 1));
+    filter.start(t.nodes[start.last_node - 1].T_map_vehicle,
+                 covariance_at(t, stretch, model, options.range_slack_m, start.last_node - 1));
     from = run_forward(t, segment, filter, start.last_node - 1, [](std::size_t, std::size_t) {});
     if (from + 1 >= segment.last_node) return true;
   }
@@ -160,8 +166,10 @@ void unlocated(const Trajectory& t, const Segment& segment, std::vector<Fix>& fi
   });
 }
 
-void track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options, std::vector<Fix>& fixes) {
-  if (!place_segment(t, segment, model, options) || !smooth_segment(t, segment, model, options)) return unlocated(t, segment, fixes);
+void track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options,
+                  std::vector<Fix>& fixes) {
+  if (!place_segment(t, segment, model, options) || !smooth_segment(t, segment, model, options))
+    return unlocated(t, segment, fixes);
   const ChainCovariance covariance = chain_covariance(t, segment, model.state);
   for_each_instant(t, segment, [&](std::size_t first, std::size_t last) {
     Fix fix = fix_at(t, first, last);
@@ -174,7 +182,8 @@ void track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
 }
 
 /// Only what came before: no fix until a stretch has been placed, then the filter's.
-void track_causal(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options, std::vector<Fix>& fixes) {
+void track_causal(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options,
+                  std::vector<Fix>& fixes) {
   DriveFilter filter(model, options.rejection_sigmas, independent_slack_m(t, segment, model, options.range_slack_m));
   std::size_t from = segment.first_node;
   std::size_t reported = segment.first_arrival;
@@ -190,7 +199,8 @@ void track_causal(Trajectory& t, const Segment& segment, const EpochFixModel& mo
     if (!start.found) break;
     report_lost(arrival_from(t, segment, start.last_node - 1));
     const Segment stretch = stretch_of(t, segment, start.first_node, start.last_node);
-    filter.start(t.nodes[start.last_node - 1].T_map_vehicle, covariance_at(t, stretch, model, start.last_node - 1));
+    filter.start(t.nodes[start.last_node - 1].T_map_vehicle,
+                 covariance_at(t, stretch, model, options.range_slack_m, start.last_node - 1));
     from = run_forward(t, segment, filter, start.last_node - 1, [&](std::size_t first, std::size_t last) {
       Fix fix = fix_at(t, first, last);
       fix.T_map_vehicle = filter.pose();

@@ -14,10 +14,10 @@ namespace octant {
 
 struct TrackerOptions {
   double rejection_sigmas = 4.0;
-  double start_window_s = 2.0;      ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
+  double start_window_s = 2.0;  ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
   double max_start_window_s = 120.0;
-  double range_slack_m = 0.0;       ///< as in EpochFixOptions
-  bool smooth = true;               ///< use the whole run (fixed-interval smoothing); false: only what came before
+  double range_slack_m = 0.0;  ///< as in EpochFixOptions
+  bool smooth = true;          ///< use the whole run (fixed-interval smoothing); false: only what came before
 };
 
 /// Initial states of a moving trajectory with odometry: stretches are placed as rigid pieces of the odometry path by a search

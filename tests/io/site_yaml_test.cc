@@ -155,12 +155,16 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {medium + "  model: constant\n  speed_mps: .inf\n" + kTail, 6, "finite"},
       {medium + "  model: constant\n  speed_mps: \"343\"\n" + kTail, 6, "leave the quotes out"},
       {medium + "  model: constant\n  speed_mps: true\n" + kTail, 6, "'true'; expected a positive number"},
-      {medium + "  model: constant\n  speed_mps:\n" + kTail, 6, "is nothing"},
+      {medium + "  model: constant\n  speed_mps:\n" + kTail, 6, "has no value"},
       {medium + "  model: constant\n  speed_mps: 343,0\n" + kTail, 6, "'343,0'"},
       {medium + "  model: linear_temperature\n  temperature_degC: 293.15\n" + kTail, 6, "293 K"},
       {medium + "  model: cramer1993\n  relative_humidity: 50\n" + kTail, 6, "50 % is 0.5"},
       {medium + "  model: cramer1993\n  pressure_pa: 1013\n" + kTail, 6, "pascals"},
       {kHead + "medium: {model: constant, speed_mps: 343, sigma_mps: -1}\n" + kTail, 3, "zero or a positive"},
+      {kHead + "motion:\n" + kTail, 3, "given twice"},
+      {"octant_site: 1\nmotion:\n" + kTail, 2, "'motion' has no value"},
+      {kHead + "tolerance:\n  fix_m:\n" + kTail, 4, "'tolerance.fix_m' has no value"},
+      {kHead + "timing:\n  delay_per:\n" + kTail, 4, "timing.delay_per"},
       {kHead + "timing: {delay_per: [beacon, none]}\n" + kTail, 3, "'none' beside others"},
       {kHead + "timing: {clock: synchronized}\n" + kTail, 3, "did you mean 'synchronised'?"},
       {kHead + "noise: {tof_sigma_s: .nan}\n" + kTail, 3, "finite"},
@@ -185,7 +189,7 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {kHead + "beacons: []\n\tvehicles: 3\n", 4, "not YAML"},
       {kHead + kTail + "---\na: 1\n", 7, "second document"},
       {kHead + "name: \xFF\n", 3, "0xFF"},
-      {kHead + "name: " + std::string(100'000, '[') + "\n", 3, "not YAML"},
+      {kHead + "name: " + std::string(100'000, '[') + "\n", 4, "levels deep"},
   };
   for (const BadSite& bad : cases) {
     SCOPED_TRACE(bad.text.substr(0, 300));
@@ -201,7 +205,7 @@ TEST(SiteYaml, AliasesThatMultiplyCostNothing) {
     text += "]\n";
   }
   EXPECT_TRUE(read(text + kTail));
-  expect_error(read(text + "vehicles: *a29\nbeacons: *a29\n"), 33, "a list; expected a mapping");
+  expect_error(read(text + "vehicles: *a29\nbeacons: *a29\n"), 31, "a list; expected a mapping");
 }
 
 Site some_site() {

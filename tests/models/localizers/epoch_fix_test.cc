@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <set>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+#include <Eigen/LU>
 
 #include "tests/models/localizers/hall.h"
 #include "tests/support/statistics.h"
@@ -15,9 +15,9 @@
 namespace octant {
 namespace {
 
-using test::Hearing;
 using test::hall;
 using test::hear;
+using test::Hearing;
 using test::random_pose;
 using test::with_octagon;
 using test::with_receiver;
@@ -170,7 +170,8 @@ TEST(EpochFix, ArrayTellsTheMirrorImageOfTwoBeacons) {
     const Pose truth = random_pose(random);
     const Fix fix = localizer.locate(hear(d, truth, {.range_m = 50}, random));
     EXPECT_TRUE(!fix.ok() || position_error_m(fix.T_map_vehicle, truth) < 1e-6) << k;
-    EXPECT_TRUE(fix.ok() || fix.status == FixStatus::kAmbiguous || fix.status == FixStatus::kPoorGeometry) << k << to_string(fix.status);
+    EXPECT_TRUE(fix.ok() || fix.status == FixStatus::kAmbiguous || fix.status == FixStatus::kPoorGeometry)
+        << k << to_string(fix.status);
   }
 }
 
@@ -244,8 +245,8 @@ TEST(EpochFix, SlackKeepsTheHeading) {
     worst_rad = std::max(worst_rad, heading_error_rad(fix.T_map_vehicle, truth));
   }
   EXPECT_GE(fixes, 55);
-  EXPECT_LT(worst_m, 1.5);    // 0.3 m with a dilution of precision up to 1.3, four sigma
-  EXPECT_LT(worst_rad, 0.35); // five beacons give 0.03 rad by noise, their wrong directions 0.05 more
+  EXPECT_LT(worst_m, 1.5);     // 0.3 m with a dilution of precision up to 1.3, four sigma
+  EXPECT_LT(worst_rad, 0.35);  // five beacons give 0.03 rad by noise, their wrong directions 0.05 more
 }
 
 TEST(EpochFix, MeasuredPoseServesAsStart) {
@@ -257,7 +258,8 @@ TEST(EpochFix, MeasuredPoseServesAsStart) {
   log.vehicle = VehicleId(0);
   log.arrivals = hear(d, truth, {}, random);
   log.poses = {{-1.0, truth}, {10.0, truth}};
-  log.pose_accuracy = {.position_sigma_m = 0.01, .heading_sigma_rad = 0.0, .heading_known = false, .attitude_sigma_rad = 0.01, .max_gap_s = 100};
+  log.pose_accuracy = {
+      .position_sigma_m = 0.01, .heading_sigma_rad = 0.0, .heading_known = false, .attitude_sigma_rad = 0.01, .max_gap_s = 100};
   const std::vector<Fix> fixes = LeastSquaresLocalizer(d).locate(log);
   ASSERT_EQ(fixes.size(), 1u);
   ASSERT_TRUE(fixes[0].ok()) << to_string(fixes[0].status);

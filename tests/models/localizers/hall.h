@@ -24,7 +24,10 @@ inline Deployment hall(int beacons = 8) {
     const double s = (i + 0.37 + 0.2 * std::sin(5.0 * i)) * 64.0 / beacons;
     DeploymentBeacon b;
     b.name = "B" + std::to_string(i);
-    b.position_m = s < 20 ? Eigen::Vector3d(s, 0, 0) : s < 32 ? Eigen::Vector3d(20, s - 20, 0) : s < 52 ? Eigen::Vector3d(52 - s, 12, 0) : Eigen::Vector3d(0, 64 - s, 0);
+    b.position_m = s < 20   ? Eigen::Vector3d(s, 0, 0)
+                   : s < 32 ? Eigen::Vector3d(20, s - 20, 0)
+                   : s < 52 ? Eigen::Vector3d(52 - s, 12, 0)
+                            : Eigen::Vector3d(0, 64 - s, 0);
     b.position_m.z() = 2.5 + 0.1 * std::sin(3.0 * i);
     b.delay_s = 1e-4 + 2e-5 * std::cos(2.0 * i);
     d.beacons.push_back(b);
@@ -65,7 +68,8 @@ struct Hearing {
 
 /// Arrivals of one stop: each beacon in its slot, each receiver that hears it.
 template <class Random>
-std::vector<Arrival> hear(const Deployment& d, const Pose& T, const Hearing& h, Random& random, std::int64_t epoch = 0, double time_s = 0.0) {
+std::vector<Arrival> hear(const Deployment& d, const Pose& T, const Hearing& h, Random& random, std::int64_t epoch = 0,
+                          double time_s = 0.0) {
   std::vector<Arrival> out;
   std::normal_distribution<double> normal;
   for (std::size_t b = 0; b < d.beacons.size(); ++b)

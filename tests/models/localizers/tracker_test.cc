@@ -4,8 +4,8 @@
 
 #include <iostream>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "models/localizers/chain_covariance.h"
 #include "models/localizers/trajectory_model.h"
@@ -30,7 +30,11 @@ Drive drive(const Deployment& d, double seconds, double noise_s, double odometry
   std::normal_distribution<double> normal;
   Drive out;
   out.log.vehicle = VehicleId(0);
-  out.log.odometry_accuracy = {.distance_sigma_m_per_sqrt_m = 0.01, .heading_sigma_rad_per_sqrt_m = 0.0087, .heading_sigma_per_rad = 0.0, .floor_m = 1e-4, .floor_rad = 1e-4};
+  out.log.odometry_accuracy = {.distance_sigma_m_per_sqrt_m = 0.01,
+                               .heading_sigma_rad_per_sqrt_m = 0.0087,
+                               .heading_sigma_per_rad = 0.0,
+                               .floor_m = 1e-4,
+                               .floor_rad = 1e-4};
   const auto at = [](double t) {
     const double x = 10 + 6.5 * std::sin(0.09 * t + 0.3), y = 6 + 3.5 * std::sin(0.131 * t);
     return Pose::planar(x, y, std::atan2(3.5 * 0.131 * std::cos(0.131 * t), 6.5 * 0.09 * std::cos(0.09 * t + 0.3)));
@@ -52,7 +56,8 @@ Drive drive(const Deployment& d, double seconds, double noise_s, double odometry
   }
   for (int shot = 0; (shot + 2) * dt < seconds; ++shot) {
     const double time_s = shot * dt + 0.013;
-    const Pose T = interpolate(out.truth[static_cast<std::size_t>(shot)].T_map_vehicle, out.truth[static_cast<std::size_t>(shot) + 1].T_map_vehicle, 0.26);
+    const Pose T = interpolate(out.truth[static_cast<std::size_t>(shot)].T_map_vehicle,
+                               out.truth[static_cast<std::size_t>(shot) + 1].T_map_vehicle, 0.26);
     Deployment one = d;
     one.beacons = {d.beacons[static_cast<std::size_t>(shot) % d.beacons.size()]};
     for (Arrival a : test::hear(one, T, {.noise_s = noise_s}, random, kNoEpoch, time_s)) {

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/ranges.h"
+
+#include <algorithm>
+
+namespace octant::calib {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
+  const double legs = a.two_way ? 2.0 : 1.0;
+  double tof_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? t.turnaround_s : 0.0);
+  if (state.attenuation) {
+    // One step of the fixed point is plenty for a start: the walk changes slowly with distance.
+    const double d = std::max(0.1, tof_s * a.model_speed_mps);
+    const auto walk = time_walk_s(amplitude_v(d, *state.attenuation), *state.attenuation);
+    if (walk) tof_s -= *walk;
+  }
+  return std::max(0.0, tof_s * (a.model_speed_mps + state.speed_offset(t.run)) / legs);
+}
+
+double typical_range_m(const Problem& problem) {
+  const SharedState prior = prior_state(problem.site);
+  std::vector<double> ranges;
+  for (const Trajectory& t : problem.trajectories)
+    for (const ArrivalObservation& a : t.arrivals) ranges.push_back(prior_range_m(t, a, prior));
+  return ranges.empty() ? 1.0 : std::max(median(std::move(ranges)), 1e-3);
+}
+
+}  // namespace octant::calib

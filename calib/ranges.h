@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "calib/problem.h"
+#include "models/shared_state.h"
+#include "models/trajectory.h"
+
+namespace octant::calib {
+
+/// Range of an arrival by the speed and delays of a state, the walk by the attenuation's prior taken out [m].
+[[nodiscard]] double prior_range_m(const Trajectory& trajectory, const ArrivalObservation& arrival, const SharedState& state);
+
+/// Median of the prior ranges of all arrivals, at least a millimetre; 1 m without arrivals.
+[[nodiscard]] double typical_range_m(const Problem& problem);
+
+/// Median; 0 for no values.
+[[nodiscard]] double median(std::vector<double> values);
+
+}  // namespace octant::calib
