@@ -154,26 +154,10 @@ class Starter {
   double typical_range_m_ = 1.0;
 };
 
-/// The nodes of a segment as segments of their own: epochs chained by odometry are searched one by one.
-std::vector<Segment> epochs_of(const Trajectory& t, const Segment& segment) {
-  if (segment.last_node - segment.first_node == 1) return {segment};
-  std::vector<Segment> epochs;
-  Segment rest = segment;
-  const auto split = [](const auto& list, std::size_t& first, std::size_t last, std::size_t node, std::size_t& from, std::size_t& to) {
-    from = first;
-    while (first < last && list[first].node == node) ++first;
-    to = first;
-  };
-  for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
-    Segment epoch = {};
-    epoch.first_node = node;
-    epoch.last_node = node + 1;
-    split(t.arrivals, rest.first_arrival, rest.last_arrival, node, epoch.first_arrival, epoch.last_arrival);
-    split(t.bearings, rest.first_bearing, rest.last_bearing, node, epoch.first_bearing, epoch.last_bearing);
-    split(t.poses, rest.first_pose, rest.last_pose, node, epoch.first_pose, epoch.last_pose);
-    epochs.push_back(epoch);
-  }
-  return epochs;
+bool suspicious(const Trajectory& t, const Segment& epoch, const SharedState& state, double sigmas) {
+  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
+    if (t.arrivals[i].rejection != Rejection::kBeaconUnusable && std::abs(arrival_residual(t, t.arrivals[i], state)) > sigmas) return true;
+  return false;
 }
 
 bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model, const EpochFixOptions& options, bool again) {
@@ -203,7 +187,7 @@ EpochFixModel search_model(const Problem& problem, const SharedState& state, con
   return model;
 }
 
-std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again) {
+std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again, double suspect_sigmas) {
   std::size_t placed = 0;
   if (t.moving && !t.odometry.empty()) {
     const bool all = std::all_of(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; });
@@ -218,7 +202,10 @@ std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack
   options.range_slack_m = slack_m;
   options.max_sigma_m = INFINITY;
   for (const Segment& segment : t.segments)
-    for (const Segment& epoch : epochs_of(t, segment)) placed += place_epoch(t, epoch, model, options, again);
+    for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
+      const Segment epoch = node_segment(t, segment, node);  // epochs chained by odometry are searched one by one
+      placed += place_epoch(t, epoch, model, options, again && suspicious(t, epoch, model.state, suspect_sigmas));
+    }
   // What the search could not place, odometry reaches from a neighbour.
   for (const OdometryObservation& o : t.odometry)
     if (t.nodes[o.node].placed && !t.nodes[o.node + 1].placed) {

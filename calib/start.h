@@ -28,8 +28,8 @@ struct Start {
 /// What the epoch search has to know, for the beacons marked usable.
 [[nodiscard]] EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable);
 
-/// Places the states of a trajectory that have no initial value (all of them with `again`, but those with a measured pose).
-/// Returns how many segments were placed anew.
-std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double slack_m, bool again);
+/// Places the states of a trajectory that have no initial value; with `again` also those of epochs in which an arrival is off by
+/// more than `suspect_sigmas`. States with a measured pose are left. Returns how many segments were placed anew.
+std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double slack_m, bool again, double suspect_sigmas = 0.0);
 
 }  // namespace octant::calib

@@ -74,7 +74,8 @@ bool CsvReader::fail_at(int column, std::string found, std::string expected, std
 
 void CsvReader::fail_file(int line, std::string found, std::string expected, std::string advice) {
   if (error_) return;
-  error_ = Error{.file = file_, .line = line, .found = std::move(found), .expected = std::move(expected), .advice = std::move(advice)};
+  error_ =
+      Error{.file = file_, .line = line, .found = std::move(found), .expected = std::move(expected), .advice = std::move(advice)};
 }
 
 /// From 1, of a place in the current row, which runs over several lines if a quoted field does.
@@ -187,7 +188,8 @@ bool CsvReader::read_fields() {
       fields_.push_back(trimmed(begin, p));
     }
     if (fields_.size() > most) {
-      fail_file(row_line_, fmt::format("more than {} fields", most), header_.empty() ? "a header row" : fmt::format("{}, as in the header", header_.size()));
+      fail_file(row_line_, fmt::format("more than {} fields", most),
+                header_.empty() ? "a header row" : fmt::format("{}, as in the header", header_.size()));
       return false;
     }
     if (p != end_ && *p == ',') {
@@ -219,7 +221,8 @@ const char* CsvReader::read_quoted(const char* at) {
       continue;
     }
     if (joined != nullptr) joined->append(piece, p);
-    fields_.push_back(joined != nullptr ? std::string_view(*joined) : std::string_view(piece, static_cast<std::size_t>(p - piece)));
+    fields_.push_back(joined != nullptr ? std::string_view(*joined)
+                                        : std::string_view(piece, static_cast<std::size_t>(p - piece)));
     quoted_columns_.emplace_back(fields_.size() - 1, column_in_line(at));
     for (++p; p != end_ && is_blank(*p);) ++p;
     if (p == end_ || *p == ',' || *p == '\n') return p;
@@ -248,13 +251,17 @@ std::size_t CsvReader::rows_left_estimate() const {
   const char* stop = end_ - at_ > kSample ? at_ + kSample : end_;
   const auto lines = static_cast<std::size_t>(std::count(at_, stop, '\n')) + 1;
   const auto sampled = static_cast<std::size_t>(stop - at_);
-  return sampled == 0 ? 0 : static_cast<std::size_t>(1.02 * static_cast<double>(lines) * static_cast<double>(end_ - at_) / static_cast<double>(sampled)) + 1;
+  return sampled == 0 ? 0
+                      : static_cast<std::size_t>(1.02 * static_cast<double>(lines) * static_cast<double>(end_ - at_) /
+                                                 static_cast<double>(sampled)) +
+                            1;
 }
 
 bool CsvReader::not_a_number(int column, const char* expected) {
   const std::string_view text = field(column);
   const bool comma = text.find(',') != std::string_view::npos;
-  return fail_at(column, fmt::format("{} is {}", header_[static_cast<std::size_t>(column)], text.empty() ? "empty" : in_quotes(text)),
+  return fail_at(column,
+                 fmt::format("{} is {}", header_[static_cast<std::size_t>(column)], text.empty() ? "empty" : in_quotes(text)),
                  expected, comma ? "decimal points, not commas" : "");
 }
 

@@ -78,14 +78,14 @@ class CsvReader {
   std::string file_;
   const char* at_;
   const char* end_;
-  int line_ = 1;             // of at_
-  int row_line_ = 1;         // of the current row
+  int line_ = 1;               // of at_
+  int row_line_ = 1;           // of the current row
   const char* row_ = nullptr;  // begin of the current row
   std::vector<std::string> header_;
   std::vector<bool> known_;
   std::vector<std::string> asked_;
   std::vector<std::string_view> fields_;
-  std::deque<std::string> unquoted_;  // fields of the current row that had doubled quotes
+  std::deque<std::string> unquoted_;                         // fields of the current row that had doubled quotes
   std::vector<std::pair<std::size_t, int>> quoted_columns_;  // quoted fields of the current row and their columns in the line
   std::optional<Error> error_;
 };

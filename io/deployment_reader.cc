@@ -38,7 +38,8 @@ void read_medium(const JsonValue& json, Deployment& d) {
   d.speed_sigma_mps = json.at("sigma_mps").not_negative();
   const double offset_speed_mps = d.speed_mps(m.temperature_degC);
   if (!(std::abs(offset_speed_mps - calibrated_mps) <= 1e-9 * calibrated_mps)) {
-    json.at("speed_mps").fail(exact(calibrated_mps), fmt::format("{}, the model's speed and offset_mps", exact(offset_speed_mps)));
+    json.at("speed_mps")
+        .fail(exact(calibrated_mps), fmt::format("{}, the model's speed and offset_mps", exact(offset_speed_mps)));
   }
 }
 
@@ -157,7 +158,8 @@ void read_provenance(const JsonValue& root, Deployment& d) {
   d.datum.control_points = datum.find("control_points").texts();
   d.tolerance.beacon_m = optional_number(root.find("tolerance").find("beacon_m"));
   d.tolerance.fix_m = optional_number(root.find("tolerance").find("fix_m"));
-  for (const JsonValue& input : root.at("inputs").items()) d.inputs.push_back({input.at("path").text(), input.at("sha256").text()});
+  for (const JsonValue& input : root.at("inputs").items())
+    d.inputs.push_back({input.at("path").text(), input.at("sha256").text()});
   const JsonValue program = root.at("program");
   d.program_version = program.find("version").text();
   d.program_command = program.find("command").text();

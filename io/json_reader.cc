@@ -97,7 +97,8 @@ void append_pretty(std::string& out, const nlohmann::ordered_json& json, int ind
   if (json.is_object() && !json.empty()) {
     const char* separator = "{\n";
     for (const auto& [key, value] : json.items()) {
-      out += separator + std::string(static_cast<std::size_t>(indent) + 1, ' ') + nlohmann::ordered_json(key).dump(-1, ' ', false, kReplace) + ": ";
+      out += separator + std::string(static_cast<std::size_t>(indent) + 1, ' ') +
+             nlohmann::ordered_json(key).dump(-1, ' ', false, kReplace) + ": ";
       append_pretty(out, value, indent + 1);
       separator = ",\n";
     }
@@ -128,7 +129,9 @@ Result<nlohmann::json> parse_json(std::string_view text, const std::string& file
     return fail({.file = file,
                  .line = at.line,
                  .column = at.column,
-                 .found = text.empty() ? "the file is empty" : cut ? "the JSON ends too early" : "not JSON",
+                 .found = text.empty() ? "the file is empty"
+                          : cut        ? "the JSON ends too early"
+                                       : "not JSON",
                  .expected = "a whole JSON document",
                  .advice = "the file is truncated or altered: write it again, or take a copy"});
   } catch (const std::exception& e) {  // a number beyond the range of a double, no memory

@@ -39,7 +39,8 @@ struct JsonLog {
 /// A value and where it stands. On failure getters log and return a fallback.
 class JsonValue {
  public:
-  JsonValue(const nlohmann::json* json, std::string pointer, JsonLog& log) : json_(json), pointer_(std::move(pointer)), log_(&log) {}
+  JsonValue(const nlohmann::json* json, std::string pointer, JsonLog& log)
+      : json_(json), pointer_(std::move(pointer)), log_(&log) {}
 
   [[nodiscard]] bool present() const { return json_ != nullptr && !json_->is_null(); }
   [[nodiscard]] bool is_array() const { return present() && json_->is_array(); }

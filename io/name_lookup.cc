@@ -41,8 +41,8 @@ bool NameLookup::vehicle(CsvReader& csv, int column, VehicleId& id) const {
   if (name.empty()) {
     id = default_vehicle;
     if (id.valid()) return true;
-    return csv.fail_at(column, fmt::format("the row names no vehicle, and the site has {}", names_.vehicles.size()), "a vehicle's id",
-                       "add a column 'vehicle', or 'vehicle: ...' in run.yaml");
+    return csv.fail_at(column, fmt::format("the row names no vehicle, and the site has {}", names_.vehicles.size()),
+                       "a vehicle's id", "add a column 'vehicle', or 'vehicle: ...' in run.yaml");
   }
   id = vehicle(name);
   if (id.valid()) return true;
@@ -57,8 +57,8 @@ bool NameLookup::receiver(CsvReader& csv, int column, VehicleId vehicle, Receive
     id = only_receiver_[vehicle.index()];
     if (id.valid()) return true;
     return csv.fail_at(column,
-                       fmt::format("the row names no receiver, and vehicle {} has {}", in_quotes(names_.vehicles[vehicle.index()]),
-                                   known.size()),
+                       fmt::format("the row names no receiver, and vehicle {} has {}",
+                                   in_quotes(names_.vehicles[vehicle.index()]), known.size()),
                        "a receiver's id", known.empty() ? "list its receivers in the site file" : "add a column 'receiver'");
   }
   if (const auto found = known.find(name); found != known.end()) {
@@ -69,9 +69,9 @@ bool NameLookup::receiver(CsvReader& csv, int column, VehicleId vehicle, Receive
   for (const auto& r : names_.receivers) {
     if (r.vehicle == vehicle) candidates.push_back(r.name);
   }
-  return csv.fail_at(column,
-                     fmt::format("receiver {} is not on vehicle {}", in_quotes(name), in_quotes(names_.vehicles[vehicle.index()])),
-                     "a receiver's id", suggestion(name, candidates));
+  return csv.fail_at(
+      column, fmt::format("receiver {} is not on vehicle {}", in_quotes(name), in_quotes(names_.vehicles[vehicle.index()])),
+      "a receiver's id", suggestion(name, candidates));
 }
 
 OrderWatch::OrderWatch(std::size_t vehicles, int time_column, int epoch_column)

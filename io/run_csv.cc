@@ -84,7 +84,9 @@ Result<void> parse_bearings(std::string_view text, const std::string& file, cons
     if (!check_angle(csv, angle, "bearing_rad", row.bearing_rad)) break;
     log.bearings.push_back(row);
   }
-  if (skipped > 0) log.warnings.push_back(fmt::format("{}: bearing_rad is not a number; {} row{} left out", first, skipped, skipped == 1 ? "" : "s"));
+  if (skipped > 0)
+    log.warnings.push_back(
+        fmt::format("{}: bearing_rad is not a number; {} row{} left out", first, skipped, skipped == 1 ? "" : "s"));
   return finish(csv, log);
 }
 
@@ -124,12 +126,14 @@ Result<void> parse_scans(std::string_view text, const std::string& file, double 
     Scan scan;
     if (!csv.number(time, scan.time_s) || !order.time(csv, scan.time_s)) break;
     if (!csv.number(first, scan.angle_min_rad) || !check_angle(csv, first, "angle_min_rad", scan.angle_min_rad)) break;
-    if (!csv.number(step, scan.angle_increment_rad) || !check_angle(csv, step, "angle_increment_rad", scan.angle_increment_rad)) break;
+    if (!csv.number(step, scan.angle_increment_rad) || !check_angle(csv, step, "angle_increment_rad", scan.angle_increment_rad))
+      break;
     scan.range_m.resize(ranges.size());
     for (std::size_t k = 0; k < ranges.size(); ++k) {
       if (!csv.number_or_nan(ranges[k], scan.range_m[k])) break;
       const double range_m = scan.range_m[k];
-      if (!(range_m > 0.0) || range_m > range_max_m || std::isinf(range_m)) scan.range_m[k] = std::numeric_limits<double>::quiet_NaN();
+      if (!(range_m > 0.0) || range_m > range_max_m || std::isinf(range_m))
+        scan.range_m[k] = std::numeric_limits<double>::quiet_NaN();
     }
     if (csv.error()) break;
     log.scans.push_back(std::move(scan));

@@ -130,9 +130,10 @@ class RunReader {
     if (!track) return fail(track.error());
     poses = std::move(*track);
     if (poses.empty() || log_.vehicle.valid()) return {};
-    return fail({.file = path(name),
-                 .found = fmt::format("it is open whose poses these are: the site has {} vehicles", lookup_.names().vehicles.size()),
-                 .expected = "'vehicle: ...' in run.yaml"});
+    return fail(
+        {.file = path(name),
+         .found = fmt::format("it is open whose poses these are: the site has {} vehicles", lookup_.names().vehicles.size()),
+         .expected = "'vehicle: ...' in run.yaml"});
   }
 
   Result<void> check_content() {
@@ -167,7 +168,8 @@ class RunReader {
 
 }  // namespace
 
-Result<MeasurementLog> read_run(const std::string& folder, const NameTable& names, const Timing& timing, const ReadRunOptions& options) {
+Result<MeasurementLog> read_run(const std::string& folder, const NameTable& names, const Timing& timing,
+                                const ReadRunOptions& options) {
   return RunReader(folder, names, timing, options).read();
 }
 

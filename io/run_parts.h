@@ -50,7 +50,7 @@ class OrderWatch {
  private:
   int time_column_, epoch_column_;
   double last_time_s_;
-  std::vector<std::int64_t> current_;                         // by vehicle
+  std::vector<std::int64_t> current_;                       // by vehicle
   std::vector<std::unordered_set<std::int64_t>> finished_;  // by vehicle
 };
 

@@ -26,7 +26,9 @@ std::string sigma_text(const std::array<std::optional<double>, 3>& sigmas) {
 
 bool any(const std::array<std::optional<double>, 3>& values) { return values[0] || values[1] || values[2]; }
 
-std::string prior_text(const Prior& prior) { return fmt::format("{{value: {}, sigma: {}}}", exact(prior.value), exact(prior.sigma)); }
+std::string prior_text(const Prior& prior) {
+  return fmt::format("{{value: {}, sigma: {}}}", exact(prior.value), exact(prior.sigma));
+}
 
 std::string delay_per_text(const DelayPer& per) {
   std::string out;
@@ -42,7 +44,8 @@ void write_medium(const Site& site, Out out) {
   fmt::format_to(out, "medium:\n  model: {}\n", to_string(m.model));
   fmt::format_to(out, "  speed_mps: {}\n  temperature_degC: {}\n", exact(m.speed_mps), exact(m.temperature_degC));
   fmt::format_to(out, "  relative_humidity: {}\n  pressure_pa: {}\n", exact(m.relative_humidity), exact(m.pressure_pa));
-  fmt::format_to(out, "  sigma_mps: {}\n  offset_per: {}\n", exact(site.speed_sigma_mps), site.speed_offset_per_run ? "run" : "site");
+  fmt::format_to(out, "  sigma_mps: {}\n  offset_per: {}\n", exact(site.speed_sigma_mps),
+                 site.speed_offset_per_run ? "run" : "site");
 }
 
 void write_timing(const Timing& t, Out out) {

@@ -34,8 +34,8 @@ class UniqueIds {
     }
     const auto [first, is_new] = lines_.emplace(id, line_of(node));
     if (!is_new) {
-      log_.fail(node, fmt::format("{} id {} is used twice (first in line {})", kind_, in_quotes(id), first->second), "each id once",
-                "rename one of them");
+      log_.fail(node, fmt::format("{} id {} is used twice (first in line {})", kind_, in_quotes(id), first->second),
+                "each id once", "rename one of them");
     }
     return id;
   }

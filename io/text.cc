@@ -14,7 +14,7 @@
 namespace octant::io {
 namespace {
 
-constexpr std::size_t kShown = 40;      // characters of a value that a message repeats
+constexpr std::size_t kShown = 40;        // characters of a value that a message repeats
 constexpr std::size_t kLongestName = 64;  // beyond it nobody has mistyped a name
 
 std::string lower(std::string_view text) {
@@ -111,7 +111,8 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& ca
       const std::string have = lower(candidate);
       std::size_t distance = edit_distance(wanted, have);
       // A name that lacks its unit, or that has a wrong one behind it.
-      if (wanted.size() >= 3 && (have.starts_with(wanted) || wanted.starts_with(have + "_"))) distance = std::min<std::size_t>(distance, 1);
+      if (wanted.size() >= 3 && (have.starts_with(wanted) || wanted.starts_with(have + "_")))
+        distance = std::min<std::size_t>(distance, 1);
       if (distance <= limit && distance < have.size()) close.emplace_back(distance, candidate);
     }
   }

@@ -67,8 +67,8 @@ void warn_of_refusals(const std::array<RefusalCount, 4>& refusals, MeasurementLo
   for (std::size_t kind = 1; kind < refusals.size(); ++kind) {
     const RefusalCount& r = refusals[kind];
     if (r.count == 0) continue;
-    log.warnings.push_back(fmt::format("{}: {}{}; {} arrival{} rejected for this reason", r.first_place, kReasons[kind], r.first_text, r.count,
-                                       r.count == 1 ? "" : "s"));
+    log.warnings.push_back(fmt::format("{}: {}{}; {} arrival{} rejected for this reason", r.first_place, kReasons[kind],
+                                       r.first_text, r.count, r.count == 1 ? "" : "s"));
   }
 }
 
@@ -89,7 +89,8 @@ bool read_arrival(CsvReader& csv, const TofColumns& columns, const NameLookup& n
 
 }  // namespace
 
-Result<void> parse_tof(std::string_view text, const std::string& file, const NameLookup& names, Clock clock, MeasurementLog& log) {
+Result<void> parse_tof(std::string_view text, const std::string& file, const NameLookup& names, Clock clock,
+                       MeasurementLog& log) {
   CsvReader csv(text, file);
   csv.read_header();
   if (csv.error()) return fail(*csv.error());

@@ -69,7 +69,8 @@ class TumReader {
       at = stop;
     }
     if (count == 0) return false;
-    return count == values.size() || note(0, fmt::format("{} field{}", count, count == 1 ? "" : "s"), kExpected, "the row may be cut off");
+    return count == values.size() ||
+           note(0, fmt::format("{} field{}", count, count == 1 ? "" : "s"), kExpected, "the row may be cut off");
   }
 
   bool note(std::size_t column, std::string found, std::string expected, std::string advice = "") {
@@ -134,7 +135,9 @@ void append_csv(std::string& text, const Fix& fix, const NameTable& names) {
 
 }  // namespace
 
-Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file) { return TumReader(text, file).read(); }
+Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file) {
+  return TumReader(text, file).read();
+}
 
 Result<std::vector<TimedPose>> read_tum(const std::string& path) {
   const Result<std::string> text = read_file(path);

@@ -78,7 +78,8 @@ Result<YAML::Node> parse_yaml(std::string_view text, const std::string& file) {
     }
     return documents.front();
   } catch (const YAML::DeepRecursion& e) {
-    return fail({.file = file, .line = e.mark.line + 1, .found = "brackets or indentation hundreds of levels deep", .expected = "a few"});
+    return fail(
+        {.file = file, .line = e.mark.line + 1, .found = "brackets or indentation hundreds of levels deep", .expected = "a few"});
   } catch (const YAML::Exception& e) {
     return fail({.file = file,
                  .line = e.mark.line + 1,
@@ -145,7 +146,8 @@ std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name,
   return {node.begin(), node.end()};
 }
 
-std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, YamlLog& log, std::size_t size, NumberRange range) {
+std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, YamlLog& log, std::size_t size,
+                               NumberRange range) {
   std::vector<double> values;
   for (const YAML::Node& item : list_of(node, name, log, size)) {
     values.push_back(number_of(item, fmt::format("{}[{}]", name, values.size()), log, range));
@@ -191,7 +193,9 @@ bool YamlMap::has(std::string_view key) const {
   return entry != nullptr && !entry->value.IsNull();
 }
 
-std::string YamlMap::path(std::string_view key) const { return name_.empty() ? std::string(key) : name_ + "." + std::string(key); }
+std::string YamlMap::path(std::string_view key) const {
+  return name_.empty() ? std::string(key) : name_ + "." + std::string(key);
+}
 
 YAML::Node YamlMap::get(std::string_view key) {
   asked_.emplace_back(key);
@@ -285,7 +289,8 @@ void YamlMap::fail_missing(std::string_view key, const std::string& expected) {
 void YamlMap::finish() {
   for (const Entry& entry : entries_) {
     if (entry.known) continue;
-    log_.warn(entry.key_node, fmt::format("unknown key {} is ignored; {}", in_quotes(path(entry.key)), suggestion(entry.key, asked_)));
+    log_.warn(entry.key_node,
+              fmt::format("unknown key {} is ignored; {}", in_quotes(path(entry.key)), suggestion(entry.key, asked_)));
   }
 }
 

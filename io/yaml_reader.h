@@ -56,7 +56,8 @@ inline constexpr NumberRange kFraction{.low = 0.0, .high = 1.0, .words = "a frac
 /// Any scalar but null, as it is written.
 [[nodiscard]] std::string text_of(const YAML::Node& node, const std::string& name, YamlLog& log);
 /// Items of a list; size 0: any number of them.
-[[nodiscard]] std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name, YamlLog& log, std::size_t size = 0);
+[[nodiscard]] std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+                                              std::size_t size = 0);
 [[nodiscard]] std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, YamlLog& log, std::size_t size = 0,
                                              NumberRange range = kAnyNumber);
 

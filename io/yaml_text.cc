@@ -12,8 +12,10 @@ namespace {
 
 bool is_plain(std::string_view text) {
   double value = 0.0;
-  if (text.empty() || !std::isalpha(static_cast<unsigned char>(text[0])) || parse_number(text, value) == NumberText::kNumber) return false;
-  if (!std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; })) {
+  if (text.empty() || !std::isalpha(static_cast<unsigned char>(text[0])) || parse_number(text, value) == NumberText::kNumber)
+    return false;
+  if (!std::all_of(text.begin(), text.end(),
+                   [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; })) {
     return false;
   }
   std::string lower(text);

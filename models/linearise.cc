@@ -23,6 +23,8 @@ Pose pose_at(const Trajectory& t, std::size_t node, double alpha) {
 
 InterpolationJacobian interpolation_jacobian(const Trajectory& t, std::size_t node, double alpha) {
   InterpolationJacobian J;
+  J.by_node.setZero();
+  J.by_next.setZero();
   const int dof = pose_dof(t.motion);
   J.by_node.topLeftCorner(dof, dof).diagonal().setConstant(1.0 - alpha);
   J.by_next.topLeftCorner(dof, dof).diagonal().setConstant(alpha);
@@ -40,21 +42,38 @@ InterpolationJacobian interpolation_jacobian(const Trajectory& t, std::size_t no
 namespace {
 
 /// Spreads a derivative by the interpolated pose over the two nodes.
-void set_pose_derivative(const Trajectory& t, double alpha, const InterpolationJacobian& J, const Eigen::Matrix<double, 1, 6>& by_pose,
-                         ObservationRow& row) {
-  const int dof = pose_dof(t.motion);
-  row.by_node.setZero(t.block_size());
-  row.by_node.head(dof) = (by_pose * J.by_node).head(dof);
-  row.has_next = alpha != 0.0;
-  row.by_next.setZero(t.block_size());
-  if (row.has_next) row.by_next.head(dof) = (by_pose * J.by_next).head(dof);
-}
+class PoseSpread {
+ public:
+  PoseSpread(const Trajectory& t, std::size_t node, double alpha) : dof_(pose_dof(t.motion)), block_(t.block_size()), alpha_(alpha) {
+    // Most arrivals are of stationary epochs, or of planar motion where interpolation is linear.
+    linear_ = t.motion == Motion::kPlanar || alpha == 0.0;
+    if (!linear_) J_ = interpolation_jacobian(t, node, alpha);
+  }
+  void set(const Eigen::Matrix<double, 1, 6>& by_pose, ObservationRow& row) const {
+    row.by_node.setZero(block_);
+    row.by_next.setZero(block_);
+    row.has_next = alpha_ != 0.0;
+    if (linear_) {
+      row.by_node.head(dof_) = (1.0 - alpha_) * by_pose.head(dof_);
+      if (row.has_next) row.by_next.head(dof_) = alpha_ * by_pose.head(dof_);
+    } else {
+      row.by_node.head(dof_) = (by_pose * J_.by_node).head(dof_);
+      row.by_next.head(dof_) = (by_pose * J_.by_next).head(dof_);
+    }
+  }
+
+ private:
+  int dof_, block_;
+  double alpha_;
+  bool linear_ = true;
+  InterpolationJacobian J_;
+};
 
 }  // namespace
 
-int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& state, ObservationRow* rows) {
-  const ArrivalObservation& a = t.arrivals[index];
-  const Pose T = pose_at(t, a.node, a.alpha);
+namespace {
+
+PathInput path_input(const Trajectory& t, const ArrivalObservation& a, const SharedState& state, const Pose& T) {
   PathInput in;
   in.T_map_vehicle = &T;
   in.p_beacon_map_m = state.beacon_p_map_m[a.beacon.index()];
@@ -64,8 +83,17 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   if (t.has_cycle_offset) in.delay_s += t.nodes[a.node].cycle_offset_s;
   in.attenuation = state.attenuation ? &*state.attenuation : nullptr;
   in.T_hear_send = a.two_way ? &a.T_hear_send : nullptr;
+  return in;
+}
+
+}  // namespace
+
+int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& state, ObservationRow* rows) {
+  const ArrivalObservation& a = t.arrivals[index];
+  const Pose T = pose_at(t, a.node, a.alpha);
+  const PathInput in = path_input(t, a, state, T);
   const PathOutput out = predict_arrival(in, t.motion);
-  const InterpolationJacobian J = interpolation_jacobian(t, a.node, a.alpha);
+  const PoseSpread spread(t, a.node, a.alpha);
 
   ObservationRow& tof = rows[0];
   const double k = -1.0 / a.sigma_s;
@@ -73,7 +101,7 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   tof.index = index;
   tof.node = a.node;
   tof.residual = (a.tof_s - out.tof_s) / a.sigma_s;
-  set_pose_derivative(t, a.alpha, J, k * out.tof_by_pose, tof);
+  spread.set(k * out.tof_by_pose, tof);
   if (t.has_cycle_offset) tof.by_node[pose_dof(t.motion)] = k / t.nominal_speed_mps;
   tof.has_shared = true;
   tof.beacon = a.beacon;
@@ -90,7 +118,7 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   amplitude = tof;
   amplitude.kind = RowKind::kAmplitude;
   amplitude.residual = (a.log_amplitude - out.log_amplitude) / a.log_amplitude_sigma;
-  set_pose_derivative(t, a.alpha, J, ka * out.log_amplitude_by_pose, amplitude);
+  spread.set(ka * out.log_amplitude_by_pose, amplitude);
   amplitude.by_beacon = ka * out.log_amplitude_by_beacon;
   amplitude.by_receiver = ka * out.log_amplitude_by_receiver;
   amplitude.by_attenuation = ka * out.log_amplitude_by_attenuation;
@@ -112,7 +140,7 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   row.residual = wrap_angle(b.bearing_rad - out.bearing_rad) / b.sigma_rad;
   Eigen::Matrix<double, 1, 6> by_pose = Eigen::Matrix<double, 1, 6>::Zero();
   by_pose.head<3>() = k * out.by_pose;
-  set_pose_derivative(t, b.alpha, interpolation_jacobian(t, b.node, b.alpha), by_pose, row);
+  PoseSpread(t, b.node, b.alpha).set(by_pose, row);
   row.has_shared = true;
   row.beacon = b.reflector;
   row.receiver = ReceiverId();
@@ -126,7 +154,7 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
 int pose_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
   const PoseObservation& p = t.poses[index];
   const Pose T = pose_at(t, p.node, p.alpha);
-  const InterpolationJacobian J = interpolation_jacobian(t, p.node, p.alpha);
+  const PoseSpread spread(t, p.node, p.alpha);
   int count = 0;
   auto add = [&](double misfit, double sigma, const Eigen::Matrix<double, 1, 6>& by_pose) {
     if (!std::isfinite(sigma)) return;
@@ -136,7 +164,7 @@ int pose_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
     row.node = p.node;
     row.has_shared = false;
     row.residual = misfit / sigma;
-    set_pose_derivative(t, p.alpha, J, by_pose / sigma, row);
+    spread.set(by_pose / sigma, row);
   };
   using Row6 = Eigen::Matrix<double, 1, 6>;
   const Eigen::Vector3d off = p.T_map_vehicle.translation_m - T.translation_m;
@@ -232,10 +260,33 @@ void build_chain_system(const Trajectory& t, const Segment& segment, const Share
   });
 }
 
+/// Residual of an arrival's time of flight and, where it was logged, of its amplitude; no derivatives.
+int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const SharedState& state, double* residuals) {
+  const Pose interpolated = a.alpha == 0.0 ? Pose() : pose_at(t, a.node, a.alpha);
+  const PathInput in = path_input(t, a, state, a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated);
+  const PathOutput out = predict_arrival_value(in);
+  residuals[0] = (a.tof_s - out.tof_s) / a.sigma_s;
+  if (!(a.log_amplitude_sigma > 0) || !state.attenuation) return 1;
+  residuals[1] = (a.log_amplitude - out.log_amplitude) / a.log_amplitude_sigma;
+  return 2;
+}
+
 double chain_cost(const Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss) {
-  double cost = 0.0;
-  for_each_row(t, segment, state, [&](const ObservationRow& row) {
-    double rho = row.residual * row.residual, w = 1.0;
+  double cost = 0.0, rho = 0.0, w = 0.0;
+  double residuals[2];
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (a.rejection != Rejection::kUsed) continue;
+    const int count = arrival_residuals(t, a, state, residuals);
+    for (int k = 0; k < count; ++k) {
+      loss.evaluate(residuals[k], rho, w);
+      cost += 0.5 * rho;
+    }
+  }
+  Segment others = segment;  // few beside the arrivals
+  others.first_arrival = others.last_arrival;
+  for_each_row(t, others, state, [&](const ObservationRow& row) {
+    rho = row.residual * row.residual;
     if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
     cost += 0.5 * rho;
   });
@@ -243,11 +294,9 @@ double chain_cost(const Trajectory& t, const Segment& segment, const SharedState
 }
 
 double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
-  ObservationRow rows[2];
-  // The index is only carried through; rows are computed from the observation in the trajectory's list.
-  const auto index = static_cast<std::size_t>(&a - t.arrivals.data());
-  arrival_rows(t, index, state, rows);
-  return rows[0].residual;
+  double residuals[2];
+  arrival_residuals(t, a, state, residuals);
+  return residuals[0];
 }
 
 }  // namespace octant

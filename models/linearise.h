@@ -40,7 +40,7 @@ struct ObservationRow {
 
 /// Derivative of the tangent of pose_at by the tangents of both nodes.
 struct InterpolationJacobian {
-  Eigen::Matrix<double, 6, 6> by_node = Eigen::Matrix<double, 6, 6>::Zero(), by_next = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 6> by_node, by_next;
 };
 [[nodiscard]] InterpolationJacobian interpolation_jacobian(const Trajectory& trajectory, std::size_t node, double alpha);
 

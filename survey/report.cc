@@ -17,7 +17,7 @@ body{font:15px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper)
 h1{font-size:1.6rem;margin:0}h2{font-size:1.15rem;margin:2rem 0 .5rem}p{margin:.4rem 0}.soft{color:var(--soft)}
 .verdict{border-left:.35rem solid var(--good);padding:.5rem 1rem;margin:1rem 0;font-size:1.1rem}.verdict.bad{border-color:var(--bad)}
 table{border-collapse:collapse;width:100%}th,td{padding:.25rem .6rem;border-bottom:1px solid var(--line);text-align:right;font-variant-numeric:tabular-nums}
-th:first-child,td:first-child,td.text,th.text{text-align:left}td.bad{color:var(--bad)}td.good{color:var(--good)}code{overflow-wrap:anywhere}svg{max-width:100%;height:auto}
+th:first-child,td:first-child,td.text,th.text{text-align:left}th:first-child,td:first-child{white-space:nowrap}td.bad{color:var(--bad)}td.good{color:var(--good)}code{overflow-wrap:anywhere}svg{max-width:100%;height:auto}
 </style>
 )";
 
@@ -85,8 +85,7 @@ std::string adjustment_section(const ReportInput& input) {
   const CalibrationStatistics& s = d.statistics;
   std::string html = "<h2>Adjustment</h2>\n<table>\n";
   html += row("Datum", d.datum.description);
-  html += row("Speed", fmt::format("{:.8g} m/s, sigma {:.2g} m/s, at {:g} degC ({})", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps,
-                                   d.medium.temperature_degC, std::string(to_string(d.medium.model))));
+  html += row("Speed", speed_in_words(d));
   if (d.attenuation) {
     html += row("Time-walk", fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, threshold {:.4g} V, rise time constant {:.4g} s",
                                          d.attenuation->amplitude_1m_v, d.attenuation->absorption_np_per_m, d.attenuation->threshold_v,
@@ -137,6 +136,12 @@ std::string provenance_section(const Deployment& d) {
 }
 
 }  // namespace
+
+std::string speed_in_words(const Deployment& d) {
+  const std::string text = fmt::format("{:.8g} m/s, sigma {:.2g} m/s", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps);
+  if (d.medium.model == MediumModel::kConstant) return text;
+  return text + fmt::format(", at {:g} degC (model {})", d.medium.temperature_degC, std::string(to_string(d.medium.model)));
+}
 
 Verdict verdict(const ReportInput& input) {
   const Deployment& d = input.plan.deployment;

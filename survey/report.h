@@ -41,6 +41,9 @@ struct Verdict {
 };
 [[nodiscard]] Verdict verdict(const ReportInput& input);
 
+/// "343.21 m/s, sigma 0.04 m/s, at 21 degC (model cramer1993)".
+[[nodiscard]] std::string speed_in_words(const Deployment& deployment);
+
 /// The report as one self-contained HTML page: no script, nothing fetched (content security policy `default-src 'none'`),
 /// light and dark, prints on paper.
 [[nodiscard]] std::string report_html(const ReportInput& input);

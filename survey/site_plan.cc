@@ -14,13 +14,14 @@ namespace {
 constexpr double kWidth_px = 900.0, kMargin_px = 46.0, kLegend_px = 54.0;
 constexpr std::size_t kMaxMarks = 2000;  // a drive has many thousands of states; a plan of 900 pixels does not show more
 
+// Colours are spelled out twice, as few programs but browsers know CSS variables.
 constexpr const char* kStyle = R"(<style>
-.plan{--paper:#fff;--ink:#1b2733;--faint:#d9dfe5;--area:#eef5ee;--track:#8a97a3;--fix:#c2571a;--beacon:#1660a8;--control:#1d7a3c}
-@media(prefers-color-scheme:dark){.plan{--paper:#12181e;--ink:#dfe6ec;--faint:#2b353f;--area:#18251d;--track:#6f7d8a;--fix:#f0945a;--beacon:#6db3f2;--control:#67c587}}
-.plan text{font:12px system-ui,sans-serif;fill:var(--ink)}.plan .paper{fill:var(--paper)}.plan .grid{stroke:var(--faint)}
-.plan .area{fill:var(--area);stroke:none}.plan .track{fill:none;stroke:var(--track)}.plan .stop{fill:var(--track)}
-.plan .fix{fill:none;stroke:var(--fix)}.plan .beacon{fill:var(--beacon)}.plan .control{fill:var(--control)}
-.plan .ellipse{fill:var(--beacon);fill-opacity:.15;stroke:var(--beacon)}.plan .name{font-weight:600}
+.plan text{font:12px system-ui,sans-serif;fill:#1b2733}.plan .name{font-weight:600}.plan .paper{fill:#fff}.plan .grid{stroke:#d9dfe5}
+.plan .area{fill:#eef5ee}.plan .track{fill:none;stroke:#8a97a3}.plan .stop{fill:#8a97a3}.plan .fix{fill:none;stroke:#c2571a}
+.plan .beacon{fill:#1660a8}.plan .control{fill:#1d7a3c}.plan .ellipse{fill:#1660a8;fill-opacity:.15;stroke:#1660a8}
+@media(prefers-color-scheme:dark){.plan text{fill:#dfe6ec}.plan .paper{fill:#12181e}.plan .grid{stroke:#2b353f}.plan .area{fill:#18251d}
+.plan .track{stroke:#6f7d8a}.plan .stop{fill:#6f7d8a}.plan .fix{stroke:#f0945a}.plan .beacon{fill:#6db3f2}.plan .control{fill:#67c587}
+.plan .ellipse{fill:#6db3f2;stroke:#6db3f2}}
 </style>
 )";
 
@@ -75,12 +76,12 @@ void draw_grid(std::string& svg, const Frame& frame) {
   for (double k = std::ceil(frame.low_m.x() / step_m); k * step_m <= frame.high_m.x(); ++k) {
     const double x = frame.x(k * step_m);
     svg += fmt::format("<line class='grid' x1='{0:.1f}' y1='{1:.1f}' x2='{0:.1f}' y2='{2:.1f}'/>"
-                       "<text x='{0:.1f}' y='{3:.1f}' text-anchor='middle'>{4:.6g}</text>\n", x, top, bottom, bottom + 16, k * step_m);
+                       "<text x='{0:.1f}' y='{3:.1f}' text-anchor='middle'>{4:.6g}</text>\n", x, top, bottom, bottom + 16, k * step_m + 0.0);
   }
   for (double k = std::ceil(frame.low_m.y() / step_m); k * step_m <= frame.high_m.y(); ++k) {
     const double y = frame.y(k * step_m);
     svg += fmt::format("<line class='grid' x1='{1:.1f}' y1='{0:.1f}' x2='{2:.1f}' y2='{0:.1f}'/>"
-                       "<text x='{3:.1f}' y='{4:.1f}' text-anchor='end'>{5:.6g}</text>\n", y, left, right, left - 6, y + 4, k * step_m);
+                       "<text x='{3:.1f}' y='{4:.1f}' text-anchor='end'>{5:.6g}</text>\n", y, left, right, left - 6, y + 4, k * step_m + 0.0);  // + 0.0: no "-0"
   }
   svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>x, y in metres</text>\n", right, top - 10);
 }
@@ -147,8 +148,11 @@ void draw_legend(std::string& svg, const PlanInput& input, const Frame& frame, d
     svg += symbol + fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", x + 12, y + 4, text);
     x += 34 + 6.4 * static_cast<double>(text.size());
   };
-  entry(mark("beacon", x, y), "calibrated beacon");
-  entry(mark("control", x, y), "control point, held fixed");
+  const auto any = [&](BeaconStatus status) {
+    return std::any_of(input.deployment.beacons.begin(), input.deployment.beacons.end(), [&](const auto& b) { return b.status == status; });
+  };
+  if (any(BeaconStatus::kCalibrated)) entry(mark("beacon", x, y), "calibrated beacon");
+  if (any(BeaconStatus::kControlPoint)) entry(mark("control", x, y), "control point, held fixed");
   if (!input.tracks.empty()) entry(fmt::format("<circle class='stop' cx='{:.1f}' cy='{:.1f}' r='2.5'/>", x, y), "vehicle during calibration");
   if (!input.fixes.empty()) entry(fmt::format("<circle class='fix' cx='{:.1f}' cy='{:.1f}' r='3'/>", x, y), "fix of the localized run");
   svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>Error ellipses: 95 %, drawn {:g} times as large as they are.</text>\n", kMargin_px - 4, y + 30,

@@ -115,7 +115,7 @@ int run(const Words& words, Session& session) {
   session.result(calibration_text(*calibration));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
   if (!words.report.empty() && words.report != "-") session.result(fmt::format("{:<17}{}\n", "report", words.report));
-  return session.finish(std::move(object));
+  return session.finish(object);
 }
 
 }  // namespace

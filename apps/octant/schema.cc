@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/schema.h"
 
-#include <cstdio>
 #include <memory>
 
 #include <fmt/format.h>
@@ -19,9 +18,7 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
   command->callback([format, &action] {
     action = [format](Session& session) {
       // It is one JSON object already, so --json changes nothing.
-      fmt::print(stdout, "{}\n", io::schema(*format));
-      if (std::fflush(stdout) != 0) return session.fail({"error", "output", kBadInput, "standard output could not be written", ""});
-      return static_cast<int>(kDone);
+      return session.finish_document(fmt::format("{}\n", io::schema(*format)));
     };
   });
 }

@@ -24,6 +24,9 @@ std::string painted(const char* colour, std::string_view text) {
   return plain ? std::string(text) : fmt::format("\033[{}m{}\033[0m", colour, text);
 }
 
+/// Not fmt::print, which throws where a disk is full or a reader is gone; print() looks at the stream's state in the end.
+void put(std::FILE* stream, std::string_view text) { (void)std::fwrite(text.data(), 1, text.size(), stream); }
+
 Json error_object(const std::string& code, int exit, const std::string& message, const Error& error) {
   const auto number = [](int n) { return n > 0 ? Json(n) : Json(nullptr); };
   const auto text = [](const std::string& s) { return s.empty() ? Json(nullptr) : Json(s); };
@@ -53,15 +56,15 @@ Mapping mapping(Errc code) {
 std::string dump(const Json& object) { return object.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 void Session::result(std::string_view text) {
-  if (!options.json) fmt::print(results_, "{}", text);
+  if (!options.json) put(results_, text);
 }
 
 void Session::note(std::string_view text) {
-  if (!options.quiet) fmt::print(stderr, "{}\n", text);
+  if (!options.quiet) put(stderr, fmt::format("{}\n", text));
 }
 
 void Session::detail(std::string_view text) {
-  if (options.verbose > 0) fmt::print(stderr, "{}\n", text);
+  if (options.verbose > 0) put(stderr, fmt::format("{}\n", text));
 }
 
 void Session::warn(const std::vector<std::string>& warnings) {
@@ -71,30 +74,37 @@ void Session::warn(const std::vector<std::string>& warnings) {
     if (warning_lines_ >= kMaxWarningLines || warning_bytes_ >= kMaxWarningBytes) continue;
     ++warning_lines_;
     warning_bytes_ += warning.size();
-    fmt::print(stderr, "{} {}\n", painted("1;33", "warning:"), warning);
+    put(stderr, fmt::format("{} {}\n", painted("1;33", "warning:"), warning));
   }
 }
 
-void Session::complain(const std::string& message) { fmt::print(stderr, "{} {}\n", painted("1;31", "error:"), message); }
+void Session::complain(const std::string& message) { put(stderr, fmt::format("{} {}\n", painted("1;31", "error:"), message)); }
 
-int Session::print(Json object, Exit exit) {
+int Session::flush(Exit exit) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit;
+  complain("standard output could not be written");
+  return exit == kDone ? kBadInput : exit;
+}
+
+int Session::print(const Json& object, Exit exit) {
   if (warnings_.size() > warning_lines_) {
-    fmt::print(stderr, "{} {} more; --json lists them all\n", painted("1;33", "warning:"), warnings_.size() - warning_lines_);
+    put(stderr, fmt::format("{} {} more; --json lists them all\n", painted("1;33", "warning:"), warnings_.size() - warning_lines_));
     warning_lines_ = warnings_.size();
   }
-  if (options.json) fmt::print(stdout, "{}\n", dump(object));
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    complain("standard output could not be written");
-    return exit == kDone ? kBadInput : exit;
-  }
-  return exit;
+  if (options.json) put(stdout, dump(object) + "\n");
+  return flush(exit);
 }
 
-int Session::finish(Json object) {
+int Session::finish_document(std::string_view text) {
+  put(stdout, text);
+  return flush(kDone);
+}
+
+int Session::finish(const Json& object) {
   Json whole = {{"status", "ok"}};
   whole.update(object);
   if (!whole.contains("warnings")) whole["warnings"] = warnings_;
-  return print(std::move(whole), kDone);
+  return print(whole, kDone);
 }
 
 int Session::fail(const Failure& failure, Json object) {
@@ -105,7 +115,7 @@ int Session::fail(const Failure& failure, Json object) {
   object.erase("status");
   whole.update(object);
   if (!whole.contains("warnings")) whole["warnings"] = warnings_;
-  return print(std::move(whole), failure.exit);
+  return print(whole, failure.exit);
 }
 
 int Session::fail(const Error& error) {

@@ -68,8 +68,10 @@ class Session {
   void warn(const std::string& warning) { warn(std::vector<std::string>{warning}); }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
+  /// Ends with a document on standard output that is a result as it stands, --json or not.
+  [[nodiscard]] int finish_document(std::string_view text);
   /// Ends with success: prints the object, which gets `status` and `warnings` where it has none.
-  [[nodiscard]] int finish(Json object);
+  [[nodiscard]] int finish(const Json& object);
   /// Ends with a failure; keys of `object` are kept beside `status` and `error`.
   [[nodiscard]] int fail(const Failure& failure, Json object = Json::object());
   [[nodiscard]] int fail(const Error& error);
@@ -82,7 +84,8 @@ class Session {
 
  private:
   void complain(const std::string& message);
-  int print(Json object, Exit exit);
+  int print(const Json& object, Exit exit);
+  int flush(Exit exit);
 
   std::FILE* results_ = stdout;
   std::vector<std::string> warnings_;

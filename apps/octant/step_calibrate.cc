@@ -58,18 +58,21 @@ std::string beacon_table(const Deployment& deployment) {
     largest_delay_s = std::max({largest_delay_s, std::abs(b.delay_s), b.delay_sigma_s});
   }
   const Unit length = length_unit(largest_sigma_m), time = time_unit(largest_delay_s);
-  Table table{"lrrrrrrrrl", {{"beacon", "x [m]", "y [m]", "z [m]", fmt::format("sx [{}]", length.name), "sy", "sz",
-                             fmt::format("delay [{}]", time.name), "s", ""}}};
+  const bool delays = largest_delay_s > 0.0;  // else none is asked for, and columns of zeros would only distract
+  Table table{delays ? "lrrrrrrrrl" : "lrrrrrrl", {{"beacon", "x [m]", "y [m]", "z [m]", fmt::format("sx [{}]", length.name), "sy", "sz"}}};
+  if (delays) table.rows[0].insert(table.rows[0].end(), {fmt::format("delay [{}]", time.name), "s"});
   for (const auto& b : deployment.beacons) {
+    std::vector<std::string> row = {b.name};
     if (b.status == BeaconStatus::kUndetermined) {
-      table.rows.push_back({b.name, "-", "-", "-", "-", "-", "-", "-", "-", "undetermined"});
-      continue;
+      row.resize(table.rows[0].size(), "-");
+      row.emplace_back("undetermined");
+    } else {
+      for (int i = 0; i < 3; ++i) row.push_back(fmt::format("{:.4f}", b.position_m[i]));
+      for (int i = 0; i < 3; ++i) row.push_back(fmt::format("{:.2f}", length.per_si * std::sqrt(std::max(0.0, b.covariance_m2(i, i)))));
+      if (delays) row.insert(row.end(), {fmt::format("{:.3f}", time.per_si * b.delay_s), fmt::format("{:.3f}", time.per_si * b.delay_sigma_s)});
+      row.emplace_back(b.status == BeaconStatus::kControlPoint ? "control point" : "");
     }
-    const auto sigma = [&](int i) { return fmt::format("{:.2f}", length.per_si * std::sqrt(std::max(0.0, b.covariance_m2(i, i)))); };
-    table.rows.push_back({b.name, fmt::format("{:.4f}", b.position_m.x()), fmt::format("{:.4f}", b.position_m.y()),
-                          fmt::format("{:.4f}", b.position_m.z()), sigma(0), sigma(1), sigma(2), fmt::format("{:.3f}", time.per_si * b.delay_s),
-                          fmt::format("{:.3f}", time.per_si * b.delay_sigma_s),
-                          b.status == BeaconStatus::kControlPoint ? "control point" : ""});
+    table.rows.push_back(std::move(row));
   }
   return table.text();
 }
@@ -148,8 +151,7 @@ std::string calibration_text(const Calibration& calibration) {
   const calib::Solution& s = calibration.solution;
   std::string text = fmt::format("{}: calibrated, {} iterations, {:.2f} s\n\n", d.site, s.iterations, s.seconds) + beacon_table(d) + "\n";
   const auto line = [&](const char* name, const std::string& what) { text += fmt::format("{:<17}{}\n", name, what); };
-  line("speed", fmt::format("{:.8g} m/s, sigma {:.2g} m/s, at {:g} degC ({})", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps,
-                            d.medium.temperature_degC, std::string(to_string(d.medium.model))));
+  line("speed", survey::speed_in_words(d));
   if (d.attenuation) {
     line("time-walk", fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, rise time constant {}", d.attenuation->amplitude_1m_v,
                                   d.attenuation->absorption_np_per_m, time_text(d.attenuation->rise_time_s)));

@@ -49,7 +49,7 @@ int run(const Words& words, Session& session) {
   session.result(evaluation_text(*evaluation));
   Json object = evaluation_json(*evaluation);
   if (!evaluation->pass()) return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation), ""}, object);
-  return session.finish(std::move(object));
+  return session.finish(object);
 }
 
 }  // namespace

@@ -34,7 +34,8 @@ TEST(Csv, ReadsPlainAndQuotedFields) {
 }
 
 TEST(Csv, AcceptsMarksCommentsBlankLinesAndCrLf) {
-  EXPECT_EQ(all_rows("\xEF\xBB\xBF# made by x\r\n\r\n# and y; z\r\na,b\r\n1,2\r\n\r\n3,4\r\n").value(), (Rows{{"1", "2"}, {"3", "4"}}));
+  EXPECT_EQ(all_rows("\xEF\xBB\xBF# made by x\r\n\r\n# and y; z\r\na,b\r\n1,2\r\n\r\n3,4\r\n").value(),
+            (Rows{{"1", "2"}, {"3", "4"}}));
 }
 
 TEST(Csv, CountsLinesThroughCommentsBlankLinesAndQuotes) {

@@ -52,7 +52,8 @@ TEST(DeploymentJson, HoldsWhatTheContractAsksFor) {
   EXPECT_EQ(json.at("beacons").at(1).at("status"), "undetermined");
   EXPECT_EQ(json.at("vehicles").at(0).at("receivers").at(0).at("position_m"), Json::array({0.1, 0.0, 0.3}));
   EXPECT_EQ(json.at("covariance").at("upper_triangle"), Json::array({1.0, 0.5, 2.0}));
-  for (const char* key : {"site", "created", "motion", "datum", "noise", "attenuation", "statistics", "validity", "inputs", "program"}) {
+  for (const char* key :
+       {"site", "created", "motion", "datum", "noise", "attenuation", "statistics", "validity", "inputs", "program"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   Deployment without = small_deployment();
@@ -65,7 +66,8 @@ TEST(DeploymentJson, LayoutDoesNotMatterButValuesDo) {
   EXPECT_TRUE(deployment_from_json(nlohmann::json::parse(text).dump(), "d.json")) << "keys sorted, one line";
   std::string altered = text;
   altered.replace(altered.find("0.15"), 4, "0.16");
-  const int line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(text.find("\"digest\"")), '\n'));
+  const int line =
+      1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(text.find("\"digest\"")), '\n'));
   expect_error(deployment_from_json(altered, "d.json"), line, "altered", "d.json");
 }
 
@@ -150,14 +152,18 @@ Deployment some_deployment() {
   d.site = test::some_name(0);
   d.motion = *rc::gen::element(Motion::kPlanar, Motion::kSpatial);
   d.datum = {"words", "control points", "x", "y", {"B0"}};
-  d.medium = {*rc::gen::element(MediumModel::kConstant, MediumModel::kLinearTemperature, MediumModel::kCramer1993), 300 + test::some_positive(),
-              30 * test::some_fraction(), test::some_fraction(), 1e5};
+  d.medium = {*rc::gen::element(MediumModel::kConstant, MediumModel::kLinearTemperature, MediumModel::kCramer1993),
+              300 + test::some_positive(), 30 * test::some_fraction(), test::some_fraction(), 1e5};
   d.speed_offset_mps = test::some_fraction();
   d.speed_sigma_mps = test::some_positive();
-  d.timing = {*rc::gen::element(Clock::kSynchronised, Clock::kCycleOffset), *rc::gen::element(Ranging::kOneWay, Ranging::kTwoWay),
-              test::some_positive(), {*rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>()},
-              test::some_number(), test::some_positive()};
-  d.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()), test::some_positive(), test::some_positive()};
+  d.timing = {*rc::gen::element(Clock::kSynchronised, Clock::kCycleOffset),
+              *rc::gen::element(Ranging::kOneWay, Ranging::kTwoWay),
+              test::some_positive(),
+              {*rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>()},
+              test::some_number(),
+              test::some_positive()};
+  d.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()), test::some_positive(),
+             test::some_positive()};
   if (*rc::gen::arbitrary<bool>()) d.attenuation.reset();
   for (DeploymentBeacon& b : d.beacons) {
     b.position_m = some_vector();
@@ -172,8 +178,14 @@ Deployment some_deployment() {
   if (*rc::gen::arbitrary<bool>()) d.receivers[0].axis = some_vector();
   const Eigen::Vector2d c(test::some_number(), test::some_number());
   d.covariance.matrix = c * c.transpose();
-  d.statistics = {*rc::gen::inRange<std::size_t>(0, 1u << 30), 2, 3, test::some_number(), test::some_number(), test::some_fraction(),
-                  test::some_positive(), *rc::gen::arbitrary<bool>()};
+  d.statistics = {*rc::gen::inRange<std::size_t>(0, 1u << 30),
+                  2,
+                  3,
+                  test::some_number(),
+                  test::some_number(),
+                  test::some_fraction(),
+                  test::some_positive(),
+                  *rc::gen::arbitrary<bool>()};
   d.tolerance = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
   if (*rc::gen::arbitrary<bool>()) d.validity_temperature_degC = {test::some_number(), test::some_number()};
   if (*rc::gen::arbitrary<bool>()) d.validity_area_m = {{0, 1}, {test::some_number(), 2}};
@@ -187,10 +199,12 @@ void assert_same(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.site == b.site && a.created == b.created && a.motion == b.motion);
   RC_ASSERT(a.datum.description == b.datum.description && a.datum.position == b.datum.position && a.datum.scale == b.datum.scale);
   RC_ASSERT(a.datum.orientation == b.datum.orientation && a.datum.control_points == b.datum.control_points);
-  RC_ASSERT(a.medium.model == b.medium.model && a.medium.speed_mps == b.medium.speed_mps && a.medium.pressure_pa == b.medium.pressure_pa);
+  RC_ASSERT(a.medium.model == b.medium.model && a.medium.speed_mps == b.medium.speed_mps &&
+            a.medium.pressure_pa == b.medium.pressure_pa);
   RC_ASSERT(a.medium.temperature_degC == b.medium.temperature_degC && a.medium.relative_humidity == b.medium.relative_humidity);
   RC_ASSERT(a.speed_offset_mps == b.speed_offset_mps && a.speed_sigma_mps == b.speed_sigma_mps);
-  RC_ASSERT(a.timing.clock == b.timing.clock && a.timing.ranging == b.timing.ranging && a.timing.turnaround_s == b.timing.turnaround_s);
+  RC_ASSERT(a.timing.clock == b.timing.clock && a.timing.ranging == b.timing.ranging &&
+            a.timing.turnaround_s == b.timing.turnaround_s);
   RC_ASSERT(a.timing.delay_per.beacon == b.timing.delay_per.beacon && a.timing.delay_per.receiver == b.timing.delay_per.receiver);
   RC_ASSERT(a.timing.delay_per.site == b.timing.delay_per.site && a.timing.delay_s == b.timing.delay_s);
   RC_ASSERT(a.timing.delay_sigma_s == b.timing.delay_sigma_s && a.noise.tof_sigma_s == b.noise.tof_sigma_s);
@@ -198,11 +212,13 @@ void assert_same(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.noise.bearing_sigma_rad == b.noise.bearing_sigma_rad && a.noise.range_sigma_m == b.noise.range_sigma_m);
   RC_ASSERT(a.attenuation.has_value() == b.attenuation.has_value());
   if (a.attenuation) {
-    RC_ASSERT(a.attenuation->amplitude_1m_v == b.attenuation->amplitude_1m_v && a.attenuation->threshold_v == b.attenuation->threshold_v);
+    RC_ASSERT(a.attenuation->amplitude_1m_v == b.attenuation->amplitude_1m_v &&
+              a.attenuation->threshold_v == b.attenuation->threshold_v);
     RC_ASSERT(a.attenuation->absorption_np_per_m == b.attenuation->absorption_np_per_m);
     RC_ASSERT(a.attenuation->rise_time_s == b.attenuation->rise_time_s);
   }
-  RC_ASSERT(a.beacons.size() == b.beacons.size() && a.vehicles.size() == b.vehicles.size() && a.receivers.size() == b.receivers.size());
+  RC_ASSERT(a.beacons.size() == b.beacons.size() && a.vehicles.size() == b.vehicles.size() &&
+            a.receivers.size() == b.receivers.size());
   for (std::size_t i = 0; i < a.beacons.size(); ++i) {
     const DeploymentBeacon &x = a.beacons[i], &y = b.beacons[i];
     RC_ASSERT(x.name == y.name && x.position_m == y.position_m && x.covariance_m2 == y.covariance_m2);
@@ -218,7 +234,8 @@ void assert_same(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.statistics.rms_s == b.statistics.rms_s && a.statistics.converged == b.statistics.converged);
   RC_ASSERT(a.tolerance.beacon_m == b.tolerance.beacon_m && a.tolerance.fix_m == b.tolerance.fix_m);
   RC_ASSERT(a.validity_temperature_degC == b.validity_temperature_degC && a.validity_area_m == b.validity_area_m);
-  RC_ASSERT(a.inputs.size() == b.inputs.size() && a.inputs[0].path == b.inputs[0].path && a.inputs[0].sha256 == b.inputs[0].sha256);
+  RC_ASSERT(a.inputs.size() == b.inputs.size() && a.inputs[0].path == b.inputs[0].path &&
+            a.inputs[0].sha256 == b.inputs[0].sha256);
   RC_ASSERT(a.program_version == b.program_version && a.program_command == b.program_command && a.warnings == b.warnings);
 }
 

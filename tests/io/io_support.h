@@ -25,7 +25,9 @@ class TemporaryFolder {
   TemporaryFolder() {
     // In memory where there is such a place: the files are flushed to disk one by one otherwise.
     const bool memory = ::access("/dev/shm", W_OK) == 0;
-    std::string pattern = ((memory ? std::filesystem::path("/dev/shm") : std::filesystem::temp_directory_path()) / "octant_io_test.XXXXXX").string();
+    std::string pattern =
+        ((memory ? std::filesystem::path("/dev/shm") : std::filesystem::temp_directory_path()) / "octant_io_test.XXXXXX")
+            .string();
     path_ = ::mkdtemp(pattern.data());
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
@@ -71,12 +73,14 @@ inline double some_number() {
 }
 inline double some_positive() { return std::abs(some_number()) + 1e-12; }
 inline double some_fraction() { return std::ldexp(static_cast<double>(*rc::gen::inRange<std::int64_t>(0, 1LL << 53)), -53); }
-inline std::optional<double> maybe(double value) { return *rc::gen::arbitrary<bool>() ? std::optional<double>(value) : std::nullopt; }
+inline std::optional<double> maybe(double value) {
+  return *rc::gen::arbitrary<bool>() ? std::optional<double>(value) : std::nullopt;
+}
 
 /// Names that are awkward in YAML, CSV or JSON.
 inline std::string some_name(std::size_t number) {
-  static const std::vector<std::string> kinds = {"B",    "no",  "1e", "a: b",  "x,y",  "\"q\"", "#", "Süd 北",
-                                                 "null", "- a", "{", "a\\b", "'s'", "true",  "~", "[1]"};
+  static const std::vector<std::string> kinds = {"B",    "no",  "1e", "a: b", "x,y", "\"q\"", "#", "Süd 北",
+                                                 "null", "- a", "{",  "a\\b", "'s'", "true",  "~", "[1]"};
   return *rc::gen::elementOf(kinds) + std::to_string(number);
 }
 

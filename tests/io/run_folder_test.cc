@@ -41,9 +41,10 @@ const std::string kPlain = "time_s,beacon,tof_s\n";
 
 TEST(RunFolder, ReadsArrivalsWithAllColumns) {
   const auto log = read_tof(
-      "tof_s,time_s,beacon,epoch,vehicle,receiver,amplitude_v,temperature_degC\n"
-      "0.01,1.5,B1,3,robot,r1,0.5,21.5\n0.02,1.5,B0,3,cart,,nan,\n",
-      kNames).value();
+                       "tof_s,time_s,beacon,epoch,vehicle,receiver,amplitude_v,temperature_degC\n"
+                       "0.01,1.5,B1,3,robot,r1,0.5,21.5\n0.02,1.5,B0,3,cart,,nan,\n",
+                       kNames)
+                       .value();
   ASSERT_EQ(log.arrivals.size(), 2u);
   const Arrival &a = log.arrivals[0], &b = log.arrivals[1];
   EXPECT_EQ(a.time_s, 1.5);
@@ -76,7 +77,8 @@ TEST(RunFolder, CountsArrivalsThatAreNoMeasurement) {
   EXPECT_EQ(log.rejected[0].line, 3);
   EXPECT_EQ(log.rejected[0].reason, "tof_s is not a number");
   EXPECT_EQ(log.rejected[5].reason, "tof_s is not positive");
-  EXPECT_THAT(log.warnings, ElementsAre(HasSubstr("tof.csv:4: tof_s is empty; 1 arrival"), HasSubstr("tof.csv:3: tof_s is not a number (nan); 3"),
+  EXPECT_THAT(log.warnings, ElementsAre(HasSubstr("tof.csv:4: tof_s is empty; 1 arrival"),
+                                        HasSubstr("tof.csv:3: tof_s is not a number (nan); 3"),
                                         HasSubstr("tof.csv:5: tof_s is not positive (-0.01); 2")));
   const auto offset = read_tof(kPlain + "1,B0,-0.01\n1,B0,0\n1,B0,nan\n", kSingle, Clock::kCycleOffset).value();
   EXPECT_EQ(offset.arrivals.size(), 2u) << "negative ones are legal where the clock has an offset";
@@ -127,12 +129,16 @@ TEST(RunFolder, SaysWhatIsWrongWithArrivals) {
 }
 
 TEST(RunFolder, EpochsAreBlocksOfEachVehicle) {
-  EXPECT_TRUE(read_tof("time_s,beacon,tof_s,epoch,vehicle,receiver\n"
-                       "1,B0,0.01,1,robot,r0\n1,B0,0.01,1,cart,r0\n2,B0,0.01,2,robot,r0\n3,B0,0.01,1,cart,r0\n", kNames));
+  EXPECT_TRUE(
+      read_tof("time_s,beacon,tof_s,epoch,vehicle,receiver\n"
+               "1,B0,0.01,1,robot,r0\n1,B0,0.01,1,cart,r0\n2,B0,0.01,2,robot,r0\n3,B0,0.01,1,cart,r0\n",
+               kNames));
 }
 
 TEST(RunFolder, HeaderAloneIsFineBesideOtherRows) {
-  const auto log = read({{"tof.csv", kPlain}, {"bearings.csv", "time_s,reflector,bearing_rad,epoch\n1,B0,0.5,7\n1,,-1,7\n2,B1,nan,8\n"}}).value();
+  const auto log =
+      read({{"tof.csv", kPlain}, {"bearings.csv", "time_s,reflector,bearing_rad,epoch\n1,B0,0.5,7\n1,,-1,7\n2,B1,nan,8\n"}})
+          .value();
   ASSERT_EQ(log.bearings.size(), 2u);
   EXPECT_EQ(log.bearings[0].reflector, BeaconId(0));
   EXPECT_FALSE(log.bearings[1].reflector.valid()) << "unlabelled";
@@ -142,8 +148,10 @@ TEST(RunFolder, HeaderAloneIsFineBesideOtherRows) {
 }
 
 TEST(RunFolder, ReadsScans) {
-  const auto log = read({{"scans.csv", "time_s,angle_min_rad,angle_increment_rad,range1_m,range0_m\n1,-1,0.5,20,2.5\n2,-1,0.5,,nan\n"},
-                         {"run.yaml", "octant_run: 1\nrange_max_m: 10\n"}}).value();
+  const auto log =
+      read({{"scans.csv", "time_s,angle_min_rad,angle_increment_rad,range1_m,range0_m\n1,-1,0.5,20,2.5\n2,-1,0.5,,nan\n"},
+            {"run.yaml", "octant_run: 1\nrange_max_m: 10\n"}})
+          .value();
   ASSERT_EQ(log.scans.size(), 2u);
   EXPECT_EQ(log.scans[0].range_m[0], 2.5);
   EXPECT_TRUE(std::isnan(log.scans[0].range_m[1])) << "beyond range_max_m";
@@ -228,8 +236,11 @@ TEST(RunFolder, WillNotMixTwoRuns) {
 
 TEST(RunFolder, TheOrderOfColumnsDoesNotMatter) {
   EXPECT_TRUE(rc::check("columns found by name", [] {
-    const std::vector<std::pair<std::string, std::vector<std::string>>> columns = {
-        {"time_s", {"1", "2"}}, {"beacon", {"B0", "B1"}}, {"tof_s", {"0.01", "0.02"}}, {"epoch", {"5", "6"}}, {"junk", {"\"a,b\"", ""}}};
+    const std::vector<std::pair<std::string, std::vector<std::string>>> columns = {{"time_s", {"1", "2"}},
+                                                                                   {"beacon", {"B0", "B1"}},
+                                                                                   {"tof_s", {"0.01", "0.02"}},
+                                                                                   {"epoch", {"5", "6"}},
+                                                                                   {"junk", {"\"a,b\"", ""}}};
     std::vector<std::size_t> order = {0, 1, 2, 3, 4};
     std::shuffle(order.begin(), order.end(), std::mt19937(*rc::gen::arbitrary<unsigned>()));
     std::string header, first, second;
@@ -255,7 +266,10 @@ MeasurementLog some_log() {
   for (int i = 0, n = *rc::gen::inRange(1, 8); i < n; ++i) {
     time_s += test::some_positive();
     const ReceiverId receiver(*rc::gen::element(0, 1, 2));
-    Arrival a{.time_s = time_s, .tof_s = test::some_positive(), .beacon = BeaconId(*rc::gen::element(0, 1)), .receiver = receiver,
+    Arrival a{.time_s = time_s,
+              .tof_s = test::some_positive(),
+              .beacon = BeaconId(*rc::gen::element(0, 1)),
+              .receiver = receiver,
               .vehicle = kNames.receivers[receiver.index()].vehicle};
     if (epochs) a.epoch = i / 2 - 2;
     if (amplitude && i % 2 == 0) a.amplitude_v = test::some_positive();
@@ -265,11 +279,13 @@ MeasurementLog some_log() {
     if (epochs) b.epoch = i;
     log.bearings.push_back(b);
     log.odometry.push_back({time_s, i ? test::some_number() : 0, 0, i ? test::some_fraction() : 0, VehicleId(1)});
-    log.poses.push_back({i + test::some_fraction() / 2, {{test::some_number(), 1, 2}, exp_rotation({0, test::some_fraction(), 1})}});
+    log.poses.push_back(
+        {i + test::some_fraction() / 2, {{test::some_number(), 1, 2}, exp_rotation({0, test::some_fraction(), 1})}});
     log.scans.push_back({time_s, test::some_fraction(), 0.01, {test::some_positive(), std::nan(""), 3}});
   }
   log.truth = log.poses;
-  log.pose_accuracy = {test::some_positive(), test::some_positive(), *rc::gen::arbitrary<bool>(), test::some_positive(), test::some_positive()};
+  log.pose_accuracy = {test::some_positive(), test::some_positive(), *rc::gen::arbitrary<bool>(), test::some_positive(),
+                       test::some_positive()};
   log.odometry_accuracy = {test::some_positive(), test::some_positive(), test::some_positive(), test::some_positive(), 0};
   log.has_epochs = epochs;
   return log;
@@ -277,7 +293,8 @@ MeasurementLog some_log() {
 
 void assert_same(const MeasurementLog& a, const MeasurementLog& b) {
   RC_ASSERT(a.vehicle == b.vehicle && a.has_epochs == b.has_epochs && a.arrivals.size() == b.arrivals.size());
-  RC_ASSERT(a.temperature_degC == b.temperature_degC && a.relative_humidity == b.relative_humidity && a.pressure_pa == b.pressure_pa);
+  RC_ASSERT(a.temperature_degC == b.temperature_degC && a.relative_humidity == b.relative_humidity &&
+            a.pressure_pa == b.pressure_pa);
   const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
   for (std::size_t i = 0; i < a.arrivals.size(); ++i) {
     const Arrival &x = a.arrivals[i], &y = b.arrivals[i];
@@ -287,14 +304,16 @@ void assert_same(const MeasurementLog& a, const MeasurementLog& b) {
     RC_ASSERT(p.time_s == q.time_s && p.bearing_rad == q.bearing_rad && p.reflector == q.reflector && p.vehicle == q.vehicle);
     RC_ASSERT(p.epoch == q.epoch);
     const OdometryStep &o = a.odometry[i], &r = b.odometry[i];
-    RC_ASSERT(o.time_s == r.time_s && o.dx_m == r.dx_m && o.dy_m == r.dy_m && o.dheading_rad == r.dheading_rad && o.vehicle == r.vehicle);
+    RC_ASSERT(o.time_s == r.time_s && o.dx_m == r.dx_m && o.dy_m == r.dy_m && o.dheading_rad == r.dheading_rad &&
+              o.vehicle == r.vehicle);
     RC_ASSERT(a.poses[i].time_s == b.poses[i].time_s && b.truth[i].time_s == a.truth[i].time_s);
     RC_ASSERT(a.poses[i].T_map_vehicle.rotation.coeffs() == b.poses[i].T_map_vehicle.rotation.coeffs());
     RC_ASSERT(a.scans[i].angle_min_rad == b.scans[i].angle_min_rad && b.scans[i].range_m.size() == 3u);
     for (std::size_t k = 0; k < 3; ++k) RC_ASSERT(same(a.scans[i].range_m[k], b.scans[i].range_m[k]));
   }
   RC_ASSERT(a.pose_accuracy.position_sigma_m == b.pose_accuracy.position_sigma_m);
-  RC_ASSERT(a.pose_accuracy.heading_known == b.pose_accuracy.heading_known && a.pose_accuracy.max_gap_s == b.pose_accuracy.max_gap_s);
+  RC_ASSERT(a.pose_accuracy.heading_known == b.pose_accuracy.heading_known &&
+            a.pose_accuracy.max_gap_s == b.pose_accuracy.max_gap_s);
   RC_ASSERT(!a.pose_accuracy.heading_known || a.pose_accuracy.heading_sigma_rad == b.pose_accuracy.heading_sigma_rad);
   RC_ASSERT(a.pose_accuracy.attitude_sigma_rad == b.pose_accuracy.attitude_sigma_rad);
   RC_ASSERT(a.odometry_accuracy.distance_sigma_m_per_sqrt_m == b.odometry_accuracy.distance_sigma_m_per_sqrt_m);

@@ -119,7 +119,8 @@ TEST(SiteYaml, BlocksMayBeLeftOutWhereThereAreNoArrivals) {
 TEST(SiteYaml, WarnsOfUnknownKeysWithWhatTheyMayMean) {
   const Site site = read(kHead + "noise:\n  tof_sigma: 1.0e-5\n" + kTail + "colour: red\n").value();
   ASSERT_EQ(site.warnings.size(), 2u);
-  EXPECT_THAT(site.warnings[0], testing::HasSubstr("site.yaml:4: unknown key 'noise.tof_sigma' is ignored; did you mean 'tof_sigma_s'?"));
+  EXPECT_THAT(site.warnings[0],
+              testing::HasSubstr("site.yaml:4: unknown key 'noise.tof_sigma' is ignored; did you mean 'tof_sigma_s'?"));
   EXPECT_THAT(site.warnings[1], testing::HasSubstr("site.yaml:8: unknown key 'colour'"));
 }
 
@@ -179,12 +180,15 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {beacon + "  - {id: B1, position_m: [0, 0, up]}\n", 5, "beacons[0].position_m[2] is 'up'"},
       {beacon + "  - {id: B1, position_m: 3}\n", 5, "a list of 3"},
       {beacon + "  - {id: B1, position_m: [0, 0, 0], sigma_m: -0.1}\n", 5, "zero or a positive"},
-      {beacon + "  - {id: B1}\ncontrol:\n  distances:\n    - {from: B1, to: B2, distance_m: 1, sigma_m: 0}\n", 8, "'B2' is not in the site"},
+      {beacon + "  - {id: B1}\ncontrol:\n  distances:\n    - {from: B1, to: B2, distance_m: 1, sigma_m: 0}\n", 8,
+       "'B2' is not in the site"},
       {beacon + "  - {id: B1}\ncontrol: {distances: [{from: B1, to: B1, distance_m: 1, sigma_m: 0}]}\n", 6, "two different"},
       {kHead + "beacons: []\nvehicles:\n  - {id: a}\n  - {id: a}\n", 6, "vehicle id 'a' is used twice"},
-      {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers: {layout: hexagon, side_m: 1, height_m: 0}\n", 6, "one of octagon"},
+      {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers: {layout: hexagon, side_m: 1, height_m: 0}\n", 6,
+       "one of octagon"},
       {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers:\n      - {id: r}\n", 7, "position_m' is missing"},
-      {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers:\n      - {id: r, position_m: [0, 0, 0], axis: [0, 0, 0]}\n", 7, "no length"},
+      {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers:\n      - {id: r, position_m: [0, 0, 0], axis: [0, 0, 0]}\n", 7,
+       "no length"},
       {kHead + "beacons: [\n", 4, "not YAML"},
       {kHead + "beacons: []\n\tvehicles: 3\n", 4, "not YAML"},
       {kHead + kTail + "---\na: 1\n", 7, "second document"},
@@ -212,8 +216,8 @@ Site some_site() {
   Site s;
   s.name = test::some_name(0);
   s.motion = *rc::gen::element(Motion::kPlanar, Motion::kSpatial);
-  s.medium = {*rc::gen::element(MediumModel::kConstant, MediumModel::kLinearTemperature, MediumModel::kCramer1993), test::some_positive(),
-              40 * test::some_fraction(), test::some_fraction(), 1e5 * (1 + test::some_fraction())};
+  s.medium = {*rc::gen::element(MediumModel::kConstant, MediumModel::kLinearTemperature, MediumModel::kCramer1993),
+              test::some_positive(), 40 * test::some_fraction(), test::some_fraction(), 1e5 * (1 + test::some_fraction())};
   s.speed_sigma_mps = test::some_positive();
   s.speed_offset_per_run = *rc::gen::arbitrary<bool>();
   s.timing.clock = *rc::gen::element(Clock::kSynchronised, Clock::kCycleOffset);
@@ -222,9 +226,13 @@ Site some_site() {
   s.timing.delay_per = {*rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>()};
   s.timing.delay_s = test::some_number();
   s.timing.delay_sigma_s = test::some_positive();
-  s.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()), test::some_positive(), test::some_positive()};
+  s.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()), test::some_positive(),
+             test::some_positive()};
   if (*rc::gen::arbitrary<bool>()) {
-    s.attenuation = {{test::some_positive(), test::some_positive()}, {test::some_positive(), 0}, {test::some_positive(), 1}, test::some_positive()};
+    s.attenuation = {{test::some_positive(), test::some_positive()},
+                     {test::some_positive(), 0},
+                     {test::some_positive(), 1},
+                     test::some_positive()};
   }
   for (std::size_t i = 0; i < *rc::gen::inRange<std::size_t>(2, 5); ++i) {
     SiteBeacon b{.name = test::some_name(i), .position_m = {}, .sigma_m = {}};
@@ -244,7 +252,8 @@ Site some_site() {
       s.receivers.push_back(r);
     }
   }
-  if (*rc::gen::arbitrary<bool>()) s.distances.push_back({BeaconId(0), BeaconId(1), test::some_positive(), test::some_positive()});
+  if (*rc::gen::arbitrary<bool>())
+    s.distances.push_back({BeaconId(0), BeaconId(1), test::some_positive(), test::some_positive()});
   s.tolerance = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
   return s;
 }
@@ -255,7 +264,8 @@ void assert_same(const Site& a, const Site& b) {
   RC_ASSERT(a.medium.temperature_degC == b.medium.temperature_degC && a.medium.relative_humidity == b.medium.relative_humidity);
   RC_ASSERT(a.medium.pressure_pa == b.medium.pressure_pa && a.speed_sigma_mps == b.speed_sigma_mps);
   RC_ASSERT(a.speed_offset_per_run == b.speed_offset_per_run);
-  RC_ASSERT(a.timing.clock == b.timing.clock && a.timing.ranging == b.timing.ranging && a.timing.turnaround_s == b.timing.turnaround_s);
+  RC_ASSERT(a.timing.clock == b.timing.clock && a.timing.ranging == b.timing.ranging &&
+            a.timing.turnaround_s == b.timing.turnaround_s);
   RC_ASSERT(a.timing.delay_per.beacon == b.timing.delay_per.beacon && a.timing.delay_per.receiver == b.timing.delay_per.receiver);
   RC_ASSERT(a.timing.delay_per.site == b.timing.delay_per.site && a.timing.delay_s == b.timing.delay_s);
   RC_ASSERT(a.timing.delay_sigma_s == b.timing.delay_sigma_s);
@@ -267,9 +277,11 @@ void assert_same(const Site& a, const Site& b) {
     const auto same = [](const Prior& x, const Prior& y) { return x.value == y.value && x.sigma == y.sigma; };
     RC_ASSERT(same(a.attenuation->amplitude_1m_v, b.attenuation->amplitude_1m_v));
     RC_ASSERT(same(a.attenuation->absorption_np_per_m, b.attenuation->absorption_np_per_m));
-    RC_ASSERT(same(a.attenuation->rise_time_s, b.attenuation->rise_time_s) && a.attenuation->threshold_v == b.attenuation->threshold_v);
+    RC_ASSERT(same(a.attenuation->rise_time_s, b.attenuation->rise_time_s) &&
+              a.attenuation->threshold_v == b.attenuation->threshold_v);
   }
-  RC_ASSERT(a.beacons.size() == b.beacons.size() && a.vehicles.size() == b.vehicles.size() && a.receivers.size() == b.receivers.size());
+  RC_ASSERT(a.beacons.size() == b.beacons.size() && a.vehicles.size() == b.vehicles.size() &&
+            a.receivers.size() == b.receivers.size());
   for (std::size_t i = 0; i < a.beacons.size(); ++i) {
     RC_ASSERT(a.beacons[i].name == b.beacons[i].name && a.beacons[i].position_m == b.beacons[i].position_m);
     RC_ASSERT(a.beacons[i].sigma_m == b.beacons[i].sigma_m);

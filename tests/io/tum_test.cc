@@ -97,7 +97,8 @@ TEST(Fixes, HeadingSigmaOfATiltedVehicle) {
   for (int i = 0; i < 3; ++i) {
     Eigen::Vector3d delta = Eigen::Vector3d::Zero();
     delta[i] = step;
-    const Pose plus{{}, fix.T_map_vehicle.rotation * exp_rotation(delta)}, minus{{}, fix.T_map_vehicle.rotation * exp_rotation(-delta)};
+    const Pose plus{{}, fix.T_map_vehicle.rotation * exp_rotation(delta)},
+        minus{{}, fix.T_map_vehicle.rotation * exp_rotation(-delta)};
     gradient[i] = (plus.heading_rad() - minus.heading_rad()) / (2 * step);
   }
   const double expected = std::sqrt((gradient * fix.covariance.block<3, 3>(3, 3) * gradient.transpose()).value());

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "calib/calibrate.h"
+#include "tests/support/worlds.h"
+
+namespace octant::test {
+
+inline calib::Problem problem_of(const World& world) { return must(calib::make_problem(world.site, {world.run})); }
+inline calib::Solution solution_of(const World& world, const calib::SolveOptions& options = {}) {
+  return calib::solve(problem_of(world), options);
+}
+
+/// Largest distance of a calibrated beacon from the truth [m].
+inline double worst_beacon_m(const World& world, const calib::Solution& solution) {
+  double worst = 0.0;
+  for (std::size_t b = 0; b < world.truth.beacons.size(); ++b)
+    worst = std::max(worst, (solution.state.beacon_p_map_m[b] - world.truth.beacons[b].position_m).norm());
+  return worst;
+}
+
+/// Free beacon coordinates, estimate less truth, with their joint covariance.
+struct BeaconErrors {
+  Eigen::VectorXd error;
+  Eigen::MatrixXd covariance;
+  [[nodiscard]] double nees() const { return error.dot(covariance.ldlt().solve(error)); }
+};
+inline BeaconErrors beacon_errors(const World& world, const calib::Solution& solution) {
+  std::vector<Eigen::Index> at;
+  std::vector<double> error;
+  const char* axis[3] = {"/x_m", "/y_m", "/z_m"};
+  std::map<std::string, Eigen::Index> index;
+  for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i) index[solution.covariance.parameters[i]] = static_cast<Eigen::Index>(i);
+  for (std::size_t b = 0; b < world.truth.beacons.size(); ++b)
+    for (int i = 0; i < 3; ++i) {
+      const auto found = index.find("beacon/" + world.truth.beacons[b].name + axis[i]);
+      if (found == index.end()) continue;
+      at.push_back(found->second);
+      error.push_back(solution.state.beacon_p_map_m[b][i] - world.truth.beacons[b].position_m[i]);
+    }
+  BeaconErrors out;
+  const auto n = static_cast<Eigen::Index>(at.size());
+  out.error = Eigen::Map<Eigen::VectorXd>(error.data(), n);
+  out.covariance.resize(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      out.covariance(i, j) = solution.covariance.matrix(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]);
+  return out;
+}
+
+}  // namespace octant::test
