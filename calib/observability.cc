@@ -91,7 +91,7 @@ class Judge {
     const auto count = static_cast<std::size_t>(
         std::count(solution_.beacon_status.begin(), solution_.beacon_status.end(), BeaconStatus::kUndetermined));
     const bool too_many = count > 0 && 2 * count >= asked_;
-    if (!blocked_ && !too_many && !(strict && count > 0)) return;
+    if (!blocked_ && !too_many && !(strict && count > 0)) return;  // status stays: converged or not
     solution_.status = SolveStatus::kUndetermined;
     std::vector<std::string> what, remedies;
     for (const WeakDirection& w : solution_.weak) {

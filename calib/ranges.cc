@@ -16,6 +16,7 @@ double median(std::vector<double> values) {
 double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
   const double legs = a.two_way ? 2.0 : 1.0;
   double tof_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? t.turnaround_s : 0.0);
+  if (t.has_cycle_offset && t.nodes[a.node].placed) tof_s -= t.nodes[a.node].cycle_offset_s;
   if (state.attenuation) {
     // One step of the fixed point is plenty for a start: the walk changes slowly with distance.
     const double d = std::max(0.1, tof_s * a.model_speed_mps);

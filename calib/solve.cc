@@ -33,6 +33,7 @@ namespace {
 /// Cauchy's scale at which the loss costs 5 % of efficiency on clean data.
 constexpr double kCauchyScale = 2.385;
 constexpr int kRejectionRounds = 12;
+constexpr int kMaxStages = 12;
 constexpr int kNoiseRounds = 3;
 constexpr double kNoiseMatters = 0.02;
 /// An epoch with an arrival this far off (beside the robust scale) is searched again.
@@ -135,7 +136,7 @@ class Calibrator {
       const bool last = scale <= kCauchyScale;
       if (!adjust_with(scale, last ? 1e-10 : 1e-4)) return false;
       const bool lifted = keep_above();
-      if (last && !lifted) return true;
+      if (last && (!lifted || stage > kMaxStages)) return true;
       scale = std::max(scale / 5, kCauchyScale);
       if (scale <= kSearchAgainScale && !searched_again) {
         place_again(scale);
@@ -228,11 +229,20 @@ class Calibrator {
     solution_.status = last_.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
     solution_.message = last_.converged ? "converged" : "the adjustment did not converge: " + last_.message;
     solution_.datum = datum_of(problem_);
-    if (last_.converged) judge(problem_, layout_, x_, usable_, start_.beacon_mirrored, options_.strict, trajectories_, solution_);
+    // What the data do not determine is often what keeps the iteration from settling, and then that is the finding.
+    judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_);
     collect_left_out();
     noise_warning();
     for (std::string& warning : suspect_control_points(problem_, solution_.state, trajectories_)) solution_.warnings.push_back(std::move(warning));
     finish();
+  }
+
+  /// Beacons that a mirror image explains as well from the final states; the start saw them with rougher ranges.
+  [[nodiscard]] std::vector<bool> mirrored() const {
+    std::vector<bool> still = start_.beacon_mirrored;
+    for (std::size_t b = 0; b < still.size(); ++b)
+      if (still[b]) still[b] = has_mirror_image(problem_, solution_.state, trajectories_, b, 3 * sigma_m());
+    return still;
   }
 
   void noise_warning() {

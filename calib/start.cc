@@ -19,6 +19,31 @@ namespace {
 /// A beacon counts as known when its prior is this much tighter than the ranges it takes part in.
 constexpr double kKnownShareOfRange = 0.2;
 
+/// Ranges of a beacon from the states placed so far; a thousand settle a start as well as a million.
+std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, std::size_t beacon) {
+  std::vector<RangeFrom> ranges;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals)
+      if (a.beacon.index() == beacon && t.nodes[a.node].placed && (a.alpha == 0.0 || t.nodes[a.node + 1].placed))
+        ranges.push_back({pose_at(t, a.node, a.alpha) * state.receiver_p_vehicle_m[a.receiver.index()], prior_range_m(t, a, state)});
+  constexpr std::size_t kEnough = 1000;
+  if (ranges.size() <= kEnough) return ranges;
+  std::vector<RangeFrom> few;
+  for (std::size_t i = 0; i < kEnough; ++i) few.push_back(ranges[i * ranges.size() / kEnough]);
+  return few;
+}
+
+TrilaterationOptions trilateration_options(const Problem& problem, const SharedState& state, std::size_t beacon, double scale_m) {
+  const SiteBeacon& known = problem.site.beacons[beacon];
+  const double held_below_m = 0.05 * typical_range_m(problem);
+  TrilaterationOptions options;
+  options.guess = state.beacon_p_map_m[beacon];
+  for (std::size_t i = 0; i < 3; ++i) options.held[i] = known.position_m[i] && known.sigma_m[i].value_or(INFINITY) <= held_below_m;
+  options.scale_m = scale_m;
+  options.above = problem.site.motion == Motion::kPlanar;
+  return options;
+}
+
 class Starter {
  public:
   explicit Starter(const Problem& problem) : problem_(problem), site_(problem.site) {
@@ -112,31 +137,10 @@ class Starter {
   }
 
   bool find_beacon(std::size_t b) {
-    std::vector<RangeFrom> ranges;
-    std::size_t nodes = 0;
-    for (const Trajectory& t : start_.trajectories) {
-      std::size_t last_node = static_cast<std::size_t>(-1);
-      for (const ArrivalObservation& a : t.arrivals) {
-        if (a.beacon.index() != b || !t.nodes[a.node].placed) continue;
-        const Pose T = pose_at(t, a.node, a.alpha);
-        ranges.push_back({T * start_.state.receiver_p_vehicle_m[a.receiver.index()], prior_range_m(t, a, start_.state)});
-        nodes += a.node != last_node;
-        last_node = a.node;
-      }
-    }
+    const std::vector<RangeFrom> ranges = ranges_to(start_.trajectories, start_.state, b);
     if (ranges.size() < 4) return false;
-    // A thousand ranges settle a start as well as a million.
-    if (ranges.size() > 1000) {
-      std::vector<RangeFrom> few;
-      for (std::size_t i = 0; i < 1000; ++i) few.push_back(ranges[i * ranges.size() / 1000]);
-      ranges = std::move(few);
-    }
-    TrilaterationOptions options;
-    options.guess = start_.state.beacon_p_map_m[b];
-    for (std::size_t i = 0; i < 3; ++i)
-      options.held[i] = site_.beacons[b].position_m[i] && site_.beacons[b].sigma_m[i].value_or(INFINITY) <= 0.05 * typical_range_m_;
-    options.scale_m = std::max(start_.slack_m, 3 * site_.noise.tof_sigma_s * speed_mps(site_.medium));
-    options.above = site_.motion == Motion::kPlanar;
+    const TrilaterationOptions options = trilateration_options(problem_, start_.state, b,
+                                                               std::max(start_.slack_m, 3 * site_.noise.tof_sigma_s * speed_mps(site_.medium)));
     const Trilateration place = trilaterate(ranges, options);
     if (!place.ok) return false;
     start_.state.beacon_p_map_m[b] = place.p_map_m;
@@ -177,6 +181,11 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
 }  // namespace
 
 Start initial_values(const Problem& problem) { return Starter(problem).run(); }
+
+bool has_mirror_image(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories, std::size_t beacon,
+                      double scale_m) {
+  return trilaterate(ranges_to(trajectories, state, beacon), trilateration_options(problem, state, beacon, scale_m)).has_mirror;
+}
 
 EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable) {
   EpochFixModel model;

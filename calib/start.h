@@ -25,6 +25,10 @@ struct Start {
 /// trilateration), then in turn vehicle states from the beacons found so far and beacons from the states found so far.
 [[nodiscard]] Start initial_values(const Problem& problem);
 
+/// Whether a second place explains the ranges of a beacon from the states at hand as well, to scale_m.
+[[nodiscard]] bool has_mirror_image(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories, std::size_t beacon,
+                                    double scale_m);
+
 /// What the epoch search has to know, for the beacons marked usable.
 [[nodiscard]] EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable);
 

@@ -36,7 +36,7 @@ int run(const Words& words, Session& session) {
   world->truth.program_version = OCTANT_VERSION;
   world->truth.program_command = session.command_line;
   if (auto written = write_world(words.folder, *world, text); !written) return session.fail(written.error());
-  session.result(fmt::format("{}: {} beacons, {} arrivals to calibrate with, {} held out, seed {}\n{}\n", world->site.name,
+  session.result(fmt::format("{}: {} beacons, {} arrivals to calibrate with, {} held out, seed {}\nwritten          {}\n", world->site.name,
                              world->site.beacons.size(), world->run.arrivals.size(), world->heldout.arrivals.size(), session.options.seed,
                              words.folder));
   return session.finish({{"folder", words.folder},

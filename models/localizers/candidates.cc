@@ -80,17 +80,19 @@ std::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& proble
   return pairs;
 }
 
-/// Offers a position with the given heading, and with those that bearings tell there.
-void offer(const SearchProblem& problem, Consensus& consensus, PlanarState state, TopList& top) {
-  if (problem.has_offset) state.offset_m = consensus.best_offset(state);
-  top.offer(state, consensus.score(state, top.worst()));
+/// Offers a position with the given heading.
+void offer(Consensus& consensus, const PlanarState& state, TopList& top) { top.offer(state, consensus.score(state, top.worst())); }
+
+/// Headings to begin with at a place: those that a few of the bearings tell there, or none in particular.
+std::vector<double> first_headings(const SearchProblem& problem, double x_m, double y_m) {
+  if (problem.bearings.empty()) return {0.0};
+  std::vector<double> headings;
   const std::size_t stride = std::max<std::size_t>(problem.bearings.size() / 4, 1);
   for (std::size_t i = 0; i < problem.bearings.size(); i += stride) {
     const SearchBearing& b = problem.bearings[i];
-    state.heading_rad =
-        wrap_angle(std::atan2(b.p_reflector_map_m.y() - state.y_m, b.p_reflector_map_m.x() - state.x_m) - b.bearing_rad);
-    top.offer(state, consensus.score(state, top.worst()));
+    headings.push_back(wrap_angle(std::atan2(b.p_reflector_map_m.y() - y_m, b.p_reflector_map_m.x() - x_m) - b.bearing_rad));
   }
+  return headings;
 }
 
 struct Box {
@@ -103,6 +105,8 @@ struct Box {
     y1 = std::max(y1, y + margin);
   }
 };
+
+constexpr double kCellsPerStart = 0.125;  ///< one start of a descent for eight cells of the budget
 
 /// The heard beacons' bounding box, grown by a quarter; no further than the ranges reach where they are absolute.
 Box search_box(const SearchProblem& problem) {
@@ -144,7 +148,7 @@ void propose_from_pairs(const SearchProblem& problem, const SearchOptions& optio
       const int count = intersect(circle_of(problem.ranges[i], cosine, sine), circle_of(problem.ranges[j], cosine, sine), meet);
       for (int side = 0; side < count; ++side) {
         meet[static_cast<std::size_t>(side)].heading_rad = heading;
-        offer(problem, consensus, meet[static_cast<std::size_t>(side)], top);
+        offer(consensus, meet[static_cast<std::size_t>(side)], top);
       }
     }
   }
@@ -152,21 +156,34 @@ void propose_from_pairs(const SearchProblem& problem, const SearchOptions& optio
 
 void propose_from_grid(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus, TopList& top) {
   const Box box = search_box(problem);
-  const double spacing = std::sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / options.max_cells);
+  // Each cell is a start, not a sample: hyperbolas leave long valleys in which a grid would have to be very fine.
+  const double spacing = std::sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / (kCellsPerStart * options.max_cells));
   if (!(spacing > 0)) return;
-  // With short lever arms the heading hardly moves the ranges at this spacing: places first, headings for the best of them.
-  TopList places(2 * options.keep, 1.2 * spacing, 0.3);
-  consensus.set_extra_sigma(std::hypot(0.4 * spacing, problem.lever_m));
+  const double size = std::max(box.x1 - box.x0, box.y1 - box.y0);
+  const double widths[] = {0.3 * size, 0.08 * size, std::max(0.02 * size, problem.lever_m)};
+  // With short lever arms the heading hardly moves the ranges at this width: places first, headings for the best of them.
+  TopList places(2 * options.keep, widths[2], 0.3);
+  consensus.judge_shadows(false);
   for (double y = box.y0 + 0.5 * spacing; y < box.y1; y += spacing)
-    for (double x = box.x0 + 0.5 * spacing; x < box.x1; x += spacing) offer(problem, consensus, {x, y, 0.0, 0.0}, places);
-  consensus.set_extra_sigma(0.25 * spacing);
+    for (double x = box.x0 + 0.5 * spacing; x < box.x1; x += spacing)
+      for (const double heading : first_headings(problem, x, y)) {
+        PlanarState state{x, y, heading, 0.0};
+        if (problem.has_offset) state.offset_m = consensus.best_offset(state);
+        for (const double width_m : widths) {
+          consensus.set_extra_sigma(width_m);
+          consensus.refine(state, 4);
+        }
+        offer(consensus, state, places);
+      }
+  consensus.judge_shadows(true);
+  consensus.set_extra_sigma(widths[2]);
   const int headings = problem.lever_m > 1e-6 ? options.headings : 1;
   for (const Candidate& place : places.list())
     for (int k = 0; k < headings; ++k) {
       PlanarState state = place.state;
       state.heading_rad = wrap_angle(state.heading_rad + 2 * std::numbers::pi * k / headings);
       consensus.refine(state, 3);
-      top.offer(state, consensus.score(state, top.worst()));
+      offer(consensus, state, top);
     }
 }
 

@@ -65,7 +65,7 @@ void Consensus::residuals_of_group(const PlanarState& s, double cosine, double s
     const double flat2 = dx * dx + dy * dy;
     residual_[i] = r.range_m - s.offset_m - std::sqrt(flat2 + dz * dz);
     const double towards = -(dx * (cosine * r.axis.x() - sine * r.axis.y()) + dy * (sine * r.axis.x() + cosine * r.axis.y()));
-    behind_[i] = towards < 0 && towards * towards > kBehindCosine * kBehindCosine * flat2 ? kBehindCost : 0.0;
+    behind_[i] = judge_shadows_ && towards < 0 && towards * towards > kBehindCosine * kBehindCosine * flat2 ? kBehindCost : 0.0;
   }
 }
 
@@ -112,7 +112,7 @@ double Consensus::group_cost(std::size_t group, bool& direct) {
     behind += behind_[i];
   }
   direct = true;
-  if (!problem_.common_bias || last - first < 2) return plain;
+  if (!judge_shadows_ || !problem_.common_bias || last - first < 2) return plain;
   // What they have in common is taken out by least squares; if the rest is cheap, all is said.
   if (bias_variance_[group] > 0) plain = S2 - 0.5 * S1 * S1 / (1.0 / bias_variance_[group] + S0) + behind;
   return plain <= group_caps_[group].late ? plain : divided_group_cost(group, plain, direct);

@@ -28,6 +28,10 @@ class Consensus {
   /// Widens all arrivals: what a candidate may be off by [m].
   void set_extra_sigma(double extra_m);
 
+  /// While heading and offset are still guesses, neither a receiver's axis nor a beacon's shadow is evidence of anything: with
+  /// this, every arrival takes part on its own.
+  void judge_shadows(bool on) { judge_shadows_ = on; }
+
   /// Stops as soon as the score passes give_up.
   [[nodiscard]] double score(const PlanarState& state, double give_up = std::numeric_limits<double>::infinity());
 
@@ -66,6 +70,7 @@ class Consensus {
   std::vector<Caps> caps_, group_caps_;
   std::vector<double> residual_, behind_, sorted_;  ///< scratch, one for each range
   double extra_m_ = 0.0;
+  bool judge_shadows_ = true;
 };
 
 }  // namespace octant
