@@ -15,6 +15,7 @@
 #include "calib/reject.h"
 #include "calib/start.h"
 #include "calib/statistics.h"
+#include "calib/whiteness.h"
 
 namespace octant::calib {
 
@@ -252,6 +253,13 @@ class Calibrator {
           "residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled to the residuals, but errors that stay the "
           "same at a place or a pair are not noise and make the beacons worse than their sigmas say",
           noise_factor_, s.variance_factor));
+    const Whiteness w = whiteness_of(trajectories_, solution_.state);
+    if (!w.white)
+      solution_.warnings.push_back(fmt::format(
+          "residuals are no white noise: those of a beacon-receiver pair keep a common part (variance of pair means {:.3g} times that of noise, "
+          "correlation in time {:.2f}), as reflections and antennas cause; such errors do not average out, so expect the beacons off by several "
+          "times their stated sigmas, or state noise.pair_sigma_s",
+          w.pair_ratio, w.autocorrelation));
   }
 
   void collect_left_out() {

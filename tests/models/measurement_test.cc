@@ -90,6 +90,8 @@ Setting random_setting(std::mt19937& random, Motion motion) {
   s.beacon = {10 * u(random), 10 * u(random), 2.5 + u(random)};
   s.receiver = {0.3 * u(random), 0.3 * u(random), 0.3 + 0.1 * u(random)};
   s.T_hear_send = {{0.3 * u(random), 0.3 * u(random), 0.0}, exp_rotation({0, 0, 0.2 * u(random)})};
+  // Heard at any distance: the threshold is a share of the amplitude there.
+  s.attenuation.threshold_v = 0.4 * (1 + u(random)) * amplitude_v((s.T * s.receiver - s.beacon).norm(), s.attenuation);
   return s;
 }
 

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/trilaterate.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace octant::calib {
+namespace {
+
+/// Ranges from places spread as given to a beacon, with noise and some late by metres.
+std::vector<RangeFrom> ranges_to(const Eigen::Vector3d& beacon, const Eigen::Vector3d& spread, int count, double noise_m, double late_share, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> u(-1, 1), share(0, 1);
+  std::normal_distribution<double> n;
+  std::vector<RangeFrom> ranges;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d p(spread.x() * u(random), spread.y() * u(random), 0.3 + spread.z() * u(random));
+    const double late = share(random) < late_share ? 1.0 + 3.0 * share(random) : 0.0;
+    ranges.push_back({p, (p - beacon).norm() + noise_m * n(random) + late});
+  }
+  return ranges;
+}
+
+TEST(Trilaterate, ExactRangesGiveThePlace) {
+  const Eigen::Vector3d beacon(4, -3, 2.5);
+  const Trilateration t = trilaterate(ranges_to(beacon, {5, 5, 0.5}, 20, 0.0, 0.0, 1), {.scale_m = 0.01});
+  ASSERT_TRUE(t.ok);
+  EXPECT_LT((t.p_map_m - beacon).norm(), 1e-6);
+  EXPECT_FALSE(t.has_mirror);
+}
+
+TEST(Trilaterate, ForgivesAThirdOfEchoes) {
+  const Eigen::Vector3d beacon(8, 2, 2.2);
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Trilateration t = trilaterate(ranges_to(beacon, {5, 5, 0.0}, 60, 0.01, 0.33, seed), {.scale_m = 0.02});
+    ASSERT_TRUE(t.ok) << seed;
+    EXPECT_LT((t.p_map_m - beacon).norm(), 0.1) << seed;
+  }
+}
+
+TEST(Trilaterate, FromAPlaneTakesThePlaceAbove) {
+  const Trilateration t = trilaterate(ranges_to({3, 1, 2.5}, {5, 5, 0.0}, 40, 0.003, 0.0, 2), {.scale_m = 0.01});
+  ASSERT_TRUE(t.ok);
+  EXPECT_GT(t.p_map_m.z(), 0.3);
+  EXPECT_NEAR(t.p_map_m.z(), 2.5, 0.05);
+}
+
+TEST(Trilaterate, AStraightTrackLeavesAMirrorImage) {
+  TrilaterationOptions options{.held = {false, false, true}, .guess = {0, 0, 2.5}, .scale_m = 0.01};
+  const Trilateration t = trilaterate(ranges_to({3, 4, 2.5}, {6, 0, 0}, 40, 0.003, 0.0, 3), options);
+  ASSERT_TRUE(t.ok);
+  ASSERT_TRUE(t.has_mirror);
+  EXPECT_NEAR(t.mirror_map_m.y(), -t.p_map_m.y(), 0.05);
+}
+
+TEST(Trilaterate, HeldCoordinatesStay) {
+  TrilaterationOptions options{.held = {false, false, true}, .guess = {0, 0, 1.7}, .scale_m = 0.05};
+  const Trilateration t = trilaterate(ranges_to({3, 4, 1.7}, {5, 5, 0}, 30, 0.01, 0.0, 4), options);
+  ASSERT_TRUE(t.ok);
+  EXPECT_EQ(t.p_map_m.z(), 1.7);
+}
+
+TEST(Trilaterate, TooFewRangesAreNoPlace) {
+  EXPECT_FALSE(trilaterate({}, {}).ok);
+  EXPECT_FALSE(trilaterate(ranges_to({3, 4, 1}, {5, 5, 0}, 2, 0.0, 0.0, 5), {}).ok);
+}
+
+}  // namespace
+}  // namespace octant::calib
