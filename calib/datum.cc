@@ -11,6 +11,13 @@
 namespace octant::calib {
 namespace {
 
+constexpr const char* kFreeNetwork = "inner constraints (free network)";
+
+void describe(Datum& datum) {
+  const std::string named = datum.position == "control points" ? fmt::format(" ({})", fmt::join(datum.control_points, ", ")) : "";
+  datum.description = fmt::format("position by {}{}, orientation by {}, scale by {}", datum.position, named, datum.orientation, datum.scale);
+}
+
 bool approximately_known(const SiteBeacon& b) {
   return b.position_m[0] && b.position_m[1] && b.sigma_m[0] && b.sigma_m[1] && !b.is_control_point();
 }
@@ -47,14 +54,18 @@ Datum datum_of(const Problem& problem) {
   }
   const bool poses = std::any_of(problem.runs.begin(), problem.runs.end(), [](const MeasurementLog& r) { return !r.poses.empty(); });
   const std::size_t fixed = datum.control_points.size();
-  const std::string priors = approximate > 0 ? "approximate beacon positions (priors)" : "inner constraints (free network)";
+  const std::string priors = approximate > 0 ? "approximate beacon positions (priors)" : kFreeNetwork;
   datum.position = fixed >= 1 ? "control points" : poses ? "measured poses" : priors;
   datum.orientation = fixed >= 2 ? "control points" : poses ? "measured poses" : priors;
   datum.scale = scale_of(problem, fixed, poses);
-  const std::string named = fixed > 0 ? fmt::format(" ({})", fmt::join(datum.control_points, ", ")) : "";
-  datum.description = fmt::format("position by {}{}, orientation by {}, scale by {}", datum.position,
-                                  datum.position == "control points" ? named : "", datum.orientation, datum.scale);
+  describe(datum);
   return datum;
+}
+
+void set_free_network(Datum& datum) {
+  if (datum.position != "control points") datum.position = kFreeNetwork;
+  if (datum.orientation != "control points") datum.orientation = kFreeNetwork;
+  describe(datum);
 }
 
 }  // namespace octant::calib

@@ -11,4 +11,7 @@ namespace octant::calib {
 /// approximate positions (priors), taped distances; what nothing fixes is said so.
 [[nodiscard]] Datum datum_of(const Problem& problem);
 
+/// The same for a map that turned out to hang on nothing: inner constraints carry what was said to carry it.
+void set_free_network(Datum& datum);
+
 }  // namespace octant::calib

@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "calib/adjust.h"
+#include "calib/datum.h"
 #include "calib/ranges.h"
 
 namespace octant::calib {
@@ -21,6 +22,7 @@ namespace {
 constexpr double kUnseen = 1e-12;
 /// A length or speed known to this share of itself carries the scale.
 constexpr double kKnownScale = 0.15;
+constexpr double kVagueDatum = 0.25;
 
 /// Standard deviation of the worst direction of a beacon, in metres.
 double worst_sigma_m(const Eigen::Matrix3d& covariance_m2) {
@@ -189,14 +191,12 @@ Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(F);
   if (layout.size() == 0 || qr.rank() == 0) return Eigen::MatrixXd(layout.size(), 0);
   const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(layout.size(), qr.rank());
-  // Motions that the information does not see: against what it says of single coordinates.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Q.transpose() * information * Q);
-  double reference = 0.0;
-  for (const auto& columns : layout.beacon)
-    for (const int c : columns)
-      if (c >= 0) reference = std::max(reference, information(c, c));
+  const auto free_beacons = std::count_if(layout.beacon.begin(), layout.beacon.end(), [](const auto& c) { return std::max({c[0], c[1], c[2]}) >= 0; });
+  // A unit motion moves each beacon by 1 / sqrt(beacons); positions given to a hundred metres carry no map either.
+  const double limit_m = kVagueDatum * typical_range_m(problem) * std::sqrt(static_cast<double>(free_beacons));
   Eigen::Index unseen = 0;
-  while (unseen < eigen.eigenvalues().size() && eigen.eigenvalues()[unseen] < 1e-9 * reference) ++unseen;
+  while (unseen < eigen.eigenvalues().size() && eigen.eigenvalues()[unseen] * limit_m * limit_m < 1.0) ++unseen;
   return Q * eigen.eigenvectors().leftCols(unseen);
 }
 
@@ -218,7 +218,9 @@ void judge(const Problem& problem, const ParameterLayout& layout, const Eigen::V
            const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution) {
   const Information information = information_at(problem, layout, trajectories, x);
   const Eigen::MatrixXd N = information.data + information.prior;
-  const Eigen::MatrixXd C = covariance_of(N, free_datum(problem, layout, solution.state, N));
+  const Eigen::MatrixXd datum = free_datum(problem, layout, solution.state, N);
+  if (datum.cols() > 0) set_free_network(solution.datum);
+  const Eigen::MatrixXd C = covariance_of(N, datum);
   Eigen::VectorXd si(layout.size());
   for (int i = 0; i < layout.size(); ++i) {
     si[i] = layout.parameters[static_cast<std::size_t>(i)].si_per_unit;

@@ -12,8 +12,8 @@
 
 namespace octant::calib {
 
-/// Motions of the whole map that nothing in a problem can see (planar: x, y, heading; spatial: six), as columns over the free
-/// parameters; orthonormal, none where the datum is fixed.
+/// Motions of the whole map that nothing in a problem tells to better than a quarter of the typical range (planar: x, y,
+/// heading; spatial: six), as columns over the free parameters; orthonormal, none where the datum is fixed.
 [[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
                                          const Eigen::MatrixXd& information);
 

@@ -12,6 +12,7 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kNodesPerTile = 2048;
+constexpr double kUnobserved = 1e-14;  ///< of the largest diagonal element: above rounding, below any information
 
 /// Derivatives of a row by shared parameters as (column, value) pairs.
 struct SharedEntries {
@@ -181,9 +182,14 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
   Eigen::LLT<NodeBlock> factor;
   for (std::size_t k = 0; k < count; ++k) {
     NodeSystem& node = nodes[k];
-    // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing.
-    node.D.diagonal().array() += 1e-12 * (1.0 + node.D.diagonal().maxCoeff());
+    // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing. Within a chain odometry
+    // observes all, and a floor there would act as a measured pose at every node.
+    if (k + 1 == count) node.D.diagonal().array() += kUnobserved * (1.0 + node.D.diagonal().maxCoeff());
     factor.compute(node.D);
+    if (factor.info() != Eigen::Success) {
+      node.D.diagonal().array() += 100 * kUnobserved * (1.0 + node.D.diagonal().maxCoeff());
+      factor.compute(node.D);
+    }
     const auto active = static_cast<Eigen::Index>(node.active.size());
     Eigen::Matrix<double, kMaxBlock, Eigen::Dynamic> Y(kMaxBlock, active);
     const NodeVector y = factor.matrixL().solve(g[k]);
