@@ -5,6 +5,7 @@
 #include <map>
 
 #include "calib/calibrate.h"
+#include "models/linearise.h"
 
 namespace octant::calib {
 namespace {
@@ -58,6 +59,30 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
     receiver.delay_s = solution.state.receiver_delay_s[r];
     receiver.delay_sigma_s = variances.sigma(prefix + "/delay_s");
     d.receivers.push_back(std::move(receiver));
+  }
+}
+
+/// How far off their axes the receivers heard: one cone for all of a vehicle, so that a few hundred arrivals tell it.
+void add_hearing(const Solution& solution, Deployment& d) {
+  constexpr std::size_t kEnough = 200;
+  constexpr double kOutliers = 0.005, kMargin = 0.03;
+  std::vector<std::vector<double>> cosines(d.vehicles.size());
+  for (const Trajectory& t : solution.trajectories)
+    for (const ArrivalObservation& a : t.arrivals) {
+      const DeploymentReceiver& receiver = d.receivers[a.receiver.index()];
+      if (a.rejection != Rejection::kUsed || !receiver.axis || !t.nodes[a.node].placed) continue;
+      const Pose T = pose_at(t, a.node, a.alpha);
+      const Eigen::Vector2d towards = (d.beacons[a.beacon.index()].position_m - T * receiver.position_m).head<2>();
+      const Eigen::Vector2d axis = (T.rotation * *receiver.axis).head<2>();
+      const double scale = towards.norm() * axis.norm();
+      if (scale > 0) cosines[t.vehicle.index()].push_back(towards.dot(axis) / scale);
+    }
+  for (DeploymentReceiver& receiver : d.receivers) {
+    std::vector<double>& seen = cosines[receiver.vehicle.index()];
+    if (!receiver.axis || seen.size() < kEnough) continue;
+    const auto at = seen.begin() + static_cast<std::ptrdiff_t>(kOutliers * static_cast<double>(seen.size()));
+    std::nth_element(seen.begin(), at, seen.end());
+    receiver.hearing_cosine = *at - kMargin;
   }
 }
 
@@ -127,6 +152,7 @@ Deployment make_deployment(const Problem& problem, const Solution& solution, con
   d.program_command = provenance.command;
   add_beacons(problem, solution, variances, d);
   add_receivers(problem, solution, variances, d);
+  add_hearing(solution, d);
   add_validity(problem, solution, d);
   return d;
 }

@@ -14,6 +14,7 @@
 #include "calib/adjust.h"
 #include "calib/datum.h"
 #include "calib/ranges.h"
+#include "calib/weak_directions.h"
 
 namespace octant::calib {
 namespace {
@@ -97,7 +98,8 @@ class Judge {
     solution_.status = SolveStatus::kUndetermined;
     std::vector<std::string> what, remedies;
     for (const WeakDirection& w : solution_.weak) {
-      if (!w.blocking && !too_many && !strict) continue;
+      const bool beacon = w.sigma_m == 0.0;  // an undetermined beacon: one of too many
+      if (!w.blocking && !(beacon && (too_many || strict))) continue;
       what.push_back(w.description);
       if (std::find(remedies.begin(), remedies.end(), w.remedy) == remedies.end()) remedies.push_back(w.remedy);
     }
@@ -230,6 +232,11 @@ void judge(const Problem& problem, const ParameterLayout& layout, const Eigen::V
   Judge judge(problem, layout, C, solution);
   judge.beacons(beacon_usable, beacon_mirrored);
   judge.common_parameters();
+  std::vector<bool> known(beacon_usable.size());
+  for (std::size_t b = 0; b < known.size(); ++b) known[b] = solution.beacon_status[b] != BeaconStatus::kUndetermined;
+  for (WeakDirection& w : weak_directions(problem, layout, x, C, known, trajectories,
+                                          {.limit_m = tolerance_m(problem), .typical_range_m = typical_range_m(problem)}))
+    solution.weak.push_back(std::move(w));
   judge.verdict(strict);
 }
 

@@ -48,6 +48,17 @@ Result<void> check_unit(const Site& site, const MeasurementLog& run) {
                .advice = "check whether the log is in milliseconds or microseconds, or whether medium.speed_mps is right"});
 }
 
+/// What may be left out of a site file without arrivals may not with them.
+Result<void> check_complete(const Site& site, const MeasurementLog& run) {
+  if (run.arrivals.empty()) return {};
+  const char* missing = !site.medium_given ? "medium" : !site.timing_given ? "timing" : !site.tof_sigma_given ? "noise.tof_sigma_s" : nullptr;
+  if (missing == nullptr) return {};
+  return fail({.file = site.path,
+               .found = fmt::format("no {}, but {}/tof.csv has arrivals", missing, run.path),
+               .expected = fmt::format("{} in the site file", missing),
+               .advice = "state it: times of flight mean nothing without"});
+}
+
 }  // namespace
 
 Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs) {
@@ -55,6 +66,7 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs) {
   std::size_t observations = 0;
   TrajectoryModel model{site.motion, site.medium, site.timing, site.noise, site.attenuation.has_value()};
   for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (auto ok = check_complete(site, runs[i]); !ok) return fail(ok.error());
     if (auto ok = check_unit(site, runs[i]); !ok) return fail(ok.error());
     for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
       Trajectory t = make_trajectory(runs[i], i, VehicleId(v), model);

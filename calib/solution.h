@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "calib/reliability.h"
 #include "models/deployment.h"
 #include "models/shared_state.h"
 #include "models/trajectory.h"
@@ -52,6 +53,7 @@ struct Solution {
   JointCovariance covariance;                ///< SI units
   Datum datum;
   CalibrationStatistics statistics;
+  Reliability reliability;                   ///< redundancy numbers, detectable biases, error ellipses, variance components
   double tof_sigma_s = 0.0;                  ///< noise of the arrivals as found
   std::vector<LeftOut> left_out;
   std::vector<WeakDirection> weak;

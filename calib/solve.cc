@@ -13,6 +13,7 @@
 #include "calib/label_check.h"
 #include "calib/observability.h"
 #include "calib/reject.h"
+#include "calib/reliability.h"
 #include "calib/start.h"
 #include "calib/statistics.h"
 #include "calib/whiteness.h"
@@ -232,6 +233,7 @@ class Calibrator {
     solution_.datum = datum_of(problem_);
     // What the data do not determine is often what keeps the iteration from settling, and then that is the finding.
     judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_);
+    solution_.reliability = reliability_of(problem_, layout_, trajectories_, solution_.state, solution_.covariance, solution_.beacon_status, noise_factor_);
     collect_left_out();
     noise_warning();
     for (std::string& warning : suspect_control_points(problem_, solution_.state, trajectories_)) solution_.warnings.push_back(std::move(warning));

@@ -109,6 +109,7 @@ void read_vehicles(const JsonValue& json, Deployment& d) {
       r.delay_s = entry.at("delay_s").number();
       r.delay_sigma_s = number_or(entry.find("delay_sigma_s"), 0.0);
       if (const JsonValue axis = entry.find("axis"); axis.present()) r.axis = axis.vector3();
+      if (const JsonValue cosine = entry.find("hearing_cosine"); cosine.present()) r.hearing_cosine = cosine.number();
       d.receivers.push_back(std::move(r));
     }
     d.vehicles.back().receiver_count = d.receivers.size() - d.vehicles.back().first_receiver;

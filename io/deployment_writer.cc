@@ -89,7 +89,8 @@ Json vehicles_json(const Deployment& d) {
                            {"sigma_m", array_of(r.sigma_m)},
                            {"delay_s", r.delay_s},
                            {"delay_sigma_s", r.delay_sigma_s},
-                           {"axis", r.axis ? array_of(*r.axis) : Json(nullptr)}});
+                           {"axis", r.axis ? array_of(*r.axis) : Json(nullptr)},
+                           {"hearing_cosine", r.hearing_cosine ? Json(*r.hearing_cosine) : Json(nullptr)}});
     }
     out.push_back({{"id", vehicle.name}, {"receivers", receivers}});
   }

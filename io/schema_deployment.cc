@@ -117,7 +117,8 @@ std::string_view deployment_schema() {
                 "sigma_m": {"$ref": "#/$defs/vector"},
                 "delay_s": {"type": "number"},
                 "delay_sigma_s": {"type": "number"},
-                "axis": {"oneOf": [{"$ref": "#/$defs/vector"}, {"type": "null"}]}
+                "axis": {"oneOf": [{"$ref": "#/$defs/vector"}, {"type": "null"}]},
+                "hearing_cosine": {"type": ["number", "null"]}
               }
             }
           }

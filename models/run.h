@@ -99,7 +99,8 @@ struct MeasurementLog {
   std::optional<double> relative_humidity;
   std::optional<double> pressure_pa;
   PoseAccuracy pose_accuracy;
-  PoseAccuracy truth_accuracy;
+  /// Exact where run.yaml says nothing of it: what is then blamed on the fixes is at most too much.
+  PoseAccuracy truth_accuracy = {.position_sigma_m = 0.0, .heading_sigma_rad = 0.0, .attitude_sigma_rad = 0.0};
   OdometryAccuracy odometry_accuracy;
   bool has_epochs = false;       ///< tof.csv or bearings.csv has an epoch column
   std::size_t rows = 0;          ///< data rows of tof.csv, rejected ones included

@@ -50,7 +50,8 @@ Json solution_json(const Calibration& c, const Session& session) {
           {"weak", weak},
           {"datum", {{"description", s.datum.description}, {"position", s.datum.position}, {"orientation", s.datum.orientation},
                      {"scale", s.datum.scale}, {"control_points", s.datum.control_points}}},
-          {"left_out", left_out_json(c)}};
+          {"left_out", left_out_json(c)},
+          {"reliability", reliability_json(c)}};
 }
 
 void add_deployment(Json& object, const Deployment& d) {

@@ -17,6 +17,7 @@ using Action = std::function<int(Session&)>;
 // One file each, of the same name. Each adds its words to the command line.
 void add_demo(CLI::App& app, CommonOptions& common, Action& action);
 void add_simulate(CLI::App& app, CommonOptions& common, Action& action);
+void add_check(CLI::App& app, CommonOptions& common, Action& action);
 void add_calibrate(CLI::App& app, CommonOptions& common, Action& action);
 void add_localize(CLI::App& app, CommonOptions& common, Action& action);
 void add_verify(CLI::App& app, CommonOptions& common, Action& action);

@@ -55,6 +55,7 @@ int run(int argc, const char* const* argv, Session& session) {
   Action action;
   add_demo(app, session.options, action);
   add_simulate(app, session.options, action);
+  add_check(app, session.options, action);
   add_calibrate(app, session.options, action);
   add_localize(app, session.options, action);
   add_verify(app, session.options, action);

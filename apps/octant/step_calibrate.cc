@@ -164,10 +164,10 @@ std::string calibration_text(const Calibration& calibration) {
                                 d.statistics.chi2_p));
   line("datum", d.datum.description);
   for (const auto& weak : s.weak) {
-    line("weak", fmt::format("{}: up to {} at the robot{}", weak.description, length_text(weak.consequence_m),
-                             weak.remedy.empty() ? "" : "; settled by " + weak.remedy));
+    const std::string known = weak.sigma_m > 0 ? fmt::format(" known to {}, {} at the robot", length_text(weak.sigma_m), length_text(weak.consequence_m)) : "";
+    line("weak", fmt::format("{}{}{}", weak.description, known, weak.remedy.empty() ? "" : "; settled by: " + weak.remedy));
   }
-  return text;
+  return text + reliability_text(calibration);
 }
 
 }  // namespace octant::app

@@ -47,8 +47,11 @@ struct Calibration {
 /// Arrivals and rows left out, by reason and by beacon.
 [[nodiscard]] Json left_out_json(const Calibration& calibration);
 [[nodiscard]] std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration);
+/// Redundancy numbers, detectable biases, ellipses, variance components, residuals by group; null without a covariance.
+[[nodiscard]] Json reliability_json(const Calibration& calibration);
 /// Tables for people.
 [[nodiscard]] std::string calibration_text(const Calibration& calibration);
+[[nodiscard]] std::string reliability_text(const Calibration& calibration);
 
 enum class Method { kAuto, kLeastSquares, kTracker };
 

@@ -13,7 +13,6 @@
 namespace octant {
 namespace {
 
-constexpr double kBehindCosine = -0.2;  ///< directional receivers hear some way past the side, hardly from behind
 constexpr double kBehindCost = 4.0;     ///< against: one in fifty direct arrivals
 constexpr double kBearingCap = 6.0;
 constexpr double kLateScale = 2.5, kEarlyScale = 3.5;  ///< of the Cauchy weights, in sigmas
@@ -65,7 +64,8 @@ void Consensus::residuals_of_group(const PlanarState& s, double cosine, double s
     const double flat2 = dx * dx + dy * dy;
     residual_[i] = r.range_m - s.offset_m - std::sqrt(flat2 + dz * dz);
     const double towards = -(dx * (cosine * r.axis.x() - sine * r.axis.y()) + dy * (sine * r.axis.x() + cosine * r.axis.y()));
-    behind_[i] = judge_shadows_ && towards < 0 && towards * towards > kBehindCosine * kBehindCosine * flat2 ? kBehindCost : 0.0;
+    const bool behind = r.axis.squaredNorm() > 0 && towards < r.hearing_cosine * std::sqrt(flat2);
+    behind_[i] = judge_shadows_ && behind ? kBehindCost : 0.0;
   }
 }
 

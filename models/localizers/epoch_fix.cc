@@ -19,6 +19,8 @@ namespace {
 
 constexpr double kFirstGate = 1.5;  ///< the search ends near the optimum, not at it: the first gate is wider by this
 constexpr int kMarkRounds = 8;
+constexpr double kHeadingStepM = 0.05;
+constexpr int kMaxHeadings = 24;
 
 struct Count {
   int heard = 0, used = 0;  ///< arrivals of usable beacons
@@ -170,6 +172,12 @@ bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& mo
     return false;
   }
   SearchOptions search;
+  // Long lever arms need closer headings: half a step must not move a receiver by more than a few centimetres.
+  const int wanted = static_cast<int>(std::ceil(0.5 * std::numbers::pi * problem.lever_m / kHeadingStepM));
+  if (wanted > search.headings) {
+    search.headings = std::min(wanted, kMaxHeadings);
+    search.keep *= 2;
+  }
   search.max_pairs = std::max(options.max_candidates / (2 * search.headings), 4);
   search.max_cells = options.max_candidates;
   const SearchResult result = search_pose(problem, search);

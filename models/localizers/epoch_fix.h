@@ -10,10 +10,14 @@
 
 #include "models/deployment.h"
 #include "models/fix.h"
+#include "models/localizers/calibration_part.h"
 #include "models/run.h"
 #include "models/trajectory.h"
 
 namespace octant {
+
+/// Directional receivers hear some way past the side, hardly from behind; where calibration has seen no more of them.
+inline constexpr double kHearingCosine = -0.2;
 
 struct EpochFixOptions {
   /// Extra standard deviation of every predicted range, for beacons known only roughly [m].
@@ -22,7 +26,7 @@ struct EpochFixOptions {
   double max_sigma_m = 1.0;  ///< a horizontal sigma beyond this is poor geometry
   int max_candidates = 640;  ///< poses tried in the coarse search
   /// A second pose counts as equally good when its log likelihood is within this of the best (3: odds below twenty to one).
-  double ambiguity_margin = 3.0;
+  double ambiguity_margin = 2.0;
 };
 
 /// Everything the search has to know besides the arrivals.
@@ -30,6 +34,7 @@ struct EpochFixModel {
   SharedState state;
   std::vector<bool> beacon_usable;
   std::vector<std::optional<Eigen::Vector3d>> receiver_axis;
+  std::vector<double> hearing_cosine;  ///< of each receiver, beyond which it hardly hears; empty: kHearingCosine for all
   double nominal_speed_mps = 343.0;
   /// Of each beacon's x, y, z [m], delay [s] and the speed [m/s]: how far calibration itself may be off. Empty: not at all.
   std::vector<Eigen::Matrix<double, 5, 5>> beacon_covariance;
@@ -62,6 +67,7 @@ class LeastSquaresLocalizer {
   Deployment deployment_;
   EpochFixOptions options_;
   EpochFixModel model_;
+  CalibrationPart calibration_;
 };
 
 }  // namespace octant

@@ -60,13 +60,16 @@ EpochFixModel epoch_fix_model(const Deployment& deployment) {
     model.beacon_usable.push_back(beacon.status != BeaconStatus::kUndetermined);
     model.beacon_covariance.push_back(covariance_of(deployment, beacon));
   }
-  for (const DeploymentReceiver& receiver : deployment.receivers) model.receiver_axis.push_back(receiver.axis);
+  for (const DeploymentReceiver& receiver : deployment.receivers) {
+    model.receiver_axis.push_back(receiver.axis);
+    model.hearing_cosine.push_back(receiver.hearing_cosine.value_or(kHearingCosine));
+  }
   model.nominal_speed_mps = deployment.speed_mps(deployment.medium.temperature_degC);
   return model;
 }
 
 LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options)
-    : deployment_(std::move(deployment)), options_(options), model_(epoch_fix_model(deployment_)) {}
+    : deployment_(std::move(deployment)), options_(options), model_(epoch_fix_model(deployment_)), calibration_(deployment_) {}
 
 Fix LeastSquaresLocalizer::locate(std::span<const Arrival> arrivals) const {
   Fix none;
@@ -82,7 +85,9 @@ Fix LeastSquaresLocalizer::locate(std::span<const Arrival> arrivals) const {
   }
   Trajectory trajectory = make_trajectory(log, 0, log.vehicle, trajectory_model(deployment_));
   if (trajectory.segments.empty()) return none;
-  return fix_epoch(trajectory, trajectory.segments.front(), model_, options_);
+  Fix fix = fix_epoch(trajectory, trajectory.segments.front(), model_, options_);
+  if (fix.ok()) calibration_.add_to(fix.covariance, trajectory, trajectory.segments.front(), model_.state);
+  return fix;
 }
 
 std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) const {
@@ -90,8 +95,11 @@ std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) const 
   for (std::size_t v = 0; v < deployment_.vehicles.size(); ++v) {
     Trajectory trajectory = make_trajectory(log, 0, VehicleId(v), trajectory_model(deployment_));
     for (const Segment& segment : trajectory.segments)
-      for (std::size_t node = segment.first_node; node < segment.last_node; ++node)
-        fixes.push_back(fix_epoch(trajectory, node_segment(trajectory, segment, node), model_, options_));
+      for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
+        const Segment epoch = node_segment(trajectory, segment, node);
+        fixes.push_back(fix_epoch(trajectory, epoch, model_, options_));
+        if (fixes.back().ok()) calibration_.add_to(fixes.back().covariance, trajectory, epoch, model_.state);
+      }
   }
   std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
   return fixes;

@@ -40,6 +40,7 @@ void add_ranges(const Trajectory& trajectory, const Segment& segment, const Epoc
     if (const auto& axis = model.receiver_axis[a.receiver.index()]) {
       const Eigen::Vector2d flat = (T.rotation * *axis).head<2>();
       if (flat.norm() > 0.1) r.axis = flat.normalized();
+      if (a.receiver.index() < model.hearing_cosine.size()) r.hearing_cosine = model.hearing_cosine[a.receiver.index()];
     }
     r.range_m = range_of(a, trajectory, model.state);
     const double speed = a.model_speed_mps + model.state.speed_offset(trajectory.run);

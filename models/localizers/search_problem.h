@@ -26,6 +26,7 @@ struct SearchRange {
   Eigen::Vector3d p_beacon_map_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_lever_m = Eigen::Vector3d::Zero();  ///< receiver in the frame that is searched for
   Eigen::Vector2d axis = Eigen::Vector2d::Zero();       ///< horizontal direction of hearing in that frame; zero: all round
+  double hearing_cosine = kHearingCosine;               ///< what lies further off the axis is hardly heard
   double range_m = 0.0;
   double sigma_m = 0.0;
   BeaconId beacon;

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "models/localizers/epoch_fix.h"
 #include "tests/calib/calib_support.h"
 #include "tests/support/statistics.h"
 
@@ -52,6 +53,33 @@ TEST(Solve, ErrorsAreWhatTheCovarianceSays) {
   // One run in ten thousand fails by chance; the curvature of the problem adds some per cent (as the external gates allow).
   EXPECT_GT(nees, 0.85 * chi2_quantile(1e-4, dof));
   EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));
+}
+
+TEST(Solve, FixesOfACalibratedSiteAreWhatTheirCovarianceSays) {
+  double nees = 0.0, dof = 0.0;
+  for (std::uint64_t seed = 101; seed <= 140; ++seed) {
+    Scenario s = hall_scenario();
+    s.path.epochs = 30;
+    s.heldout_path.epochs = 3;
+    const World world = must(simulate(s, seed));
+    const calib::Problem problem = problem_of(world);
+    const calib::Solution solution = calib::solve(problem);
+    if (solution.status != SolveStatus::kConverged) continue;  // thirty stops do not always reach the tolerance
+    const LeastSquaresLocalizer localizer(calib::make_deployment(problem, solution, {}));
+    // One fix a world: those of one calibration share its errors.
+    const std::vector<Fix> fixes = localizer.locate(world.heldout);
+    ASSERT_FALSE(fixes.empty());
+    if (!fixes[0].ok()) continue;
+    Pose truth;
+    ASSERT_TRUE(interpolate_poses(world.heldout.truth, fixes[0].time_s, 10.0, truth));
+    Eigen::Vector3d e = fixes[0].T_map_vehicle.translation_m - truth.translation_m;
+    e.z() = wrap_angle(fixes[0].T_map_vehicle.heading_rad() - truth.heading_rad());
+    nees += e.dot(fixes[0].covariance.ldlt().solve(e));
+    dof += 3.0;
+  }
+  EXPECT_GT(dof, 75.0);
+  EXPECT_GT(nees, 0.85 * chi2_quantile(1e-4, dof));
+  EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));  // without the calibration's part it is 1.5 to 2 of the degrees of freedom
 }
 
 TEST(Solve, OrderOfRowsWithinAnEpochDoesNotMatter) {

@@ -176,6 +176,7 @@ Deployment some_deployment() {
   d.receivers[0].sigma_m = some_vector();
   d.receivers[0].delay_s = test::some_number();
   if (*rc::gen::arbitrary<bool>()) d.receivers[0].axis = some_vector();
+  if (*rc::gen::arbitrary<bool>()) d.receivers[0].hearing_cosine = 0.25;
   const Eigen::Vector2d c(test::some_number(), test::some_number());
   d.covariance.matrix = c * c.transpose();
   d.statistics = {*rc::gen::inRange<std::size_t>(0, 1u << 30),
@@ -226,7 +227,7 @@ void assert_same(const Deployment& a, const Deployment& b) {
   }
   const DeploymentReceiver &x = a.receivers[0], &y = b.receivers[0];
   RC_ASSERT(x.name == y.name && x.vehicle == y.vehicle && x.position_m == y.position_m && x.sigma_m == y.sigma_m);
-  RC_ASSERT(x.delay_s == y.delay_s && x.delay_sigma_s == y.delay_sigma_s && x.axis == y.axis);
+  RC_ASSERT(x.delay_s == y.delay_s && x.delay_sigma_s == y.delay_sigma_s && x.axis == y.axis && x.hearing_cosine == y.hearing_cosine);
   RC_ASSERT(a.covariance.parameters == b.covariance.parameters && a.covariance.matrix == b.covariance.matrix);
   RC_ASSERT(a.statistics.arrivals == b.statistics.arrivals && a.statistics.redundancy == b.statistics.redundancy);
   RC_ASSERT(a.statistics.rejected == b.statistics.rejected && a.statistics.unknowns == b.statistics.unknowns);

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "models/run.h"
+#include "models/site.h"
+
+namespace octant::calib {
+
+/// Something about a log or a site that a person should look at.
+struct Finding {
+  std::string kind;  ///< for machines: "silent_beacon", "unit", "two_way", "receiver_label", "clock_step", "gap", ...
+  std::string text;  ///< for people, one sentence
+};
+
+/// What one beacon or one receiver contributes to a recording.
+struct LinkHealth {
+  std::string name;
+  std::size_t arrivals = 0;        ///< bearings included
+  double rate_hz = 0.0;            ///< over the duration of the run; 0 where the run has no duration
+  double longest_silence_s = 0.0;  ///< within the run, its ends included
+};
+
+struct Gap {
+  double from_s = 0.0, to_s = 0.0;
+};
+
+/// How much of the arrivals a second sensor accompanies.
+struct Coverage {
+  std::size_t rows = 0;
+  double share = 0.0;          ///< of arrivals, 0..1
+  double longest_gap_s = 0.0;  ///< between neighbouring rows
+};
+
+/// All times jump by the same amount between two instants.
+struct ClockStep {
+  double time_s = 0.0;  ///< the first instant after it
+  double step_s = 0.0;  ///< by which later times of flight are longer
+  std::size_t beacons = 0;
+};
+
+/// What can be said of a recording by counting, before anything is solved.
+struct RunHealth {
+  std::string path;
+  double duration_s = 0.0;
+  std::size_t rows = 0, arrivals = 0, bearings = 0, instants = 0;  ///< instants: epochs, or distinct times
+  std::vector<LinkHealth> beacons;    ///< order of the site
+  std::vector<LinkHealth> receivers;  ///< of vehicles that appear in the run
+  std::map<std::string, std::size_t> rejected;  ///< rows that are no measurement, by reason
+  std::size_t duplicates = 0;         ///< rows that repeat another one
+  std::size_t backwards = 0;          ///< rows earlier than the row before
+  std::vector<Gap> gaps;              ///< pauses beyond ten times the usual, longest first
+  std::vector<ClockStep> clock_steps;
+  double median_range_m = 0.0;        ///< by the medium's speed and the prior delay
+  double resolution_s = 0.0;          ///< of the counter, as the values show it; 0: none seen
+  std::vector<std::string> constant;  ///< beacons whose time of flight never changes
+  double temperature_share = 0.0;     ///< of arrivals with a temperature of their own
+  bool temperature_of_run = false;    ///< run.yaml states one
+  Coverage odometry, poses;
+  std::vector<Finding> findings;
+};
+
+/// Examines one recording by counting and sorting; no adjustment. Linear in the rows but for sorting.
+[[nodiscard]] RunHealth log_health(const Site& site, const MeasurementLog& run);
+
+/// Beacons of the site that no run hears, receivers that hear nothing in any run in which their vehicle appears.
+[[nodiscard]] std::vector<Finding> silent_links(const Site& site, const std::vector<RunHealth>& runs);
+
+/// Resolution of a counter: the step of which all values are whole multiples (to a hundredth of it, one phase). Needs values that
+/// repeat; 0 where there is none.
+/// @param values_s  times of flight [s], any order
+[[nodiscard]] double counter_resolution_s(std::vector<double> values_s);
+
+}  // namespace octant::calib

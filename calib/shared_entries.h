@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "calib/parameters.h"
+#include "models/linearise.h"
+
+namespace octant::calib {
+
+/// Derivatives of one whitened row by the free shared parameters that it touches (internal units), as (column, value) pairs.
+struct RowEntries {
+  int count = 0;
+  std::array<int, 16> column;
+  std::array<double, 16> value;
+  void add(int c, double v) {
+    if (c < 0) return;
+    column[static_cast<std::size_t>(count)] = c;
+    value[static_cast<std::size_t>(count++)] = v;
+  }
+};
+
+/// @param run  of the trajectory the row belongs to
+[[nodiscard]] inline RowEntries row_entries(const ObservationRow& row, std::size_t run, const ParameterLayout& layout) {
+  RowEntries e;
+  if (!row.has_shared) return e;
+  const auto scale = [&](int column) { return column < 0 ? 0.0 : layout.parameters[static_cast<std::size_t>(column)].si_per_unit; };
+  for (std::size_t i = 0; i < 3; ++i) e.add(layout.beacon[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
+  if (!row.receiver.valid()) return e;
+  for (std::size_t i = 0; i < 3; ++i) e.add(layout.receiver[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
+  for (std::size_t i = 0; i < 3; ++i)
+    e.add(layout.attenuation[i], row.by_attenuation[static_cast<int>(i)] * scale(layout.attenuation[i]));
+  if (row.kind != RowKind::kTof) return e;
+  for (const int column : {layout.beacon_delay[row.beacon.index()], layout.receiver_delay[row.receiver.index()], layout.site_delay})
+    e.add(column, row.by_delay * scale(column));
+  if (!layout.pair_bias.empty()) {
+    const int column = layout.pair_bias[row.beacon.index() * layout.receiver.size() + row.receiver.index()];
+    e.add(column, row.by_delay * scale(column));
+  }
+  const int column = layout.speed_column(run);
+  e.add(column, row.by_speed * scale(column));
+  return e;
+}
+
+}  // namespace octant::calib

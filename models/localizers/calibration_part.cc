@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/calibration_part.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "models/linearise.h"
+
+namespace octant {
+
+CalibrationPart::CalibrationPart(const Deployment& deployment) : covariance_(deployment.covariance.matrix) {
+  const auto& names = deployment.covariance.parameters;
+  const auto column = [&names](const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  };
+  const auto columns_of = [&column](const std::string& prefix) {
+    return std::array<int, 4>{column(prefix + "/x_m"), column(prefix + "/y_m"), column(prefix + "/z_m"), column(prefix + "/delay_s")};
+  };
+  for (const DeploymentBeacon& b : deployment.beacons) beacon_.push_back(columns_of("beacon/" + b.name));
+  for (const DeploymentReceiver& r : deployment.receivers)
+    receiver_.push_back(columns_of("receiver/" + deployment.vehicles[r.vehicle.index()].name + "/" + r.name));
+  site_delay_ = column("site/delay_s");
+  speed_ = column("medium/speed_mps");
+  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"), column("attenuation/rise_time_s")};
+}
+
+void CalibrationPart::add_to(Eigen::MatrixXd& covariance, const Trajectory& t, const Segment& segment, const SharedState& state) const {
+  const Eigen::MatrixXd& C = covariance_;
+  if (C.rows() == 0) return;
+  const int n = t.block_size(), dof = pose_dof(t.motion);
+  NodeBlock D = NodeBlock::Zero(n, n);
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, C.cols());
+  for_each_row(t, segment, state, [&](const ObservationRow& row) {
+    D.noalias() += row.by_node.transpose() * row.by_node;
+    if (!row.has_shared) return;
+    const auto couple = [&](int at, double derivative) {
+      if (at >= 0 && derivative != 0.0) G.col(at) += derivative * row.by_node.transpose();
+    };
+    for (std::size_t i = 0; i < 3; ++i) couple(beacon_[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
+    if (!row.receiver.valid()) return;
+    for (std::size_t i = 0; i < 3; ++i) {
+      couple(receiver_[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
+      couple(attenuation_[i], row.by_attenuation[static_cast<int>(i)]);
+    }
+    couple(beacon_[row.beacon.index()][3], row.by_delay);
+    couple(receiver_[row.receiver.index()][3], row.by_delay);
+    couple(site_delay_, row.by_delay);
+    couple(speed_, row.by_speed);
+  });
+  // Rotations that nothing observes are as unknown as an angle can be.
+  for (int i = t.motion == Motion::kPlanar ? 2 : 3; i < dof; ++i) D(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
+  const Eigen::LDLT<NodeBlock> ldlt(D);
+  if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() <= 0) return;
+  const Eigen::MatrixXd S = ldlt.solve(G);
+  covariance += (S * C * S.transpose()).topLeftCorner(dof, dof);
+}
+
+}  // namespace octant
