@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -40,6 +41,13 @@ constexpr int kNoiseRounds = 3;
 constexpr double kNoiseMatters = 0.02;
 /// An epoch with an arrival this far off (beside the robust scale) is searched again.
 constexpr double kSuspectSigmas = 2.0;
+/// Beacons at a stage of the graduated adjustment are off by about this share of its scale.
+constexpr double kSlackOfScale = 0.5;
+/// While the robust scale is beyond so many sigmas the headings of epochs are held near where the search found them.
+constexpr double kRoughScale = 10.0;
+/// Repeated searches, in sigmas by which beacons may be off; an improvement below two per cent counts as none.
+constexpr std::array<double, 5> kSearchSlacks = {0.0, 20.0, 8.0, 3.0, 0.0};
+constexpr double kMuchBetter = 0.98;
 /// States are searched again once the robust scale is down to this, and once more at its end.
 constexpr double kSearchAgainScale = 30.0;
 
@@ -93,7 +101,16 @@ class Calibrator {
       direction.parameters.push_back("beacon/" + problem_.site.beacons[b].name);
       names.push_back(problem_.site.beacons[b].name);
     }
-    direction.description = fmt::format("any pose of the vehicle, and with it the positions of beacons {}", fmt::join(names, ", "));
+    if (names.empty()) {
+      // All beacons are known and still no pose came of them: too few are heard together.
+      for (const SiteBeacon& beacon : problem_.site.beacons) {
+        direction.parameters.push_back("beacon/" + beacon.name);
+        names.push_back(beacon.name);
+      }
+      direction.description = fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once", fmt::join(names, ", "));
+    } else {
+      direction.description = fmt::format("any pose of the vehicle, and with it the positions of beacons {}", fmt::join(names, ", "));
+    }
     direction.remedy = "give approximate positions of three beacons that do not stand in line with the path, or measured poses of the vehicle";
     direction.blocking = true;
     return refuse(std::move(direction));
@@ -136,12 +153,13 @@ class Calibrator {
     for (int stage = 0;; ++stage) {
       if (!report(fmt::format("adjustment, robust scale {:.3g} sigma", scale), std::min(0.6, 0.1 + 0.1 * stage))) return false;
       const bool last = scale <= kCauchyScale;
+      const HeldHeadings held(scale > kRoughScale ? &trajectories_ : nullptr);
       if (!adjust_with(scale, last ? 1e-10 : 1e-4)) return false;
       const bool lifted = keep_above();
       if (last && (!lifted || stage > kMaxStages)) return true;
       scale = std::max(scale / 5, kCauchyScale);
       if (scale <= kSearchAgainScale && !searched_again) {
-        place_again(scale);
+        place_again(scale, kSlackOfScale * scale);
         searched_again = true;
       }
     }
@@ -169,22 +187,59 @@ class Calibrator {
     solution_.warnings.insert(solution_.warnings.end(), check.warnings.begin(), check.warnings.end());
     if (!check.mended) return true;
     if (!report("adjustment with mended positions", 0.62)) return false;
-    place_again(kCauchyScale);
+    place_again(kCauchyScale, 0.0);
     return adjust_with(kCauchyScale, 1e-10);
   }
 
-  /// States that fell into a wrong place while the beacons were off.
-  void place_again(double scale) {
+  /// States that fell into a wrong place while the beacons were off, which they may still be by so many sigmas of an arrival.
+  void place_again(double scale, double slack_sigmas) {
     const EpochFixModel model = search_model(problem_, layout_.state_of(x_), usable_);
-    for (Trajectory& t : trajectories_) place_states(t, model, scale > kCauchyScale ? sigma_m() : 0.0, true, kSuspectSigmas + scale);
+    for (Trajectory& t : trajectories_) place_states(t, model, slack_sigmas * sigma_m(), true, kSuspectSigmas + scale);
     readmit_all(trajectories_, usable_);
+  }
+
+  /// What the final rejection will leave: squares up to its limit. Lower is a larger consensus.
+  [[nodiscard]] double consensus_cost() const {
+    const SharedState state = layout_.state_of(x_);
+    const double cap = 0.5 * options_.rejection_sigmas * options_.rejection_sigmas;
+    double cost = prior_cost(problem_, layout_, x_);
+    for (const Trajectory& t : trajectories_)
+      for (const ArrivalObservation& a : t.arrivals)
+        if (a.rejection != Rejection::kBeaconUnusable && a.rejection != Rejection::kNoPose)
+          cost += std::min(cap, 0.5 * std::pow(arrival_residual(t, a, state), 2));
+    return cost;
+  }
+
+  /// Beacons and states hold each other in wrong places: a few flipped headings keep the beacons off, and those keep the headings.
+  /// So the search is repeated with less and less trust in the beacons withdrawn, and the largest consensus is kept.
+  bool search_and_adjust() {
+    double best = consensus_cost();
+    std::size_t failures = 0;
+    for (const double slack : kSearchSlacks) {
+      const Eigen::VectorXd x = x_;
+      const std::vector<Trajectory> trajectories = trajectories_;
+      const AdjustResult last = last_;
+      if (!report(fmt::format("search again, beacons trusted to {:.3g} sigma", slack), 0.65)) return false;
+      place_again(kCauchyScale, slack);
+      for (const double scale : {std::max(slack, kCauchyScale), kCauchyScale})
+        if (!adjust_with(scale, scale > kCauchyScale ? 1e-4 : 1e-10)) return false;
+      const double cost = consensus_cost();
+      const bool better = cost < best, much_better = cost < kMuchBetter * best;
+      if (better) {
+        best = cost;
+      } else {
+        x_ = x;
+        trajectories_ = trajectories;
+        last_ = last;
+      }
+      if (!much_better && ++failures >= 2) break;
+    }
+    return true;
   }
 
   /// Plain squares on the arrivals that agree; the noise as found where the stated one is off.
   bool settle_noise() {
-    place_again(kCauchyScale);
-    if (!report("adjustment after a second search", 0.65)) return false;
-    if (!adjust_with(kCauchyScale, 1e-10)) return false;
+    if (!search_and_adjust()) return false;
     double factor = agreeing_sigma(trajectories_, layout_.state_of(x_));
     const bool far_off = factor < 0.5 || factor > 1.5;  // small departures wait for the chi-square test
     if (far_off) scale_noise(factor);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "calib/shared_entries.h"
 #include "models/linearise.h"
 
 namespace octant::calib {
@@ -13,39 +14,6 @@ namespace {
 
 constexpr std::size_t kNodesPerTile = 2048;
 constexpr double kUnobserved = 1e-14;  ///< of the largest diagonal element: above rounding, below any information
-
-/// Derivatives of a row by shared parameters as (column, value) pairs.
-struct SharedEntries {
-  int count = 0;
-  std::array<int, 16> column;
-  std::array<double, 16> value;
-  void add(int c, double v) {
-    if (c < 0) return;
-    column[static_cast<std::size_t>(count)] = c;
-    value[static_cast<std::size_t>(count++)] = v;
-  }
-};
-
-SharedEntries shared_entries(const ObservationRow& row, std::size_t run, const ParameterLayout& layout) {
-  SharedEntries e;
-  if (!row.has_shared) return e;
-  const auto scale = [&](int column) { return column < 0 ? 0.0 : layout.parameters[static_cast<std::size_t>(column)].si_per_unit; };
-  for (std::size_t i = 0; i < 3; ++i) e.add(layout.beacon[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
-  if (!row.receiver.valid()) return e;
-  for (std::size_t i = 0; i < 3; ++i) e.add(layout.receiver[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
-  for (std::size_t i = 0; i < 3; ++i)
-    e.add(layout.attenuation[i], row.by_attenuation[static_cast<int>(i)] * scale(layout.attenuation[i]));
-  if (row.kind != RowKind::kTof) return e;
-  for (const int column : {layout.beacon_delay[row.beacon.index()], layout.receiver_delay[row.receiver.index()], layout.site_delay})
-    e.add(column, row.by_delay * scale(column));
-  if (!layout.pair_bias.empty()) {
-    const int column = layout.pair_bias[row.beacon.index() * layout.receiver.size() + row.receiver.index()];
-    e.add(column, row.by_delay * scale(column));
-  }
-  const int column = layout.speed_column(run);
-  e.add(column, row.by_speed * scale(column));
-  return e;
-}
 
 }  // namespace
 
@@ -138,7 +106,7 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
     nodes[k].U.setZero(n, n);
     nodes[k].active.clear();
   }
-  const auto couple = [&](std::size_t k, const NodeRow& by_state, const SharedEntries& e, double w) {
+  const auto couple = [&](std::size_t k, const NodeRow& by_state, const RowEntries& e, double w) {
     NodeSystem& node = nodes[k];
     for (int i = 0; i < e.count; ++i) {
       const int local = e.column[static_cast<std::size_t>(i)];
@@ -155,7 +123,7 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
     double rho = 0.0, w = 1.0;
     if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
-    SharedEntries e = shared_entries(row, t.run, *layout_);
+    RowEntries e = row_entries(row, t.run, *layout_);
     for (int i = 0; i < e.count; ++i) e.column[static_cast<std::size_t>(i)] = local_of_[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
     for (int i = 0; i < e.count; ++i) {
       const double wi = w * e.value[static_cast<std::size_t>(i)];

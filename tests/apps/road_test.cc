@@ -21,7 +21,7 @@ using ::testing::Not;
 /// A simulated hall in a folder of its own, smaller than the demo's.
 class Road : public ::testing::Test {
  protected:
-  void SetUp() override { make(hall_scenario("epochs: 120", "epochs: 40")); }
+  void SetUp() override { make(hall_scenario("epochs: 150", "epochs: 40")); }
   void make(const std::string& scenario) {
     spit(box / "scenario.yaml", scenario);
     const Outcome made = octant({"simulate", box / "scenario.yaml", "-o", box / "hall"});
@@ -211,7 +211,7 @@ TEST_F(Road, AnOutputThatCannotBeWrittenIsSaidBeforeTheWork) {
 
 TEST_F(Road, UndeterminedExportsNothing) {
   // Two epochs cannot carry five unknown beacons.
-  make(hall_scenario("epochs: 120", "epochs: 2"));
+  make(hall_scenario("epochs: 150", "epochs: 2"));
   const Outcome refused = calibrate({"--json"});
   EXPECT_EQ(refused.exit, 5) << refused.err;
   const auto object = refused.json();
@@ -223,7 +223,7 @@ TEST_F(Road, UndeterminedExportsNothing) {
 }
 
 TEST_F(Road, InterruptedLeavesNothingBehind) {
-  make(hall_scenario("epochs: 120", "epochs: 3000"));
+  make(hall_scenario("epochs: 150", "epochs: 3000"));
   for (const int signal : {SIGINT, SIGTERM}) {
     const Outcome stopped = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "--json", "--progress", "json"},
                                    {.interrupt_signal = signal});

@@ -82,6 +82,19 @@ TEST(Solve, FixesOfACalibratedSiteAreWhatTheirCovarianceSays) {
   EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));  // without the calibration's part it is 1.5 to 2 of the degrees of freedom
 }
 
+TEST(Solve, HeadingsDoNotFlipWhileTheBeaconsAreRough) {
+  // Worlds in which beacons and flipped headings once held each other: wrong by decimetres, and exported.
+  for (const std::uint64_t seed : {2003, 2018, 2050, 2116, 2125, 2133, 2165, 2183}) {
+    Scenario s = hall_scenario();
+    s.path.epochs = 40;
+    const World world = must(simulate(s, seed));
+    const calib::Solution solution = solution_of(world);
+    ASSERT_EQ(solution.status, SolveStatus::kConverged) << "seed " << seed;
+    EXPECT_LT(worst_beacon_m(world, solution), 0.03) << "seed " << seed;
+    EXPECT_LT(solution.statistics.rejected, world.run.arrivals.size() / 100) << "seed " << seed;
+  }
+}
+
 TEST(Solve, OrderOfRowsWithinAnEpochDoesNotMatter) {
   Scenario s = hall_scenario();
   s.path.epochs = 40;

@@ -44,7 +44,7 @@ TEST(ScenarioYaml, BundledWorldIsTheFile) {
   const Scenario s = must(scenario_from_yaml(bundled_scenario(), "hall"));
   EXPECT_TRUE(s.warnings.empty()) << s.warnings[0];
   EXPECT_EQ(s.site.beacons.size(), 8u);
-  EXPECT_EQ(s.path.epochs, 120);
+  EXPECT_EQ(s.path.epochs, 150);
   EXPECT_EQ(s.heldout_path.epochs, 40);
   EXPECT_TRUE(simulate(s, 1));
 }
