@@ -167,6 +167,26 @@ bool difference_at(const std::vector<Offset>& o, std::size_t i, double usual_sca
   return true;
 }
 
+/// Medians hardly feel on which side a stop or two stand, so the split found by them is flat; the one that leaves the least absolute
+/// deviation from the medians on either side is sharp.
+std::size_t sharpened(const std::vector<Offset>& o, std::size_t i) {
+  const std::size_t first = i > kSide ? i - kSide : 0, last = std::min(o.size(), i + kSide);
+  std::vector<double> before, after;
+  for (std::size_t k = first; k < i; ++k) before.push_back(o[k].offset_s);
+  for (std::size_t k = i; k < last; ++k) after.push_back(o[k].offset_s);
+  const double low = median(std::move(before)), high = median(std::move(after));
+  double deviation = 0.0, least = 0.0;  // of a split at k less that at first
+  std::size_t best = first;
+  for (std::size_t k = first; k < last; ++k) {
+    deviation += std::abs(o[k].offset_s - low) - std::abs(o[k].offset_s - high);
+    if (deviation < least) {
+      least = deviation;
+      best = k + 1;
+    }
+  }
+  return std::clamp(best, first + 1, last - 1);
+}
+
 }  // namespace
 
 std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& run) {
@@ -215,9 +235,10 @@ std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajec
       const auto at = i;
       if (std::any_of(taken.begin(), taken.end(), [at](std::size_t k) { return std::max(k, at) - std::min(k, at) < kSide; })) continue;
       taken.push_back(i);
+      const std::size_t sharp = sharpened(o, i);
       double difference = 0.0, sigma = 0.0;
-      (void)difference_at(o, i, usual_s, difference, sigma);
-      steps.push_back({o[i].time_s, difference, state.beacon_p_map_m.size()});
+      if (!difference_at(o, sharp, usual_s, difference, sigma)) (void)difference_at(o, i, usual_s, difference, sigma);
+      steps.push_back({o[sharp].time_s, difference, state.beacon_p_map_m.size()});
     }
   }
   std::sort(steps.begin(), steps.end(), [](const ClockStep& a, const ClockStep& b) { return a.time_s < b.time_s; });
