@@ -38,7 +38,7 @@ struct DeploymentReceiver {
   double delay_sigma_s = 0.0;
   std::optional<Eigen::Vector3d> axis;
   /// Cosine of the widest horizontal angle off the axis at which the calibration's arrivals were heard; with an axis only.
-  std::optional<double> hearing_cosine;
+  std::optional<double> hearing_cosine{};
 };
 
 /// How position, orientation and scale were fixed.
