@@ -20,7 +20,7 @@ struct NodeAdjustment {
 /// beacons are known only to range_slack_m, each has a bias of that sigma, eliminated beforehand: it is common to the
 /// beacon's arrivals, so that the heading still follows from what they differ by.
 [[nodiscard]] NodeAdjustment adjust_node(Trajectory& trajectory, const Segment& segment, const SharedState& state,
-                                         double range_slack_m, int max_iterations = 50);
+                                         double range_slack_m, int max_iterations = 100);
 
 /// Largest residual, in metres, that an arrival may have at the given sigmas: noise, calibration and slack together.
 [[nodiscard]] double allowed_residual_m(const Trajectory& trajectory, const ArrivalObservation& arrival,
