@@ -9,7 +9,6 @@
 
 #include "calib/ranges.h"
 #include "calib/trilaterate.h"
-#include "models/linearise.h"
 
 namespace octant::calib {
 namespace {
@@ -80,14 +79,11 @@ std::vector<std::string> suspect_control_points(const Problem& problem, const Sh
   const auto& beacons = problem.site.beacons;
   for (std::size_t b = 0; b < beacons.size(); ++b) {
     if (!beacons[b].is_control_point()) continue;
-    std::vector<RangeFrom> ranges;
+    const std::vector<RangeFrom> ranges = ranges_to(trajectories, state, BeaconId(b));
     std::size_t rejected = 0;
     for (const Trajectory& t : trajectories)
-      for (const ArrivalObservation& a : t.arrivals) {
-        if (a.beacon.index() != b || !t.nodes[a.node].placed) continue;
-        rejected += a.rejection != Rejection::kUsed;
-        ranges.push_back({pose_at(t, a.node, a.alpha) * state.receiver_p_vehicle_m[a.receiver.index()], prior_range_m(t, a, state)});
-      }
+      for (const ArrivalObservation& a : t.arrivals)
+        rejected += a.beacon.index() == b && t.nodes[a.node].placed && a.rejection != Rejection::kUsed;
     if (ranges.size() < 10 || static_cast<double>(rejected) < kMostlyRejected * static_cast<double>(ranges.size())) continue;
     TrilaterationOptions options;
     options.scale_m = 0.01 * typical_range_m(problem);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "models/linearise.h"
+
 namespace octant::calib {
 
 double median(std::vector<double> values) {
@@ -24,6 +26,15 @@ double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const Sha
     if (walk) tof_s -= *walk;
   }
   return std::max(0.0, tof_s * (a.model_speed_mps + state.speed_offset(t.run)) / legs);
+}
+
+std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, BeaconId beacon) {
+  std::vector<RangeFrom> ranges;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals)
+      if (a.beacon == beacon && t.nodes[a.node].placed && (a.alpha == 0.0 || t.nodes[a.node + 1].placed))
+        ranges.push_back({pose_at(t, a.node, a.alpha) * state.receiver_p_vehicle_m[a.receiver.index()], prior_range_m(t, a, state)});
+  return ranges;
 }
 
 double typical_range_m(const Problem& problem) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calib/problem.h"
+#include "calib/trilaterate.h"
 #include "models/shared_state.h"
 #include "models/trajectory.h"
 
@@ -12,6 +13,9 @@ namespace octant::calib {
 
 /// Range of an arrival by the speed and delays of a state, the walk by the attenuation's prior taken out [m].
 [[nodiscard]] double prior_range_m(const Trajectory& trajectory, const ArrivalObservation& arrival, const SharedState& state);
+
+/// Ranges of a beacon from the vehicle states placed so far, rejected arrivals included.
+[[nodiscard]] std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, BeaconId beacon);
 
 /// Median of the prior ranges of all arrivals, at least a millimetre; 1 m without arrivals.
 [[nodiscard]] double typical_range_m(const Problem& problem);

@@ -19,14 +19,10 @@ namespace {
 /// A beacon counts as known when its prior is this much tighter than the ranges it takes part in.
 constexpr double kKnownShareOfRange = 0.2;
 
-/// Ranges of a beacon from the states placed so far; a thousand settle a start as well as a million.
-std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, std::size_t beacon) {
-  std::vector<RangeFrom> ranges;
-  for (const Trajectory& t : trajectories)
-    for (const ArrivalObservation& a : t.arrivals)
-      if (a.beacon.index() == beacon && t.nodes[a.node].placed && (a.alpha == 0.0 || t.nodes[a.node + 1].placed))
-        ranges.push_back({pose_at(t, a.node, a.alpha) * state.receiver_p_vehicle_m[a.receiver.index()], prior_range_m(t, a, state)});
+/// A thousand ranges settle a start as well as a million.
+std::vector<RangeFrom> some_ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, std::size_t beacon) {
   constexpr std::size_t kEnough = 1000;
+  std::vector<RangeFrom> ranges = ranges_to(trajectories, state, BeaconId(beacon));
   if (ranges.size() <= kEnough) return ranges;
   std::vector<RangeFrom> few;
   for (std::size_t i = 0; i < kEnough; ++i) few.push_back(ranges[i * ranges.size() / kEnough]);
@@ -137,7 +133,7 @@ class Starter {
   }
 
   bool find_beacon(std::size_t b) {
-    const std::vector<RangeFrom> ranges = ranges_to(start_.trajectories, start_.state, b);
+    const std::vector<RangeFrom> ranges = some_ranges_to(start_.trajectories, start_.state, b);
     if (ranges.size() < 4) return false;
     const TrilaterationOptions options = trilateration_options(problem_, start_.state, b,
                                                                std::max(start_.slack_m, 3 * site_.noise.tof_sigma_s * speed_mps(site_.medium)));
@@ -184,7 +180,7 @@ Start initial_values(const Problem& problem) { return Starter(problem).run(); }
 
 bool has_mirror_image(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories, std::size_t beacon,
                       double scale_m) {
-  return trilaterate(ranges_to(trajectories, state, beacon), trilateration_options(problem, state, beacon, scale_m)).has_mirror;
+  return trilaterate(some_ranges_to(trajectories, state, beacon), trilateration_options(problem, state, beacon, scale_m)).has_mirror;
 }
 
 EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable) {

@@ -139,20 +139,6 @@ double Consensus::score(const PlanarState& state, double give_up) {
   return total;
 }
 
-std::size_t Consensus::agreeing_groups(const PlanarState& state) {
-  const double cosine = std::cos(state.heading_rad), sine = std::sin(state.heading_rad);
-  std::size_t count = 0;
-  for (std::size_t group = 0; group < problem_.groups(); ++group) {
-    residuals_of_group(state, cosine, sine, group);
-    bool direct = true, some = false;
-    static_cast<void>(group_cost(group, direct));
-    for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i)
-      some = some || 0.5 * residual_[i] * residual_[i] / (1.0 / inverse_variance_[i] + bias_variance_[group]) < caps_[i].late;
-    count += direct && some ? 1 : 0;
-  }
-  return count;
-}
-
 double Consensus::best_offset(const PlanarState& state) {
   PlanarState s = state;
   s.offset_m = 0.0;

@@ -42,9 +42,6 @@ class Consensus {
   /// Offset that suits the arrivals at the state's pose: a median that echoes, which are late, do not pull far.
   [[nodiscard]] double best_offset(const PlanarState& state);
 
-  /// Beacons of which at least one arrival agrees with the state.
-  [[nodiscard]] std::size_t agreeing_groups(const PlanarState& state);
-
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
  private:
