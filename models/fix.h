@@ -31,8 +31,17 @@ enum class Rejection : std::uint8_t {
   kEarly,           ///< earlier than the pose explains: spurious
   kBeaconUnusable,  ///< its beacon is undetermined
   kNoPose,          ///< no vehicle state at its time
+  kTriangle,        ///< farther than the triangle inequality with another beacon allows (Kleeman eq. 5-6)
+  kOutOfRange,      ///< nearer or farther than is possible at the site (Chang's first rule)
+  kReflection,      ///< a second arrival from the same beacon right behind the first (Chang's second rule)
+  kOutvoted,        ///< the fixes it takes part in disagree with the others (Kleeman's longsolve, Thamma's four times)
+  kNotNeeded,       ///< the method fixes the pose from others
 };
 [[nodiscard]] const char* to_string(Rejection rejection);
+
+/// Of a pose's tangent vector: planar (x, y, heading), 3x3; spatial (translation, rotation in the vehicle frame), 6x6. Its
+/// room is fixed, so that a fix takes no memory of its own.
+using PoseCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
 /// Where the vehicle is, from the arrivals of one epoch or at one instant of a drive; or the reason why that is not known.
 struct Fix {
@@ -41,8 +50,7 @@ struct Fix {
   VehicleId vehicle;
   std::int64_t epoch = kNoEpoch;
   Pose T_map_vehicle;                    ///< meaningful when status is kOk
-  /// Of the pose's tangent vector: planar (x, y, heading), 3x3; spatial (translation, rotation in the vehicle frame), 6x6.
-  Eigen::MatrixXd covariance;
+  PoseCovariance covariance;
   double protection_level_m = 0.0;       ///< horizontal; 0: not computed
   int arrivals_used = 0;
   int arrivals_rejected = 0;

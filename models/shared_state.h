@@ -23,11 +23,15 @@ struct SharedState {
   std::vector<double> speed_offset_mps = {0.0};  ///< added to the medium's model; one for all, or one for each run
   std::optional<AttenuationModel> attenuation;
   std::vector<double> pair_bias_s;               ///< beacon-major, empty: none
+  std::vector<double> clock_drift;               ///< of each vehicle, see Timing::drift; empty: none
 
   [[nodiscard]] double delay_s(BeaconId beacon, ReceiverId receiver) const {
     double sum = site_delay_s + beacon_delay_s[beacon.index()] + receiver_delay_s[receiver.index()];
     if (!pair_bias_s.empty()) sum += pair_bias_s[beacon.index() * receiver_delay_s.size() + receiver.index()];
     return sum;
+  }
+  [[nodiscard]] double drift(VehicleId vehicle) const {
+    return vehicle.index() < clock_drift.size() ? clock_drift[vehicle.index()] : 0.0;
   }
   [[nodiscard]] double speed_offset(std::size_t run) const {
     return speed_offset_mps.size() > 1 ? speed_offset_mps[run] : speed_offset_mps[0];

@@ -42,6 +42,10 @@ struct Timing {
   DelayPer delay_per;
   double delay_s = 0.0;           ///< prior mean of each delay
   double delay_sigma_s = 0.0;     ///< prior sigma of each delay; 0: held fixed
+  /// Clock::kCycleOffset: rate of a vehicle's oscillator against the beacons', less one, by which arrivals late in a cycle are
+  /// off; prior mean and sigma (0: held fixed).
+  double drift = 0.0;
+  double drift_sigma = 0.0;
 };
 
 struct Noise {
@@ -88,10 +92,37 @@ struct SiteReceiver {
   std::optional<Eigen::Vector3d> axis;                   ///< direction of hearing, unit vector
 };
 
+/// Line that a vehicle runs on; its heading is the line's.
+struct Rail {
+  enum class Shape { kStraight, kArc };
+  Shape shape = Shape::kStraight;
+  Eigen::Vector2d from_m = Eigen::Vector2d::Zero(), to_m = Eigen::Vector2d::Zero();  ///< ends of a straight rail; heading from -> to
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();                                ///< of an arc, run counter-clockwise
+  double radius_m = 0.0;
+};
+
+/// Octagon that is adjusted as a whole, by its circumradius and its turn about the vehicle's z axis, instead of receiver by
+/// receiver. Prior means are those of the receivers' positions.
+struct ArrayShape {
+  double radius_sigma_m = 0.0;  ///< 0: held fixed
+  double turn_sigma_rad = 0.0;  ///< 0: held fixed
+};
+
+/// How fast a vehicle may move: what ties its states together where there is neither odometry nor a measured pose.
+struct MotionPrior {
+  double speed_mps = 1.0;
+  double turn_rate_radps = 1.0;
+};
+
 struct SiteVehicle {
   std::string name = "robot";
   std::size_t first_receiver = 0;  ///< its receivers are contiguous in Site::receivers
   std::size_t receiver_count = 0;
+  std::optional<Rail> rail{};
+  std::optional<ArrayShape> array{};
+  std::optional<MotionPrior> motion{};
+  double clock_drift = 0.0;        ///< of a deployment: calibrated rate of its oscillator against the beacons', less one
+  double clock_drift_sigma = 0.0;
 };
 
 struct ControlDistance {

@@ -52,6 +52,11 @@ const char* to_string(Rejection rejection) {
     case Rejection::kEarly: return "early";
     case Rejection::kBeaconUnusable: return "beacon_unusable";
     case Rejection::kNoPose: return "no_pose";
+    case Rejection::kTriangle: return "triangle";
+    case Rejection::kOutOfRange: return "out_of_range";
+    case Rejection::kReflection: return "reflection";
+    case Rejection::kOutvoted: return "outvoted";
+    case Rejection::kNotNeeded: return "not_needed";
   }
   return "no_pose";
 }

@@ -22,6 +22,11 @@ std::string in_words(Rejection reason) {
     case Rejection::kEarly: return "early (spurious)";
     case Rejection::kBeaconUnusable: return "beacon undetermined";
     case Rejection::kNoPose: return "no vehicle pose at its time";
+    case Rejection::kTriangle: return "breaks the triangle inequality";
+    case Rejection::kOutOfRange: return "farther or nearer than is possible";
+    case Rejection::kReflection: return "right behind another of its beacon";
+    case Rejection::kOutvoted: return "outvoted";
+    case Rejection::kNotNeeded: return "not needed";
   }
   return "other";
 }

@@ -28,7 +28,7 @@ CalibrationPart::CalibrationPart(const Deployment& deployment) : covariance_(dep
   attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"), column("attenuation/rise_time_s")};
 }
 
-void CalibrationPart::add_to(Eigen::MatrixXd& covariance, const Trajectory& t, const Segment& segment, const SharedState& state) const {
+void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, const Segment& segment, const SharedState& state) const {
   const Eigen::MatrixXd& C = covariance_;
   if (C.rows() == 0) return;
   const int n = t.block_size(), dof = pose_dof(t.motion);

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "models/deployment.h"
+#include "models/fix.h"
 #include "models/trajectory.h"
 
 namespace octant {
@@ -20,7 +21,7 @@ class CalibrationPart {
   explicit CalibrationPart(const Deployment& deployment);
 
   /// Adds the second term to the covariance of a fix whose state the segment holds; no change where nothing is stated.
-  void add_to(Eigen::MatrixXd& covariance, const Trajectory& trajectory, const Segment& segment, const SharedState& state) const;
+  void add_to(PoseCovariance& covariance, const Trajectory& trajectory, const Segment& segment, const SharedState& state) const;
 
  private:
   Eigen::MatrixXd covariance_;

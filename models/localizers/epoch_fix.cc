@@ -119,7 +119,7 @@ NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const Epoc
 }
 
 /// Covariance of the pose; false where the position is not determined. A heading without information gets the sigma pi.
-bool pose_covariance(const Trajectory& t, const NodeBlock& information, Eigen::MatrixXd& covariance) {
+bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCovariance& covariance) {
   NodeBlock A = information;
   const int dof = pose_dof(t.motion);
   for (int i = dof / 3 * 3 - (dof == 3 ? 1 : 3); i < dof; ++i) A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
@@ -133,7 +133,7 @@ bool pose_covariance(const Trajectory& t, const NodeBlock& information, Eigen::M
   return covariance.allFinite();
 }
 
-double horizontal_sigma_m(const Eigen::MatrixXd& covariance) {
+double horizontal_sigma_m(const PoseCovariance& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
   return std::sqrt(std::max(eigen.eigenvalues()[1], 0.0));
 }
