@@ -47,6 +47,10 @@ void add_beacons(const Problem& problem, const Solution& solution, const Varianc
 
 void add_receivers(const Problem& problem, const Solution& solution, const Variances& variances, Deployment& d) {
   d.vehicles = problem.site.vehicles;
+  for (std::size_t v = 0; v < d.vehicles.size() && v < solution.state.clock_drift.size(); ++v) {
+    d.vehicles[v].clock_drift = solution.state.clock_drift[v];
+    d.vehicles[v].clock_drift_sigma = variances.sigma("vehicle/" + d.vehicles[v].name + "/clock_drift");
+  }
   for (std::size_t r = 0; r < problem.site.receivers.size(); ++r) {
     const SiteReceiver& given = problem.site.receivers[r];
     DeploymentReceiver receiver;
@@ -56,6 +60,16 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
     receiver.position_m = solution.state.receiver_p_vehicle_m[r];
     const std::string prefix = "receiver/" + problem.site.vehicles[given.vehicle.index()].name + "/" + given.name;
     for (int i = 0; i < 3; ++i) receiver.sigma_m[i] = variances.sigma(prefix + kAxis[i]);
+    const std::string& vehicle = problem.site.vehicles[given.vehicle.index()].name;
+    const Eigen::Vector2d o = receiver.position_m.head<2>();
+    if (problem.site.vehicles[given.vehicle.index()].array && o.norm() > 0) {
+      Eigen::Matrix2d by_shape;  // by the circumradius and the turn
+      by_shape << o.x() / o.norm(), -o.y(), o.y() / o.norm(), o.x();
+      const std::string radius = "array/" + vehicle + "/radius_m", turn = "array/" + vehicle + "/turn_rad";
+      Eigen::Matrix2d C;
+      C << variances.covariance(radius, radius), variances.covariance(radius, turn), variances.covariance(turn, radius), variances.covariance(turn, turn);
+      receiver.sigma_m.head<2>() = (by_shape * C * by_shape.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
+    }
     receiver.delay_s = solution.state.receiver_delay_s[r];
     receiver.delay_sigma_s = variances.sigma(prefix + "/delay_s");
     d.receivers.push_back(std::move(receiver));

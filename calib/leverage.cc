@@ -98,17 +98,19 @@ Segment LeverageSweep::part(const Trajectory& t, const Segment& segment, std::si
   narrow(t.bearings, s.first_node, s.last_node, s.first_bearing, s.last_bearing);
   narrow(t.poses, s.first_node, s.last_node, s.first_pose, s.last_pose);
   narrow(t.odometry, s.first_node, s.last_node, s.first_odometry, s.last_odometry);
+  narrow(t.motion_steps, s.first_node, s.last_node, s.first_motion, s.last_motion);
   return s;
 }
 
 /// f_ = Js L of a row.
 void LeverageSweep::project(const ObservationRow& row, std::size_t run) {
-  entries_ = row_entries(row, run, layout_);
+  entries_ = row_entries(row, run, layout_, *state_);
   f_.setZero(root_.cols());
   for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i) f_.noalias() += entries_.value[i] * root_.row(entries_.column[i]);
 }
 
 void LeverageSweep::forward(const Trajectory& t, const Segment& segment, const SharedState& state) {
+  state_ = &state;
   count_ = segment.last_node - segment.first_node;
   n_ = t.block_size();
   D_.assign(count_, NodeBlock::Zero(n_, n_));

@@ -81,6 +81,7 @@ class LeverageSweep {
   const Eigen::MatrixXd& beacon_shift(std::size_t node);
 
   const ParameterLayout& layout_;
+  const SharedState* state_ = nullptr;  ///< of the sweep at hand
   RowMatrix root_;                   ///< L, parameters x rank
   Eigen::MatrixXd beacon_C_;         ///< beacon coordinates x parameters
   RowMatrix beacon_root_;            ///< rows of L of the beacon coordinates

@@ -127,6 +127,7 @@ class Judge {
   void receiver(std::size_t r) {
     double sigma_m = 0.0;
     for (const int column : layout_.receiver[r]) sigma_m = std::max(sigma_m, sigma_of(C_, column));
+    for (const int column : layout_.array[site_.receivers[r].vehicle.index()]) sigma_m = std::max(sigma_m, sigma_of(C_, column));
     sigma_m = std::max(sigma_m, sigma_of(C_, layout_.receiver_delay[r]));
     const double limit_m = std::max(limit_m_, site_.tolerance.fix_m.value_or(limit_m_));
     if (sigma_m <= limit_m) return;

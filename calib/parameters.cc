@@ -21,6 +21,7 @@ class LayoutBuilder {
     add_delays();
     add_speed();
     add_receivers();
+    add_drift();
     add_attenuation();
     add_pairs();
     return std::move(layout_);
@@ -92,12 +93,46 @@ class LayoutBuilder {
 
   void add_receivers() {
     layout_.receiver.assign(site_.receivers.size(), {-1, -1, -1});
+    for (const SiteReceiver& receiver : site_.receivers) layout_.vehicle_of_receiver.push_back(receiver.vehicle);
+    add_arrays();
     for (std::size_t r = 0; r < site_.receivers.size(); ++r) {
+      if (layout_.has_array(site_.receivers[r].vehicle)) continue;
       const int first = layout_.size();
       for (int i = 0; i < 3; ++i)
         if (site_.receivers[r].sigma_m[i] > 0)
           layout_.receiver[r][static_cast<std::size_t>(i)] =
               add(receiver_name(r) + kAxis[i], site_.receivers[r].position_m[i], site_.receivers[r].sigma_m[i], 1.0);
+      block_from(first);
+    }
+  }
+
+  /// Circumradius and turn of the octagons that are adjusted as a whole; turns in metres of arc.
+  void add_arrays() {
+    layout_.array.assign(site_.vehicles.size(), {-1, -1});
+    for (std::size_t v = 0; v < site_.vehicles.size(); ++v) {
+      const SiteVehicle& vehicle = site_.vehicles[v];
+      if (!vehicle.array || vehicle.receiver_count == 0) continue;
+      const Eigen::Vector3d& corner_m = site_.receivers[vehicle.first_receiver].position_m;
+      const double radius_m = corner_m.head<2>().norm();
+      const int first = layout_.size();
+      if (vehicle.array->radius_sigma_m > 0)
+        layout_.array[v][0] = add("array/" + vehicle.name + "/radius_m", radius_m, vehicle.array->radius_sigma_m, 1.0, 1e-3 * radius_m);
+      if (vehicle.array->turn_sigma_rad > 0)
+        layout_.array[v][1] = add("array/" + vehicle.name + "/turn_rad", radius_m * std::atan2(corner_m.y(), corner_m.x()),
+                                  radius_m * vehicle.array->turn_sigma_rad, 1.0 / radius_m);
+      block_from(first);
+    }
+  }
+
+  /// In metres by which an arrival a second into its cycle is off.
+  void add_drift() {
+    layout_.clock_drift.assign(site_.vehicles.size(), -1);
+    const Timing& timing = site_.timing;
+    if (timing.clock != Clock::kCycleOffset || !(timing.drift_sigma > 0)) return;
+    const double c = layout_.nominal_speed_mps;
+    for (std::size_t v = 0; v < site_.vehicles.size(); ++v) {
+      const int first = layout_.size();
+      layout_.clock_drift[v] = add("vehicle/" + site_.vehicles[v].name + "/clock_drift", c * timing.drift, c * timing.drift_sigma, 1.0 / c);
       block_from(first);
     }
   }
@@ -136,6 +171,31 @@ class LayoutBuilder {
   ParameterLayout layout_;
 };
 
+/// Circumradius and direction of the first corner of a vehicle's octagon.
+Eigen::Vector2d corner_of(const ParameterLayout& layout, const SharedState& state, std::size_t vehicle) {
+  for (std::size_t r = 0; r < layout.vehicle_of_receiver.size(); ++r)
+    if (layout.vehicle_of_receiver[r].index() == vehicle) {
+      const Eigen::Vector3d& p = state.receiver_p_vehicle_m[r];
+      return {p.head<2>().norm(), std::atan2(p.y(), p.x())};
+    }
+  return Eigen::Vector2d::Zero();
+}
+
+/// Turns and widens the octagons of a state to what the unknowns say.
+void shape_arrays(const ParameterLayout& layout, const Eigen::VectorXd& x, SharedState& state) {
+  for (std::size_t v = 0; v < layout.array.size(); ++v) {
+    if (!layout.has_array(VehicleId(v))) continue;
+    const Eigen::Vector2d now = corner_of(layout, state, v);
+    const auto value = [&](int column, double held) {
+      return column < 0 ? held : x[column] * layout.parameters[static_cast<std::size_t>(column)].si_per_unit;
+    };
+    const Eigen::Matrix2d shape = value(layout.array[v][0], now[0]) / now[0] * Eigen::Rotation2Dd(value(layout.array[v][1], now[1]) - now[1]).toRotationMatrix();
+    for (std::size_t r = 0; r < layout.vehicle_of_receiver.size(); ++r)
+      if (layout.vehicle_of_receiver[r].index() == v)
+        state.receiver_p_vehicle_m[r].head<2>() = (shape * state.receiver_p_vehicle_m[r].head<2>()).eval();
+  }
+}
+
 /// Visits every free number of a state together with its column.
 template <class State, class Visit>
 void for_each_free(const ParameterLayout& layout, State& state, Visit&& visit) {
@@ -153,6 +213,7 @@ void for_each_free(const ParameterLayout& layout, State& state, Visit&& visit) {
     visit(layout.attenuation[2], state.attenuation->rise_time_s);
   }
   for (std::size_t i = 0; i < layout.pair_bias.size(); ++i) visit(layout.pair_bias[i], state.pair_bias_s[i]);
+  for (std::size_t v = 0; v < layout.clock_drift.size() && v < state.clock_drift.size(); ++v) visit(layout.clock_drift[v], state.clock_drift[v]);
 }
 
 }  // namespace
@@ -163,6 +224,7 @@ SharedState ParameterLayout::state_of(const Eigen::VectorXd& x) const {
   for_each_free(*this, state, [&](int column, double& value) {
     if (column >= 0) value = x[column] * parameters[static_cast<std::size_t>(column)].si_per_unit;
   });
+  shape_arrays(*this, x, state);
   return state;
 }
 
@@ -173,6 +235,15 @@ Eigen::VectorXd ParameterLayout::vector_of(const SharedState& state) const {
   for_each_free(*this, copy, [&](int column, double& value) {
     if (column >= 0) x[column] = value / parameters[static_cast<std::size_t>(column)].si_per_unit;
   });
+  for (std::size_t v = 0; v < array.size(); ++v) {
+    if (!has_array(VehicleId(v))) continue;
+    const Eigen::Vector2d now = corner_of(*this, state, v);
+    if (array[v][0] >= 0) x[array[v][0]] = now[0];
+    if (const int turn = array[v][1]; turn >= 0) {
+      const Parameter& p = parameters[static_cast<std::size_t>(turn)];
+      x[turn] = p.prior_mean + wrap_angle(now[1] - p.prior_mean * p.si_per_unit) / p.si_per_unit;
+    }
+  }
   return x;
 }
 

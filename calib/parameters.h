@@ -37,6 +37,9 @@ struct ParameterLayout {
   std::vector<int> speed;               ///< one for all, or one for each run
   std::array<int, 3> attenuation = {-1, -1, -1};
   std::vector<int> pair_bias;           ///< beacon-major; empty: none
+  std::vector<int> clock_drift;         ///< of each vehicle
+  std::vector<std::array<int, 2>> array;  ///< of each vehicle: circumradius and turn of an octagon that is adjusted as a whole
+  std::vector<VehicleId> vehicle_of_receiver;
   double nominal_speed_mps = 343.0;     ///< turns delays into metres
   double nominal_amplitude_v = 1.0;
   SharedState fixed;                    ///< values of what is held fixed
@@ -47,6 +50,9 @@ struct ParameterLayout {
   }
   [[nodiscard]] SharedState state_of(const Eigen::VectorXd& x) const;
   [[nodiscard]] Eigen::VectorXd vector_of(const SharedState& state) const;
+  [[nodiscard]] bool has_array(VehicleId vehicle) const {
+    return vehicle.index() < array.size() && (array[vehicle.index()][0] >= 0 || array[vehicle.index()][1] >= 0);
+  }
 };
 
 /// Free parameters of a problem. Beacons in `held` keep the position and delay they have in `state`.

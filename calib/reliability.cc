@@ -19,8 +19,8 @@ namespace {
 /// Less than this share of a beacon's lateness in the residuals is rounding.
 constexpr double kUnnoticed = 1e-9;
 
-enum Kind : std::size_t { kTof, kAmplitude, kBearing, kOdometry, kPose, kPrior, kDistance, kKinds };
-constexpr const char* kKindName[kKinds] = {"tof", "amplitude", "bearing", "odometry", "pose", "prior", "control_distance"};
+enum Kind : std::size_t { kTof, kAmplitude, kBearing, kOdometry, kPose, kMotion, kPrior, kDistance, kKinds };
+constexpr const char* kKindName[kKinds] = {"tof", "amplitude", "bearing", "odometry", "pose", "motion", "prior", "control_distance"};
 
 Kind kind_of(RowKind kind) {
   switch (kind) {
@@ -29,6 +29,7 @@ Kind kind_of(RowKind kind) {
     case RowKind::kBearing: return kBearing;
     case RowKind::kPose: return kPose;
     case RowKind::kOdometry: return kOdometry;
+    case RowKind::kMotion: return kMotion;
   }
   return kTof;
 }

@@ -222,7 +222,7 @@ HeldHeadings::~HeldHeadings() {
 
 std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again, double suspect_sigmas) {
   std::size_t placed = 0;
-  if (t.moving && !t.odometry.empty()) {
+  if (t.moving && (!t.odometry.empty() || t.motion_prior)) {
     const bool all = std::all_of(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; });
     if (all && (!again || !t.poses.empty())) return 0;
     TrackerOptions options;

@@ -44,6 +44,7 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
       states += (segment.last_node - segment.first_node) * static_cast<std::size_t>(t.block_size());
       for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i) observations += pose_rows(t, i, rows);
       for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i) observations += odometry_rows(t, i, rows);
+      for (std::size_t i = segment.first_motion; i < segment.last_motion; ++i) observations += motion_rows(t, i, rows);
     }
   }
   for (const Parameter& p : layout.parameters) observations += std::isfinite(p.prior_sigma) ? 1.0 : 0.0;

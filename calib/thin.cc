@@ -21,7 +21,7 @@ struct Group {
 class Thinner {
  public:
   Thinner(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options)
-      : run_(run), beacons_(beacons), options_(options), drive_(!run.has_epochs && run.odometry.size() >= 2) {}
+      : run_(run), beacons_(beacons), options_(options), drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())) {}
 
   MeasurementLog thin() {
     make_groups();

@@ -36,6 +36,10 @@ Tile::Tile(Trajectory* trajectory, std::size_t first_segment, std::size_t last_s
   for (std::size_t i = first.first_bearing; i < last.last_bearing; ++i)
     if (trajectory->bearings[i].reflector.valid())
       for (const int c : layout->beacon[trajectory->bearings[i].reflector.index()]) touch(c);
+  if (first.first_arrival < last.last_arrival) {
+    touch(layout->clock_drift[trajectory->vehicle.index()]);
+    for (const int c : layout->array[trajectory->vehicle.index()]) touch(c);
+  }
   touch(layout->site_delay);
   touch(layout->speed_column(trajectory->run));
   for (const int c : layout->attenuation) touch(c);
@@ -123,7 +127,7 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
     double rho = 0.0, w = 1.0;
     if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
-    RowEntries e = row_entries(row, t.run, *layout_);
+    RowEntries e = row_entries(row, t.run, *layout_, state);
     for (int i = 0; i < e.count; ++i) e.column[static_cast<std::size_t>(i)] = local_of_[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
     for (int i = 0; i < e.count; ++i) {
       const double wi = w * e.value[static_cast<std::size_t>(i)];

@@ -21,27 +21,29 @@ constexpr double kPart = 0.1;             ///< share of a combination's square t
 constexpr double kParameterPart = 0.03;   ///< the same for a single parameter
 constexpr std::size_t kSegmentsMoved = 2000;
 
-enum Kind { kHeight, kPlace, kDelay, kSpeed, kReceiver, kAttenuation, kOther, kKinds };
+enum Kind { kHeight, kPlace, kDelay, kSpeed, kReceiver, kAttenuation, kDrift, kOther, kKinds };
 
 Kind kind_of(const std::string& name) {
   const auto ends = [&name](const char* end) { return name.size() >= std::string(end).size() && name.compare(name.size() - std::string(end).size(), std::string::npos, end) == 0; };
   if (name.rfind("medium/", 0) == 0) return kSpeed;
   if (name.rfind("attenuation/", 0) == 0) return kAttenuation;
   if (ends("/delay_s") || ends("/bias_s")) return kDelay;
-  if (name.rfind("receiver/", 0) == 0) return kReceiver;
+  if (name.rfind("receiver/", 0) == 0 || name.rfind("array/", 0) == 0) return kReceiver;
+  if (ends("/clock_drift")) return kDrift;
   if (name.rfind("beacon/", 0) == 0) return ends("/z_m") ? kHeight : kPlace;
   return kOther;
 }
 
 constexpr std::array<const char*, kKinds> kWords = {"heights of beacons", "horizontal places of beacons", "delays", "speed of sound and overall scale",
-                                                    "places of receivers", "attenuation and time-walk", "other parameters"};
+                                                    "places of receivers", "attenuation and time-walk", "drift of the vehicle's clock", "other parameters"};
 constexpr std::array<const char*, kKinds> kRemedies = {
     "tape the height of one of these beacons", "survey one of these beacons, or hear it from another side",
     "hear these beacons from near and from far", "tape the distance between two beacons that are far apart, or measure the temperature",
     "measure the receivers on the vehicle, or turn it on the spot among the beacons",
-    "log amplitudes, or hear the beacons from two metres and from the end of their range", ""};
+    "log amplitudes, or hear the beacons from two metres and from the end of their range",
+    "fire each beacon again at the end of the cycle", ""};
 /// Of the kinds that take part, the one that is cheapest to settle by a measurement.
-constexpr std::array<Kind, kKinds> kCheapestFirst = {kSpeed, kHeight, kPlace, kDelay, kReceiver, kAttenuation, kOther};
+constexpr std::array<Kind, kKinds> kCheapestFirst = {kSpeed, kHeight, kPlace, kDelay, kReceiver, kAttenuation, kDrift, kOther};
 
 std::string beacon_of(const std::string& name) {
   if (name.rfind("beacon/", 0) != 0) return {};

@@ -56,6 +56,8 @@ void read_timing(const JsonValue& json, Timing& t) {
   }
   t.delay_s = number_or(json.find("delay_s"), 0.0);
   t.delay_sigma_s = number_or(json.find("delay_sigma_s"), 0.0);
+  t.drift = 1e-6 * number_or(json.find("drift_ppm"), 0.0);
+  t.drift_sigma = 1e-6 * number_or(json.find("drift_sigma_ppm"), 0.0);
 }
 
 void read_noise(const JsonValue& json, Noise& n) {
@@ -112,7 +114,13 @@ void read_vehicles(const JsonValue& json, Deployment& d) {
       if (const JsonValue cosine = entry.find("hearing_cosine"); cosine.present()) r.hearing_cosine = cosine.number();
       d.receivers.push_back(std::move(r));
     }
-    d.vehicles.back().receiver_count = d.receivers.size() - d.vehicles.back().first_receiver;
+    SiteVehicle& read = d.vehicles.back();
+    read.receiver_count = d.receivers.size() - read.first_receiver;
+    read.clock_drift = 1e-6 * number_or(item.find("clock_drift_ppm"), 0.0);
+    read.clock_drift_sigma = 1e-6 * number_or(item.find("clock_drift_sigma_ppm"), 0.0);
+    if (const JsonValue motion = item.find("motion"); motion.present())
+      read.motion = MotionPrior{motion.at("speed_mps").positive(), motion.at("acceleration_mps2").positive(),
+                                motion.at("turn_rate_rad_per_s").positive(), motion.at("turn_acceleration_rad_per_s2").positive()};
   }
   if (d.vehicles.empty()) json.fail("empty", "at least one vehicle");
 }

@@ -44,7 +44,9 @@ Json timing_json(const Timing& t) {
           {"turnaround_s", t.turnaround_s},
           {"delay_per", per},
           {"delay_s", t.delay_s},
-          {"delay_sigma_s", t.delay_sigma_s}};
+          {"delay_sigma_s", t.delay_sigma_s},
+          {"drift_ppm", 1e6 * t.drift},
+          {"drift_sigma_ppm", 1e6 * t.drift_sigma}};
 }
 
 Json noise_json(const Noise& n) {
@@ -92,7 +94,15 @@ Json vehicles_json(const Deployment& d) {
                            {"axis", r.axis ? array_of(*r.axis) : Json(nullptr)},
                            {"hearing_cosine", r.hearing_cosine ? Json(*r.hearing_cosine) : Json(nullptr)}});
     }
-    out.push_back({{"id", vehicle.name}, {"receivers", receivers}});
+    Json json = {{"id", vehicle.name}, {"receivers", receivers}};
+    if (d.timing.clock == Clock::kCycleOffset) {
+      json["clock_drift_ppm"] = 1e6 * vehicle.clock_drift;
+      json["clock_drift_sigma_ppm"] = 1e6 * vehicle.clock_drift_sigma;
+    }
+    if (const auto& m = vehicle.motion)
+      json["motion"] = {{"speed_mps", m->speed_mps}, {"acceleration_mps2", m->acceleration_mps2},
+                        {"turn_rate_rad_per_s", m->turn_rate_rad_per_s}, {"turn_acceleration_rad_per_s2", m->turn_acceleration_rad_per_s2}};
+    out.push_back(std::move(json));
   }
   return out;
 }

@@ -58,7 +58,9 @@ std::string_view deployment_schema() {
           ]
         },
         "delay_s": {"type": "number"},
-        "delay_sigma_s": {"type": "number"}
+        "delay_sigma_s": {"type": "number"},
+        "drift_ppm": {"type": "number"},
+        "drift_sigma_ppm": {"type": "number"}
       }
     },
     "noise": {
@@ -106,6 +108,9 @@ std::string_view deployment_schema() {
         "required": ["id", "receivers"],
         "properties": {
           "id": {"type": "string", "minLength": 1},
+          "clock_drift_ppm": {"type": "number", "description": "cycle_offset: rate of its clock against the beacons', less one"},
+          "clock_drift_sigma_ppm": {"type": "number"},
+          "motion": {"type": "object", "description": "how it usually moves, as in the site file"},
           "receivers": {
             "type": "array",
             "items": {

@@ -50,7 +50,9 @@ std::string_view site_schema() {
           ]
         },
         "delay_s": {"type": "number", "default": 0},
-        "delay_sigma_s": {"$ref": "#/$defs/not_negative", "default": 0}
+        "delay_sigma_s": {"$ref": "#/$defs/not_negative", "default": 0},
+        "drift_ppm": {"type": "number", "default": 0, "description": "cycle_offset: rate of the vehicle's clock against the beacons', prior mean"},
+        "drift_sigma_ppm": {"$ref": "#/$defs/not_negative", "default": 0, "description": "0: held fixed"}
       }
     },
     "noise": {
@@ -100,6 +102,26 @@ std::string_view site_schema() {
         "additionalProperties": false,
         "properties": {
           "id": {"$ref": "#/$defs/id", "default": "robot"},
+          "array": {
+            "description": "the receivers as one piece, adjusted by its radius and its turn instead of receiver by receiver",
+            "type": ["object", "null"],
+            "additionalProperties": false,
+            "properties": {
+              "radius_sigma_m": {"$ref": "#/$defs/not_negative", "default": 0},
+              "turn_sigma_rad": {"$ref": "#/$defs/not_negative", "default": 0}
+            }
+          },
+          "motion": {
+            "description": "how the vehicle usually moves: ties its states together in drives with neither odometry nor measured poses",
+            "type": ["object", "null"],
+            "additionalProperties": false,
+            "properties": {
+              "speed_mps": {"$ref": "#/$defs/positive", "default": 1.0},
+              "acceleration_mps2": {"$ref": "#/$defs/positive", "default": 0.5, "description": "change of velocity within a second"},
+              "turn_rate_rad_per_s": {"$ref": "#/$defs/positive", "default": 1.0},
+              "turn_acceleration_rad_per_s2": {"$ref": "#/$defs/positive", "default": 1.0}
+            }
+          },
           "receivers": {
             "oneOf": [
               {

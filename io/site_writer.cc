@@ -54,6 +54,8 @@ void write_timing(const Timing& t, Out out) {
   if (t.ranging == Ranging::kTwoWay || t.turnaround_s != 0.0) fmt::format_to(out, "  turnaround_s: {}\n", exact(t.turnaround_s));
   fmt::format_to(out, "  delay_per: {}\n", delay_per_text(t.delay_per));
   fmt::format_to(out, "  delay_s: {}\n  delay_sigma_s: {}\n", exact(t.delay_s), exact(t.delay_sigma_s));
+  if (t.drift != 0.0 || t.drift_sigma > 0)
+    fmt::format_to(out, "  drift_ppm: {}\n  drift_sigma_ppm: {}\n", exact(1e6 * t.drift), exact(1e6 * t.drift_sigma));
 }
 
 void write_noise(const Site& site, Out out) {
@@ -92,6 +94,12 @@ void write_vehicles(const Site& site, Out out) {
       if (r.axis) fmt::format_to(out, ", axis: {}", list_text(*r.axis));
       fmt::format_to(out, "}}\n");
     }
+    if (vehicle.array)
+      fmt::format_to(out, "    array: {{radius_sigma_m: {}, turn_sigma_rad: {}}}\n", exact(vehicle.array->radius_sigma_m),
+                     exact(vehicle.array->turn_sigma_rad));
+    if (const auto& m = vehicle.motion)
+      fmt::format_to(out, "    motion: {{speed_mps: {}, acceleration_mps2: {}, turn_rate_rad_per_s: {}, turn_acceleration_rad_per_s2: {}}}\n",
+                     exact(m->speed_mps), exact(m->acceleration_mps2), exact(m->turn_rate_rad_per_s), exact(m->turn_acceleration_rad_per_s2));
   }
 }
 

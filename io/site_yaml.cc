@@ -119,6 +119,11 @@ void read_timing(const YAML::Node& node, Site& site, YamlLog& log) {
     log.warn(node, "timing.delay_sigma_s is not given; the delays are held fixed (delay_sigma_s: 0)");
   }
   timing.delay_sigma_s = map.number("delay_sigma_s", 0.0, kNotNegative);
+  timing.drift = 1e-6 * map.number("drift_ppm", 0.0);
+  timing.drift_sigma = 1e-6 * map.number("drift_sigma_ppm", 0.0, kNotNegative);
+  if (timing.clock != Clock::kCycleOffset && (timing.drift != 0.0 || timing.drift_sigma > 0))
+    map.fail(timing.drift != 0.0 ? "drift_ppm" : "drift_sigma_ppm", "a drift of a synchronised clock", "clock: cycle_offset, or no drift",
+             "where radio or wire marks each firing there is no time for a clock to drift");
   map.finish();
 }
 
@@ -258,6 +263,38 @@ void read_receivers(YamlMap& vehicle_map, VehicleId vehicle, Site& site, YamlLog
   }
 }
 
+/// array: {radius_sigma_m: 0.002, turn_sigma_rad: 0.02}: the receivers as one piece, adjusted by its radius and its turn.
+void read_array(YamlMap& vehicle_map, SiteVehicle& vehicle, const Site& site, YamlLog& log) {
+  const YAML::Node node = vehicle_map.block("array");
+  if (!node.IsDefined()) return;
+  YamlMap map(node, vehicle_map.path("array"), log);
+  vehicle.array = ArrayShape{map.number("radius_sigma_m", 0.0, kNotNegative), map.number("turn_sigma_rad", 0.0, kNotNegative)};
+  map.finish();
+  if (log.error) return;
+  for (std::size_t r = vehicle.first_receiver; r < site.receivers.size(); ++r) {
+    const SiteReceiver& receiver = site.receivers[r];
+    if (receiver.sigma_m.maxCoeff() > 0)
+      return vehicle_map.fail("array", fmt::format("an array as one piece, and sigma_m of its receiver {}", receiver.name),
+                              "either array, or sigma_m of the receivers", "leave sigma_m out (0) to adjust only the array's radius and turn");
+    if (!(receiver.position_m.head<2>().norm() > 0))
+      return vehicle_map.fail("array", fmt::format("receiver {} on the array's own axis", receiver.name), "receivers around the vehicle's origin");
+  }
+}
+
+/// motion: {speed_mps: 1.0, acceleration_mps2: 0.5}
+void read_motion(YamlMap& vehicle_map, SiteVehicle& vehicle, YamlLog& log) {
+  const YAML::Node node = vehicle_map.block("motion");
+  if (!node.IsDefined()) return;
+  YamlMap map(node, vehicle_map.path("motion"), log);
+  MotionPrior prior;
+  prior.speed_mps = map.number("speed_mps", prior.speed_mps, kPositive);
+  prior.acceleration_mps2 = map.number("acceleration_mps2", prior.acceleration_mps2, kPositive);
+  prior.turn_rate_rad_per_s = map.number("turn_rate_rad_per_s", prior.turn_rate_rad_per_s, kPositive);
+  prior.turn_acceleration_rad_per_s2 = map.number("turn_acceleration_rad_per_s2", prior.turn_acceleration_rad_per_s2, kPositive);
+  map.finish();
+  vehicle.motion = prior;
+}
+
 void read_vehicles(YamlMap& root, Site& site, YamlLog& log) {
   UniqueIds ids("vehicle", log);
   for (const YAML::Node& node : root.list("vehicles")) {
@@ -268,6 +305,8 @@ void read_vehicles(YamlMap& root, Site& site, YamlLog& log) {
     map.get("id");
     read_receivers(map, vehicle, site, log);
     site.vehicles.back().receiver_count = site.receivers.size() - site.vehicles.back().first_receiver;
+    read_array(map, site.vehicles.back(), site, log);
+    read_motion(map, site.vehicles.back(), log);
     map.finish();
   }
   if (site.vehicles.empty()) root.fail_missing("vehicles", "a list of at least one vehicle");

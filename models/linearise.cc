@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/linearise.h"
 
+#include <numbers>
+
 namespace octant {
 
 void RobustLoss::evaluate(double residual, double& rho, double& weight) const {
@@ -80,7 +82,7 @@ PathInput path_input(const Trajectory& t, const ArrivalObservation& a, const Sha
   in.p_receiver_vehicle_m = state.receiver_p_vehicle_m[a.receiver.index()];
   in.speed_mps = a.model_speed_mps + state.speed_offset(t.run);
   in.delay_s = state.delay_s(a.beacon, a.receiver) + (a.two_way ? t.turnaround_s : 0.0);
-  if (t.has_cycle_offset) in.delay_s += t.nodes[a.node].cycle_offset_s;
+  if (t.has_cycle_offset) in.delay_s += t.nodes[a.node].cycle_offset_s + state.drift(t.vehicle) * (a.time_s - t.nodes[a.node].time_s);
   in.attenuation = state.attenuation ? &*state.attenuation : nullptr;
   in.T_hear_send = a.two_way ? &a.T_hear_send : nullptr;
   return in;
@@ -111,6 +113,7 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   tof.by_attenuation = k * out.tof_by_attenuation;
   tof.by_delay = k;
   tof.by_speed = k * out.tof_by_speed;
+  tof.by_drift = t.has_cycle_offset ? k * (a.time_s - t.nodes[a.node].time_s) : 0.0;
   if (!(a.log_amplitude_sigma > 0) || !state.attenuation) return 1;
 
   ObservationRow& amplitude = rows[1];
@@ -124,6 +127,7 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   amplitude.by_attenuation = ka * out.log_amplitude_by_attenuation;
   amplitude.by_delay = 0.0;
   amplitude.by_speed = 0.0;
+  amplitude.by_drift = 0.0;
   return 2;
 }
 
@@ -147,7 +151,7 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   row.by_beacon = k * out.by_reflector;
   row.by_receiver.setZero();
   row.by_attenuation.setZero();
-  row.by_delay = row.by_speed = 0.0;
+  row.by_delay = row.by_speed = row.by_drift = 0.0;
   return 1;
 }
 
@@ -235,6 +239,57 @@ int odometry_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) 
     ObservationRow& row = add(e[i], o.heading_sigma_rad);
     row.by_node.segment(3, 3) = kh * by_a.row(i);
     row.by_next.segment(3, 3) = -kh * Jl.row(i);
+  }
+  return count;
+}
+
+/// White-noise acceleration (Bar-Shalom, Li and Kirubarajan 2001, section 6.2): with q its density, over a step of length h
+///   Q = q [h^3/3 h^2/2; h^2/2 h]; rows are whitened by Q = L L', L = sqrt(q) [sqrt(h^3/3) 0; sqrt(3 h)/2 sqrt(h)/2].
+int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
+  const MotionObservation& m = t.motion_steps[index];
+  const MotionPrior& prior = *t.motion_prior;
+  const int dof = pose_dof(t.motion), block = t.block_size();
+  const Node& A = t.nodes[m.node];
+  int count = 0;
+  const auto add = [&](double residual) -> ObservationRow& {
+    ObservationRow& row = rows[count++];
+    row.kind = RowKind::kMotion;
+    row.index = index;
+    row.node = m.node;
+    row.has_next = m.step_s > 0;
+    row.has_shared = false;
+    row.residual = residual;
+    row.by_node.setZero(block);
+    row.by_next.setZero(block);
+    return row;
+  };
+  // Where nothing tells the heading it is somewhere on the circle; no residual: no direction is preferred.
+  if (m.step_s <= 0) add(0.0).by_node[2] = 1.0 / std::numbers::pi;
+  for (int i = 0; i < 3; ++i) {
+    const bool turn = i == 2;
+    if (m.step_s <= 0) {
+      const double k = 1.0 / (turn ? prior.turn_rate_rad_per_s : prior.speed_mps);
+      add(-k * A.velocity[i]).by_node[dof + i] = -k;
+      continue;
+    }
+    const Node& B = t.nodes[m.node + 1];
+    const double h = m.step_s;
+    const double root_q = turn ? prior.turn_acceleration_rad_per_s2 : prior.acceleration_mps2;
+    const double moved = turn ? wrap_angle(B.T_map_vehicle.heading_rad() - A.T_map_vehicle.heading_rad())
+                              : B.T_map_vehicle.translation_m[i] - A.T_map_vehicle.translation_m[i];
+    const double misfit = h * A.velocity[i] - moved;  // predicted less the state, so that the residual is observed - predicted
+    const double change = A.velocity[i] - B.velocity[i];
+    const double a = std::sqrt(3 / (h * h * h)) / root_q;  // L^-1 = [a 0; -b c]
+    const double c = 2 / (std::sqrt(h) * root_q), b = c * 3 / (2 * h);
+    ObservationRow& place = add(a * misfit);
+    place.by_node[i] = a;
+    place.by_node[dof + i] = a * h;
+    place.by_next[i] = -a;
+    ObservationRow& velocity = add(c * change - b * misfit);
+    velocity.by_node[i] = -b;
+    velocity.by_node[dof + i] = c - b * h;
+    velocity.by_next[i] = b;
+    velocity.by_next[dof + i] = -c;
   }
   return count;
 }

@@ -16,7 +16,7 @@ using NodeRow = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMa
 using NodeVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxBlock, 1>;
 using NodeBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxBlock, kMaxBlock>;
 
-enum class RowKind { kTof, kAmplitude, kBearing, kPose, kOdometry };
+enum class RowKind { kTof, kAmplitude, kBearing, kPose, kOdometry, kMotion };
 
 /// One scalar observation, whitened: residual = (observed - predicted) / sigma and its derivatives by the states it touches
 /// and by the shared parameters. Blocks that do not apply are zero and flagged.
@@ -33,6 +33,7 @@ struct ObservationRow {
   Eigen::RowVector3d by_beacon, by_receiver, by_attenuation;  ///< per metre, per metre, per unit
   double by_delay = 0.0;   ///< per second
   double by_speed = 0.0;   ///< per metre a second
+  double by_drift = 0.0;   ///< per unit of Timing::drift
 };
 
 /// Pose at an observation between node and node + 1.
@@ -45,11 +46,12 @@ struct InterpolationJacobian {
 [[nodiscard]] InterpolationJacobian interpolation_jacobian(const Trajectory& trajectory, std::size_t node, double alpha);
 
 /// Rows of one observation each; a kind that gives several rows fills several.
-/// rows must have room for 2 (arrival), 1 (bearing), 6 (pose), 6 (odometry); returns how many were filled.
+/// rows must have room for 2 (arrival), 1 (bearing), 6 (pose), 6 (odometry), 6 (motion); returns how many were filled.
 int arrival_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state, ObservationRow* rows);
 int bearing_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state, ObservationRow* rows);
 int pose_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* rows);
 int odometry_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* rows);
+int motion_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* rows);
 
 /// Calls visit(row) for every row of the segment that is in use (rejected arrivals and bearings are left out).
 template <class Visitor>
@@ -64,6 +66,7 @@ void for_each_row(const Trajectory& trajectory, const Segment& segment, const Sh
     if (trajectory.bearings[i].rejection == Rejection::kUsed) emit(bearing_rows(trajectory, i, state, rows));
   for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i) emit(pose_rows(trajectory, i, rows));
   for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i) emit(odometry_rows(trajectory, i, rows));
+  for (std::size_t i = segment.first_motion; i < segment.last_motion; ++i) emit(motion_rows(trajectory, i, rows));
 }
 
 /// Robust loss applies to what is heard and seen, not to odometry and measured poses.

@@ -41,6 +41,7 @@ void move_nodes(Trajectory& t, const Segment& segment, const std::vector<NodeVec
     Node& node = t.nodes[segment.first_node + k];
     node.T_map_vehicle = retract(node.T_map_vehicle, step[k].head(dof), t.motion);
     if (t.has_cycle_offset) node.cycle_offset_s += step[k][dof] / t.nominal_speed_mps;
+    if (t.motion_prior) node.velocity += step[k].segment<3>(dof);
   }
 }
 

@@ -20,6 +20,7 @@ SharedState prior_state(const Site& site) {
   state.receiver_delay_s.assign(site.receivers.size(), on_receivers ? timing.delay_s : 0.0);
   state.site_delay_s = on_beacons || on_receivers ? 0.0 : timing.delay_s;
   if (site.attenuation) state.attenuation = site.attenuation->mean();
+  state.clock_drift.assign(site.vehicles.size(), timing.drift);
   if (site.noise.pair_sigma_s) state.pair_bias_s.assign(site.beacons.size() * site.receivers.size(), 0.0);
   return state;
 }
@@ -36,6 +37,7 @@ SharedState shared_state(const Deployment& deployment) {
   }
   state.speed_offset_mps = {deployment.speed_offset_mps};
   state.attenuation = deployment.attenuation;
+  for (const SiteVehicle& vehicle : deployment.vehicles) state.clock_drift.push_back(vehicle.clock_drift);
   return state;
 }
 

@@ -108,10 +108,13 @@ struct ArrayShape {
   double turn_sigma_rad = 0.0;  ///< 0: held fixed
 };
 
-/// How fast a vehicle may move: what ties its states together where there is neither odometry nor a measured pose.
+/// How a vehicle usually moves: what ties its states together where there is neither odometry nor a measured pose. Velocities
+/// wander as white-noise acceleration makes them, by about the stated amounts within a second.
 struct MotionPrior {
   double speed_mps = 1.0;
-  double turn_rate_radps = 1.0;
+  double acceleration_mps2 = 0.5;
+  double turn_rate_rad_per_s = 1.0;
+  double turn_acceleration_rad_per_s2 = 1.0;
 };
 
 struct SiteVehicle {

@@ -32,6 +32,7 @@ struct Shot {
   double temperature_degC = 20.0;
   std::int64_t epoch = kNoEpoch;
   double cycle_offset_s = 0.0;
+  double cycle_began_s = 0.0;
   bool shadowed = false;  ///< the direct path is blocked for the whole epoch
   double detour_s = 0.0;  ///< of the path round the obstacle
 };
@@ -127,9 +128,11 @@ void Recorder::record_arrival(const Shot& shot, ReceiverId receiver) {
   const double late_s = lateness(shot, direct.tof_s);
   double tof_s = direct.tof_s + shot.cycle_offset_s + noise.tof_sigma_s * draws_.normal() + late_s;
   const double meter = draws_.normal();
-  if (scenario_.quantum_s > 0) tof_s = counted(tof_s, scenario_.quantum_s);
   Arrival arrival;
   arrival.time_s = to_microsecond(shot.fired_s + direct.tof_s + late_s);
+  if (scenario_.site.timing.clock == Clock::kCycleOffset)
+    tof_s += truth_.drift(VehicleId(std::size_t{0})) * (arrival.time_s - shot.cycle_began_s);
+  if (scenario_.quantum_s > 0) tof_s = counted(tof_s, scenario_.quantum_s);
   arrival.tof_s = tof_s;
   arrival.beacon = shot.beacon;
   arrival.receiver = receiver;
@@ -178,6 +181,7 @@ void Recorder::record_stops() {
       shots[b].temperature_degC = temperature((k + 0.5) / spec_.epochs);
       shots[b].epoch = k;
       if (scenario_.site.timing.clock == Clock::kCycleOffset) shots[b].cycle_offset_s = offset_s;
+      shots[b].cycle_began_s = start_s;
       draw_shadow(shots[b]);
     }
     for (std::size_t i = 0; i < beacons * static_cast<std::size_t>(spec_.rounds); ++i) {

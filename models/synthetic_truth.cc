@@ -96,6 +96,21 @@ Result<void> check_scenario(const Scenario& scenario) {
   return check_path(scenario, scenario.heldout_path, "heldout_path");
 }
 
+namespace {
+
+/// A vehicle's receivers as one piece, somewhat wider and turned.
+void shape_array(const Site& site, std::size_t vehicle, Random& draws, SharedState& truth) {
+  const SiteVehicle& v = site.vehicles[vehicle];
+  const double wider_m = v.array->radius_sigma_m * draws.clipped_normal(), turn_rad = v.array->turn_sigma_rad * draws.clipped_normal();
+  const double radius_m = v.receiver_count > 0 ? truth.receiver_p_vehicle_m[v.first_receiver].head<2>().norm() : 0.0;
+  if (!(radius_m > 0)) return;
+  const Eigen::Matrix2d shape = (1 + wider_m / radius_m) * Eigen::Rotation2Dd(turn_rad).toRotationMatrix();
+  for (std::size_t r = v.first_receiver; r < v.first_receiver + v.receiver_count; ++r)
+    truth.receiver_p_vehicle_m[r].head<2>() = (shape * truth.receiver_p_vehicle_m[r].head<2>()).eval();
+}
+
+}  // namespace
+
 SharedState draw_truth(const Scenario& scenario, Random& draws) {
   const Site& site = scenario.site;
   const Timing& timing = site.timing;
@@ -129,6 +144,10 @@ SharedState draw_truth(const Scenario& scenario, Random& draws) {
   if (site.noise.pair_sigma_s) {
     truth.pair_bias_s.resize(site.beacons.size() * site.receivers.size());
     for (double& bias : truth.pair_bias_s) bias = *site.noise.pair_sigma_s * draws.normal();
+  }
+  for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
+    truth.clock_drift.push_back(timing.drift + (timing.drift_sigma > 0 ? timing.drift_sigma * draws.clipped_normal() : 0.0));
+    if (site.vehicles[v].array) shape_array(site, v, draws, truth);
   }
   return truth;
 }
@@ -179,6 +198,7 @@ Deployment true_deployment(const Scenario& scenario, const SharedState& truth, s
     d.beacons.push_back(beacon);
   }
   d.vehicles = site.vehicles;
+  for (std::size_t v = 0; v < d.vehicles.size() && v < truth.clock_drift.size(); ++v) d.vehicles[v].clock_drift = truth.clock_drift[v];
   for (std::size_t r = 0; r < site.receivers.size(); ++r) {
     const SiteReceiver& receiver = site.receivers[r];
     d.receivers.push_back({.name = receiver.name,

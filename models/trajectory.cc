@@ -99,6 +99,8 @@ class Builder {
       build_epochs();
     } else if (path_.time_s.size() >= 2) {
       build_drive();
+    } else if (tied_by_motion()) {
+      build_motion();
     } else {
       build_instants();
     }
@@ -246,6 +248,52 @@ class Builder {
     return true;
   }
 
+  [[nodiscard]] bool tied_by_motion() const {
+    return t_.vehicle.index() < model_.motion_priors.size() && model_.motion_priors[t_.vehicle.index()] && log_.poses.empty() &&
+           t_.motion == Motion::kPlanar && !t_.has_cycle_offset && arrivals_.size() > 1;
+  }
+
+  /// Nothing but arrivals: a state with a velocity at each instant; after a long silence the prior says nothing any more.
+  void build_motion() {
+    constexpr double kSameInstant_s = 1e-3, kSilence_s = 10.0;
+    t_.moving = true;
+    t_.motion_prior = model_.motion_priors[t_.vehicle.index()];
+    for (std::size_t first = 0; first < arrivals_.size();) {
+      const double time_s = log_.arrivals[arrivals_[first]].time_s;
+      const std::size_t k = t_.nodes.size();
+      const double step_s = k > 0 ? time_s - t_.nodes[k - 1].time_s : INFINITY;
+      if (step_s > kSilence_s) {
+        if (k > 0) close_segment(k);
+        open_segment(k);
+        t_.motion_steps.push_back({k, 0.0});
+      } else {
+        t_.motion_steps.push_back({k - 1, step_s});
+      }
+      t_.nodes.push_back({.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+      for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].time_s <= time_s + kSameInstant_s; ++first)
+        add_arrival(arrivals_[first], k, 0.0);
+    }
+    close_segment(t_.nodes.size());
+    attach_bearings();
+  }
+
+  /// Bearings of the states made so far, by the nearest time.
+  void attach_bearings() {
+    constexpr double kNear_s = 0.05;
+    std::size_t k = 0;
+    for (const std::size_t i : bearings_) {
+      const double time_s = log_.bearings[i].time_s;
+      while (k + 1 < t_.nodes.size() && std::abs(t_.nodes[k + 1].time_s - time_s) <= std::abs(t_.nodes[k].time_s - time_s)) ++k;
+      if (k < t_.nodes.size() && std::abs(t_.nodes[k].time_s - time_s) <= kNear_s) add_bearing(i, k, 0.0);
+    }
+    std::size_t next = 0;
+    for (Segment& s : t_.segments) {
+      s.first_bearing = next;
+      while (next < t_.bearings.size() && t_.bearings[next].node < s.last_node) ++next;
+      s.last_bearing = next;
+    }
+  }
+
   /// No epochs, no odometry: each distinct time is a state of its own, carried by the measured pose of that time.
   void build_instants() {
     t_.moving = true;
@@ -275,8 +323,9 @@ class Builder {
 
   void open_segment(std::size_t node) {
     // An odometry observation that leads to this node has not been added: it would have continued the segment.
-    const std::size_t a = t_.arrivals.size(), b = t_.bearings.size(), p = t_.poses.size(), o = t_.odometry.size();
-    t_.segments.push_back({node, node, a, a, b, b, p, p, o, o});
+    const std::size_t a = t_.arrivals.size(), b = t_.bearings.size(), p = t_.poses.size(), o = t_.odometry.size(),
+                      m = t_.motion_steps.size();
+    t_.segments.push_back({node, node, a, a, b, b, p, p, o, o, m, m});
   }
   void close_segment(std::size_t last_node) {
     Segment& s = t_.segments.back();
@@ -285,6 +334,7 @@ class Builder {
     s.last_bearing = t_.bearings.size();
     s.last_pose = t_.poses.size();
     s.last_odometry = t_.odometry.size();
+    s.last_motion = t_.motion_steps.size();
   }
 
   const MeasurementLog& log_;

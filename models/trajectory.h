@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,6 +22,7 @@ struct Node {
   std::int64_t epoch = kNoEpoch;
   Pose T_map_vehicle;
   double cycle_offset_s = 0.0;  ///< Clock::kCycleOffset only
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< map x, y [m/s] and turn rate [rad/s]; Trajectory::motion_prior only
   bool placed = false;          ///< false: no initial value yet
 };
 
@@ -70,6 +72,12 @@ struct OdometryObservation {
   double heading_sigma_rad = 0.01;
 };
 
+/// What the motion prior says of node and node + 1, or (step_s = 0) of the velocity at a node.
+struct MotionObservation {
+  std::size_t node = 0;
+  double step_s = 0.0;
+};
+
 /// States that hang together: one stationary epoch, or a stretch of a drive. Ranges [first, last) into the lists of the
 /// Trajectory, each ordered by node.
 struct Segment {
@@ -78,6 +86,7 @@ struct Segment {
   std::size_t first_bearing = 0, last_bearing = 0;
   std::size_t first_pose = 0, last_pose = 0;
   std::size_t first_odometry = 0, last_odometry = 0;
+  std::size_t first_motion = 0, last_motion = 0;
 };
 
 /// All states of one vehicle in one run, with everything that was observed of them.
@@ -94,12 +103,14 @@ struct Trajectory {
   std::vector<BearingObservation> bearings;
   std::vector<PoseObservation> poses;
   std::vector<OdometryObservation> odometry;
+  std::vector<MotionObservation> motion_steps;
+  std::optional<MotionPrior> motion_prior;  ///< planar motion; states then carry their velocity
   /// Arrivals of the run that no state could carry (before the first odometry row, in a gap of the measured poses).
   std::vector<std::size_t> stateless_arrivals;
   double turnaround_s = 0.0;  ///< of two-way ranging
 
-  /// Unknowns of a node: the pose's, and the cycle offset (in metres at the medium's speed) where there is one.
-  [[nodiscard]] int block_size() const { return pose_dof(motion) + (has_cycle_offset ? 1 : 0); }
+  /// Unknowns of a node: the pose's, then the cycle offset (in metres at the medium's speed) or the velocity where there is one.
+  [[nodiscard]] int block_size() const { return pose_dof(motion) + (has_cycle_offset ? 1 : 0) + (motion_prior ? 3 : 0); }
 };
 
 /// What a trajectory needs to know of a site or a deployment.
@@ -109,12 +120,15 @@ struct TrajectoryModel {
   Timing timing;
   Noise noise;
   bool use_amplitude = false;  ///< there is an attenuation model
+  /// Of each vehicle; used for drives with neither odometry nor measured poses, planar and without a cycle offset.
+  std::vector<std::optional<MotionPrior>> motion_priors{};
 };
 
 /// Builds the states of one vehicle of a run and attaches its observations.
 /// Epochs: one node each (chained by odometry where the run has it); measured poses interpolated at the epoch's arrivals.
 /// No epochs, odometry: nodes at its rows; arrivals and measured poses between them.
-/// No epochs, no odometry: one node for each distinct arrival time, with the measured pose of that time if there is one.
+/// No epochs, no odometry, no poses, but a motion prior: a node with a velocity for each instant of arrivals, tied by the prior.
+/// Else: one node for each distinct arrival time, with the measured pose of that time if there is one.
 [[nodiscard]] Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle, const TrajectoryModel& model);
 
 /// Measured pose at a time: linear and slerp between neighbours not further apart than max_gap_s; false beyond the ends.

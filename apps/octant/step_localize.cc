@@ -14,10 +14,11 @@
 namespace octant::app {
 namespace {
 
-/// Where the user does not say: a drive with odometry is tracked, all else is fixed epoch by epoch.
-Method method_for(const MeasurementLog& run, Method wanted) {
+/// Where the user does not say: a drive with odometry or a motion prior is tracked, all else is fixed epoch by epoch.
+Method method_for(const Deployment& deployment, const MeasurementLog& run, Method wanted) {
   if (wanted != Method::kAuto) return wanted;
-  return !run.has_epochs && !run.odometry.empty() ? Method::kTracker : Method::kLeastSquares;
+  const bool prior = std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(), [](const SiteVehicle& v) { return v.motion.has_value(); });
+  return !run.has_epochs && (!run.odometry.empty() || (prior && run.poses.empty())) ? Method::kTracker : Method::kLeastSquares;
 }
 
 const char* name_of(Method method) { return method == Method::kTracker ? "tracker" : "least_squares"; }
@@ -49,7 +50,7 @@ Localization localize_runs(const Deployment& deployment, const std::vector<Measu
   Localization result;
   const LeastSquaresLocalizer localizer(deployment);
   for (const auto& run : runs) {
-    const Method method = method_for(run, wanted);
+    const Method method = method_for(deployment, run, wanted);
     {
       const ExitAtOnce nothing_written_yet;
       result.fixes.push_back(method == Method::kTracker ? track(run, deployment) : localizer.locate(run));

@@ -164,6 +164,7 @@ Segment stretch_of(const Trajectory& t, const Segment& segment, std::size_t firs
   narrow(t.bearings, out.first_bearing, out.last_bearing);
   narrow(t.poses, out.first_pose, out.last_pose);
   narrow(t.odometry, out.first_odometry, out.last_odometry);
+  narrow(t.motion_steps, out.first_motion, out.last_motion);
   return out;
 }
 

@@ -206,6 +206,7 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
   narrow(t.bearings, out.first_bearing, out.last_bearing);
   narrow(t.poses, out.first_pose, out.last_pose);
   out.last_odometry = out.first_odometry;
+  out.last_motion = out.first_motion;
   return out;
 }
 

@@ -50,6 +50,7 @@ TrajectoryModel trajectory_model(const Deployment& deployment) {
   model.timing = deployment.timing;
   model.noise = deployment.noise;
   model.use_amplitude = deployment.attenuation.has_value();
+  for (const SiteVehicle& vehicle : deployment.vehicles) model.motion_priors.push_back(vehicle.motion);
   return model;
 }
 

@@ -79,7 +79,8 @@ void add_bearings(const Trajectory& trajectory, const Segment& segment, const Ep
 
 double range_of(const ArrivalObservation& a, const Trajectory& trajectory, const SharedState& state) {
   const double speed = (a.model_speed_mps + state.speed_offset(trajectory.run)) / (a.two_way ? 2.0 : 1.0);
-  const double time_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? trajectory.turnaround_s : 0.0);
+  double time_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? trajectory.turnaround_s : 0.0);
+  if (trajectory.has_cycle_offset) time_s -= state.drift(trajectory.vehicle) * (a.time_s - trajectory.nodes[a.node].time_s);
   double range_m = speed * time_s;
   if (!state.attenuation || trajectory.has_cycle_offset) return range_m;
   // The walk grows slowly with distance (c d walk/d distance << 1 short of the threshold), so this contracts.

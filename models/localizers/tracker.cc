@@ -9,6 +9,7 @@
 #include "models/localizers/chain_covariance.h"
 #include "models/localizers/drive_filter.h"
 #include "models/localizers/drive_start.h"
+#include "models/localizers/motion_start.h"
 #include "models/localizers/node_adjustment.h"
 #include "models/localizers/trajectory_model.h"
 
@@ -97,6 +98,7 @@ void run_backward(Trajectory& t, const Segment& segment, DriveFilter& filter, st
 /// Initial states of a whole segment: a stretch that the arrivals settle, the filter from there both ways; where it gets
 /// lost, the next stretch that can be settled.
 bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
+  if (t.motion_prior) return place_by_motion(t, segment, model, options);
   DriveFilter filter(model, options.rejection_sigmas, independent_slack_m(t, segment, model, options.range_slack_m));
   std::size_t from = segment.first_node;
   bool placed = false;
@@ -214,6 +216,7 @@ void track_causal(Trajectory& t, const Segment& segment, const EpochFixModel& mo
 }
 
 bool is_drive(const Trajectory& t, const Segment& segment) {
+  if (t.motion_prior) return segment.last_node - segment.first_node >= 2;
   return t.moving && t.motion == Motion::kPlanar && !t.has_cycle_offset && segment.last_node - segment.first_node >= 2 &&
          segment.last_odometry - segment.first_odometry + 1 == segment.last_node - segment.first_node;
 }
@@ -242,7 +245,7 @@ std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, 
       if (!is_drive(t, segment)) {
         for (std::size_t node = segment.first_node; node < segment.last_node; ++node)
           fixes.push_back(fix_epoch(t, node_segment(t, segment, node), model, epoch_options));
-      } else if (options.smooth) {
+      } else if (options.smooth || t.motion_prior) {
         track_smooth(t, segment, model, options, fixes);
       } else {
         track_causal(t, segment, model, options, fixes);

@@ -21,11 +21,12 @@ struct TrackerOptions {
 };
 
 /// Initial states of a moving trajectory with odometry: stretches are placed as rigid pieces of the odometry path by a search
-/// over poses, joined, and settled robustly. Sets nodes and marks arrivals. Returns false when no stretch could be placed.
+/// over poses, joined, and settled robustly. Without odometry, but with a motion prior: by short windows (motion_start.h). Sets nodes and marks arrivals. Returns false when no stretch could be placed.
 [[nodiscard]] bool place_drive(Trajectory& trajectory, const EpochFixModel& model, const TrackerOptions& options = {});
 
 /// Tracker of a moving vehicle: odometry predicts, arrivals correct one by one, robustly.
-/// One fix at every distinct arrival time; smoothed over the whole run unless options.smooth is off.
+/// One fix at every distinct arrival time; smoothed over the whole run unless options.smooth is off. A drive with a motion
+/// prior instead of odometry is always smoothed.
 [[nodiscard]] std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, const TrackerOptions& options = {});
 
 }  // namespace octant

@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// Parameters that a site switches on: the drift of a clock, the array as one piece, a motion prior.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "models/linearise.h"
+#include "models/localizers/epoch_fix.h"
+#include "models/localizers/tracker.h"
+#include "tests/calib/calib_support.h"
+
+namespace octant::test {
+namespace {
+
+double sigma_of(const calib::Solution& solution, const std::string& name) {
+  for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i)
+    if (solution.covariance.parameters[i] == name) return std::sqrt(solution.covariance.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
+  ADD_FAILURE() << "no parameter " << name;
+  return NAN;
+}
+
+Scenario drifting_hall() {
+  Scenario s = hall_scenario();
+  s.path.epochs = 60;
+  // With one firing of each beacon a cycle a drift looks like a delay of each beacon; the second firing tells them apart.
+  s.path.rounds = 2;
+  s.site.timing.clock = Clock::kCycleOffset;
+  s.site.timing.delay_per = {};
+  s.site.timing.drift_sigma = 100e-6;
+  s.true_delay_s.reset();
+  return s;
+}
+
+// 100 ppm over a cycle of 0.8 s are 27 mm: seen in every epoch, and the beacons are wrong where it is not taken out.
+TEST(ClockDrift, IsCalibratedWithinItsSigma) {
+  double squares = 0.0;
+  const int seeds = 5;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    const World world = must(simulate(drifting_hall(), seed));
+    const calib::Solution solution = solution_of(world);
+    ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+    const double sigma = sigma_of(solution, "vehicle/robot/clock_drift");
+    EXPECT_LT(sigma, 5e-6);
+    squares += std::pow((solution.state.clock_drift.at(0) - world.truth.vehicles[0].clock_drift) / sigma, 2);
+    EXPECT_LT(worst_beacon_m(world, solution), 0.03) << seed;
+    EXPECT_GT(solution.statistics.chi2_p, 1e-4);
+  }
+  EXPECT_LT(squares, 20.5);  // chi-square of five degrees of freedom, 99.9 %
+}
+
+TEST(ClockDrift, LeftOutItShowsInTheVarianceFactor) {
+  const World world = must(simulate(drifting_hall(), 1));
+  ASSERT_GT(std::abs(world.truth.vehicles[0].clock_drift), 30e-6);
+  calib::Problem problem = problem_of(world);
+  problem.site.timing.drift_sigma = 0.0;
+  EXPECT_GT(calib::solve(problem, {}).statistics.variance_factor, 1.3);
+}
+
+TEST(ClockDrift, TheLocalizerTakesItOut) {
+  World world = must(simulate(drifting_hall(), 1));
+  const auto rmse_m = [&](const Deployment& deployment) {
+    double squares = 0.0;
+    int count = 0;
+    for (const Fix& fix : LeastSquaresLocalizer(deployment).locate(world.heldout)) {
+      if (!fix.ok()) continue;
+      Pose truth;
+      if (!interpolate_poses(world.heldout.truth, fix.time_s, 1.0, truth)) continue;
+      squares += (fix.T_map_vehicle.translation_m - truth.translation_m).squaredNorm();
+      ++count;
+    }
+    return std::sqrt(squares / std::max(count, 1));
+  };
+  const double with_m = rmse_m(world.truth);
+  world.truth.vehicles[0].clock_drift = 0.0;
+  EXPECT_LT(with_m, 0.006);  // its bound is 4 mm
+  EXPECT_GT(rmse_m(world.truth), 1.3 * with_m);
+}
+
+Scenario turned_array() {
+  Scenario s = hall_scenario();
+  s.path.epochs = 60;
+  for (SiteReceiver& r : s.site.receivers) r.sigma_m.setZero();
+  s.site.vehicles[0].array = ArrayShape{0.003, 0.05};
+  return s;
+}
+
+// The turn of the array against the vehicle needs something that knows the vehicle's heading: measured poses.
+TEST(ArrayShape, RadiusAndTurnAreCalibratedWithinTheirSigmas) {
+  double squares = 0.0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Scenario s = turned_array();
+    s.log_poses = true;
+    s.pose_accuracy = {.position_sigma_m = 0.005, .heading_sigma_rad = 0.01};
+    const World world = must(simulate(s, seed));
+    const calib::Solution solution = solution_of(world);
+    ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+    const Eigen::Vector3d o = solution.state.receiver_p_vehicle_m[0], o_true = world.truth.receivers[0].position_m;
+    const double radius_sigma_m = sigma_of(solution, "array/robot/radius_m"), turn_sigma_rad = sigma_of(solution, "array/robot/turn_rad");
+    EXPECT_LT(radius_sigma_m, 0.001);
+    EXPECT_LT(turn_sigma_rad, 0.005);
+    squares += std::pow((o.head<2>().norm() - o_true.head<2>().norm()) / radius_sigma_m, 2);
+    squares += std::pow(wrap_angle(std::atan2(o.y(), o.x()) - std::atan2(o_true.y(), o_true.x())) / turn_sigma_rad, 2);
+    // The deployment states them by receiver: across the radius by the turn, along it by the radius.
+    const Deployment d = calib::make_deployment(problem_of(world), solution, {});
+    EXPECT_NEAR(d.receivers[0].sigma_m.x(), radius_sigma_m, 0.05 * radius_sigma_m);
+    EXPECT_NEAR(d.receivers[0].sigma_m.y(), o.head<2>().norm() * turn_sigma_rad, 0.05 * o.head<2>().norm() * turn_sigma_rad);
+  }
+  EXPECT_LT(squares, 22.5);  // chi-square of six degrees of freedom, 99.9 %
+}
+
+TEST(ArrayShape, TwoUnknownsStandForAll) {
+  const World world = must(simulate(turned_array(), 1));
+  const calib::Solution solution = solution_of(world);
+  int shape = 0, single = 0;
+  for (const std::string& name : solution.covariance.parameters) {
+    shape += name.rfind("array/", 0) == 0;
+    single += name.rfind("receiver/", 0) == 0;
+  }
+  EXPECT_EQ(shape, 2);
+  EXPECT_EQ(single, 0);
+}
+
+Scenario driven_hall() {
+  Scenario s = drive_scenario(90.0);
+  s.site.vehicles[0].motion = MotionPrior{0.8, 0.8, 0.8, 1.5};
+  return s;
+}
+
+World without_odometry(std::uint64_t seed) {
+  World world = must(simulate(driven_hall(), seed));
+  world.run.odometry.clear();
+  world.heldout.odometry.clear();
+  return world;
+}
+
+TEST(MotionPrior, CarriesADriveWithoutOdometry) {
+  const World world = without_odometry(1);
+  const calib::Problem problem = problem_of(world);
+  ASSERT_TRUE(problem.trajectories.at(0).motion_prior.has_value());
+  const calib::Solution solution = calib::solve(problem, {});
+  ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+  EXPECT_LT(worst_beacon_m(world, solution), 0.05);
+  const BeaconErrors errors = beacon_errors(world, solution);
+  EXPECT_LT(errors.nees(), 2.0 * static_cast<double>(errors.error.size()));
+}
+
+TEST(MotionPrior, TracksWithHonestSigmas) {
+  const World world = without_odometry(2);
+  double squares_m2 = 0.0, nees = 0.0;
+  int count = 0;
+  for (const Fix& fix : track(world.heldout, world.truth)) {
+    if (!fix.ok()) continue;
+    Pose truth;
+    if (!interpolate_poses(world.heldout.truth, fix.time_s, 1.0, truth)) continue;
+    const Eigen::Vector2d off = (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>();
+    squares_m2 += off.squaredNorm();
+    nees += off.dot(Eigen::Matrix2d(fix.covariance.topLeftCorner<2, 2>()).ldlt().solve(off)) / 2;
+    ++count;
+  }
+  ASSERT_GT(count, 300);
+  EXPECT_LT(std::sqrt(squares_m2 / count), 0.01);
+  EXPECT_LT(nees / count, 1.5);
+  EXPECT_GT(nees / count, 0.3);  // a prior is no model of this vehicle: on straights it is too wide
+}
+
+// Rows of the prior against finite differences.
+TEST(MotionPrior, DerivativesMatchNumericOnes) {
+  const World world = without_odometry(3);
+  calib::Problem problem = problem_of(world);
+  Trajectory& t = problem.trajectories.at(0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    t.nodes[k].T_map_vehicle = Pose::planar(1.0 + 0.1 * static_cast<double>(k), 2.0, 0.3 - 0.2 * static_cast<double>(k));
+    t.nodes[k].velocity = {0.4, -0.2, 0.7 * static_cast<double>(k)};
+  }
+  for (std::size_t index = 0; index < 3; ++index) {
+    ObservationRow rows[6];
+    const int count = motion_rows(t, index, rows);
+    ASSERT_EQ(count, index == 0 ? 4 : 6);
+    for (int column = 0; column < 6; ++column)
+      for (const bool next : {false, true}) {
+        if (next && t.motion_steps[index].step_s == 0) continue;
+        const double step = 1e-6;
+        Trajectory moved = t;
+        Node& node = moved.nodes[t.motion_steps[index].node + (next ? 1 : 0)];
+        if (column < 3) node.T_map_vehicle = retract(node.T_map_vehicle, step * Eigen::Vector3d::Unit(column), Motion::kPlanar);
+        else node.velocity[column - 3] += step;
+        ObservationRow there[6];
+        motion_rows(moved, index, there);
+        for (int i = 0; i < count; ++i) {
+          if (index == 0 && i == 0) continue;  // the open heading has no residual
+          const double analytic = next ? rows[i].by_next[column] : rows[i].by_node[column];
+          EXPECT_NEAR((there[i].residual - rows[i].residual) / step, analytic, 1e-5 * (1 + std::abs(analytic))) << index << " " << i << " " << column;
+        }
+      }
+  }
+}
+
+}  // namespace
+}  // namespace octant::test
