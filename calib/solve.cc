@@ -11,6 +11,7 @@
 #include "calib/adjust.h"
 #include "calib/calibrate.h"
 #include "calib/datum.h"
+#include "calib/flips.h"
 #include "calib/label_check.h"
 #include "calib/observability.h"
 #include "calib/reject.h"
@@ -124,6 +125,7 @@ class Calibrator {
     layout_ = make_layout(problem_, start_.state, held);
     x_ = layout_.vector_of(start_.state);
     readmit_all(trajectories_, usable_);
+    start_headings_rad_ = epoch_headings_rad(trajectories_);
     for (const Trajectory& t : trajectories_)
       for (const Segment& s : t.segments) placed_any_ = placed_any_ || t.nodes[s.first_node].placed;
     solution_.warnings = problem_.warnings;
@@ -291,6 +293,7 @@ class Calibrator {
     solution_.reliability = reliability_of(problem_, layout_, trajectories_, solution_.state, solution_.covariance, solution_.beacon_status, noise_factor_);
     collect_left_out();
     noise_warning();
+    for (std::string& warning : report_flips(problem_, trajectories_, start_headings_rad_)) solution_.warnings.push_back(std::move(warning));
     for (std::string& warning : suspect_control_points(problem_, solution_.state, trajectories_)) solution_.warnings.push_back(std::move(warning));
     finish();
   }
@@ -340,6 +343,7 @@ class Calibrator {
   Clock::time_point began_;
   Start start_;
   std::vector<Trajectory> trajectories_;
+  std::vector<std::vector<double>> start_headings_rad_;
   std::vector<bool> usable_;
   ParameterLayout layout_;
   Eigen::VectorXd x_;

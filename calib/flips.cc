@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/flips.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace octant::calib {
+namespace {
+
+constexpr std::size_t kNamed = 8;   ///< epochs named before "and so many more"
+
+bool has_stops(const Trajectory& t) { return !t.moving && t.motion == Motion::kPlanar; }
+
+std::string epochs_text(const std::vector<std::int64_t>& epochs) {
+  const std::size_t shown = std::min(kNamed, epochs.size());
+  std::string text = fmt::format("{}", fmt::join(epochs.begin(), epochs.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
+  if (shown < epochs.size()) text += fmt::format(" and {} more", epochs.size() - shown);
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> epoch_headings_rad(const std::vector<Trajectory>& trajectories) {
+  std::vector<std::vector<double>> headings(trajectories.size());
+  for (std::size_t i = 0; i < trajectories.size(); ++i)
+    if (has_stops(trajectories[i]))
+      for (const Node& node : trajectories[i].nodes) headings[i].push_back(node.placed ? node.T_map_vehicle.heading_rad() : NAN);
+  return headings;
+}
+
+std::vector<std::string> report_flips(const Problem& problem, const std::vector<Trajectory>& trajectories, const std::vector<std::vector<double>>& before) {
+  std::vector<std::string> told;
+  for (std::size_t i = 0; i < trajectories.size(); ++i) {
+    if (!has_stops(trajectories[i]) || before[i].size() != trajectories[i].nodes.size()) continue;
+    std::vector<std::int64_t> flipped;
+    for (std::size_t k = 0; k < before[i].size(); ++k)
+      if (const Node& node = trajectories[i].nodes[k]; node.placed && std::cos(node.T_map_vehicle.heading_rad() - before[i][k]) < 0)
+        flipped.push_back(node.epoch);
+    if (!flipped.empty())
+      told.push_back(fmt::format("{}: {} epochs faced the wrong way at the start and were turned: {}", problem.runs[trajectories[i].run].path,
+                                 flipped.size(), epochs_text(flipped)));
+  }
+  return told;
+}
+
+}  // namespace octant::calib

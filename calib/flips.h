@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calib/problem.h"
+#include "models/trajectory.h"
+
+namespace octant::calib {
+
+/// Headings of the epochs of planar stops, to be compared with later ones; NaN where an epoch has no pose.
+[[nodiscard]] std::vector<std::vector<double>> epoch_headings_rad(const std::vector<Trajectory>& trajectories);
+
+/// Heading flips in words, for the user to look at: epochs that began facing the wrong way, by more than 90 degrees against
+/// what they were adjusted to, and were turned.
+/// @param before  from epoch_headings_rad, of the start
+[[nodiscard]] std::vector<std::string> report_flips(const Problem& problem, const std::vector<Trajectory>& trajectories,
+                                                    const std::vector<std::vector<double>>& before);
+
+}  // namespace octant::calib
