@@ -4,19 +4,22 @@
 # Installs what is missing (apt, as root or through sudo), builds and runs all tests.
 #   sh tests/run.sh                  the release build
 #   sh tests/run.sh --asan           with the address and undefined-behaviour sanitizers
+#   sh tests/run.sh --slow           the slow set: thirty worlds of each kind (where ../shared/check exists)
 #   sh tests/run.sh [--asan] -R io/  further words go to ctest
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/apps/install_deps.sh"
 preset=release
-if [ "${1:-}" = --asan ]; then
-  preset=asan
-  shift
-fi
+slow=
+case ${1:-} in
+  --asan) preset=asan && shift ;;
+  --slow) slow="-C Slow -L slow" && shift ;;
+esac
 # shellcheck disable=SC2086
 octant_install $OCTANT_BUILD_PACKAGES $OCTANT_TEST_PACKAGES
 cd "$root"
 # Warnings are errors where a machine looks, not where a newer compiler meets a user.
 cmake --preset "$preset" -DOCTANT_BUILD_TESTS=ON ${CI:+-DOCTANT_WERROR=ON}
 cmake --build --preset "$preset" -j "$(nproc)"
-ctest --preset "$preset" -j "$(nproc)" "$@"
+# shellcheck disable=SC2086
+ctest --preset "$preset" -j "$(nproc)" $slow "$@"
