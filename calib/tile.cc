@@ -56,16 +56,24 @@ Tile::Tile(Trajectory* trajectory, std::size_t first_segment, std::size_t last_s
       columns_.push_back(c);
     }
   }
+  std::vector<std::size_t> stops;
+  const bool known = StopBlock::knows(*trajectory, *layout);
+  for (std::size_t s = first_segment; s < last_segment; ++s)
+    (known && StopBlock::takes(*trajectory, trajectory->segments[s]) ? stops : general_).push_back(s);
+  if (!stops.empty()) stops_ = std::make_unique<StopBlock>(trajectory, stops, layout);
   commit();
 }
 
 void Tile::commit() {
+  if (stops_) stops_->commit();
+  if (general_.empty()) return;
   const auto begin = trajectory_->nodes.begin();
   committed_.assign(begin + static_cast<std::ptrdiff_t>(trajectory_->segments[first_segment_].first_node),
                     begin + static_cast<std::ptrdiff_t>(trajectory_->segments[last_segment_ - 1].last_node));
 }
 
 void Tile::restore() {
+  if (general_.empty()) return;  // the stops begin from their own
   std::copy(committed_.begin(), committed_.end(),
             trajectory_->nodes.begin() + static_cast<std::ptrdiff_t>(trajectory_->segments[first_segment_].first_node));
 }
@@ -78,7 +86,8 @@ double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedS
     system->H.setZero(n, n);
     system->gradient.setZero(n);
   }
-  for (std::size_t s = first_segment_; s < last_segment_; ++s) {
+  if (stops_) cost += stops_->evaluate(state, loss, local_of_, system);
+  for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
     if (!trajectory_->nodes[segment.first_node].placed) continue;  // a segment that no start could place says nothing
     cost += settle(*trajectory_, segment, state, loss).cost;

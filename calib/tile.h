@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "calib/parameters.h"
+#include "calib/stop_block.h"
 #include "models/trajectory.h"
 
 namespace octant::calib {
@@ -48,7 +49,9 @@ class Tile {
   const ParameterLayout* layout_;
   std::vector<int> columns_, blocks_;
   std::vector<int> local_of_;        ///< global column -> local, -1
-  std::vector<Node> committed_;
+  std::vector<std::size_t> general_;  ///< segments that the vector kernel does not take
+  std::unique_ptr<StopBlock> stops_;  ///< all others
+  std::vector<Node> committed_;       ///< nodes of all segments, kept where any is general
 };
 
 /// Tiles of all trajectories; their number does not depend on the number of threads, so neither does any sum.

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "calib/parameters.h"
+#include "calib/stop_kernel.h"
+#include "models/trajectory.h"
+
+namespace octant::calib {
+
+struct ReducedSystem;
+
+/// The stops of a tile turned sideways for the vector kernel: stationary planar epochs of arrivals alone, which is what most
+/// of a long log is. Cost, gradient and Gauss-Newton matrix are those that the general path of the tile gives.
+class StopBlock {
+ public:
+  /// Whether the kernel knows the measurement equation of a trajectory: planar, one way, no time-walk, no bias of a pair, no
+  /// drift, no motion prior.
+  [[nodiscard]] static bool knows(const Trajectory& trajectory, const ParameterLayout& layout);
+  /// Whether it takes a segment: one placed node, arrivals of one sigma, nothing else.
+  [[nodiscard]] static bool takes(const Trajectory& trajectory, const Segment& segment);
+
+  /// @param trajectory  not owned; the nodes of the segments are written
+  StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout);
+
+  /// Settles the epochs from where they were committed and returns their cost; with `system`, adds their reduced system to
+  /// the lower triangle, `local_of` telling where each column of the layout stands in it (-1: nowhere).
+  double evaluate(const SharedState& state, const RobustLoss& loss, const std::vector<int>& local_of, ReducedSystem* system);
+  void commit() { committed_ = states_; }
+
+ private:
+  struct Epoch {
+    std::size_t segment = 0, node = 0;
+  };
+  /// Epochs [first, last) hear the same beacons.
+  struct Group {
+    std::size_t first = 0, last = 0;
+    std::vector<std::int32_t> beacons;
+  };
+  struct Target {
+    int column;  ///< of the tile's system
+    double factor;
+  };
+
+  void order(const std::vector<std::size_t>& segments);
+  void pack();
+  [[nodiscard]] StopTables tables_at(const SharedState& state, const RobustLoss& loss);
+  [[nodiscard]] StopLanes lanes_of(std::size_t pack) const;
+  double settle_all(const StopTables& tables, const SharedState& state, const RobustLoss& loss);
+  void write_back(std::size_t pack);
+  void add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& local_of, ReducedSystem& system);
+
+  Trajectory* trajectory_;
+  const ParameterLayout* layout_;
+  std::size_t first_receiver_ = 0, receivers_ = 0;  ///< of the vehicle
+  double sigma_s_ = 1.0;
+  bool own_speeds_ = false;                         ///< arrivals carry different speeds of the medium
+  std::vector<Epoch> epochs_;                       ///< in the order of packing
+  std::vector<Group> groups_;
+  std::vector<std::size_t> pack_first_;             ///< first slot of each eight epochs
+  std::vector<double> tof_s_, model_speed_mps_;
+  std::vector<std::int32_t> beacon_, receiver_;
+  std::vector<std::uint8_t> local_beacon_, local_receiver_;
+  std::vector<StopStates> states_, committed_;
+  std::vector<double> beacon_table_, receiver_table_;
+};
+
+}  // namespace octant::calib

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// The vector kernel against the general path of the tile: same cost, gradient, matrix and states.
+#include "calib/stop_block.h"
+
+#include <gtest/gtest.h>
+
+#include "calib/tile.h"
+#include "models/random.h"
+#include "tests/calib/calib_support.h"
+
+namespace octant::test {
+namespace {
+
+/// A measured pose that says nothing, so that the kernel leaves the epoch to the general path.
+void make_general(Trajectory& t) {
+  for (std::size_t s = 0; s < t.segments.size(); ++s) {
+    t.poses.push_back({t.segments[s].first_node, 0.0, Pose(), INFINITY, INFINITY, INFINITY});
+    t.segments[s].first_pose = s;
+    t.segments[s].last_pose = s + 1;
+  }
+}
+
+struct Sides {
+  calib::Problem problem;
+  calib::ParameterLayout layout;
+  SharedState state;
+  std::vector<Trajectory> fast, general;
+};
+
+Sides sides_of(const Scenario& scenario, double rough_m) {
+  const World world = must(simulate(scenario, 7));
+  Sides out{problem_of(world), {}, shared_state(world.truth), {}, {}};
+  out.state.speed_offset_mps[0] += 0.05;
+  for (Eigen::Vector3d& p : out.state.beacon_p_map_m) p += Eigen::Vector3d(0.01, -0.02, 0.015);
+  out.layout = calib::make_layout(out.problem, out.state, std::vector<bool>(world.site.beacons.size(), false));
+  out.fast = out.problem.trajectories;
+  Random draws(3);
+  for (Trajectory& t : out.fast)
+    for (Node& node : t.nodes) {
+      EXPECT_TRUE(interpolate_poses(world.run.truth, node.time_s, 1.0, node.T_map_vehicle));
+      node.T_map_vehicle = retract(node.T_map_vehicle, rough_m * draws.normal3(), Motion::kPlanar);
+      node.cycle_offset_s = t.has_cycle_offset ? t.arrivals[0].tof_s - 0.02 : 0.0;
+      node.placed = true;
+    }
+  out.fast[0].arrivals[5].rejection = Rejection::kLate;
+  out.general = out.fast;
+  for (Trajectory& t : out.general) make_general(t);
+  return out;
+}
+
+void expect_same(const Scenario& scenario, const RobustLoss& loss) {
+  Sides s = sides_of(scenario, 0.05);
+  ASSERT_TRUE(calib::StopBlock::knows(s.fast[0], s.layout));
+  ASSERT_TRUE(calib::StopBlock::takes(s.fast[0], s.fast[0].segments[0]));
+  ASSERT_FALSE(calib::StopBlock::takes(s.general[0], s.general[0].segments[0]));
+  calib::Tile fast(s.fast.data(), 0, s.fast[0].segments.size(), &s.layout), general(s.general.data(), 0, s.general[0].segments.size(), &s.layout);
+  calib::ReducedSystem a, b;
+  // Under a redescending loss states come to rest slowly, beyond the steps of one evaluation.
+  for (calib::Tile* tile : {&fast, &general})
+    for (int again = 0; again < 4; ++again) {
+      tile->evaluate(s.state, loss, nullptr);
+      tile->commit();
+    }
+  const double cost = fast.evaluate(s.state, loss, &a), expected = general.evaluate(s.state, loss, &b);
+  // Both stop where a step would gain a part in 1e13 of the cost.
+  EXPECT_NEAR(cost, expected, 1e-10 * expected);
+  EXPECT_NEAR(a.cost, cost, 1e-12 * cost);
+  ASSERT_EQ(a.H.rows(), b.H.rows());
+  // What is left of a direction that the states absorb (the turn of an array) is rounding of what was there before.
+  const double rounding = 1e-13 * b.H.diagonal().maxCoeff();
+  for (Eigen::Index i = 0; i < a.H.rows(); ++i) {
+    // A state off by what is left to gain moves the gradient by about the root of that.
+    EXPECT_NEAR(a.gradient[i], b.gradient[i], 1e-4 * std::sqrt(b.H(i, i) * expected) + rounding) << i;
+    for (Eigen::Index j = 0; j < a.H.cols(); ++j)
+      EXPECT_NEAR(a.H(i, j), b.H(i, j), 1e-6 * std::sqrt(b.H(i, i) * b.H(j, j)) + rounding) << s.layout.parameters[static_cast<std::size_t>(i)].name << " " << s.layout.parameters[static_cast<std::size_t>(j)].name;
+  }
+  for (std::size_t k = 0; k < s.fast[0].nodes.size(); ++k) {
+    const Pose &p = s.fast[0].nodes[k].T_map_vehicle, &q = s.general[0].nodes[k].T_map_vehicle;
+    EXPECT_LT((p.translation_m - q.translation_m).norm(), 1e-6) << k;
+    EXPECT_LT(std::abs(wrap_angle(p.heading_rad() - q.heading_rad())), 1e-5) << k;
+  }
+}
+
+Scenario small_hall(int epochs = 37) {  // no multiple of the lanes
+  Scenario s = hall_scenario();
+  s.path.epochs = epochs;
+  s.site.timing.delay_per = {.beacon = true, .receiver = true, .site = true};
+  return s;
+}
+
+TEST(StopBlock, GivesWhatTheGeneralPathGives) {
+  expect_same(small_hall(), {});
+  expect_same(small_hall(), {2.385, 2.385});
+  expect_same(small_hall(), {10.0, 15.0});
+}
+
+TEST(StopBlock, CycleOffset) {
+  Scenario s = small_hall();
+  s.site.timing.clock = Clock::kCycleOffset;
+  s.site.timing.delay_per = {};
+  s.true_delay_s.reset();
+  expect_same(s, {});
+  expect_same(s, {2.385, 2.385});
+}
+
+TEST(StopBlock, ArrayAsOnePieceAndTemperatures) {
+  Scenario s = small_hall();
+  for (SiteReceiver& r : s.site.receivers) r.sigma_m.setZero();
+  s.site.vehicles[0].array = ArrayShape{0.002, 0.02};
+  s.warming_degC = 5.0;
+  expect_same(s, {});
+}
+
+TEST(StopBlock, EpochsOutOfReachAreLeftToTheGeneralPath) {
+  Sides s = sides_of(small_hall(16), 0.0);
+  s.fast[0].nodes[3].T_map_vehicle.translation_m += Eigen::Vector3d(30.0, -20.0, 0.0);  // far outside the hall
+  s.general[0].nodes[3].T_map_vehicle = s.fast[0].nodes[3].T_map_vehicle;
+  calib::Tile fast(s.fast.data(), 0, 16, &s.layout), general(s.general.data(), 0, 16, &s.layout);
+  const double cost = fast.evaluate(s.state, {2.385, 2.385}, nullptr), expected = general.evaluate(s.state, {2.385, 2.385}, nullptr);
+  EXPECT_NEAR(cost, expected, 1e-6 * expected);
+}
+
+TEST(StopBlock, WhatItDoesNotKnowIsLeftAlone) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 3;
+  add_attenuation(s);
+  Sides sides = sides_of(s, 0.0);
+  EXPECT_FALSE(calib::StopBlock::knows(sides.fast[0], sides.layout));
+}
+
+}  // namespace
+}  // namespace octant::test
