@@ -8,6 +8,8 @@
 #include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 
+#include "calib/parallel.h"
+
 namespace octant::calib {
 namespace {
 
@@ -246,7 +248,7 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
   result.cost = summary.final_cost;
   result.message = summary.message;
   const SharedState state = layout.state_of(x);
-  for (Tile& tile : tiles) tile.evaluate(state, options.loss, nullptr);
+  for_each_parallel(tiles.size(), options.threads, [&](std::size_t i) { tiles[i].evaluate(state, options.loss, nullptr); });
   return result;
 }
 

@@ -13,6 +13,7 @@
 #include "calib/datum.h"
 #include "calib/flips.h"
 #include "calib/label_check.h"
+#include "calib/long_log.h"
 #include "calib/observability.h"
 #include "calib/reject.h"
 #include "calib/reliability.h"
@@ -58,13 +59,7 @@ class Calibrator {
   Calibrator(const Problem& problem, const SolveOptions& options) : problem_(problem), options_(options), began_(Clock::now()) {}
 
   Solution run() {
-    if (!report("initial values", 0.02)) return interrupted();
-    if (const auto missing = missing_scale(problem_)) return refuse(*missing);
-    start_ = initial_values(problem_);
-    take_start();
-    if (!placed_any_) return unplaced();
-    if (!graduated()) return interrupted();
-    if (!mend_labels()) return interrupted();
+    if (!approach_by_part() && !approach()) return std::move(solution_);
     if (!settle_noise()) return interrupted();
     conclude();
     return std::move(solution_);
@@ -72,6 +67,48 @@ class Calibrator {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  /// From nothing to shared parameters and states that the largest consensus of arrivals agrees on; false: solution_ says why not.
+  bool approach() {
+    if (!report("initial values", 0.02)) return stop(interrupted());
+    if (const auto missing = missing_scale(problem_)) return stop(refuse(*missing));
+    start_ = initial_values(problem_);
+    take_start();
+    if (!placed_any_) return stop(unplaced());
+    if (!graduated() || !mend_labels() || !search_and_adjust()) return stop(interrupted());
+    return true;
+  }
+
+  /// The same for a long log by way of an evenly spread part of it: the shared parameters then are good to a fraction of the
+  /// noise, and each state follows from them alone.
+  bool approach_by_part() {
+    if (!is_long(problem_)) return false;
+    const Result<Problem> part = part_of(problem_);
+    if (!part) return false;
+    Calibrator of_part(*part, options_);
+    if (!of_part.approach()) return false;
+    if (!report("states of the whole log", 0.68)) return false;
+    start_.beacon_mirrored = of_part.start_.beacon_mirrored;
+    usable_ = of_part.usable_;
+    layout_ = of_part.layout_;
+    x_ = of_part.x_;
+    last_ = of_part.last_;
+    solution_.warnings = problem_.warnings;
+    solution_.warnings.insert(solution_.warnings.end(), of_part.solution_.warnings.begin() + static_cast<std::ptrdiff_t>(part->warnings.size()),
+                              of_part.solution_.warnings.end());
+    solution_.iterations = of_part.solution_.iterations;
+    trajectories_ = problem_.trajectories;
+    const SharedState state = layout_.state_of(x_);
+    const double noise = std::max(1.0, agreeing_sigma(of_part.trajectories_, of_part.layout_.state_of(of_part.x_)));
+    place_all_stops(problem_, layout_, state, usable_, options_.rejection_sigmas * noise, options_.threads, trajectories_);
+    start_headings_rad_ = epoch_headings_rad(trajectories_);
+    return true;
+  }
+
+  bool stop(Solution why) {
+    solution_ = std::move(why);
+    return false;
+  }
 
   bool report(const std::string& stage, double fraction) {
     stage_ = stage;
@@ -241,7 +278,6 @@ class Calibrator {
 
   /// Plain squares on the arrivals that agree; the noise as found where the stated one is off.
   bool settle_noise() {
-    if (!search_and_adjust()) return false;
     double factor = agreeing_sigma(trajectories_, layout_.state_of(x_));
     const bool far_off = factor < 0.5 || factor > 1.5;  // small departures wait for the chi-square test
     if (far_off) scale_noise(factor);
