@@ -99,7 +99,7 @@ class PriorCost : public ceres::CostFunction {
   }
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     for (int i = 0; i < block_.size; ++i) {
-      const Parameter& p = layout_->parameters[static_cast<std::size_t>(block_.first + i)];
+      const Parameter& p = layout_->parameters[static_cast<std::size_t>(block_.first) + static_cast<std::size_t>(i)];
       const double weight = std::isfinite(p.prior_sigma) ? 1.0 / p.prior_sigma : 0.0;
       residuals[i] = weight * (parameters[0][i] - p.prior_mean);
       if (jacobians != nullptr && jacobians[0] != nullptr)
@@ -215,13 +215,14 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
   for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
     ceres_problem.AddParameterBlock(address(static_cast<int>(k)), layout.blocks[k].size);
     for (int i = 0; i < layout.blocks[k].size; ++i) {
-      const double lower = layout.parameters[static_cast<std::size_t>(layout.blocks[k].first + i)].lower;
+      const double lower = layout.parameters[static_cast<std::size_t>(layout.blocks[k].first) + static_cast<std::size_t>(i)].lower;
       if (std::isfinite(lower)) ceres_problem.SetParameterLowerBound(address(static_cast<int>(k)), i, lower);
     }
     ceres_problem.AddResidualBlock(new PriorCost(&layout, layout.blocks[k]), nullptr, address(static_cast<int>(k)));
   }
   const auto add = [&](ceres::CostFunction* cost, const std::vector<int>& blocks) {
     std::vector<double*> addresses;
+    addresses.reserve(blocks.size());
     for (const int b : blocks) addresses.push_back(address(b));
     ceres_problem.AddResidualBlock(cost, nullptr, addresses);
   };

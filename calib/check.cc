@@ -115,7 +115,7 @@ void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& f
   std::erase_if(whole_solution.warnings, [](const std::string& w) { return w.find(" is undetermined: ") != std::string::npos; });
   std::vector<Trajectory> weighed = solution.trajectories;
   weigh_as_whole(weighed, whole, few);
-  judge(thinned, layout, x, usable, mirrored, strict, weighed, whole_solution);
+  static_cast<void>(judge(thinned, layout, x, usable, mirrored, strict, weighed, whole_solution));
   whole_solution.trajectories = std::move(solution.trajectories);
   solution = std::move(whole_solution);
 }
@@ -168,7 +168,7 @@ Forecast forecast(const Problem& whole, const SolveOptions& options, const ThinO
     few.push_back(thin(run, whole.site.beacons.size(), share_of(thin_options, run.arrivals.size() + run.bearings.size(), rows)));
   auto thinned = make_problem(whole.site, std::move(few));
   // The whole had observations and kept its unit; what is left of it may still have lost its states by bad luck.
-  f.thinned = thinned ? std::move(*thinned) : whole;
+  f.thinned = thinned ? *thinned : whole;
   f.thinned.warnings = whole.warnings;
   const Counts all = count(whole.trajectories, whole.site.beacons.size()), used = count(f.thinned.trajectories, whole.site.beacons.size());
   for (const double n : all.arrivals) f.arrivals += static_cast<std::size_t>(n);

@@ -75,7 +75,7 @@ ColdStart start_from_array(const Problem& problem, SharedState& state, std::vect
       best_segment = &segment;
     }
   }
-  if (best.size() < 2) return result;
+  if (best.size() < 2 || best_segment == nullptr) return result;
   double receiver_z_m = 0.0;
   for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m) receiver_z_m += o.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
   for (const Sight& sight : best) {

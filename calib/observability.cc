@@ -43,12 +43,14 @@ double sigma_of(const Eigen::MatrixXd& C, int column) { return column < 0 ? 0.0 
 
 class Judge {
  public:
-  Judge(const Problem& problem, const ParameterLayout& layout, const Eigen::MatrixXd& C, Solution& solution)
-      : problem_(problem), site_(problem.site), layout_(layout), C_(C), solution_(solution), limit_m_(tolerance_m(problem)) {}
+  Judge(const Problem& problem, const ParameterLayout& layout, const Eigen::MatrixXd& C, const std::vector<Trajectory>& trajectories,
+        Solution& solution)
+      : problem_(problem), site_(problem.site), layout_(layout), C_(C), trajectories_(trajectories), solution_(solution),
+        limit_m_(tolerance_m(problem)) {}
 
   void beacons(const std::vector<bool>& usable, const std::vector<bool>& mirrored) {
     std::vector<std::size_t> heard(site_.beacons.size(), 0);
-    for (const Trajectory& t : solution_.trajectories.empty() ? problem_.trajectories : solution_.trajectories) {
+    for (const Trajectory& t : trajectories_) {
       for (const ArrivalObservation& a : t.arrivals) ++heard[a.beacon.index()];
       for (const BearingObservation& b : t.bearings)
         if (b.reflector.valid()) ++heard[b.reflector.index()];
@@ -141,6 +143,7 @@ class Judge {
   const Site& site_;
   const ParameterLayout& layout_;
   const Eigen::MatrixXd& C_;
+  const std::vector<Trajectory>& trajectories_;
   Solution& solution_;
   double limit_m_;
   std::size_t asked_ = 0;
@@ -217,7 +220,7 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information, const Eigen::M
   return 0.5 * (C + C.transpose());
 }
 
-void judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
+Eigen::MatrixXd judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
            const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution) {
   const Information information = information_at(problem, layout, trajectories, x);
   const Eigen::MatrixXd N = information.data + information.prior;
@@ -230,7 +233,7 @@ void judge(const Problem& problem, const ParameterLayout& layout, const Eigen::V
     solution.covariance.parameters.push_back(layout.parameters[static_cast<std::size_t>(i)].name);
   }
   solution.covariance.matrix = si.asDiagonal() * C * si.asDiagonal();
-  Judge judge(problem, layout, C, solution);
+  Judge judge(problem, layout, C, trajectories, solution);
   judge.beacons(beacon_usable, beacon_mirrored);
   judge.common_parameters();
   std::vector<bool> known(beacon_usable.size());
@@ -239,6 +242,7 @@ void judge(const Problem& problem, const ParameterLayout& layout, const Eigen::V
                                           {.limit_m = tolerance_m(problem), .typical_range_m = typical_range_m(problem)}))
     solution.weak.push_back(std::move(w));
   judge.verdict(strict);
+  return information.data;
 }
 
 }  // namespace octant::calib

@@ -21,11 +21,11 @@ namespace octant::calib {
 /// `datum` (inner constraints: F'x = 0) none.
 [[nodiscard]] Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum);
 
-/// Covariance, status of the beacons, weak directions, verdict: fills the solution.
+/// Covariance, status of the beacons, weak directions, verdict: fills the solution. Returns the information of the data alone.
 /// A beacon is undetermined when it was not found or the sigma of its worst direction is beyond the site's tolerance. The data
 /// refuse (SolveStatus::kUndetermined) when half or more of the beacons asked for are, or when speed, a common delay or a
 /// receiver array are not known to that tolerance.
-void judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
+[[nodiscard]] Eigen::MatrixXd judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
            const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution);
 
 /// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or the speed itself, to a

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "calib/ranges.h"
+
 namespace octant::calib {
 namespace {
 
@@ -84,6 +86,7 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs) {
                  .expected = "rows of times of flight or bearings with a vehicle state at their time",
                  .advice = "record a run while the beacons fire, or check poses.tum and odometry.csv against the times in tof.csv"});
   }
+  problem.typical_range_m = typical_range_m(site, problem.trajectories);
   problem.site = std::move(site);
   problem.runs = std::move(runs);
   return problem;

@@ -18,6 +18,7 @@ struct Problem {
   std::vector<MeasurementLog> runs;
   std::vector<Trajectory> trajectories;  ///< one for each run and vehicle that has arrivals or bearings
   std::vector<std::string> warnings;
+  double typical_range_m = 1.0;          ///< median range of the arrivals by the site's priors
 };
 
 /// Checks the recordings against the site and builds the trajectories.

@@ -37,11 +37,15 @@ std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, co
   return ranges;
 }
 
-double typical_range_m(const Problem& problem) {
-  const SharedState prior = prior_state(problem.site);
+double typical_range_m(const Site& site, const std::vector<Trajectory>& trajectories) {
+  constexpr std::size_t kEnough = 50000;
+  const SharedState prior = prior_state(site);
+  std::size_t arrivals = 0;
+  for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
+  const std::size_t every = arrivals / kEnough + 1;
   std::vector<double> ranges;
-  for (const Trajectory& t : problem.trajectories)
-    for (const ArrivalObservation& a : t.arrivals) ranges.push_back(prior_range_m(t, a, prior));
+  for (const Trajectory& t : trajectories)
+    for (std::size_t i = 0; i < t.arrivals.size(); i += every) ranges.push_back(prior_range_m(t, t.arrivals[i], prior));
   return ranges.empty() ? 1.0 : std::max(median(std::move(ranges)), 1e-3);
 }
 

@@ -18,7 +18,8 @@ namespace octant::calib {
 [[nodiscard]] std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, BeaconId beacon);
 
 /// Median of the prior ranges of all arrivals, at least a millimetre; 1 m without arrivals.
-[[nodiscard]] double typical_range_m(const Problem& problem);
+[[nodiscard]] double typical_range_m(const Site& site, const std::vector<Trajectory>& trajectories);
+[[nodiscard]] inline double typical_range_m(const Problem& problem) { return problem.typical_range_m; }
 
 /// Median; 0 for no values.
 [[nodiscard]] double median(std::vector<double> values);

@@ -18,10 +18,16 @@ constexpr double kReadmit = 0.9;
 }  // namespace
 
 double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedState& state) {
+  // Evenly spread ones of a long log tell the scale as well.
+  constexpr std::size_t kEnough = 200000;
+  std::size_t arrivals = 0;
+  for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
+  const std::size_t every = arrivals / kEnough + 1;
   std::vector<double> magnitude;
   for (const Trajectory& t : trajectories)
-    for (const ArrivalObservation& a : t.arrivals)
-      if ((a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly) && t.nodes[a.node].placed)
+    for (std::size_t i = 0; i < t.arrivals.size(); i += every)
+      if (const ArrivalObservation& a = t.arrivals[i];
+          (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly) && t.nodes[a.node].placed)
         magnitude.push_back(std::abs(arrival_residual(t, a, state)));
   if (magnitude.size() < 30) return 1.0;
   std::sort(magnitude.begin(), magnitude.end());

@@ -64,16 +64,24 @@ std::optional<double> largest_of(const std::vector<double>& values) {
 class Collector {
  public:
   Collector(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories, const SharedState& state,
-            const Eigen::MatrixXd& C, double noise_factor)
-      : problem_(problem), layout_(layout), trajectories_(trajectories), state_(state), sweep_(layout, C), variance_scale_(noise_factor * noise_factor),
-        beacons_(problem.site.beacons.size()) {}
+            const Eigen::MatrixXd& C, double noise_factor, const Eigen::MatrixXd& information, std::size_t all_epochs)
+      : problem_(problem), layout_(layout), trajectories_(trajectories), state_(state), C_(C), information_(information), sweep_(layout, C),
+        variance_scale_(noise_factor * noise_factor), beacons_(problem.site.beacons.size()) {
+    std::size_t epochs = 0;
+    for (const Trajectory& t : trajectories) {
+      if (!t.moving && t.segments.size() == t.nodes.size()) epochs += t.segments.size();
+    }
+    if (epochs > all_epochs) out_.every = (epochs + all_epochs - 1) / all_epochs;
+  }
 
   Reliability run() {
-    for (const Trajectory& t : trajectories_) sweep_.sweep(t, state_, [this](const RowLeverage& l) { observation(l); });
+    for (const Trajectory& t : trajectories_)
+      sweep_.sweep(t, state_, t.segments.size() == t.nodes.size() ? out_.every : 1, [this](const RowLeverage& l) { observation(l); });
     shared_observations();
     arrivals();
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
-      out_.redundancy_sum += kinds_[kind].redundancy;
+      const bool sampled = kind != kPrior && kind != kDistance;
+      out_.redundancy_sum += kinds_[kind].redundancy * (sampled ? share_looked_at() : 1.0);
       if (kinds_[kind].observations > 0) out_.kinds.push_back(kinds_[kind].component(kKindName[kind], kind == kTof ? variance_scale_ : 1.0));
     }
     for (std::size_t b = 0; b < beacons_.size(); ++b) beacon(b);
@@ -137,6 +145,31 @@ class Collector {
     out_.arrivals.push_back(s);
   }
 
+  /// Arrivals used over those looked at.
+  [[nodiscard]] double share_looked_at() const {
+    if (out_.every == 1 || kinds_[kTof].observations == 0) return 1.0;
+    std::size_t used = 0;
+    for (const Trajectory& t : trajectories_)
+      for (const ArrivalObservation& a : t.arrivals) used += a.rejection == Rejection::kUsed;
+    return static_cast<double>(used) / static_cast<double>(kinds_[kTof].observations);
+  }
+
+  /// A lateness acts as the beacon's delay does: with N the data's information and C the joint covariance, what remains of it
+  /// is N_dd - N_d C N_d', and it moves the parameters by C N_d'.
+  [[nodiscard]] LatenessInformation lateness_from_information(std::size_t b) const {
+    LatenessInformation late;
+    const int column = layout_.beacon_delay[b];
+    if (column < 0) return late;
+    const double per_s = 1.0 / layout_.parameters[static_cast<std::size_t>(column)].si_per_unit;
+    const Eigen::VectorXd moved = C_ * information_.col(column);
+    late.total = per_s * per_s * information_(column, column);
+    late.remaining = per_s * per_s * std::max(0.0, information_(column, column) - information_.col(column).dot(moved));
+    for (const auto& columns : layout_.beacon)
+      for (const int c : columns)
+        if (c >= 0) late.shift_m_per_s = std::max(late.shift_m_per_s, per_s * std::abs(moved[c]));
+    return late;
+  }
+
   /// Priors and taped distances.
   void shared_observations() {
     const Eigen::VectorXd x = layout_.vector_of(state_);
@@ -191,6 +224,7 @@ class Collector {
     b.influence_median_m = median_of(sums.influence_m);
     b.influence_worst_m = largest_of(sums.influence_m);
     if (lateness_.empty()) lateness_ = sweep_.lateness();
+    if (out_.every > 1) lateness_[index] = lateness_from_information(index);
     const LatenessInformation& late = lateness_[index];
     if (late.total > 0 && late.remaining > kUnnoticed * late.total) {
       b.lateness_mdb_s = kDelta0 / std::sqrt(late.remaining);
@@ -200,14 +234,19 @@ class Collector {
   }
 
   void left_out() {
+    std::vector<std::size_t> used(out_.beacons.size(), 0);
     for (const Trajectory& t : trajectories_) {
       for (const ArrivalObservation& a : t.arrivals) {
         BeaconReliability& b = out_.beacons[a.beacon.index()];
-        if (a.rejection == Rejection::kUsed) continue;
+        if (a.rejection == Rejection::kUsed) {
+          used[a.beacon.index()] += 1;
+          continue;
+        }
         ++(a.rejection == Rejection::kLate ? b.late : a.rejection == Rejection::kEarly ? b.early : b.other);
       }
       for (const std::size_t i : t.stateless_arrivals) ++out_.beacons[problem_.runs[t.run].arrivals[i].beacon.index()].other;
     }
+    for (std::size_t b = 0; b < used.size(); ++b) out_.beacons[b].used = used[b];
   }
 
   [[nodiscard]] std::vector<std::string> receiver_names() const {
@@ -220,6 +259,7 @@ class Collector {
   const ParameterLayout& layout_;
   const std::vector<Trajectory>& trajectories_;
   const SharedState& state_;
+  const Eigen::MatrixXd &C_, &information_;
   LeverageSweep sweep_;
   double variance_scale_;
   std::array<Part, kKinds> kinds_;
@@ -245,12 +285,12 @@ ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2) {
 
 Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
                            const SharedState& state, const JointCovariance& covariance, const std::vector<BeaconStatus>& beacon_status,
-                           double noise_factor) {
+                           double noise_factor, const Eigen::MatrixXd& information, std::size_t all_epochs) {
   if (covariance.matrix.rows() != layout.size() || !covariance.matrix.allFinite()) return {};
   Eigen::VectorXd per_si(layout.size());
   for (int i = 0; i < layout.size(); ++i) per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
   const Eigen::MatrixXd C = per_si.asDiagonal() * covariance.matrix * per_si.asDiagonal();
-  Reliability out = Collector(problem, layout, trajectories, state, C, noise_factor).run();
+  Reliability out = Collector(problem, layout, trajectories, state, C, noise_factor, information, all_epochs).run();
   for (std::size_t b = 0; b < out.beacons.size() && b < beacon_status.size(); ++b) {
     if (beacon_status[b] != BeaconStatus::kCalibrated) continue;
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();

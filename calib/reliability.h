@@ -83,6 +83,9 @@ struct ResidualGroup {
 /// variance components are told against the noise that the site file states.
 struct Reliability {
   bool ok = false;                         ///< false: there is no covariance to judge by
+  /// Of a long log only one epoch in so many was looked at for what concerns single arrivals (redundancy numbers, w, minimal
+  /// detectable biases, residual groups, variance components); 1: all were.
+  std::size_t every = 1;
   std::vector<ArrivalReliability> arrivals;
   std::vector<std::size_t> worst;          ///< indices into arrivals, largest |w| first, at most kWorst
   std::size_t beyond_critical = 0;         ///< |w| > kCriticalW
@@ -94,14 +97,20 @@ struct Reliability {
   std::vector<ResidualGroup> by_beacon, by_receiver, by_distance, by_temperature;
 };
 inline constexpr std::size_t kWorst = 10;
+/// Enough for any mean, and the time is then the adjustment's.
+inline constexpr std::size_t kAllEpochs = 6000;
 
+/// @param all_epochs    of more epochs than these only every so many-th is looked at
 /// @param trajectories  settled at the solution's state, arrivals marked used or rejected
 /// @param state         adjusted shared parameters
 /// @param covariance    joint covariance of the layout's parameters, SI units
 /// @param noise_factor  noise of the arrivals as found over the stated one
+/// @param information   of the data alone in the layout's parameters, internal units; where not all arrivals are looked at, the
+///                      lateness of a beacon with a free delay comes from it
 [[nodiscard]] Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
                                          const SharedState& state, const JointCovariance& covariance,
-                                         const std::vector<BeaconStatus>& beacon_status, double noise_factor);
+                                         const std::vector<BeaconStatus>& beacon_status, double noise_factor,
+                                         const Eigen::MatrixXd& information, std::size_t all_epochs = kAllEpochs);
 
 /// 95 % regions of a position.
 [[nodiscard]] ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2);

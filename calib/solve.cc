@@ -56,7 +56,9 @@ constexpr double kSearchAgainScale = 30.0;
 /// The course of one calibration, stage by stage.
 class Calibrator {
  public:
-  Calibrator(const Problem& problem, const SolveOptions& options) : problem_(problem), options_(options), began_(Clock::now()) {}
+  /// @param own_trajectories  the problem's, if they may be taken
+  Calibrator(const Problem& problem, const SolveOptions& options, std::vector<Trajectory>* own_trajectories = nullptr)
+      : problem_(problem), options_(options), own_trajectories_(own_trajectories), began_(Clock::now()) {}
 
   Solution run() {
     if (!approach_by_part() && !approach()) return std::move(solution_);
@@ -97,7 +99,11 @@ class Calibrator {
     solution_.warnings.insert(solution_.warnings.end(), of_part.solution_.warnings.begin() + static_cast<std::ptrdiff_t>(part->warnings.size()),
                               of_part.solution_.warnings.end());
     solution_.iterations = of_part.solution_.iterations;
-    trajectories_ = problem_.trajectories;
+    if (own_trajectories_ != nullptr) {
+      trajectories_ = std::move(*own_trajectories_);
+    } else {
+      trajectories_ = problem_.trajectories;
+    }
     const SharedState state = layout_.state_of(x_);
     const double noise = std::max(1.0, agreeing_sigma(of_part.trajectories_, of_part.layout_.state_of(of_part.x_)));
     place_all_stops(problem_, layout_, state, usable_, options_.rejection_sigmas * noise, options_.threads, trajectories_);
@@ -325,8 +331,9 @@ class Calibrator {
     solution_.message = last_.converged ? "converged" : "the adjustment did not converge: " + last_.message;
     solution_.datum = datum_of(problem_);
     // What the data do not determine is often what keeps the iteration from settling, and then that is the finding.
-    judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_);
-    solution_.reliability = reliability_of(problem_, layout_, trajectories_, solution_.state, solution_.covariance, solution_.beacon_status, noise_factor_);
+    const Eigen::MatrixXd information = judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_);
+    solution_.reliability = reliability_of(problem_, layout_, trajectories_, solution_.state, solution_.covariance, solution_.beacon_status, noise_factor_,
+                                           information);
     collect_left_out();
     noise_warning();
     for (std::string& warning : report_flips(problem_, trajectories_, start_headings_rad_)) solution_.warnings.push_back(std::move(warning));
@@ -376,6 +383,7 @@ class Calibrator {
 
   const Problem& problem_;
   const SolveOptions& options_;
+  std::vector<Trajectory>* own_trajectories_;
   Clock::time_point began_;
   Start start_;
   std::vector<Trajectory> trajectories_;
@@ -394,5 +402,7 @@ class Calibrator {
 }  // namespace
 
 Solution solve(const Problem& problem, const SolveOptions& options) { return Calibrator(problem, options).run(); }
+
+Solution solve_in_place(Problem& problem, const SolveOptions& options) { return Calibrator(problem, options, &problem.trajectories).run(); }
 
 }  // namespace octant::calib

@@ -3,7 +3,7 @@
 #include "calib/whiteness.h"
 
 #include <cmath>
-#include <map>
+#include <vector>
 
 #include "calib/statistics.h"
 
@@ -37,13 +37,14 @@ Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const Shared
   double pair_sum = 0.0, squares = 0.0, products = 0.0;
   std::size_t count = 0;
   for (const Trajectory& t : trajectories) {
-    std::map<std::pair<BeaconId, ReceiverId>, Series> series;
+    const std::size_t receivers = state.receiver_p_vehicle_m.size();
+    std::vector<Series> series(state.beacon_p_map_m.size() * receivers);
     for (const ArrivalObservation& a : t.arrivals) {
       if (a.rejection != Rejection::kUsed || !t.nodes[a.node].placed) continue;
-      Series& s = series[{a.beacon, a.receiver}];
+      Series& s = series[a.beacon.index() * receivers + a.receiver.index()];
       s.add(arrival_residual(t, a, state), s.count > 0);
     }
-    for (const auto& [pair, s] : series) {
+    for (const Series& s : series) {
       squares += s.squares;
       products += s.products;
       count += s.count;

@@ -31,6 +31,7 @@ bool any(const Rows& rows, Test test) {
 
 std::vector<std::string> fields_of(const std::vector<std::string>& names) {
   std::vector<std::string> fields;
+  fields.reserve(names.size());
   for (const std::string& name : names) fields.push_back(csv_field(name));
   return fields;
 }

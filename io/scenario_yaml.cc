@@ -31,7 +31,7 @@ std::vector<Eigen::Vector2d> waypoints(YamlMap& map, YamlLog& log) {
 }
 
 /// Keys that are absent stay as they are in `path`.
-void read_path(YAML::Node node, const char* name, YamlLog& log, Scenario::Path& path) {
+void read_path(const YAML::Node& node, const char* name, YamlLog& log, Scenario::Path& path) {
   YamlMap map(node, name, log);
   if (!map.present()) return;
   path.kind = map.choice<PathKind>(

@@ -25,7 +25,7 @@ class UniqueIds {
   UniqueIds(const char* kind, YamlLog& log) : kind_(kind), log_(log) {}
 
   std::string take(YamlMap& map) {
-    const std::string id = map.required_text("id");
+    std::string id = map.required_text("id");
     if (log_.error) return id;
     const YAML::Node node = map.get("id");
     const bool odd = std::any_of(id.begin(), id.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });

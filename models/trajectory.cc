@@ -143,7 +143,10 @@ class Builder {
       o.log_amplitude_sigma = model_.noise.amplitude_relative_sigma;
     }
     o.two_way = model_.timing.ranging == Ranging::kTwoWay;
-    if (o.two_way) o.T_hear_send = two_way_motion(a);
+    if (o.two_way) {
+      o.hear_send = static_cast<std::int32_t>(t_.T_hear_send.size());
+      t_.T_hear_send.push_back(two_way_motion(a));
+    }
     t_.arrivals.push_back(o);
   }
 
@@ -192,6 +195,7 @@ class Builder {
 
   void add_epoch_pose(std::size_t k, const std::vector<std::size_t>& arrivals, const std::vector<std::size_t>& bearings) {
     std::vector<double> times;
+    times.reserve(arrivals.size() + bearings.size());
     for (const std::size_t i : arrivals) times.push_back(log_.arrivals[i].time_s);
     for (const std::size_t i : bearings) times.push_back(log_.bearings[i].time_s);
     Pose T;
@@ -215,8 +219,8 @@ class Builder {
       t_.odometry.push_back({k, step, std::sqrt(path_.distance_variance_m2[k + 1]), std::sqrt(path_.heading_variance_rad2[k + 1])});
     }
     for (const std::size_t i : arrivals_) {
-      std::size_t node;
-      double alpha;
+      std::size_t node = 0;
+      double alpha = 0.0;
       if (between_nodes(log_.arrivals[i].time_s, node, alpha)) {
         add_arrival(i, node, alpha);
       } else {
@@ -224,14 +228,14 @@ class Builder {
       }
     }
     for (const std::size_t i : bearings_) {
-      std::size_t node;
-      double alpha;
+      std::size_t node = 0;
+      double alpha = 0.0;
       if (between_nodes(log_.bearings[i].time_s, node, alpha)) add_bearing(i, node, alpha);
     }
     std::stable_sort(t_.arrivals.begin(), t_.arrivals.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
     for (const TimedPose& pose : log_.poses) {
-      std::size_t node;
-      double alpha;
+      std::size_t node = 0;
+      double alpha = 0.0;
       if (log_.vehicle != t_.vehicle || !between_nodes(pose.time_s, node, alpha)) continue;
       t_.poses.push_back(pose_observation(node, alpha, pose.T_map_vehicle, log_.pose_accuracy));
     }

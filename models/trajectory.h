@@ -40,7 +40,7 @@ struct ArrivalObservation {
   double log_amplitude = 0.0;   ///< ln(A / 1 V); used when log_amplitude_sigma > 0
   double log_amplitude_sigma = 0.0;
   bool two_way = false;
-  Pose T_hear_send;             ///< two-way ranging
+  std::int32_t hear_send = -1;  ///< two-way ranging: index into Trajectory::T_hear_send
   Rejection rejection = Rejection::kUsed;
 };
 
@@ -108,6 +108,7 @@ struct Trajectory {
   /// Arrivals of the run that no state could carry (before the first odometry row, in a gap of the measured poses).
   std::vector<std::size_t> stateless_arrivals;
   double turnaround_s = 0.0;  ///< of two-way ranging
+  std::vector<Pose> T_hear_send;  ///< two-way ranging: the pose when the vehicle asked in the frame of that when it heard
 
   /// Unknowns of a node: the pose's, then the cycle offset (in metres at the medium's speed) or the velocity where there is one.
   [[nodiscard]] int block_size() const { return pose_dof(motion) + (has_cycle_offset ? 1 : 0) + (motion_prior ? 3 : 0); }

@@ -138,7 +138,7 @@ std::string provenance_section(const Deployment& d) {
 }  // namespace
 
 std::string speed_in_words(const Deployment& d) {
-  const std::string text = fmt::format("{:.8g} m/s, sigma {:.2g} m/s", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps);
+  std::string text = fmt::format("{:.8g} m/s, sigma {:.2g} m/s", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps);
   if (d.medium.model == MediumModel::kConstant) return text;
   return text + fmt::format(", at {:g} degC (model {})", d.medium.temperature_degC, std::string(to_string(d.medium.model)));
 }

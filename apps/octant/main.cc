@@ -72,13 +72,12 @@ int run(int argc, const char* const* argv, Session& session) {
 }  // namespace octant::app
 
 int main(int argc, char** argv) {
-  using namespace octant::app;
-  Session session;
+  octant::app::Session session;
   try {
-    return run(argc, argv, session);
+    return octant::app::run(argc, argv, session);
   } catch (const std::bad_alloc&) {
-    return session.fail({"error", "internal", kFault, "out of memory", "use a machine with more, or fewer arrivals"});
+    return session.fail({"error", "internal", octant::app::kFault, "out of memory", "use a machine with more, or fewer arrivals"});
   } catch (const std::exception& error) {
-    return session.fail({"error", "internal", kFault, fmt::format("a fault of octant: {}", error.what()), "please report it with the command"});
+    return session.fail({"error", "internal", octant::app::kFault, fmt::format("a fault of octant: {}", error.what()), "please report it with the command"});
   }
 }

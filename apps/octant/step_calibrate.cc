@@ -43,7 +43,7 @@ calib::Provenance provenance(const std::string& site_path, const std::string& si
   return from;
 }
 
-calib::Solution solve_with_progress(const calib::Problem& problem, bool strict, Session& session) {
+calib::Solution solve_with_progress(calib::Problem& problem, bool strict, Session& session) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::SolveOptions options;
   options.threads = session.threads();
@@ -52,7 +52,7 @@ calib::Solution solve_with_progress(const calib::Problem& problem, bool strict, 
     reporter.show(p.stage, p.iteration, p.cost, p.fraction);
     return !interrupted();
   };
-  return calib::solve(problem, options);
+  return calib::solve_in_place(problem, options);
 }
 
 std::string beacon_table(const Deployment& deployment) {

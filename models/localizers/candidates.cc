@@ -164,8 +164,10 @@ void propose_from_grid(const SearchProblem& problem, const SearchOptions& option
   // With short lever arms the heading hardly moves the ranges at this width: places first, headings for the best of them.
   TopList places(2 * options.keep, widths[2], 0.3);
   consensus.judge_shadows(false);
-  for (double y = box.y0 + 0.5 * spacing; y < box.y1; y += spacing)
-    for (double x = box.x0 + 0.5 * spacing; x < box.x1; x += spacing)
+  const auto steps = [spacing](double from, double to) { return static_cast<int>(std::ceil((to - from) / spacing - 0.5)); };
+  for (int row = 0; row < steps(box.y0, box.y1); ++row)
+    for (int column = 0; column < steps(box.x0, box.x1); ++column) {
+      const double x = box.x0 + (column + 0.5) * spacing, y = box.y0 + (row + 0.5) * spacing;
       for (const double heading : first_headings(problem, x, y)) {
         PlanarState state{x, y, heading, 0.0};
         if (problem.has_offset) state.offset_m = consensus.best_offset(state);
@@ -175,6 +177,7 @@ void propose_from_grid(const SearchProblem& problem, const SearchOptions& option
         }
         offer(consensus, state, places);
       }
+    }
   consensus.judge_shadows(true);
   consensus.set_extra_sigma(widths[2]);
   const int headings = problem.lever_m > 1e-6 ? options.headings : 1;

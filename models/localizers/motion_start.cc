@@ -26,6 +26,7 @@ Trajectory standing(const Trajectory& t, const Segment& segment, std::size_t fir
   piece.motion = t.motion;
   piece.nominal_speed_mps = t.nominal_speed_mps;
   piece.turnaround_s = t.turnaround_s;
+  piece.T_hear_send = t.T_hear_send;
   piece.nodes.push_back({.time_s = 0.5 * (t.nodes[first].time_s + t.nodes[last - 1].time_s), .T_map_vehicle = {}});
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     if (t.arrivals[i].node < first || t.arrivals[i].node >= last) continue;

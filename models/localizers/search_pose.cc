@@ -19,9 +19,11 @@ double distance2(const PlanarState& a, const PlanarState& b, const Eigen::Matrix
 /// Narrows a candidate down to the noise and enters it if it is not there already.
 void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState state, double width_m, std::size_t without_group,
                  SearchResult& result) {
-  for (double extra = width_m; extra > 0.5 * problem.median_sigma_m; extra *= 0.3) {
+  double extra = width_m;
+  while (extra > 0.5 * problem.median_sigma_m) {
     consensus.set_extra_sigma(extra);
     consensus.refine(state, 3, without_group);
+    extra *= 0.3;
   }
   consensus.set_extra_sigma(0.0);
   if (without_group != Consensus::kNone) consensus.refine(state, 6, without_group);

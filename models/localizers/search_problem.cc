@@ -36,7 +36,7 @@ void add_ranges(const Trajectory& trajectory, const Segment& segment, const Epoc
     const Eigen::Vector3d& o = model.state.receiver_p_vehicle_m[a.receiver.index()];
     SearchRange r;
     r.p_beacon_map_m = model.state.beacon_p_map_m[a.beacon.index()];
-    r.p_lever_m = a.two_way ? Eigen::Vector3d(0.5 * (T * o + T * (a.T_hear_send * o))) : T * o;
+    r.p_lever_m = a.two_way ? Eigen::Vector3d(0.5 * (T * o + T * (trajectory.T_hear_send[static_cast<std::size_t>(a.hear_send)] * o))) : T * o;
     if (const auto& axis = model.receiver_axis[a.receiver.index()]) {
       const Eigen::Vector2d flat = (T.rotation * *axis).head<2>();
       if (flat.norm() > 0.1) r.axis = flat.normalized();
