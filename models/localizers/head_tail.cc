@@ -35,14 +35,6 @@ bool apart(const Deployment& d, const std::array<ReceiverId, 2>& ends) {
   return ends[0].valid() && (lever(d, ends[0]) - lever(d, ends[1])).norm() > 1e-3;
 }
 
-/// Horizontal variance of what calibration left uncertain of a station, as far as it looks like an error of its range.
-double calibration_variance_m2(const PairRange& pair, const Deployment& d) {
-  const DeploymentBeacon& beacon = d.beacons[pair.beacon.index()];
-  const auto square = [](double x) { return x * x; };
-  return 0.5 * beacon.covariance_m2.topLeftCorner<2, 2>().trace() + square(pair.gain_mps * beacon.delay_sigma_s) +
-         square(pair.by_speed_s * d.speed_sigma_mps);
-}
-
 }  // namespace
 
 double head_orientation_from_y_rad(const Eigen::Vector2d& head_m, const Eigen::Vector2d& tail_m) {
@@ -106,8 +98,7 @@ HeadTail::Choice HeadTail::rate(const TrianglePoint& head, const TrianglePoint& 
   const Eigen::Vector2d q = head.p_m - tail.p_m;
   const double length_m = (lever(deployment_, end_[0].receiver) - lever(deployment_, end_[1].receiver)).norm();
   const Eigen::Vector2d e = q.norm() > 0 ? Eigen::Vector2d(q.normalized()) : Eigen::Vector2d::UnitX();
-  double variance_m2 = e.dot((head.information.inverse() + tail.information.inverse()) * e);
-  for (const End& end : end_) variance_m2 += 0.5 * deployment_.receivers[end.receiver.index()].sigma_m.head<2>().squaredNorm();
+  const double variance_m2 = e.dot((head.information.inverse() + tail.information.inverse()) * e);
   return {&head, &tail, head.cost + tail.cost + (q.norm() - length_m) * (q.norm() - length_m) / variance_m2};
 }
 

@@ -37,6 +37,9 @@ class RangePropagation {
   std::vector<Shared> beacons_, receivers_;
 };
 
+/// Variance of what calibration left uncertain of a pair, as far as it looks like an error of its range: for gates [m^2].
+[[nodiscard]] double calibration_variance_m2(const PairRange& pair, const Deployment& deployment);
+
 /// Unit vector from a beacon to a receiver of a vehicle at a pose, in the map; +z where they coincide. And their distance [m].
 struct Sight {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
