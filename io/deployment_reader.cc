@@ -94,6 +94,26 @@ void read_beacons(const JsonValue& json, Deployment& d) {
   }
 }
 
+Eigen::Vector2d point_of(const JsonValue& json) {
+  const std::vector<double> at = json.numbers(2);
+  return {at[0], at[1]};
+}
+
+std::optional<Rail> read_rail(const JsonValue& json) {
+  if (!json.present()) return std::nullopt;
+  Rail rail;
+  if (json.find("centre_m").present()) {
+    rail.shape = Rail::Shape::kArc;
+    rail.centre_m = point_of(json.at("centre_m"));
+    rail.radius_m = json.at("radius_m").positive();
+  } else {
+    rail.from_m = point_of(json.at("from_m"));
+    rail.to_m = point_of(json.at("to_m"));
+    if (rail.from_m == rail.to_m) json.at("to_m").fail("where the rail begins", "another point");
+  }
+  return rail;
+}
+
 void read_vehicles(const JsonValue& json, Deployment& d) {
   std::unordered_set<std::string> taken;
   for (const JsonValue& item : json.items()) {
@@ -113,6 +133,7 @@ void read_vehicles(const JsonValue& json, Deployment& d) {
       d.receivers.push_back(std::move(r));
     }
     d.vehicles.back().receiver_count = d.receivers.size() - d.vehicles.back().first_receiver;
+    d.vehicles.back().rail = read_rail(item.find("rail"));
   }
   if (d.vehicles.empty()) json.fail("empty", "at least one vehicle");
 }

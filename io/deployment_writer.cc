@@ -78,6 +78,12 @@ Json beacons_json(const Deployment& d) {
   return out;
 }
 
+Json rail_json(const Rail& rail) {
+  const auto point = [](const Eigen::Vector2d& p) { return Json::array({p.x(), p.y()}); };
+  if (rail.shape == Rail::Shape::kArc) return {{"centre_m", point(rail.centre_m)}, {"radius_m", rail.radius_m}};
+  return {{"from_m", point(rail.from_m)}, {"to_m", point(rail.to_m)}};
+}
+
 Json vehicles_json(const Deployment& d) {
   Json out = Json::array();
   for (const SiteVehicle& vehicle : d.vehicles) {
@@ -93,6 +99,7 @@ Json vehicles_json(const Deployment& d) {
                            {"hearing_cosine", r.hearing_cosine ? Json(*r.hearing_cosine) : Json(nullptr)}});
     }
     out.push_back({{"id", vehicle.name}, {"receivers", receivers}});
+    if (vehicle.rail) out.back()["rail"] = rail_json(*vehicle.rail);  // absent where there is none: older files keep their digest
   }
   return out;
 }

@@ -81,6 +81,15 @@ void write_beacons(const Site& site, Out out) {
   }
 }
 
+void write_rail(const Rail& rail, Out out) {
+  const auto point = [](const Eigen::Vector2d& p) { return fmt::format("[{}, {}]", exact(p.x()), exact(p.y())); };
+  if (rail.shape == Rail::Shape::kArc) {
+    fmt::format_to(out, "    rail: {{centre_m: {}, radius_m: {}}}\n", point(rail.centre_m), exact(rail.radius_m));
+  } else {
+    fmt::format_to(out, "    rail: {{from_m: {}, to_m: {}}}\n", point(rail.from_m), point(rail.to_m));
+  }
+}
+
 void write_vehicles(const Site& site, Out out) {
   fmt::format_to(out, "vehicles:\n");
   for (const SiteVehicle& vehicle : site.vehicles) {
@@ -92,6 +101,7 @@ void write_vehicles(const Site& site, Out out) {
       if (r.axis) fmt::format_to(out, ", axis: {}", list_text(*r.axis));
       fmt::format_to(out, "}}\n");
     }
+    if (vehicle.rail) write_rail(*vehicle.rail, out);
   }
 }
 
