@@ -16,7 +16,8 @@ namespace {
 
 constexpr double kMinBaseline_m = 1e-3;
 constexpr double kMinHeadingSigma_rad = 1e-9;  // an exact heading, as a weight
-constexpr double kSlack_m = 0.1;               // beyond what the vehicle can have moved
+constexpr double kDistinct_m = 1e-3;
+constexpr double kSlack_m = 0.1;  // beyond what the vehicle can have moved
 
 Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
@@ -218,42 +219,63 @@ OneBeacon::Attempt OneBeacon::adjust(Eigen::Vector3d pose, int left_out) const {
   return out;
 }
 
-/// The pose of the sides that explain the ranges best.
+/// Whether the vehicle can have got there since the last fix, or beacons that agree say so.
+bool OneBeacon::in_reach(const Fix& fix, int left_out, const Attempt& attempt) const {
+  const Last& last = last_[fix.vehicle.index()];
+  const std::size_t beacons = views_.size() - (left_out >= 0 ? 1 : 0);
+  const bool agree = beacons > (heading_rad_ || now_.rail_heading_rad ? 1u : 2u) && attempt.cost <= gate(left_out);
+  if (!last.known || agree) return true;
+  const auto& motion = deployment_.vehicles[fix.vehicle.index()].motion;
+  const double speed_mps = motion ? motion->speed_mps : options_.max_speed_mps;
+  const double sigma_m = std::sqrt(attempt.covariance.topLeftCorner<2, 2>().trace());
+  const double reach_m = kSlack_m + options_.gate_sigmas * sigma_m + speed_mps * std::abs(fix.time_s - last.time_s);
+  return (attempt.pose.head<2>() - last.p_m).norm() <= reach_m;
+}
+
+/// The pose of the sides that explain the ranges best, among those within reach.
 FixStatus OneBeacon::choose(const Fix& fix, int left_out, Attempt& best) const {
-  const unsigned mask = (1u << std::min<std::size_t>(views_.size(), 31)) - 1;
   if (options_.facing != Facing::kEither) {
     best = adjust(start(options_.facing == Facing::kLeft ? 0u : ~0u, left_out), left_out);
-    return best.ok ? FixStatus::kOk : FixStatus::kPoorGeometry;
+    if (!best.ok) return FixStatus::kPoorGeometry;
+    return in_reach(fix, left_out, best) ? FixStatus::kOk : FixStatus::kNoConsensus;
   }
-  const Last& last = last_[fix.vehicle.index()];
   std::array<Attempt, 1u << kMaxEither> attempts;
   std::size_t least = 0, count = 0;
-  for (unsigned sides = 0; sides <= mask; ++sides) {
+  bool any = false;
+  for (unsigned sides = 0; sides < (1u << views_.size()); ++sides) {
     attempts[count] = adjust(start(sides, left_out), left_out);
-    if (!attempts[count].ok) continue;
+    any = any || attempts[count].ok;
+    if (!attempts[count].ok || !in_reach(fix, left_out, attempts[count])) continue;
     if (attempts[count].cost < attempts[least].cost) least = count;
     ++count;
   }
-  if (count == 0) return FixStatus::kPoorGeometry;
+  if (count == 0) return any ? FixStatus::kNoConsensus : FixStatus::kPoorGeometry;
   best = attempts[least];
-  bool only = true;
-  int in_reach = 0;
-  std::size_t chosen = least;
   for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector2d apart = (attempts[i].pose - attempts[least].pose).head<2>();
+    if (attempts[i].cost > best.cost + options_.ambiguity_margin) continue;
     const double sigma_m = std::sqrt(attempts[i].covariance.topLeftCorner<2, 2>().trace());
-    const bool distinct = apart.norm() > options_.gate_sigmas * sigma_m;
-    if (attempts[i].cost > attempts[least].cost + options_.ambiguity_margin || (i != least && !distinct)) continue;
-    if (i != least) only = false;
-    const double reach_m =
-        kSlack_m + options_.gate_sigmas * sigma_m + options_.max_speed_mps * std::abs(fix.time_s - last.time_s);
-    if (!last.known || (attempts[i].pose.head<2>() - last.p_m).norm() > reach_m) continue;
-    ++in_reach;
-    chosen = i;
+    if ((attempts[i].pose - best.pose).head<2>().norm() > options_.gate_sigmas * sigma_m + kDistinct_m)
+      return FixStatus::kAmbiguous;
   }
-  if (only) return FixStatus::kOk;
-  if (in_reach != 1) return FixStatus::kAmbiguous;
-  best = attempts[chosen];
+  return FixStatus::kOk;
+}
+
+/// One of three beacons or more may be an echo; of two, the last position may tell which.
+FixStatus OneBeacon::without_one(const Fix& fix, int& left_out, Attempt& best) const {
+  const std::size_t least_beacons = heading_rad_ || now_.rail_heading_rad ? 1 : 2;
+  if (views_.size() <= least_beacons || (views_.size() < 3 && !last_[fix.vehicle.index()].known)) return FixStatus::kNoConsensus;
+  int agreeing = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < static_cast<int>(views_.size()); ++k) {
+    Attempt without;
+    if (choose(fix, k, without) != FixStatus::kOk || without.cost > gate(k)) continue;
+    ++agreeing;
+    if (without.cost >= least) continue;
+    least = without.cost;
+    left_out = k;
+    best = without;
+  }
+  if (agreeing == 0 || (views_.size() < 3 && agreeing > 1)) return FixStatus::kNoConsensus;
   return FixStatus::kOk;
 }
 
@@ -318,17 +340,8 @@ FixStatus OneBeacon::fix_pose(std::span<const Arrival> arrivals, Fix& fix) {
   Attempt best;
   int left_out = -1;
   FixStatus status = choose(fix, left_out, best);
-  if (status == FixStatus::kOk && best.cost > gate(left_out)) {  // one of three or more may be an echo
-    double least = std::numeric_limits<double>::infinity();
-    for (int k = 0; views_.size() > 2 && k < static_cast<int>(views_.size()); ++k) {
-      Attempt without;
-      if (choose(fix, k, without) != FixStatus::kOk || without.cost >= least) continue;
-      least = without.cost;
-      left_out = k;
-      best = without;
-    }
-    if (left_out < 0 || best.cost > gate(left_out)) return FixStatus::kNoConsensus;
-  }
+  if (status == FixStatus::kNoConsensus || (status == FixStatus::kOk && best.cost > gate(left_out)))
+    status = without_one(fix, left_out, best);
   if (status != FixStatus::kOk) return status;
   status = finish(best, left_out, arrivals, fix);
   if (status == FixStatus::kOk) last_[fix.vehicle.index()] = {true, fix.time_s, best.pose.head<2>()};
@@ -339,6 +352,8 @@ void OneBeacon::locate(const Observations& observations, Fix& fix) noexcept {
   begin_fix(observations.arrivals, fix);
   end_fix(fix_pose(observations.arrivals, fix), fix);
 }
+
+void OneBeacon::forget() noexcept { std::fill(last_.begin(), last_.end(), Last{}); }
 
 Result<void> one_beacon_fits(const Deployment& deployment, const OneBeaconOptions& options) {
   const auto lacks = [](std::string found, std::string expected) {

@@ -37,7 +37,7 @@ struct OneBeaconOptions {
   double spread_sigmas = 6.0;     ///< of repeated times (PairRangesOptions)
   double gate_sigmas = 4.0;       ///< of circles that miss each other, and of beacons against each other
   double ambiguity_margin = 9.0;  ///< of squared sigmas: a second pose closer than this is as good
-  double max_speed_mps = 1.0;     ///< with Facing::kEither: how far the vehicle may be from where it was
+  double max_speed_mps = 1.0;     ///< how far the vehicle may be from where it was; SiteVehicle::motion goes before
   double max_sigma_m = 1.0;       ///< a larger position sigma is poor geometry
   double max_heading_sigma_rad = 0.5;
 };
@@ -60,6 +60,8 @@ class OneBeacon : public Localizer {
 
   /// Heading from now on, for a robot that has it from odometry or a compass. @param sigma_rad positive
   void set_heading(double heading_rad, double sigma_rad) noexcept;
+  /// Forgets where the vehicles were.
+  void forget() noexcept;
 
  private:
   static constexpr std::size_t kMaxEither = 4;  ///< beacons that are tried on both sides: sixteen combinations
@@ -89,6 +91,8 @@ class OneBeacon : public Localizer {
   [[nodiscard]] Eigen::Vector3d start(unsigned sides, int left_out) const;
   [[nodiscard]] Attempt adjust(Eigen::Vector3d pose, int left_out) const;
   [[nodiscard]] FixStatus choose(const Fix& fix, int left_out, Attempt& best) const;
+  [[nodiscard]] bool in_reach(const Fix& fix, int left_out, const Attempt& attempt) const;
+  [[nodiscard]] FixStatus without_one(const Fix& fix, int& left_out, Attempt& best) const;
   [[nodiscard]] FixStatus finish(const Attempt& attempt, int left_out, std::span<const Arrival> arrivals, Fix& fix);
   [[nodiscard]] double gate(int left_out) const;
   void add_bend(const Eigen::Vector2d& p_map_m, Eigen::Matrix3d& covariance) const;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 namespace octant {
@@ -64,16 +63,33 @@ bool RailLocalizer::polish(std::span<const PairRange> pairs, Place& place) const
     place.s_m = rail_wrapped_m(*rail_, place.s_m + step_m);
     if (i >= 3 && std::abs(step_m) < 1e-9 * place.sigma_m) break;
   }
-  place.cost = 0.0;
-  place.agreeing = 0;
-  const RailPoint at = rail_point(*rail_, place.s_m);
-  for (const PairRange& pair : pairs) {
-    const Row r = row(pair, at);
-    const double z = std::min(std::abs(r.off_m / r.sigma_m), options_.gate_sigmas);
-    place.agreeing += z < options_.gate_sigmas ? 1 : 0;
-    place.cost += z * z;
-  }
+  rate(pairs, place);
   return std::isfinite(place.s_m) && std::isfinite(place.cost);
+}
+
+/// What a place costs: the squares of what agrees; the gate's for each range that does not. A beacon behind an obstacle is late
+/// with all its ranges at once and pays once.
+void RailLocalizer::rate(std::span<const PairRange> pairs, Place& place) const {
+  const double gate = options_.gate_sigmas * options_.gate_sigmas;
+  const RailPoint at = rail_point(*rail_, place.s_m);
+  place.cost = 0.0;
+  place.agreeing = place.beacons = 0;
+  for (std::size_t i = 0; i < pairs.size();) {
+    double sum = 0.0;
+    int agreeing = 0;
+    bool all_late = true;
+    const BeaconId beacon = pairs[i].beacon;
+    for (; i < pairs.size() && pairs[i].beacon == beacon; ++i) {
+      const Row r = row(pairs[i], at);
+      const double z = r.off_m / r.sigma_m;
+      agreeing += std::abs(z) <= options_.gate_sigmas ? 1 : 0;
+      all_late = all_late && z > 0;
+      sum += std::min(z * z, gate) + (z < -options_.gate_sigmas ? options_.early_penalty : 0.0);
+    }
+    place.cost += all_late ? std::min(sum, gate) : sum;
+    place.agreeing += agreeing;
+    place.beacons += agreeing > 0 ? 1 : 0;
+  }
 }
 
 /// Both places of each range, polished.
@@ -96,40 +112,30 @@ void RailLocalizer::find_places(std::span<const PairRange> pairs) {
   }
 }
 
-/// How far beyond what it can have moved a place is from the last one; negative: within reach. Infinite if none is known.
-double RailLocalizer::reach_m(const Fix& fix, const Place& place) const {
+/// Whether the vehicle can have got to a place since the last fix.
+bool RailLocalizer::in_reach(const Fix& fix, const Place& place) const {
   const Last& last = last_[fix.vehicle.index()];
-  if (!last.known) return std::numeric_limits<double>::infinity();
+  if (!last.known) return true;
   const auto& motion = deployment_.vehicles[fix.vehicle.index()].motion;
   const double speed_mps = motion ? motion->speed_mps : options_.max_speed_mps;
-  const double moved_m = std::abs(rail_wrapped_m(*rail_, place.s_m - last.s_m));
-  return moved_m - kSlack_m - options_.gate_sigmas * place.sigma_m - speed_mps * std::abs(fix.time_s - last.time_s);
+  const double reach_m = kSlack_m + options_.gate_sigmas * place.sigma_m + speed_mps * std::abs(fix.time_s - last.time_s);
+  return std::abs(rail_wrapped_m(*rail_, place.s_m - last.s_m)) <= reach_m;
 }
 
-FixStatus RailLocalizer::choose(std::span<const PairRange> pairs, const Fix& fix, Place& chosen) const {
+FixStatus RailLocalizer::choose(std::span<const PairRange> pairs, const Fix& fix, Place& chosen) {
+  std::erase_if(places_, [&](const Place& place) { return place.beacons < 2 && !in_reach(fix, place); });
   if (places_.empty()) return FixStatus::kNoConsensus;
-  const auto least =
-      std::min_element(places_.begin(), places_.end(), [](const Place& a, const Place& b) { return a.cost < b.cost; });
-  chosen = *least;
-  bool only = true;
-  const Place* in_reach = nullptr;
-  bool several = false;
+  for (Place& place : places_)
+    if (!in_reach(fix, place))
+      place.cost += options_.gate_sigmas * options_.gate_sigmas;  // as if one range more spoke against it
+  chosen = *std::min_element(places_.begin(), places_.end(), [](const Place& a, const Place& b) { return a.cost < b.cost; });
   for (const Place& place : places_) {
-    if (place.cost > least->cost + options_.ambiguity_margin) continue;
-    const auto same = [&](const Place& a) {
-      return std::abs(rail_wrapped_m(*rail_, a.s_m - place.s_m)) < kDistinct * std::hypot(a.sigma_m, place.sigma_m) + kDistinct_m;
-    };
-    only = only && same(*least);
-    if (reach_m(fix, place) > 0) continue;
-    several = several || (in_reach != nullptr && !same(*in_reach));
-    if (in_reach == nullptr || place.cost < in_reach->cost) in_reach = &place;
-  }
-  if (!only) {
-    if (in_reach == nullptr || several) return FixStatus::kAmbiguous;
-    chosen = *in_reach;
+    if (place.cost > chosen.cost + options_.ambiguity_margin) continue;
+    const double apart_m = std::abs(rail_wrapped_m(*rail_, chosen.s_m - place.s_m));
+    if (apart_m > kDistinct * std::hypot(chosen.sigma_m, place.sigma_m) + kDistinct_m) return FixStatus::kAmbiguous;
   }
   // A single range has nothing to agree with but the last position.
-  if (chosen.agreeing < 2 && reach_m(fix, chosen) > 0)
+  if (chosen.agreeing < 2 && !last_[fix.vehicle.index()].known)
     return pairs.size() < 2 ? FixStatus::kTooFewArrivals : FixStatus::kNoConsensus;
   return 2 * chosen.agreeing < static_cast<int>(pairs.size()) ? FixStatus::kNoConsensus : FixStatus::kOk;
 }
@@ -239,6 +245,8 @@ void RailLocalizer::locate(const Observations& observations, Fix& fix) noexcept 
   begin_fix(observations.arrivals, fix);
   end_fix(fix_place(observations.arrivals, fix), fix);
 }
+
+void RailLocalizer::forget() noexcept { std::fill(last_.begin(), last_.end(), Last{}); }
 
 Result<void> rail_fits(const Deployment& deployment) {
   const auto lacks = [](std::string found, std::string expected) {

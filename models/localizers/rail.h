@@ -26,6 +26,7 @@ struct RailOptions {
   double spread_sigmas = 6.0;       ///< of repeated times (PairRangesOptions)
   double gate_sigmas = 4.0;         ///< of a range against the others
   double ambiguity_margin = 9.0;    ///< of squared sigmas: a second place closer than this is as good
+  double early_penalty = 16.0;      ///< what an arrival that would be early costs more than a late one: echoes are late
   double rail_sigma_m = 1e-3;       ///< how far the vehicle sways off its rail, across
   double heading_sigma_rad = 1e-3;  ///< and in heading
   double end_slack_m = 0.5;         ///< a straight rail may be left by this much at its ends
@@ -38,13 +39,18 @@ struct RailOptions {
 /// last position tell them apart; otherwise kAmbiguous. All ranges that agree are adjusted together with their weights, so
 /// that one beacon hands over to the next without a seam.
 ///
-/// Fix: kTooFewArrivals (no range, or a single one that no last position confirms), kNoConsensus (no place within reach of the
-/// ranges; fewer than half agree), kPoorGeometry (abreast of the only beacon), kAmbiguous.
+/// Where the vehicle was bounds where it is: a single beacon is not believed farther away than the vehicle can have moved, which
+/// catches one that both receivers hear late alike; two beacons that agree are, so a wrong place does not last.
+///
+/// Fix: kTooFewArrivals (no range, or a single one that no last position confirms), kNoConsensus (ranges that no place explains,
+/// or none within reach; fewer than half agree), kPoorGeometry (abreast of the only beacon), kAmbiguous.
 class RailLocalizer : public Localizer {
  public:
   explicit RailLocalizer(const Deployment& deployment, RailOptions options = {});
   using Localizer::locate;
   void locate(const Observations& observations, Fix& fix) noexcept override;
+  /// Forgets where the vehicles were.
+  void forget() noexcept;
 
  private:
   struct Place {
@@ -52,6 +58,7 @@ class RailLocalizer : public Localizer {
     double sigma_m = 0.0;
     double cost = 0.0;  ///< sum of squares, those beyond the gate at the gate
     int agreeing = 0;
+    int beacons = 0;  ///< that agree
   };
   struct Last {
     bool known = false;
@@ -66,9 +73,10 @@ class RailLocalizer : public Localizer {
   [[nodiscard]] FixStatus fix_place(std::span<const Arrival> arrivals, Fix& fix);
   [[nodiscard]] Row row(const PairRange& pair, const RailPoint& at) const;
   [[nodiscard]] bool polish(std::span<const PairRange> pairs, Place& place) const;
+  void rate(std::span<const PairRange> pairs, Place& place) const;
   void find_places(std::span<const PairRange> pairs);
-  [[nodiscard]] FixStatus choose(std::span<const PairRange> pairs, const Fix& fix, Place& chosen) const;
-  [[nodiscard]] double reach_m(const Fix& fix, const Place& place) const;
+  [[nodiscard]] FixStatus choose(std::span<const PairRange> pairs, const Fix& fix, Place& chosen);
+  [[nodiscard]] bool in_reach(const Fix& fix, const Place& place) const;
   [[nodiscard]] FixStatus finish(std::span<const PairRange> pairs, std::span<const Arrival> arrivals, Place place, Fix& fix);
   [[nodiscard]] bool published(std::span<const PairRange> pairs, const Place& exact, double& s_m) const;
 

@@ -194,6 +194,7 @@ TEST(OneBeacon, NoiseStaysWithinWhatIsStated) {
     known.set_heading(truth.heading_rad() + 2e-3 * normal(random), 2e-3);
     for (auto* localizer : {&known, &solved}) {
       auto arrivals = test::hear(localizer == &known ? one : two, truth, {.range_m = 100.0, .noise_s = 1e-5}, random);
+      localizer->forget();
       const Fix fix = locate(*localizer, arrivals);
       ASSERT_TRUE(fix.ok()) << i << " " << to_string(fix.status);
       (localizer == &known ? sum_one : sum_two) += test::nees(fix, truth);
@@ -218,6 +219,21 @@ TEST(OneBeacon, AnEchoAmongThreeBeaconsIsOutvoted) {
   EXPECT_EQ(fix.rejections[2], Rejection::kOutvoted);
   EXPECT_EQ(fix.rejections[3], Rejection::kOutvoted);
   EXPECT_EQ(fix.arrivals_used, 4);
+}
+
+TEST(OneBeacon, TheLastPositionTellsWhichOfTwoBeaconsIsAnEcho) {
+  const Deployment d = site({{0, 5, 2.0}, {6, 5.5, 1.8}});
+  OneBeacon localizer(d, {.heading_rad = 0.1, .max_speed_mps = 0.5});
+  const Pose truth = Pose::planar(2, 1, 0.1);
+  auto arrivals = arrivals_at(d, truth);
+  for (Arrival& a : arrivals)
+    if (a.beacon.index() == 0) a.tof_s += 6e-3;
+  EXPECT_EQ(locate(localizer, arrivals).status, FixStatus::kNoConsensus);
+  expect_pose(locate(localizer, arrivals_at(d, truth)), truth);
+  const Fix fix = locate(localizer, arrivals);
+  expect_pose(fix, truth);
+  EXPECT_EQ(fix.rejections[0], Rejection::kOutvoted);
+  EXPECT_EQ(fix.arrivals_used, 2);
 }
 
 TEST(OneBeacon, TheRulesTakeEchoesOut) {
