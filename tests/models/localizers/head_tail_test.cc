@@ -112,6 +112,22 @@ TEST(TriangleVertex, SidesThatDoNotCloseGiveNothing) {
   EXPECT_FALSE(triangle_vertex({0, 0}, {8, 0}, std::nan(""), 4.9, BaseLineSide::kLeft));
 }
 
+TEST(TriangleSolver, TwoStationsAgainstTwoAreAContradiction) {
+  const Point place(3, 2);
+  std::vector<StationRange> stations;
+  for (const Point& p : {Point(0, 0), Point(8, 0), Point(8, 6), Point(0, 6)}) stations.push_back({p, (p - place).norm(), 0.003});
+  TriangleSolver solver(4, 0.05, 4.0);
+  ASSERT_EQ(solver.solve(stations), TriangleStatus::kOk);
+  ASSERT_EQ(solver.places().size(), 1u);
+  EXPECT_LT((solver.places()[0].p_m - place).norm(), 1e-12);
+  stations[0].distance_m += 0.5;
+  ASSERT_EQ(solver.solve(stations), TriangleStatus::kOk);
+  EXPECT_EQ(solver.places()[0].left_out, 0);
+  stations[1].distance_m += 1.1;
+  EXPECT_EQ(solver.solve(stations), TriangleStatus::kContradiction);
+  EXPECT_EQ(solver.solve(std::span(stations).first(1)), TriangleStatus::kTooFew);
+}
+
 TEST(Orientation, FollowsTheSevenSteps) {
   // Head north of its tail: the vector to the tail points along -y.
   EXPECT_DOUBLE_EQ(head_orientation_from_y_rad({0, 1}, {0, 0}), M_PI);
@@ -302,6 +318,14 @@ TEST(HeadTail, WhereNothingIsKnownTheReasonIs) {
   EXPECT_EQ(locate(two, open).status, FixStatus::kNoConsensus) << "sides that make no triangle";
   const Pose on_line = Pose::planar(4, 0.15, 0.0);
   EXPECT_EQ(locate(two, arrivals_at(two, on_line)).status, FixStatus::kPoorGeometry) << "on the base line";
+}
+
+TEST(HeadTail, EndsAtAWrongDistanceAreNotBelieved) {
+  // Stations agree at each end, but the vehicle is 5 cm longer than its description: ten sigma of the measured length.
+  const Deployment built = floor_site();
+  Deployment described = built;
+  described.receivers[0].position_m.x() -= 0.05;
+  EXPECT_EQ(locate(described, arrivals_at(built, Pose::planar(3, 2, 1))).status, FixStatus::kNoConsensus);
 }
 
 TEST(HeadTail, StationsInOneLineLeaveTheMirrorImage) {

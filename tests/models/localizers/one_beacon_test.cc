@@ -236,6 +236,19 @@ TEST(OneBeacon, TheLastPositionTellsWhichOfTwoBeaconsIsAnEcho) {
   EXPECT_EQ(fix.arrivals_used, 2);
 }
 
+TEST(OneBeacon, TwoBeaconsThatBothAreWithinReachAreNotToldApart) {
+  const Deployment d = site({{0, 5, 2.0}, {6, 5.5, 1.8}});
+  OneBeacon localizer(d, {.heading_rad = 0.1, .max_speed_mps = 10.0});
+  const Pose truth = Pose::planar(2, 1, 0.1);
+  auto arrivals = arrivals_at(d, truth);
+  expect_pose(locate(localizer, arrivals), truth);
+  for (Arrival& a : arrivals) {
+    a.time_s += 1.0;
+    if (a.beacon.index() == 0) a.tof_s += 6e-3;
+  }
+  EXPECT_EQ(locate(localizer, arrivals).status, FixStatus::kNoConsensus);
+}
+
 TEST(OneBeacon, TheRulesTakeEchoesOut) {
   const Deployment d = site({{0, 5, 2.0}});
   const Pose truth = Pose::planar(1, 1, 0.1);

@@ -254,7 +254,7 @@ TEST(Rail, ABeaconHeardLateByBothIsNotBelievedAgainstTheLastPosition) {
   RailLocalizer localizer(d, {.max_speed_mps = 0.1});
   expect_at(locate(localizer, arrivals_at(d, 15.0)), kStraight, 15.0);
   auto shadowed = arrivals_at(d, 15.1, 0.0, 1.0);
-  for (Arrival& a : shadowed) a.tof_s += 1.3e-3;  // 0.45 m of detour: 0.6 m along the rail
+  for (Arrival& a : shadowed) a.tof_s += 0.9e-3;  // 0.3 m of detour: 0.4 m along the rail
   EXPECT_EQ(locate(localizer, shadowed).status, FixStatus::kNoConsensus);
   expect_at(locate(localizer, arrivals_at(d, 15.2, 0.0, 2.0)), kStraight, 15.2);
   localizer.forget();
@@ -271,6 +271,42 @@ TEST(Rail, OfTwoBeaconsTheLateOneIsLeftOut) {
   const Fix fix = locate(d, arrivals);
   expect_at(fix, kStraight, 20.0);
   EXPECT_EQ(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kLate), 2);
+}
+
+TEST(Rail, OfTwoRangesTheOneThatWouldBeEarlyIsRight) {
+  // One receiver, so that one range stands against one; both places are within reach of the last.
+  const Deployment d = on_rail(kStraight, {{1.5, 3.0, 2.0}, {2.5, 3.2, 2.0}}, {{0.0, 0.0, 0.5}});
+  RailLocalizer localizer(d);
+  expect_at(locate(localizer, arrivals_at(d, 19.9)), kStraight, 19.9);
+  auto arrivals = arrivals_at(d, 20.0, 0.0, 1.0);
+  arrivals[1].tof_s += 1e-3;
+  const Fix fix = locate(localizer, arrivals);
+  expect_at(fix, kStraight, 20.0);
+  EXPECT_EQ(fix.rejections[1], Rejection::kLate);
+}
+
+TEST(Rail, AShadowedBeaconPaysOnce) {
+  // A behind is late at both receivers, B ahead is heard by one: two ranges do not outvote one, because they share an obstacle.
+  const Deployment d = on_rail(kStraight, {{1.5, 3.0, 2.0}, {38.5, 5.0, 2.0}});
+  auto arrivals = arrivals_at(d, 20.0);
+  ASSERT_EQ(arrivals.size(), 4u);
+  arrivals.pop_back();
+  for (std::size_t i = 0; i < 2; ++i) arrivals[i].tof_s += 1.5e-3;
+  EXPECT_EQ(locate(d, arrivals).status, FixStatus::kAmbiguous);
+}
+
+TEST(Rail, AMinorityIsNoConsensus) {
+  const Deployment d = on_rail(kStraight, {{1.5, 3.0, 2.0}, {2.0, 3.5, 2.0}, {2.5, 3.2, 2.0}});
+  auto arrivals = arrivals_at(d, 20.0);
+  for (std::size_t i = 2; i < 6; ++i) arrivals[i].tof_s += 4e-3 * static_cast<double>(i * i);
+  EXPECT_EQ(locate(d, arrivals).status, FixStatus::kNoConsensus);
+}
+
+TEST(Rail, TwoBeaconsThatAgreeOverruleTheLastPosition) {
+  const Deployment d = on_rail(kStraight, {{9.0, 7.5, 2.0}, {15.0, 7.0, 2.0}});
+  RailLocalizer localizer(d, {.max_speed_mps = 0.5});
+  expect_at(locate(localizer, arrivals_at(d, 5.0)), kStraight, 5.0);
+  expect_at(locate(localizer, arrivals_at(d, 20.0, 0.0, 1.0)), kStraight, 20.0);
 }
 
 TEST(Rail, WhereNothingIsKnownTheReasonIs) {
