@@ -55,17 +55,31 @@ HeadTail::HeadTail(const Deployment& deployment, HeadTailOptions options)
       options_(options),
       ranges_(deployment, {.gates = options.gates, .spread_sigmas = options.spread_sigmas}),
       propagation_(deployment),
-      end_{End{{}, {}, {}, {}, TriangleSolver(deployment.beacons.size(), options.min_sine, options.gate_sigmas)},
-           End{{}, {}, {}, {}, TriangleSolver(deployment.beacons.size(), options.min_sine, options.gate_sigmas)}} {
+      end_{End{{}, {}, {}, {}, TriangleSolver(kMaxStations, options.min_sine, options.gate_sigmas)},
+           End{{}, {}, {}, {}, TriangleSolver(kMaxStations, options.min_sine, options.gate_sigmas)}} {
   for (const SiteVehicle& vehicle : deployment_.vehicles) {
     const Ends ends = ends_of(deployment_, vehicle);
     ends_.push_back(apart(deployment_, ends) ? ends : Ends{});
   }
   for (End& end : end_) {
-    end.stations.reserve(deployment_.beacons.size());
-    end.pairs.reserve(deployment_.beacons.size());
-    end.by_slant.reserve(deployment_.beacons.size());
+    end.stations.reserve(kMaxStations);
+    end.pairs.reserve(kMaxStations);
+    end.by_slant.reserve(kMaxStations);
   }
+}
+
+/// Leaves the farthest station out if it is farther than a new one; the others keep their order.
+bool HeadTail::make_room(End& end, double horizontal_m, std::span<const Arrival> arrivals, Fix& fix) const {
+  const auto farthest =
+      std::max_element(end.stations.begin(), end.stations.end(),
+                       [](const StationRange& a, const StationRange& b) { return a.distance_m < b.distance_m; });
+  if (farthest->distance_m <= horizontal_m) return false;
+  const auto at = farthest - end.stations.begin();
+  reject_pair(arrivals, end.pairs[static_cast<std::size_t>(at)], Rejection::kNotNeeded, fix.rejections);
+  end.stations.erase(farthest);
+  end.pairs.erase(end.pairs.begin() + at);
+  end.by_slant.erase(end.by_slant.begin() + at);
+  return true;
 }
 
 /// The stations that an end hears, slant distances reduced to the horizontal by the known heights.
@@ -87,6 +101,10 @@ void HeadTail::gather(std::size_t which, std::span<const Arrival> arrivals, std:
       continue;
     }
     const double horizontal_m = std::sqrt(horizontal2), by_slant = pair.range_m / horizontal_m;
+    if (end.stations.size() == kMaxStations && !make_room(end, horizontal_m, arrivals, fix)) {
+      reject_pair(arrivals, pair, Rejection::kNotNeeded, fix.rejections);
+      continue;
+    }
     end.stations.push_back({station.head<2>(), horizontal_m, by_slant * std::sqrt(variance_m2)});
     end.pairs.push_back(pair);
     end.by_slant.push_back(by_slant);

@@ -35,7 +35,7 @@ struct HeadTailOptions {
 
 /// Position and heading of a vehicle with a receiver at its head and one at its tail, from ranges to base stations at known
 /// places (R. Thamma, "Estimating Position and Orientation of an Unmanned Guided Vehicle with Ultrasound and Radio Frequency
-/// Sensing"). Any number of stations; a receiver uses those it hears, so stations may work at different frequencies.
+/// Sensing"). A receiver uses the stations it hears, the nearest of them, so stations may work at different frequencies.
 ///
 /// For each end: means of the repeated times (eq. 1, 2), distances (eq. 3 to 5), reduced to the receivers' plane; a triangle
 /// with each pair of stations (ten steps), combined by weight. Then the pose: orientation from head and tail (seven steps),
@@ -47,6 +47,8 @@ struct HeadTailOptions {
 class HeadTail : public Localizer {
  public:
   explicit HeadTail(const Deployment& deployment, HeadTailOptions options = {});
+  /// Pairs of more stations would add time (their number squared), and hardly accuracy.
+  static constexpr std::size_t kMaxStations = 12;
   using Localizer::locate;
   void locate(const Observations& observations, Fix& fix) noexcept override;
 
@@ -57,8 +59,16 @@ class HeadTail : public Localizer {
     const TrianglePoint* tail = nullptr;
     double cost = 0.0;
   };
+  struct End {
+    ReceiverId receiver;
+    std::vector<StationRange> stations;
+    std::vector<PairRange> pairs;  ///< behind the stations
+    std::vector<double> by_slant;  ///< horizontal by slant distance
+    TriangleSolver solver;
+  };
   [[nodiscard]] FixStatus fix_pose(std::span<const Arrival> arrivals, Fix& fix);
   void gather(std::size_t end, std::span<const Arrival> arrivals, std::span<const PairRange> pairs, Fix& fix);
+  [[nodiscard]] bool make_room(End& end, double horizontal_m, std::span<const Arrival> arrivals, Fix& fix) const;
   [[nodiscard]] Choice rate(const TrianglePoint& head, const TrianglePoint& tail) const;
   [[nodiscard]] bool on_side(const Choice& choice) const;
   [[nodiscard]] FixStatus choose(Choice& choice) const;
@@ -69,13 +79,6 @@ class HeadTail : public Localizer {
   std::vector<Ends> ends_;  ///< of each vehicle; not valid: it has none
   PairRanges ranges_;
   RangePropagation propagation_;
-  struct End {
-    ReceiverId receiver;
-    std::vector<StationRange> stations;
-    std::vector<PairRange> pairs;  ///< behind the stations
-    std::vector<double> by_slant;  ///< horizontal by slant distance
-    TriangleSolver solver;
-  };
   std::array<End, 2> end_;
 };
 

@@ -335,6 +335,28 @@ TEST(HeadTail, StationsInOneLineLeaveTheMirrorImage) {
   expect_pose(locate(d, arrivals_at(d, truth), {.side = BaseLineSide::kLeft}), truth);
 }
 
+TEST(HeadTail, OfVeryManyStationsTheNearestAreUsed) {
+  std::vector<Eigen::Vector3d> stations;
+  for (int i = 0; i < 40; ++i) stations.emplace_back(10 * std::cos(i), 10 * std::sin(1.3 * i), 2.0 + 0.01 * i);
+  const Deployment d = test::ranging_site(stations, {{0.35, 0, 0.4}, {-0.35, 0, 0.4}});
+  const Pose truth = Pose::planar(1, 2, 0.5);
+  const auto arrivals = arrivals_at(d, truth);
+  const Fix fix = locate(d, arrivals);
+  expect_pose(fix, truth);
+  EXPECT_EQ(fix.arrivals_used, static_cast<int>(2 * HeadTail::kMaxStations));
+  double used_m = 0.0, left_out_m = 1e9;  // of the head
+  for (std::size_t i = 0; i < arrivals.size(); i += 2) {
+    const double distance_m =
+        (truth * d.receivers[0].position_m - d.beacons[arrivals[i].beacon.index()].position_m).head<2>().norm();
+    if (fix.rejections[i] == Rejection::kUsed) {
+      used_m = std::max(used_m, distance_m);
+    } else {
+      left_out_m = std::min(left_out_m, distance_m);
+    }
+  }
+  EXPECT_LT(used_m, left_out_m);
+}
+
 TEST(HeadTail, CalibrationsUncertaintyIsInTheFix) {
   const Deployment exact = floor_site();
   Deployment rough = exact;
