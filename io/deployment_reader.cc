@@ -96,6 +96,26 @@ void read_beacons(const JsonValue& json, Deployment& d) {
   }
 }
 
+Eigen::Vector2d point_of(const JsonValue& json) {
+  const std::vector<double> at = json.numbers(2);
+  return {at[0], at[1]};
+}
+
+std::optional<Rail> read_rail(const JsonValue& json) {
+  if (!json.present()) return std::nullopt;
+  Rail rail;
+  if (json.find("centre_m").present()) {
+    rail.shape = Rail::Shape::kArc;
+    rail.centre_m = point_of(json.at("centre_m"));
+    rail.radius_m = json.at("radius_m").positive();
+  } else {
+    rail.from_m = point_of(json.at("from_m"));
+    rail.to_m = point_of(json.at("to_m"));
+    if (rail.from_m == rail.to_m) json.at("to_m").fail("where the rail begins", "another point");
+  }
+  return rail;
+}
+
 void read_vehicles(const JsonValue& json, Deployment& d) {
   std::unordered_set<std::string> taken;
   for (const JsonValue& item : json.items()) {
@@ -121,6 +141,7 @@ void read_vehicles(const JsonValue& json, Deployment& d) {
     if (const JsonValue motion = item.find("motion"); motion.present())
       read.motion = MotionPrior{motion.at("speed_mps").positive(), motion.at("acceleration_mps2").positive(),
                                 motion.at("turn_rate_rad_per_s").positive(), motion.at("turn_acceleration_rad_per_s2").positive()};
+    read.rail = read_rail(item.find("rail"));
   }
   if (d.vehicles.empty()) json.fail("empty", "at least one vehicle");
 }

@@ -80,6 +80,12 @@ Json beacons_json(const Deployment& d) {
   return out;
 }
 
+Json rail_json(const Rail& rail) {
+  const auto point = [](const Eigen::Vector2d& p) { return Json::array({p.x(), p.y()}); };
+  if (rail.shape == Rail::Shape::kArc) return {{"centre_m", point(rail.centre_m)}, {"radius_m", rail.radius_m}};
+  return {{"from_m", point(rail.from_m)}, {"to_m", point(rail.to_m)}};
+}
+
 Json vehicles_json(const Deployment& d) {
   Json out = Json::array();
   for (const SiteVehicle& vehicle : d.vehicles) {
@@ -102,6 +108,7 @@ Json vehicles_json(const Deployment& d) {
     if (const auto& m = vehicle.motion)
       json["motion"] = {{"speed_mps", m->speed_mps}, {"acceleration_mps2", m->acceleration_mps2},
                         {"turn_rate_rad_per_s", m->turn_rate_rad_per_s}, {"turn_acceleration_rad_per_s2", m->turn_acceleration_rad_per_s2}};
+    if (vehicle.rail) json["rail"] = rail_json(*vehicle.rail);  // absent where there is none: older files keep their digest
     out.push_back(std::move(json));
   }
   return out;

@@ -126,7 +126,8 @@ std::string_view deployment_schema() {
                 "hearing_cosine": {"type": ["number", "null"]}
               }
             }
-          }
+          },
+          "rail": {"oneOf": [{"$ref": "#/$defs/rail"}, {"type": "null"}]}
         }
       }
     },
@@ -189,7 +190,19 @@ std::string_view deployment_schema() {
     "positive": {"type": "number", "exclusiveMinimum": 0},
     "not_negative": {"type": "number", "minimum": 0},
     "count": {"type": "integer", "minimum": 0},
-    "vector": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}}
+    "vector": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}},
+    "point": {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}},
+    "rail": {
+      "description": "line that the vehicle runs on, its heading along it: straight, or an arc run counter-clockwise",
+      "type": "object",
+      "oneOf": [{"required": ["from_m", "to_m"]}, {"required": ["centre_m", "radius_m"]}],
+      "properties": {
+        "from_m": {"$ref": "#/$defs/point"},
+        "to_m": {"$ref": "#/$defs/point"},
+        "centre_m": {"$ref": "#/$defs/point"},
+        "radius_m": {"$ref": "#/$defs/positive"}
+      }
+    }
   }
 }
 )json";

@@ -152,7 +152,8 @@ std::string_view site_schema() {
               },
               {"type": "null"}
             ]
-          }
+          },
+          "rail": {"oneOf": [{"$ref": "#/$defs/rail"}, {"type": "null"}]}
         }
       }
     },
@@ -189,6 +190,19 @@ std::string_view site_schema() {
     "not_negative": {"type": "number", "minimum": 0},
     "vector": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}},
     "coordinates_or_null": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": ["number", "null"]}},
+    "point": {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}},
+    "rail": {
+      "description": "line that the vehicle runs on, its heading along it: straight, or an arc run counter-clockwise",
+      "type": "object",
+      "oneOf": [{"required": ["from_m", "to_m"]}, {"required": ["centre_m", "radius_m"]}],
+      "additionalProperties": false,
+      "properties": {
+        "from_m": {"$ref": "#/$defs/point"},
+        "to_m": {"$ref": "#/$defs/point"},
+        "centre_m": {"$ref": "#/$defs/point"},
+        "radius_m": {"$ref": "#/$defs/positive"}
+      }
+    },
     "receiver_sigma": {
       "description": "one for all axes or one each; 0 or absent: held fixed",
       "oneOf": [{"$ref": "#/$defs/not_negative"}, {"$ref": "#/$defs/vector"}]

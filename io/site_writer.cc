@@ -83,6 +83,15 @@ void write_beacons(const Site& site, Out out) {
   }
 }
 
+void write_rail(const Rail& rail, Out out) {
+  const auto point = [](const Eigen::Vector2d& p) { return fmt::format("[{}, {}]", exact(p.x()), exact(p.y())); };
+  if (rail.shape == Rail::Shape::kArc) {
+    fmt::format_to(out, "    rail: {{centre_m: {}, radius_m: {}}}\n", point(rail.centre_m), exact(rail.radius_m));
+  } else {
+    fmt::format_to(out, "    rail: {{from_m: {}, to_m: {}}}\n", point(rail.from_m), point(rail.to_m));
+  }
+}
+
 void write_vehicles(const Site& site, Out out) {
   fmt::format_to(out, "vehicles:\n");
   for (const SiteVehicle& vehicle : site.vehicles) {
@@ -100,6 +109,7 @@ void write_vehicles(const Site& site, Out out) {
     if (const auto& m = vehicle.motion)
       fmt::format_to(out, "    motion: {{speed_mps: {}, acceleration_mps2: {}, turn_rate_rad_per_s: {}, turn_acceleration_rad_per_s2: {}}}\n",
                      exact(m->speed_mps), exact(m->acceleration_mps2), exact(m->turn_rate_rad_per_s), exact(m->turn_acceleration_rad_per_s2));
+    if (vehicle.rail) write_rail(*vehicle.rail, out);
   }
 }
 

@@ -295,6 +295,33 @@ void read_motion(YamlMap& vehicle_map, SiteVehicle& vehicle, YamlLog& log) {
   vehicle.motion = prior;
 }
 
+/// {from_m: [x, y], to_m: [x, y]}, straight, or {centre_m: [x, y], radius_m: R}, an arc.
+std::optional<Rail> read_rail(const YAML::Node& node, const std::string& name, YamlLog& log) {
+  YamlMap map(node, name, log);
+  if (!map.present()) return std::nullopt;
+  const auto point = [&](const char* key) {
+    if (!map.has(key)) map.fail_missing(key, "[x, y]; a rail is {from_m: [x, y], to_m: [x, y]} or {centre_m: [x, y], radius_m: R}");
+    const std::vector<double> at = map.numbers(key, 2);
+    return at.size() == 2 ? Eigen::Vector2d(at[0], at[1]) : Eigen::Vector2d(0, 0);
+  };
+  Rail rail;
+  const bool arc = map.has("centre_m") || map.has("radius_m");
+  if (arc && (map.has("from_m") || map.has("to_m"))) {
+    log.fail(node, name + " is both straight and an arc", "from_m and to_m, or centre_m and radius_m");
+  }
+  if (arc) {
+    rail.shape = Rail::Shape::kArc;
+    rail.centre_m = point("centre_m");
+    rail.radius_m = map.required_number("radius_m", kPositive);
+  } else {
+    rail.from_m = point("from_m");
+    rail.to_m = point("to_m");
+    if (!log.error && rail.from_m == rail.to_m) map.fail("to_m", map.path("to_m") + " is where the rail begins", "another point");
+  }
+  map.finish();
+  return rail;
+}
+
 void read_vehicles(YamlMap& root, Site& site, YamlLog& log) {
   UniqueIds ids("vehicle", log);
   for (const YAML::Node& node : root.list("vehicles")) {
@@ -307,6 +334,7 @@ void read_vehicles(YamlMap& root, Site& site, YamlLog& log) {
     site.vehicles.back().receiver_count = site.receivers.size() - site.vehicles.back().first_receiver;
     read_array(map, site.vehicles.back(), site, log);
     read_motion(map, site.vehicles.back(), log);
+    site.vehicles.back().rail = read_rail(map.block("rail"), map.path("rail"), log);
     map.finish();
   }
   if (site.vehicles.empty()) root.fail_missing("vehicles", "a list of at least one vehicle");

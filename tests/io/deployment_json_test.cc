@@ -61,6 +61,13 @@ TEST(DeploymentJson, HoldsWhatTheContractAsksFor) {
   EXPECT_TRUE(Json::parse(deployment_to_json(without)).at("attenuation").is_null());
 }
 
+TEST(DeploymentJson, ARailIsWrittenOnlyWhereThereIsOne) {
+  Deployment d = small_deployment();
+  EXPECT_FALSE(Json::parse(deployment_to_json(d)).at("vehicles").at(0).contains("rail"));
+  d.vehicles[0].rail = Rail{.shape = Rail::Shape::kArc, .centre_m = {6, 5}, .radius_m = 4};
+  EXPECT_EQ(Json::parse(deployment_to_json(d)).at("vehicles").at(0).at("rail"), (Json{{"centre_m", {6.0, 5.0}}, {"radius_m", 4.0}}));
+}
+
 TEST(DeploymentJson, LayoutDoesNotMatterButValuesDo) {
   const std::string text = deployment_to_json(small_deployment());
   EXPECT_TRUE(deployment_from_json(nlohmann::json::parse(text).dump(), "d.json")) << "keys sorted, one line";
@@ -113,6 +120,11 @@ TEST(DeploymentJson, NamesWhatIsWrongByPointerAndLine) {
       {"/beacons/0/covariance_m2/1/1", -1.0, "negative variance"},
       {"/vehicles", Json::array(), "/vehicles is empty"},
       {"/vehicles/0/receivers", Json::object(), "/vehicles/0/receivers is an object"},
+      {"/vehicles/0/rail", 3, "/vehicles/0/rail"},
+      {"/vehicles/0/rail", Json::object(), "/vehicles/0/rail is without 'from_m'"},
+      {"/vehicles/0/rail", Json{{"from_m", {0, 0}}, {"to_m", {0, 0}}}, "/vehicles/0/rail/to_m is where the rail begins"},
+      {"/vehicles/0/rail", Json{{"centre_m", {0, 0}}, {"radius_m", 0}}, "a positive number"},
+      {"/vehicles/0/rail", Json{{"from_m", {0}}, {"to_m", {0, 1}}}, "an array of 2"},
       {"/covariance/upper_triangle", Json::array({1, 2}), "expected an array of 3 numbers"},
       {"/statistics/arrivals", -1, "/statistics/arrivals is -1"},
       {"/statistics/converged", 1, "true or false"},
@@ -176,6 +188,7 @@ Deployment some_deployment() {
   d.receivers[0].sigma_m = some_vector();
   d.receivers[0].delay_s = test::some_number();
   if (*rc::gen::arbitrary<bool>()) d.receivers[0].axis = some_vector();
+  d.vehicles[0].rail = test::some_rail();
   if (*rc::gen::arbitrary<bool>()) d.receivers[0].hearing_cosine = 0.25;
   const Eigen::Vector2d c(test::some_number(), test::some_number());
   d.covariance.matrix = c * c.transpose();
@@ -225,6 +238,7 @@ void assert_same(const Deployment& a, const Deployment& b) {
     RC_ASSERT(x.name == y.name && x.position_m == y.position_m && x.covariance_m2 == y.covariance_m2);
     RC_ASSERT(x.delay_s == y.delay_s && x.delay_sigma_s == y.delay_sigma_s && x.status == y.status);
   }
+  RC_ASSERT(test::same_rail(a.vehicles[0].rail, b.vehicles[0].rail));
   const DeploymentReceiver &x = a.receivers[0], &y = b.receivers[0];
   RC_ASSERT(x.name == y.name && x.vehicle == y.vehicle && x.position_m == y.position_m && x.sigma_m == y.sigma_m);
   RC_ASSERT(x.delay_s == y.delay_s && x.delay_sigma_s == y.delay_sigma_s && x.axis == y.axis && x.hearing_cosine == y.hearing_cosine);

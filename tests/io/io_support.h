@@ -16,6 +16,7 @@
 #include <rapidcheck.h>
 
 #include "models/result.h"
+#include "models/site.h"
 
 namespace octant::io::test {
 
@@ -75,6 +76,19 @@ inline double some_positive() { return std::abs(some_number()) + 1e-12; }
 inline double some_fraction() { return std::ldexp(static_cast<double>(*rc::gen::inRange<std::int64_t>(0, 1LL << 53)), -53); }
 inline std::optional<double> maybe(double value) {
   return *rc::gen::arbitrary<bool>() ? std::optional<double>(value) : std::nullopt;
+}
+
+inline std::optional<Rail> some_rail() {
+  switch (*rc::gen::inRange(0, 3)) {
+    case 0: return Rail{.from_m = {some_number(), some_number()}, .to_m = {some_number(), 1.0}};
+    case 1: return Rail{.shape = Rail::Shape::kArc, .centre_m = {some_number(), some_number()}, .radius_m = some_positive()};
+    default: return std::nullopt;
+  }
+}
+inline bool same_rail(const std::optional<Rail>& a, const std::optional<Rail>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return a->shape == b->shape && a->from_m == b->from_m && a->to_m == b->to_m && a->centre_m == b->centre_m &&
+         a->radius_m == b->radius_m;
 }
 
 /// Names that are awkward in YAML, CSV or JSON.

@@ -131,6 +131,21 @@ TEST(SiteYaml, WarnsOfWhatItAssumes) {
                                                   testing::HasSubstr("delay_sigma_s")));
 }
 
+TEST(SiteYaml, ReadsRails) {
+  const Site straight = read(kHead + kTail + "    rail: {from_m: [0, 1.5], to_m: [40, 1.5]}\n").value();
+  EXPECT_THAT(straight.warnings, testing::IsEmpty());
+  ASSERT_TRUE(straight.vehicles[0].rail);
+  EXPECT_EQ(straight.vehicles[0].rail->shape, Rail::Shape::kStraight);
+  EXPECT_EQ(straight.vehicles[0].rail->from_m, Eigen::Vector2d(0, 1.5));
+  EXPECT_EQ(straight.vehicles[0].rail->to_m, Eigen::Vector2d(40, 1.5));
+  const Site arc = read(kHead + kTail + "    rail: {centre_m: [6, 5], radius_m: 4}\n").value();
+  EXPECT_EQ(arc.vehicles[0].rail->shape, Rail::Shape::kArc);
+  EXPECT_EQ(arc.vehicles[0].rail->centre_m, Eigen::Vector2d(6, 5));
+  EXPECT_EQ(arc.vehicles[0].rail->radius_m, 4.0);
+  EXPECT_FALSE(read(kHead + kTail).value().vehicles[0].rail);
+  EXPECT_FALSE(read(kHead + kTail + "    rail:\n").value().vehicles[0].rail);
+}
+
 struct BadSite {
   std::string text;
   int line;
@@ -189,6 +204,14 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers:\n      - {id: r}\n", 7, "position_m' is missing"},
       {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers:\n      - {id: r, position_m: [0, 0, 0], axis: [0, 0, 0]}\n", 7,
        "no length"},
+      {kHead + kTail + "    rail: {from_m: [0, 0]}\n", 6, "'vehicles[0].rail.to_m' is missing"},
+      {kHead + kTail + "    rail: {}\n", 6, "'vehicles[0].rail.from_m' is missing"},
+      {kHead + kTail + "    rail: 3\n", 6, "a mapping"},
+      {kHead + kTail + "    rail: {from_m: [0, 0], to_m: [1, 2, 3]}\n", 6, "3 items; expected a list of 2"},
+      {kHead + kTail + "    rail: {from_m: [0, 1], to_m: [0, 1]}\n", 6, "is where the rail begins"},
+      {kHead + kTail + "    rail: {from_m: [0, 1], radius_m: 1}\n", 6, "both straight and an arc"},
+      {kHead + kTail + "    rail: {centre_m: [0, 1]}\n", 6, "'vehicles[0].rail.radius_m' is missing"},
+      {kHead + kTail + "    rail:\n      centre_m: [0, 1]\n      radius_m: -2\n", 8, "a positive number"},
       {kHead + "beacons: [\n", 4, "not YAML"},
       {kHead + "beacons: []\n\tvehicles: 3\n", 4, "not YAML"},
       {kHead + kTail + "---\na: 1\n", 7, "second document"},
@@ -244,6 +267,7 @@ Site some_site() {
   }
   for (std::size_t v = 0; v < *rc::gen::inRange<std::size_t>(1, 3); ++v) {
     s.vehicles.push_back({test::some_name(v), s.receivers.size(), *rc::gen::inRange<std::size_t>(0, 3)});
+    s.vehicles.back().rail = test::some_rail();
     for (std::size_t i = 0; i < s.vehicles.back().receiver_count; ++i) {
       SiteReceiver r{.name = test::some_name(i), .vehicle = VehicleId(v), .axis = std::nullopt};
       r.position_m = {test::some_number(), test::some_number(), test::some_number()};
@@ -288,6 +312,7 @@ void assert_same(const Site& a, const Site& b) {
   }
   for (std::size_t i = 0; i < a.vehicles.size(); ++i) {
     RC_ASSERT(a.vehicles[i].name == b.vehicles[i].name && a.vehicles[i].receiver_count == b.vehicles[i].receiver_count);
+    RC_ASSERT(test::same_rail(a.vehicles[i].rail, b.vehicles[i].rail));
   }
   for (std::size_t i = 0; i < a.receivers.size(); ++i) {
     RC_ASSERT(a.receivers[i].name == b.receivers[i].name && a.receivers[i].vehicle == b.receivers[i].vehicle);
