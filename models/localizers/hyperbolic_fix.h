@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include <Eigen/Core>
+
+namespace octant {
+
+// L. Kleeman, "Ultrasonic autonomous robot localisation system", section 4.1: a point from three distances that are all longer
+// by the same unknown amount, so that only their differences count, and each difference is a hyperbola.
+//
+// From space to the plane. The beacons hang above the plane in which the receivers move, by a height h that is known. With r
+// the distance in the plan, the slant distance is d = sqrt(r^2 + h^2), and it changes by cos(elevation) = r / d times as much as
+// r does. So a beacon's direction (cos psi, sin psi) is foreshortened to e = r / d (cos psi, sin psi), and
+//   dd_i = -e_i . dP
+// holds for slant distances as eq. 2 does in the plane: nothing is approximated, and no distance is turned into a plan
+// distance, which would need the unknown offset. For level beacons |e| = 1 and all below are the paper's equations.
+
+/// A beacon as the receivers' plane sees it.
+struct PlanBeacon {
+  Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
+  double height_m = 0.0;  ///< above (or below) the receivers' plane
+};
+
+/// Slant distance [m] of a point of the receivers' plane.
+[[nodiscard]] double slant_distance_m(const PlanBeacon& beacon, const Eigen::Vector2d& p_map_m);
+
+/// e: direction to the beacon, foreshortened by the cosine of its elevation; zero right below it. No unit.
+[[nodiscard]] Eigen::Vector2d foreshortened(const PlanBeacon& beacon, const Eigen::Vector2d& p_map_m);
+
+/// How the point moves with the differences of distances (eq. 4): dP = by_d12 d(d1 - d2) + by_d10 d(d1 - d0).
+///
+/// For level beacons, with psi_i the angles from the x axis to the beacons,
+///   by_d12 = -(cos, sin)((psi0 + psi1) / 2) / (2 sin((psi0 - psi2) / 2) sin((psi1 - psi2) / 2))
+///   by_d10 = -(cos, sin)((psi2 + psi1) / 2) / (2 sin((psi2 - psi0) / 2) sin((psi1 - psi0) / 2))
+/// The cosines are the paper's dx, the sines are dy. The paper prints d(d0 - d1) in the second term; its own derivation, with 0
+/// and 2 exchanged in eq. 3, gives d(d1 - d0), and so do numeric derivatives.
+struct HyperbolicStep {
+  Eigen::Vector2d by_d12, by_d10;
+
+  /// Derivatives of the point by the three distances, columns d0, d1, d2. They add up to zero: a common offset does not count.
+  [[nodiscard]] Eigen::Matrix<double, 2, 3> by_distances() const {
+    Eigen::Matrix<double, 2, 3> J;
+    J << -by_d10, by_d10 + by_d12, -by_d12;
+    return J;
+  }
+};
+
+/// @param e  foreshortened directions to the three beacons  @return nothing where the hyperbolas are parallel
+[[nodiscard]] std::optional<HyperbolicStep> hyperbolic_step(const std::array<Eigen::Vector2d, 3>& e);
+
+struct HyperbolicFixOptions {
+  double tolerance_m = 1e-7;  ///< a step shorter than this is the last
+  double max_step_m = 3.0;    ///< longer steps are cut: the hyperbolas are only straight nearby
+  int max_iterations = 40;
+};
+
+struct HyperbolicFix {
+  bool converged = false;
+  Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
+  HyperbolicStep step;  ///< at p_map_m
+  int iterations = 0;
+};
+
+/// Intersection of the hyperbolas of three beacons near `start`, by iterating eq. 4; a step that would make the misclosure
+/// worse is halved.
+/// @param distance_m  slant distances, each longer than the true one by the same unknown amount
+/// @return not converged where the hyperbolas do not meet, or meet too flatly
+[[nodiscard]] HyperbolicFix hyperbolic_fix(const std::array<PlanBeacon, 3>& beacons, const std::array<double, 3>& distance_m,
+                                           const Eigen::Vector2d& start_map_m, const HyperbolicFixOptions& options = {});
+
+/// Error analysis (section 4.2; the paper leaves the expression to its report): standard deviations of x and y when the
+/// distances have the independent sigmas s_i. With g12, g10 the columns of eq. 4,
+///   s_x^2 = g10x^2 s_0^2 + (g10x + g12x)^2 s_1^2 + g12x^2 s_2^2,   and the same with y.
+/// @return [m]; infinite where the hyperbolas are parallel
+[[nodiscard]] Eigen::Vector2d hyperbolic_error_m(const std::array<PlanBeacon, 3>& beacons, const Eigen::Vector2d& p_map_m,
+                                                 const std::array<double, 3>& sigma_m);
+
+}  // namespace octant

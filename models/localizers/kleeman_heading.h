@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+namespace octant {
+
+// Orientation of the receiver array about the vertical, once the position is known (L. Kleeman, sections 5.1 and 6).
+
+/// A receiver of the array, in the vehicle frame.
+struct ArrayReceiver {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector2d> axis;  ///< horizontal direction of hearing, unit vector
+  double delay_s = 0.0;
+  double variance_m2 = 0.0;  ///< of a distance through it, beside the noise: its place and its delay
+};
+
+/// One arrival as a distance.
+struct HeardDistance {
+  std::size_t arrival = 0;  ///< index into the arrivals given
+  std::size_t beacon = 0;
+  std::size_t receiver = 0;  ///< index into the vehicle's receivers
+  double time_m = 0.0;       ///< distance but for the time-walk, and longer than the true one by the cycle's unknown offset
+  double slant_m = 0.0;      ///< time-walk taken out as well
+  double sigma_m = 0.0;
+  double centred_m = 0.0;   ///< slant_m as from the vehicle's centre
+  bool walk_known = false;  ///< from a measured amplitude
+  bool kept = true;         ///< agrees with the other arrivals of its beacon
+};
+
+/// What the heading is computed from: the arrivals kept, and where vehicle and beacons are.
+struct HeadingInput {
+  std::span<const HeardDistance> heard;
+  std::span<const Eigen::Vector3d> beacon_p_map_m;
+  std::span<const ArrayReceiver> receivers;
+  Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
+};
+
+struct Heading {
+  bool known = false;
+  double rad = 0.0;
+  double sigma_rad = 0.0;                                       ///< from the arrivals' noise, with the position held
+  Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  ///< rad/m
+};
+
+/// Distance of a receiver from a beacon when the vehicle stands at p with a heading, and its derivatives.
+struct ReceiverPath {
+  double slant_m = 0.0;
+  Eigen::RowVector2d by_position;  ///< no unit
+  double by_heading = 0.0;         ///< m/rad
+};
+[[nodiscard]] ReceiverPath receiver_path(const Eigen::Vector3d& beacon_p_map_m, const ArrayReceiver& receiver,
+                                         const Eigen::Vector2d& p_map_m, double heading_rad);
+
+/// As published: each beacon is heard from the middle direction of the receivers that hear it, which the array resolves to one
+/// receiver spacing (45 degrees); its bearing in the map less that is a heading, and the mean over the beacons is the result.
+/// The rounding is uniform, so n beacons leave 45 / sqrt(12 n) degrees: 5.3 with six. Unknown without axes.
+[[nodiscard]] Heading heading_from_hearing(const HeadingInput& input);
+
+/// Interpolated between receivers, as the paper proposes: least squares of the differences between the arrivals of one beacon
+/// at several receivers. The mean of a beacon's arrivals does not enter, so neither does the unknown offset.
+/// @param start  where it begins; not known: the best of 36 headings. Unknown where no beacon is heard by two receivers.
+[[nodiscard]] Heading heading_from_differences(const HeadingInput& input, const Heading& start);
+
+}  // namespace octant

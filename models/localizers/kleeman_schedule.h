@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "models/ids.h"
+
+namespace octant {
+
+// L. Kleeman, "Ultrasonic autonomous robot localisation system", section 2: the beacons fire in turn, round and round, beacon 0
+// twice in short succession so that the receiver can tell whose turn it is.
+
+/// Pulses of one cycle. The defaults are the prototype's.
+struct FiringSchedule {
+  int beacons = 6;           ///< 3 to 16
+  double fire_s = 0.150;     ///< t_fire, between the firings of successive beacons
+  double pulse_s = 2.5e-3;   ///< t_pulse, length of a pulse
+  double double_s = 5.5e-3;  ///< t_double, from the start of beacon 0's first pulse to that of its second
+};
+
+/// Time from one firing of a beacon to its next [s].
+[[nodiscard]] inline double cycle_s(const FiringSchedule& schedule) { return schedule.beacons * schedule.fire_s; }
+
+/// When a beacon fires, from the start of cycle 0 [s].
+[[nodiscard]] inline double firing_s(const FiringSchedule& schedule, BeaconId beacon, std::int64_t epoch) {
+  return (static_cast<double>(epoch) * schedule.beacons + beacon.value) * schedule.fire_s;
+}
+
+/// What the time between firings is chosen from. The defaults are the prototype's.
+struct FiringDesign {
+  double amplitude_1m_v = 12.5;    ///< V_1m, at the receiver 1 m before the beacon
+  double threshold_v = 0.2;        ///< V_thresh
+  double absorbed_fraction = 0.0;  ///< alpha, of the amplitude, at each reflection
+  int reflections = 0;             ///< n, round the room until the next firing
+  double speed_mps = 345.0;        ///< v_sound
+};
+
+/// Shortest time between firings after which nothing of a pulse is heard any more (eq. 1):
+///   t_fire > V_1m (1 - alpha)^n / (V_thresh v_sound)
+/// The amplitude falls with 1 / distance; the echo has gone t_fire v_sound. An echo heard after the next firing would be taken
+/// for an early pulse of the next beacon, which is what the whole method holds impossible.
+/// @return s; 416 ms for a threshold of 87 mV without absorption. (The paper prints 480 ms, which its own equation gives for
+/// 300 m/s, not for its 345 m/s.)
+[[nodiscard]] double shortest_fire_s(const FiringDesign& design);
+
+/// The same rule solved for alpha: least absorption at each of n reflections for which `fire_s` is long enough; 0 where none is
+/// needed. The prototype's 150 ms need 0.04 with n = 5.
+[[nodiscard]] double least_absorbed_fraction(const FiringDesign& design, double fire_s);
+
+/// And for the threshold [V]: the lowest for which `fire_s` is long enough.
+[[nodiscard]] double lowest_threshold_v(const FiringDesign& design, double fire_s);
+
+}  // namespace octant
