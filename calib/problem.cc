@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "calib/gates.h"
 #include "calib/ranges.h"
 
 namespace octant::calib {
@@ -86,6 +87,7 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs) {
                  .expected = "rows of times of flight or bearings with a vehicle state at their time",
                  .advice = "record a run while the beacons fire, or check poses.tum and odometry.csv against the times in tof.csv"});
   }
+  apply_gates(site, problem.trajectories);
   problem.typical_range_m = typical_range_m(site, problem.trajectories);
   problem.site = std::move(site);
   problem.runs = std::move(runs);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/gates.h"
 #include "models/linearise.h"
 
 namespace octant::calib {
@@ -49,13 +50,13 @@ std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedSta
   std::size_t changed = 0;
   const auto decide = [&](double residual, Rejection now) {
     const bool out = std::abs(residual) > (now == Rejection::kUsed ? limit : kReadmit * limit);
-    const Rejection next = !out ? Rejection::kUsed : residual > 0 ? Rejection::kLate : Rejection::kEarly;
+    const Rejection next = !out ? Rejection::kUsed : is_gated(now) ? now : residual > 0 ? Rejection::kLate : Rejection::kEarly;
     changed += (next == Rejection::kUsed) != (now == Rejection::kUsed);
     return next;
   };
   for (Trajectory& t : trajectories) {
     for (ArrivalObservation& a : t.arrivals)
-      if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly)
+      if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection))
         a.rejection = decide(arrival_residual(t, a, state), a.rejection);
     for (std::size_t i = 0; i < t.bearings.size(); ++i) {
       BearingObservation& b = t.bearings[i];
@@ -72,6 +73,7 @@ void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>&
     for (ArrivalObservation& a : t.arrivals)
       a.rejection = !beacon_usable[a.beacon.index()]  ? Rejection::kBeaconUnusable
                     : !t.nodes[a.node].placed         ? Rejection::kNoPose
+                    : is_gated(a.rejection)           ? a.rejection
                                                       : Rejection::kUsed;
     for (BearingObservation& b : t.bearings)
       b.rejection = !b.reflector.valid() || !beacon_usable[b.reflector.index()] ? Rejection::kBeaconUnusable

@@ -12,6 +12,7 @@
 #include "calib/calibrate.h"
 #include "calib/datum.h"
 #include "calib/flips.h"
+#include "calib/gates.h"
 #include "calib/label_check.h"
 #include "calib/long_log.h"
 #include "calib/observability.h"
@@ -370,7 +371,7 @@ class Calibrator {
       for (const std::size_t i : t.stateless_arrivals) solution_.left_out.push_back({t.run, i, Rejection::kNoPose, 0.0});
       for (const ArrivalObservation& a : t.arrivals) {
         if (a.rejection == Rejection::kUsed) continue;
-        const bool placed = a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly;
+        const bool placed = a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection);
         solution_.left_out.push_back({t.run, a.arrival, a.rejection, placed ? a.sigma_s * arrival_residual(t, a, solution_.state) : 0.0});
       }
     }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calib/cold_start.h"
+#include "calib/gates.h"
 #include "calib/ranges.h"
 #include "calib/trilaterate.h"
 #include "models/linearise.h"
@@ -164,13 +165,17 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
   Node& node = t.nodes[epoch.first_node];
   if (epoch.first_pose < epoch.last_pose || (node.placed && !again)) return false;  // a measured pose needs no search
   const Node before = node;
+  std::vector<Rejection> marks;
+  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i) marks.push_back(t.arrivals[i].rejection);
   const bool found = fix_epoch(t, epoch, model, options).ok();
   if (found) {
     node.placed = true;
   } else {
     node = before;
   }
-  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i) t.arrivals[i].rejection = Rejection::kUsed;
+  // The search looked at all arrivals; what a gate has left out stays out until the adjustment has settled.
+  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
+    t.arrivals[i].rejection = is_gated(marks[i - epoch.first_arrival]) ? marks[i - epoch.first_arrival] : Rejection::kUsed;
   return found;
 }
 

@@ -177,6 +177,16 @@ std::string_view site_schema() {
         }
       }
     },
+    "gates": {
+      "description": "what is left out before anything is known of the vehicle; an arrival that fits the final adjustment is used after all",
+      "type": ["object", "null"],
+      "additionalProperties": false,
+      "properties": {
+        "min_range_m": {"$ref": "#/$defs/not_negative", "default": 0, "description": "nearer is impossible, and a second signal so close behind the first is its reflection"},
+        "max_range_m": {"$ref": "#/$defs/positive", "description": "farther is impossible"},
+        "triangle": {"type": "boolean", "default": true, "description": "Kleeman's inequality between two beacons with known places"}
+      }
+    },
     "tolerance": {
       "description": "what the site must reach",
       "type": ["object", "null"],

@@ -3,6 +3,8 @@
 #include <array>
 #include <iterator>
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "io/site_yaml.h"
@@ -135,6 +137,11 @@ std::string site_to_yaml(const Site& site) {
   write_beacons(site, out);
   write_vehicles(site, out);
   if (!site.distances.empty()) write_distances(site, out);
+  if (const Gates& g = site.gates; g.min_range_m > 0 || std::isfinite(g.max_range_m) || !g.triangle) {
+    fmt::format_to(out, "gates:\n  min_range_m: {}\n", exact(g.min_range_m));
+    if (std::isfinite(g.max_range_m)) fmt::format_to(out, "  max_range_m: {}\n", exact(g.max_range_m));
+    fmt::format_to(out, "  triangle: {}\n", g.triangle);
+  }
   if (site.tolerance.beacon_m || site.tolerance.fix_m) {
     fmt::format_to(out, "tolerance:\n");
     if (site.tolerance.beacon_m) fmt::format_to(out, "  beacon_m: {}\n", exact(*site.tolerance.beacon_m));

@@ -391,6 +391,11 @@ Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, boo
     read_beacons(root, site, log);
     read_vehicles(root, site, log);
     read_control(root, site, log);
+    YamlMap gates(root.block("gates"), "gates", log);
+    site.gates.min_range_m = gates.number("min_range_m", 0.0, kNotNegative);
+    site.gates.max_range_m = gates.optional_number("max_range_m", kPositive).value_or(site.gates.max_range_m);
+    site.gates.triangle = gates.boolean("triangle", true);
+    gates.finish();
     YamlMap tolerance(root.block("tolerance"), "tolerance", log);
     site.tolerance.beacon_m = tolerance.optional_number("beacon_m", kPositive);
     site.tolerance.fix_m = tolerance.optional_number("fix_m", kPositive);

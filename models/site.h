@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -140,6 +141,13 @@ struct Tolerance {
   std::optional<double> fix_m;
 };
 
+/// What is left out before anything is known of the vehicle.
+struct Gates {
+  double min_range_m = 0.0;                                      ///< Chang's d_min; 0: no gate
+  double max_range_m = std::numeric_limits<double>::infinity();  ///< Chang's d_max
+  bool triangle = true;                                          ///< Kleeman's triangle inequality
+};
+
 /// All that is known of a site before calibration.
 struct Site {
   std::string name;
@@ -156,6 +164,7 @@ struct Site {
   std::vector<SiteReceiver> receivers;  ///< all vehicles' receivers, vehicle by vehicle
   std::vector<ControlDistance> distances;
   Tolerance tolerance;
+  Gates gates;
   std::vector<std::string> warnings;    ///< of reading: ignored keys, assumptions made
   /// Blocks that the site file states; they may be left out only where there are no arrivals (bearings or scans alone).
   bool medium_given = true, timing_given = true, tof_sigma_given = true;

@@ -62,7 +62,9 @@ Result<Checked> localize_and_verify(const Places& at, Session& session) {
   if (!deployment) return fail(deployment.error());
   const auto runs = read_runs({at.heldout}, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = false}, session);
   if (!runs) return fail(runs.error());
-  const Localization found = localize_runs(*deployment, *runs, Method::kAuto);
+  const auto located = localize_runs(*deployment, *runs, Method::kAuto);
+  if (!located) return session.fail(located.error());
+  const Localization& found = *located;
   Checked checked{{}, found.all()};
   if (auto written = io::write_file(at.fixes, io::fixes_to_tum(checked.fixes)); !written) return fail(written.error());
   if (auto written = io::write_file(at.csv, io::fixes_to_csv(checked.fixes, names_of(*deployment))); !written) return fail(written.error());

@@ -11,13 +11,14 @@
 #include "apps/octant/steps.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
+#include "io/run_folder.h"
 #include "io/tum.h"
 
 namespace octant::app {
 namespace {
 
 struct Words {
-  std::string deployment, output, csv;
+  std::string deployment, output, csv, map;
   std::vector<std::string> runs;
   Method method = Method::kAuto;
 };
@@ -51,9 +52,21 @@ int run(const Words& words, Session& session) {
 
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = false}, session);
+  // A line map starts from the run's first measured pose; no other method looks at poses.tum.
+  const bool by_lines = words.method == Method::kLineMap || !words.map.empty();
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = by_lines}, session);
   if (!runs) return session.fail(runs.error());
-  const Localization found = localize_runs(*deployment, *runs, words.method);
+  MethodInput input;
+  if (!words.map.empty()) {
+    const auto mapped = io::read_run(words.map, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = true});
+    if (!mapped) return session.fail(mapped.error());
+    auto map = build_line_map(*mapped);
+    if (!map) return session.fail(map.error());
+    input.line_map = std::move(*map);
+  }
+  auto located = localize_runs(*deployment, *runs, words.method, input);
+  if (!located) return session.fail(located.error());
+  const Localization& found = *located;
   if (interrupted()) return session.interrupted();
   const std::vector<Fix> fixes = found.all();
   warn_of_fixes(found, fixes, session);
@@ -65,11 +78,12 @@ int run(const Words& words, Session& session) {
     reasons[reason] = count;
     why += fmt::format("{}{} {}", why.empty() ? ": " : ", ", count, reason);
   }
-  session.result(fmt::format("{:<17}{} ({}), {} times no fix{}\n{:<17}{} used, {} left out\n", "fixes", found.ok, found.method, found.no_fix, why,
-                             "arrivals", found.arrivals, found.rejected));
+  session.result(fmt::format("{:<17}{} ({}{}), {} times no fix{}\n{:<17}{} used, {} left out\n", "fixes", found.ok, found.method,
+                             found.why.empty() ? "" : ": " + found.why, found.no_fix, why, "arrivals", found.arrivals, found.rejected));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "written", words.output));
   return session.finish({{"status", found.ok > 0 ? "ok" : "no_fix"},
                          {"method", found.method},
+                         {"why", found.why},
                          {"fixes", found.ok},
                          {"no_fix", found.no_fix},
                          {"seconds", session.seconds()},
@@ -84,13 +98,15 @@ void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<Words>();
   CLI::App* command = add_command(app, common, "localize", "Tell where the vehicle was",
                                   "octant localize hall/deployment.json hall/heldout -o hall/fixes.tum --csv hall/fixes.csv");
-  const std::map<std::string, Method> methods = {{"auto", Method::kAuto}, {"least_squares", Method::kLeastSquares}, {"tracker", Method::kTracker}};
+  std::map<std::string, Method> methods;
+  for (const auto& [name, method] : method_names()) methods.emplace(name, method);
   command->add_option("deployment", words->deployment, "Deployment file, from calibrate")->required()->type_name("DEPLOYMENT.json");
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
   command->add_option("-o,--output", words->output, "Fixes to write, TUM format; - is standard output")->required()->type_name("FIXES.tum");
   command->add_option("--csv", words->csv, "Fixes with sigmas and reasons to write")->type_name("F.csv");
-  command->add_option("--method", words->method, "auto (tracker for drives with odometry), least_squares or tracker")
+  command->add_option("--method", words->method, "auto (what deployment and log allow), kleeman, head_tail, one_beacon, rail, reflectors, line_map, binaural, least_squares or tracker")
       ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case).description(""))->type_name("M");
+  command->add_option("--map", words->map, "line_map: a run with scans and measured poses, from which the map is made")->type_name("RUN");
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 

@@ -8,22 +8,8 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/steps.h"
 #include "apps/octant/table.h"
-#include "models/localizers/epoch_fix.h"
-#include "models/localizers/tracker.h"
 
 namespace octant::app {
-namespace {
-
-/// Where the user does not say: a drive with odometry or a motion prior is tracked, all else is fixed epoch by epoch.
-Method method_for(const Deployment& deployment, const MeasurementLog& run, Method wanted) {
-  if (wanted != Method::kAuto) return wanted;
-  const bool prior = std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(), [](const SiteVehicle& v) { return v.motion.has_value(); });
-  return !run.has_epochs && (!run.odometry.empty() || (prior && run.poses.empty())) ? Method::kTracker : Method::kLeastSquares;
-}
-
-const char* name_of(Method method) { return method == Method::kTracker ? "tracker" : "least_squares"; }
-
-}  // namespace
 
 Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
                                               const io::ReadRunOptions& options, Session& session) {
@@ -46,17 +32,27 @@ std::vector<Fix> Localization::all() const {
   return together;
 }
 
-Localization localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method wanted) {
+Result<Localization> localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method wanted, const MethodInput& input) {
   Localization result;
-  const LeastSquaresLocalizer localizer(deployment);
   for (const auto& run : runs) {
-    const Method method = method_for(deployment, run, wanted);
+    const MethodChoice choice = wanted == Method::kAuto ? choose_method(deployment, run, input) : MethodChoice{wanted, ""};
     {
       const ExitAtOnce nothing_written_yet;
-      result.fixes.push_back(method == Method::kTracker ? track(run, deployment) : localizer.locate(run));
+      auto fixes = locate_run(choice.method, deployment, run, input);
+      if (!fixes) {
+        Error error = fixes.error();
+        error.code = Errc::kBadInput;
+        if (error.file.empty()) error.file = run.path;
+        error.found = fmt::format("method {}: {}", to_string(choice.method), error.found);
+        return fail(std::move(error));
+      }
+      result.fixes.push_back(std::move(*fixes));
     }
-    const std::string name = name_of(method);
-    if (result.method.find(name) == std::string::npos) result.method += (result.method.empty() ? "" : "+") + name;
+    const std::string name = to_string(choice.method);
+    if (result.method.find(name) == std::string::npos) {
+      result.method += (result.method.empty() ? "" : "+") + name;
+      if (wanted == Method::kAuto) result.why += fmt::format("{}{}", result.why.empty() ? "" : "; ", choice.why);
+    }
     result.rejected += run.rejected.size();
     for (const Fix& fix : result.fixes.back()) {
       ++(fix.ok() ? result.ok : result.no_fix);

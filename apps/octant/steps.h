@@ -12,6 +12,7 @@
 #include "apps/octant/session.h"
 #include "calib/calibrate.h"
 #include "io/run_folder.h"
+#include "models/localizers/methods.h"
 #include "models/deployment.h"
 #include "models/fix.h"
 #include "models/result.h"
@@ -53,18 +54,18 @@ struct Calibration {
 [[nodiscard]] std::string calibration_text(const Calibration& calibration);
 [[nodiscard]] std::string reliability_text(const Calibration& calibration);
 
-enum class Method { kAuto, kLeastSquares, kTracker };
-
 /// Fixes of some recordings, one list for each.
 struct Localization {
   std::vector<std::vector<Fix>> fixes;
   std::string method;   ///< as used; joined by '+' where recordings differ
+  std::string why;      ///< of Method::kAuto: why these
   std::size_t ok = 0, no_fix = 0, arrivals = 0, rejected = 0;
   std::map<std::string, std::size_t> no_fix_reasons;
   [[nodiscard]] std::vector<Fix> all() const;
 };
-/// Epochs are fixed one by one; drives with odometry are tracked.
-[[nodiscard]] Localization localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method method);
+/// Fixes of all runs by a method. Errors: a run for which the method is not made, named.
+[[nodiscard]] Result<Localization> localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method method,
+                                                 const MethodInput& input = {});
 
 /// Fixes of the vehicle that truth.tum follows against it. Errors: a run without truth.
 [[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,

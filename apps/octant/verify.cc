@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
 #include <memory>
 
 #include <fmt/format.h>
@@ -16,6 +18,7 @@ namespace {
 struct Words {
   std::string deployment;
   std::vector<std::string> runs;
+  bool all_methods = false;
 };
 
 std::string gates_in_words(const survey::Evaluation& evaluation) {
@@ -27,6 +30,38 @@ std::string gates_in_words(const survey::Evaluation& evaluation) {
                                     : fmt::format("{}: {} is beyond the limit of {}", gate.name, length_text(gate.value), length_text(gate.limit));
   }
   return words;
+}
+
+/// One row a method: figures, or why it is not possible here.
+int compare(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Session& session) {
+  Table table{"lrrrrrrrr", {{"method", "fixes", "no fix", "RMSE [mm]", "95 %", "largest", "heading [mrad]", "NEES", "us a fix"}}};
+  Json rows = Json::array();
+  std::string not_possible;
+  for (const auto& [name, method] : method_names()) {
+    if (method == Method::kAuto) continue;
+    if (interrupted()) return session.interrupted();
+    const auto began = std::chrono::steady_clock::now();
+    const auto found = localize_runs(deployment, runs, method);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    if (!found) {
+      rows.push_back({{"method", name}, {"possible", false}, {"reason", found.error().message()}});
+      not_possible += fmt::format("{:<17}{}; expected {}\n", name, found.error().found, found.error().expected);
+      continue;
+    }
+    const auto e = verify_fixes(deployment, runs, *found);
+    if (!e) return session.fail(e.error());
+    const double each_us = 1e6 * seconds / static_cast<double>(std::max<std::size_t>(1, found->ok + found->no_fix));
+    Json row = evaluation_json(*e);
+    row.erase("gates");
+    row.update({{"method", name}, {"possible", true}, {"seconds_per_fix", 1e-6 * each_us}});
+    rows.push_back(std::move(row));
+    const auto figure = [&](double value) { return e->matched > 0 ? fmt::format("{:.1f}", value) : std::string("-"); };
+    table.rows.push_back({std::string(name), fmt::format("{}", found->ok), fmt::format("{}", found->no_fix), figure(1e3 * e->position_rmse_m),
+               figure(1e3 * e->position_p95_m), figure(1e3 * e->max_error_m), e->heading_rmse_rad ? figure(1e3 * *e->heading_rmse_rad) : "-",
+               e->nees_mean ? fmt::format("{:.2f}", *e->nees_mean) : "-", fmt::format("{:.0f}", each_us)});
+  }
+  session.result(table.text() + (not_possible.empty() ? "" : "\nnot possible here:\n" + not_possible));
+  return session.finish({{"status", "ok"}, {"methods", rows}});
 }
 
 int run(const Words& words, Session& session) {
@@ -41,7 +76,10 @@ int run(const Words& words, Session& session) {
     none.fixes.resize(runs->size());
     return session.fail(verify_fixes(*deployment, *runs, none).error());
   }
-  const Localization found = localize_runs(*deployment, *runs, Method::kAuto);
+  if (words.all_methods) return compare(*deployment, *runs, session);
+  const auto located = localize_runs(*deployment, *runs, Method::kAuto);
+  if (!located) return session.fail(located.error());
+  const Localization& found = *located;
   if (interrupted()) return session.interrupted();
   const auto evaluation = verify_fixes(*deployment, *runs, found);
   if (!evaluation) return session.fail(evaluation.error());
@@ -60,6 +98,7 @@ void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
                                   "octant verify hall/deployment.json hall/heldout");
   command->add_option("deployment", words->deployment, "Deployment file, from calibrate")->required()->type_name("DEPLOYMENT.json");
   command->add_option("run", words->runs, "Run folders with truth.tum")->required()->type_name("RUN");
+  command->add_flag("--all-methods", words->all_methods, "Compare all methods on these runs, as a table; no gates");
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 

@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/methods.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "models/localizers/binaural.h"
+#include "models/localizers/epoch_fix.h"
+#include "models/localizers/head_tail.h"
+#include "models/localizers/kleeman.h"
+#include "models/localizers/localizer.h"
+#include "models/localizers/one_beacon.h"
+#include "models/localizers/rail.h"
+#include "models/localizers/reflectors.h"
+#include "models/localizers/tracker.h"
+
+namespace octant {
+namespace {
+
+/// Arrivals of one ping at all receivers lie closer together than this, those of two pings do not.
+constexpr double kSamePing_s = 5e-3;
+
+tl::unexpected<Error> missing(const char* found, const char* expected) {
+  return fail({.code = Errc::kBadInput, .found = found, .expected = expected, .advice = "choose another --method, or auto"});
+}
+
+bool has_motion_prior(const Deployment& deployment) {
+  return std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(), [](const SiteVehicle& v) { return v.motion.has_value(); });
+}
+
+bool on_rails(const Deployment& deployment) {
+  return !deployment.vehicles.empty() &&
+         std::all_of(deployment.vehicles.begin(), deployment.vehicles.end(), [](const SiteVehicle& v) { return v.rail.has_value(); });
+}
+
+bool is_drive(const Deployment& deployment, const MeasurementLog& run) {
+  return !run.has_epochs && (!run.odometry.empty() || (has_motion_prior(deployment) && run.poses.empty()));
+}
+
+std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment) {
+  switch (method) {
+    case Method::kKleeman: return std::make_unique<Kleeman>(deployment);
+    case Method::kHeadTail: return std::make_unique<HeadTail>(deployment);
+    case Method::kOneBeacon: return std::make_unique<OneBeacon>(deployment);
+    case Method::kRail: return std::make_unique<RailLocalizer>(deployment);
+    case Method::kReflectors: return std::make_unique<Reflectors>(deployment);
+    case Method::kBinaural: return std::make_unique<Binaural>(deployment);
+    default: return nullptr;
+  }
+}
+
+/// Rows of one vehicle, and where each of its poses begins.
+template <class Row>
+struct Poses {
+  std::vector<Row> rows;
+  std::vector<std::size_t> first;
+
+  Poses(const std::vector<Row>& all, VehicleId vehicle, bool epochs) {
+    for (const Row& row : all) {
+      if (row.vehicle != vehicle) continue;
+      const bool next = rows.empty() || (epochs ? row.epoch != rows.back().epoch : row.time_s - rows.back().time_s > kSamePing_s);
+      if (next) first.push_back(rows.size());
+      rows.push_back(row);
+    }
+    first.push_back(rows.size());
+  }
+  [[nodiscard]] std::size_t count() const { return first.size() - 1; }
+  [[nodiscard]] std::span<const Row> pose(std::size_t i) const { return std::span<const Row>(rows).subspan(first[i], first[i + 1] - first[i]); }
+};
+
+/// Arrivals and bearings of the same pose together: of the same epoch, or of about the same time.
+template <class Visit>
+void for_each_pose(const MeasurementLog& run, VehicleId vehicle, Visit&& visit) {
+  const Poses<Arrival> arrivals(run.arrivals, vehicle, run.has_epochs);
+  const Poses<Bearing> bearings(run.bearings, vehicle, run.has_epochs);
+  std::size_t b = 0;
+  const auto comes_before = [&](const Bearing& bearing, const Arrival& arrival) {
+    return run.has_epochs ? bearing.time_s < arrival.time_s && bearing.epoch != arrival.epoch : bearing.time_s < arrival.time_s - kSamePing_s;
+  };
+  const auto together = [&](const Bearing& bearing, const Arrival& arrival) {
+    return run.has_epochs ? bearing.epoch == arrival.epoch : std::abs(bearing.time_s - arrival.time_s) <= kSamePing_s;
+  };
+  for (std::size_t a = 0; a < arrivals.count(); ++a) {
+    const auto pose = arrivals.pose(a);
+    while (b < bearings.count() && comes_before(bearings.pose(b).front(), pose.front())) visit(Observations{{}, bearings.pose(b++)});
+    if (b < bearings.count() && together(bearings.pose(b).front(), pose.front())) {
+      visit(Observations{pose, bearings.pose(b++)});
+    } else {
+      visit(Observations{pose, {}});
+    }
+  }
+  while (b < bearings.count()) visit(Observations{{}, bearings.pose(b++)});
+}
+
+std::vector<Fix> locate_by_poses(Localizer& localizer, const Deployment& deployment, const MeasurementLog& run, bool by_bearings) {
+  std::vector<Fix> fixes;
+  for (std::size_t v = 0; v < deployment.vehicles.size(); ++v)
+    for_each_pose(run, VehicleId(v), [&](const Observations& observations) {
+      if (by_bearings ? observations.bearings.empty() : observations.arrivals.empty()) return;
+      Fix fix = localizer.locate(observations);
+      fix.vehicle = VehicleId(v);
+      fix.epoch = by_bearings ? observations.bearings.front().epoch : observations.arrivals.front().epoch;
+      fixes.push_back(std::move(fix));
+    });
+  std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  return fixes;
+}
+
+}  // namespace
+
+const std::vector<std::pair<std::string_view, Method>>& method_names() {
+  static const std::vector<std::pair<std::string_view, Method>> names = {
+      {"auto", Method::kAuto},           {"kleeman", Method::kKleeman},   {"head_tail", Method::kHeadTail},         {"one_beacon", Method::kOneBeacon},
+      {"rail", Method::kRail},           {"reflectors", Method::kReflectors}, {"line_map", Method::kLineMap},       {"binaural", Method::kBinaural},
+      {"least_squares", Method::kLeastSquares}, {"tracker", Method::kTracker}};
+  return names;
+}
+
+const char* to_string(Method method) { return method_names()[static_cast<std::size_t>(method)].first.data(); }
+
+Result<void> method_fits(Method method, const Deployment& deployment, const MeasurementLog& run, const MethodInput& input) {
+  const bool by_arrivals = method == Method::kKleeman || method == Method::kHeadTail || method == Method::kOneBeacon || method == Method::kRail ||
+                           method == Method::kBinaural;
+  if (by_arrivals && run.arrivals.empty()) return missing("no times of flight", "a run with tof.csv");
+  switch (method) {
+    case Method::kKleeman: return kleeman_fits(deployment);
+    case Method::kHeadTail: return head_tail_fits(deployment);
+    case Method::kOneBeacon: return one_beacon_fits(deployment);
+    case Method::kRail: return rail_fits(deployment);
+    case Method::kBinaural: return binaural_fits(deployment);
+    case Method::kReflectors:
+      if (run.bearings.empty()) return missing("no bearings", "a run with bearings.csv");
+      return reflectors_fits(deployment);
+    case Method::kLineMap:
+      if (!input.line_map) return missing("no line map", "--map with a run of scans and measured poses");
+      return line_map_fits(*input.line_map, run);
+    case Method::kTracker:
+      if (run.has_epochs) return missing("a run of stops", "a drive: no epoch column");
+      if (!is_drive(deployment, run)) return missing("a drive without odometry", "odometry.csv, or motion of the vehicle in the site file");
+      return {};
+    case Method::kAuto:
+    case Method::kLeastSquares: break;
+  }
+  if (method == Method::kLeastSquares && run.arrivals.empty() && run.bearings.empty()) return missing("neither arrivals nor bearings", "a run with tof.csv");
+  return {};
+}
+
+MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& run, const MethodInput& input) {
+  const bool labelled = std::any_of(run.bearings.begin(), run.bearings.end(), [](const Bearing& b) { return b.reflector.valid(); });
+  if (run.arrivals.empty() && !labelled && method_fits(Method::kReflectors, deployment, run, input)) return {Method::kReflectors, "unlabelled bearings alone"};
+  if (run.arrivals.empty() && run.bearings.empty() && method_fits(Method::kLineMap, deployment, run, input)) return {Method::kLineMap, "scans alone"};
+  if (!run.arrivals.empty() && on_rails(deployment) && rail_fits(deployment)) return {Method::kRail, "the vehicle runs on a rail"};
+  if (is_drive(deployment, run)) return {Method::kTracker, run.odometry.empty() ? "a drive with a motion prior" : "a drive with odometry"};
+  return {Method::kLeastSquares, "all arrivals of each pose"};
+}
+
+Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment, const MeasurementLog& run, const MethodInput& input) {
+  if (method == Method::kAuto) method = choose_method(deployment, run, input).method;
+  if (auto fits = method_fits(method, deployment, run, input); !fits) return fail(fits.error());
+  if (method == Method::kTracker) return track(run, deployment);
+  if (method == Method::kLeastSquares) return LeastSquaresLocalizer(deployment).locate(run);
+  if (method == Method::kLineMap) return LineMapLocalizer(*input.line_map).locate(run);
+  return locate_by_poses(*make_localizer(method, deployment), deployment, run, method == Method::kReflectors);
+}
+
+}  // namespace octant
