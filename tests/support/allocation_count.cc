@@ -11,16 +11,20 @@ namespace {
 std::atomic<std::size_t> count{0};
 
 // malloc and free, so that sanitizers see every block.
-void* take(std::size_t size) {
+void* take_or_null(std::size_t size) noexcept {
   ++count;
-  if (void* block = std::malloc(size > 0 ? size : 1)) return block;
-  throw std::bad_alloc();
+  return std::malloc(size > 0 ? size : 1);
 }
 
-void* take(std::size_t size, std::align_val_t alignment) {
+void* take_or_null(std::size_t size, std::align_val_t alignment) noexcept {
   ++count;
   const auto a = static_cast<std::size_t>(alignment);
-  if (void* block = std::aligned_alloc(a, (size + a - 1) / a * a)) return block;
+  return std::aligned_alloc(a, size > 0 ? (size + a - 1) / a * a : a);
+}
+
+template <class... Size>
+void* take(Size... size) {
+  if (void* block = take_or_null(size...)) return block;
   throw std::bad_alloc();
 }
 
@@ -30,6 +34,15 @@ void* operator new(std::size_t size) { return take(size); }
 void* operator new[](std::size_t size) { return take(size); }
 void* operator new(std::size_t size, std::align_val_t alignment) { return take(size, alignment); }
 void* operator new[](std::size_t size, std::align_val_t alignment) { return take(size, alignment); }
+// Of the whole family: a sanitizer's own nothrow new would not go with a delete from here.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return take_or_null(size); }
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return take_or_null(size); }
+void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return take_or_null(size, alignment);
+}
+void* operator new[](std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return take_or_null(size, alignment);
+}
 void operator delete(void* block) noexcept { std::free(block); }
 void operator delete[](void* block) noexcept { std::free(block); }
 void operator delete(void* block, std::size_t) noexcept { std::free(block); }
@@ -38,6 +51,10 @@ void operator delete(void* block, std::align_val_t) noexcept { std::free(block);
 void operator delete[](void* block, std::align_val_t) noexcept { std::free(block); }
 void operator delete(void* block, std::size_t, std::align_val_t) noexcept { std::free(block); }
 void operator delete[](void* block, std::size_t, std::align_val_t) noexcept { std::free(block); }
+void operator delete(void* block, const std::nothrow_t&) noexcept { std::free(block); }
+void operator delete[](void* block, const std::nothrow_t&) noexcept { std::free(block); }
+void operator delete(void* block, std::align_val_t, const std::nothrow_t&) noexcept { std::free(block); }
+void operator delete[](void* block, std::align_val_t, const std::nothrow_t&) noexcept { std::free(block); }
 
 namespace octant::test {
 
