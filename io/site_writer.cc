@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
-#include <iterator>
-
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
