@@ -94,6 +94,34 @@ void read_world(YamlMap& root, Scenario& scenario) {
   scenario.log_poses = root.boolean("log_poses", scenario.log_poses);
 }
 
+void read_sensors(YamlMap& root, YamlLog& log, Scenario& scenario) {
+  YamlMap bearings(root.block("bearings"), "bearings", log);
+  if (bearings.present()) {
+    Scenario::Bearings b;
+    b.range_m = bearings.number("range_m", b.range_m, kPositive);
+    b.unlabelled_fraction = bearings.number("unlabelled_fraction", b.unlabelled_fraction,
+                                            {.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1"});
+    b.period_s = bearings.number("period_s", b.period_s, kPositive);
+    bearings.finish();
+    scenario.bearings = b;
+  }
+  YamlMap scans(root.block("scans"), "scans", log);
+  if (scans.present()) {
+    Scenario::Scans s;
+    s.period_s = scans.number("period_s", s.period_s, kPositive);
+    s.angle_min_rad = scans.number("angle_min_rad", s.angle_min_rad);
+    s.angle_increment_rad = scans.number("angle_increment_rad", s.angle_increment_rad, kPositive);
+    s.beams = scans.integer("beams", s.beams, 1, 10'000);
+    s.range_max_m = scans.number("range_max_m", s.range_max_m, kPositive);
+    scans.finish();
+    scenario.scans = s;
+  }
+  for (const YAML::Node& item : root.list("walls_m")) {
+    const std::vector<double> w = numbers_of(item, root.path("walls_m"), log, 4);
+    if (w.size() == 4) scenario.walls_m.push_back({w[0], w[1], w[2], w[3]});
+  }
+}
+
 /// The held-out run goes like the calibration run, with a third of its epochs or half of its time.
 Scenario::Path shorter(Scenario::Path path) {
   path.epochs = (path.epochs + 2) / 3;
@@ -119,6 +147,7 @@ Result<Scenario> scenario_from_yaml(std::string_view text, const std::string& fi
   read_path(root.block("heldout_path"), "heldout_path", log, scenario.heldout_path);
   read_world(root, scenario);
   read_accuracies(root, log, scenario);
+  read_sensors(root, log, scenario);
   root.finish();
   if (log.error) return fail(*log.error);
 

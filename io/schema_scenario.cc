@@ -35,6 +35,27 @@ std::string_view scenario_schema() {
     "unknown_beacons": {"description": "The simulated site file says nothing of the positions of beacons that are no control points.", "type": "boolean", "default": false},
     "log_amplitude": {"description": "Write the amplitude column.", "type": "boolean", "default": false},
     "log_poses": {"description": "Write measured poses, poses.tum.", "type": "boolean", "default": false},
+    "bearings": {
+      "description": "Bearings to the site's beacons, which then are reflectors; once a stop, or along a drive. Noise: noise.bearing_sigma_rad of the site. A site without noise.tof_sigma_s has no arrivals.",
+      "type": "object",
+      "properties": {
+        "range_m": {"description": "Beyond it a reflector is not seen.", "type": "number", "exclusiveMinimum": 0, "default": 1e6},
+        "unlabelled_fraction": {"description": "Share of bearings without a reflector's name.", "type": "number", "minimum": 0, "maximum": 1, "default": 0},
+        "period_s": {"description": "Of a drive.", "type": "number", "exclusiveMinimum": 0, "default": 0.5}
+      }
+    },
+    "scans": {
+      "description": "Laser scans of walls_m from the vehicle frame's origin; once a stop, or along a drive. Noise: noise.range_sigma_m of the site.",
+      "type": "object",
+      "properties": {
+        "period_s": {"description": "Of a drive.", "type": "number", "exclusiveMinimum": 0, "default": 0.5},
+        "angle_min_rad": {"type": "number", "default": -1.5707963267948966},
+        "angle_increment_rad": {"type": "number", "exclusiveMinimum": 0, "default": 0.017453292519943295},
+        "beams": {"type": "integer", "minimum": 1, "default": 181},
+        "range_max_m": {"type": "number", "exclusiveMinimum": 0, "default": 30.0}
+      }
+    },
+    "walls_m": {"description": "Ends of straight walls, x1 y1 x2 y2. They stop the scanner's beams, but neither sound nor bearings.", "type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}},
     "poses": {
       "description": "Accuracy of the measured poses, as in run.yaml.",
       "type": "object",

@@ -9,6 +9,7 @@
 #include "models/measurement.h"
 #include "models/random.h"
 #include "models/synthetic_path.h"
+#include "models/synthetic_sensors.h"
 #include "models/synthetic_truth.h"
 
 namespace octant {
@@ -42,7 +43,8 @@ class Recorder {
   Recorder(const Scenario& scenario, const Scenario::Path& path, const SharedState& truth, Random draws)
       : scenario_(scenario), spec_(path), truth_(truth), draws_(draws), path_(make_path(scenario, path, draws_)) {}
 
-  MeasurementLog record(std::vector<double>& lateness_s);
+  /// @param sensor_draws  stream of bearings and scans, so that arrivals are the same with and without them
+  MeasurementLog record(std::vector<double>& lateness_s, Random sensor_draws);
 
  private:
   void record_stops();
@@ -148,6 +150,7 @@ void Recorder::record_arrival(const Shot& shot, ReceiverId receiver) {
 }
 
 void Recorder::record_shot(const Shot& shot) {
+  if (!scenario_.site.tof_sigma_given) return;  // bearings or scans alone
   const Pose T_map_vehicle = path_.at(shot.fired_s);
   const SiteVehicle& vehicle = scenario_.site.vehicles[0];
   for (std::size_t r = vehicle.first_receiver; r < vehicle.first_receiver + vehicle.receiver_count; ++r) {
@@ -229,7 +232,7 @@ void Recorder::record_odometry() {
 void Recorder::record_drive() {
   const double duration_s = path_.end_s() - path_.start_s;
   const std::size_t beacons = scenario_.site.beacons.size();
-  const auto firings = static_cast<std::size_t>(duration_s / spec_.slot_s);
+  const auto firings = beacons == 0 ? 0 : static_cast<std::size_t>(duration_s / spec_.slot_s);
   for (std::size_t i = 0; i < firings; ++i) {
     Shot shot;
     shot.beacon = BeaconId(i % beacons);
@@ -241,7 +244,7 @@ void Recorder::record_drive() {
   record_odometry();
 }
 
-MeasurementLog Recorder::record(std::vector<double>& lateness_s) {
+MeasurementLog Recorder::record(std::vector<double>& lateness_s, Random sensor_draws) {
   log_.vehicle = VehicleId(std::size_t{0});
   log_.pose_accuracy = scenario_.pose_accuracy;
   log_.truth_accuracy = {.position_sigma_m = 0.0, .heading_sigma_rad = 0.0, .attitude_sigma_rad = 0.0};
@@ -264,6 +267,7 @@ MeasurementLog Recorder::record(std::vector<double>& lateness_s) {
   }
   log_.arrivals = std::move(sorted);
   log_.rows = log_.arrivals.size();
+  record_sensors(scenario_, spec_, path_, truth_, sensor_draws, log_);
   return std::move(log_);
 }
 
@@ -275,8 +279,8 @@ Result<World> simulate(const Scenario& scenario, std::uint64_t seed) {
   const SharedState truth = draw_truth(scenario, site_draws);
   World world;
   world.site = known_site(scenario, truth, site_draws);
-  world.run = Recorder(scenario, scenario.path, truth, Random(seed, 1)).record(world.run_lateness_s);
-  world.heldout = Recorder(scenario, scenario.heldout_path, truth, Random(seed, 2)).record(world.heldout_lateness_s);
+  world.run = Recorder(scenario, scenario.path, truth, Random(seed, 1)).record(world.run_lateness_s, Random(seed, 3));
+  world.heldout = Recorder(scenario, scenario.heldout_path, truth, Random(seed, 2)).record(world.heldout_lateness_s, Random(seed, 4));
   world.truth = true_deployment(scenario, truth, world.run.arrivals.size());
   return world;
 }

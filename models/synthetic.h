@@ -60,6 +60,23 @@ struct Scenario {
   bool log_poses = false;                              ///< write measured poses (poses.tum) with pose_accuracy
   PoseAccuracy pose_accuracy;
   OdometryAccuracy odometry_accuracy = {.distance_sigma_m_per_sqrt_m = 0.01, .heading_sigma_rad_per_sqrt_m = 0.0087};
+  /// Bearings to the site's beacons, which then are reflectors; noise.bearing_sigma_rad. Once a stop, or along a drive.
+  struct Bearings {
+    double range_m = 1e6;              ///< beyond it a reflector is not seen
+    double unlabelled_fraction = 0.0;  ///< of bearings without a reflector's name
+    double period_s = 0.5;             ///< of a drive
+  };
+  std::optional<Bearings> bearings;
+  /// Laser scans of the walls, from the vehicle frame's origin; noise.range_sigma_m. Once a stop, or along a drive.
+  struct Scans {
+    double period_s = 0.5;             ///< of a drive
+    double angle_min_rad = -1.5707963267948966;
+    double angle_increment_rad = 0.017453292519943295;
+    int beams = 181;
+    double range_max_m = 30.0;
+  };
+  std::optional<Scans> scans;
+  std::vector<std::array<double, 4>> walls_m;  ///< x1, y1, x2, y2 of each; they stop beams, but neither sound nor bearings
   std::vector<std::string> warnings;
 };
 
@@ -76,7 +93,8 @@ struct World {
 /// kBadInput, naming the key, where a scenario contradicts itself. simulate() begins with it.
 [[nodiscard]] Result<void> check_scenario(const Scenario& scenario);
 
-/// Simulates a scenario; the same world for a seed everywhere. Errors: those of check_scenario.
+/// Simulates a scenario; the same world for a seed everywhere. A site without noise.tof_sigma_s has no arrivals (bearings or
+/// scans alone). Errors: those of check_scenario.
 /// time_s of an arrival is the instant of hearing, echo included; a drive's arrival belongs to the pose at that instant
 /// (two-way ranging: the vehicle asks in the beacon's slot and hears the reply at time_s). Truth is exact, every 50 ms of
 /// each stop or at the odometry rows of a drive. A stop's measured pose keeps its one error for the whole stop.

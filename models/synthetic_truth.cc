@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/synthetic_sensors.h"
+
 namespace octant {
 namespace {
 
@@ -92,6 +94,7 @@ Result<void> check_scenario(const Scenario& scenario) {
   if (!(scenario.hall_m[0] > 0 && scenario.hall_m[1] > 0 && scenario.range_m > 0)) {
     return contradiction("hall_m or range_m is not positive", "metres above zero");
   }
+  if (auto sound = check_sensors(scenario); !sound) return sound;
   if (auto sound = check_path(scenario, scenario.path, "path"); !sound) return sound;
   return check_path(scenario, scenario.heldout_path, "heldout_path");
 }

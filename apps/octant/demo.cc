@@ -63,7 +63,7 @@ Result<Checked> localize_and_verify(const Places& at, Session& session) {
   const auto runs = read_runs({at.heldout}, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = false}, session);
   if (!runs) return fail(runs.error());
   const auto located = localize_runs(*deployment, *runs, Method::kAuto);
-  if (!located) return session.fail(located.error());
+  if (!located) return fail(located.error());
   const Localization& found = *located;
   Checked checked{{}, found.all()};
   if (auto written = io::write_file(at.fixes, io::fixes_to_tum(checked.fixes)); !written) return fail(written.error());

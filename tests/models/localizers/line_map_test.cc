@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
+#include "models/localizers/line_matching.h"
 #include "tests/models/localizers/walls.h"
 #include "tests/support/statistics.h"
 
@@ -170,6 +171,38 @@ TEST(LineMap, CovarianceIsHonest) {
   // The walls' errors are taken as fully correlated from scan to scan, an upper bound: not above chi-square, but below it.
   EXPECT_LT(nees, test::chi2_quantile(0.999, 3 * count));
   EXPECT_GT(nees, 0.2 * 3 * count);
+}
+
+TEST(LineMap, PointsSpeakForAndAgainstAPose) {
+  const LineMap map = map_of({{{2, -3}, {2, 3}}});
+  const std::vector<int> walls = {0};
+  LineMapOptions options;
+  options.support_every = 1;
+  const std::vector<Eigen::Vector2d> points = {{2.05, 0.0},  // on the wall
+                                               {1.2, 0.5},   // before it: anything may stand there
+                                               {3.0, 0.1},   // behind it
+                                               {3.0, 4.4}};  // past its end
+  const MapSupport support = map_support(OdometryState{}, points, map, walls, options);
+  EXPECT_EQ(support.points, 4);
+  EXPECT_EQ(support.on_wall, 1);
+  EXPECT_EQ(support.through, 1);
+}
+
+/// Started between two places that fit equally well (pillars 0.8 m apart), the right one is found once the end wall is seen.
+TEST(LineMap, FollowsSeveralPosesUntilOneIsClear) {
+  Random random(kSeed + 5);
+  std::vector<Wall> walls = {{{-20, 1.5}, {12, 1.5}}, {{-20, -1.5}, {12, -1.5}}, {{12, -1.5}, {12, 1.5}}};
+  for (double x = -19.6; x < 11.5; x += 0.8) walls.push_back({{x, 0.9}, {x, 1.5}});
+  Drive d = drive(kCorridor, 60, kOdometry, 0.01, random, true);
+  for (std::size_t k = 0; k < d.scans.size(); ++k)
+    d.scans[k] = scan_of(walls, d.truth[k], Scanner{.range_max_m = 4.0}, 0.01, random, d.scans[k].time_s);
+  LineMapOptions options;
+  const Pose off = Pose::planar(0.42, 0.1, 0.0);
+  const PoseAccuracy rough{.position_sigma_m = 0.4, .heading_sigma_rad = 0.02};
+  const auto fixes = LineMapLocalizer(map_of(walls), options).locate(d.scans, d.odometry, kOdometry, {0.0, off}, rough);
+  EXPECT_LT(error(fixes.back(), d.truth.back()).head<2>().norm(), 0.1);
+  std::cout << "first status " << to_string(fixes.front().status) << ", last error "
+            << error(fixes.back(), d.truth.back()).transpose() << "\n";
 }
 
 TEST(LineMap, SaysWhatARunLacks) {

@@ -186,6 +186,22 @@ TEST(Reflectors, LeavesABearingOutThatDisagrees) {
   EXPECT_EQ(Reflectors(d).locate(of(bearings)).status, FixStatus::kAmbiguous);
 }
 
+/// A double of a bearing, within the gate of the same reflector, is no second witness.
+TEST(Reflectors, MatchesNoReflectorTwice) {
+  Random random(kSeed);
+  const Deployment d = hall();
+  const Pose truth = somewhere(random);
+  auto bearings = see(d, truth, 0.0, random);
+  Bearing again = bearings[3];
+  again.reflector = BeaconId();
+  again.bearing_rad += 0.5 * kSigma;
+  bearings.push_back(again);
+  const Fix fix = Reflectors(d).locate(of(bearings));
+  ASSERT_TRUE(fix.ok());
+  EXPECT_EQ(fix.arrivals_used, 9);
+  EXPECT_EQ(fix.rejections.back(), Rejection::kOutvoted);
+}
+
 TEST(Reflectors, HasNoFixWithAReasonWhereItCannot) {
   Random random(kSeed);
   Deployment d = with_reflectors({{5, 0}, {0, 5}, {-5, 0}});
