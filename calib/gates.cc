@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "calib/ranges.h"
 #include "models/localizers/range_gates.h"
@@ -43,18 +42,21 @@ class TriangleGate {
   }
 
   void gate(Trajectory& t, const Segment& s) {
-    std::map<ReceiverId, std::vector<std::size_t>> by_receiver;
-    for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) by_receiver[t.arrivals[i].receiver].push_back(i);
-    for (const auto& [receiver, indices] : by_receiver)
-      for (const std::size_t i : indices)
-        for (const std::size_t j : indices)
-          if (t.arrivals[i].beacon != t.arrivals[j].beacon && too_long(t, t.arrivals[i], t.arrivals[j]) && t.arrivals[i].rejection == Rejection::kUsed)
-            t.arrivals[i].rejection = Rejection::kTriangle;
+    known_.clear();
+    for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
+      if (std::isfinite(place_sigma_m_[t.arrivals[i].beacon.index()])) known_.push_back(i);
+    for (const std::size_t i : known_)
+      for (const std::size_t j : known_) {
+        ArrivalObservation& a = t.arrivals[i];
+        const ArrivalObservation& b = t.arrivals[j];
+        if (a.receiver == b.receiver && a.beacon != b.beacon && a.rejection == Rejection::kUsed && too_long(t, a, b)) a.rejection = Rejection::kTriangle;
+      }
   }
 
  private:
   [[nodiscard]] bool too_long(const Trajectory& t, const ArrivalObservation& a, const ArrivalObservation& b) const {
     const double ra = range_m(t, a), rb = range_m(t, b);
+    if (!(ra > rb)) return false;
     const double sa = place_sigma_m_[a.beacon.index()], sb = place_sigma_m_[b.beacon.index()];
     const double apart_m = (prior_.beacon_p_map_m[a.beacon.index()] - prior_.beacon_p_map_m[b.beacon.index()]).norm();
     if (!(std::max(sa, sb) <= kKnownShare * apart_m)) return false;
@@ -73,6 +75,7 @@ class TriangleGate {
   const Site& site_;
   const SharedState& prior_;
   std::vector<double> place_sigma_m_;
+  std::vector<std::size_t> known_;
 };
 
 }  // namespace

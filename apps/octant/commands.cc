@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/commands.h"
 
+#include <map>
+
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
@@ -19,6 +21,18 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
   app.add_option("--threads", common.threads, "Threads to use; 0: all cores")->check(CLI::Range(0, 1024))->capture_default_str()
       ->type_name("N")->group(group);
   app.add_option("--seed", common.seed, "Seed of everything random")->capture_default_str()->type_name("N")->group(group);
+}
+
+void add_method_options(CLI::App& command, Method& method, std::string& map_run) {
+  std::map<std::string, Method> methods;
+  std::string listed;
+  for (const auto& [name, value] : method_names()) {
+    methods.emplace(name, value);
+    listed += (listed.empty() ? "" : ", ") + std::string(name);
+  }
+  command.add_option("--method", method, "One of " + listed + "; auto takes what deployment and log allow, and says so")
+      ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case).description(""))->type_name("M");
+  command.add_option("--map", map_run, "line_map: a run with scans and measured poses, from which the map is made")->type_name("RUN");
 }
 
 CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name, const std::string& purpose, const std::string& example) {

@@ -8,6 +8,7 @@
 #include <CLI/App.hpp>
 
 #include "apps/octant/session.h"
+#include "models/localizers/methods.h"
 
 namespace octant::app {
 
@@ -27,5 +28,7 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action);
 [[nodiscard]] CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name, const std::string& purpose,
                                     const std::string& example);
 void add_common_options(CLI::App& app, CommonOptions& common);
+/// --method and --map, of the commands that localize.
+void add_method_options(CLI::App& command, Method& method, std::string& map_run);
 
 }  // namespace octant::app

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <map>
 #include <memory>
 
 #include <fmt/format.h>
@@ -11,7 +10,6 @@
 #include "apps/octant/steps.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
-#include "io/run_folder.h"
 #include "io/tum.h"
 
 namespace octant::app {
@@ -56,15 +54,9 @@ int run(const Words& words, Session& session) {
   const bool by_lines = words.method == Method::kLineMap || !words.map.empty();
   const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = by_lines}, session);
   if (!runs) return session.fail(runs.error());
-  MethodInput input;
-  if (!words.map.empty()) {
-    const auto mapped = io::read_run(words.map, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = true});
-    if (!mapped) return session.fail(mapped.error());
-    auto map = build_line_map(*mapped);
-    if (!map) return session.fail(map.error());
-    input.line_map = std::move(*map);
-  }
-  auto located = localize_runs(*deployment, *runs, words.method, input);
+  const auto input = method_input(words.map, *deployment);
+  if (!input) return session.fail(input.error());
+  auto located = localize_runs(*deployment, *runs, words.method, *input);
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
@@ -98,15 +90,11 @@ void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<Words>();
   CLI::App* command = add_command(app, common, "localize", "Tell where the vehicle was",
                                   "octant localize hall/deployment.json hall/heldout -o hall/fixes.tum --csv hall/fixes.csv");
-  std::map<std::string, Method> methods;
-  for (const auto& [name, method] : method_names()) methods.emplace(name, method);
   command->add_option("deployment", words->deployment, "Deployment file, from calibrate")->required()->type_name("DEPLOYMENT.json");
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
   command->add_option("-o,--output", words->output, "Fixes to write, TUM format; - is standard output")->required()->type_name("FIXES.tum");
   command->add_option("--csv", words->csv, "Fixes with sigmas and reasons to write")->type_name("F.csv");
-  command->add_option("--method", words->method, "auto (what deployment and log allow), kleeman, head_tail, one_beacon, rail, reflectors, line_map, binaural, least_squares or tracker")
-      ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case).description(""))->type_name("M");
-  command->add_option("--map", words->map, "line_map: a run with scans and measured poses, from which the map is made")->type_name("RUN");
+  add_method_options(*command, words->method, words->map);
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 

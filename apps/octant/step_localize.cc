@@ -43,7 +43,8 @@ Result<Localization> localize_runs(const Deployment& deployment, const std::vect
         Error error = fixes.error();
         error.code = Errc::kBadInput;
         if (error.file.empty()) error.file = run.path;
-        error.found = fmt::format("method {}: {}", to_string(choice.method), error.found);
+        const std::string name = to_string(choice.method);
+        error.found = error.found.rfind(name, 0) == 0 ? "method " + error.found : fmt::format("method {}: {}", name, error.found);
         return fail(std::move(error));
       }
       result.fixes.push_back(std::move(*fixes));
@@ -62,6 +63,17 @@ Result<Localization> localize_runs(const Deployment& deployment, const std::vect
     }
   }
   return result;
+}
+
+Result<MethodInput> method_input(const std::string& map_run, const Deployment& deployment) {
+  MethodInput input;
+  if (map_run.empty()) return input;
+  const auto mapped = io::read_run(map_run, names_of(deployment), deployment.timing, {.read_truth = false, .read_poses = true});
+  if (!mapped) return fail(mapped.error());
+  auto map = build_line_map(*mapped);
+  if (!map) return fail(map.error());
+  input.line_map = std::move(*map);
+  return input;
 }
 
 Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs, const Localization& localization) {

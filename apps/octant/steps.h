@@ -67,6 +67,9 @@ struct Localization {
 [[nodiscard]] Result<Localization> localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method method,
                                                  const MethodInput& input = {});
 
+/// What methods need beside deployment and run: a line map, from a run with scans and measured poses (empty: none).
+[[nodiscard]] Result<MethodInput> method_input(const std::string& map_run, const Deployment& deployment);
+
 /// Fixes of the vehicle that truth.tum follows against it. Errors: a run without truth.
 [[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
                                                       const Localization& localization);

@@ -18,6 +18,8 @@ namespace {
 struct Words {
   std::string deployment;
   std::vector<std::string> runs;
+  std::string map;
+  Method method = Method::kAuto;
   bool all_methods = false;
 };
 
@@ -33,7 +35,7 @@ std::string gates_in_words(const survey::Evaluation& evaluation) {
 }
 
 /// One row a method: figures, or why it is not possible here.
-int compare(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Session& session) {
+int compare(const Deployment& deployment, const std::vector<MeasurementLog>& runs, const MethodInput& input, Session& session) {
   Table table{"lrrrrrrrr", {{"method", "fixes", "no fix", "RMSE [mm]", "95 %", "largest", "heading [mrad]", "NEES", "us a fix"}}};
   Json rows = Json::array();
   std::string not_possible;
@@ -41,7 +43,7 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
     if (method == Method::kAuto) continue;
     if (interrupted()) return session.interrupted();
     const auto began = std::chrono::steady_clock::now();
-    const auto found = localize_runs(deployment, runs, method);
+    const auto found = localize_runs(deployment, runs, method, input);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     if (!found) {
       rows.push_back({{"method", name}, {"possible", false}, {"reason", found.error().message()}});
@@ -67,7 +69,7 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
 int run(const Words& words, Session& session) {
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = false}, session);
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = words.method == Method::kLineMap || !words.map.empty()}, session);
   if (!runs) return session.fail(runs.error());
   // Before the long computation: is there a reference at all?
   for (const auto& log : *runs) {
@@ -76,8 +78,10 @@ int run(const Words& words, Session& session) {
     none.fixes.resize(runs->size());
     return session.fail(verify_fixes(*deployment, *runs, none).error());
   }
-  if (words.all_methods) return compare(*deployment, *runs, session);
-  const auto located = localize_runs(*deployment, *runs, Method::kAuto);
+  const auto input = method_input(words.map, *deployment);
+  if (!input) return session.fail(input.error());
+  if (words.all_methods) return compare(*deployment, *runs, *input, session);
+  const auto located = localize_runs(*deployment, *runs, words.method, *input);
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
@@ -99,6 +103,7 @@ void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("deployment", words->deployment, "Deployment file, from calibrate")->required()->type_name("DEPLOYMENT.json");
   command->add_option("run", words->runs, "Run folders with truth.tum")->required()->type_name("RUN");
   command->add_flag("--all-methods", words->all_methods, "Compare all methods on these runs, as a table; no gates");
+  add_method_options(*command, words->method, words->map);
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 

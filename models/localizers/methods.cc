@@ -149,9 +149,9 @@ Result<void> method_fits(Method method, const Deployment& deployment, const Meas
 }
 
 MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& run, const MethodInput& input) {
-  const bool labelled = std::any_of(run.bearings.begin(), run.bearings.end(), [](const Bearing& b) { return b.reflector.valid(); });
-  if (run.arrivals.empty() && !labelled && method_fits(Method::kReflectors, deployment, run, input)) return {Method::kReflectors, "unlabelled bearings alone"};
-  if (run.arrivals.empty() && run.bearings.empty() && method_fits(Method::kLineMap, deployment, run, input)) return {Method::kLineMap, "scans alone"};
+  const bool unlabelled = std::any_of(run.bearings.begin(), run.bearings.end(), [](const Bearing& b) { return !b.reflector.valid(); });
+  if (run.arrivals.empty() && unlabelled && method_fits(Method::kReflectors, deployment, run, input)) return {Method::kReflectors, "unlabelled bearings"};
+  if (run.arrivals.empty() && run.bearings.empty() && !run.scans.empty()) return {Method::kLineMap, "scans alone"};
   if (!run.arrivals.empty() && on_rails(deployment) && rail_fits(deployment)) return {Method::kRail, "the vehicle runs on a rail"};
   if (is_drive(deployment, run)) return {Method::kTracker, run.odometry.empty() ? "a drive with a motion prior" : "a drive with odometry"};
   return {Method::kLeastSquares, "all arrivals of each pose"};
