@@ -198,7 +198,7 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, int unknowns
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
                     const AdjustOptions& options) {
   AdjustResult result;
-  std::vector<Tile> tiles = make_tiles(trajectories, layout);
+  std::vector<Tile> tiles = make_tiles(trajectories, layout, options.threads);
   EvaluationPoint point;
   point.layout = &layout;
   point.x = &x;
@@ -265,16 +265,19 @@ double prior_cost(const Problem& problem, const ParameterLayout& layout, const E
 }
 
 Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-                           const Eigen::VectorXd& x, const RobustLoss& loss) {
+                           const Eigen::VectorXd& x, const RobustLoss& loss, int threads) {
   Information info;
   const int n = layout.size();
   info.data.setZero(n, n);
   info.prior.setZero(n, n);
   const SharedState state = layout.state_of(x);
-  for (Tile& tile : make_tiles(trajectories, layout)) {
-    ReducedSystem system;
-    info.data_cost += tile.evaluate(state, loss, &system);
-    const std::vector<int>& columns = tile.columns();
+  std::vector<Tile> tiles = make_tiles(trajectories, layout, threads);
+  std::vector<ReducedSystem> systems(tiles.size());
+  for_each_parallel(tiles.size(), threads, [&](std::size_t i) { tiles[i].evaluate(state, loss, &systems[i]); });
+  for (std::size_t k = 0; k < tiles.size(); ++k) {
+    const ReducedSystem& system = systems[k];
+    info.data_cost += system.cost;
+    const std::vector<int>& columns = tiles[k].columns();
     for (std::size_t i = 0; i < columns.size(); ++i)
       for (std::size_t j = 0; j < columns.size(); ++j)
         info.data(columns[i], columns[j]) += system.H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));

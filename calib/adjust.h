@@ -45,6 +45,6 @@ struct Information {
   double data_cost = 0.0;
 };
 [[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-                                         const Eigen::VectorXd& x, const RobustLoss& loss = {});
+                                         const Eigen::VectorXd& x, const RobustLoss& loss = {}, int threads = 1);
 
 }  // namespace octant::calib

@@ -116,7 +116,7 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
       for (std::size_t s = part * kSegmentsAtOnce; s < last; ++s) t.nodes[t.segments[s].first_node].placed = place_by_linear_ranges(t, t.segments[s], state, usable);
     });
   readmit_all(trajectories, usable);
-  std::vector<Tile> tiles = make_tiles(trajectories, layout);
+  std::vector<Tile> tiles = make_tiles(trajectories, layout, threads);
   for_each_parallel(tiles.size(), threads, [&](std::size_t i) { tiles[i].evaluate(state, {kCauchyScale, kCauchyScale}, nullptr); });
   tiles.clear();
   const EpochFixModel model = search_model(problem, state, usable);

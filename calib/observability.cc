@@ -221,8 +221,8 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information, const Eigen::M
 }
 
 Eigen::MatrixXd judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
-           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution) {
-  const Information information = information_at(problem, layout, trajectories, x);
+           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, int threads) {
+  const Information information = information_at(problem, layout, trajectories, x, {}, threads);
   const Eigen::MatrixXd N = information.data + information.prior;
   const Eigen::MatrixXd datum = free_datum(problem, layout, solution.state, N);
   if (datum.cols() > 0) set_free_network(solution.datum);

@@ -3,9 +3,11 @@
 #include "calib/reject.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "calib/gates.h"
+#include "calib/parallel.h"
 #include "models/linearise.h"
 
 namespace octant::calib {
@@ -15,6 +17,7 @@ namespace {
 constexpr double kTruncation = 2.5;
 constexpr double kTruncatedVariance = 0.91125;
 constexpr double kReadmit = 0.9;
+constexpr std::size_t kAtOnce = 65536;  ///< arrivals a thread takes
 
 }  // namespace
 
@@ -46,26 +49,34 @@ double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedS
   return sigma;
 }
 
-std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit) {
-  std::size_t changed = 0;
-  const auto decide = [&](double residual, Rejection now) {
+std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit, int threads) {
+  std::atomic<std::size_t> changes{0};
+  const auto decide = [&](double residual, Rejection now, std::size_t& changed) {
     const bool out = std::abs(residual) > (now == Rejection::kUsed ? limit : kReadmit * limit);
     const Rejection next = !out ? Rejection::kUsed : is_gated(now) ? now : residual > 0 ? Rejection::kLate : Rejection::kEarly;
     changed += (next == Rejection::kUsed) != (now == Rejection::kUsed);
     return next;
   };
   for (Trajectory& t : trajectories) {
-    for (ArrivalObservation& a : t.arrivals)
-      if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection))
-        a.rejection = decide(arrival_residual(t, a, state), a.rejection);
+    for_each_parallel(t.arrivals.size() / kAtOnce + 1, threads, [&](std::size_t part) {
+      std::size_t changed = 0;
+      for (std::size_t i = part * kAtOnce; i < std::min(t.arrivals.size(), (part + 1) * kAtOnce); ++i) {
+        ArrivalObservation& a = t.arrivals[i];
+        if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection))
+          a.rejection = decide(arrival_residual(t, a, state), a.rejection, changed);
+      }
+      changes += changed;
+    });
+    std::size_t changed = 0;
     for (std::size_t i = 0; i < t.bearings.size(); ++i) {
       BearingObservation& b = t.bearings[i];
       ObservationRow row;
       if (b.rejection == Rejection::kNoPose || b.rejection == Rejection::kBeaconUnusable || bearing_rows(t, i, state, &row) == 0) continue;
-      b.rejection = decide(row.residual, b.rejection);
+      b.rejection = decide(row.residual, b.rejection, changed);
     }
+    changes += changed;
   }
-  return changed;
+  return changes;
 }
 
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable) {

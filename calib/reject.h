@@ -15,7 +15,7 @@ namespace octant::calib {
 
 /// Marks arrivals and bearings beyond `limit` sigmas as rejected, late or early, and readmits those within 0.9 of it.
 /// Returns how many marks changed.
-std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit);
+std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit, int threads = 1);
 
 /// All arrivals and bearings in use again, but those of unusable beacons and of states without a place.
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable);

@@ -290,7 +290,7 @@ class Calibrator {
     if (far_off) scale_noise(factor);
     for (int round = 0; round < kNoiseRounds; ++round) {
       if (!reject_and_adjust()) return false;
-      const CalibrationStatistics s = statistics_of(problem_, layout_, trajectories_, layout_.state_of(x_), last_.cost);
+      const CalibrationStatistics s = statistics_of(problem_, layout_, trajectories_, layout_.state_of(x_), last_.cost, options_.threads);
       // A prior that is contradicted is no noise of the arrivals: only what the recordings say counts.
       const double squares = 2 * (last_.cost - prior_cost(problem_, layout_, x_));
       if (!(s.redundancy >= 30) || !(squares > 0) || chi_square_p(squares, s.redundancy) > 0.01) break;
@@ -310,7 +310,7 @@ class Calibrator {
   bool reject_and_adjust() {
     for (int round = 0; round < kRejectionRounds; ++round) {
       if (!report("adjustment of the arrivals that agree", std::min(0.9, 0.7 + 0.03 * round))) return false;
-      const std::size_t changed = mark_rejected(trajectories_, layout_.state_of(x_), options_.rejection_sigmas);
+      const std::size_t changed = mark_rejected(trajectories_, layout_.state_of(x_), options_.rejection_sigmas, options_.threads);
       if (round > 0 && changed == 0) break;
       if (!adjust_with(0.0, 1e-12)) return false;
     }
@@ -322,7 +322,7 @@ class Calibrator {
     solution_.state = layout_.state_of(x_);
     solution_.final_cost = last_.cost;
     solution_.tof_sigma_s = problem_.site.noise.tof_sigma_s * noise_factor_;
-    solution_.statistics = statistics_of(problem_, layout_, trajectories_, solution_.state, last_.cost);
+    solution_.statistics = statistics_of(problem_, layout_, trajectories_, solution_.state, last_.cost, options_.threads);
     solution_.statistics.converged = last_.converged;
     // The factor is told against what the site file states, not against the noise as found.
     solution_.statistics.variance_factor *= noise_factor_ * noise_factor_;
@@ -332,7 +332,7 @@ class Calibrator {
     solution_.message = last_.converged ? "converged" : "the adjustment did not converge: " + last_.message;
     solution_.datum = datum_of(problem_);
     // What the data do not determine is often what keeps the iteration from settling, and then that is the finding.
-    const Eigen::MatrixXd information = judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_);
+    const Eigen::MatrixXd information = judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_, options_.threads);
     solution_.reliability = reliability_of(problem_, layout_, trajectories_, solution_.state, solution_.covariance, solution_.beacon_status, noise_factor_,
                                            information);
     collect_left_out();

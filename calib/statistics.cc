@@ -7,6 +7,7 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "calib/parallel.h"
 #include "models/linearise.h"
 
 namespace octant::calib {
@@ -19,22 +20,45 @@ double chi_square_p(double sum_of_squares, double degrees_of_freedom) {
   return std::min(1.0, 2 * std::min(below, above));
 }
 
+namespace {
+
+constexpr std::size_t kAtOnce = 65536;  ///< arrivals a thread takes
+
+/// Of the arrivals that a thread took; added up in their order.
+struct Sums {
+  std::size_t used = 0, rejected = 0, amplitudes = 0;
+  double squares_s2 = 0.0;
+};
+
+}  // namespace
+
 CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
-                                    const SharedState& state, double cost) {
+                                    const SharedState& state, double cost, int threads) {
   CalibrationStatistics s;
   double observations = 0.0, squares_s2 = 0.0;
   std::size_t states = 0;
   for (const MeasurementLog& run : problem.runs) s.rejected += run.rejected.size();
   for (const Trajectory& t : trajectories) {
     s.rejected += t.stateless_arrivals.size();
-    for (const ArrivalObservation& a : t.arrivals) {
-      if (a.rejection != Rejection::kUsed) {
-        ++s.rejected;
-        continue;
+    std::vector<Sums> parts(t.arrivals.size() / kAtOnce + 1);
+    for_each_parallel(parts.size(), threads, [&](std::size_t part) {
+      Sums& sums = parts[part];
+      for (std::size_t i = part * kAtOnce; i < std::min(t.arrivals.size(), (part + 1) * kAtOnce); ++i) {
+        const ArrivalObservation& a = t.arrivals[i];
+        if (a.rejection != Rejection::kUsed) {
+          ++sums.rejected;
+          continue;
+        }
+        ++sums.used;
+        sums.amplitudes += a.log_amplitude_sigma > 0 && state.attenuation ? 1 : 0;
+        sums.squares_s2 += std::pow(a.sigma_s * arrival_residual(t, a, state), 2);
       }
-      ++s.arrivals;
-      observations += 1.0 + (a.log_amplitude_sigma > 0 && state.attenuation ? 1.0 : 0.0);
-      squares_s2 += std::pow(a.sigma_s * arrival_residual(t, a, state), 2);
+    });
+    for (const Sums& sums : parts) {
+      s.rejected += sums.rejected;
+      s.arrivals += sums.used;
+      observations += static_cast<double>(sums.used + sums.amplitudes);
+      squares_s2 += sums.squares_s2;
     }
     ObservationRow rows[6];
     for (std::size_t i = 0; i < t.bearings.size(); ++i)

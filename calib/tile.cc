@@ -3,9 +3,11 @@
 #include "calib/tile.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
+#include "calib/parallel.h"
 #include "calib/shared_entries.h"
 #include "models/linearise.h"
 
@@ -209,17 +211,26 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
   }
 }
 
-std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout) {
-  std::vector<Tile> tiles;
+std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads) {
+  struct Range {
+    Trajectory* trajectory;
+    std::size_t first, last;
+  };
+  std::vector<Range> ranges;
   for (Trajectory& t : trajectories) {
     std::size_t first = 0;
     for (std::size_t s = 0; s < t.segments.size(); ++s) {
       const std::size_t nodes = t.segments[s].last_node - t.segments[first].first_node;
       if (nodes < kNodesPerTile && s + 1 < t.segments.size()) continue;
-      tiles.emplace_back(&t, first, s + 1, &layout);
+      ranges.push_back({&t, first, s + 1});
       first = s + 1;
     }
   }
+  std::vector<std::optional<Tile>> made(ranges.size());
+  for_each_parallel(ranges.size(), threads, [&](std::size_t i) { made[i].emplace(ranges[i].trajectory, ranges[i].first, ranges[i].last, &layout); });
+  std::vector<Tile> tiles;
+  tiles.reserve(made.size());
+  for (auto& tile : made) tiles.push_back(std::move(*tile));
   return tiles;
 }
 

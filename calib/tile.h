@@ -55,6 +55,6 @@ class Tile {
 };
 
 /// Tiles of all trajectories; their number does not depend on the number of threads, so neither does any sum.
-[[nodiscard]] std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout);
+[[nodiscard]] std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads = 1);
 
 }  // namespace octant::calib
