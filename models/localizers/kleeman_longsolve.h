@@ -29,7 +29,7 @@ struct LongsolveOptions {
   int min_agreeing = 4;           ///< beacons, of those heard; where fewer are heard, all of them (never fewer than 3)
   double ambiguity_margin = 4.0;  ///< two answers are equally good when their chi-squares differ by less
   double max_sigma_m = 1.0;       ///< a sigma of x or y beyond this is poor geometry
-  HyperbolicFixOptions hyperbolic;
+  HyperbolicFixOptions hyperbolic{};
 };
 
 /// What longsolve keeps from one call to the next: where it was, and the estimated errors of all triples near there.
