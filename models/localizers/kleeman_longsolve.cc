@@ -223,14 +223,15 @@ void Longsolve::settle(const Problem& problem, LongsolveFix& fix) const noexcept
   }
 }
 
-/// All that was averaged agrees, there are enough to tell, and what disagrees is late: a direct pulse cannot be (a single
-/// early one is believed to be spurious when five agree).
+/// All that was averaged agrees, there are enough to tell, and what disagrees is late: a direct pulse cannot be (one that
+/// is early is believed to be spurious when six agree).
 bool Longsolve::acceptable(const Problem& problem, const LongsolveFix& fix) const noexcept {
   if (!fix.ok() || (fix.averaged & ~fix.agreeing).any()) return false;
   const auto heard = static_cast<int>(problem.distances.heard.count());
   const auto agreeing = static_cast<int>(fix.agreeing.count());
   if (agreeing < std::max(3, std::min(options_.min_agreeing, heard))) return false;
-  return fix.early.none() || agreeing >= 5;
+  if (!(agreeing > options_.agreeing_share * heard)) return false;
+  return fix.early.none() || agreeing >= 6;
 }
 
 LongsolveFix Longsolve::search_exclusions(const Problem& problem, const Eigen::Vector2d& start,
