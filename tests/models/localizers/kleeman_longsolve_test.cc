@@ -3,6 +3,7 @@
 #include "models/localizers/kleeman_longsolve.h"
 
 #include <cmath>
+#include <iostream>
 
 #include <gtest/gtest.h>
 
@@ -151,6 +152,29 @@ TEST(Longsolve, OneLateBeaconIsOutvoted) {
     const double sigma_m = kSigma_m * fix.gain.norm();
     EXPECT_LT((fix.p_map_m - p).norm(), 5 * sigma_m) << k;
   }
+}
+
+/// Step 4 by itself, as published: triples with a late beacon are removed for the next best until the rest agree. (Where the
+/// late beacon is in most of the best triples they outvote the others; that the exclusions are for.)
+TEST(Longsolve, RemovalAloneFindsMostOfTheLateBeacons) {
+  Random random(9);
+  LongsolveOptions published;
+  published.max_exclusions = 0;
+  LongsolveOptions without = published;
+  without.min_triples = without.triples;  // nothing to remove
+  int found = 0, found_without = 0;
+  for (int k = 0; k < 300; ++k) {
+    const Room room = ring(6);
+    const Eigen::Vector2d p(random.uniform(1, 9), random.uniform(1, 9));
+    OffsetDistances d = from(room, p);
+    for (double& m : d.distance_m) m += kSigma_m * random.normal();
+    d.distance_m[static_cast<std::size_t>(k % 6)] += random.log_uniform(0.2, 4.0);
+    found += solve(room, d, published).ok() ? 1 : 0;
+    found_without += solve(room, d, without).ok() ? 1 : 0;
+  }
+  std::cout << found << " of 300 with removal, " << found_without << " without\n";
+  EXPECT_GT(found, 150);
+  EXPECT_LT(found_without, 100);
 }
 
 /// Step 2: errors are those of the place where they were last computed, until the vehicle is a metre away.

@@ -186,12 +186,13 @@ TEST(PulseSync, OutlastsABlockedBeaconAndComesBack) {
   EXPECT_EQ(strict.epoch(), 19) << "cycles are counted on through the gap";
 }
 
-/// A crystal off by 100 ppm moves 90 us a cycle; a minute of it would be 6 ms.
+/// A crystal off by 100 ppm moves 90 us a cycle: 54 ms in nine minutes, more than a slot has to spare.
 TEST(PulseSync, FollowsADriftingClock) {
   const Deployment room = test::kleeman_room();
   for (const double drift : {-1e-4, 1e-4}) {
     PulseSync sync;
-    const auto pulses = stream(room, Pose::planar(3, 7, 1.0), FiringSchedule{}, {.cycles = 70, .echoes = 0.5, .drift = drift}, 9);
+    const auto pulses =
+        stream(room, Pose::planar(3, 7, 1.0), FiringSchedule{}, {.cycles = 600, .echoes = 0.5, .drift = drift}, 9);
     const Labels labels = run(sync, pulses);
     EXPECT_EQ(labels.wrong, 0);
     EXPECT_TRUE(sync.synchronised());
