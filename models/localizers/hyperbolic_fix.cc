@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/LU>
+
 namespace octant {
 namespace {
 
@@ -81,6 +83,23 @@ HyperbolicFix hyperbolic_fix(const std::array<PlanBeacon, 3>& beacons, const std
     }
   }
   return fix;
+}
+
+std::optional<Eigen::Vector2d> other_intersection(const std::array<PlanBeacon, 3>& b, const Eigen::Vector2d& p) {
+  const std::array<double, 3> d = {slant_distance_m(b[0], p), slant_distance_m(b[1], p), slant_distance_m(b[2], p)};
+  // With P = p + q and distances d_i - o:  (b_i - b_0) . q = o (d_i - d_0), so q = o v, and
+  //   -2 o d_0 + o^2 = |q|^2 - 2 q . (b_0 - p)  has the roots o = 0 and the other one.
+  Eigen::Matrix2d B;
+  B << (b[1].p_map_m - b[0].p_map_m).transpose(), (b[2].p_map_m - b[0].p_map_m).transpose();
+  const double area_m2 = B.determinant();
+  if (!(std::abs(area_m2) > kParallel * B.squaredNorm())) return std::nullopt;
+  const Eigen::Vector2d v = B.inverse() * Eigen::Vector2d(d[1] - d[0], d[2] - d[0]);
+  const double curvature = v.squaredNorm() - 1, slope_m = 2 * (v.dot(b[0].p_map_m - p) - d[0]);
+  if (!(std::abs(curvature) > kParallel)) return std::nullopt;
+  const double offset_m = slope_m / curvature;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (d[i] - offset_m < std::abs(b[i].height_m)) return std::nullopt;  // of the hyperbolas' other branches
+  return Eigen::Vector2d(p + offset_m * v);
 }
 
 Eigen::Vector2d hyperbolic_error_m(const std::array<PlanBeacon, 3>& beacons, const Eigen::Vector2d& p_map_m,

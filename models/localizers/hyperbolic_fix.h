@@ -72,6 +72,13 @@ struct HyperbolicFix {
 [[nodiscard]] HyperbolicFix hyperbolic_fix(const std::array<PlanBeacon, 3>& beacons, const std::array<double, 3>& distance_m,
                                            const Eigen::Vector2d& start_map_m, const HyperbolicFixOptions& options = {});
 
+/// Where the same two hyperbolas meet again, if they do: with d_i^2 = |P - b_i|^2 + h_i^2 and d_i less an offset for d_i, the
+/// differences of these equations are linear in P and the offset, and what is left is a quadratic of which one root is known.
+/// @param p_map_m  an intersection; its distances are taken, so a common offset in measured ones does not matter
+/// @return nothing if there is no other, or the three are on one line (then it is the mirror image)
+[[nodiscard]] std::optional<Eigen::Vector2d> other_intersection(const std::array<PlanBeacon, 3>& beacons,
+                                                                const Eigen::Vector2d& p_map_m);
+
 /// Error analysis (section 4.2; the paper leaves the expression to its report): standard deviations of x and y when the
 /// distances have the independent sigmas s_i. With g12, g10 the columns of eq. 4,
 ///   s_x^2 = g10x^2 s_0^2 + (g10x + g12x)^2 s_1^2 + g12x^2 s_2^2,   and the same with y.

@@ -9,6 +9,8 @@
 namespace octant {
 namespace {
 
+constexpr double kSettled_m = 1e-5, kSettled_rad = 1e-5;  // well below what is ever known
+
 Error lacks(std::string found, std::string expected) {
   return {.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)};
 }
@@ -34,6 +36,7 @@ Kleeman::Kleeman(const Deployment& deployment, const KleemanOptions& options) : 
   work_ = std::make_unique<Work>();
   for (const SiteVehicle& v : deployment_.vehicles) {
     vehicles_.emplace_back(deployment_, v, options_.longsolve);
+    work_->memory = vehicles_.back().memory;
     work_->heard.reserve(std::max(work_->heard.capacity(), 4 * deployment_.beacons.size() * v.receiver_count));
   }
 }
@@ -70,15 +73,20 @@ FixStatus Kleeman::place(std::span<const Arrival> arrivals, double scale) noexce
   w.heading = Heading{};
   w.heading_tried = false;
   FixStatus status = solve_pass(/*first=*/true);
+  double moved_m = 0.0, turned_rad = 0.0;
   for (int pass = 1; pass < options_.max_passes && status == FixStatus::kOk; ++pass) {
     const Eigen::Vector2d before = w.solution.p_map_m;
-    const double before_rad = w.heading.rad, sigma_rad = w.heading.sigma_rad;
+    const Heading heading = w.heading;
     status = solve_pass(/*first=*/false);
-    // A tenth of what is ever printed. A heading that was coarse until now is not settled by standing still.
-    if ((w.solution.p_map_m - before).norm() < 1e-5 && std::abs(wrap_angle(w.heading.rad - before_rad)) < 1e-5 &&
-        std::abs(w.heading.sigma_rad - sigma_rad) < 1e-3)
-      break;
+    moved_m = (w.solution.p_map_m - before).norm();
+    turned_rad = std::abs(wrap_angle(w.heading.rad - heading.rad));
+    // A heading that was coarse until now is not settled by standing still.
+    const bool same_heading = heading.known == w.heading.known && std::abs(w.heading.sigma_rad - heading.sigma_rad) < 1e-3;
+    if (moved_m < kSettled_m && turned_rad < kSettled_rad && same_heading) break;
   }
+  // Arrivals on the edge of a gate may come and go for ever, and move nothing much. More than that is no fix.
+  if (status == FixStatus::kOk && (moved_m > 100 * kSettled_m || turned_rad > 1000 * kSettled_rad))
+    status = FixStatus::kNotConverged;
   return status;
 }
 

@@ -32,7 +32,7 @@ struct KleemanOptions {
   double triangle_sigmas = 4.0;  ///< tolerance of eq. 5-6
   double gate_sigmas = 4.0;      ///< an arrival later than the first of its beacon by more is an echo
   int max_passes = 10;           ///< position and heading in turn, until neither moves
-  LongsolveOptions longsolve;
+  LongsolveOptions longsolve{};
   double speed_span = 0.05;    ///< estimate_speed() searches so far to either side of the deployment's speed, relative
   double speed_step = 0.0025;  ///< in such steps (the prototype's resolution), then between them
   /// Largest relative sigma of a speed that counts as determined.

@@ -13,6 +13,7 @@ namespace {
 constexpr int kMaxAveraged = 32;
 constexpr double kRounding_m = 1e-6;  // deviations below this are the iteration's, not the distances'
 constexpr double kThin = 0.2;         // beacons lie on a line when they spread across it less than this part of along it
+constexpr double kOutside_m = 1.0;    // a place so far from all beacons' box is not in the environment
 using Gain = Eigen::Matrix<double, 2, kKleemanBeacons>;
 using Row = Eigen::Matrix<double, 1, kKleemanBeacons>;
 
@@ -222,14 +223,15 @@ void Longsolve::settle(const Problem& problem, LongsolveFix& fix) const noexcept
   }
 }
 
-/// All that was averaged agrees, there are enough to tell, and what disagrees is late: a direct pulse cannot be (a single
-/// early one is believed to be spurious when five agree).
+/// All that was averaged agrees, there are enough to tell, and what disagrees is late: a direct pulse cannot be (one that
+/// is early is believed to be spurious when six agree).
 bool Longsolve::acceptable(const Problem& problem, const LongsolveFix& fix) const noexcept {
   if (!fix.ok() || (fix.averaged & ~fix.agreeing).any()) return false;
   const auto heard = static_cast<int>(problem.distances.heard.count());
   const auto agreeing = static_cast<int>(fix.agreeing.count());
   if (agreeing < std::max(3, std::min(options_.min_agreeing, heard))) return false;
-  return fix.early.none() || agreeing >= 5;
+  if (!(agreeing > options_.agreeing_share * heard)) return false;
+  return fix.early.none() || agreeing >= 6;
 }
 
 LongsolveFix Longsolve::search_exclusions(const Problem& problem, const Eigen::Vector2d& start,
@@ -297,7 +299,7 @@ bool Longsolve::ambiguous(const Problem& problem, const LongsolveFix& fix, Longs
     if (!acceptable(problem, other) || other.agreeing.count() < fix.agreeing.count()) return false;
     if ((other.p_map_m - fix.p_map_m).norm() < 0.01 + 2 * options_.deviation_sigmas * sigma_m) return false;
     if (other.chi2 > fix.chi2 + options_.ambiguity_margin) return false;
-    return !(outside_m(fix.p_map_m) == 0 && outside_m(other.p_map_m) > 1.0);
+    return !(outside_m(fix.p_map_m) == 0 && outside_m(other.p_map_m) > kOutside_m);
   };
   std::array<std::size_t, kKleemanBeacons> in{};
   std::size_t count = 0;
@@ -306,11 +308,10 @@ bool Longsolve::ambiguous(const Problem& problem, const LongsolveFix& fix, Longs
     if (fix.agreeing[b]) middle += beacons_[in[count++] = b].p_map_m;
   middle /= static_cast<double>(count);
   if (count == 3) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Eigen::Vector2d &a = beacons_[in[i]].p_map_m, &b = beacons_[in[(i + 1) % 3]].p_map_m;
-      if (rivals(mirrored(fix.p_map_m, a, b - a))) return true;
-    }
-    return false;
+    const auto other = other_intersection({beacons_[in[0]], beacons_[in[1]], beacons_[in[2]]}, fix.p_map_m);
+    if (other && !(outside_m(fix.p_map_m) == 0 && outside_m(*other) > kOutside_m) &&
+        (*other - fix.p_map_m).norm() > options_.deviation_sigmas * sigma_m)
+      return true;
   }
   const Eigen::Vector2d guess = first_guess(fix.agreeing);
   if ((guess - middle).norm() < kRounding_m) return false;

@@ -26,10 +26,13 @@ struct LongsolveOptions {
   /// How many beacons may be left out in turn, and longsolve run on the others, when what it gives contradicts its own
   /// distances. 0: as published, where a late beacon in the majority of the averaged triples may outvote the good ones.
   int max_exclusions = 2;
-  int min_agreeing = 4;           ///< beacons, of those heard; where fewer are heard, all of them (never fewer than 3)
+  int min_agreeing = 4;  ///< beacons; where fewer are heard, all of them (never fewer than 3)
+  /// And more than this part of those heard. Two beacons in shadows leave four of six, which have one distance to spare: then
+  /// one fix in 300 is a coincidence, decimetres off. Half, if a fix that may be wrong is better than none.
+  double agreeing_share = 0.67;
   double ambiguity_margin = 4.0;  ///< two answers are equally good when their chi-squares differ by less
   double max_sigma_m = 1.0;       ///< a sigma of x or y beyond this is poor geometry
-  HyperbolicFixOptions hyperbolic;
+  HyperbolicFixOptions hyperbolic{};
 };
 
 /// What longsolve keeps from one call to the next: where it was, and the estimated errors of all triples near there.

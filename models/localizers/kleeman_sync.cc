@@ -37,6 +37,38 @@ bool PulseSync::completes_double(const PulseArrival& second, double& first_s) co
   return false;
 }
 
+/// Counts a channel on which a double pulse was heard, as one more of the same or the first of another.
+void PulseSync::count(double first_s, Signature& signature) noexcept {
+  if (std::abs(first_s - signature.time_s) <= kArrayFlight_s) {
+    signature.time_s = std::min(signature.time_s, first_s);
+    ++signature.channels;
+  } else {
+    signature = {first_s, 1, 0};
+  }
+}
+
+/// Whether a double pulse is beacon 0's own: heard on most of the channels that heard its first part (an echo comes from
+/// another side), and with nothing stronger before it (two echoes of one pulse may be t_double apart, but they follow it).
+bool PulseSync::credible(const Signature& signature) const noexcept {
+  const double since_s = signature.time_s - (options_.schedule.fire_s - options_.max_flight_s);  // nothing direct of others
+  int heard = 0;
+  double before_v = 0.0, amplitude_v = 0.0;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    bool here = false;
+    for (int i = 0; i < std::min(remembered_[c], kRemembered); ++i) {
+      const PulseArrival& p = past_[c][static_cast<std::size_t>(i)];
+      if (std::abs(p.time_s - signature.time_s) <= kArrayFlight_s) {
+        here = true;
+        amplitude_v = std::max(amplitude_v, p.amplitude_v);
+      } else if (p.time_s > since_s && p.time_s < signature.time_s) {
+        before_v = std::max(before_v, p.amplitude_v);
+      }
+    }
+    heard += here ? 1 : 0;
+  }
+  return 2 * signature.channels > heard && amplitude_v > before_v;
+}
+
 /// Begins new cycles until `time_s` is in the present one, or synchronisation is lost. A slot begins max_flight_s before its
 /// firing time, for that is set by beacon 0's arrival, and another beacon may be nearer.
 void PulseSync::advance(double time_s) noexcept {
@@ -61,7 +93,6 @@ void PulseSync::synchronise(double first_s) noexcept {
   next_shift_s_ = 0.0;
   missed_ = 0;
   double_heard_ = true;
-  own_ = {first_s, 1, 0};
   foreign_ = Signature{};
   heard_slot_.fill(0);
   for (std::size_t c = 0; c < kChannels; ++c) {  // beacon 0's arrivals have gone by, one a channel
@@ -88,15 +119,16 @@ void PulseSync::consider(double first_s) noexcept {
     double_heard_ = true;
     return;
   }
-  if (std::abs(first_s - foreign_.time_s) <= kArrayFlight_s) {
-    ++foreign_.channels;
-  } else {
-    const bool again = std::abs(first_s - foreign_.time_s - cycle) <= options_.max_flight_s;
-    foreign_ = {first_s, 1, again ? foreign_.repeats + 1 : 0};
-  }
+  const Signature before = foreign_;
+  count(first_s, foreign_);
+  if (foreign_.channels == 1 && std::abs(first_s - before.time_s - cycle) <= options_.max_flight_s)
+    foreign_.repeats = before.repeats + 1;
+  if (!credible(foreign_)) return;
   const bool doubtful = !confirmed_ && (missed_ > 0 || foreign_.channels > own_.channels);
   const bool superseded = missed_ >= 2 && foreign_.repeats >= 1;
-  if (doubtful || superseded) synchronise(first_s);
+  if (!doubtful && !superseded) return;
+  own_ = foreign_;
+  synchronise(own_.time_s);
 }
 
 void PulseSync::emit(const PulseArrival& pulse, int beacon) noexcept {
@@ -122,7 +154,10 @@ std::span<const Arrival> PulseSync::push(const PulseArrival& pulse) noexcept {
   const bool is_double = completes_double(pulse, first_s);
   remember(pulse);
   if (!synchronised_) {
-    if (is_double) synchronise(first_s);
+    if (is_double) {
+      count(first_s, own_);
+      if (credible(own_)) synchronise(own_.time_s);
+    }
     return {out_.data(), out_count_};
   }
   if (is_double) {

@@ -20,14 +20,14 @@ struct PulseArrival {
 };
 
 struct PulseSyncOptions {
-  FiringSchedule schedule;
+  FiringSchedule schedule{};
   VehicleId vehicle{0};
   ReceiverId first_receiver{0};        ///< of channel 0; the others follow
   double double_tolerance_s = 0.2e-3;  ///< of the time between beacon 0's two pulses
   double pulse_tolerance = 0.4;        ///< of the length of either, relative to t_pulse
   /// The weaker of the two over the stronger: at least so much. An echo that comes t_double after a single pulse has travelled
   /// 1.9 m more and been absorbed: within 10 m of the beacon it has no more than 0.81 of the amplitude.
-  double amplitude_ratio = 0.75;
+  double amplitude_ratio = 0.85;
   double min_pulse = 0.5;       ///< anything shorter than this part of t_pulse is noise
   double max_flight_s = 0.045;  ///< from the farthest beacon; t_fire has to be more than twice as much
   /// Most by which beacon 0's double pulse moves the firing times in a cycle: 1 m/s for a cycle, and the drift of clocks. More
@@ -38,12 +38,12 @@ struct PulseSyncOptions {
 
 /// Whose turn it is, from beacon 0's double pulse in a stream of pulses (L. Kleeman, sections 1.2 and 5.1).
 ///
-/// The first double pulse on any channel sets the receiver's notion of when beacon 0 fires (its arrival, for its flight is not
-/// known: a cycle offset), so from any start it takes one cycle at most, and the flight. From then on the first pulse on each
-/// channel in each beacon's slot is that beacon's arrival; later ones are echoes and are dropped. Every cycle in which the double
-/// pulse is heard sets the next one's firing times, so that clocks may drift and the vehicle move; without it (beacon 0 blocked)
-/// the schedule runs on. A double pulse that keeps coming in another beacon's slot, while there is none in beacon 0's, takes
-/// over. Echoes in a slot must have died before the next: eq. 1. Allocates nothing.
+/// The first double pulse that is no echo sets the receiver's notion of when beacon 0 fires
+/// (its arrival, for its flight is not known: a cycle offset), so from any start it takes one cycle at most, and the flight. From
+/// then on the first pulse on each channel in each beacon's slot is that beacon's arrival; later ones are echoes and are dropped.
+/// Every cycle in which the double pulse is heard sets the next one's firing times, so that clocks may drift and the vehicle
+/// move; without it (beacon 0 blocked) the schedule runs on. A double pulse that keeps coming in another beacon's slot, while
+/// there is none in beacon 0's, takes over. Echoes in a slot must have died before the next: eq. 1. Allocates nothing.
 class PulseSync {
  public:
   static constexpr int kChannels = 16;
@@ -71,6 +71,8 @@ class PulseSync {
   static constexpr int kRemembered = 8;
 
   [[nodiscard]] bool completes_double(const PulseArrival& pulse, double& first_s) const noexcept;
+  [[nodiscard]] bool credible(const Signature& signature) const noexcept;
+  static void count(double first_s, Signature& signature) noexcept;
   void remember(const PulseArrival& pulse) noexcept;
   void advance(double time_s) noexcept;
   void consider(double first_s) noexcept;
@@ -88,7 +90,7 @@ class PulseSync {
   std::int64_t epoch_ = -1;
   int missed_ = 0;
   bool double_heard_ = false;  ///< in the present cycle, in beacon 0's slot
-  Signature own_, foreign_;
+  Signature own_, foreign_;    ///< own_: before synchronisation, the candidate
 };
 
 }  // namespace octant
