@@ -29,7 +29,8 @@ class Methods : public ::testing::Test {
     const Outcome said = octant({"verify", box / "w/deployment.true.json", box / "w/heldout", "--all-methods", "--json"});
     EXPECT_EQ(said.exit, 0) << said.err;
     std::map<std::string, nlohmann::json> rows;
-    for (const auto& row : said.json()["methods"]) rows[row["method"].get<std::string>()] = row;
+    const nlohmann::json object = said.json();
+    for (const auto& row : object["methods"]) rows[row["method"].get<std::string>()] = row;
     return rows;
   }
   TemporaryFolder box;
