@@ -51,7 +51,7 @@ struct Fix {
   std::int64_t epoch = kNoEpoch;
   Pose T_map_vehicle;                    ///< meaningful when status is kOk
   PoseCovariance covariance;
-  double protection_level_m = 0.0;       ///< horizontal; 0: not computed
+  double protection_level_m = 0.0;       ///< horizontal, see localizers/protection.h; 0: not computed, or not protected
   int arrivals_used = 0;
   int arrivals_rejected = 0;
   double cost = 0.0;                     ///< half the weighted sum of squares of the arrivals used

@@ -64,6 +64,8 @@ class LeastSquaresLocalizer {
   [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& log) const;
 
  private:
+  void finish(const Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
+
   Deployment deployment_;
   EpochFixOptions options_;
   EpochFixModel model_;

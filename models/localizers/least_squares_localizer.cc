@@ -5,6 +5,7 @@
 #include <string>
 
 #include "models/localizers/epoch_fix.h"
+#include "models/localizers/protection.h"
 #include "models/localizers/trajectory_model.h"
 
 namespace octant {
@@ -72,6 +73,13 @@ EpochFixModel epoch_fix_model(const Deployment& deployment) {
 LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options)
     : deployment_(std::move(deployment)), options_(options), model_(epoch_fix_model(deployment_)), calibration_(deployment_) {}
 
+/// What the arrivals' own noise does not tell: the calibration's part, and what a fault could do.
+void LeastSquaresLocalizer::finish(const Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
+  if (!fix.ok()) return;
+  calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
+  fix.protection_level_m = horizontal_protection_m(trajectory, epoch, model_.state, fix.covariance);
+}
+
 Fix LeastSquaresLocalizer::locate(std::span<const Arrival> arrivals) const {
   Fix none;
   if (arrivals.empty()) return none;
@@ -87,7 +95,7 @@ Fix LeastSquaresLocalizer::locate(std::span<const Arrival> arrivals) const {
   Trajectory trajectory = make_trajectory(log, 0, log.vehicle, trajectory_model(deployment_));
   if (trajectory.segments.empty()) return none;
   Fix fix = fix_epoch(trajectory, trajectory.segments.front(), model_, options_);
-  if (fix.ok()) calibration_.add_to(fix.covariance, trajectory, trajectory.segments.front(), model_.state);
+  finish(trajectory, trajectory.segments.front(), fix);
   return fix;
 }
 
@@ -99,7 +107,7 @@ std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) const 
       for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
         const Segment epoch = node_segment(trajectory, segment, node);
         fixes.push_back(fix_epoch(trajectory, epoch, model_, options_));
-        if (fixes.back().ok()) calibration_.add_to(fixes.back().covariance, trajectory, epoch, model_.state);
+        finish(trajectory, epoch, fixes.back());
       }
   }
   std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
