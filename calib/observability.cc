@@ -64,14 +64,14 @@ class Judge {
       } else {
         ++asked_;
         if (heard[b] == 0) {
-          status = undetermined(name, "it was not heard", "drive where it is heard, or check that it sends");
+          status = undetermined(name, "it was not heard", "drive where it is heard, or check that it sends", INFINITY);
         } else if (!usable[b]) {
-          status = undetermined(name, "too few arrivals agree on a place for it", "hear it from more places, or give its approximate position");
+          status = undetermined(name, "too few arrivals agree on a place for it", "hear it from more places, or give its approximate position", INFINITY);
         } else if (sigma_m > limit_m_) {
           status = undetermined(name, fmt::format("its position is known to {} only, the tolerance is {}", length(sigma_m), length(limit_m_)),
-                                "hear it from places spread around it in all directions, or tape its distance to a control point");
+                                "hear it from places spread around it in all directions, or tape its distance to a control point", sigma_m);
         } else if (mirrored[b]) {
-          status = undetermined(name, "a mirror image explains the arrivals as well", "hear it from beside the line driven so far, or give its approximate position");
+          status = undetermined(name, "a mirror image explains the arrivals as well", "hear it from beside the line driven so far, or give its approximate position", sigma_m);
         }
       }
       solution_.beacon_status.push_back(status);
@@ -100,8 +100,7 @@ class Judge {
     solution_.status = SolveStatus::kUndetermined;
     std::vector<std::string> what, remedies;
     for (const WeakDirection& w : solution_.weak) {
-      const bool beacon = w.sigma_m == 0.0;  // an undetermined beacon: one of too many
-      if (!w.blocking && !(beacon && (too_many || strict))) continue;
+      if (!w.blocking && !(w.lone_beacon && (too_many || strict))) continue;
       what.push_back(w.description);
       if (std::find(remedies.begin(), remedies.end(), w.remedy) == remedies.end()) remedies.push_back(w.remedy);
     }
@@ -112,10 +111,10 @@ class Judge {
   static std::string length(double m) { return m < 1.0 ? fmt::format("{:.0f} mm", 1000 * m) : m < 1e4 ? fmt::format("{:.2f} m", m) : "nothing"; }
   [[nodiscard]] const std::string& name_of(int column) const { return layout_.parameters[static_cast<std::size_t>(column)].name; }
 
-  BeaconStatus undetermined(const std::string& beacon, const std::string& why, const std::string& remedy) {
+  BeaconStatus undetermined(const std::string& beacon, const std::string& why, const std::string& remedy, double sigma_m) {
     solution_.undetermined.push_back("beacon/" + beacon);
     solution_.warnings.push_back(fmt::format("beacon {} is undetermined: {}; {}", beacon, why, remedy));
-    solution_.weak.push_back({fmt::format("beacon {} ({})", beacon, why), {"beacon/" + beacon}, 0.0, 0.0, remedy, false});
+    solution_.weak.push_back({fmt::format("beacon {} ({})", beacon, why), {"beacon/" + beacon}, sigma_m, 0.0, remedy, false, true});
     return BeaconStatus::kUndetermined;
   }
 

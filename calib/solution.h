@@ -26,10 +26,11 @@ enum class SolveStatus {
 struct WeakDirection {
   std::string description;               ///< in words: "speed of sound and overall scale"
   std::vector<std::string> parameters;   ///< largest parts first, names as in the joint covariance
-  double sigma_m = 0.0;                  ///< of the combination, in metres at the beacons
-  double consequence_m = 0.0;            ///< at the robot
+  double sigma_m = 0.0;                  ///< of the combination, in metres at the beacons; infinite: nothing is known
+  double consequence_m = 0.0;            ///< at the robot; 0 for a beacon that localizers leave out
   std::string remedy;                    ///< the cheapest measurement that settles it
   bool blocking = false;                 ///< singular for the purpose: nothing may be exported
+  bool lone_beacon = false;              ///< an undetermined beacon, which does not block the others
 };
 
 /// An arrival that was left out.

@@ -30,7 +30,10 @@ TEST(WeakDirections, AreToldInWordsWithAConsequenceAndARemedy) {
     EXPECT_FALSE(w.remedy.empty()) << w.description;
     EXPECT_FALSE(w.parameters.empty()) << w.description;
     EXPECT_TRUE(std::isfinite(w.consequence_m));
-    if (w.sigma_m > 0) EXPECT_GT(w.consequence_m, 0.0);
+    EXPECT_GT(w.sigma_m, 0.0) << w.description;
+    if (!w.lone_beacon) {
+      EXPECT_GT(w.consequence_m, 0.0);
+    }
   }
 }
 
