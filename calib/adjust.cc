@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/adjust.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <thread>
 
 #include <Eigen/Cholesky>
 #include <ceres/ceres.h>
@@ -183,7 +185,8 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, int unknowns
   ceres_options.minimizer_progress_to_stdout = false;
   ceres_options.logging_type = ceres::SILENT;
   ceres_options.max_num_iterations = options.max_iterations;
-  ceres_options.num_threads = options.threads;
+  // Ceres grumbles on standard error over more threads than there are cores.
+  ceres_options.num_threads = std::clamp(options.threads, 1, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   ceres_options.function_tolerance = options.function_tolerance;
   ceres_options.gradient_tolerance = 1e-9;
   ceres_options.parameter_tolerance = 1e-12;
