@@ -38,6 +38,18 @@ Channel terminal_channel(std::string* text) {
   return channel;
 }
 
+}  // namespace
+
+bool has_terminals() {
+  int ours = -1, theirs = -1;
+  if (openpty(&ours, &theirs, nullptr, nullptr, nullptr) != 0) return false;
+  close(ours);
+  close(theirs);
+  return true;
+}
+
+namespace {
+
 [[noreturn]] void become_octant(const std::vector<std::string>& words, const RunOptions& options, int out, int err) {
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(out, STDOUT_FILENO);

@@ -30,6 +30,9 @@ struct RunOptions {
 /// Runs the octant binary with these words.
 [[nodiscard]] Outcome octant(const std::vector<std::string>& words, const RunOptions& options = {});
 
+/// Whether this machine has pseudo-terminals; some containers mount no /dev/pts.
+[[nodiscard]] bool has_terminals();
+
 /// A folder of its own for a test, removed afterwards.
 class TemporaryFolder {
  public:
