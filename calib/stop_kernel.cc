@@ -190,7 +190,7 @@ HWY_INLINE void settle_part(const StopTables& tables, const StopLanes& lanes, st
   hn::Store(hn::IfThenElseZero(finite, rest), d, outcome.converged + part);
 }
 
-void SettleStops(const StopTables& tables, const StopLanes& lanes, StopStates& states, StopOutcome& outcome) {
+void settle_stops_in_lanes(const StopTables& tables, const StopLanes& lanes, StopStates& states, StopOutcome& outcome) {
   const bool robust = tables.late_scale > 0 && tables.early_scale > 0;
   for (std::size_t part = 0; part < kLanes; part += hn::Lanes(D())) {
     if (tables.has_offset) {
@@ -208,7 +208,7 @@ HWY_INLINE void add_multiple(double factor, const double* other, std::size_t cou
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) hn::StoreU(hn::MulAdd(f, hn::LoadU(d, other + i), hn::LoadU(d, row + i)), d, row + i);
 }
 
-void ReduceStop(const StopTables& tables, const StopEpoch& epoch, const StopLayout& layout, double unobserved, double* H, double* gradient,
+void reduce_stop_in_lanes(const StopTables& tables, const StopEpoch& epoch, const StopLayout& layout, double unobserved, double* H, double* gradient,
                 double* scratch) {
   using D4 = hn::CappedTag<double, 4>;
   const D4 d4;
@@ -225,8 +225,8 @@ void ReduceStop(const StopTables& tables, const StopEpoch& epoch, const StopLayo
   for (std::size_t slot = 0; slot < lanes.slots; ++slot) {
     const std::size_t at = slot * kLanes + epoch.lane;
     if (lanes.beacon[at] < 0) break;
-    const double* b = tables.beacon + 4 * lanes.beacon[at];
-    const double* o = tables.receiver + 4 * lanes.receiver[at];
+    const double* b = tables.beacon + std::ptrdiff_t{4} * lanes.beacon[at];
+    const double* o = tables.receiver + std::ptrdiff_t{4} * lanes.receiver[at];
     const double speed = lanes.model_speed_mps != nullptr ? lanes.model_speed_mps[at] + tables.speed_offset_mps : tables.speed_mps;
     const double rx = cosine * o[0] - sine * o[1], ry = sine * o[0] + cosine * o[1];
     const double dx = epoch.x_m + rx - b[0], dy = epoch.y_m + ry - b[1], dz = o[2] - b[2];
@@ -311,7 +311,7 @@ void ReduceStop(const StopTables& tables, const StopEpoch& epoch, const StopLayo
   }
 }
 
-const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
+const char* target_name() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace octant::calib
@@ -320,20 +320,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace octant::calib {
 
-HWY_EXPORT(SettleStops);
-HWY_EXPORT(ReduceStop);
-HWY_EXPORT(TargetName);
+HWY_EXPORT(settle_stops_in_lanes);
+HWY_EXPORT(reduce_stop_in_lanes);
+HWY_EXPORT(target_name);
 
 void settle_stops(const StopTables& tables, const StopLanes& lanes, StopStates& states, StopOutcome& outcome) {
-  HWY_DYNAMIC_DISPATCH(SettleStops)(tables, lanes, states, outcome);
+  HWY_DYNAMIC_DISPATCH(settle_stops_in_lanes)(tables, lanes, states, outcome);
 }
 
 void reduce_stop(const StopTables& tables, const StopEpoch& epoch, const StopLayout& layout, double unobserved, double* H, double* gradient,
                  double* scratch) {
-  HWY_DYNAMIC_DISPATCH(ReduceStop)(tables, epoch, layout, unobserved, H, gradient, scratch);
+  HWY_DYNAMIC_DISPATCH(reduce_stop_in_lanes)(tables, epoch, layout, unobserved, H, gradient, scratch);
 }
 
-const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
+const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
 
 }  // namespace octant::calib
 #endif
