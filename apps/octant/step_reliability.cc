@@ -154,6 +154,7 @@ Json reliability_json(const Calibration& calibration) {
   return {{"critical_w", calib::kCriticalW},
           {"beyond_critical", r.beyond_critical},
           {"expected_beyond_critical", 0.001 * static_cast<double>(r.arrivals.size())},
+          {"every", r.every},
           {"mean_redundancy_number", number(r.mean_redundancy)},
           {"redundancy", number(r.redundancy_sum)},
           {"worst", worst},
@@ -181,6 +182,9 @@ std::string reliability_text(const Calibration& calibration) {
     kinds += fmt::format("{}{} {:.3g}", kinds.empty() ? "" : ", ", kind.name, *kind.factor);
   }
   text += fmt::format("{:<17}{}\n", "variances", kinds);
+  if (r.every > 1)
+    text += fmt::format("{:<17}redundancy, w, detectable biases, residual groups and variances are those of every {}th epoch; the adjustment used all\n",
+                        "looked at", r.every);
   text += fmt::format("{:<17}{} of {} beyond {:.2f} ({:.1f} expected)", "Baarda's w", r.beyond_critical, r.arrivals.size(), calib::kCriticalW,
                       0.001 * static_cast<double>(r.arrivals.size()));
   for (std::size_t i = 0; i < r.worst.size() && i < 3 && std::abs(r.arrivals[r.worst[i]].w) > calib::kCriticalW; ++i) {
