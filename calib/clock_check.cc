@@ -8,6 +8,7 @@
 #include <set>
 
 #include "calib/ranges.h"
+#include "calib/reject.h"
 #include "calib/unit_check.h"
 
 namespace octant::calib {
@@ -20,7 +21,6 @@ constexpr double kAgreeing = 0.25;    ///< of the step, by which they may differ
 constexpr std::size_t kSide = 8, kAtLeastSide = 5;  ///< stops before and after a step that are compared
 constexpr double kOnTheirSide = 0.8;  ///< of the stops
 constexpr double kStepSigmas = 8.0;
-constexpr double kCauchyScale = 2.385;
 /// Where the fit of a stop is rough (echoes), steps below a tenth of a metre of sound's way say nothing.
 constexpr double kSmallestStepM = 0.1;
 

@@ -20,8 +20,6 @@ namespace {
 
 constexpr std::size_t kLongEpochs = 4000;
 constexpr ThinOptions kPart = {.instants = 1000, .per_beacon = 300};
-/// Robust scale under which stops are settled before they are judged (Cauchy, 95 % efficient).
-constexpr double kCauchyScale = 2.385;
 constexpr double kInLine = 1e-4;  ///< of the largest pivot: beacons in line do not tell the side
 
 /// Mean range and place of each beacon that the epoch hears, in order of first appearance.
@@ -111,9 +109,8 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
                      double suspect_sigmas, int threads, std::vector<Trajectory>& trajectories) {
   constexpr std::size_t kSegmentsAtOnce = 1024;
   for (Trajectory& t : trajectories)
-    for_each_parallel((t.segments.size() + kSegmentsAtOnce - 1) / kSegmentsAtOnce, threads, [&](std::size_t part) {
-      const std::size_t last = std::min(t.segments.size(), (part + 1) * kSegmentsAtOnce);
-      for (std::size_t s = part * kSegmentsAtOnce; s < last; ++s) t.nodes[t.segments[s].first_node].placed = place_by_linear_ranges(t, t.segments[s], state, usable);
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+      for (std::size_t s = first; s < last; ++s) t.nodes[t.segments[s].first_node].placed = place_by_linear_ranges(t, t.segments[s], state, usable);
     });
   readmit_all(trajectories, usable);
   std::vector<Tile> tiles = make_tiles(trajectories, layout, threads);

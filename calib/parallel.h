@@ -25,4 +25,13 @@ void for_each_parallel(std::size_t count, int threads, Work&& work) {
   for (std::thread& thread : others) thread.join();
 }
 
+/// The same by stretches: work(chunk, first, last) for each [first, last) of up to `size` of `count` items.
+[[nodiscard]] constexpr std::size_t chunk_count(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
+template <class Work>
+void for_each_chunk(std::size_t count, std::size_t size, int threads, Work&& work) {
+  for_each_parallel(chunk_count(count, size), threads,
+                    [&](std::size_t chunk) { work(chunk, chunk * size, std::min(count, (chunk + 1) * size)); });
+}
+inline constexpr std::size_t kArrivalsAtOnce = 65536;  ///< that a thread takes
+
 }  // namespace octant::calib

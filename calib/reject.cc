@@ -17,7 +17,6 @@ namespace {
 constexpr double kTruncation = 2.5;
 constexpr double kTruncatedVariance = 0.91125;
 constexpr double kReadmit = 0.9;
-constexpr std::size_t kAtOnce = 65536;  ///< arrivals a thread takes
 
 }  // namespace
 
@@ -58,9 +57,9 @@ std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedSta
     return next;
   };
   for (Trajectory& t : trajectories) {
-    for_each_parallel(t.arrivals.size() / kAtOnce + 1, threads, [&](std::size_t part) {
+    for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
       std::size_t changed = 0;
-      for (std::size_t i = part * kAtOnce; i < std::min(t.arrivals.size(), (part + 1) * kAtOnce); ++i) {
+      for (std::size_t i = first; i < last; ++i) {
         ArrivalObservation& a = t.arrivals[i];
         if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection))
           a.rejection = decide(arrival_residual(t, a, state), a.rejection, changed);

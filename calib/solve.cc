@@ -36,8 +36,6 @@ const char* to_string(SolveStatus status) {
 
 namespace {
 
-/// Cauchy's scale at which the loss costs 5 % of efficiency on clean data.
-constexpr double kCauchyScale = 2.385;
 constexpr int kRejectionRounds = 12;
 constexpr int kMaxStages = 12;
 constexpr int kNoiseRounds = 3;

@@ -22,8 +22,6 @@ double chi_square_p(double sum_of_squares, double degrees_of_freedom) {
 
 namespace {
 
-constexpr std::size_t kAtOnce = 65536;  ///< arrivals a thread takes
-
 /// Of the arrivals that a thread took; added up in their order.
 struct Sums {
   std::size_t used = 0, rejected = 0, amplitudes = 0;
@@ -40,10 +38,10 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
   for (const MeasurementLog& run : problem.runs) s.rejected += run.rejected.size();
   for (const Trajectory& t : trajectories) {
     s.rejected += t.stateless_arrivals.size();
-    std::vector<Sums> parts(t.arrivals.size() / kAtOnce + 1);
-    for_each_parallel(parts.size(), threads, [&](std::size_t part) {
-      Sums& sums = parts[part];
-      for (std::size_t i = part * kAtOnce; i < std::min(t.arrivals.size(), (part + 1) * kAtOnce); ++i) {
+    std::vector<Sums> parts(chunk_count(t.arrivals.size(), kArrivalsAtOnce));
+    for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+      Sums& sums = parts[chunk];
+      for (std::size_t i = first; i < last; ++i) {
         const ArrivalObservation& a = t.arrivals[i];
         if (a.rejection != Rejection::kUsed) {
           ++sums.rejected;

@@ -199,7 +199,6 @@ double StopBlock::settle_all(const StopTables& tables, const SharedState& state,
 
 void StopBlock::add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& local_of,
                           ReducedSystem& system) {
-  constexpr double kUnobserved = 1e-14;  // as in the tile's general path
   const StopLayout local{group.beacons.size(), receivers_};
   const std::size_t stride = local.stride();
   thread_local std::vector<double> H, gradient, scratch;
@@ -211,7 +210,7 @@ void StopBlock::add_group(const Group& group, const StopTables& tables, const Sh
     const StopLanes lanes = lanes_of(p);
     const auto& v = states_[p].value;
     const StopEpoch epoch{&lanes, lane, local_beacon_.data() + first, local_receiver_.data() + first, v[0][lane], v[1][lane], v[2][lane], v[3][lane]};
-    reduce_stop(tables, epoch, local, kUnobserved, H.data(), gradient.data(), scratch.data());
+    reduce_stop(tables, epoch, local, kUnobservedFloor, H.data(), gradient.data(), scratch.data());
   }
   // Where each local column goes: nowhere if it is held, to several places if they share it.
   std::vector<std::vector<Target>> targets(local.speed() + 1);

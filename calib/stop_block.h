@@ -13,6 +13,10 @@ namespace octant::calib {
 
 struct ReducedSystem;
 
+/// Floor under the information of a state's direction that nothing observes, of the largest diagonal element: above rounding,
+/// below any information. The same here and in the tile's general path.
+inline constexpr double kUnobservedFloor = 1e-14;
+
 /// The stops of a tile turned sideways for the vector kernel: stationary planar epochs of arrivals alone, which is what most
 /// of a long log is. Cost, gradient and Gauss-Newton matrix are those that the general path of the tile gives.
 class StopBlock {

@@ -15,7 +15,6 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kNodesPerTile = 2048;
-constexpr double kUnobserved = 1e-14;  ///< of the largest diagonal element: above rounding, below any information
 
 }  // namespace
 
@@ -167,10 +166,10 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
     NodeSystem& node = nodes[k];
     // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing. Within a chain odometry
     // observes all, and a floor there would act as a measured pose at every node.
-    if (k + 1 == count) node.D.diagonal().array() += kUnobserved * (1.0 + node.D.diagonal().maxCoeff());
+    if (k + 1 == count) node.D.diagonal().array() += kUnobservedFloor * (1.0 + node.D.diagonal().maxCoeff());
     factor.compute(node.D);
     if (factor.info() != Eigen::Success) {
-      node.D.diagonal().array() += 100 * kUnobserved * (1.0 + node.D.diagonal().maxCoeff());
+      node.D.diagonal().array() += 100 * kUnobservedFloor * (1.0 + node.D.diagonal().maxCoeff());
       factor.compute(node.D);
     }
     const auto active = static_cast<Eigen::Index>(node.active.size());

@@ -50,9 +50,7 @@ int run(const Words& words, Session& session) {
 
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
-  // A line map starts from the run's first measured pose; no other method looks at poses.tum.
-  const bool by_lines = words.method == Method::kLineMap || !words.map.empty();
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = by_lines}, session);
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = looks_at_poses(words.method, words.map)}, session);
   if (!runs) return session.fail(runs.error());
   const auto input = method_input(words.map, *deployment);
   if (!input) return session.fail(input.error());

@@ -70,6 +70,9 @@ struct Localization {
 /// What methods need beside deployment and run: a line map, from a run with scans and measured poses (empty: none).
 [[nodiscard]] Result<MethodInput> method_input(const std::string& map_run, const Deployment& deployment);
 
+/// A line map starts from the run's first measured pose; no other method looks at poses.tum.
+[[nodiscard]] inline bool looks_at_poses(Method method, const std::string& map_run) { return method == Method::kLineMap || !map_run.empty(); }
+
 /// Fixes of the vehicle that truth.tum follows against it. Errors: a run without truth.
 [[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
                                                       const Localization& localization);

@@ -69,7 +69,7 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
 int run(const Words& words, Session& session) {
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = words.method == Method::kLineMap || !words.map.empty()}, session);
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = looks_at_poses(words.method, words.map)}, session);
   if (!runs) return session.fail(runs.error());
   // Before the long computation: is there a reference at all?
   for (const auto& log : *runs) {
