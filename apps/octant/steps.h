@@ -28,7 +28,7 @@ namespace octant::app {
 
 /// Reads recordings in order; warnings go to the session.
 [[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
-                                                            const io::ReadRunOptions& options, Session& session);
+                                                            io::ReadRunOptions options, Session& session);
 
 /// Writes a simulated world as a folder that is complete or not there: site.yaml, run/, heldout/, deployment.true.json and
 /// the scenario's text. An older world of the same place is replaced; a folder that holds anything else is refused.
