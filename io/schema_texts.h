@@ -10,5 +10,6 @@ namespace octant::io {
 [[nodiscard]] std::string_view site_schema();
 [[nodiscard]] std::string_view run_schema();
 [[nodiscard]] std::string_view deployment_schema();
+[[nodiscard]] std::string_view batch_schema();
 
 }  // namespace octant::io
