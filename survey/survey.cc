@@ -44,7 +44,7 @@ constexpr Description kDescriptions[kMaps] = {
     {"tdop", "dilution of the clock's offset", ""},
     {"gdop", "dilution of position and clock", ""},
     {"heading_dop_rad_per_m", "dilution of the heading", "rad/m"},
-    {"beacons", "beacons heard", ""},
+    {"beacons_heard", "beacons heard", ""},
     {"detectable_bias_m", "smallest fault of one beacon that is surely noticed", "m"},
     {"protection_m", "horizontal protection level", "m"},
     {"mirror", "mirror image that explains the ranges as well", ""},
