@@ -76,7 +76,7 @@ TEST(Usage, CommonOptionsStandBeforeAndAfterTheCommand) {
 }
 
 TEST(Usage, SchemaPrintsJson) {
-  for (const char* format : {"site", "run", "deployment", "scenario"}) {
+  for (const char* format : {"site", "run", "deployment", "scenario", "scene"}) {
     const Outcome schema = octant({"schema", format});
     EXPECT_EQ(schema.exit, 0);
     const auto object = nlohmann::json::parse(schema.out, nullptr, false);
