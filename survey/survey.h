@@ -18,7 +18,7 @@ namespace octant::survey {
 
 struct SurveyOptions {
   int threads = 1;
-  int failures = 2;      ///< how many beacons may fail at once: 0, 1 or 2
+  int failures = 2;      ///< how many beacons may fail at once: 0, 1 or 2 (up to 300 beacons)
   bool integrity = true; ///< detectable biases, protection levels, mirror images
 };
 

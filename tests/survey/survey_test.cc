@@ -250,6 +250,7 @@ TEST(Survey, BadScenesNameTheElement) {
   error_of([](Scene& s) { s.walls[1].points_m = {{1, 1}, {1, 1}}; }, "wall 'curtain'");
   error_of([](Scene& s) { s.routes[0].points_m = {{1, 1}, {20, 1}}; }, "route 'way' leaves the floor");
   error_of([](Scene& s) { s.routes[0].points_m = {{1, 1}, {6, 4}}; }, "route 'way' runs through obstacle 'column'");
+  error_of([](Scene& s) { s.routes[0].points_m = {{1, 1}, {1e9, 1}}, s.floor_m.clear(), s.walls.clear(); }, "route 'way' has more poses");
   error_of([](Scene& s) { s.cell_m = 0; }, "cell_m is 0");
   error_of([](Scene& s) { s.cell_m = 1e-4; }, "9.6e+09 cells");
   error_of([](Scene& s) { s.walls[0].points_m = {{0.01, 0.01}, {11.99, 0.01}, {11.99, 7.99}, {0.01, 7.99}}, s.routes.clear(); }, "not a single cell");
