@@ -95,8 +95,8 @@ Result<bool> TofReader::append(std::vector<Arrival>& all) {
   if (alone) {
     if (more && !taken) chunk.arrivals.resize(first);
     chunk.arrivals.swap(all);
-  } else if (taken && all.empty()) {
-    chunk.arrivals.swap(all);
+  } else if (taken && all.empty() && all.capacity() <= chunk.arrivals.capacity()) {
+    chunk.arrivals.swap(all);  // unless there is room for more to come
   } else if (taken) {
     all.insert(all.end(), chunk.arrivals.begin(), chunk.arrivals.end());
   }
