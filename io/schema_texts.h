@@ -14,5 +14,6 @@ namespace octant::io {
 [[nodiscard]] std::string_view scene_schema();
 /// Properties of a scene, for the schemas that hold one.
 [[nodiscard]] std::string_view scene_properties();
+[[nodiscard]] std::string_view batch_schema();
 
 }  // namespace octant::io

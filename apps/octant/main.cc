@@ -57,6 +57,7 @@ int run(int argc, const char* const* argv, Session& session) {
   add_simulate(app, session.options, action);
   add_check(app, session.options, action);
   add_calibrate(app, session.options, action);
+  add_batch(app, session.options, action);
   add_localize(app, session.options, action);
   add_verify(app, session.options, action);
   add_survey(app, session.options, action);

@@ -97,7 +97,7 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
     auto runs = read_runs(run_paths, names_of(*site), site->timing, {}, session);
     if (!runs) return fail(runs.error());
     from = provenance(site_path, io::sha256_hex(*bytes), *runs, session);
-    auto problem = calib::make_problem(std::move(*site), std::move(*runs));
+    auto problem = calib::make_problem(std::move(*site), std::move(*runs), session.threads());
     if (!problem) return fail(problem.error());
     result.problem = std::move(*problem);
   }
