@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "schema"};
+const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "survey", "schema"};
 
 TEST(Usage, EveryCommandHelpsWithAnExample) {
   for (const auto& command : kCommands) {
@@ -43,7 +43,8 @@ TEST(Usage, WrongWordsAreExit2) {
       {"verify", "d.json"}, {"schema", "site", "--threads", "-1"}, {"schema", "site", "--threads", "many"}, {"schema", "site", "--seed", "x"},
       {"schema", "site", "--progress", "loud"}, {"demo", "too", "many"},
       {"calibrate", "s", "r", "-o", "-", "--json"}, {"calibrate", "s", "r", "-o", "-", "--report", "-"},
-      {"localize", "d", "r", "-o", "-", "--csv", "-"}, {"localize", "d", "r", "-o", "-", "--json"}};
+      {"localize", "d", "r", "-o", "-", "--csv", "-"}, {"localize", "d", "r", "-o", "-", "--json"}, {"survey"}, {"survey", "s", "-o", "-", "--csv", "-"}, {"survey", "s", "--failures", "3"},
+      {"survey", "s", "-o", "-", "--json"}};
   for (const auto& words : wrong) {
     const Outcome plain = octant(words);
     EXPECT_EQ(plain.exit, 2) << ::testing::PrintToString(words) << plain.err;
