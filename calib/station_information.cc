@@ -157,8 +157,9 @@ void fill_from_site(Knowledge& k, const SharedState& state) {
   k.tof_sigma_s = site.noise.tof_sigma_s;
 }
 
-bool hears(const Knowledge& k, std::size_t beacon, const SiteReceiver& receiver, const Eigen::Vector3d& p_receiver_map_m, const Pose& T_map_vehicle,
+bool hears(const Knowledge& k, std::size_t beacon, std::size_t receiver_index, const Eigen::Vector3d& p_receiver_map_m, const Pose& T_map_vehicle,
            const HearingModel& hearing) {
+  const SiteReceiver& receiver = k.problem.site.receivers[receiver_index];
   const Eigen::Vector3d towards = k.state.beacon_p_map_m[beacon] - p_receiver_map_m;
   const double distance_m = towards.norm();
   if (distance_m < 1e-6) return false;
@@ -168,7 +169,7 @@ bool hears(const Knowledge& k, std::size_t beacon, const SiteReceiver& receiver,
   if (receiver.axis && hearing.half_angle_rad < M_PI &&
       (T_map_vehicle.rotation * receiver.axis->normalized()).dot(towards) < std::cos(hearing.half_angle_rad - margin_m / distance_m) * distance_m)
     return false;
-  return !hearing.line_of_sight || hearing.line_of_sight(k.state.beacon_p_map_m[beacon], p_receiver_map_m);
+  return !hearing.also || hearing.also(BeaconId(beacon), ReceiverId(receiver_index), T_map_vehicle);
 }
 
 /// From priors, or from what a calibration knows, whichever the layout's columns carry.
@@ -199,7 +200,7 @@ Trajectory stop_trajectory(const Knowledge& k, const Pose& T_map_vehicle, const 
   for (std::size_t r = vehicle.first_receiver; r < vehicle.first_receiver + vehicle.receiver_count; ++r) {
     const Eigen::Vector3d p = T_map_vehicle * k.state.receiver_p_vehicle_m[r];
     for (std::size_t b = 0; b < site.beacons.size(); ++b) {
-      if (!k.placed[b] || !hears(k, b, site.receivers[r], p, T_map_vehicle, model.hearing)) continue;
+      if (!k.placed[b] || !hears(k, b, r, p, T_map_vehicle, model.hearing)) continue;
       t.arrivals.push_back({.beacon = BeaconId(b), .receiver = ReceiverId(r), .sigma_s = k.tof_sigma_s / std::sqrt(model.firings),
                             .model_speed_mps = t.nominal_speed_mps, .two_way = two_way, .hear_send = two_way ? 0 : -1});
       out.arrivals[b] += static_cast<std::size_t>(model.firings);
@@ -266,6 +267,30 @@ Result<Knowledge> knowledge_of(const Deployment& deployment) {
   k.information = information_of(deployment.covariance, k.layout, std::move(k.information));
   fill_place_sigmas(k);
   return k;
+}
+
+HearingModel hearing_of(const Solution& solution, const Site& site) {
+  constexpr double kShare = 0.995;
+  std::vector<double> ranges_m, angles_rad;
+  for (const Trajectory& t : solution.trajectories)
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (a.rejection != Rejection::kUsed || !t.nodes[a.node].placed) continue;
+      const Pose T = pose_at(t, a.node, a.alpha);
+      const Eigen::Vector3d towards = solution.state.beacon_p_map_m[a.beacon.index()] - T * solution.state.receiver_p_vehicle_m[a.receiver.index()];
+      ranges_m.push_back(towards.norm());
+      if (const auto& axis = site.receivers[a.receiver.index()].axis)
+        angles_rad.push_back(std::acos(std::clamp((T.rotation * axis->normalized()).dot(towards.normalized()), -1.0, 1.0)));
+    }
+  const auto most = [](std::vector<double>& values, double otherwise) {
+    if (values.empty()) return otherwise;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  };
+  HearingModel hearing;
+  hearing.range_m = most(ranges_m, hearing.range_m);
+  hearing.half_angle_rad = most(angles_rad, hearing.half_angle_rad);
+  return hearing;
 }
 
 StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double heading_rad, const StopModel& model) {

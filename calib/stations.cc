@@ -10,6 +10,7 @@
 
 #include "calib/observability.h"
 #include "calib/parallel.h"
+#include "models/random.h"
 
 namespace octant::calib {
 namespace {
@@ -283,6 +284,22 @@ Result<StationPlan> plan_stations(const Knowledge& knowledge, const StationOptio
 
 StationPlan assess_stations(const Knowledge& knowledge, const std::vector<Eigen::Vector3d>& stops, const StationOptions& options) {
   return Planner(knowledge, options).assess(stops);
+}
+
+double random_stations_mean_m(const Knowledge& knowledge, const StationOptions& options, std::uint64_t seed) {
+  constexpr std::size_t kPlans = 25;
+  Random draws(seed, 1);
+  std::vector<double> means;
+  for (std::size_t plan = 0; plan < kPlans; ++plan) {
+    std::vector<Eigen::Vector3d> stops;
+    for (int i = 0; i < options.stations; ++i) {
+      const Eigen::Vector2d& p = options.places_m[static_cast<std::size_t>(draws.uniform() * static_cast<double>(options.places_m.size()))];
+      stops.emplace_back(p.x(), p.y(), draws.uniform(-M_PI, M_PI));
+    }
+    means.push_back(assess_stations(knowledge, stops, options).after.mean_m);
+  }
+  std::nth_element(means.begin(), means.begin() + kPlans / 2, means.end());
+  return means[kPlans / 2];
 }
 
 }  // namespace octant::calib

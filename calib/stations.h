@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -67,5 +68,8 @@ struct StationPlan {
 
 /// What given stops would make of it, in the order given: for comparison with other plans.
 [[nodiscard]] StationPlan assess_stations(const Knowledge& knowledge, const std::vector<Eigen::Vector3d>& stops, const StationOptions& options);
+
+/// Mean sigma that so many stops at random places and headings leave: the median of 25 plans.
+[[nodiscard]] double random_stations_mean_m(const Knowledge& knowledge, const StationOptions& options, std::uint64_t seed);
 
 }  // namespace octant::calib

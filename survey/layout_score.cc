@@ -58,20 +58,53 @@ LayoutScore::Sum LayoutScore::no_beacons() const {
 }
 
 double LayoutScore::value_with(const Sum& sum, const BeaconLayer* layer, bool soft_one) {
-  scratch_ = sum;
-  if (layer != nullptr) scratch_.add(*layer);
-  if (soft_one)
-    for (std::size_t e = 0; e < vague_.size(); ++e)
-      if (vague_[e] > 0)
-        for (std::size_t i = 0; i < poses_.size(); ++i) scratch_.information[e * poses_.size() + i] += vague_[e];
-  sigma_of_information(model_.unknowns, scratch_.information, sigma_m_);
-  return soft_one ? soft(sigma_m_, scratch_.heard) : value(figures(sigma_m_, scratch_.heard));
+  const std::size_t n = poses_.size();
+  sum_.resize(sum.information.size());
+  heard_ = sum.heard;
+  for (std::size_t e = 0; e < vague_.size(); ++e) {
+    const double vague = soft_one ? vague_[e] : 0.0;
+    const double* from = sum.information.data() + e * n;
+    double* to = sum_.data() + e * n;
+    if (layer != nullptr) {
+      const double* more = layer->information.data() + e * n;
+      for (std::size_t i = 0; i < n; ++i) to[i] = from[i] + more[i] + vague;
+    } else {
+      for (std::size_t i = 0; i < n; ++i) to[i] = from[i] + vague;
+    }
+  }
+  if (layer != nullptr)
+    for (std::size_t i = 0; i < n; ++i) heard_[i] = static_cast<std::uint16_t>(heard_[i] + layer->heard[i]);
+  sigma_of_information(model_.unknowns, sum_, sigma_m_);
+  return soft_one ? soft(sigma_m_, heard_) : hard(sigma_m_, heard_);
 }
 
 double LayoutScore::soft_value(const std::vector<SurveyBeacon>& beacons) {
   Sum sum = no_beacons();
   for (const SurveyBeacon& b : beacons) sum.add(layer(b));
   return value_with(sum, nullptr, true);
+}
+
+double LayoutScore::error(double sigma_m, int heard) const {
+  const int missing = std::max(0, required_ - heard);
+  return missing == 0 && sigma_m < hopeless_m_ ? sigma_m : hopeless_m_ * (1 + missing);
+}
+
+/// value() of figures() without the figures that it does not need.
+double LayoutScore::hard(std::span<const double> sigma_m, std::span<const std::uint16_t> heard) {
+  double worst = 0.0, sum = 0.0;
+  errors_.resize(sigma_m.size());
+  for (std::size_t i = 0; i < sigma_m.size(); ++i) {
+    errors_[i] = error(sigma_m[i], heard[i]);
+    worst = std::max(worst, errors_[i]);
+    sum += errors_[i];
+  }
+  const double mean = sum / static_cast<double>(errors_.size());
+  switch (options_.goal) {
+    case PlacementGoal::kWorst: return worst + kMeanShare * mean;
+    case PlacementGoal::kP95: return quantile(errors_, kP95) + kMeanShare * mean;
+    case PlacementGoal::kMean: return (1 + kMeanShare) * mean;
+  }
+  return worst;
 }
 
 double LayoutScore::soft(std::span<const double> sigma_m, std::span<const std::uint16_t> heard) const {
@@ -97,13 +130,8 @@ LayoutFigures LayoutScore::figures(std::span<const double> sigma_m, std::span<co
   errors_.clear();
   covered_.clear();
   for (std::size_t i = 0; i < sigma_m.size(); ++i) {
-    const int missing = std::max(0, required_ - static_cast<int>(heard[i]));
-    if (missing == 0 && sigma_m[i] < hopeless_m_) {
-      covered_.push_back(sigma_m[i]);
-      errors_.push_back(sigma_m[i]);
-    } else {
-      errors_.push_back(hopeless_m_ * (1 + missing));
-    }
+    errors_.push_back(error(sigma_m[i], heard[i]));
+    if (errors_.back() < hopeless_m_) covered_.push_back(errors_.back());
   }
   const auto mean = [](const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size()); };
   f.covered_fraction = static_cast<double>(covered_.size()) / static_cast<double>(errors_.size());
@@ -115,7 +143,11 @@ LayoutFigures LayoutScore::figures(std::span<const double> sigma_m, std::span<co
   }
   switch (options_.goal) {
     case PlacementGoal::kWorst: f.objective_m = *std::max_element(errors_.begin(), errors_.end()); break;
-    case PlacementGoal::kP95: f.objective_m = quantile(errors_, kP95); break;
+    case PlacementGoal::kP95: {
+      std::vector<double> sorted = errors_;
+      f.objective_m = quantile(sorted, kP95);
+      break;
+    }
     case PlacementGoal::kMean: f.objective_m = f.mean_with_uncovered_m; break;
   }
   return f;

@@ -12,6 +12,8 @@
 
 namespace octant::survey {
 
+inline constexpr double kMeanShare = 1e-3;  ///< of the mean in what layouts are ranked by
+
 class LayoutScore {
  public:
   LayoutScore(SurveyModel model, PoseList poses, const PlacementOptions& options);
@@ -21,7 +23,7 @@ class LayoutScore {
   /// What a beacon tells at all poses; sums of layers stand for layouts.
   [[nodiscard]] BeaconLayer layer(const SurveyBeacon& beacon) const { return beacon_layer(model_, beacon, poses_, options_.threads); }
   /// The objective, and the mean where that cannot tell two layouts apart.
-  [[nodiscard]] static double value(const LayoutFigures& figures) { return figures.objective_m + 1e-3 * figures.mean_with_uncovered_m; }
+  [[nodiscard]] static double value(const LayoutFigures& figures) { return figures.objective_m + kMeanShare * figures.mean_with_uncovered_m; }
 
   /// What a search goes down on far from the best layout: as if a vague idea of the pose were there already, so that each beacon more
   /// helps a little everywhere, and a high power mean for the worst cell (the plain mean for the goal kMean).
@@ -40,11 +42,13 @@ class LayoutScore {
   /// Looks at further poses too.
   void add_poses(const PoseList& poses);
   [[nodiscard]] const PoseList& poses() const { return poses_; }
-  /// Error that each pose counts with, of the layout looked at last.
+  /// Error that each pose counts with, of the layout that of() looked at last.
   [[nodiscard]] const std::vector<double>& errors_m() const { return errors_; }
 
  private:
   LayoutFigures figures(std::span<const double> sigma_m, std::span<const std::uint16_t> heard);
+  [[nodiscard]] double error(double sigma_m, int heard) const;
+  [[nodiscard]] double hard(std::span<const double> sigma_m, std::span<const std::uint16_t> heard);
   [[nodiscard]] double soft(std::span<const double> sigma_m, std::span<const std::uint16_t> heard) const;
   void resize();
 
@@ -56,7 +60,7 @@ class LayoutScore {
   std::vector<double> errors_, covered_;
   std::vector<double> sigma_m_;
   std::vector<double> vague_;  ///< information of the vague idea of the pose, entry by entry
-  Sum scratch_;
+  std::vector<double> sum_;    ///< scratch, as is heard_
   std::vector<std::uint16_t> heard_;
 };
 

@@ -20,7 +20,6 @@ constexpr int kPhases = 8;             ///< of the regular layout
 constexpr std::size_t kRandomLayouts = 25;
 constexpr int kSharpenings = 3;
 constexpr int kRefinements = 6;
-constexpr int kRandomStarts = 6;       ///< of the local algorithm
 
 /// Cells of about this number over the floor, each in the scene's headings.
 Result<PoseList> poses_over(const SurveyModel& model, const Scene& scene, std::size_t cells) {
@@ -108,11 +107,12 @@ PoseList worst_poses(const LayoutScore& score, std::size_t count) {
   return poses;
 }
 
-std::vector<std::vector<MountPoint>> starts_of(const MountSpace& mounts, std::size_t count, std::uint64_t seed) {
+std::vector<std::vector<MountPoint>> starts_of(const MountSpace& mounts, std::size_t count, const PlacementOptions& options) {
   std::vector<std::vector<MountPoint>> starts;
-  for (int phase = 0; phase < kPhases; ++phase) starts.push_back(mounts.regular(count, static_cast<double>(phase) / kPhases));
-  Random draws(seed, 2);
-  for (int i = 0; i < kRandomStarts; ++i) starts.push_back(mounts.random(count, draws));
+  const int phases = std::min(kPhases, options.restarts + 2);
+  for (int phase = 0; phase < kPhases; phase += kPhases / phases) starts.push_back(mounts.regular(count, static_cast<double>(phase) / kPhases));
+  Random draws(options.seed, 2);
+  for (int i = 0; i < options.restarts; ++i) starts.push_back(mounts.random(count, draws));
   return starts;
 }
 
@@ -161,7 +161,7 @@ Placement place(const SurveyModel& model, const Ground& ground, std::size_t beac
   const std::size_t count = beacons - ground.kept.size();
   LayoutScore coarse(model, ground.coarse, options), fine(model, ground.fine, options);
   sharpen(ground, count, coarse, fine, options);
-  SearchResult found = search_layout(ground.mounts, ground.kept, count, coarse, options, starts_of(ground.mounts, count, options.seed));
+  SearchResult found = search_layout(ground.mounts, ground.kept, count, coarse, options, starts_of(ground.mounts, count, options));
   Placement placement;
   placement.cells = fine.poses().size();
   placement.regular = best_regular(ground.mounts, ground.kept, count, fine);

@@ -40,6 +40,7 @@ struct PlacementOptions {
   std::uint64_t seed = 1;
   bool keep = false;              ///< the model's beacons stay; others are added
   int coverage = 0;               ///< beacons that each cell has to hear; 0: what a fix needs
+  int restarts = 6;               ///< random layouts from which searches set out, beside greedy and regular ones
   std::size_t evaluations = 0;    ///< of each algorithm; 0: as many as the number of beacons asks for
   std::size_t cells = 300;        ///< looked at while searching, about
   std::size_t final_cells = 8000; ///< looked at for the figures that are stated, at most about

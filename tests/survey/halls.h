@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Three halls for placement: a rectangle, an L, and a warehouse with aisles. A vehicle with one receiver all round, synchronised.
+// Three halls for placement: a rectangle, an L, and a warehouse with aisles. A vehicle with one receiver all round; in the first two
+// without a common clock, as in Kleeman's system, in the warehouse with one. Noise grows with the distance by a millimetre a metre.
 
 #include <string>
 #include <vector>
@@ -59,9 +60,9 @@ inline void add_outline(Hall& hall, const std::vector<Eigen::Vector2d>& corners,
   hall.scene.walls.push_back(wall);
 }
 
-/// Noise that grows with the distance, as wind and warm air make it.
 inline Hall rectangle_hall() {
   Hall hall{"rectangle", one_receiver_site("rectangle"), {}};
+  hall.site.timing.clock = Clock::kCycleOffset;
   add_outline(hall, {{0, 0}, {24, 0}, {24, 14}, {0, 14}}, 2.0, 4.0);
   hall.scene.noise.sigma_m_per_m = 1e-3;
   hall.scene.acoustics.range_m = 30.0;
@@ -70,6 +71,7 @@ inline Hall rectangle_hall() {
 
 inline Hall l_hall() {
   Hall hall{"L-shape", one_receiver_site("L-shape"), {}};
+  hall.site.timing.clock = Clock::kCycleOffset;
   add_outline(hall, {{0, 0}, {24, 0}, {24, 9}, {10, 9}, {10, 20}, {0, 20}}, 2.0, 4.0);
   hall.scene.noise.sigma_m_per_m = 1e-3;
   hall.scene.acoustics.range_m = 30.0;
