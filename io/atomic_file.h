@@ -15,8 +15,10 @@ namespace octant::io {
 /// Errors: kOutput with the path and the system's reason; the file that was there stays as it was. Folders are not created.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view content);
 
+inline constexpr std::size_t kLargestFile = std::size_t{1} << 36;
+
 /// Content of a regular file. Errors: kBadInput (missing, a folder, unreadable, a loop of links, larger than max_bytes).
-[[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t max_bytes = std::size_t{1} << 36);
+[[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t max_bytes = kLargestFile);
 
 /// Lower-case hexadecimal SHA-256 of bytes.
 [[nodiscard]] std::string sha256_hex(std::string_view bytes);

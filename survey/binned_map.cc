@@ -17,7 +17,7 @@ constexpr Rgb kBeyond = {214, 39, 40}, kGrey = {120, 120, 120};
 void set_range(const FloorMap& map, BinnedMap& binned) {
   binned.low = 0.0;
   binned.high = map.limit.value_or(map.spread.p95);
-  if (map.name == "beacons") binned.high = map.spread.max;
+  if (map.name == "beacons_heard") binned.high = map.spread.max;
   if (map.name == "loss_one_beacon") binned.low = -1, binned.high = map.spread.max;
   if (!(binned.high > binned.low)) binned.high = binned.low + 1.0;
 }

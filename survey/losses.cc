@@ -10,15 +10,15 @@ namespace octant::survey {
 namespace {
 
 bool matters_more(const Loss& a, const Loss& b) {
-  if (a.cells_out != b.cells_out) return a.cells_out > b.cells_out;
-  if (a.cells_without_fix != b.cells_without_fix) return a.cells_without_fix > b.cells_without_fix;
+  if (a.poses_out != b.poses_out) return a.poses_out > b.poses_out;
+  if (a.poses_without_fix != b.poses_without_fix) return a.poses_without_fix > b.poses_without_fix;
   return a.spread_ppm > b.spread_ppm;
 }
 
 void merge_into(std::vector<Loss>& all, const std::vector<Loss>& more) {
   for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].cells_out += more[i].cells_out;
-    all[i].cells_without_fix += more[i].cells_without_fix;
+    all[i].poses_out += more[i].poses_out;
+    all[i].poses_without_fix += more[i].poses_without_fix;
     all[i].worst_sigma_m = std::max(all[i].worst_sigma_m, more[i].worst_sigma_m);
     all[i].spread_ppm += more[i].spread_ppm;
   }
@@ -52,9 +52,9 @@ void LossAccount::count(const double* before, const double* after, const Cells& 
     if (std::isinf(before[i]) || after[i] == before[i]) continue;
     const bool fix = !std::isinf(after[i]);
     const double other = cells.other_m2[i];
-    if (!fix) ++loss.cells_without_fix;
+    if (!fix) ++loss.poses_without_fix;
     else loss.worst_sigma_m = std::max(loss.worst_sigma_m, after[i]);
-    if (before[i] * before[i] + other <= limit2 && !(fix && after[i] * after[i] + other <= limit2)) ++loss.cells_out;
+    if (before[i] * before[i] + other <= limit2 && !(fix && after[i] * after[i] + other <= limit2)) ++loss.poses_out;
     loss.spread_ppm += fix ? std::llround(1e6 * std::clamp(after[i] / before[i] - 1, 0.0, 10.0)) : 10'000'000;
   }
 }

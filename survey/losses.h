@@ -11,11 +11,11 @@
 
 namespace octant::survey {
 
-/// What one beacon's, or two beacons', failure costs over all cells.
+/// What one beacon's, or two beacons', failure costs over all poses: cells times headings.
 struct Loss {
   std::size_t first = 0, second = kNone;  ///< beacons; second: kNone where one fails
-  std::size_t cells_out = 0;              ///< covered before, out of tolerance (or without a fix) after
-  std::size_t cells_without_fix = 0;      ///< with a fix before
+  std::size_t poses_out = 0;              ///< covered before, out of tolerance (or without a fix) after
+  std::size_t poses_without_fix = 0;      ///< with a fix before
   double worst_sigma_m = 0.0;             ///< largest that is left where there still is a fix
   std::int64_t spread_ppm = 0;            ///< sum of the relative growth of sigma, capped at 10 a cell: breaks ties
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);

@@ -44,6 +44,7 @@ Frame frame_of(const Survey& survey, const BinnedMap& map, double width_px) {
 
 /// Runs of bins with one colour in a row are one rectangle.
 void draw_bins(std::string& svg, const BinnedMap& map, const Frame& frame) {
+  svg += "<g shape-rendering='crispEdges'>";
   for (std::size_t row = 0; row < map.rows; ++row)
     for (std::size_t column = 0; column < map.columns;) {
       const std::size_t at = row * map.columns + column;
@@ -60,7 +61,7 @@ void draw_bins(std::string& svg, const BinnedMap& map, const Frame& frame) {
                          map.bin_m * static_cast<double>(end - column) * frame.px_per_m + 0.3, map.bin_m * frame.px_per_m + 0.3, colour[0], colour[1], colour[2]);
       column = end;
     }
-  svg += "\n";
+  svg += "</g>\n";
 }
 
 std::string points_of(const std::vector<Eigen::Vector2d>& points, const Frame& frame) {

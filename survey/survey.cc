@@ -21,6 +21,7 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr std::size_t kPairsListed = 20;
+constexpr std::size_t kMostForPairs = 300;  ///< beacons; of more, pairs are too many to look at each
 
 /// The maps of a survey, in the order in which they are shown.
 enum MapName : std::size_t {
@@ -35,7 +36,7 @@ constexpr Description kDescriptions[kMaps] = {
     {"sigma_m", "expected standard deviation, one fix's noise", "m"},
     {"total_m", "expected standard deviation with the calibration's part", "m"},
     {"calibration_m", "the calibration's part: it does not average out", "m"},
-    {"speed_part_m", "of it the speed of sound's", "m"},
+    {"speed_part_m", "the speed of sound's part, systematic too", "m"},
     {"temperature_m", "error where the air is warmer and nobody says so", "m"},
     {"sigma_heading_rad", "expected standard deviation of the heading", "rad"},
     {"hdop", "horizontal dilution of precision", ""},
@@ -44,7 +45,7 @@ constexpr Description kDescriptions[kMaps] = {
     {"tdop", "dilution of the clock's offset", ""},
     {"gdop", "dilution of position and clock", ""},
     {"heading_dop_rad_per_m", "dilution of the heading", "rad/m"},
-    {"beacons", "beacons heard", ""},
+    {"beacons_heard", "beacons heard", ""},
     {"detectable_bias_m", "smallest fault of one beacon that is surely noticed", "m"},
     {"protection_m", "horizontal protection level", "m"},
     {"mirror", "mirror image that explains the ranges as well", ""},
@@ -307,9 +308,15 @@ const FloorMap* Survey::find(const std::string& name) const {
   return found == maps.end() ? nullptr : &*found;
 }
 
-Result<Survey> run_survey(const SurveyModel& model, const Scene& scene, const Deployment* deployment, const SurveyOptions& options) {
+Result<Survey> run_survey(const SurveyModel& model, const Scene& scene, const Deployment* deployment, const SurveyOptions& asked) {
+  SurveyOptions options = asked;
+  if (model.beacons.size() > kMostForPairs) options.failures = std::min(options.failures, 1);
   auto grid = make_floor_grid(model, scene);
   if (!grid) return fail(grid.error());
+  for (const SceneRoute& route : scene.routes)
+    if (!(most_poses_along(route, scene.cell_m) <= kMostCells))
+      return fail({.file = scene.path, .line = route.line, .found = "route '" + route.name + "' has more poses, a cell apart, than a floor may have cells",
+                   .expected = "a shorter one, or a larger cell_m"});
   Survey survey;
   survey.model = model;
   survey.scene = scene;

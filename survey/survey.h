@@ -18,7 +18,7 @@ namespace octant::survey {
 
 struct SurveyOptions {
   int threads = 1;
-  int failures = 2;      ///< how many beacons may fail at once: 0, 1 or 2
+  int failures = 2;      ///< how many beacons may fail at once: 0, 1 or 2 (up to 300 beacons)
   bool integrity = true; ///< detectable biases, protection levels, mirror images
 };
 
@@ -68,6 +68,8 @@ struct Survey {
   double speed_error = 0.0;                      ///< relative error of distances that goes with it
   bool calibrated = false;                       ///< the calibration's part is known
 
+  /// Cells times headings.
+  [[nodiscard]] std::size_t poses() const { return grid.cells.size() * static_cast<std::size_t>(scene.headings); }
   [[nodiscard]] const FloorMap* find(const std::string& name) const;
   /// Whether beacon b is heard in the i-th of the grid's cells (at any of the headings).
   [[nodiscard]] bool hears(std::size_t b, std::size_t i) const { return ((heard_bits[b][i / 8] >> (i % 8)) & 1) != 0; }

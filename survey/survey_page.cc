@@ -37,10 +37,11 @@ std::string figures(const Survey& s) {
 
 std::string failures(const Survey& s) {
   if (s.failures.empty()) return "";
-  std::string html = "<h2>If beacons fail</h2><table><tr><th>gone</th><th>hears it</th><th>cells out of tolerance</th><th>without a fix</th><th>worst left</th></tr>\n";
+  std::string html = "<h2>If beacons fail</h2><table><tr><th>gone</th><th>hears it</th><th>falls out of tolerance</th><th>loses its fix</th><th>worst left</th></tr>\n";
+  const auto poses = static_cast<double>(s.poses());
   const auto row = [&](const std::string& name, const std::string& heard, const Loss& loss) {
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", escape_xml(name), heard, loss.cells_out, loss.cells_without_fix,
-                        figure_text(loss.worst_sigma_m, "m"));
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", escape_xml(name), heard, percent(static_cast<double>(loss.poses_out) / poses),
+                        percent(static_cast<double>(loss.poses_without_fix) / poses), loss.worst_sigma_m > 0 ? figure_text(loss.worst_sigma_m, "m") : "-");
   };
   for (const Loss& loss : s.failures) row(s.model.beacons[loss.first].name, percent(s.heard_fraction[loss.first]), loss);
   for (std::size_t i = 0; i < std::min<std::size_t>(5, s.double_failures.size()); ++i) {

@@ -10,6 +10,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/ranks.h"
 #include "apps/octant/steps.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
@@ -71,6 +72,8 @@ void add_deployment(Json& object, const Deployment& d) {
   }
 }
 
+}  // namespace
+
 Failure failure_of(const calib::Solution& s) {
   if (s.status == calib::SolveStatus::kUndetermined) {
     std::string message = s.message.empty() ? "the data do not determine what is asked for" : s.message, advice;
@@ -87,16 +90,23 @@ Failure failure_of(const calib::Solution& s) {
           "are the units, the beacon ids and the approximate positions right?"};
 }
 
-/// Both files or none.
-Result<void> write_outputs(const Words& words, const Calibration& c, const Session& session) {
-  if (!words.report.empty()) {
+Json calibration_json(const Calibration& calibration, const Session& session) {
+  Json object = solution_json(calibration, session);
+  if (calibration.deployment) add_deployment(object, *calibration.deployment);
+  return object;
+}
+
+Result<void> write_calibration(const std::string& output, const std::string& report, const Calibration& c, const Session& session) {
+  if (!report.empty()) {
     const auto page = survey::report_html(report_input(c, session.warnings()));
-    if (auto written = io::write_file(words.report, page); !written) return written;
+    if (auto written = io::write_file(report, page); !written) return written;
   }
-  auto written = io::write_deployment(words.output, *c.deployment);
-  if (!written && !words.report.empty() && words.report != "-") std::remove(words.report.c_str());
+  auto written = io::write_deployment(output, *c.deployment);
+  if (!written && !report.empty() && report != "-") std::remove(report.c_str());
   return written;
 }
+
+namespace {
 
 int run(const Words& words, Session& session) {
   const int on_stdout = (words.output == "-") + (words.report == "-") + session.options.json;
@@ -108,11 +118,11 @@ int run(const Words& words, Session& session) {
   auto calibration = calibrate_files(words.site, words.runs, words.strict, session);
   if (!calibration) return session.fail(calibration.error());
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
-  Json object = solution_json(*calibration, session);
+  const Json object = calibration_json(*calibration, session);
   if (!calibration->deployment) return session.fail(failure_of(calibration->solution), object);
 
-  if (auto written = write_outputs(words, *calibration, session); !written) return session.fail(written.error());
-  add_deployment(object, *calibration->deployment);
+  if (session.job != nullptr && !session.job->is_first()) return kDone;  // the first rank writes
+  if (auto written = write_calibration(words.output, words.report, *calibration, session); !written) return session.fail(written.error());
   session.result(calibration_text(*calibration));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
   if (!words.report.empty() && words.report != "-") session.result(fmt::format("{:<17}{}\n", "report", words.report));

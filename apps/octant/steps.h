@@ -28,7 +28,7 @@ namespace octant::app {
 
 /// Reads recordings in order; warnings go to the session.
 [[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
-                                                            const io::ReadRunOptions& options, Session& session);
+                                                            io::ReadRunOptions options, Session& session);
 
 /// Writes a simulated world as a folder that is complete or not there: site.yaml, run/, heldout/, deployment.true.json and
 /// the scenario's text. An older world of the same place is replaced; a folder that holds anything else is refused.
@@ -44,6 +44,12 @@ struct Calibration {
 };
 /// Errors of reading; numerical trouble is in the solution.
 [[nodiscard]] Result<Calibration> calibrate_files(const std::string& site, const std::vector<std::string>& runs, bool strict, Session& session);
+/// The object of `octant calibrate`.
+[[nodiscard]] Json calibration_json(const Calibration& calibration, const Session& session);
+/// Why there is no deployment.
+[[nodiscard]] Failure failure_of(const calib::Solution& solution);
+/// Deployment and report (empty: none), both or none.
+[[nodiscard]] Result<void> write_calibration(const std::string& output, const std::string& report, const Calibration& calibration, const Session& session);
 [[nodiscard]] survey::ReportInput report_input(const Calibration& calibration, const std::vector<std::string>& warnings);
 /// Arrivals and rows left out, by reason and by beacon.
 [[nodiscard]] Json left_out_json(const Calibration& calibration);

@@ -45,10 +45,11 @@ Json values_json(const Survey& survey, const FloorMap& map, std::size_t bins) {
 
 Json losses_json(const Survey& survey, const std::vector<Loss>& losses) {
   Json list = Json::array();
+  const auto poses = static_cast<double>(survey.poses());
   for (const Loss& loss : losses) {
     Json item = {{"beacons", Json::array({survey.model.beacons[loss.first].name})},
-                 {"cells_out", loss.cells_out},
-                 {"cells_without_fix", loss.cells_without_fix},
+                 {"out_of_tolerance_fraction", static_cast<double>(loss.poses_out) / poses},
+                 {"without_fix_fraction", static_cast<double>(loss.poses_without_fix) / poses},
                  {"worst_sigma_m", loss.worst_sigma_m}};
     if (loss.second != Loss::kNone) item["beacons"].push_back(survey.model.beacons[loss.second].name);
     list.push_back(std::move(item));
@@ -80,10 +81,10 @@ std::string percent(double fraction) { return fmt::format("{:.1f} %", 100 * frac
 std::string losses_text(const Survey& survey) {
   if (survey.failures.empty()) return "";
   Table table{"lrrrr", {{"if gone", "heard in", "out of tolerance", "without a fix", "worst left"}}};
-  const double cells = static_cast<double>(survey.grid.cells.size());
+  const double poses = static_cast<double>(survey.poses());
   const auto row = [&](std::string names, std::string heard, const Loss& loss) {
-    table.rows.push_back({std::move(names), std::move(heard), percent(static_cast<double>(loss.cells_out) / cells),
-                          percent(static_cast<double>(loss.cells_without_fix) / cells), loss.worst_sigma_m > 0 ? length_text(loss.worst_sigma_m) : "-"});
+    table.rows.push_back({std::move(names), std::move(heard), percent(static_cast<double>(loss.poses_out) / poses),
+                          percent(static_cast<double>(loss.poses_without_fix) / poses), loss.worst_sigma_m > 0 ? length_text(loss.worst_sigma_m) : "-"});
   };
   const auto& beacons = survey.model.beacons;
   for (std::size_t i = 0; i < std::min<std::size_t>(10, survey.failures.size()); ++i)

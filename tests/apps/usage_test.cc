@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "survey", "schema"};
+const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "survey", "schema", "batch"};
 
 TEST(Usage, EveryCommandHelpsWithAnExample) {
   for (const auto& command : kCommands) {
@@ -76,7 +76,7 @@ TEST(Usage, CommonOptionsStandBeforeAndAfterTheCommand) {
 }
 
 TEST(Usage, SchemaPrintsJson) {
-  for (const char* format : {"site", "run", "deployment", "scenario"}) {
+  for (const char* format : {"site", "run", "deployment", "scenario", "scene"}) {
     const Outcome schema = octant({"schema", format});
     EXPECT_EQ(schema.exit, 0);
     const auto object = nlohmann::json::parse(schema.out, nullptr, false);
