@@ -250,7 +250,7 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
   }
   k.layout = make_layout(problem, k.state, held);
   std::vector<Trajectory> trajectories = solution.trajectories;
-  const Information information = information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state), {}, threads);
+  const Information information = information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state), {}, {.threads = threads});
   k.information = information.data + information.prior;
   fill_place_sigmas(k);
   return k;
