@@ -3,14 +3,13 @@
 #include "calib/calibrate.h"
 
 #include <cmath>
-#include <cstdio>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
-#include "apps/octant/steps.h"
+#include "apps/octant/reporting.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
 
@@ -18,7 +17,8 @@ namespace octant::app {
 namespace {
 
 struct Words {
-  std::string site, output, report;
+  std::string site, output;
+  ReportWords report;
   std::vector<std::string> runs;
   bool strict = false;
 };
@@ -87,35 +87,46 @@ Failure failure_of(const calib::Solution& s) {
           "are the units, the beacon ids and the approximate positions right?"};
 }
 
-/// Both files or none.
-Result<void> write_outputs(const Words& words, const Calibration& c, const Session& session) {
-  if (!words.report.empty()) {
-    const auto page = survey::report_html(report_input(c, session.warnings()));
-    if (auto written = io::write_file(words.report, page); !written) return written;
-  }
-  auto written = io::write_deployment(words.output, *c.deployment);
-  if (!written && !words.report.empty() && words.report != "-") std::remove(words.report.c_str());
-  return written;
+/// Nothing is exported, but a report of why is worth having.
+int refuse(const Words& words, const Calibration& c, Json object, Session& session) {
+  const survey::ReportInput input = report_input(c, session);
+  object["verdict"] = verdict_json(input);
+  if (auto written = io::write_files(report_files(words.report, input)); !written) return session.fail(written.error());
+  session.result(report_lines(words.report));
+  return session.fail(failure_of(c.solution), object);
+}
+
+/// All files or none.
+Result<void> write_outputs(const Words& words, const Calibration& c, const survey::ReportInput& input) {
+  auto files = report_files(words.report, input);
+  auto deployment = io::checked_deployment_json(words.output, *c.deployment);
+  if (!deployment) return fail(deployment.error());
+  files.push_back({words.output, std::move(*deployment)});
+  return io::write_files(files);
 }
 
 int run(const Words& words, Session& session) {
-  const int on_stdout = (words.output == "-") + (words.report == "-") + session.options.json;
-  if (on_stdout > 1) return session.fail({"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
-  if (words.output == "-" || words.report == "-") session.result_to_stderr();
-  for (const auto& path : {words.output, words.report})
-    if (auto fit = check_output(path); !fit) return session.fail(fit.error());
+  const int files_on_stdout = (words.output == "-") + on_stdout(words.report);
+  if (files_on_stdout + session.options.json > 1)
+    return session.fail({"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
+  if (files_on_stdout > 0) session.result_to_stderr();
+  if (auto fit = check_output(words.output); !fit) return session.fail(fit.error());
+  if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
 
   auto calibration = calibrate_files(words.site, words.runs, words.strict, session);
   if (!calibration) return session.fail(calibration.error());
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
   Json object = solution_json(*calibration, session);
-  if (!calibration->deployment) return session.fail(failure_of(calibration->solution), object);
+  if (!calibration->deployment) return refuse(words, *calibration, std::move(object), session);
 
-  if (auto written = write_outputs(words, *calibration, session); !written) return session.fail(written.error());
+  survey::ReportInput input = report_input(*calibration, session);
+  if (auto added = add_changes(input, words.report.since); !added) return session.fail(added.error());
+  if (auto written = write_outputs(words, *calibration, input); !written) return session.fail(written.error());
   add_deployment(object, *calibration->deployment);
-  session.result(calibration_text(*calibration));
+  object["verdict"] = verdict_json(input);
+  session.result(calibration_text(*calibration) + "\n" + verdict_text(input));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
-  if (!words.report.empty() && words.report != "-") session.result(fmt::format("{:<17}{}\n", "report", words.report));
+  session.result(report_lines(words.report));
   return session.finish(object);
 }
 
@@ -128,7 +139,7 @@ void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("site", words->site, "Site file: what is known beforehand")->required()->type_name("SITE.yaml");
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
   command->add_option("-o,--output", words->output, "Deployment file to write; - is standard output")->required()->type_name("DEPLOYMENT.json");
-  command->add_option("--report", words->report, "Report to write, one HTML page")->type_name("R.html");
+  add_report_options(*command, words->report, true);
   command->add_flag("--strict", words->strict, "A single undetermined beacon is exit 5");
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
