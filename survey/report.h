@@ -89,6 +89,7 @@ struct ReportInput {
   std::optional<Histogram> standardised; ///< residuals over their sigmas
   std::size_t looked_at = 0;             ///< arrivals that residuals and redundancies are of
   std::optional<Evaluation> evaluation;
+  std::optional<BeaconLoss> no_loss;     ///< all beacons at work
   std::vector<BeaconLoss> losses;        ///< worst first; their figure is loss_name
   std::string loss_name, loss_unit;
   std::optional<Changes> changes;        ///< since an earlier deployment

@@ -22,21 +22,22 @@ std::optional<ReportSection> loss_section(const ReportInput& input) {
   PlanInput plan;
   plan.deployment = input.plan.deployment;
   ReportFigure drawing{"figure-loss", fmt::format("{} over the site when the chosen beacon (crossed out) is silent.", input.loss_name), {}, {}, "Silent beacon", {}};
-  for (const auto& loss : input.losses) {
+  const auto add = [&](const BeaconLoss& loss, const std::string& name) {
     if (table.rows.size() < kMaxRows)
-      table.rows.push_back({{loss.beacon}, {fmt::format("{:.1f}", 100 * loss.covered_fraction)}, number_cell(loss.median, 1, 2), number_cell(loss.p95, 1, 2)});
-    if (!loss.map || plan.maps.size() >= kMostMaps) continue;
+      table.rows.push_back({{name}, {fmt::format("{:.1f}", 100 * loss.covered_fraction)}, number_cell(loss.median, 1, 2), number_cell(loss.p95, 1, 2)});
+    if (!loss.map || plan.maps.size() >= kMostMaps) return;
     plan.maps.push_back(*loss.map);
     plan.maps.back().silent_beacon = loss.beacon;
-    drawing.layers.push_back(loss.beacon);
-  }
+    drawing.layers.push_back(name);
+  };
+  if (input.no_loss) add(*input.no_loss, "none, all at work");
+  for (const auto& loss : input.losses) add(loss, loss.beacon);
   if (!plan.maps.empty()) {
     drawing.svg = site_plan_svg(plan);
     drawing.interactive = plan_figure_json(plan);
     section.blocks.emplace_back(std::move(drawing));
   }
-  if (plan.maps.size() < input.losses.size() && !plan.maps.empty())
-    section.blocks.emplace_back(ReportText{fmt::format("Maps of the {} beacons whose loss is worst.", plan.maps.size())});
+  if (plan.maps.size() == kMostMaps && input.losses.size() >= kMostMaps) section.blocks.emplace_back(ReportText{"Maps of the beacons whose loss is worst."});
   section.blocks.emplace_back(std::move(table));
   return section;
 }

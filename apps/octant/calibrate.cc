@@ -121,6 +121,7 @@ int run(const Words& words, Session& session) {
 
   survey::ReportInput input = report_input(*calibration, session);
   if (auto added = add_changes(input, words.report.since); !added) return session.fail(added.error());
+  if (!words.report.paths.empty()) survey::add_geometry(input, session.threads());
   if (auto written = write_outputs(words, *calibration, input); !written) return session.fail(written.error());
   add_deployment(object, *calibration->deployment);
   object["verdict"] = verdict_json(input);

@@ -125,6 +125,7 @@ int run(const std::string& folder, Session& session) {
   if (interrupted()) return session.interrupted();
   survey::ReportInput report = report_input(*calibration, session);
   add_verification(report, checked->found, checked->evaluation);
+  survey::add_geometry(report, session.threads());
   if (auto written = io::write_file(at.plan, survey::site_plan_svg(report.plan)); !written) return session.fail(written.error());
   if (auto written = io::write_file(at.report, survey::report_html(report)); !written) return session.fail(written.error());
   session.result(verdict_text(report) + "\n");

@@ -69,7 +69,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconLoss, beacon, covered_fraction, median,
 void to_json(json& j, const ReportInput& r) {
   j = {{"kind", r.kind}, {"outcome", r.outcome}, {"message", r.message}, {"tracks", r.plan.tracks}, {"fixes_m", r.plan.fixes_m}, {"maps", r.plan.maps},
        {"beacons", r.beacons}, {"weak", r.weak}, {"left_out", r.left_out}, {"residuals", r.residuals}, {"standardised", r.standardised},
-       {"looked_at", r.looked_at}, {"evaluation", r.evaluation}, {"losses", r.losses}, {"loss_name", r.loss_name}, {"loss_unit", r.loss_unit},
+       {"looked_at", r.looked_at}, {"evaluation", r.evaluation}, {"no_loss", r.no_loss}, {"losses", r.losses}, {"loss_name", r.loss_name}, {"loss_unit", r.loss_unit},
        {"changes", r.changes}, {"warnings", r.warnings}, {"command", r.command}, {"options", r.options}};
 }
 void from_json(const json& j, ReportInput& r) {
@@ -86,6 +86,7 @@ void from_json(const json& j, ReportInput& r) {
   j.at("standardised").get_to(r.standardised);
   j.at("looked_at").get_to(r.looked_at);
   j.at("evaluation").get_to(r.evaluation);
+  j.at("no_loss").get_to(r.no_loss);
   j.at("losses").get_to(r.losses);
   j.at("loss_name").get_to(r.loss_name);
   j.at("loss_unit").get_to(r.loss_unit);

@@ -10,6 +10,7 @@
 #include "apps/octant/steps.h"
 #include "io/atomic_file.h"
 #include "survey/report.h"
+#include "survey/report_geometry.h"
 
 // Reports as all commands write them: the same words, the same files.
 namespace octant::app {

@@ -97,6 +97,7 @@ int run(const Words& words, Session& session) {
   report.kind = "Verification";
   add_verification(report, found, *evaluation);
   if (auto added = add_changes(report, words.report.since); !added) return session.fail(added.error());
+  if (!words.report.paths.empty()) survey::add_geometry(report, session.threads());
   if (auto written = io::write_files(report_files(words.report, report)); !written) return session.fail(written.error());
   session.result(evaluation_text(*evaluation) + report_lines(words.report));
   Json object = evaluation_json(*evaluation);
