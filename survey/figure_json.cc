@@ -201,7 +201,8 @@ std::string space_figure_json(const PlanInput& input) {
     if (!is_drawn(b) || input.deployment.beacons.size() > kMostNamed) continue;
     names.push_back({{"x", b.position_m.x()}, {"y", b.position_m.y()}, {"z", b.position_m.z()}, {"text", label(b.name)}, {"showarrow", false}, {"yshift", 14}});
   }
-  return finished(data, {{"scene", {{"xaxis", axis("x [m]")}, {"yaxis", axis("y [m]")}, {"zaxis", axis("z [m]")}, {"aspectmode", "data"}, {"annotations", names}}},
+  return finished(data, {{"scene", {{"xaxis", axis("x [m]")}, {"yaxis", axis("y [m]")}, {"zaxis", axis("z [m]")}, {"aspectmode", "data"}, {"annotations", names},
+                                     {"camera", {{"eye", {{"x", 0.5}, {"y", -1.9}, {"z", 1.3}}}}}}},
                          {"height", 560}, {"legend", {{"orientation", "h"}}}});
 }
 

@@ -11,6 +11,8 @@
 namespace octant::survey {
 namespace {
 
+constexpr double kLeastRatio = 1.5;
+
 /// Cells of one class as one path, each run of neighbours in a row as one rectangle.
 std::string cells(const NamedMap& map, const std::vector<double>& limits, std::size_t wanted, const PlanFrame& frame) {
   const auto class_of = [&](double v) {
@@ -38,13 +40,17 @@ std::string cells(const NamedMap& map, const std::vector<double>& limits, std::s
 }  // namespace
 
 std::vector<double> map_classes(const NamedMap& map) {
+  if (!map.limits.empty()) return map.limits;
   std::vector<double> values;
   std::copy_if(map.values.begin(), map.values.end(), std::back_inserter(values), [](double v) { return std::isfinite(v); });
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   // What is far beyond the rest would take all classes for itself.
-  const double low = values.front(), high = values[static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1))];
+  const double low = values.front();
+  double high = values[static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1))];
   if (!(high > low)) return {};
+  // Differences that nobody would notice should not be given all colours.
+  if (low > 0) high = std::max(high, kLeastRatio * low);
   std::vector<double> limits;
   const double classes = static_cast<double>(kMapColours.size());
   for (double k = 1; k < classes; ++k)

@@ -51,7 +51,7 @@ class Writer {
 
   void operator()(const ReportTable& table) {
     const std::string id = id_of(table.id);
-    if (table.folded) html += "<details><summary>" + escape_xml(table.caption) + ": the figures</summary>\n";
+    if (table.folded) html += "<details><summary>" + escape_xml(table.caption) + " as a table</summary>\n";
     html += fmt::format("<div class='scroll' tabindex='0' role='region' aria-labelledby='caption-{0}'><table id='{0}'>\n<caption id='caption-{0}'>{1}</caption>\n"
                         "<thead><tr>", id, escape_xml(table.caption));
     for (const auto& column : table.columns) html += fmt::format("<th scope='col'{}>{}</th>", column.words ? " class='words'" : "", escape_xml(column.name));

@@ -33,6 +33,9 @@ std::optional<ReportSection> loss_section(const ReportInput& input) {
   if (input.no_loss) add(*input.no_loss, "none, all at work");
   for (const auto& loss : input.losses) add(loss, loss.beacon);
   if (!plan.maps.empty()) {
+    NamedMap together;
+    for (const auto& map : plan.maps) together.values.insert(together.values.end(), map.values.begin(), map.values.end());
+    for (auto& map : plan.maps) map.limits = map_classes(together);  // one scale, so that they can be compared
     drawing.svg = site_plan_svg(plan);
     drawing.interactive = plan_figure_json(plan);
     section.blocks.emplace_back(std::move(drawing));

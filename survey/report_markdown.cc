@@ -20,7 +20,7 @@ struct Writer {
   }
 
   void operator()(const ReportTable& table) {
-    text += escape_markdown(table.caption) + ":\n\n|";
+    text += escape_markdown(table.caption) + (table.caption.ends_with('.') ? "" : ":") + "\n\n|";
     for (const auto& column : table.columns) text += " " + escape_markdown(column.name) + " |";
     text += "\n|";
     for (const auto& column : table.columns) text += column.words ? ":---|" : "---:|";

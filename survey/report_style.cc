@@ -15,7 +15,7 @@ h1{font-size:1.8rem;line-height:1.2;margin:0}h2{font-size:1.3rem;margin:2.4rem 0
 p{margin:.5rem 0}a{color:var(--link)}.soft{color:var(--soft)}
 .skip{position:absolute;left:-999rem}.skip:focus{left:1rem;top:1rem;background:var(--paper);padding:.5rem 1rem;z-index:9}
 :focus-visible{outline:3px solid var(--link);outline-offset:2px}
-.verdict{border-left:.5rem solid var(--attention);background:var(--card);padding:.8rem 1.2rem;margin:1rem 0;font-size:1.15rem}
+p.verdict{color:var(--ink);border-left:.5rem solid var(--attention);background:var(--card);padding:.8rem 1.2rem;margin:1rem 0;font-size:1.15rem}
 .verdict strong{display:block;font-size:1.5rem;line-height:1.2;color:var(--attention)}
 .verdict.good{border-color:var(--good)}.verdict.good strong,.good{color:var(--good)}
 .verdict.bad{border-color:var(--bad)}.verdict.bad strong,.bad{color:var(--bad)}.attention{color:var(--attention)}
@@ -26,7 +26,7 @@ caption{text-align:left;color:var(--soft);padding-bottom:.3rem;font-size:.875rem
 th,td{padding:.3rem .55rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top;font-variant-numeric:tabular-nums}
 thead th{vertical-align:bottom;border-bottom:2px solid var(--soft)}th.words,td.words,tbody th{text-align:left}
 tbody th{font-weight:600}td.words{overflow-wrap:anywhere;min-width:5rem}#beacon-table td.words{white-space:nowrap}#inputs td{font-family:monospace;font-size:.8rem;word-break:break-all}
-figure{margin:1rem 0}figcaption{color:var(--soft);font-size:.875rem;margin-top:.3rem}svg{max-width:100%;height:auto;display:block}
+figure{margin:1rem 0}figcaption{color:var(--soft);font-size:.875rem;margin-top:.3rem}.still svg{max-width:100%;height:auto;display:block}
 .live{display:none}.is-live .live{display:block}.is-live .still{display:none}
 fieldset{border:1px solid var(--line);border-radius:.4rem;padding:.2rem .8rem .5rem;margin:.6rem 0 0;display:flex;flex-wrap:wrap;gap:.1rem 1.2rem}
 fieldset span{white-space:nowrap}input{accent-color:var(--link)}label{cursor:pointer}details{margin:.3rem 0 1rem}summary{cursor:pointer;color:var(--link)}
@@ -35,7 +35,7 @@ footer{margin-top:3rem;color:var(--soft);font-size:.8rem}
 @page{size:A4;margin:14mm}
 @media print{body{max-width:none;padding:0;font-size:10pt}nav,.skip,.controls,fieldset{display:none}.live,.is-live .live{display:none}.is-live .still{display:block}
 .scroll{overflow:visible}table{font-size:7.5pt;width:100%}#beacon-table td.words{white-space:normal}caption{font-size:8pt}th,td{padding:1.2pt 2.5pt}thead{display:table-header-group}
-tr,figure,.verdict,li{break-inside:avoid}h2{break-after:avoid}.verdict,svg{-webkit-print-color-adjust:exact;print-color-adjust:exact}.still svg{min-width:0}}
+tr,figure,.verdict,li{break-inside:avoid}h2{break-after:avoid}.verdict,.still svg{-webkit-print-color-adjust:exact;print-color-adjust:exact}.still svg{min-width:0}}
 )";
 }
 

@@ -32,6 +32,7 @@ struct NamedMap {
   std::size_t columns = 0;
   std::vector<double> values;     ///< row by row from below; NaN: nothing there
   std::string silent_beacon{};    ///< crossed out while this map is shown
+  std::vector<double> limits{};   ///< between classes, where several maps are to be compared; empty: its own
 };
 
 /// What is drawn on the plan.
@@ -63,7 +64,7 @@ inline constexpr std::size_t kMostNamed = 300;
 /// Beacons and vehicle seen from the side, with their heights.
 [[nodiscard]] std::string elevation_svg(const PlanInput& input);
 
-/// Limits between the classes in which a map is drawn, ascending: geometric where all values are positive.
+/// Limits between the classes in which a map is drawn, ascending: its own, or geometric where all values are positive.
 [[nodiscard]] std::vector<double> map_classes(const NamedMap& map);
 /// Cividis (Nunez, Anderton, Renslow 2018): the same to all kinds of colour vision, and ascending in grey. Low values are dark.
 inline constexpr std::array<const char*, 7> kMapColours = {"#00204d", "#31446b", "#555b6c", "#7b7a77", "#a59c74", "#d3c064", "#ffe945"};

@@ -59,6 +59,7 @@ int run(int argc, const char* const* argv, Session& session) {
   add_calibrate(app, session.options, action);
   add_localize(app, session.options, action);
   add_verify(app, session.options, action);
+  add_report(app, session.options, action);
   add_schema(app, session.options, action);
   try {
     app.parse(argc, argv);
