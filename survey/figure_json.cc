@@ -22,8 +22,17 @@ using Json = nlohmann::ordered_json;
 constexpr double kEllipsoid95 = 2.7955;       // square root of chi-square's 0.95 quantile, 3 degrees of freedom
 constexpr int kCircle = 28;                   // points of one
 
-/// plotly.js reads labels as a kind of HTML.
-std::string label(const std::string& text) { return escape_xml(text); }
+/// plotly.js reads labels as a kind of HTML, of which it knows few entities.
+std::string label(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '&') safe += "&amp;";
+    else if (c == '<') safe += "&lt;";
+    else if (c == '>') safe += "&gt;";
+    else safe += c;
+  }
+  return safe;
+}
 
 /// Rounded to a hundred thousandth of the figure's size: more digits only make the page longer.
 double rounded(double value, double size) {

@@ -29,7 +29,7 @@ tbody th{font-weight:600}td.words{overflow-wrap:anywhere;min-width:5rem}#beacon-
 figure{margin:1rem 0}figcaption{color:var(--soft);font-size:.875rem;margin-top:.3rem}.still svg{max-width:100%;height:auto;display:block}
 .live{display:none}.is-live .live{display:block}.is-live .still{display:none}
 fieldset{border:1px solid var(--line);border-radius:.4rem;padding:.2rem .8rem .5rem;margin:.6rem 0 0;display:flex;flex-wrap:wrap;gap:.1rem 1.2rem}
-fieldset span{white-space:nowrap}input{accent-color:var(--link)}label{cursor:pointer}details{margin:.3rem 0 1rem}summary{cursor:pointer;color:var(--link)}
+fieldset{min-width:0}fieldset span{overflow-wrap:anywhere}input{accent-color:var(--link)}label{cursor:pointer}details{margin:.3rem 0 1rem}summary{cursor:pointer;color:var(--link)}
 footer{margin-top:3rem;color:var(--soft);font-size:.8rem}
 @media(max-width:640px){body{font-size:15px;padding:1rem .8rem}.still svg{min-width:600px}h1{font-size:1.5rem}.verdict{font-size:1rem;padding:.7rem .9rem}}
 @page{size:A4;margin:14mm}
