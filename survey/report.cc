@@ -33,6 +33,11 @@ std::string in_words(BeaconStatus status) {
   return "undetermined";
 }
 
+std::string as_sentence(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text.empty() || text.back() == '.' ? text : text + ".";
+}
+
 ReportText number_cell(const std::optional<double>& value, double per_si, int digits) {
   return {value && std::isfinite(*value) ? fmt::format("{:.{}f}", per_si * *value, digits) : "-"};
 }

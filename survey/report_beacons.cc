@@ -101,6 +101,10 @@ std::optional<ReportSection> beacons_section(const ReportInput& input) {
   const Deployment& d = input.plan.deployment;
   if (d.beacons.empty()) return {};
   ReportSection section{"beacons", "Beacons", {}};
+  if (input.beacons.empty() && std::all_of(d.beacons.begin(), d.beacons.end(), [](const auto& b) { return b.status == BeaconStatus::kUndetermined; })) {
+    section.blocks.emplace_back(ReportText{fmt::format("Of none of the {} beacons is the place known.", d.beacons.size()), Tone::kBad});
+    return section;
+  }
   const Units units = units_of(input);
   const bool delays = std::any_of(d.beacons.begin(), d.beacons.end(), [](const auto& b) { return b.delay_s != 0.0 || b.delay_sigma_s > 0.0; });
   std::map<std::string, const BeaconNote*> notes;

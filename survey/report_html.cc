@@ -30,10 +30,26 @@ std::string id_of(std::string id) {
   return escape_xml(id);
 }
 
+/// Safe text in which no number stands at the end of a line without its unit.
+std::string running(const std::string& text) {
+  static constexpr std::string_view kUnits[] = {"mm", "m", "m/s", "s", "ms", "µs", "us", "ns", "%", "deg", "degC", "rad", "V", "Np/m", "Hz", "sigma"};
+  const std::string safe = escape_xml(text);
+  std::string out;
+  for (std::size_t i = 0; i < safe.size(); ++i) {
+    const bool after_number = safe[i] == ' ' && i > 0 && safe[i - 1] >= '0' && safe[i - 1] <= '9';
+    std::size_t end = i + 1;
+    while (after_number && end < safe.size() && std::string_view(" ,;.)(").find(safe[end]) == std::string_view::npos) ++end;
+    const std::string_view word = std::string_view(safe).substr(i + 1, end - i - 1);
+    if (after_number && std::find(std::begin(kUnits), std::end(kUnits), word) != std::end(kUnits)) out += "&#160;";
+    else out += safe[i];
+  }
+  return out;
+}
+
 /// Colour is never alone: what is not kept has a mark of its own too.
 std::string marked(const ReportText& cell) {
   const char* mark = cell.tone == Tone::kGood ? "&#10003; " : cell.tone == Tone::kBad ? "&#10007; " : "";
-  return mark + escape_xml(cell.text);
+  return mark + running(cell.text);
 }
 
 class Writer {
@@ -41,11 +57,11 @@ class Writer {
   explicit Writer(bool live) : live_(live) {}
   std::string html;
 
-  void operator()(const ReportText& text) { html += fmt::format("<p class='{}'>{}</p>\n", class_of(text.tone), escape_xml(text.text)); }
+  void operator()(const ReportText& text) { html += fmt::format("<p class='{}'>{}</p>\n", class_of(text.tone), running(text.text)); }
 
   void operator()(const ReportList& list) {
     html += list.numbered ? "<ol>\n" : "<ul>\n";
-    for (const auto& item : list.items) html += "<li>" + escape_xml(item) + "</li>\n";
+    for (const auto& item : list.items) html += "<li>" + running(item) + "</li>\n";
     html += list.numbered ? "</ol>\n" : "</ul>\n";
   }
 
@@ -78,7 +94,7 @@ class Writer {
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool words = i < table.columns.size() && table.columns[i].words;
       if (i == 0) html += "<th scope='row'>" + escape_xml(row[0].text) + "</th>";
-      else if (row[i].tone == Tone::kPlain) html += fmt::format("<td{}>{}</td>", words ? " class='words'" : "", escape_xml(row[i].text));
+      else if (row[i].tone == Tone::kPlain) html += fmt::format("<td{}>{}</td>", words ? " class='words'" : "", running(row[i].text));
       else html += fmt::format("<td class='{}{}'>{}</td>", words ? "words " : "", class_of(row[i].tone), marked(row[i]));
     }
     html += "</tr>\n";
@@ -115,8 +131,7 @@ std::string to_html(const ReportDocument& document, std::string_view plotly) {
   html = page_head(document.title + " – " + document.subtitle, "", !plotly.empty());
   html += "<a class='skip' href='#main'>Skip to the content</a>\n<header>\n";
   html += fmt::format("<h1>{}</h1>\n<p class='soft'>{}</p>\n", escape_xml(document.title), escape_xml(document.subtitle));
-  html += fmt::format("<p class='verdict {}' id='sentence'><strong>{}</strong> {}</p>\n", class_of(document.tone), escape_xml(document.grade),
-                      escape_xml(document.sentence));
+  html += fmt::format("<p class='verdict {}' id='sentence'><strong>{}</strong> {}</p>\n", class_of(document.tone), escape_xml(document.grade), running(document.sentence));
   html += "<nav aria-label='Contents'><ul>\n";
   for (const auto& section : document.sections) html += fmt::format("<li><a href='#{}'>{}</a></li>\n", id_of(section.id), escape_xml(section.title));
   html += "</ul></nav>\n";

@@ -16,11 +16,6 @@ constexpr double kLittleRedundancy = 0.3;
 constexpr double kNoisy = 2.0, kQuiet = 0.5;
 constexpr std::size_t kMostNames = 6;
 
-std::string sentence(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text.empty() || text.back() == '.' ? text : text + ".";
-}
-
 std::string names(const std::vector<std::string>& all) {
   std::string text;
   for (std::size_t i = 0; i < all.size() && i < kMostNames; ++i) text += (i == 0 ? "" : ", ") + all[i];
@@ -31,7 +26,7 @@ void add_weak(const ReportInput& input, std::vector<std::string>& steps) {
   for (const bool blocking : {true, false}) {
     for (const auto& weak : input.weak) {
       if (weak.blocking != blocking || weak.remedy.empty()) continue;
-      const std::string step = sentence(fmt::format("To settle {}: {}", weak.description, weak.remedy));
+      const std::string step = as_sentence(fmt::format("To settle {}: {}", weak.description, weak.remedy));
       if (std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
     }
   }

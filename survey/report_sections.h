@@ -27,6 +27,8 @@ inline constexpr std::size_t kMaxRows = 400;
 /// Longer half axis of the horizontal 95 % ellipse [m].
 [[nodiscard]] double radius95_m(const DeploymentBeacon& beacon);
 [[nodiscard]] std::string in_words(BeaconStatus status);
+/// With a capital letter and a full stop.
+[[nodiscard]] std::string as_sentence(std::string text);
 /// A cell of a number that may be missing: "-".
 [[nodiscard]] ReportText number_cell(const std::optional<double>& value, double per_si, int digits);
 

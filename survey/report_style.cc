@@ -74,6 +74,7 @@ const draw = async figure => {
     font: {color: colour('--ink'), family: 'system-ui, sans-serif', size: narrow ? 11 : 13}, margin: {l: narrow ? 48 : 64, r: 16, t: 30, b: 50},
     hoverlabel: {bgcolor: colour('--card'), font: {color: colour('--ink')}}});
   if (narrow && layout.height > 400) layout.height = 440;
+  if (narrow) for (const trace of spec.data) if (trace.colorbar) trace.colorbar = {thickness: 10};
   for (const axis of ['xaxis', 'yaxis']) if (layout[axis]) Object.assign(layout[axis], axisStyle());
   if (layout.scene) for (const axis of ['xaxis', 'yaxis', 'zaxis']) Object.assign(layout.scene[axis], axisStyle(), {backgroundcolor: colour('--paper')});
   figure.classList.add('is-live');

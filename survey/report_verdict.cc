@@ -62,7 +62,9 @@ std::string sentence_of(const ReportInput& input, const Beacons& n) {
     const std::string why = !input.message.empty()                    ? input.message
                             : input.outcome == Outcome::kRefused      ? "the data do not determine what is asked for"
                                                                       : "the adjustment did not converge";
-    return "Nothing was exported: " + why + (why.back() == '.' ? "" : ".");
+    // The solver may have said so already.
+    const bool said = why.find("nothing is exported") != std::string::npos;
+    return (said ? as_sentence(why) : as_sentence("nothing was exported: " + why));
   }
   std::string text = d.statistics.converged ? "" : "The adjustment did not converge. ";
   text += n.calibrated == 0 ? std::string("No beacon was asked for")

@@ -40,7 +40,7 @@ std::optional<ReportSection> weak_section(const ReportInput& input) {
     for (const auto& weak : input.weak) {
       std::string text = weak.blocking ? "Not determined: " + weak.description : weak.description;
       if (weak.consequence_m > 0 && std::isfinite(weak.consequence_m)) text += fmt::format(", up to {} at the robot", length_text(weak.consequence_m));
-      list.items.push_back(text + "." + (weak.remedy.empty() ? "" : " Settled by: " + weak.remedy + "."));
+      list.items.push_back(as_sentence(text) + (weak.remedy.empty() ? "" : " Settled by: " + weak.remedy + "."));
     }
     section.blocks.emplace_back(std::move(list));
   }

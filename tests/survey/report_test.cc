@@ -103,6 +103,8 @@ TEST(Report, VerdictFollowsTheGates) {
   input.message = "the scale is free";
   EXPECT_EQ(verdict(input).grade, Grade::kRefused);
   EXPECT_EQ(verdict(input).sentence, "Nothing was exported: the scale is free.");
+  input.message = "the scale is free; nothing is exported. To settle it: tape.";
+  EXPECT_EQ(verdict(input).sentence, "The scale is free; nothing is exported. To settle it: tape.");
 }
 
 TEST(Report, NextStepsBeginWithWhatBlocks) {
@@ -127,6 +129,12 @@ TEST(Report, NumbersAreInTheTable) {
   EXPECT_THAT(html, HasSubstr("<th scope='row'>B1</th><td>10.0000</td><td>0.0000</td><td>2.5000</td><td>4.00</td><td>4.00</td><td>4.00</td>"
                               "<td>100.000</td><td>4.000</td><td>0.75</td><td>50.0</td><td>650</td><td>10</td><td class='words'>calibrated</td>"));
   EXPECT_THAT(report_markdown(full_report()), HasSubstr("| B1 | 10.0000 | 0.0000 | 2.5000 | 4.00 | 4.00 | 4.00 | 100.000 | 4.000 | 0.75 | 50.0 | 650 | 10 | calibrated |"));
+}
+
+TEST(Report, NumbersKeepTheirUnits) {
+  ReportInput input = full_report();
+  input.warnings = {"off by 12 mm, 3.5 µs (95 %); 2 models of 20 beacons at 21 degC."};
+  EXPECT_THAT(page(input), HasSubstr("off by 12&#160;mm, 3.5&#160;µs (95&#160;%); 2 models of 20 beacons at 21&#160;degC."));
 }
 
 TEST(Report, MarkdownHasAllSections) {
