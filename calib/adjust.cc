@@ -5,24 +5,47 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <thread>
 
 #include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 
 #include "calib/parallel.h"
+#include "calib/tile_sum.h"
 
 namespace octant::calib {
 namespace {
 
-/// What all tiles share during one adjustment: the state of the evaluation point, made once for all of them.
+/// All tiles at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate is settled, and where it
+/// is taken only its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
-  const ParameterLayout* layout = nullptr;
-  const Eigen::VectorXd* x = nullptr;
-  SharedState state;
+  EvaluationPoint(TileSum* all_tiles, const ParameterLayout* its_layout, const Eigen::VectorXd* its_x, const RobustLoss* its_loss)
+      : tiles(all_tiles), layout(its_layout), x(its_x), loss(its_loss), dense(is_dense(*its_layout)) {}
 
-  void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_evaluation_point) override {
-    if (new_evaluation_point) state = layout->state_of(*x);
+  TileSum* tiles;
+  const ParameterLayout* layout;
+  const Eigen::VectorXd* x;
+  const RobustLoss* loss;
+  bool dense;
+  SharedState state;
+  double cost = 0.0;
+  bool settled = false;
+  ReducedSystem sum;                  ///< dense
+  std::vector<ReducedSystem> systems; ///< else, of each tile
+
+  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
+    if (new_evaluation_point || !settled) {
+      state = layout->state_of(*x);
+      cost = tiles->settle(state, *loss);
+      settled = true;
+    }
+    if (!evaluate_jacobians) return;
+    if (dense) {
+      tiles->reduce(state, *loss, sum);
+    } else {
+      tiles->reduce_each(state, *loss, systems);
+    }
   }
 };
 
@@ -46,50 +69,56 @@ void square_root(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, Eigen::Matr
   R = R * scale.asDiagonal();
 }
 
+/// A reduced system as a cost function over parameter blocks that cover its columns in their order.
+void as_residuals(const ReducedSystem& system, const ParameterLayout& layout, const std::vector<int>& blocks, double* residuals, double** jacobians) {
+  const Eigen::Index n = system.gradient.size();
+  Eigen::MatrixXd R;
+  Eigen::VectorXd z;
+  square_root(system.H, system.gradient, R, z);
+  Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
+  out.head(n) = z;
+  out[n] = std::sqrt(std::max(0.0, 2.0 * system.cost - z.squaredNorm()));
+  Eigen::Index column = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const int size = layout.blocks[static_cast<std::size_t>(blocks[i])].size;
+    if (jacobians[i] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(jacobians[i], n + 1, size);
+      J.topRows(n) = R.middleCols(column, size);
+      J.row(n).setZero();
+    }
+    column += size;
+  }
+}
+
+/// All tiles (tile < 0) or one of them.
 class TileCost : public ceres::CostFunction {
  public:
-  TileCost(Tile* tile, const EvaluationPoint* point, const ParameterLayout* layout, const RobustLoss* loss)
-      : tile_(tile), point_(point), layout_(layout), loss_(loss) {
-    for (const int b : tile->blocks()) mutable_parameter_block_sizes()->push_back(layout->blocks[static_cast<std::size_t>(b)].size);
-    set_num_residuals(static_cast<int>(tile->columns().size()) + 1);
+  TileCost(const EvaluationPoint* point, int tile, std::vector<int> blocks) : point_(point), tile_(tile), blocks_(std::move(blocks)) {
+    int columns = 0;
+    for (const int b : blocks_) {
+      const int size = point->layout->blocks[static_cast<std::size_t>(b)].size;
+      mutable_parameter_block_sizes()->push_back(size);
+      columns += size;
+    }
+    set_num_residuals(columns + 1);
   }
 
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
-    const auto n = static_cast<Eigen::Index>(tile_->columns().size());
-    Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
+    const double cost = tile_ < 0 ? point_->cost : point_->tiles->costs()[static_cast<std::size_t>(tile_)];
     if (jacobians == nullptr) {
       // Only the cost is asked for: it may stand in one row.
-      const double cost = tile_->evaluate(point_->state, *loss_, nullptr);
-      out.setZero();
-      out[n] = std::sqrt(2.0 * cost);
-      return std::isfinite(cost);
+      std::fill(residuals, residuals + num_residuals() - 1, 0.0);
+      residuals[num_residuals() - 1] = std::sqrt(2.0 * cost);
+    } else {
+      as_residuals(tile_ < 0 ? point_->sum : point_->systems[static_cast<std::size_t>(tile_)], *point_->layout, blocks_, residuals, jacobians);
     }
-    ReducedSystem system;
-    tile_->evaluate(point_->state, *loss_, &system);
-    tile_->commit();
-    Eigen::MatrixXd R;
-    Eigen::VectorXd z;
-    square_root(system.H, system.gradient, R, z);
-    out.head(n) = z;
-    out[n] = std::sqrt(std::max(0.0, 2.0 * system.cost - z.squaredNorm()));
-    Eigen::Index column = 0;
-    for (std::size_t i = 0; i < tile_->blocks().size(); ++i) {
-      const int size = layout_->blocks[static_cast<std::size_t>(tile_->blocks()[i])].size;
-      if (jacobians[i] != nullptr) {
-        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(jacobians[i], n + 1, size);
-        J.topRows(n) = R.middleCols(column, size);
-        J.row(n).setZero();
-      }
-      column += size;
-    }
-    return std::isfinite(system.cost);
+    return std::isfinite(cost);
   }
 
  private:
-  Tile* tile_;
   const EvaluationPoint* point_;
-  const ParameterLayout* layout_;
-  const RobustLoss* loss_;
+  int tile_;
+  std::vector<int> blocks_;
 };
 
 /// Prior of one parameter block; parameters without a prior give zero rows.
@@ -186,7 +215,7 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, int unknowns
   ceres_options.logging_type = ceres::SILENT;
   ceres_options.max_num_iterations = options.max_iterations;
   // Ceres grumbles on standard error over more threads than there are cores.
-  ceres_options.num_threads = std::clamp(options.threads, 1, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  ceres_options.num_threads = std::clamp(options.workers.threads, 1, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   ceres_options.function_tolerance = options.function_tolerance;
   ceres_options.gradient_tolerance = 1e-9;
   ceres_options.parameter_tolerance = 1e-12;
@@ -201,13 +230,13 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, int unknowns
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
                     const AdjustOptions& options) {
   AdjustResult result;
-  std::vector<Tile> tiles = make_tiles(trajectories, layout, options.threads);
-  EvaluationPoint point;
-  point.layout = &layout;
-  point.x = &x;
+  TileSum tiles(trajectories, layout, options.workers);
+  EvaluationPoint point(&tiles, &layout, &x, &options.loss);
   point.state = layout.state_of(x);
   if (layout.size() == 0) {  // everything is held: only the vehicle states move
-    for (Tile& tile : tiles) result.cost += tile.evaluate(point.state, options.loss, nullptr);
+    result.cost = tiles.settle(point.state, options.loss);
+    tiles.commit();
+    tiles.share_states();
     result.converged = true;
     return result;
   }
@@ -229,8 +258,14 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
     for (const int b : blocks) addresses.push_back(address(b));
     ceres_problem.AddResidualBlock(cost, nullptr, addresses);
   };
-  for (Tile& tile : tiles)
-    if (!tile.blocks().empty()) add(new TileCost(&tile, &point, &layout, &options.loss), tile.blocks());
+  if (point.dense) {
+    std::vector<int> all(layout.blocks.size());
+    std::iota(all.begin(), all.end(), 0);
+    add(new TileCost(&point, -1, all), all);
+  } else {
+    for (std::size_t i = 0; i < tiles.tiles().size(); ++i)
+      if (const std::vector<int>& blocks = tiles.tiles()[i].blocks(); !blocks.empty()) add(new TileCost(&point, static_cast<int>(i), blocks), blocks);
+  }
   for (const ControlDistance& d : problem.site.distances) {
     std::vector<int> blocks;
     for (const auto& [column, value] : distance_row(d, layout, point.state).entries) {
@@ -251,8 +286,9 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cost = summary.final_cost;
   result.message = summary.message;
-  const SharedState state = layout.state_of(x);
-  for_each_parallel(tiles.size(), options.threads, [&](std::size_t i) { tiles[i].evaluate(state, options.loss, nullptr); });
+  // Every accepted point was reduced, and so committed.
+  tiles.share_states();
+  if (point.dense && point.sum.H.rows() == layout.size()) result.data_information = std::move(point.sum.H);
   return result;
 }
 
@@ -267,34 +303,33 @@ double prior_cost(const Problem& problem, const ParameterLayout& layout, const E
   return cost;
 }
 
-Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-                           const Eigen::VectorXd& x, const RobustLoss& loss, int threads) {
-  Information info;
+Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x) {
   const int n = layout.size();
-  info.data.setZero(n, n);
-  info.prior.setZero(n, n);
-  const SharedState state = layout.state_of(x);
-  std::vector<Tile> tiles = make_tiles(trajectories, layout, threads);
-  std::vector<ReducedSystem> systems(tiles.size());
-  for_each_parallel(tiles.size(), threads, [&](std::size_t i) { tiles[i].evaluate(state, loss, &systems[i]); });
-  for (std::size_t k = 0; k < tiles.size(); ++k) {
-    const ReducedSystem& system = systems[k];
-    info.data_cost += system.cost;
-    const std::vector<int>& columns = tiles[k].columns();
-    for (std::size_t i = 0; i < columns.size(); ++i)
-      for (std::size_t j = 0; j < columns.size(); ++j)
-        info.data(columns[i], columns[j]) += system.H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-  }
+  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(n, n);
   for (int i = 0; i < n; ++i) {
     const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
-    if (!std::isfinite(p.prior_sigma)) continue;
-    info.prior(i, i) += 1.0 / (p.prior_sigma * p.prior_sigma);
+    if (std::isfinite(p.prior_sigma)) prior(i, i) += 1.0 / (p.prior_sigma * p.prior_sigma);
   }
+  const SharedState state = layout.state_of(x);
   for (const ControlDistance& d : problem.site.distances) {
     const DistanceRow row = distance_row(d, layout, state);
     for (const auto& [i, a] : row.entries)
-      for (const auto& [j, b] : row.entries) info.prior(i, j) += a * b;
+      for (const auto& [j, b] : row.entries) prior(i, j) += a * b;
   }
+  return prior;
+}
+
+Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
+                           const Eigen::VectorXd& x, const RobustLoss& loss, const Workers& workers) {
+  Information info;
+  const SharedState state = layout.state_of(x);
+  TileSum tiles(trajectories, layout, workers);
+  info.data_cost = tiles.settle(state, loss);
+  ReducedSystem sum;
+  tiles.reduce(state, loss, sum);
+  tiles.share_states();
+  info.data = std::move(sum.H);
+  info.prior = prior_information(problem, layout, x);
   return info;
 }
 

@@ -3,19 +3,20 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include <Eigen/Core>
 
 #include "calib/parameters.h"
-#include "calib/tile.h"
+#include "calib/tile_sum.h"
 
 namespace octant::calib {
 
 struct AdjustOptions {
   RobustLoss loss;
   int max_iterations = 100;
-  int threads = 1;
+  Workers workers;
   double function_tolerance = 1e-10;
   std::function<bool(int iteration, double cost)> on_iteration;  ///< false stops
 };
@@ -26,10 +27,13 @@ struct AdjustResult {
   int iterations = 0;
   double cost = 0.0;      ///< 1/2 sum of rho, priors and control distances included
   std::string message;    ///< Ceres's own words on why it stopped
+  /// Gauss-Newton matrix of all arrivals and bearings at x under the loss of the adjustment, where it was formed as a whole.
+  std::optional<Eigen::MatrixXd> data_information;
 };
 
-/// One adjustment of all shared parameters by Ceres: a tile is one cost function over the parameter blocks it touches.
-/// With H = R'R the tile's residual is z = R^-T g and one more row sqrt(2 cost - z'z); its Jacobian is R and a row of zeros, so
+/// One adjustment of all shared parameters by Ceres: the sum of all tiles is one cost function (at sites of very many
+/// parameters each tile is one, over the parameter blocks it touches, and the linear system is sparse).
+/// With H = R'R its residual is z = R^-T g and one more row sqrt(2 cost - z'z); its Jacobian is R and a row of zeros, so
 /// that Ceres sees the cost, gradient and Gauss-Newton matrix of the full bundle adjustment.
 /// @param x  start and result, order of the layout
 /// @param trajectories  states and rejection marks; the states are left as settled at x
@@ -44,7 +48,9 @@ struct Information {
   Eigen::MatrixXd data, prior;
   double data_cost = 0.0;
 };
+/// The part of priors and control distances.
+[[nodiscard]] Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x);
 [[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-                                         const Eigen::VectorXd& x, const RobustLoss& loss = {}, int threads = 1);
+                                         const Eigen::VectorXd& x, const RobustLoss& loss = {}, const Workers& workers = {});
 
 }  // namespace octant::calib

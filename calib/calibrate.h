@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "calib/tile_sum.h"
 #include "calib/problem.h"
 #include "calib/solution.h"
 
@@ -20,11 +21,14 @@ struct Progress {
 
 struct SolveOptions {
   int threads = 1;
+  const Ranks* ranks = nullptr;   ///< processes that solve this together, all given the same problem; not owned
   int max_iterations = 100;       ///< of each stage
   double rejection_sigmas = 4.0;  ///< arrivals beyond this many sigmas are left out in the end
   bool strict = false;            ///< a single undetermined beacon refuses the whole
   /// Called between iterations; returning false stops with SolveStatus::kInterrupted.
   std::function<bool(const Progress&)> on_progress;
+
+  [[nodiscard]] Workers workers() const { return {threads, ranks}; }
 };
 
 /// The bundle adjustment: initial values, graduated robust adjustment, rejection, covariance, verdict.

@@ -80,9 +80,12 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
 void add_hearing(const Solution& solution, Deployment& d) {
   constexpr std::size_t kEnough = 200;
   constexpr double kOutliers = 0.005, kMargin = 0.03;
+  // Evenly spread arrivals of a long log tell a cone as well.
+  constexpr std::size_t kPlenty = 200'000;
   std::vector<std::vector<double>> cosines(d.vehicles.size());
   for (const Trajectory& t : solution.trajectories)
-    for (const ArrivalObservation& a : t.arrivals) {
+    for (std::size_t i = 0; i < t.arrivals.size(); i += t.arrivals.size() / kPlenty + 1) {
+      const ArrivalObservation& a = t.arrivals[i];
       const DeploymentReceiver& receiver = d.receivers[a.receiver.index()];
       if (a.rejection != Rejection::kUsed || !receiver.axis || !t.nodes[a.node].placed) continue;
       const Pose T = pose_at(t, a.node, a.alpha);

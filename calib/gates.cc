@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/parallel.h"
 #include "calib/ranges.h"
 #include "models/localizers/range_gates.h"
 
@@ -33,61 +34,74 @@ void gate_ranges(const Site& site, const SharedState& prior, Trajectory& t) {
 /// and still compared with the others (it can only make their differences smaller).
 class TriangleGate {
  public:
-  TriangleGate(const Site& site, const SharedState& prior) : site_(site), prior_(prior) {
-    for (const SiteBeacon& b : site.beacons) {
-      double sigma_m = 0.0;
-      for (std::size_t i = 0; i < 3; ++i) sigma_m = std::max(sigma_m, b.position_m[i] ? b.sigma_m[i].value_or(INFINITY) : INFINITY);
-      place_sigma_m_.push_back(sigma_m);
+  TriangleGate(const Site& site, const SharedState& prior) : prior_(prior), beacons_(site.beacons.size()) {
+    std::vector<double> sigma_m(beacons_, 0.0);
+    for (std::size_t b = 0; b < beacons_; ++b)
+      for (std::size_t i = 0; i < 3; ++i)
+        sigma_m[b] = std::max(sigma_m[b], site.beacons[b].position_m[i] ? site.beacons[b].sigma_m[i].value_or(INFINITY) : INFINITY);
+    for (std::size_t a = 0; a < beacons_; ++a)
+      for (std::size_t b = 0; b < beacons_; ++b) {
+        const double apart_m = (prior.beacon_p_map_m[a] - prior.beacon_p_map_m[b]).norm();
+        const bool known = a != b && std::max(sigma_m[a], sigma_m[b]) <= kKnownShare * apart_m;
+        pairs_.push_back({apart_m, known ? sigma_m[a] * sigma_m[a] + sigma_m[b] * sigma_m[b] : INFINITY});
+        any_ = any_ || known;
+      }
+    delay_sigma_s_ = site.timing.delay_per.none() ? 0.0 : site.timing.delay_sigma_s;
+    speed_sigma_mps_ = site.speed_sigma_mps;
+  }
+
+  /// Some pair of beacons is known well enough to say anything.
+  [[nodiscard]] bool any() const { return any_; }
+
+  void gate(Trajectory& t, const Segment& s) const {
+    thread_local std::vector<double> range_m;
+    range_m.clear();
+    for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) range_m.push_back(range_of(t, t.arrivals[i]));
+    for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
+      ArrivalObservation& a = t.arrivals[i];
+      for (std::size_t j = s.first_arrival; j < s.last_arrival && a.rejection == Rejection::kUsed; ++j)
+        if (a.receiver == t.arrivals[j].receiver && too_long(a, t.arrivals[j], range_m[i - s.first_arrival], range_m[j - s.first_arrival]))
+          a.rejection = Rejection::kTriangle;
     }
   }
 
-  void gate(Trajectory& t, const Segment& s) {
-    known_.clear();
-    for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
-      if (std::isfinite(place_sigma_m_[t.arrivals[i].beacon.index()])) known_.push_back(i);
-    for (const std::size_t i : known_)
-      for (const std::size_t j : known_) {
-        ArrivalObservation& a = t.arrivals[i];
-        const ArrivalObservation& b = t.arrivals[j];
-        if (a.receiver == b.receiver && a.beacon != b.beacon && a.rejection == Rejection::kUsed && too_long(t, a, b)) a.rejection = Rejection::kTriangle;
-      }
-  }
-
  private:
-  [[nodiscard]] bool too_long(const Trajectory& t, const ArrivalObservation& a, const ArrivalObservation& b) const {
-    const double ra = range_m(t, a), rb = range_m(t, b);
-    if (!(ra > rb)) return false;
-    const double sa = place_sigma_m_[a.beacon.index()], sb = place_sigma_m_[b.beacon.index()];
-    const double apart_m = (prior_.beacon_p_map_m[a.beacon.index()] - prior_.beacon_p_map_m[b.beacon.index()]).norm();
-    if (!(std::max(sa, sb) <= kKnownShare * apart_m)) return false;
-    const double c = a.model_speed_mps;
-    const double delay_m = site_.timing.delay_per.none() ? 0.0 : c * site_.timing.delay_sigma_s;
-    const double speed_m = site_.speed_sigma_mps / c * std::abs(ra - rb);
-    const double noise_m = c * a.sigma_s;
-    const double sigma_m = std::sqrt(2 * noise_m * noise_m + 2 * delay_m * delay_m + speed_m * speed_m + sa * sa + sb * sb);
-    return ra - rb > apart_m + kSigmas * sigma_m;
+  struct Pair {
+    double apart_m, variance_m2;  ///< of both places; infinite: not known well enough
+  };
+
+  [[nodiscard]] bool too_long(const ArrivalObservation& a, const ArrivalObservation& b, double ra, double rb) const {
+    const Pair& pair = pairs_[a.beacon.index() * beacons_ + b.beacon.index()];
+    const double beyond_m = ra - rb - pair.apart_m;
+    if (!(beyond_m > 0) || std::isinf(pair.variance_m2)) return false;
+    const double c = a.model_speed_mps, delay_m = c * delay_sigma_s_, speed_m = speed_sigma_mps_ / c * (ra - rb), noise_m = c * a.sigma_s;
+    return beyond_m > kSigmas * std::sqrt(2 * noise_m * noise_m + 2 * delay_m * delay_m + speed_m * speed_m + pair.variance_m2);
   }
   /// Differences are free of a cycle offset, so the range may be taken with it.
-  [[nodiscard]] double range_m(const Trajectory& t, const ArrivalObservation& a) const {
+  [[nodiscard]] double range_of(const Trajectory& t, const ArrivalObservation& a) const {
     return (a.tof_s - prior_.delay_s(a.beacon, a.receiver)) * (a.model_speed_mps + prior_.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
   }
 
-  const Site& site_;
   const SharedState& prior_;
-  std::vector<double> place_sigma_m_;
-  std::vector<std::size_t> known_;
+  std::size_t beacons_;
+  std::vector<Pair> pairs_;
+  bool any_ = false;
+  double delay_sigma_s_ = 0.0, speed_sigma_mps_ = 0.0;
 };
 
 }  // namespace
 
-void apply_gates(const Site& site, std::vector<Trajectory>& trajectories) {
+void apply_gates(const Site& site, std::vector<Trajectory>& trajectories, int threads) {
   const SharedState prior = prior_state(site);
-  TriangleGate triangle(site, prior);
+  const TriangleGate triangle(site, prior);
   for (Trajectory& t : trajectories) {
     gate_ranges(site, prior, t);
     // A vehicle that moves between two firings is at two places; time-walk makes weak signals late by more than noise.
-    if (t.moving || site.attenuation || !site.gates.triangle) continue;
-    for (const Segment& segment : t.segments) triangle.gate(t, segment);
+    if (t.moving || site.attenuation || !site.gates.triangle || !triangle.any()) continue;
+    constexpr std::size_t kSegmentsAtOnce = 1024;
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+      for (std::size_t s = first; s < last; ++s) triangle.gate(t, t.segments[s]);
+    });
   }
 }
 

@@ -77,14 +77,17 @@ LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const E
 std::vector<std::string> suspect_control_points(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories) {
   std::vector<std::string> warnings;
   const auto& beacons = problem.site.beacons;
+  std::vector<std::size_t> placed(beacons.size(), 0), out(beacons.size(), 0);
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (!t.nodes[a.node].placed) continue;
+      ++placed[a.beacon.index()];
+      out[a.beacon.index()] += a.rejection != Rejection::kUsed;
+    }
   for (std::size_t b = 0; b < beacons.size(); ++b) {
-    if (!beacons[b].is_control_point()) continue;
+    const std::size_t rejected = out[b];
+    if (!beacons[b].is_control_point() || placed[b] < 10 || static_cast<double>(rejected) < kMostlyRejected * static_cast<double>(placed[b])) continue;
     const std::vector<RangeFrom> ranges = ranges_to(trajectories, state, BeaconId(b));
-    std::size_t rejected = 0;
-    for (const Trajectory& t : trajectories)
-      for (const ArrivalObservation& a : t.arrivals)
-        rejected += a.beacon.index() == b && t.nodes[a.node].placed && a.rejection != Rejection::kUsed;
-    if (ranges.size() < 10 || static_cast<double>(rejected) < kMostlyRejected * static_cast<double>(ranges.size())) continue;
     TrilaterationOptions options;
     options.scale_m = 0.01 * typical_range_m(problem);
     const Trilateration place = trilaterate(ranges, options);

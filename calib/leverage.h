@@ -45,10 +45,10 @@ class LeverageSweep {
   LeverageSweep(const ParameterLayout& layout, const Eigen::MatrixXd& C);
 
   /// Calls visit(RowLeverage) for every row in use of the placed segments, plain squares, at settled states.
-  /// @param every  of long logs: only the first of so many segments
+  /// @param every  of long logs: only the first of so many of the segments [first, last)
   template <class Visitor>
-  void sweep(const Trajectory& trajectory, const SharedState& state, std::size_t every, Visitor&& visit) {
-    for (std::size_t s = 0; s < trajectory.segments.size(); s += every) {
+  void sweep(const Trajectory& trajectory, const SharedState& state, std::size_t first, std::size_t last, std::size_t every, Visitor&& visit) {
+    for (std::size_t s = first; s < last; s += every) {
       const Segment& segment = trajectory.segments[s];
       if (!trajectory.nodes[segment.first_node].placed) continue;
       forward(trajectory, segment, state);

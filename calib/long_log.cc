@@ -12,7 +12,7 @@
 #include "calib/reject.h"
 #include "calib/start.h"
 #include "calib/thin.h"
-#include "calib/tile.h"
+#include "calib/tile_sum.h"
 #include "models/localizers/search_problem.h"
 
 namespace octant::calib {
@@ -43,10 +43,10 @@ bool is_long(const Problem& problem) {
   return epochs > kLongEpochs && problem.site.timing.ranging == Ranging::kOneWay;
 }
 
-Result<Problem> part_of(const Problem& problem) {
+Result<Problem> part_of(const Problem& problem, int threads) {
   std::vector<MeasurementLog> runs;
   for (const MeasurementLog& run : problem.runs) runs.push_back(thin(run, problem.site.beacons.size(), kPart));
-  return make_problem(problem.site, std::move(runs));
+  return make_problem(problem.site, std::move(runs), threads);
 }
 
 bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& state, const std::vector<bool>& usable) {
@@ -106,24 +106,30 @@ bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& 
 }
 
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const std::vector<bool>& usable,
-                     double suspect_sigmas, int threads, std::vector<Trajectory>& trajectories) {
+                     double suspect_sigmas, const Workers& workers, std::vector<Trajectory>& trajectories) {
   constexpr std::size_t kSegmentsAtOnce = 1024;
   for (Trajectory& t : trajectories)
-    for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads, [&](std::size_t, std::size_t first, std::size_t last) {
       for (std::size_t s = first; s < last; ++s) t.nodes[t.segments[s].first_node].placed = place_by_linear_ranges(t, t.segments[s], state, usable);
     });
   readmit_all(trajectories, usable);
-  std::vector<Tile> tiles = make_tiles(trajectories, layout, threads);
-  for_each_parallel(tiles.size(), threads, [&](std::size_t i) { tiles[i].evaluate(state, {kCauchyScale, kCauchyScale}, nullptr); });
-  tiles.clear();
+  {
+    TileSum tiles(trajectories, layout, workers);
+    static_cast<void>(tiles.settle(state, {kCauchyScale, kCauchyScale}));
+    tiles.commit();
+    tiles.share_states();
+  }
   const EpochFixModel model = search_model(problem, state, usable);
   for (Trajectory& t : trajectories) {
-    for (const Segment& s : t.segments) {
-      Node& node = t.nodes[s.first_node];
-      for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
-        if (t.arrivals[i].rejection == Rejection::kUsed && std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas) node.placed = false;
-    }
-    place_states(t, model, 0.0, false);
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads, [&](std::size_t, std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) {
+        const Segment& s = t.segments[k];
+        Node& node = t.nodes[s.first_node];
+        for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
+          if (t.arrivals[i].rejection == Rejection::kUsed && std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas) node.placed = false;
+      }
+    });
+    place_states(t, model, 0.0, false, 0.0, workers.threads);
   }
   readmit_all(trajectories, usable);
 }

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "calib/tile_sum.h"
 #include "calib/parameters.h"
 #include "calib/problem.h"
 
@@ -13,7 +14,7 @@ namespace octant::calib {
 [[nodiscard]] bool is_long(const Problem& problem);
 
 /// A problem with evenly spread epochs of a long log, enough of each beacon (see thin).
-[[nodiscard]] Result<Problem> part_of(const Problem& problem);
+[[nodiscard]] Result<Problem> part_of(const Problem& problem, int threads = 1);
 
 /// Pose of a stop by linear least squares, good enough to be settled from: the ranges to three and more beacons give
 ///   -2 b.p + |p|^2 = r^2 - |b|^2
@@ -25,6 +26,6 @@ namespace octant::calib {
 /// Places all states of a long log whose shared parameters are known but for the noise: linear ranges, settled in lanes; epochs
 /// in which an arrival then disagrees by more than `suspect_sigmas` are searched as any other. Marks all arrivals used.
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const std::vector<bool>& beacon_usable,
-                     double suspect_sigmas, int threads, std::vector<Trajectory>& trajectories);
+                     double suspect_sigmas, const Workers& workers, std::vector<Trajectory>& trajectories);
 
 }  // namespace octant::calib

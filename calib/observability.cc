@@ -220,9 +220,10 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information, const Eigen::M
 }
 
 Eigen::MatrixXd judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
-           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, int threads) {
-  const Information information = information_at(problem, layout, trajectories, x, {}, threads);
-  const Eigen::MatrixXd N = information.data + information.prior;
+           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, const Workers& workers,
+           const std::optional<Eigen::MatrixXd>& data_information) {
+  const Eigen::MatrixXd data = data_information ? *data_information : information_at(problem, layout, trajectories, x, {}, workers).data;
+  const Eigen::MatrixXd N = data + prior_information(problem, layout, x);
   const Eigen::MatrixXd datum = free_datum(problem, layout, solution.state, N);
   if (datum.cols() > 0) set_free_network(solution.datum);
   const Eigen::MatrixXd C = covariance_of(N, datum);
@@ -241,7 +242,7 @@ Eigen::MatrixXd judge(const Problem& problem, const ParameterLayout& layout, con
                                           {.limit_m = tolerance_m(problem), .typical_range_m = typical_range_m(problem)}))
     solution.weak.push_back(std::move(w));
   judge.verdict(strict);
-  return information.data;
+  return data;
 }
 
 }  // namespace octant::calib

@@ -26,7 +26,8 @@ namespace octant::calib {
 /// refuse (SolveStatus::kUndetermined) when half or more of the beacons asked for are, or when speed, a common delay or a
 /// receiver array are not known to that tolerance.
 [[nodiscard]] Eigen::MatrixXd judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
-           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, int threads = 1);
+           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, const Workers& workers = {},
+           const std::optional<Eigen::MatrixXd>& data_information = {});
 
 /// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or the speed itself, to a
 /// tenth. Empty if so, otherwise what is missing.

@@ -23,6 +23,6 @@ struct Problem {
 
 /// Checks the recordings against the site and builds the trajectories.
 /// Errors (kBadInput): no arrival at all; times of flight in the wrong unit (median distance beyond 20 times the site's extent).
-[[nodiscard]] Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs);
+[[nodiscard]] Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int threads = 1);
 
 }  // namespace octant::calib

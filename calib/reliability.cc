@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "calib/leverage.h"
+#include "calib/parallel.h"
 #include "calib/ranges.h"
 #include "calib/residual_groups.h"
 #include "calib/statistics.h"
@@ -65,8 +66,8 @@ std::optional<double> largest_of(const std::vector<double>& values) {
 class Collector {
  public:
   Collector(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories, const SharedState& state,
-            const Eigen::MatrixXd& C, double noise_factor, const Eigen::MatrixXd& information, std::size_t all_epochs)
-      : problem_(problem), layout_(layout), trajectories_(trajectories), state_(state), C_(C), information_(information), sweep_(layout, C),
+            const Eigen::MatrixXd& C, double noise_factor, const Eigen::MatrixXd& information, int threads, std::size_t all_epochs)
+      : threads_(threads), problem_(problem), layout_(layout), trajectories_(trajectories), state_(state), C_(C), information_(information), sweep_(layout, C),
         variance_scale_(noise_factor * noise_factor), beacons_(problem.site.beacons.size()) {
     std::size_t epochs = 0;
     for (const Trajectory& t : trajectories) {
@@ -76,13 +77,19 @@ class Collector {
   }
 
   Reliability run() {
-    for (const Trajectory& t : trajectories_)
-      sweep_.sweep(t, state_, t.segments.size() == t.nodes.size() ? out_.every : 1, [this](const RowLeverage& l) { observation(l); });
+    for (const Trajectory& t : trajectories_) {
+      if (out_.every > 1 && t.segments.size() == t.nodes.size()) {
+        sweep_spread_stops(t);
+      } else {
+        sweep_.sweep(t, state_, 0, t.segments.size(), 1, [&](const RowLeverage& l) { observation(t, seen_of(l)); });
+      }
+    }
     shared_observations();
     arrivals();
+    const double share = share_looked_at();
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
       const bool sampled = kind != kPrior && kind != kDistance;
-      out_.redundancy_sum += kinds_[kind].redundancy * (sampled ? share_looked_at() : 1.0);
+      out_.redundancy_sum += kinds_[kind].redundancy * (sampled ? share : 1.0);
       if (kinds_[kind].observations > 0) out_.kinds.push_back(kinds_[kind].component(kKindName[kind], kind == kTof ? variance_scale_ : 1.0));
     }
     for (std::size_t b = 0; b < beacons_.size(); ++b) beacon(b);
@@ -105,32 +112,52 @@ class Collector {
     std::vector<double> mdb_s, influence_m;
   };
 
-  void observation(const RowLeverage& l) {
-    const double r = 1.0 - l.leverage;
-    kinds_[kind_of(l.row.kind)].add(l.row.residual, r);
-    if (l.row.kind == RowKind::kTof) arrival(l, r);
+  /// Stops of a long log hang together by the shared parameters alone: stretches of them are swept side by side, and what they
+  /// gave is taken up in their order.
+  void sweep_spread_stops(const Trajectory& t) {
+    const std::size_t stretch = 256 * out_.every;
+    std::vector<std::vector<Seen>> seen(chunk_count(t.segments.size(), stretch));
+    for_each_chunk(t.segments.size(), stretch, threads_, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+      LeverageSweep sweep = sweep_;
+      sweep.sweep(t, state_, first, last, out_.every, [&](const RowLeverage& l) { seen[chunk].push_back(seen_of(l)); });
+    });
+    for (const auto& chunk : seen)
+      for (const Seen& s : chunk) observation(t, s);
   }
 
-  void arrival(const RowLeverage& l, double r) {
-    const Trajectory& t = l.trajectory;
-    const ArrivalObservation& a = t.arrivals[l.row.index];
+  /// What is needed of a row and its leverage.
+  struct Seen {
+    RowKind kind;
+    std::size_t index;
+    double residual, leverage, shift_m;
+  };
+  static Seen seen_of(const RowLeverage& l) { return {l.row.kind, l.row.index, l.row.residual, l.leverage, l.shift_m}; }
+
+  void observation(const Trajectory& t, const Seen& l) {
+    const double r = 1.0 - l.leverage;
+    kinds_[kind_of(l.kind)].add(l.residual, r);
+    if (l.kind == RowKind::kTof) arrival(t, l, r);
+  }
+
+  void arrival(const Trajectory& t, const Seen& l, double r) {
+    const ArrivalObservation& a = t.arrivals[l.index];
     const double speed = a.model_speed_mps + state_.speed_offset(t.run), range_per_s = a.two_way ? 0.5 * speed : speed;
     ArrivalReliability s;
     s.run = t.run;
     s.arrival = a.arrival;
     s.beacon = a.beacon;
     s.receiver = a.receiver;
-    s.residual_s = a.sigma_s * l.row.residual;
+    s.residual_s = a.sigma_s * l.residual;
     s.redundancy = r;
     s.controlled = r > kUncontrolled;
     if (s.controlled) {
-      s.w = l.row.residual / std::sqrt(r);
+      s.w = l.residual / std::sqrt(r);
       s.mdb_s = a.sigma_s * kDelta0 / std::sqrt(r);
       s.mdb_m = s.mdb_s * range_per_s;
       s.influence_m = l.shift_m * kDelta0 / std::sqrt(r);
     }
     OfBeacon& b = beacons_[a.beacon.index()];
-    b.part.add(l.row.residual, r);
+    b.part.add(l.residual, r);
     b.sum_s += s.residual_s;
     b.squares_s2 += s.residual_s * s.residual_s;
     b.uncontrolled += s.controlled ? 0 : 1;
@@ -251,11 +278,11 @@ class Collector {
     std::vector<std::size_t> used(out_.beacons.size(), 0);
     for (const Trajectory& t : trajectories_) {
       for (const ArrivalObservation& a : t.arrivals) {
-        BeaconReliability& b = out_.beacons[a.beacon.index()];
         if (a.rejection == Rejection::kUsed) {
           used[a.beacon.index()] += 1;
           continue;
         }
+        BeaconReliability& b = out_.beacons[a.beacon.index()];
         ++(a.rejection == Rejection::kLate ? b.late : a.rejection == Rejection::kEarly ? b.early : b.other);
       }
       for (const std::size_t i : t.stateless_arrivals) ++out_.beacons[problem_.runs[t.run].arrivals[i].beacon.index()].other;
@@ -269,6 +296,7 @@ class Collector {
     return names;
   }
 
+  int threads_;
   const Problem& problem_;
   const ParameterLayout& layout_;
   const std::vector<Trajectory>& trajectories_;
@@ -299,12 +327,12 @@ ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2) {
 
 Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
                            const SharedState& state, const JointCovariance& covariance, const std::vector<BeaconStatus>& beacon_status,
-                           double noise_factor, const Eigen::MatrixXd& information, std::size_t all_epochs) {
+                           double noise_factor, const Eigen::MatrixXd& information, int threads, std::size_t all_epochs) {
   if (covariance.matrix.rows() != layout.size() || !covariance.matrix.allFinite()) return {};
   Eigen::VectorXd per_si(layout.size());
   for (int i = 0; i < layout.size(); ++i) per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
   const Eigen::MatrixXd C = per_si.asDiagonal() * covariance.matrix * per_si.asDiagonal();
-  Reliability out = Collector(problem, layout, trajectories, state, C, noise_factor, information, all_epochs).run();
+  Reliability out = Collector(problem, layout, trajectories, state, C, noise_factor, information, threads, all_epochs).run();
   for (std::size_t b = 0; b < out.beacons.size() && b < beacon_status.size(); ++b) {
     if (beacon_status[b] != BeaconStatus::kCalibrated) continue;
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();

@@ -113,7 +113,7 @@ inline constexpr std::size_t kAllEpochs = 6000;
 [[nodiscard]] Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
                                          const SharedState& state, const JointCovariance& covariance,
                                          const std::vector<BeaconStatus>& beacon_status, double noise_factor,
-                                         const Eigen::MatrixXd& information, std::size_t all_epochs = kAllEpochs);
+                                         const Eigen::MatrixXd& information, int threads = 1, std::size_t all_epochs = kAllEpochs);
 
 /// 95 % regions of a position.
 [[nodiscard]] ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2);

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -73,7 +74,7 @@ class Calibrator {
   bool approach() {
     if (!report("initial values", 0.02)) return stop(interrupted());
     if (const auto missing = missing_scale(problem_)) return stop(refuse(*missing));
-    start_ = initial_values(problem_);
+    start_ = initial_values(problem_, options_.threads);
     take_start();
     if (!placed_any_) return stop(unplaced());
     if (!graduated() || !mend_labels() || !search_and_adjust()) return stop(interrupted());
@@ -84,7 +85,7 @@ class Calibrator {
   /// noise, and each state follows from them alone.
   bool approach_by_part() {
     if (!is_long(problem_)) return false;
-    const Result<Problem> part = part_of(problem_);
+    const Result<Problem> part = part_of(problem_, options_.threads);
     if (!part) return false;
     Calibrator of_part(*part, options_);
     if (!of_part.approach()) return false;
@@ -105,7 +106,7 @@ class Calibrator {
     }
     const SharedState state = layout_.state_of(x_);
     const double noise = std::max(1.0, agreeing_sigma(of_part.trajectories_, of_part.layout_.state_of(of_part.x_)));
-    place_all_stops(problem_, layout_, state, usable_, options_.rejection_sigmas * noise, options_.threads, trajectories_);
+    place_all_stops(problem_, layout_, state, usable_, options_.rejection_sigmas * noise, options_.workers(), trajectories_);
     start_headings_rad_ = epoch_headings_rad(trajectories_);
     return true;
   }
@@ -180,7 +181,7 @@ class Calibrator {
     AdjustOptions options;
     options.loss = {scale, scale};
     options.max_iterations = options_.max_iterations;
-    options.threads = options_.threads;
+    options.workers = options_.workers();
     options.function_tolerance = function_tolerance;
     options.on_iteration = [this](int iteration, double cost) {
       ++solution_.iterations;
@@ -238,7 +239,7 @@ class Calibrator {
   /// States that fell into a wrong place while the beacons were off, which they may still be by so many sigmas of an arrival.
   void place_again(double scale, double slack_sigmas) {
     const EpochFixModel model = search_model(problem_, layout_.state_of(x_), usable_);
-    for (Trajectory& t : trajectories_) place_states(t, model, slack_sigmas * sigma_m(), true, kSuspectSigmas + scale);
+    for (Trajectory& t : trajectories_) place_states(t, model, slack_sigmas * sigma_m(), true, kSuspectSigmas + scale, options_.threads);
     readmit_all(trajectories_, usable_);
   }
 
@@ -289,6 +290,7 @@ class Calibrator {
     for (int round = 0; round < kNoiseRounds; ++round) {
       if (!reject_and_adjust()) return false;
       const CalibrationStatistics s = statistics_of(problem_, layout_, trajectories_, layout_.state_of(x_), last_.cost, options_.threads);
+      statistics_ = s;
       // A prior that is contradicted is no noise of the arrivals: only what the recordings say counts.
       const double squares = 2 * (last_.cost - prior_cost(problem_, layout_, x_));
       if (!(s.redundancy >= 30) || !(squares > 0) || chi_square_p(squares, s.redundancy) > 0.01) break;
@@ -301,6 +303,8 @@ class Calibrator {
 
   void scale_noise(double factor) {
     noise_factor_ *= factor;
+    last_.data_information.reset();
+    statistics_.reset();
     for (Trajectory& t : trajectories_)
       for (ArrivalObservation& a : t.arrivals) a.sigma_s = problem_.site.noise.tof_sigma_s * noise_factor_;
   }
@@ -310,6 +314,7 @@ class Calibrator {
       if (!report("adjustment of the arrivals that agree", std::min(0.9, 0.7 + 0.03 * round))) return false;
       const std::size_t changed = mark_rejected(trajectories_, layout_.state_of(x_), options_.rejection_sigmas, options_.threads);
       if (round > 0 && changed == 0) break;
+      last_.data_information.reset();
       if (!adjust_with(0.0, 1e-12)) return false;
     }
     return true;
@@ -320,7 +325,7 @@ class Calibrator {
     solution_.state = layout_.state_of(x_);
     solution_.final_cost = last_.cost;
     solution_.tof_sigma_s = problem_.site.noise.tof_sigma_s * noise_factor_;
-    solution_.statistics = statistics_of(problem_, layout_, trajectories_, solution_.state, last_.cost, options_.threads);
+    solution_.statistics = statistics_ ? *statistics_ : statistics_of(problem_, layout_, trajectories_, solution_.state, last_.cost, options_.threads);
     solution_.statistics.converged = last_.converged;
     // The factor is told against what the site file states, not against the noise as found.
     solution_.statistics.variance_factor *= noise_factor_ * noise_factor_;
@@ -330,9 +335,10 @@ class Calibrator {
     solution_.message = last_.converged ? "converged" : "the adjustment did not converge: " + last_.message;
     solution_.datum = datum_of(problem_);
     // What the data do not determine is often what keeps the iteration from settling, and then that is the finding.
-    const Eigen::MatrixXd information = judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_, options_.threads);
+    const Eigen::MatrixXd information = judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_, options_.workers(),
+                                              last_.data_information);
     solution_.reliability = reliability_of(problem_, layout_, trajectories_, solution_.state, solution_.covariance, solution_.beacon_status, noise_factor_,
-                                           information);
+                                           information, options_.threads);
     collect_left_out();
     noise_warning();
     for (std::string& warning : report_flips(problem_, trajectories_, start_headings_rad_)) solution_.warnings.push_back(std::move(warning));
@@ -355,7 +361,7 @@ class Calibrator {
           "residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled to the residuals, but errors that stay the "
           "same at a place or a pair are not noise and make the beacons worse than their sigmas say",
           noise_factor_, s.variance_factor));
-    const Whiteness w = whiteness_of(trajectories_, solution_.state);
+    const Whiteness w = whiteness_of(trajectories_, solution_.state, options_.threads);
     if (!w.white)
       solution_.warnings.push_back(fmt::format(
           "residuals are no white noise: those of a beacon-receiver pair keep a common part (variance of pair means {:.3g} times that of noise, "
@@ -392,6 +398,7 @@ class Calibrator {
   Eigen::VectorXd x_;
   AdjustResult last_;
   Solution solution_;
+  std::optional<CalibrationStatistics> statistics_;  ///< at the last states and marks
   double noise_factor_ = 1.0;
   bool placed_any_ = false;
   std::string stage_;

@@ -3,12 +3,14 @@
 #include "calib/start.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "calib/cold_start.h"
 #include "calib/gates.h"
+#include "calib/parallel.h"
 #include "calib/ranges.h"
 #include "calib/trilaterate.h"
 #include "models/linearise.h"
@@ -43,7 +45,7 @@ TrilaterationOptions trilateration_options(const Problem& problem, const SharedS
 
 class Starter {
  public:
-  explicit Starter(const Problem& problem) : problem_(problem), site_(problem.site) {
+  Starter(const Problem& problem, int threads) : threads_(threads), problem_(problem), site_(problem.site) {
     start_.state = prior_state(site_);
     start_.trajectories = problem.trajectories;
     start_.beacon_found.assign(site_.beacons.size(), false);
@@ -122,7 +124,7 @@ class Starter {
     const EpochFixModel model = search_model(problem_, start_.state, start_.beacon_found);
     std::size_t placed = 0;
     if (std::count(start_.beacon_found.begin(), start_.beacon_found.end(), true) < 2) return 0;
-    for (Trajectory& t : start_.trajectories) placed += place_states(t, model, start_.slack_m, false);
+    for (Trajectory& t : start_.trajectories) placed += place_states(t, model, start_.slack_m, false, 0.0, threads_);
     return placed;
   }
 
@@ -148,6 +150,7 @@ class Starter {
     return true;
   }
 
+  int threads_;
   const Problem& problem_;
   const Site& site_;
   Start start_;
@@ -181,7 +184,7 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
 
 }  // namespace
 
-Start initial_values(const Problem& problem) { return Starter(problem).run(); }
+Start initial_values(const Problem& problem, int threads) { return Starter(problem, threads).run(); }
 
 bool has_mirror_image(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories, std::size_t beacon,
                       double scale_m) {
@@ -225,7 +228,7 @@ HeldHeadings::~HeldHeadings() {
   }
 }
 
-std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again, double suspect_sigmas) {
+std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again, double suspect_sigmas, int threads) {
   std::size_t placed = 0;
   if (t.moving && (!t.odometry.empty() || t.motion_prior)) {
     const bool all = std::all_of(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; });
@@ -239,11 +242,19 @@ std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack
   EpochFixOptions options;
   options.range_slack_m = slack_m;
   options.max_sigma_m = INFINITY;
-  for (const Segment& segment : t.segments)
-    for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
-      const Segment epoch = node_segment(t, segment, node);  // epochs chained by odometry are searched one by one
-      placed += place_epoch(t, epoch, model, options, again && suspicious(t, epoch, model.state, suspect_sigmas));
-    }
+  constexpr std::size_t kSegmentsAtOnce = 16;
+  std::atomic<std::size_t> epochs{0};
+  for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+    std::size_t here = 0;
+    for (std::size_t s = first; s < last; ++s)
+      for (std::size_t node = t.segments[s].first_node; node < t.segments[s].last_node; ++node) {
+        if (t.nodes[node].placed && !again) continue;
+        const Segment epoch = node_segment(t, t.segments[s], node);  // epochs chained by odometry are searched one by one
+        here += place_epoch(t, epoch, model, options, again && suspicious(t, epoch, model.state, suspect_sigmas));
+      }
+    epochs += here;
+  });
+  placed += epochs;
   // What the search could not place, odometry reaches from a neighbour.
   for (const OdometryObservation& o : t.odometry)
     if (t.nodes[o.node].placed && !t.nodes[o.node + 1].placed) {

@@ -23,7 +23,7 @@ struct Start {
 
 /// Initial values from what the site and the runs offer, nearest first: approximate beacons, measured poses (beacons by
 /// trilateration), then in turn vehicle states from the beacons found so far and beacons from the states found so far.
-[[nodiscard]] Start initial_values(const Problem& problem);
+[[nodiscard]] Start initial_values(const Problem& problem, int threads = 1);
 
 /// Whether a second place explains the ranges of a beacon from the states at hand as well, to scale_m.
 [[nodiscard]] bool has_mirror_image(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories, std::size_t beacon,
@@ -52,6 +52,7 @@ class HeldHeadings {
 
 /// Places the states of a trajectory that have no initial value; with `again` also those of epochs in which an arrival is off by
 /// more than `suspect_sigmas`. States with a measured pose are left. Returns how many segments were placed anew.
-std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double slack_m, bool again, double suspect_sigmas = 0.0);
+std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double slack_m, bool again, double suspect_sigmas = 0.0,
+                         int threads = 1);
 
 }  // namespace octant::calib

@@ -185,7 +185,7 @@ double StopBlock::settle_all(const StopTables& tables, const SharedState& state,
         continue;
       }
       const Epoch& epoch = epochs_[p * kLanes + lane];
-      cost += settle(*trajectory_, trajectory_->segments[epoch.segment], state, loss).cost;
+      cost += octant::settle(*trajectory_, trajectory_->segments[epoch.segment], state, loss).cost;
       const Node& node = trajectory_->nodes[epoch.node];
       auto& v = states_[p].value;
       v[0][lane] = node.T_map_vehicle.translation_m.x();
@@ -197,25 +197,31 @@ double StopBlock::settle_all(const StopTables& tables, const SharedState& state,
   return cost;
 }
 
-void StopBlock::add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& local_of,
+void StopBlock::add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place,
                           ReducedSystem& system) {
   const StopLayout local{group.beacons.size(), receivers_};
   const std::size_t stride = local.stride();
-  thread_local std::vector<double> H, gradient, scratch;
+  constexpr std::size_t kRowsAtOnce = 48;  ///< together with H's block they stay in the first cache
+  thread_local std::vector<double> H, gradient, rows;
   H.assign(stride * stride, 0.0);
   gradient.assign(stride, 0.0);
-  scratch.resize(8 * stride);
+  rows.resize((kRowsAtOnce + 4) * stride);
+  std::size_t waiting = 0;
   for (std::size_t e = group.first; e < group.last; ++e) {
     const std::size_t p = e / kLanes, lane = e % kLanes, first = pack_first_[p] * kLanes;
     const StopLanes lanes = lanes_of(p);
     const auto& v = states_[p].value;
     const StopEpoch epoch{&lanes, lane, local_beacon_.data() + first, local_receiver_.data() + first, v[0][lane], v[1][lane], v[2][lane], v[3][lane]};
-    reduce_stop(tables, epoch, local, kUnobservedFloor, H.data(), gradient.data(), scratch.data());
+    waiting += static_cast<std::size_t>(reduce_stop(tables, epoch, local, kUnobservedFloor, H.data(), gradient.data(), rows.data() + waiting * stride));
+    if (waiting < kRowsAtOnce) continue;
+    take_away(rows.data(), waiting, stride, H.data());
+    waiting = 0;
   }
+  take_away(rows.data(), waiting, stride, H.data());
   // Where each local column goes: nowhere if it is held, to several places if they share it.
   std::vector<std::vector<Target>> targets(local.speed() + 1);
   const auto aim = [&](std::size_t column, int parameter, double factor) {
-    const int at = parameter < 0 ? -1 : local_of[static_cast<std::size_t>(parameter)];
+    const int at = parameter < 0 ? -1 : place[static_cast<std::size_t>(parameter)];
     if (at >= 0) targets[column].push_back({at, factor * layout_->parameters[static_cast<std::size_t>(parameter)].si_per_unit});
   };
   for (std::size_t i = 0; i < group.beacons.size(); ++i) {
@@ -251,12 +257,16 @@ void StopBlock::add_group(const Group& group, const StopTables& tables, const Sh
     }
 }
 
-double StopBlock::evaluate(const SharedState& state, const RobustLoss& loss, const std::vector<int>& local_of, ReducedSystem* system) {
+double StopBlock::settle(const SharedState& state, const RobustLoss& loss) { return settle_all(tables_at(state, loss), state, loss); }
+
+void StopBlock::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system) {
   const StopTables tables = tables_at(state, loss);
-  const double cost = settle_all(tables, state, loss);
-  if (system != nullptr)
-    for (const Group& group : groups_) add_group(group, tables, state, local_of, *system);
-  return cost;
+  for (const Group& group : groups_) add_group(group, tables, state, place, system);
+}
+
+void StopBlock::rewind() {
+  states_ = committed_;
+  for (std::size_t p = 0; p < states_.size(); ++p) write_back(p);
 }
 
 }  // namespace octant::calib

@@ -30,10 +30,13 @@ class StopBlock {
   /// @param trajectory  not owned; the nodes of the segments are written
   StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout);
 
-  /// Settles the epochs from where they were committed and returns their cost; with `system`, adds their reduced system to
-  /// the lower triangle, `local_of` telling where each column of the layout stands in it (-1: nowhere).
-  double evaluate(const SharedState& state, const RobustLoss& loss, const std::vector<int>& local_of, ReducedSystem* system);
+  /// Settles the epochs from where they were committed and returns their cost.
+  double settle(const SharedState& state, const RobustLoss& loss);
+  /// Adds the reduced system at the states of the last `settle` to the gradient and the lower triangle; `place` tells where
+  /// each column of the layout stands in it (-1: nowhere).
+  void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
   void commit() { committed_ = states_; }
+  void rewind();
 
  private:
   struct Epoch {
@@ -55,7 +58,7 @@ class StopBlock {
   [[nodiscard]] StopLanes lanes_of(std::size_t pack) const;
   double settle_all(const StopTables& tables, const SharedState& state, const RobustLoss& loss);
   void write_back(std::size_t pack);
-  void add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& local_of, ReducedSystem& system);
+  void add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place, ReducedSystem& system);
 
   Trajectory* trajectory_;
   const ParameterLayout* layout_;

@@ -208,16 +208,16 @@ HWY_INLINE void add_multiple(double factor, const double* other, std::size_t cou
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) hn::StoreU(hn::MulAdd(f, hn::LoadU(d, other + i), hn::LoadU(d, row + i)), d, row + i);
 }
 
-void reduce_stop_in_lanes(const StopTables& tables, const StopEpoch& epoch, const StopLayout& layout, double unobserved, double* H, double* gradient,
-                double* scratch) {
+int reduce_stop_in_lanes(const StopTables& tables, const StopEpoch& epoch, const StopLayout& layout, double unobserved, double* H, double* gradient,
+                         double* rows) {
   using D4 = hn::CappedTag<double, 4>;
   const D4 d4;
   const std::size_t width = hn::Lanes(d4), stride = layout.stride(), speed_column = layout.speed();
   const std::size_t receivers_at = 4 * layout.beacons;
   const int n = tables.has_offset ? 4 : 3;
   double* G[4];
-  for (int p = 0; p < 4; ++p) G[p] = scratch + static_cast<std::size_t>(p) * stride;
-  std::fill(scratch, scratch + static_cast<std::size_t>(n) * stride, 0.0);
+  for (int p = 0; p < 4; ++p) G[p] = rows + static_cast<std::size_t>(p < n ? p : 0) * stride;
+  std::fill(rows, rows + static_cast<std::size_t>(n) * stride, 0.0);
   double A[4][4] = {}, g[4] = {};
   const double sine = std::sin(epoch.heading_rad), cosine = std::cos(epoch.heading_rad), k = 1.0 / tables.sigma_s;
   const double offset_s = tables.has_offset ? epoch.offset_m / tables.nominal_speed_mps : 0.0;
@@ -295,19 +295,37 @@ void reduce_stop_in_lanes(const StopTables& tables, const StopEpoch& epoch, cons
     }
   }
   for (int p = 0; p < n; ++p) add_multiple(-y[p], G[p], stride, gradient);
-  // H -= Y'Y, upper right from the diagonal's eight on.
+  return n;
+}
+
+/// Rows [row, row + 4) of H, columns [at, at + vectors of kWide lanes).
+template <std::size_t kWide>
+HWY_INLINE void take_away_block(const double* Y, std::size_t count, std::size_t stride, std::size_t row, std::size_t at, double* H) {
   const D d;
-  for (std::size_t row = 0; row <= speed_column; ++row) {
-    double* h = H + row * stride;
-    const V y0 = hn::Set(d, G[0][row]), y1 = hn::Set(d, G[1][row]), y2 = hn::Set(d, G[2][row]);
-    const V y3 = hn::Set(d, n == 4 ? G[3][row] : 0.0);
-    for (std::size_t i = row / kLanes * kLanes; i < stride; i += hn::Lanes(d)) {
-      V v = hn::NegMulAdd(y0, hn::LoadU(d, G[0] + i), hn::LoadU(d, h + i));
-      v = hn::NegMulAdd(y1, hn::LoadU(d, G[1] + i), v);
-      v = hn::NegMulAdd(y2, hn::LoadU(d, G[2] + i), v);
-      if (n == 4) v = hn::NegMulAdd(y3, hn::LoadU(d, G[3] + i), v);
-      hn::StoreU(v, d, h + i);
+  const std::size_t lanes = hn::Lanes(d);
+  V sum[4][kWide];
+  for (std::size_t r = 0; r < 4; ++r)
+    for (std::size_t v = 0; v < kWide; ++v) sum[r][v] = hn::LoadU(d, H + (row + r) * stride + at + v * lanes);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double* y = Y + k * stride;
+    V other[kWide];
+    for (std::size_t v = 0; v < kWide; ++v) other[v] = hn::LoadU(d, y + at + v * lanes);
+    for (std::size_t r = 0; r < 4; ++r) {
+      const V factor = hn::Set(d, y[row + r]);
+      for (std::size_t v = 0; v < kWide; ++v) sum[r][v] = hn::NegMulAdd(factor, other[v], sum[r][v]);
     }
+  }
+  for (std::size_t r = 0; r < 4; ++r)
+    for (std::size_t v = 0; v < kWide; ++v) hn::StoreU(sum[r][v], d, H + (row + r) * stride + at + v * lanes);
+}
+
+void take_away_in_lanes(const double* Y, std::size_t count, std::size_t stride, double* H) {
+  const D d;
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t row = 0; row < stride; row += 4) {
+    std::size_t at = row / kLanes * kLanes;
+    for (; at + 2 * lanes <= stride; at += 2 * lanes) take_away_block<2>(Y, count, stride, row, at, H);
+    for (; at < stride; at += lanes) take_away_block<1>(Y, count, stride, row, at, H);
   }
 }
 
@@ -322,15 +340,20 @@ namespace octant::calib {
 
 HWY_EXPORT(settle_stops_in_lanes);
 HWY_EXPORT(reduce_stop_in_lanes);
+HWY_EXPORT(take_away_in_lanes);
 HWY_EXPORT(target_name);
 
 void settle_stops(const StopTables& tables, const StopLanes& lanes, StopStates& states, StopOutcome& outcome) {
   HWY_DYNAMIC_DISPATCH(settle_stops_in_lanes)(tables, lanes, states, outcome);
 }
 
-void reduce_stop(const StopTables& tables, const StopEpoch& epoch, const StopLayout& layout, double unobserved, double* H, double* gradient,
-                 double* scratch) {
-  HWY_DYNAMIC_DISPATCH(reduce_stop_in_lanes)(tables, epoch, layout, unobserved, H, gradient, scratch);
+int reduce_stop(const StopTables& tables, const StopEpoch& epoch, const StopLayout& layout, double unobserved, double* H, double* gradient,
+                double* rows) {
+  return HWY_DYNAMIC_DISPATCH(reduce_stop_in_lanes)(tables, epoch, layout, unobserved, H, gradient, rows);
+}
+
+void take_away(const double* Y, std::size_t count, std::size_t stride, double* H) {
+  HWY_DYNAMIC_DISPATCH(take_away_in_lanes)(Y, count, stride, H);
 }
 
 const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }

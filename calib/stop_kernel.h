@@ -62,10 +62,14 @@ struct StopLayout {
   [[nodiscard]] std::size_t stride() const { return (speed() + 1 + 7) / 8 * 8; }
 };
 
-/// Adds an epoch to the reduced system of its group: H (stride x stride, rows of upper right parts from the diagonal's eight
-/// on) and the gradient (stride). `scratch` has room for 8 x stride doubles.
-void reduce_stop(const StopTables& tables, const StopEpoch& epoch, const StopLayout& layout, double unobserved, double* H,
-                 double* gradient, double* scratch);
+/// Adds an epoch to the reduced system of its group but for what its state takes away: H (stride x stride, rows of upper right
+/// parts from the diagonal's eight on) and the gradient (stride), which is complete. Of H the rows Y are left to be taken away
+/// as Y'Y, some epochs together: `rows` gets three of them (four with a cycle offset), stride doubles each; returns how many.
+int reduce_stop(const StopTables& tables, const StopEpoch& epoch, const StopLayout& layout, double unobserved, double* H,
+                double* gradient, double* rows);
+
+/// H -= Y'Y, the upper right part from the diagonal's eight on; Y has `count` rows of `stride` doubles.
+void take_away(const double* Y, std::size_t count, std::size_t stride, double* H);
 
 /// Name of the vector instructions in use, chosen when the program runs.
 const char* stop_kernel_target();

@@ -35,6 +35,7 @@ class Thinner {
  private:
   void make_groups() {
     std::map<std::pair<VehicleId, std::int64_t>, std::size_t> of_key;
+    auto latest = of_key.end();  // rows of a group mostly follow each other
     const double begin_s = run_.arrivals.empty() ? 0.0 : run_.arrivals.front().time_s;
     double last_time_s = NAN;
     std::int64_t instant = 0;
@@ -46,9 +47,12 @@ class Thinner {
         last_time_s = time_s;
         key = instant;
       }
-      const auto [it, added] = of_key.try_emplace({vehicle, key}, groups_.size());
-      if (added) groups_.emplace_back();
-      Group& g = groups_[it->second];
+      if (latest == of_key.end() || latest->first != std::pair{vehicle, key}) {
+        const std::size_t before = of_key.size();
+        latest = of_key.try_emplace(of_key.end(), {vehicle, key}, groups_.size());
+        if (of_key.size() > before) groups_.emplace_back();
+      }
+      Group& g = groups_[latest->second];
       g.first_s = std::min(g.first_s, time_s);
       g.last_s = std::max(g.last_s, time_s);
       return g;
@@ -79,6 +83,7 @@ class Thinner {
   /// A long stand: one epoch with more of the same than anybody needs.
   [[nodiscard]] bool crowded() const {
     return std::any_of(groups_.begin(), groups_.end(), [this](const Group& g) {
+      if (g.arrivals.size() <= options_.per_pair) return false;
       std::map<std::uint64_t, std::size_t> count;
       return std::any_of(g.arrivals.begin(), g.arrivals.end(),
                          [&](std::size_t a) { return ++count[pair_of(run_.arrivals[a])] > options_.per_pair; });
@@ -102,14 +107,13 @@ class Thinner {
     std::vector<std::size_t> kept(beacons_, 0);
     std::vector<std::vector<std::size_t>> more(beacons_);  // groups left out so far, by beacon
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      std::map<std::size_t, std::size_t> in;
-      for (const std::size_t a : groups_[g].arrivals) ++in[run_.arrivals[a].beacon.index()];
+      const auto heard = [&](std::size_t beacon) {
+        if (chosen_[g]) ++kept[beacon];
+        else if (more[beacon].empty() || more[beacon].back() != g) more[beacon].push_back(g);
+      };
+      for (const std::size_t a : groups_[g].arrivals) heard(run_.arrivals[a].beacon.index());
       for (const std::size_t b : groups_[g].bearings)
-        if (run_.bearings[b].reflector.valid()) ++in[run_.bearings[b].reflector.index()];
-      for (const auto& [beacon, count] : in) {
-        if (chosen_[g]) kept[beacon] += count;
-        else more[beacon].push_back(g);
-      }
+        if (run_.bearings[b].reflector.valid()) heard(run_.bearings[b].reflector.index());
     }
     for (std::size_t b = 0; b < beacons_; ++b) {
       // Evenly again: every 2nd, 4th, ... of what is left, halves first.
@@ -124,10 +128,27 @@ class Thinner {
     }
   }
 
+  /// A copy without the lists that are long.
+  [[nodiscard]] MeasurementLog all_but_the_rows() const {
+    MeasurementLog few;
+    few.path = run_.path;
+    if (!drive_) few.odometry = run_.odometry;
+    few.vehicle = run_.vehicle;
+    few.temperature_degC = run_.temperature_degC;
+    few.relative_humidity = run_.relative_humidity;
+    few.pressure_pa = run_.pressure_pa;
+    few.pose_accuracy = run_.pose_accuracy;
+    few.truth_accuracy = run_.truth_accuracy;
+    few.odometry_accuracy = run_.odometry_accuracy;
+    few.has_epochs = run_.has_epochs;
+    few.rows = run_.rows;
+    few.rejected = run_.rejected;
+    few.warnings = run_.warnings;
+    return few;
+  }
+
   MeasurementLog assemble() const {
-    MeasurementLog few = run_;
-    few.arrivals.clear();
-    few.bearings.clear();
+    MeasurementLog few = all_but_the_rows();
     std::vector<std::size_t> arrivals, bearings;
     std::vector<std::pair<double, double>> spans;
     for (std::size_t g = 0; g < groups_.size(); ++g) {

@@ -3,7 +3,10 @@
 #include "calib/tile.h"
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -14,42 +17,63 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kNodesPerTile = 2048;
+constexpr std::size_t kNodesPerTile = 512;
 
 }  // namespace
 
-Tile::Tile(Trajectory* trajectory, std::size_t first_segment, std::size_t last_segment, const ParameterLayout* layout)
-    : trajectory_(trajectory), first_segment_(first_segment), last_segment_(last_segment), layout_(layout) {
-  const Segment& first = trajectory->segments[first_segment];
-  const Segment& last = trajectory->segments[last_segment - 1];
-  std::vector<bool> touched(static_cast<std::size_t>(layout->size()), false);
+Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> segments, const ParameterLayout* layout)
+    : trajectory_(trajectory), segments_(std::move(segments)), layout_(layout) {
+  find_columns();
+  std::vector<std::size_t> stops;
+  const bool known = StopBlock::knows(*trajectory, *layout);
+  for (const std::size_t s : segments_) (known && StopBlock::takes(*trajectory, trajectory->segments[s]) ? stops : general_).push_back(s);
+  if (!stops.empty()) stops_ = std::make_unique<StopBlock>(trajectory, stops, layout);
+  commit();
+}
+
+void Tile::find_columns() {
+  const ParameterLayout& layout = *layout_;
+  const Trajectory& t = *trajectory_;
+  std::vector<char> touched(static_cast<std::size_t>(layout.size()), 0), beacon(layout.beacon.size(), 0), receiver(layout.receiver.size(), 0);
   const auto touch = [&](int column) {
-    if (column >= 0) touched[static_cast<std::size_t>(column)] = true;
+    if (column >= 0) touched[static_cast<std::size_t>(column)] = 1;
   };
-  for (std::size_t i = first.first_arrival; i < last.last_arrival; ++i) {
-    const ArrivalObservation& a = trajectory->arrivals[i];
-    for (const int c : layout->beacon[a.beacon.index()]) touch(c);
-    for (const int c : layout->receiver[a.receiver.index()]) touch(c);
-    touch(layout->beacon_delay[a.beacon.index()]);
-    touch(layout->receiver_delay[a.receiver.index()]);
-    if (!layout->pair_bias.empty()) touch(layout->pair_bias[a.beacon.index() * layout->receiver.size() + a.receiver.index()]);
+  bool arrivals = false;
+  for (const std::size_t s : segments_) {
+    const Segment& segment = t.segments[s];
+    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+      const ArrivalObservation& a = t.arrivals[i];
+      beacon[a.beacon.index()] = receiver[a.receiver.index()] = 1;
+      arrivals = true;
+      if (!layout.pair_bias.empty()) touch(layout.pair_bias[a.beacon.index() * layout.receiver.size() + a.receiver.index()]);
+    }
+    for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
+      if (t.bearings[i].reflector.valid())
+        for (const int c : layout.beacon[t.bearings[i].reflector.index()]) touch(c);
   }
-  for (std::size_t i = first.first_bearing; i < last.last_bearing; ++i)
-    if (trajectory->bearings[i].reflector.valid())
-      for (const int c : layout->beacon[trajectory->bearings[i].reflector.index()]) touch(c);
-  if (first.first_arrival < last.last_arrival) {
-    touch(layout->clock_drift[trajectory->vehicle.index()]);
-    for (const int c : layout->array[trajectory->vehicle.index()]) touch(c);
+  for (std::size_t b = 0; b < beacon.size(); ++b) {
+    if (beacon[b] == 0) continue;
+    for (const int c : layout.beacon[b]) touch(c);
+    touch(layout.beacon_delay[b]);
   }
-  touch(layout->site_delay);
-  touch(layout->speed_column(trajectory->run));
-  for (const int c : layout->attenuation) touch(c);
+  for (std::size_t r = 0; r < receiver.size(); ++r) {
+    if (receiver[r] == 0) continue;
+    for (const int c : layout.receiver[r]) touch(c);
+    touch(layout.receiver_delay[r]);
+  }
+  if (arrivals) {
+    touch(layout.clock_drift[t.vehicle.index()]);
+    for (const int c : layout.array[t.vehicle.index()]) touch(c);
+  }
+  touch(layout.site_delay);
+  touch(layout.speed_column(t.run));
+  for (const int c : layout.attenuation) touch(c);
 
   local_of_.assign(touched.size(), -1);
-  for (std::size_t k = 0; k < layout->blocks.size(); ++k) {
-    const ParameterBlock& block = layout->blocks[k];
+  for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
+    const ParameterBlock& block = layout.blocks[k];
     bool any = false;
-    for (int c = block.first; c < block.first + block.size; ++c) any = any || touched[static_cast<std::size_t>(c)];
+    for (int c = block.first; c < block.first + block.size; ++c) any = any || touched[static_cast<std::size_t>(c)] != 0;
     if (!any) continue;
     blocks_.push_back(static_cast<int>(k));
     for (int c = block.first; c < block.first + block.size; ++c) {
@@ -57,51 +81,62 @@ Tile::Tile(Trajectory* trajectory, std::size_t first_segment, std::size_t last_s
       columns_.push_back(c);
     }
   }
-  std::vector<std::size_t> stops;
-  const bool known = StopBlock::knows(*trajectory, *layout);
-  for (std::size_t s = first_segment; s < last_segment; ++s)
-    (known && StopBlock::takes(*trajectory, trajectory->segments[s]) ? stops : general_).push_back(s);
-  if (!stops.empty()) stops_ = std::make_unique<StopBlock>(trajectory, stops, layout);
-  commit();
 }
 
 void Tile::commit() {
   if (stops_) stops_->commit();
-  if (general_.empty()) return;
-  const auto begin = trajectory_->nodes.begin();
-  committed_.assign(begin + static_cast<std::ptrdiff_t>(trajectory_->segments[first_segment_].first_node),
-                    begin + static_cast<std::ptrdiff_t>(trajectory_->segments[last_segment_ - 1].last_node));
-}
-
-void Tile::restore() {
-  if (general_.empty()) return;  // the stops begin from their own
-  std::copy(committed_.begin(), committed_.end(),
-            trajectory_->nodes.begin() + static_cast<std::ptrdiff_t>(trajectory_->segments[first_segment_].first_node));
-}
-
-double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system) {
-  restore();
-  double cost = 0.0;
-  if (system != nullptr) {
-    const auto n = static_cast<Eigen::Index>(columns_.size());
-    system->H.setZero(n, n);
-    system->gradient.setZero(n);
+  committed_.clear();
+  for (const std::size_t s : general_) {
+    const Segment& segment = trajectory_->segments[s];
+    const auto begin = trajectory_->nodes.begin();
+    committed_.insert(committed_.end(), begin + static_cast<std::ptrdiff_t>(segment.first_node), begin + static_cast<std::ptrdiff_t>(segment.last_node));
   }
-  if (stops_) cost += stops_->evaluate(state, loss, local_of_, system);
+}
+
+void Tile::rewind() {
+  if (stops_) stops_->rewind();
+  auto from = committed_.begin();
+  for (const std::size_t s : general_) {
+    const Segment& segment = trajectory_->segments[s];
+    const auto count = static_cast<std::ptrdiff_t>(segment.last_node - segment.first_node);
+    std::copy(from, from + count, trajectory_->nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node));
+    from += count;
+  }
+}
+
+double Tile::settle(const SharedState& state, const RobustLoss& loss) {
+  rewind();
+  double cost = stops_ ? stops_->settle(state, loss) : 0.0;
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
     if (!trajectory_->nodes[segment.first_node].placed) continue;  // a segment that no start could place says nothing
-    cost += settle(*trajectory_, segment, state, loss).cost;
-    if (system != nullptr) reduce_segment(segment, state, loss, *system);
-  }
-  if (system != nullptr) {
-    system->cost = cost;
-    system->H = system->H.selfadjointView<Eigen::Lower>();
+    cost += octant::settle(*trajectory_, segment, state, loss).cost;
   }
   return cost;
 }
 
-void Tile::reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, ReducedSystem& system) {
+void Tile::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system) {
+  if (stops_) stops_->reduce(state, loss, place, system);
+  for (const std::size_t s : general_) {
+    const Segment& segment = trajectory_->segments[s];
+    if (trajectory_->nodes[segment.first_node].placed) reduce_segment(segment, state, loss, place, system);
+  }
+}
+
+double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system) {
+  const double cost = settle(state, loss);
+  if (system == nullptr) return cost;
+  const auto n = static_cast<Eigen::Index>(columns_.size());
+  system->cost = cost;
+  system->H.setZero(n, n);
+  system->gradient.setZero(n);
+  reduce(state, loss, local_of_, *system);
+  system->H = system->H.selfadjointView<Eigen::Lower>();
+  return cost;
+}
+
+void Tile::reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
+                          ReducedSystem& system) {
   const Trajectory& t = *trajectory_;
   const auto n = t.block_size();
   const std::size_t count = segment.last_node - segment.first_node;
@@ -138,7 +173,7 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
     double rho = 0.0, w = 1.0;
     if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
     RowEntries e = row_entries(row, t.run, *layout_, state);
-    for (int i = 0; i < e.count; ++i) e.column[static_cast<std::size_t>(i)] = local_of_[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
+    for (int i = 0; i < e.count; ++i) e.column[static_cast<std::size_t>(i)] = place[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
     for (int i = 0; i < e.count; ++i) {
       const double wi = w * e.value[static_cast<std::size_t>(i)];
       const int ci = e.column[static_cast<std::size_t>(i)];
@@ -160,7 +195,7 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
   });
 
   // Eliminate front to back: what a state passes on to the next one touches all the columns seen so far.
-  if (slot.size() < columns_.size()) slot.assign(columns_.size(), -1);
+  if (slot.size() < static_cast<std::size_t>(system.H.cols())) slot.assign(static_cast<std::size_t>(system.H.cols()), -1);
   Eigen::LLT<NodeBlock> factor;
   for (std::size_t k = 0; k < count; ++k) {
     NodeSystem& node = nodes[k];
@@ -210,23 +245,54 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
   }
 }
 
-std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads) {
-  struct Range {
-    Trajectory* trajectory;
-    std::size_t first, last;
+namespace {
+
+/// Segments of a trajectory in the order in which tiles take them: stops that hear the same beacons together. What they have in
+/// common is then summed up before it goes anywhere, and at a site of very many beacons a tile touches few of them.
+std::vector<std::size_t> tile_order(const Trajectory& t) {
+  std::vector<std::size_t> order(t.segments.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (t.moving || t.nodes.size() <= kNodesPerTile) return order;
+  struct Heard {
+    std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
+    std::uint64_t all = 0;  ///< a bit a beacon, several beacons sharing one where there are more
   };
-  std::vector<Range> ranges;
-  for (Trajectory& t : trajectories) {
-    std::size_t first = 0;
-    for (std::size_t s = 0; s < t.segments.size(); ++s) {
-      const std::size_t nodes = t.segments[s].last_node - t.segments[first].first_node;
-      if (nodes < kNodesPerTile && s + 1 < t.segments.size()) continue;
-      ranges.push_back({&t, first, s + 1});
-      first = s + 1;
+  std::vector<Heard> heard(t.segments.size());
+  for (std::size_t s = 0; s < heard.size(); ++s)
+    for (std::size_t i = t.segments[s].first_arrival; i < t.segments[s].last_arrival; ++i) {
+      const std::int32_t beacon = t.arrivals[i].beacon.value;
+      heard[s].lowest = std::min(heard[s].lowest, beacon);
+      heard[s].all |= std::uint64_t{1} << (static_cast<std::uint32_t>(beacon) % 64U);
     }
+  std::sort(order.begin(), order.end(), [&heard](std::size_t a, std::size_t b) {
+    if (heard[a].lowest != heard[b].lowest) return heard[a].lowest < heard[b].lowest;
+    return heard[a].all != heard[b].all ? heard[a].all < heard[b].all : a < b;
+  });
+  return order;
+}
+
+}  // namespace
+
+std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads) {
+  struct Part {
+    Trajectory* trajectory;
+    std::vector<std::size_t> segments;
+  };
+  std::vector<Part> parts;
+  for (Trajectory& t : trajectories) {
+    std::size_t nodes = 0;
+    Part part{&t, {}};
+    for (const std::size_t s : tile_order(t)) {
+      part.segments.push_back(s);
+      nodes += t.segments[s].last_node - t.segments[s].first_node;
+      if (nodes < kNodesPerTile) continue;
+      parts.push_back(std::exchange(part, {&t, {}}));
+      nodes = 0;
+    }
+    if (!part.segments.empty()) parts.push_back(std::move(part));
   }
-  std::vector<std::optional<Tile>> made(ranges.size());
-  for_each_parallel(ranges.size(), threads, [&](std::size_t i) { made[i].emplace(ranges[i].trajectory, ranges[i].first, ranges[i].last, &layout); });
+  std::vector<std::optional<Tile>> made(parts.size());
+  for_each_parallel(parts.size(), threads, [&](std::size_t i) { made[i].emplace(parts[i].trajectory, std::move(parts[i].segments), &layout); });
   std::vector<Tile> tiles;
   tiles.reserve(made.size());
   for (auto& tile : made) tiles.push_back(std::move(*tile));

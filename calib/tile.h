@@ -20,7 +20,7 @@ struct ReducedSystem {
   Eigen::MatrixXd H;
 };
 
-/// A tile: a run of segments of one trajectory. For given shared parameters it first settles its own vehicle states (variable
+/// A tile: some segments of one trajectory. For given shared parameters it first settles its own vehicle states (variable
 /// projection), then eliminates them:
 ///   H = sum Js'Js - Js'Jx (Jx'Jx)^-1 Jx'Js,   g = Js'r - Js'Jx (Jx'Jx)^-1 Jx'r
 /// Settled states make cost, gradient and Gauss-Newton matrix those of the full bundle adjustment; what is left of Jx'r is
@@ -28,31 +28,47 @@ struct ReducedSystem {
 class Tile {
  public:
   /// @param trajectory  not owned; this tile writes the nodes of its segments and nothing else
-  Tile(Trajectory* trajectory, std::size_t first_segment, std::size_t last_segment, const ParameterLayout* layout);
+  Tile(Trajectory* trajectory, std::vector<std::size_t> segments, const ParameterLayout* layout);
+
+  [[nodiscard]] const Trajectory& trajectory() const { return *trajectory_; }
+  [[nodiscard]] const std::vector<std::size_t>& segments() const { return segments_; }
 
   /// Global columns of the parameters that this tile touches, ascending; the order of its system.
   [[nodiscard]] const std::vector<int>& columns() const { return columns_; }
   /// Parameter blocks (indices into ParameterLayout::blocks) that cover columns().
   [[nodiscard]] const std::vector<int>& blocks() const { return blocks_; }
 
-  /// Settles the states and returns the cost; with `system`, the reduced system as well.
+  /// Where each column of the layout stands in columns(); -1: nowhere.
+  [[nodiscard]] const std::vector<int>& local_of() const { return local_of_; }
+
+  /// Settles the states from where they were committed and returns the cost.
+  double settle(const SharedState& state, const RobustLoss& loss);
+  /// Adds gradient and lower triangle of H at the states of the last `settle`; `place` tells where each column of the layout
+  /// stands in the system.
+  void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
+  /// Both, in the tile's own columns.
   double evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system);
   /// Makes the states of the last evaluation the start of the next ones (a step was accepted).
   void commit();
+  /// Back to the states committed last.
+  void rewind();
 
  private:
-  void restore();
-  void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, ReducedSystem& system);
+  void find_columns();
+  void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
 
   Trajectory* trajectory_;
-  std::size_t first_segment_, last_segment_;
+  std::vector<std::size_t> segments_;
   const ParameterLayout* layout_;
   std::vector<int> columns_, blocks_;
   std::vector<int> local_of_;        ///< global column -> local, -1
   std::vector<std::size_t> general_;  ///< segments that the vector kernel does not take
   std::unique_ptr<StopBlock> stops_;  ///< all others
-  std::vector<Node> committed_;       ///< nodes of all segments, kept where any is general
+  std::vector<Node> committed_;       ///< nodes of the general segments
 };
+
+/// So few parameters that one dense system of all of them is the cheapest.
+[[nodiscard]] inline bool is_dense(const ParameterLayout& layout) { return layout.size() <= 600; }
 
 /// Tiles of all trajectories; their number does not depend on the number of threads, so neither does any sum.
 [[nodiscard]] std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads = 1);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "calib/parallel.h"
 #include "calib/statistics.h"
 
 namespace octant::calib {
@@ -32,17 +33,24 @@ struct Series {
 
 }  // namespace
 
-Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state) {
+Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state, int threads) {
   Whiteness w;
   double pair_sum = 0.0, squares = 0.0, products = 0.0;
   std::size_t count = 0;
   for (const Trajectory& t : trajectories) {
     const std::size_t receivers = state.receiver_p_vehicle_m.size();
     std::vector<Series> series(state.beacon_p_map_m.size() * receivers);
-    for (const ArrivalObservation& a : t.arrivals) {
-      if (a.rejection != Rejection::kUsed || !t.nodes[a.node].placed) continue;
+    const auto counts = [&t](const ArrivalObservation& a) { return a.rejection == Rejection::kUsed && t.nodes[a.node].placed; };
+    std::vector<double> residual(t.arrivals.size());
+    for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i)
+        if (counts(t.arrivals[i])) residual[i] = arrival_residual(t, t.arrivals[i], state);
+    });
+    for (std::size_t i = 0; i < residual.size(); ++i) {
+      const ArrivalObservation& a = t.arrivals[i];
+      if (!counts(a)) continue;
       Series& s = series[a.beacon.index() * receivers + a.receiver.index()];
-      s.add(arrival_residual(t, a, state), s.count > 0);
+      s.add(residual[i], s.count > 0);
     }
     for (const Series& s : series) {
       squares += s.squares;

@@ -20,6 +20,6 @@ struct Whiteness {
   bool white = true;              ///< neither is significant (beyond one in a million) and of consequence
 };
 
-[[nodiscard]] Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state);
+[[nodiscard]] Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state, int threads = 1);
 
 }  // namespace octant::calib

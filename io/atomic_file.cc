@@ -6,57 +6,20 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <new>
-#include <utility>
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
+
+#include "io/open_file.h"
+#include "io/sha256.h"
 
 namespace octant::io {
 namespace {
-
-/// Closes a descriptor at the end of its scope; release() hands it on.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  [[nodiscard]] int get() const { return fd_; }
-  [[nodiscard]] bool close_now() { return ::close(std::exchange(fd_, -1)) == 0; }
-
- private:
-  int fd_;
-};
-
-std::string advice_for(int reason) {
-  switch (reason) {
-    case ENOENT: return "check the path";
-    case EACCES:
-    case EPERM: return "check the permissions";
-    case ELOOP: return "a symbolic link leads back to itself; remove it";
-    case ENOSPC:
-    case EDQUOT: return "free some space or choose another place";
-    case EROFS: return "choose a place that can be written";
-    default: return "";
-  }
-}
-
-tl::unexpected<Error> read_error(const std::string& path, int reason) {
-  return fail({.code = Errc::kBadInput,
-               .file = path,
-               .found = fmt::format("cannot be read: {}", std::strerror(reason)),
-               .advice = advice_for(reason)});
-}
 
 tl::unexpected<Error> write_error(const std::string& path, int reason) {
   return fail({.code = Errc::kOutput,
@@ -193,41 +156,15 @@ Result<void> write_file(const std::string& path, std::string_view content) {
 }
 
 Result<std::string> read_file(const std::string& path, std::size_t max_bytes) {
-  // Without O_NONBLOCK a pipe that nobody writes to would hang here.
-  const Descriptor fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (fd.get() < 0) return read_error(path, errno);
-  struct stat status {};
-  if (::fstat(fd.get(), &status) != 0) return read_error(path, errno);
-  if (S_ISDIR(status.st_mode)) return fail({.file = path, .found = "this is a folder", .expected = "a file"});
-  if (!S_ISREG(status.st_mode)) return fail({.file = path, .found = "this is a pipe or a device", .expected = "a file"});
-  const auto size = static_cast<std::size_t>(status.st_size);
-  if (size > max_bytes) {
-    return fail({.file = path, .found = fmt::format("{} bytes", size), .expected = fmt::format("at most {}", max_bytes)});
-  }
-  try {
-    std::string content(size, '\0');
-    std::size_t have = 0;
-    while (have < content.size()) {
-      const ssize_t n = ::read(fd.get(), content.data() + have, content.size() - have);
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) return read_error(path, errno);
-      if (n == 0) break;  // it has become shorter meanwhile
-      have += static_cast<std::size_t>(n);
-    }
-    content.resize(have);
-    return content;
-  } catch (const std::bad_alloc&) {
-    return fail({.file = path, .found = fmt::format("{} bytes do not fit into memory", size)});
-  }
+  const auto file = open_regular(path, max_bytes);
+  if (!file) return fail(file.error());
+  return read_all(*file, path);
 }
 
 std::string sha256_hex(std::string_view bytes) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int length = 0;
-  EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr);
-  std::string hex;
-  for (unsigned int i = 0; i < length; ++i) hex += fmt::format("{:02x}", digest[i]);
-  return hex;
+  Sha256 digest;
+  digest.add(bytes);
+  return digest.hex();
 }
 
 }  // namespace octant::io

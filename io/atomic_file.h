@@ -23,8 +23,10 @@ struct FileContent {
 /// rename fails after another went through does one stay; what goes to standard output, pipes and devices cannot be taken back.)
 [[nodiscard]] Result<void> write_files(const std::vector<FileContent>& files);
 
+inline constexpr std::size_t kLargestFile = std::size_t{1} << 36;
+
 /// Content of a regular file. Errors: kBadInput (missing, a folder, unreadable, a loop of links, larger than max_bytes).
-[[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t max_bytes = std::size_t{1} << 36);
+[[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t max_bytes = kLargestFile);
 
 /// Lower-case hexadecimal SHA-256 of bytes.
 [[nodiscard]] std::string sha256_hex(std::string_view bytes);

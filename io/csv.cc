@@ -3,13 +3,13 @@
 #include "io/csv.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <unordered_set>
 
 #include <fmt/format.h>
+
+#include "io/csv_scan.h"
 
 namespace octant::io {
 namespace {
@@ -17,39 +17,11 @@ namespace {
 constexpr std::size_t kMostColumns = 65536;
 constexpr std::size_t kSpareFields = 64;  // fields too many in a row that an error message still counts
 
-/// A byte of 0x80 for each byte of the word that equals c; exact at least up to the first of them.
-std::uint64_t matches(std::uint64_t word, std::uint64_t c) {
-  const std::uint64_t x = word ^ (0x0101010101010101ULL * c);
-  return (x - 0x0101010101010101ULL) & ~x & 0x8080808080808080ULL;
-}
-
-/// First comma or newline in [p, end), eight bytes at a time.
-const char* find_separator(const char* p, const char* end) {
-  static_assert(std::endian::native == std::endian::little);
-  while (end - p >= 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, p, 8);
-    // Of two exact-up-to-the-first masks the lower first bit is exact as well.
-    const std::uint64_t commas = matches(word, ','), newlines = matches(word, '\n');
-    if ((commas | newlines) != 0) return p + std::countr_zero(commas | newlines) / 8;
-    p += 8;
-  }
-  while (p != end && *p != ',' && *p != '\n') ++p;
-  return p;
-}
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-std::string_view trimmed(const char* begin, const char* end) {
-  while (begin != end && is_blank(*begin)) ++begin;
-  while (begin != end && is_blank(end[-1])) --end;
-  return {begin, static_cast<std::size_t>(end - begin)};
-}
-
 }  // namespace
 
-CsvReader::CsvReader(std::string_view text, std::string file)
-    : text_(without_bom(text)), file_(std::move(file)), at_(text_.data()), end_(text_.data() + text_.size()) {
+CsvReader::CsvReader(std::string_view text, std::string file, bool checked)
+    : file_(std::move(file)), begin_(text.data()), at_(without_bom(text).data()), end_(text.data() + text.size()) {
+  if (checked) return;
   if (auto ok = check_utf8(text, file_); !ok) error_ = ok.error();
 }
 
@@ -280,23 +252,7 @@ bool CsvReader::number(int column, double& value) {
 }
 
 bool CsvReader::integer(int column, std::int64_t& value) {
-  const std::string_view text = field(column);
-  // Digits alone are the rule; the general way costs three times as much.
-  if (!text.empty() && text.size() <= 18 && text[0] >= '0' && text[0] <= '9') {
-    std::int64_t sum = 0;
-    std::size_t i = 0;
-    for (; i < text.size() && text[i] >= '0' && text[i] <= '9'; ++i) sum = 10 * sum + (text[i] - '0');
-    if (i == text.size()) {
-      value = sum;
-      return true;
-    }
-  }
-  double number = 0.0;
-  constexpr double kExact = 9007199254740992.0;  // 2^53: whole numbers beyond it are not exact
-  if (parse_number(text, number) == NumberText::kNumber && number == std::floor(number) && std::abs(number) <= kExact) {
-    value = static_cast<std::int64_t>(number);
-    return true;
-  }
+  if (parse_integer(field(column), value)) return true;
   return not_a_number(column, "a whole number");
 }
 

@@ -25,7 +25,8 @@ namespace octant::io {
 /// The first error sticks; next_row() then returns false.
 class CsvReader {
  public:
-  CsvReader(std::string_view text, std::string file);
+  /// @param checked  the caller sees to it that the text is UTF-8
+  CsvReader(std::string_view text, std::string file, bool checked = false);
 
   /// Reads the header row. Refuses what is not UTF-8, empty files, other separators than the comma, columns given twice.
   void read_header();
@@ -46,6 +47,14 @@ class CsvReader {
   /// Field of the current row without blanks around it; empty for column -1.
   [[nodiscard]] std::string_view field(int column) const {
     return column < 0 ? std::string_view() : fields_[static_cast<std::size_t>(column)];
+  }
+  /// Where the next row begins: how many bytes of the text (its byte-order mark included) have been read.
+  [[nodiscard]] std::size_t offset() const { return static_cast<std::size_t>(at_ - begin_); }
+  [[nodiscard]] int next_line() const { return line_; }
+  /// Goes on at an offset, at which a row of that line begins.
+  void go_to(std::size_t offset, int line) {
+    at_ = begin_ + offset;
+    line_ = line;
   }
   /// A guess at how many rows are left, from the length of the first ones: for reserve().
   [[nodiscard]] std::size_t rows_left_estimate() const;
@@ -74,8 +83,8 @@ class CsvReader {
   bool not_a_number(int column, const char* expected);
   void fail_file(int line, std::string found, std::string expected, std::string advice = "");
 
-  std::string_view text_;
   std::string file_;
+  const char* begin_;
   const char* at_;
   const char* end_;
   int line_ = 1;               // of at_

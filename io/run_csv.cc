@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "io/order_watch.h"
 #include "io/run_parts.h"
 
 namespace octant::io {

@@ -13,6 +13,7 @@ namespace octant::io {
 struct ReadRunOptions {
   bool read_truth = false;  ///< open truth.tum; only verify does
   bool read_poses = true;   ///< open poses.tum
+  int threads = 1;          ///< that read tof.csv; the result does not depend on it
 };
 
 /// Reads a run folder (contract). Needs at least one of tof.csv, bearings.csv, scans.csv with rows.

@@ -6,18 +6,17 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 #include "io/csv.h"
+#include "io/name_index.h"
 #include "models/result.h"
 #include "models/run.h"
 #include "models/site.h"
 
 namespace octant::io {
 
-/// Names in rows to ids. Views in the maps point into the NameTable, which must outlive it.
+/// Names in rows to ids. Views in it point into the NameTable, which must outlive it.
 class NameLookup {
  public:
   explicit NameLookup(const NameTable& names);
@@ -25,33 +24,33 @@ class NameLookup {
   /// Vehicle of rows that name none: run.yaml's, else "robot", else the only one; not valid() if there are several.
   VehicleId default_vehicle;
 
-  [[nodiscard]] VehicleId vehicle(std::string_view name) const;  ///< not valid() if unknown
-  // Ids of a row; false after logging an error at the column. Empty names stand for the default, or for the only one.
+  // Not valid() if unknown; an empty name stands for the default, or for the only one.
+  [[nodiscard]] BeaconId beacon(std::string_view name) const { return BeaconId(beacons_.find(name)); }
+  [[nodiscard]] VehicleId vehicle(std::string_view name) const {
+    return name.empty() ? default_vehicle : VehicleId(vehicles_.find(name));
+  }
+  [[nodiscard]] ReceiverId receiver(VehicleId vehicle, std::string_view name) const {
+    const Receivers& known = receivers_[vehicle.index()];
+    if (name.empty()) return known.only;
+    const std::int32_t found = known.names.find(name);
+    return found < 0 ? ReceiverId() : known.ids[static_cast<std::size_t>(found)];
+  }
+
+  // The same of a row's cells; false after logging an error at the column.
   bool beacon(CsvReader& csv, int column, BeaconId& id) const;
   bool vehicle(CsvReader& csv, int column, VehicleId& id) const;
   bool receiver(CsvReader& csv, int column, VehicleId vehicle, ReceiverId& id) const;
   [[nodiscard]] const NameTable& names() const { return names_; }
 
  private:
+  struct Receivers {
+    NameIndex names;
+    std::vector<ReceiverId> ids;  // by place in names
+    ReceiverId only;              // not valid() if there are several
+  };
   const NameTable& names_;
-  std::unordered_map<std::string_view, BeaconId> beacons_;
-  std::unordered_map<std::string_view, VehicleId> vehicles_;
-  std::vector<std::unordered_map<std::string_view, ReceiverId>> receivers_;  // by vehicle
-  std::vector<ReceiverId> only_receiver_;                                    // by vehicle; not valid() if it has several
-};
-
-/// Watches that time does not decrease and that each epoch is one block for each vehicle.
-class OrderWatch {
- public:
-  OrderWatch(std::size_t vehicles, int time_column, int epoch_column);
-  bool time(CsvReader& csv, double time_s);
-  bool epoch(CsvReader& csv, VehicleId vehicle, std::int64_t epoch);
-
- private:
-  int time_column_, epoch_column_;
-  double last_time_s_;
-  std::vector<std::int64_t> current_;                       // by vehicle
-  std::vector<std::unordered_set<std::int64_t>> finished_;  // by vehicle
+  NameIndex beacons_, vehicles_;
+  std::vector<Receivers> receivers_;  // by vehicle
 };
 
 /// What run.yaml says beside what goes into the log.
@@ -62,8 +61,6 @@ struct RunHeader {
 
 // Each adds to the log; `text` is the content of `file`.
 [[nodiscard]] Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file, MeasurementLog& log);
-[[nodiscard]] Result<void> parse_tof(std::string_view text, const std::string& file, const NameLookup& names, Clock clock,
-                                     MeasurementLog& log);
 [[nodiscard]] Result<void> parse_bearings(std::string_view text, const std::string& file, const NameLookup& names,
                                           MeasurementLog& log);
 [[nodiscard]] Result<void> parse_odometry(std::string_view text, const std::string& file, const NameLookup& names,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,9 @@ enum class NumberText { kNumber, kEmpty, kNotNumber };
 /// Whole text as a decimal number ("nan" and "inf" are numbers too); a leading '+' is allowed, hexadecimal is not.
 [[nodiscard]] NumberText parse_number(std::string_view text, double& value);
 
+/// Whole text as a whole number; "7.0" counts as one. Beyond 2^53 only where there are digits alone.
+[[nodiscard]] bool parse_integer(std::string_view text, std::int64_t& value);
+
 struct TextPosition {
   int line = 1;
   int column = 1;
@@ -37,6 +41,9 @@ struct TextPosition {
 
 /// The text without a leading byte-order mark.
 [[nodiscard]] std::string_view without_bom(std::string_view text);
+
+/// Whether all of it is UTF-8 without a NUL.
+[[nodiscard]] bool is_utf8(std::string_view text);
 
 /// Errors: kBadInput with line and column where the text is not UTF-8 or holds a NUL.
 [[nodiscard]] Result<void> check_utf8(std::string_view text, const std::string& file);

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "models/measurement.h"
+#include "models/scratch.h"
 #include "models/trajectory.h"
 
 namespace octant {
@@ -78,8 +80,8 @@ void for_each_row(const Trajectory& trajectory, const Segment& segment, const Sh
 /// diagonal blocks D, coupling U to the next node, gradient g.
 struct ChainSystem {
   double cost = 0.0;
-  std::vector<NodeBlock> D, U;
-  std::vector<NodeVector> g;
+  std::pmr::vector<NodeBlock> D{scratch()}, U{scratch()};
+  std::pmr::vector<NodeVector> g{scratch()};
 };
 void build_chain_system(const Trajectory& trajectory, const Segment& segment, const SharedState& state, const RobustLoss& loss,
                         ChainSystem& system);

@@ -12,10 +12,17 @@
 namespace octant {
 namespace {
 
+/// What the steps of one settling share, so that each takes no memory of its own.
+struct ChainStep {
+  std::pmr::vector<Eigen::LLT<NodeBlock>> factor{scratch()};
+  std::pmr::vector<NodeVector> step{scratch()};
+};
+
 /// Solves the damped block-tridiagonal system (D + lambda diag D) and U for the step -A^-1 g; false if not positive definite.
-bool solve_chain(const ChainSystem& system, double lambda, std::vector<NodeVector>& step) {
+bool solve_chain(const ChainSystem& system, double lambda, ChainStep& out) {
   const std::size_t count = system.D.size();
-  std::vector<Eigen::LLT<NodeBlock>> factor(count);
+  auto& [factor, step] = out;
+  factor.resize(count);
   step.resize(count);
   NodeVector rhs = -system.g[0];
   NodeBlock A = system.D[0];
@@ -35,7 +42,7 @@ bool solve_chain(const ChainSystem& system, double lambda, std::vector<NodeVecto
   return true;
 }
 
-void move_nodes(Trajectory& t, const Segment& segment, const std::vector<NodeVector>& step) {
+void move_nodes(Trajectory& t, const Segment& segment, const std::pmr::vector<NodeVector>& step) {
   const int dof = pose_dof(t.motion);
   for (std::size_t k = 0; k < step.size(); ++k) {
     Node& node = t.nodes[segment.first_node + k];
@@ -57,17 +64,18 @@ bool is_singular(const NodeBlock& A) {
 SettleResult settle(Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss, int max_iterations) {
   SettleResult result;
   ChainSystem system;
-  std::vector<NodeVector> step;
+  ChainStep work;
+  const auto& step = work.step;
   double lambda = 1e-8;
   build_chain_system(t, segment, state, loss, system);
-  std::vector<Node> before(t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node),
-                           t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.last_node));
+  std::pmr::vector<Node> before(t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node),
+                                t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.last_node), scratch());
   const auto restore = [&] { std::copy(before.begin(), before.end(), t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node)); };
   for (; result.iterations < max_iterations; ++result.iterations) {
     bool improved = false;
     double gain = 0.0;
     for (int attempt = 0; attempt < 12 && !improved; ++attempt) {
-      if (!solve_chain(system, lambda, step)) {
+      if (!solve_chain(system, lambda, work)) {
         lambda = std::max(10 * lambda, 1e-4);
         continue;
       }
@@ -96,7 +104,7 @@ SettleResult settle(Trajectory& t, const Segment& segment, const SharedState& st
   return result;
 }
 
-Eigen::MatrixXd node_covariance(const Trajectory& t, const Segment& segment, std::size_t node, const SharedState& state) {
+StateCovariance node_covariance(const Trajectory& t, const Segment& segment, std::size_t node, const SharedState& state) {
   ChainSystem system;
   build_chain_system(t, segment, state, RobustLoss{}, system);
   const std::size_t at = node - segment.first_node;

@@ -88,8 +88,10 @@ class Builder {
     t_.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
     t_.turnaround_s = model.timing.turnaround_s;
     t_.nominal_speed_mps = speed_mps(run_medium(), run_temperature_degC());
+    arrivals_.reserve(log.arrivals.size());
     for (std::size_t i = 0; i < log.arrivals.size(); ++i)
       if (log.arrivals[i].vehicle == vehicle) arrivals_.push_back(i);
+    t_.arrivals.reserve(arrivals_.size());
     for (std::size_t i = 0; i < log.bearings.size(); ++i)
       if (log.bearings[i].vehicle == vehicle) bearings_.push_back(i);
   }
@@ -116,6 +118,15 @@ class Builder {
   }
   [[nodiscard]] double run_temperature_degC() const { return log_.temperature_degC.value_or(model_.medium.temperature_degC); }
 
+  /// Speed of the medium; neighbouring arrivals have one temperature, and the models take their time.
+  [[nodiscard]] double speed_at(double temperature_degC) {
+    if (temperature_degC != speed_temperature_degC_) {
+      speed_temperature_degC_ = temperature_degC;
+      speed_mps_ = speed_mps(run_medium(), temperature_degC);
+    }
+    return speed_mps_;
+  }
+
   /// Relative motion between asking and hearing, from odometry or measured poses; none: the vehicle stands.
   [[nodiscard]] Pose two_way_motion(const Arrival& a) const {
     Pose hear, send;
@@ -128,21 +139,10 @@ class Builder {
 
   void add_arrival(std::size_t index, std::size_t node, double alpha) {
     const Arrival& a = log_.arrivals[index];
-    ArrivalObservation o;
+    ArrivalObservation o = observe(a, model_, speed_at(std::isfinite(a.temperature_degC) ? a.temperature_degC : run_temperature_degC()));
     o.node = node;
     o.alpha = alpha;
     o.arrival = index;
-    o.beacon = a.beacon;
-    o.receiver = a.receiver;
-    o.time_s = a.time_s;
-    o.tof_s = a.tof_s;
-    o.sigma_s = model_.noise.tof_sigma_s;
-    o.model_speed_mps = speed_mps(run_medium(), std::isfinite(a.temperature_degC) ? a.temperature_degC : run_temperature_degC());
-    if (model_.use_amplitude && a.amplitude_v > 0) {
-      o.log_amplitude = std::log(a.amplitude_v);
-      o.log_amplitude_sigma = model_.noise.amplitude_relative_sigma;
-    }
-    o.two_way = model_.timing.ranging == Ranging::kTwoWay;
     if (o.two_way) {
       o.hear_send = static_cast<std::int32_t>(t_.T_hear_send.size());
       t_.T_hear_send.push_back(two_way_motion(a));
@@ -157,6 +157,7 @@ class Builder {
 
   /// Stationary epochs: a node each, in order of time; odometry between neighbours where the run has it.
   void build_epochs() {
+    if (bearings_.empty() && epochs_rise()) return build_rising_epochs();
     std::map<std::int64_t, std::size_t> node_of;
     std::vector<std::vector<std::size_t>> arrivals, bearings;
     auto node_for = [&](std::int64_t epoch, double time_s) {
@@ -179,6 +180,26 @@ class Builder {
       for (const std::size_t i : arrivals[k]) add_arrival(i, k, 0.0);
       for (const std::size_t i : bearings[k]) add_bearing(i, k, 0.0);
       add_epoch_pose(k, arrivals[k], bearings[k]);
+      close_segment(k + 1);
+    }
+  }
+
+  /// The numbers of the epochs rise with time, so that an epoch is where its number is: most logs, and no look-up.
+  [[nodiscard]] bool epochs_rise() const {
+    return std::is_sorted(arrivals_.begin(), arrivals_.end(), [this](std::size_t a, std::size_t b) { return log_.arrivals[a].epoch < log_.arrivals[b].epoch; });
+  }
+
+  void build_rising_epochs() {
+    std::vector<std::size_t> arrivals;
+    for (std::size_t first = 0; first < arrivals_.size();) {
+      const Arrival& begin = log_.arrivals[arrivals_[first]];
+      const std::size_t k = t_.nodes.size();
+      t_.nodes.push_back({.time_s = begin.time_s, .epoch = begin.epoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+      if (!chained(k)) open_segment(k);
+      arrivals.clear();
+      for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].epoch == begin.epoch; ++first) arrivals.push_back(arrivals_[first]);
+      for (const std::size_t i : arrivals) add_arrival(i, k, 0.0);
+      if (!log_.poses.empty()) add_epoch_pose(k, arrivals, {});
       close_segment(k + 1);
     }
   }
@@ -346,9 +367,65 @@ class Builder {
   OdometryPath path_;
   Trajectory t_;
   std::vector<std::size_t> arrivals_, bearings_;
+  double speed_temperature_degC_ = NAN, speed_mps_ = NAN;
 };
 
 }  // namespace
+
+ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, double model_speed_mps) {
+  ArrivalObservation o;
+  o.beacon = a.beacon;
+  o.receiver = a.receiver;
+  o.time_s = a.time_s;
+  o.tof_s = a.tof_s;
+  o.sigma_s = model.noise.tof_sigma_s;
+  o.model_speed_mps = model_speed_mps;
+  if (model.use_amplitude && a.amplitude_v > 0) {
+    o.log_amplitude = std::log(a.amplitude_v);
+    o.log_amplitude_sigma = model.noise.amplitude_relative_sigma;
+  }
+  o.two_way = model.timing.ranging == Ranging::kTwoWay;
+  return o;
+}
+
+double speed_of(const Arrival& a, const TrajectoryModel& model) {
+  return speed_mps(model.medium, std::isfinite(a.temperature_degC) ? a.temperature_degC : model.medium.temperature_degC);
+}
+
+void reserve_epoch(Trajectory& t, std::size_t arrivals, std::size_t bearings) {
+  t.nodes.reserve(1);
+  t.segments.reserve(1);
+  t.T_hear_send.reserve(1);
+  t.arrivals.reserve(arrivals);
+  t.bearings.reserve(bearings);
+}
+
+void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const Bearing> bearings, const TrajectoryModel& model) {
+  t.vehicle = arrivals.empty() ? bearings.front().vehicle : arrivals.front().vehicle;
+  t.motion = model.motion;
+  t.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
+  t.turnaround_s = model.timing.turnaround_s;
+  t.nominal_speed_mps = speed_mps(model.medium, model.medium.temperature_degC);
+  Node node;
+  node.time_s = arrivals.empty() ? bearings.front().time_s : arrivals.front().time_s;
+  node.epoch = arrivals.empty() ? bearings.front().epoch : arrivals.front().epoch;
+  t.nodes.assign(1, node);
+  t.T_hear_send.assign(1, Pose());
+  t.arrivals.clear();
+  t.bearings.clear();
+  for (const Arrival& a : arrivals) {
+    t.arrivals.push_back(observe(a, model, speed_of(a, model)));
+    t.arrivals.back().arrival = t.arrivals.size() - 1;
+    if (t.arrivals.back().two_way) t.arrivals.back().hear_send = 0;
+  }
+  for (const Bearing& b : bearings)
+    t.bearings.push_back({0, 0.0, t.bearings.size(), b.reflector, b.bearing_rad, model.noise.bearing_sigma_rad, Rejection::kUsed});
+  Segment whole;
+  whole.last_node = 1;
+  whole.last_arrival = t.arrivals.size();
+  whole.last_bearing = t.bearings.size();
+  t.segments.assign(1, whole);
+}
 
 bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s, Pose& T_map_vehicle) {
   const auto after = std::lower_bound(poses.begin(), poses.end(), time_s, [](const TimedPose& p, double t) { return p.time_s < t; });

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -28,11 +29,11 @@ struct Node {
 
 /// An arrival as an observation of the state between node and node + 1 (alpha = 0: of node alone).
 struct ArrivalObservation {
-  std::size_t node = 0;
-  double alpha = 0.0;
-  std::size_t arrival = 0;      ///< index into MeasurementLog::arrivals
+  std::uint32_t node = 0;
+  std::uint32_t arrival = 0;    ///< index into MeasurementLog::arrivals
   BeaconId beacon;
   ReceiverId receiver;
+  double alpha = 0.0;
   double time_s = 0.0;
   double tof_s = 0.0;
   double sigma_s = 1.0;
@@ -132,6 +133,17 @@ struct TrajectoryModel {
 /// Else: one node for each distinct arrival time, with the measured pose of that time if there is one.
 [[nodiscard]] Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle, const TrajectoryModel& model);
 
+/// Makes a trajectory of the one state of a standing vehicle, from the arrivals and bearings of one of its epochs. What the
+/// trajectory held is overwritten, its memory is used again. Two-way ranging: the vehicle stands.
+void set_epoch(Trajectory& trajectory, std::span<const Arrival> arrivals, std::span<const Bearing> bearings, const TrajectoryModel& model);
+/// Takes the memory for epochs of that many rows.
+void reserve_epoch(Trajectory& trajectory, std::size_t arrivals, std::size_t bearings);
+
+/// An arrival as an observation of node 0, in a medium of that speed.
+[[nodiscard]] ArrivalObservation observe(const Arrival& arrival, const TrajectoryModel& model, double model_speed_mps);
+/// Speed of the model's medium at an arrival: at its own temperature where it brings one.
+[[nodiscard]] double speed_of(const Arrival& arrival, const TrajectoryModel& model);
+
 /// Measured pose at a time: linear and slerp between neighbours not further apart than max_gap_s; false beyond the ends.
 [[nodiscard]] bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s, Pose& T_map_vehicle);
 
@@ -157,9 +169,12 @@ struct SettleResult {
 SettleResult settle(Trajectory& trajectory, const Segment& segment, const SharedState& state, const RobustLoss& loss,
                     int max_iterations = 30);
 
+/// Covariance of a node's state, in a room of its own.
+using StateCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7>;
+
 /// Covariance of one node's state (block_size x block_size) within its segment, all else marginalised, shared parameters held.
 /// Empty if singular.
-[[nodiscard]] Eigen::MatrixXd node_covariance(const Trajectory& trajectory, const Segment& segment, std::size_t node,
+[[nodiscard]] StateCovariance node_covariance(const Trajectory& trajectory, const Segment& segment, std::size_t node,
                                               const SharedState& state);
 
 /// Whitened residual (observed - predicted) / sigma of an arrival's time of flight at the trajectory's states.

@@ -85,6 +85,12 @@ PoseList poses_of(const FloorGrid& grid, double heading_rad, double z_m, std::si
   return poses;
 }
 
+double most_poses_along(const SceneRoute& route, double step_m) {
+  double count = 1.0;
+  for (std::size_t i = 1; i < route.points_m.size(); ++i) count += (route.points_m[i] - route.points_m[i - 1]).norm() / step_m + 1.0;
+  return count;
+}
+
 PoseList poses_along(const SceneRoute& route, double step_m, double z_m) {
   PoseList poses;
   for (std::size_t i = 1; i < route.points_m.size(); ++i) {

@@ -26,7 +26,7 @@ struct FloorGrid {
   }
 };
 
-inline constexpr double kMostCells = 1.6e7;  ///< of the rectangle round the floor; some 60 bytes each while surveying
+inline constexpr double kMostCells = 4e6;  ///< of the rectangle round the floor; some 90 bytes each while surveying
 
 /// Errors, before any memory is taken: more than kMostCells cells. Also: not a single cell on the floor.
 [[nodiscard]] Result<FloorGrid> make_floor_grid(const SurveyModel& model, const Scene& scene);
@@ -39,7 +39,8 @@ inline constexpr double kMostCells = 1.6e7;  ///< of the rectangle round the flo
   return poses_of(grid, heading_rad, z_m, 0, grid.cells.size());
 }
 
-/// Poses along a polyline, a step apart, heading along it; its corners included.
+/// Poses along a polyline, at most a step apart, heading along it; its corners included. As many as this, at most:
+[[nodiscard]] double most_poses_along(const SceneRoute& route, double step_m);
 [[nodiscard]] PoseList poses_along(const SceneRoute& route, double step_m, double z_m = 0.0);
 
 }  // namespace octant::survey

@@ -222,6 +222,7 @@ class Tile {
   static void map(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work, KernelFigures& out) {
     const std::size_t lanes = hn::Lanes(D()), beacons = model.beacons.size();
     if (integrity) work.of_beacon.resize(beacons * (N + 2) * kMapLanes);
+    work.heard_bits.assign(beacons * (kTilePoses / 8), 0);
     for (std::size_t at = 0; at < tile.count; at += lanes) {
       const Poses poses = load_poses(tile, at);
       V information[E], plain[E], by_speed[N];
@@ -237,6 +238,9 @@ class Tile {
         const M any = hn::Gt(weight, hn::Zero(D()));
         if (hn::AllFalse(D(), any)) continue;
         heard = hn::Add(heard, hn::IfThenElseZero(any, number(1.0)));
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(D(), any, bits);
+        work.heard_bits[b * (kTilePoses / 8) + at / 8] |= static_cast<std::uint8_t>(bits[0] << (at % 8));
         if (!integrity) continue;
         for (int p = 0; p < N; ++p) hn::StoreU(sum[p], D(), kept + static_cast<std::size_t>(p) * lanes);
         hn::StoreU(weight, D(), kept + static_cast<std::size_t>(N) * lanes);

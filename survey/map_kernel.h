@@ -55,7 +55,8 @@ struct KernelFigures {
 };
 
 struct KernelWork {
-  std::vector<double> of_beacon;  ///< scratch
+  std::vector<double> of_beacon;          ///< scratch
+  std::vector<std::uint8_t> heard_bits;   ///< out: bit i % 8 of byte b * kTilePoses / 8 + i / 8: beacon b is heard at pose i
 };
 
 /// All figures of a tile. Integrity's stay untouched where it is not asked for.

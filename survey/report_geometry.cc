@@ -9,6 +9,7 @@
 #include "survey/floor_grid.h"
 #include "survey/geometry_map.h"
 #include "survey/quantity.h"
+#include "survey/survey.h"
 
 namespace octant::survey {
 namespace {
@@ -18,10 +19,10 @@ constexpr double kCellsAcross = 48, kCellsAcrossForLoss = 28;
 /// Beyond this many beacons the loss of one is a local matter, and a table of all of them no help.
 constexpr std::size_t kMostLosses = 300;
 
-Result<FloorGrid> grid_of(const SurveyModel& model, double cells_across) {
+double cell_of(const SurveyModel& model, double cells_across) {
   Eigen::Vector2d low = model.floor_m.front(), high = low;
   for (const auto& p : model.floor_m) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  return make_floor_grid(model, Scene{}, std::max(1e-3, (high - low).maxCoeff() / cells_across));
+  return std::max(1e-3, (high - low).maxCoeff() / cells_across);
 }
 
 double or_nothing(double value) { return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN(); }
@@ -56,7 +57,7 @@ BeaconLoss loss_of(const std::string& beacon, const FloorGrid& grid, const std::
 /// difference would leave rounding in place of what is not determined.
 void add_losses(const SurveyModel& model, int threads, ReportInput& input) {
   if (model.beacons.size() < 2 || model.beacons.size() > kMostLosses) return;
-  const auto grid = grid_of(model, kCellsAcrossForLoss);
+  const auto grid = make_floor_grid(model, Scene{}, cell_of(model, kCellsAcrossForLoss));
   if (!grid) return;
   const PoseList poses = poses_of(*grid, 0.0, model.vehicle_z_m);
   std::vector<std::vector<double>> after(model.beacons.size() + 1);  // after[b]: of beacons b, b + 1, ...
@@ -75,7 +76,7 @@ void add_losses(const SurveyModel& model, int threads, ReportInput& input) {
   sigma_of_information(model.unknowns, after[0], sigma_m);
   const std::vector<double> finite = finite_of(sigma_m);
   const Unit unit = length_unit(finite.empty() ? 1.0 : finite.back());
-  input.loss_name = "expected error of a fix";
+  input.loss_name = "expected error of a fix by the arrivals' noise";
   input.loss_unit = unit.symbol;
   input.no_loss = loss_of("", *grid, sigma_m, input.loss_name, unit);
   for (std::size_t b = 0; b < model.beacons.size(); ++b) {
@@ -94,18 +95,16 @@ void add_losses(const SurveyModel& model, int threads, ReportInput& input) {
 void add_geometry(ReportInput& input, int threads) {
   const auto model = make_survey_model(input.plan.deployment, Scene{});
   if (!model) return;
-  const auto grid = grid_of(*model, kCellsAcross);
-  if (!grid) return;
-  const GeometryFigures found = evaluate_poses(*model, poses_of(*grid, 0.0, model->vehicle_z_m), {.threads = threads, .integrity = true});
-  const auto add = [&](const char* name, const std::vector<double>& values, bool length) {
-    const std::vector<double> finite = finite_of(values);
-    if (finite.empty()) return;
-    const Unit unit = length ? length_unit(quantile(finite, 0.95)) : Unit{};
-    input.plan.maps.push_back(map_of(*grid, name, unit.symbol, values, unit.per_si));
-  };
-  add("expected error of a fix", found.sigma_m, true);
-  add("HDOP", found.hdop, false);
-  add("protection level", found.protection_m, true);
+  Scene open_air;
+  open_air.cell_m = cell_of(*model, kCellsAcross);
+  const auto survey = run_survey(*model, open_air, &input.plan.deployment, {.threads = threads, .failures = 0, .integrity = true});
+  if (!survey) return;
+  for (const char* name : {"total_m", "sigma_m", "hdop", "protection_m"}) {
+    const FloorMap* map = survey->find(name);
+    if (map == nullptr || map->spread.count == 0) continue;
+    const Unit unit = map->unit == "m" ? length_unit(map->spread.p95) : Unit{};
+    input.plan.maps.push_back(map_of(survey->grid, map->title, unit.symbol, {map->values.begin(), map->values.end()}, unit.per_si));
+  }
   add_losses(*model, threads, input);
 }
 

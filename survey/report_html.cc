@@ -107,7 +107,7 @@ class Writer {
     for (std::size_t k = 0; k < figure.layers.size(); ++k) {
       html += fmt::format("<span><input type='radio' name='choice-{0}' id='choice-{0}-{1}' value='{1}'{2}> <label for='choice-{0}-{1}'>{3}</label></span>\n", id, k,
                           k == 0 ? " checked" : "", escape_xml(figure.layers[k]));
-      style += fmt::format("#drawing-{0}:has(#choice-{0}-{1}:checked) .layer-{1}{{display:inline}}", id, k);
+      style += fmt::format("#drawing-{0}:has(#choice-{0}-{1}:checked) .layer-{1}{{display:block}}", id, k);
     }
     html += "</fieldset>\n<style>" + style + "</style>\n";
   }

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include "survey/report_markdown.h"
+
 #include <fmt/format.h>
 
 #include "survey/escape.h"
@@ -46,8 +48,7 @@ struct Writer {
 
 }  // namespace
 
-std::string report_markdown(const ReportInput& input) {
-  const ReportDocument document = report_document(input);
+std::string to_markdown(const ReportDocument& document) {
   Writer writer;
   writer.text = fmt::format("# {}\n\n{}\n\n**{}.** {}\n\n", escape_markdown(document.title), escape_markdown(document.subtitle), escape_markdown(document.grade),
                             escape_markdown(document.sentence));
@@ -58,5 +59,7 @@ std::string report_markdown(const ReportInput& input) {
   while (writer.text.size() > 1 && writer.text[writer.text.size() - 2] == '\n') writer.text.pop_back();
   return writer.text;
 }
+
+std::string report_markdown(const ReportInput& input) { return to_markdown(report_document(input)); }
 
 }  // namespace octant::survey

@@ -13,6 +13,7 @@ namespace octant::survey {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
+constexpr std::size_t kMostCorners = 20000;  ///< every side is held against every other
 
 tl::unexpected<Error> bad(const Scene& scene, int line, std::string found, std::string expected, std::string advice = "") {
   return fail({.file = scene.path, .line = line, .found = std::move(found), .expected = std::move(expected), .advice = std::move(advice)});
@@ -26,6 +27,7 @@ bool finite(const Points& points) {
 
 Result<void> check_outline(const Scene& scene, const std::string& name, const Points& points, int line) {
   if (points.size() < 3) return bad(scene, line, fmt::format("{} has {} corners", name, points.size()), "three at least");
+  if (points.size() > kMostCorners) return bad(scene, line, fmt::format("{} has {} corners", name, points.size()), fmt::format("{} at most", kMostCorners));
   if (!finite(points)) return bad(scene, line, name + " has a corner that is no finite number", "numbers");
   if (const auto cross = self_crossing(points)) {
     const auto side = [&](std::size_t i) { return fmt::format("the side from {} to {}", at(points[i]), at(points[(i + 1) % points.size()])); };

@@ -38,9 +38,9 @@ std::string tag_html(const Deployment& d, const DeploymentBeacon& b, const std::
   const Eigen::Vector3d U = 2 * b.covariance_m2.diagonal().cwiseMax(0.0).cwiseSqrt();
   for (int i = 0; i < 3; ++i) {
     const char* axis[] = {"x", "y", "z"};
-    html += entry(axis[i], fmt::format("{:.4f} m, U (k = 2) {}", b.position_m[i], length_text(U[i])));
+    html += entry(axis[i], fmt::format("{:.4f}\u00a0m, U\u00a0=\u00a0{}\u00a0{}", b.position_m[i], fmt::format("{:.3g}", length_unit(U[i]).per_si * U[i]), length_unit(U[i]).symbol));
   }
-  html += entry("delay", fmt::format("{}, U (k = 2) {}", time_symbol_text(b.delay_s), time_symbol_text(2 * b.delay_sigma_s)));
+  html += entry("delay", fmt::format("{}, U = {}", time_symbol_text(b.delay_s), time_symbol_text(2 * b.delay_sigma_s)));
   html += entry("status", b.status == BeaconStatus::kControlPoint ? "control point, held fixed" : "calibrated");
   return html + "</dl>\n</article>\n";
 }
@@ -77,7 +77,7 @@ std::string qr_svg(const std::string& text) {
 std::string site_sheet_html(const Deployment& d, const std::string& digest) {
   std::string html = page_head(d.site + " – beacons", kStyle, false);
   html += fmt::format("<header>\n<h1>{}</h1>\n<p class='soft'>Beacons as calibrated {}; deployment {}</p>\n", escape_xml(d.site), escape_xml(d.created), escape_xml(digest));
-  html += fmt::format("<p>Datum: {}. Speed: {}.</p>\n<p class='soft'>Each code holds site, beacon, position and the deployment's digest as JSON.</p>\n</header>\n",
+  html += fmt::format("<p>Datum: {}. Speed: {}.</p>\n<p class='soft'>Each code holds site, beacon, position and the deployment's digest as JSON. U: expanded uncertainty, k = 2.</p>\n</header>\n",
                       escape_xml(d.datum.description), escape_xml(speed_in_words(d)));
   html += "<main class='tags'>\n";
   for (const auto& b : d.beacons) html += tag_html(d, b, digest);

@@ -20,6 +20,7 @@ constexpr double kMarginM = 2.0;  ///< round beacons in a line, whose hull has n
 /// What site and deployment have in common; the rest of the model comes from the scene.
 struct Common {
   std::string name;
+  std::size_t vehicle = 0;
   Motion motion = Motion::kPlanar;
   Medium medium;
   Timing timing;
@@ -118,6 +119,7 @@ Result<SurveyModel> assemble(Common common, const Scene& scene) {
   if (const auto checked = check_scene(scene); !checked) return fail(checked.error());
   SurveyModel model;
   model.name = common.name;
+  model.vehicle = common.vehicle;
   model.motion = common.motion;
   model.clock = common.timing.clock;
   model.beacons = common.beacons;
@@ -183,6 +185,7 @@ double reach_m(const Hearing& hearing) {
 Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene, std::size_t vehicle) {
   Common common;
   common.name = site.name;
+  common.vehicle = vehicle;
   common.motion = site.motion;
   common.medium = site.medium;
   common.timing = site.timing;
@@ -212,6 +215,7 @@ Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene, std:
 Result<SurveyModel> make_survey_model(const Deployment& d, const Scene& scene, std::size_t vehicle) {
   Common common;
   common.name = d.site;
+  common.vehicle = vehicle;
   common.motion = d.motion;
   common.medium = d.medium;
   common.timing = d.timing;

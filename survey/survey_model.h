@@ -71,6 +71,7 @@ struct SurveyModel {
   std::string name;
   Motion motion = Motion::kPlanar;
   Clock clock = Clock::kSynchronised;
+  std::size_t vehicle = 0;                ///< index in the site or deployment
   Unknowns unknowns;
   std::vector<SurveyBeacon> beacons;      ///< those whose place is known
   std::vector<SurveyReceiver> receivers;  ///< of the vehicle that is looked at

@@ -10,6 +10,7 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/reporting.h"
+#include "apps/octant/ranks.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
 
@@ -71,6 +72,8 @@ void add_deployment(Json& object, const Deployment& d) {
   }
 }
 
+}  // namespace
+
 Failure failure_of(const calib::Solution& s) {
   if (s.status == calib::SolveStatus::kUndetermined) {
     std::string message = s.message.empty() ? "the data do not determine what is asked for" : s.message, advice;
@@ -87,23 +90,13 @@ Failure failure_of(const calib::Solution& s) {
           "are the units, the beacon ids and the approximate positions right?"};
 }
 
-/// Nothing is exported, but a report of why is worth having.
-int refuse(const Words& words, const Calibration& c, Json object, Session& session) {
-  const survey::ReportInput input = report_input(c, session);
-  object["verdict"] = verdict_json(input);
-  if (auto written = io::write_files(report_files(words.report, input)); !written) return session.fail(written.error());
-  session.result(report_lines(words.report));
-  return session.fail(failure_of(c.solution), object);
+Json calibration_json(const Calibration& calibration, const Session& session) {
+  Json object = solution_json(calibration, session);
+  if (calibration.deployment) add_deployment(object, *calibration.deployment);
+  return object;
 }
 
-/// All files or none.
-Result<void> write_outputs(const Words& words, const Calibration& c, const survey::ReportInput& input) {
-  auto files = report_files(words.report, input);
-  auto deployment = io::checked_deployment_json(words.output, *c.deployment);
-  if (!deployment) return fail(deployment.error());
-  files.push_back({words.output, std::move(*deployment)});
-  return io::write_files(files);
-}
+namespace {
 
 int run(const Words& words, Session& session) {
   const int files_on_stdout = (words.output == "-") + on_stdout(words.report);
@@ -116,16 +109,19 @@ int run(const Words& words, Session& session) {
   auto calibration = calibrate_files(words.site, words.runs, words.strict, session);
   if (!calibration) return session.fail(calibration.error());
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
-  Json object = solution_json(*calibration, session);
-  if (!calibration->deployment) return refuse(words, *calibration, std::move(object), session);
+  Json object = calibration_json(*calibration, session);
+  if (session.job != nullptr && !session.job->is_first())  // the first rank writes
+    return calibration->deployment ? kDone : session.fail(failure_of(calibration->solution), object);
 
-  survey::ReportInput input = report_input(*calibration, session);
-  if (auto added = add_changes(input, words.report.since); !added) return session.fail(added.error());
-  if (!words.report.paths.empty()) survey::add_geometry(input, session.threads());
-  if (auto written = write_outputs(words, *calibration, input); !written) return session.fail(written.error());
-  add_deployment(object, *calibration->deployment);
-  object["verdict"] = verdict_json(input);
-  session.result(calibration_text(*calibration) + "\n" + verdict_text(input));
+  auto input = calibration_report(*calibration, words.report, session);
+  if (!input) return session.fail(input.error());
+  object["verdict"] = verdict_json(*input);
+  if (auto written = write_calibration(words.output, words.report, *calibration, *input); !written) return session.fail(written.error());
+  if (!calibration->deployment) {
+    session.result(report_lines(words.report));
+    return session.fail(failure_of(calibration->solution), object);
+  }
+  session.result(calibration_text(*calibration) + "\n" + verdict_text(*input));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
   session.result(report_lines(words.report));
   return session.finish(object);

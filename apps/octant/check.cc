@@ -231,7 +231,7 @@ int run(const Words& words, Session& session) {
   Logs logs = examine(*site, *runs);
   warn_of(logs.findings, session);
   const std::string name = site->name;
-  auto problem = calib::make_problem(std::move(*site), std::move(*runs));
+  auto problem = calib::make_problem(std::move(*site), std::move(*runs), session.threads());
   if (!problem) {
     for (std::size_t i = 0; i < logs.runs.size(); ++i) session.result(health_text(logs.runs[i], logs.has_truth[i]));
     return refuse(problem.error(), logs, session);

@@ -20,8 +20,10 @@ void add_demo(CLI::App& app, CommonOptions& common, Action& action);
 void add_simulate(CLI::App& app, CommonOptions& common, Action& action);
 void add_check(CLI::App& app, CommonOptions& common, Action& action);
 void add_calibrate(CLI::App& app, CommonOptions& common, Action& action);
+void add_batch(CLI::App& app, CommonOptions& common, Action& action);
 void add_localize(CLI::App& app, CommonOptions& common, Action& action);
 void add_verify(CLI::App& app, CommonOptions& common, Action& action);
+void add_survey(CLI::App& app, CommonOptions& common, Action& action);
 void add_report(CLI::App& app, CommonOptions& common, Action& action);
 void add_schema(CLI::App& app, CommonOptions& common, Action& action);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 #include <cstring>
 #include <initializer_list>
@@ -12,14 +13,16 @@ namespace octant::app {
 namespace {
 
 volatile std::sig_atomic_t signalled = 0;
-volatile std::sig_atomic_t may_exit_at_once = 0;
+// Lock-free, which a handler needs: several threads compute at a time.
+std::atomic<int> may_exit_at_once{0}, must_not_exit{0};
+static_assert(std::atomic<int>::is_always_lock_free);
 // A handler may not allocate: the text is laid down beforehand.
 char last_words[512];
 std::size_t last_words_size = 0;
 
 extern "C" void on_signal(int) {
   signalled = 1;
-  if (may_exit_at_once == 0) return;
+  if (may_exit_at_once == 0 || must_not_exit != 0) return;
   constexpr char talk[] = "\noctant: interrupted, nothing was written\n";
   // Nothing can be done about a failed write here.
   if (write(STDERR_FILENO, talk, sizeof talk - 1) < 0 || write(STDOUT_FILENO, last_words, last_words_size) < 0) _exit(130);
@@ -45,10 +48,13 @@ void install_interrupt_handlers(const std::string& words) {
 bool interrupted() { return signalled != 0; }
 
 ExitAtOnce::ExitAtOnce() {
-  may_exit_at_once = may_exit_at_once + 1;
+  ++may_exit_at_once;
   // A signal that came before is not forgotten.
   if (interrupted()) on_signal(SIGINT);
 }
-ExitAtOnce::~ExitAtOnce() { may_exit_at_once = may_exit_at_once - 1; }
+ExitAtOnce::~ExitAtOnce() { --may_exit_at_once; }
+
+NoExitAtOnce::NoExitAtOnce() { ++must_not_exit; }
+NoExitAtOnce::~NoExitAtOnce() { --must_not_exit; }
 
 }  // namespace octant::app

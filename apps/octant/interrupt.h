@@ -23,4 +23,13 @@ class ExitAtOnce {
   ExitAtOnce& operator=(const ExitAtOnce&) = delete;
 };
 
+/// While one lives, a signal ends nothing at once, whatever ExitAtOnce says: another thread may be writing.
+class NoExitAtOnce {
+ public:
+  NoExitAtOnce();
+  ~NoExitAtOnce();
+  NoExitAtOnce(const NoExitAtOnce&) = delete;
+  NoExitAtOnce& operator=(const NoExitAtOnce&) = delete;
+};
+
 }  // namespace octant::app

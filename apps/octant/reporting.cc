@@ -77,6 +77,24 @@ std::vector<io::FileContent> report_files(const ReportWords& words, const survey
   return files;
 }
 
+Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportWords& words, const Session& session) {
+  survey::ReportInput input = report_input(calibration, session);
+  if (words.paths.empty() || !calibration.deployment) return input;
+  if (auto added = add_changes(input, words.since); !added) return fail(added.error());
+  survey::add_geometry(input, session.threads());
+  return input;
+}
+
+Result<void> write_calibration(const std::string& output, const ReportWords& words, const Calibration& calibration, const survey::ReportInput& input) {
+  auto files = report_files(words, input);
+  if (calibration.deployment) {
+    auto deployment = io::checked_deployment_json(output, *calibration.deployment);
+    if (!deployment) return fail(deployment.error());
+    files.push_back({output, std::move(*deployment)});
+  }
+  return io::write_files(files);
+}
+
 std::string report_lines(const ReportWords& words) {
   std::string text;
   for (const auto& path : words.paths)

@@ -39,6 +39,11 @@ void add_verification(survey::ReportInput& input, const Localization& localizati
 /// Adds the changes since an earlier deployment, if one is given.
 [[nodiscard]] Result<void> add_changes(survey::ReportInput& input, const std::string& since);
 
+/// The report of a calibration with all that the user asked for; of a refused one too. Errors: the earlier deployment.
+[[nodiscard]] Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportWords& words, const Session& session);
+/// Deployment (where there is one) and reports, all or none.
+[[nodiscard]] Result<void> write_calibration(const std::string& output, const ReportWords& words, const Calibration& calibration, const survey::ReportInput& input);
+
 /// The files of a report, not yet written: so that a command can write them together with its other outputs.
 [[nodiscard]] std::vector<io::FileContent> report_files(const ReportWords& words, const survey::ReportInput& input);
 /// "report           R.html", a line each, for people.

@@ -53,10 +53,24 @@ Mapping mapping(Errc code) {
 
 }  // namespace
 
+Ending ending(const Failure& failure) {
+  Error error;
+  error.advice = failure.advice;
+  return {failure.exit,
+          {{"status", failure.status}, {"error", error_object(failure.code, failure.exit, failure.message, error)}},
+          failure.message + (failure.advice.empty() ? "" : "; " + failure.advice)};
+}
+
+Ending ending(const Error& error) {
+  const Mapping map = mapping(error.code);
+  if (map.exit == kInterrupted) return {map.exit, interrupted_object(), "interrupted"};
+  return {map.exit, {{"status", "error"}, {"error", error_object(map.code, map.exit, error.message(), error)}}, error.message()};
+}
+
 std::string dump(const Json& object) { return object.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 void Session::result(std::string_view text) {
-  if (!options.json) put(results_, text);
+  if (!options.json && !silent_) put(results_, text);
 }
 
 void Session::note(std::string_view text) {
@@ -71,7 +85,7 @@ void Session::warn(const std::vector<std::string>& warnings) {
   for (const auto& warning : warnings) {
     if (std::find(warnings_.begin(), warnings_.end(), warning) != warnings_.end()) continue;
     warnings_.push_back(warning);
-    if (warning_lines_ >= kMaxWarningLines || warning_bytes_ >= kMaxWarningBytes) continue;
+    if (silent_ || warning_lines_ >= kMaxWarningLines || warning_bytes_ >= kMaxWarningBytes) continue;
     ++warning_lines_;
     warning_bytes_ += warning.size();
     put(stderr, fmt::format("{} {}\n", painted("1;33", "warning:"), warning));
@@ -108,10 +122,9 @@ int Session::finish(const Json& object) {
 }
 
 int Session::fail(const Failure& failure, Json object) {
-  complain(failure.message + (failure.advice.empty() ? "" : "; " + failure.advice));
-  Error error;
-  error.advice = failure.advice;
-  Json whole = {{"status", failure.status}, {"error", error_object(failure.code, failure.exit, failure.message, error)}};
+  const Ending end = ending(failure);
+  complain(end.message);
+  Json whole = end.object;
   object.erase("status");
   whole.update(object);
   if (!whole.contains("warnings")) whole["warnings"] = warnings_;
@@ -119,15 +132,28 @@ int Session::fail(const Failure& failure, Json object) {
 }
 
 int Session::fail(const Error& error) {
-  const Mapping map = mapping(error.code);
-  if (map.exit == kInterrupted) return interrupted();
-  complain(error.message());
-  return print({{"status", "error"}, {"error", error_object(map.code, map.exit, error.message(), error)}, {"warnings", warnings_}}, map.exit);
+  Ending end = ending(error);
+  if (end.exit == kInterrupted) return interrupted();
+  complain(end.message);
+  end.object["warnings"] = warnings_;
+  return print(end.object, end.exit);
 }
 
 int Session::interrupted() {
   complain("interrupted, nothing was written");
   return print(interrupted_object(), kInterrupted);
+}
+
+Session Session::part(int threads) const {
+  Session part;
+  part.options = options;
+  part.options.threads = threads;
+  part.options.quiet = true;
+  part.options.verbose = 0;
+  part.options.progress = "none";
+  part.command_line = command_line;
+  part.silent_ = true;
+  return part;
 }
 
 int Session::threads() const {

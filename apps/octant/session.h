@@ -15,6 +15,8 @@
 
 namespace octant::app {
 
+class Job;
+
 using Json = nlohmann::ordered_json;
 
 /// Exit codes of the contract.
@@ -48,12 +50,22 @@ struct Failure {
   std::string advice;
 };
 
+/// A failure as the end of a command: the object's keys `status` and `error`, and what people read.
+struct Ending {
+  Exit exit = kFault;
+  Json object;
+  std::string message;
+};
+[[nodiscard]] Ending ending(const Failure& failure);
+[[nodiscard]] Ending ending(const Error& error);
+
 /// One invocation of the program: its options, and the only way to standard output and standard error.
 /// With --json exactly one object goes to standard output, at the end; otherwise text for people goes there. Talk goes to
 /// standard error.
 class Session {
  public:
   CommonOptions options;
+  const Job* job = nullptr;  ///< whom the work is shared with; null: nobody
   std::string command_line;  ///< as typed, quoted where needed
 
   /// Text of a result: standard output, or standard error where standard output carries a file (`-o -`); none with --json.
@@ -65,6 +77,8 @@ class Session {
   void detail(std::string_view text);
   /// Warnings are kept for the JSON object and go to standard error, each once, the first fifty of them.
   void warn(const std::vector<std::string>& warnings);
+  /// A session of the same options and words that keeps its warnings and says nothing: for one of several things done at once.
+  [[nodiscard]] Session part(int threads) const;
   void warn(const std::string& warning) { warn(std::vector<std::string>{warning}); }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
@@ -88,6 +102,7 @@ class Session {
   int flush(Exit exit);
 
   std::FILE* results_ = stdout;
+  bool silent_ = false;
   std::vector<std::string> warnings_;
   std::size_t warning_lines_ = 0, warning_bytes_ = 0;
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();

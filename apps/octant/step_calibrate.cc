@@ -7,6 +7,7 @@
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/progress.h"
+#include "apps/octant/ranks.h"
 #include "apps/octant/steps.h"
 #include "apps/octant/table.h"
 #include "io/atomic_file.h"
@@ -48,6 +49,7 @@ calib::Solution solve_with_progress(calib::Problem& problem, bool strict, Sessio
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::SolveOptions options;
   options.threads = session.threads();
+  options.ranks = session.job != nullptr ? session.job->ranks() : nullptr;
   options.strict = strict;
   options.on_progress = [&](const calib::Progress& p) {
     reporter.show(p.stage, p.iteration, p.cost, p.fraction);
@@ -97,7 +99,7 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
     auto runs = read_runs(run_paths, names_of(*site), site->timing, {}, session);
     if (!runs) return fail(runs.error());
     result.provenance = provenance(site_path, io::sha256_hex(*bytes), *runs, session);
-    auto problem = calib::make_problem(std::move(*site), std::move(*runs));
+    auto problem = calib::make_problem(std::move(*site), std::move(*runs), session.threads());
     if (!problem) return fail(problem.error());
     result.problem = std::move(*problem);
   }

@@ -12,8 +12,9 @@
 namespace octant::app {
 
 Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
-                                              const io::ReadRunOptions& options, Session& session) {
+                                              io::ReadRunOptions options, Session& session) {
   const ExitAtOnce nothing_written_yet;
+  options.threads = session.threads();
   std::vector<MeasurementLog> runs;
   for (const auto& folder : folders) {
     auto run = io::read_run(folder, names, timing, options);

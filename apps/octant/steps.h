@@ -28,7 +28,7 @@ namespace octant::app {
 
 /// Reads recordings in order; warnings go to the session.
 [[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
-                                                            const io::ReadRunOptions& options, Session& session);
+                                                            io::ReadRunOptions options, Session& session);
 
 /// Writes a simulated world as a folder that is complete or not there: site.yaml, run/, heldout/, deployment.true.json and
 /// the scenario's text. An older world of the same place is replaced; a folder that holds anything else is refused.
@@ -45,6 +45,10 @@ struct Calibration {
 };
 /// Errors of reading; numerical trouble is in the solution.
 [[nodiscard]] Result<Calibration> calibrate_files(const std::string& site, const std::vector<std::string>& runs, bool strict, Session& session);
+/// The object of `octant calibrate`.
+[[nodiscard]] Json calibration_json(const Calibration& calibration, const Session& session);
+/// Why there is no deployment.
+[[nodiscard]] Failure failure_of(const calib::Solution& solution);
 /// Arrivals and rows left out, by reason and by beacon.
 [[nodiscard]] Json left_out_json(const Calibration& calibration);
 [[nodiscard]] std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration);

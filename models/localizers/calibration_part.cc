@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "models/linearise.h"
+#include "models/scratch.h"
 
 namespace octant {
 
@@ -33,12 +34,21 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
   if (C.rows() == 0) return;
   const int n = t.block_size(), dof = pose_dof(t.motion);
   NodeBlock D = NodeBlock::Zero(n, n);
-  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, C.cols());
+  // Column by column of G, and only those that the segment touches: a fix hears a few beacons of many.
+  std::pmr::vector<NodeVector> G(scratch());
+  std::pmr::vector<int> touched(scratch()), place(static_cast<std::size_t>(C.cols()), -1, scratch());
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
     D.noalias() += row.by_node.transpose() * row.by_node;
     if (!row.has_shared) return;
     const auto couple = [&](int at, double derivative) {
-      if (at >= 0 && derivative != 0.0) G.col(at) += derivative * row.by_node.transpose();
+      if (at < 0 || derivative == 0.0) return;
+      int& where = place[static_cast<std::size_t>(at)];
+      if (where < 0) {
+        where = static_cast<int>(touched.size());
+        touched.push_back(at);
+        G.push_back(NodeVector::Zero(n));
+      }
+      G[static_cast<std::size_t>(where)] += derivative * row.by_node.transpose();
     };
     for (std::size_t i = 0; i < 3; ++i) couple(beacon_[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
     if (!row.receiver.valid()) return;
@@ -55,8 +65,14 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
   for (int i = t.motion == Motion::kPlanar ? 2 : 3; i < dof; ++i) D(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
   const Eigen::LDLT<NodeBlock> ldlt(D);
   if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() <= 0) return;
-  const Eigen::MatrixXd S = ldlt.solve(G);
-  covariance += (S * C * S.transpose()).topLeftCorner(dof, dof);
+  for (NodeVector& column : G) column = NodeVector(ldlt.solve(column));  // D^-1 G
+  NodeBlock sum = NodeBlock::Zero(n, n);
+  for (std::size_t j = 0; j < G.size(); ++j) {
+    NodeVector weighed = NodeVector::Zero(n);
+    for (std::size_t i = 0; i < G.size(); ++i) weighed += C(touched[i], touched[j]) * G[i];
+    sum.noalias() += weighed * G[j].transpose();
+  }
+  covariance += sum.topLeftCorner(dof, dof);
 }
 
 }  // namespace octant

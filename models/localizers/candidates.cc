@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "models/pose.h"
 
@@ -43,9 +44,9 @@ int intersect(const Circle& a, const Circle& b, std::array<PlanarState, 2>& out)
 }
 
 /// Two arrivals of each beacon stand for all: the earliest, since echoes are late, and the middle one, since some are early.
-std::vector<std::array<std::size_t, 2>> representatives(const SearchProblem& problem) {
-  std::vector<std::array<std::size_t, 2>> out;
-  std::vector<std::size_t> order;
+std::pmr::vector<std::array<std::size_t, 2>> representatives(const SearchProblem& problem) {
+  std::pmr::vector<std::array<std::size_t, 2>> out(scratch());
+  std::pmr::vector<std::size_t> order(scratch());
   for (std::size_t group = 0; group < problem.groups(); ++group) {
     order.clear();
     for (std::size_t i = problem.group_first[group]; i < problem.group_first[group + 1]; ++i) order.push_back(i);
@@ -57,8 +58,9 @@ std::vector<std::array<std::size_t, 2>> representatives(const SearchProblem& pro
 }
 
 /// Pairs of ranges, spread over the pairs of beacons: first all earliest with earliest, then middle with middle, then mixed.
-std::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& problem, std::size_t max_pairs) {
-  std::vector<std::array<std::size_t, 2>> pairs;
+std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& problem, std::size_t max_pairs) {
+  std::pmr::vector<std::array<std::size_t, 2>> pairs(scratch());
+  pairs.reserve(max_pairs);
   if (!problem.common_bias) {
     // Along a drive each arrival has its own place: pairs of all beacons at all distances in time.
     const std::size_t n = problem.ranges.size();
@@ -83,16 +85,20 @@ std::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& proble
 /// Offers a position with the given heading.
 void offer(Consensus& consensus, const PlanarState& state, TopList& top) { top.offer(state, consensus.score(state, top.worst())); }
 
+constexpr std::size_t kFirstHeadings = 4;
+using FirstHeadings = std::array<double, 2 * kFirstHeadings>;  ///< fewer than twice as many, as the stride is rounded down
+
 /// Headings to begin with at a place: those that a few of the bearings tell there, or none in particular.
-std::vector<double> first_headings(const SearchProblem& problem, double x_m, double y_m) {
-  if (problem.bearings.empty()) return {0.0};
-  std::vector<double> headings;
-  const std::size_t stride = std::max<std::size_t>(problem.bearings.size() / 4, 1);
+std::span<const double> first_headings(const SearchProblem& problem, double x_m, double y_m, FirstHeadings& memory) {
+  memory[0] = 0.0;
+  if (problem.bearings.empty()) return std::span(memory).first(1);
+  std::size_t count = 0;
+  const std::size_t stride = std::max<std::size_t>(problem.bearings.size() / kFirstHeadings, 1);
   for (std::size_t i = 0; i < problem.bearings.size(); i += stride) {
     const SearchBearing& b = problem.bearings[i];
-    headings.push_back(wrap_angle(std::atan2(b.p_reflector_map_m.y() - y_m, b.p_reflector_map_m.x() - x_m) - b.bearing_rad));
+    memory[count++] = wrap_angle(std::atan2(b.p_reflector_map_m.y() - y_m, b.p_reflector_map_m.x() - x_m) - b.bearing_rad);
   }
-  return headings;
+  return std::span(memory).first(count);
 }
 
 struct Box {
@@ -164,11 +170,12 @@ void propose_from_grid(const SearchProblem& problem, const SearchOptions& option
   // With short lever arms the heading hardly moves the ranges at this width: places first, headings for the best of them.
   TopList places(2 * options.keep, widths[2], 0.3);
   consensus.judge_shadows(false);
+  FirstHeadings headings_here;
   const auto steps = [spacing](double from, double to) { return static_cast<int>(std::ceil((to - from) / spacing - 0.5)); };
   for (int row = 0; row < steps(box.y0, box.y1); ++row)
     for (int column = 0; column < steps(box.x0, box.x1); ++column) {
       const double x = box.x0 + (column + 0.5) * spacing, y = box.y0 + (row + 0.5) * spacing;
-      for (const double heading : first_headings(problem, x, y)) {
+      for (const double heading : first_headings(problem, x, y, headings_here)) {
         PlanarState state{x, y, heading, 0.0};
         if (problem.has_offset) state.offset_m = consensus.best_offset(state);
         for (const double width_m : widths) {

@@ -24,12 +24,12 @@ class TopList {
   /// Scores beyond it need not be computed to the end.
   [[nodiscard]] double worst() const;
   void offer(const PlanarState& state, double score);
-  [[nodiscard]] const std::vector<Candidate>& list() const { return list_; }
+  [[nodiscard]] const std::pmr::vector<Candidate>& list() const { return list_; }
 
  private:
   std::size_t size_;
   double apart_m_, apart_rad_;
-  std::vector<Candidate> list_;
+  std::pmr::vector<Candidate> list_{scratch()};
 };
 
 struct SearchOptions {
@@ -49,8 +49,8 @@ void propose_from_grid(const SearchProblem& problem, const SearchOptions& option
 
 /// What a search found: distinct poses, best first, scored without any widening.
 struct SearchResult {
-  std::vector<Candidate> poses;
-  std::vector<Eigen::Matrix4d> information;  ///< of each
+  std::pmr::vector<Candidate> poses{scratch()};
+  std::pmr::vector<Eigen::Matrix4d> information{scratch()};  ///< of each
 };
 
 /// The whole search for a planar pose from nothing.

@@ -63,9 +63,9 @@ class Consensus {
 
   const SearchProblem& problem_;
   // Of each range and of each beacon at the present width.
-  std::vector<double> inverse_variance_, bias_variance_;
-  std::vector<Caps> caps_, group_caps_;
-  std::vector<double> residual_, behind_, sorted_;  ///< scratch, one for each range
+  std::pmr::vector<double> inverse_variance_{scratch()}, bias_variance_{scratch()};
+  std::pmr::vector<Caps> caps_{scratch()}, group_caps_{scratch()};
+  std::pmr::vector<double> residual_{scratch()}, behind_{scratch()}, sorted_{scratch()};  ///< scratch, one for each range
   double extra_m_ = 0.0;
   bool judge_shadows_ = true;
 };

@@ -25,15 +25,16 @@ class DriveFilter {
 
   [[nodiscard]] const Pose& pose() const { return T_map_vehicle_; }
   [[nodiscard]] const Eigen::Matrix3d& covariance() const { return covariance_; }
-  /// Share of the recent arrivals that were used, exponentially forgotten over some thirty; low: the filter is lost.
-  [[nodiscard]] double acceptance() const { return acceptance_; }
+  /// Of the recent arrivals (exponentially forgotten over some thirty) too few could be used.
+  [[nodiscard]] bool is_lost() const { return acceptance_ < 0.35; }
+  void set_range_slack(double range_slack_m) { range_slack_m_ = range_slack_m; }
 
  private:
   const EpochFixModel& model_;
   double gate_sigmas_, range_slack_m_;
   Pose T_map_vehicle_;
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Identity();
-  double acceptance_ = 1.0;
+  double acceptance_ = 1.0;  ///< share of the recent arrivals that were used
 };
 
 }  // namespace octant

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include <Eigen/Cholesky>
 
@@ -20,6 +19,7 @@ constexpr std::size_t kMinRanges = 8;
 constexpr double kClearMargin = 8.0;  ///< of the log likelihood; a window that is not clear can always grow
 constexpr double kWindowGrowth = 1.4;
 constexpr double kMaxHeadingSigma = 0.25;  ///< rad: within it the filter linearises safely
+constexpr double kStartInflation = 4.0;  ///< of the covariance of a stretch that was settled robustly
 constexpr double kMaxMeanCost = 2.0;       ///< of an arrival: 0.5 where all is well, the caps where nothing fits
 
 /// Poses of the window's nodes in the frame of its middle one, and their drift away from it.
@@ -57,11 +57,10 @@ RigidPath rigid_path(const Trajectory& t, const Segment& window, std::size_t anc
 void thin_out(SearchProblem& problem) {
   const std::size_t n = problem.ranges.size();
   if (n <= kMaxRanges) return;
-  std::vector<SearchRange> kept;
-  for (std::size_t i = 0; i < kMaxRanges; ++i) kept.push_back(problem.ranges[i * n / kMaxRanges]);
-  problem.ranges = std::move(kept);
-  const std::vector<std::size_t> before = std::move(problem.group_first);
-  const std::vector<double> bias_m = std::move(problem.group_bias_m);
+  for (std::size_t i = 0; i < kMaxRanges; ++i) problem.ranges[i] = problem.ranges[i * n / kMaxRanges];
+  problem.ranges.resize(kMaxRanges);
+  const std::pmr::vector<std::size_t> before(problem.group_first, scratch());
+  const std::pmr::vector<double> bias_m(problem.group_bias_m, scratch());
   problem.group_first.clear();
   problem.group_bias_m.clear();
   for (std::size_t i = 0; i < kMaxRanges; ++i) {
@@ -86,8 +85,9 @@ bool is_clear(const SearchProblem& problem, const SearchResult& result, double m
   return std::sqrt(P(0, 0) + P(1, 1)) < max_sigma_m && std::sqrt(P(2, 2)) < kMaxHeadingSigma;
 }
 
-/// Places one window if it is clear; its nodes are then set by the rigid path and settled.
-bool place_window(Trajectory& t, const Segment& window, const EpochFixModel& model, const TrackerOptions& options) {
+}  // namespace
+
+bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& model, const TrackerOptions& options) {
   const std::size_t anchor = window.first_node + (window.last_node - window.first_node) / 2;
   const RigidPath path = rigid_path(t, window, anchor);
   SearchProblem problem = make_search_problem(t, window, model, options.range_slack_m, path);
@@ -114,21 +114,19 @@ bool place_window(Trajectory& t, const Segment& window, const EpochFixModel& mod
   return true;
 }
 
-}  // namespace
-
 double independent_slack_m(const Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m) {
   if (slack_m == 0.0 || segment.first_arrival == segment.last_arrival) return slack_m;
   double path_m = 0.0, range_m = 0.0;
   for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
     path_m += t.odometry[i].T_before_after.translation_m.norm();
-  std::set<BeaconId> beacons;
+  std::pmr::vector<char> heard(model.beacon_usable.size(), 0, scratch());
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
-    beacons.insert(t.arrivals[i].beacon);
+    heard[t.arrivals[i].beacon.index()] = 1;
     range_m += range_of(t.arrivals[i], t, model.state);
   }
   const double arrivals = static_cast<double>(segment.last_arrival - segment.first_arrival);
   const double share = std::min(1.0, 0.5 * (range_m / arrivals) / std::max(path_m, 1e-9));
-  return slack_m * std::sqrt(std::max(1.0, share * arrivals / static_cast<double>(beacons.size())));
+  return slack_m * std::sqrt(std::max(1.0, share * arrivals / static_cast<double>(std::count(heard.begin(), heard.end(), 1))));
 }
 
 WidenedArrivals::WidenedArrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m)
@@ -144,6 +142,14 @@ WidenedArrivals::WidenedArrivals(Trajectory& t, const Segment& segment, const Ep
 
 WidenedArrivals::~WidenedArrivals() {
   for (std::size_t i = 0; i < sigma_s_.size(); ++i) trajectory_.arrivals[first_ + i].sigma_s = sigma_s_[i];
+}
+
+Eigen::Matrix3d start_covariance(Trajectory& t, const Segment& stretch, const EpochFixModel& model, double slack_m,
+                              std::size_t node) {
+  const WidenedArrivals widened(t, stretch, model, slack_m);
+  const StateCovariance P = node_covariance(t, stretch, node, model.state);
+  if (P.rows() < 3 || !P.allFinite()) return Eigen::Vector3d(1.0, 1.0, 0.1).asDiagonal();
+  return kStartInflation * P.topLeftCorner<3, 3>();
 }
 
 Segment stretch_of(const Trajectory& t, const Segment& segment, std::size_t first_node, std::size_t last_node) {
@@ -177,7 +183,7 @@ DriveStart find_start(Trajectory& t, const Segment& segment, const EpochFixModel
     std::size_t last = start.first_node;
     for (double span_s = options.start_window_s;; span_s *= kWindowGrowth) {
       while (last < segment.last_node && t.nodes[last].time_s <= begin_s + span_s) ++last;
-      if (last >= start.first_node + 2 && place_window(t, stretch_of(t, segment, start.first_node, last), model, options)) {
+      if (last >= start.first_node + 2 && place_stretch(t, stretch_of(t, segment, start.first_node, last), model, options)) {
         start.found = true;
         start.last_node = last;
         return start;

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "models/localizers/tracker.h"
+#include "models/scratch.h"
 
 namespace octant {
 
@@ -34,12 +35,21 @@ class WidenedArrivals {
  private:
   Trajectory& trajectory_;
   std::size_t first_;
-  std::vector<double> sigma_s_;
+  std::pmr::vector<double> sigma_s_{scratch()};
 };
 
 /// The part of a segment between two of its nodes, with the observations that touch no other.
 [[nodiscard]] Segment stretch_of(const Trajectory& trajectory, const Segment& segment, std::size_t first_node,
                                  std::size_t last_node);
+
+/// Places a stretch if the arrivals settle it: the odometry is taken as a rigid piece, whose middle pose is found as an epoch's
+/// is, with lever arms along the path; then its states are settled robustly. False: nothing of it is clear.
+[[nodiscard]] bool place_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model, const TrackerOptions& options);
+
+/// Covariance (x, y, heading) with which a filter may begin at a node of a stretch that was placed: its marginal, inflated,
+/// because the stretch was settled robustly and its outliers are not marked.
+[[nodiscard]] Eigen::Matrix3d start_covariance(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
+                                               double range_slack_m, std::size_t node);
 
 /// Searches the place of the first stretch at or after from_node that the arrivals settle: the odometry of a window is taken
 /// as a rigid piece, whose middle pose is found as an epoch's is, with lever arms along the path. The window grows until one

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "models/localizers/candidates.h"
+#include "models/localizers/localizer.h"
 #include "models/localizers/node_adjustment.h"
 #include "models/localizers/spatial_start.h"
 
@@ -30,21 +30,21 @@ struct Count {
 
 Count count(const Trajectory& t, const Segment& segment, const EpochFixModel& model) {
   Count c;
-  std::set<BeaconId> heard, used;
+  std::pmr::vector<char> heard(model.beacon_usable.size(), 0, scratch()), used(heard, scratch());
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
     if (!model.beacon_usable[a.beacon.index()]) continue;
     ++c.heard;
-    heard.insert(a.beacon);
+    heard[a.beacon.index()] = 1;
     if (a.rejection != Rejection::kUsed) continue;
     ++c.used;
-    used.insert(a.beacon);
+    used[a.beacon.index()] = 1;
   }
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
     if (t.bearings[i].rejection == Rejection::kUsed && t.bearings[i].reflector.valid()) ++c.bearings;
   c.poses = static_cast<int>(segment.last_pose - segment.first_pose);
-  c.beacons_heard = static_cast<int>(heard.size());
-  c.beacons_used = static_cast<int>(used.size());
+  c.beacons_heard = static_cast<int>(std::count(heard.begin(), heard.end(), 1));
+  c.beacons_used = static_cast<int>(std::count(used.begin(), used.end(), 1));
   return c;
 }
 
@@ -212,6 +212,12 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
 
 Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options) {
   Fix fix;
+  fix_epoch(t, segment, model, options, fix);
+  return fix;
+}
+
+void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options, Fix& fix) {
+  clear(fix);
   Node& node = t.nodes[segment.first_node];
   node.placed = false;
   fix.time_s = instant_of(t, segment);
@@ -234,7 +240,7 @@ Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
   if (!found) {
     fix.status = FixStatus::kTooFewArrivals;
     report_arrivals(t, segment, fix);
-    return fix;
+    return;
   }
 
   const NodeAdjustment adjustment = adjust_and_mark(t, segment, model, options);
@@ -255,7 +261,6 @@ Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
     fix.status = adjustment.converged ? FixStatus::kOk : FixStatus::kNotConverged;
   }
   node.placed = fix.ok();
-  return fix;
 }
 
 }  // namespace octant

@@ -11,7 +11,9 @@
 #include "models/deployment.h"
 #include "models/fix.h"
 #include "models/localizers/calibration_part.h"
+#include "models/localizers/localizer.h"
 #include "models/run.h"
+#include "models/scratch.h"
 #include "models/trajectory.h"
 
 namespace octant {
@@ -53,15 +55,20 @@ struct EpochFixModel {
 /// holds the best pose found in any case.
 [[nodiscard]] Fix fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                             const EpochFixOptions& options = {});
+/// The same into a fix whose memory is used again.
+void fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options, Fix& fix);
 
-/// Robust least-squares localizer: one fix an epoch.
-class LeastSquaresLocalizer {
+/// Robust least-squares localizer: one fix an epoch, by the labelled bearings too where there are any.
+class LeastSquaresLocalizer final : public Localizer {
  public:
   explicit LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options = {});
+
+  void locate(const Observations& observations, Fix& fix) noexcept override;
+  using Localizer::locate;
   /// Fix from the arrivals of one epoch of one vehicle.
-  [[nodiscard]] Fix locate(std::span<const Arrival> arrivals) const;
+  [[nodiscard]] Fix locate(std::span<const Arrival> arrivals) { return locate(Observations{arrivals, {}}); }
   /// All epochs of a run, in order; epochs without a fix included with their reason.
-  [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& log) const;
+  [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& log);
 
  private:
   void finish(const Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
@@ -70,6 +77,9 @@ class LeastSquaresLocalizer {
   EpochFixOptions options_;
   EpochFixModel model_;
   CalibrationPart calibration_;
+  TrajectoryModel trajectory_model_;
+  Trajectory epoch_;
+  Scratch scratch_;
 };
 
 }  // namespace octant

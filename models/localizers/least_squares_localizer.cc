@@ -13,6 +13,9 @@ namespace {
 
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
+constexpr std::size_t kScratchBytes = 1u << 20;  ///< the search of a fix by sixteen beacons and eight receivers takes a quarter
+constexpr std::size_t kRowsEachPair = 2;         ///< an epoch may hold a few pings
+
 /// Rows of the joint covariance that move a beacon's arrivals: x, y, z, delay, speed; -1 where a parameter is held.
 std::array<int, 5> rows_of(const JointCovariance& joint, const std::string& beacon) {
   const std::array<std::string, 5> names = {"beacon/" + beacon + "/x_m", "beacon/" + beacon + "/y_m", "beacon/" + beacon + "/z_m",
@@ -71,7 +74,15 @@ EpochFixModel epoch_fix_model(const Deployment& deployment) {
 }
 
 LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options)
-    : deployment_(std::move(deployment)), options_(options), model_(epoch_fix_model(deployment_)), calibration_(deployment_) {}
+    : deployment_(std::move(deployment)),
+      options_(options),
+      model_(epoch_fix_model(deployment_)),
+      calibration_(deployment_),
+      trajectory_model_(trajectory_model(deployment_)),
+      scratch_(kScratchBytes) {
+  const std::size_t arrivals = kRowsEachPair * deployment_.beacons.size() * std::max<std::size_t>(deployment_.receivers.size(), 1);
+  reserve_epoch(epoch_, arrivals, kRowsEachPair * deployment_.beacons.size());
+}
 
 /// What the arrivals' own noise does not tell: the calibration's part, and what a fault could do.
 void LeastSquaresLocalizer::finish(const Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
@@ -80,31 +91,22 @@ void LeastSquaresLocalizer::finish(const Trajectory& trajectory, const Segment& 
   fix.protection_level_m = horizontal_protection_m(trajectory, epoch, model_.state, fix.covariance);
 }
 
-Fix LeastSquaresLocalizer::locate(std::span<const Arrival> arrivals) const {
-  Fix none;
-  if (arrivals.empty()) return none;
-  MeasurementLog log;
-  log.has_epochs = true;
-  log.vehicle = arrivals.front().vehicle;
-  log.arrivals.assign(arrivals.begin(), arrivals.end());
-  // Whatever their times: they are said to belong to one pose.
-  for (Arrival& a : log.arrivals) {
-    a.epoch = arrivals.front().epoch;
-    a.vehicle = log.vehicle;
-  }
-  Trajectory trajectory = make_trajectory(log, 0, log.vehicle, trajectory_model(deployment_));
-  if (trajectory.segments.empty()) return none;
-  Fix fix = fix_epoch(trajectory, trajectory.segments.front(), model_, options_);
-  finish(trajectory, trajectory.segments.front(), fix);
-  return fix;
+void LeastSquaresLocalizer::locate(const Observations& observations, Fix& fix) noexcept {
+  clear(fix);
+  if (observations.arrivals.empty() && observations.bearings.empty()) return;
+  const ScratchScope scope(scratch_);
+  set_epoch(epoch_, observations.arrivals, observations.bearings, trajectory_model_);
+  fix_epoch(epoch_, epoch_.segments.front(), model_, options_, fix);
+  finish(epoch_, epoch_.segments.front(), fix);
 }
 
-std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) const {
+std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) {
   std::vector<Fix> fixes;
   for (std::size_t v = 0; v < deployment_.vehicles.size(); ++v) {
-    Trajectory trajectory = make_trajectory(log, 0, VehicleId(v), trajectory_model(deployment_));
+    Trajectory trajectory = make_trajectory(log, 0, VehicleId(v), trajectory_model_);
     for (const Segment& segment : trajectory.segments)
       for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
+        const ScratchScope scope(scratch_);
         const Segment epoch = node_segment(trajectory, segment, node);
         fixes.push_back(fix_epoch(trajectory, epoch, model_, options_));
         finish(trajectory, epoch, fixes.back());

@@ -11,11 +11,13 @@
 #include <Eigen/LU>
 
 #include "models/localizers/line_matching.h"
+#include "models/localizers/localizer.h"
 
 namespace octant {
 namespace {
 
 constexpr double kExact = 1e-4;        // m, rad: a start that is said to be exact
+constexpr std::size_t kScratchBytes = 4u << 20;  // a scan of a thousand beams in a map of hundreds of walls
 constexpr double kSameSquared = 16.0;  // tracks closer than four sigma are one
 
 double square(double x) { return x * x; }
@@ -69,31 +71,6 @@ Eigen::Matrix3d with_walls(const Eigen::Matrix3d& before, const Eigen::Matrix3d&
   return V * scale.asDiagonal() * sum * scale.asDiagonal() * V.transpose();
 }
 
-/// A row of the odometry chain from `from_s` on, up to a time; keeps its place between calls.
-class OdometryCursor {
- public:
-  OdometryCursor(std::span<const OdometryStep> steps, const OdometryAccuracy& accuracy, double from_s)
-      : steps_(steps), accuracy_(&accuracy), now_s_(from_s) {
-    while (next_ < steps_.size() && steps_[next_].time_s <= now_s_) ++next_;
-  }
-  void advance_to(double time_s, OdometryState& state) {
-    while (next_ < steps_.size() && now_s_ < time_s) {
-      const double start_s = next_ > 0 ? steps_[next_ - 1].time_s : now_s_, span_s = steps_[next_].time_s - start_s;
-      const double until_s = std::min(time_s, steps_[next_].time_s);
-      // The first row is the anchor: what it says is no motion.
-      if (next_ > 0 && span_s > 0) advance(state, steps_[next_], *accuracy_, (until_s - now_s_) / span_s);
-      now_s_ = until_s;
-      if (now_s_ >= steps_[next_].time_s) ++next_;
-    }
-  }
-
- private:
-  std::span<const OdometryStep> steps_;
-  const OdometryAccuracy* accuracy_;
-  double now_s_;
-  std::size_t next_ = 0;
-};
-
 }  // namespace
 
 MapLine wall(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) {
@@ -144,87 +121,113 @@ Result<void> line_map_fits(const LineMap& map, const MeasurementLog& log) {
   return {};
 }
 
-LineMapLocalizer::LineMapLocalizer(LineMap map, LineMapOptions options) : map_(std::move(map)), options_(options) {}
+LineMapLocalizer::LineMapLocalizer(LineMap map, LineMapOptions options)
+    : map_(std::move(map)), options_(options), scratch_(kScratchBytes) {
+  tracks_.reserve(static_cast<std::size_t>(std::max(1, options_.max_hypotheses)));
+}
 
-std::vector<Fix> LineMapLocalizer::locate(const MeasurementLog& log) const {
+void LineMapLocalizer::start(const Pose& T_map_vehicle, const PoseAccuracy& start_accuracy, const OdometryAccuracy& odometry_accuracy) noexcept {
+  Track first;
+  first.state = {T_map_vehicle.translation_m.head<2>(), T_map_vehicle.heading_rad()};
+  const double start_m = std::max(start_accuracy.position_sigma_m, kExact);
+  const double start_rad = start_accuracy.heading_known ? std::max(start_accuracy.heading_sigma_rad, kExact) : std::numbers::pi;
+  first.state.covariance.diagonal() << square(start_m), square(start_m), square(start_rad);
+  tracks_.assign(1, first);
+  odometry_accuracy_ = odometry_accuracy;
+  odometry_accuracy_.heading_sigma_per_rad = std::max(odometry_accuracy.heading_sigma_per_rad, options_.turn_sigma_per_rad);
+  first_scan_ = true;
+}
+
+void LineMapLocalizer::move(const OdometryStep& step, double fraction) noexcept {
+  for (Track& track : tracks_) {
+    const Eigen::Vector2d before_m = track.state.p_map_m;
+    advance(track.state, step, odometry_accuracy_, fraction);
+    Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+    F(0, 2) = before_m.y() - track.state.p_map_m.y();
+    F(1, 2) = track.state.p_map_m.x() - before_m.x();
+    track.of_map = F * track.of_map * F.transpose();
+  }
+}
+
+void LineMapLocalizer::locate(const Scan& scan, Fix& fix) noexcept {
+  clear(fix);
+  fix.time_s = scan.time_s;
+  fix.status = FixStatus::kPoorGeometry;
+  if (tracks_.empty()) return;
+  const Eigen::Vector3d slip(square(options_.step_sigma_m), square(options_.step_sigma_m), square(options_.step_sigma_rad));
+  if (!first_scan_)
+    for (Track& track : tracks_) track.state.covariance.diagonal() += slip;
+  first_scan_ = false;
+  const ScratchScope scope(scratch_);
+  correct(scan, fix);
+  report(fix);
+}
+
+std::vector<Fix> LineMapLocalizer::locate(const MeasurementLog& log) {
   if (!line_map_fits(map_, log)) return {};
   return locate(log.scans, log.odometry, log.odometry_accuracy, log.poses.front(), log.pose_accuracy);
 }
 
 std::vector<Fix> LineMapLocalizer::locate(std::span<const Scan> scans, std::span<const OdometryStep> odometry,
-                                          const OdometryAccuracy& accuracy, const TimedPose& start,
-                                          const PoseAccuracy& start_accuracy) const {
-  Track first;
-  first.state = {start.T_map_vehicle.translation_m.head<2>(), start.T_map_vehicle.heading_rad()};
-  const double start_m = std::max(start_accuracy.position_sigma_m, kExact);
-  const double start_rad = start_accuracy.heading_known ? std::max(start_accuracy.heading_sigma_rad, kExact) : std::numbers::pi;
-  first.state.covariance.diagonal() << square(start_m), square(start_m), square(start_rad);
-  const Eigen::Vector3d slip(square(options_.step_sigma_m), square(options_.step_sigma_m), square(options_.step_sigma_rad));
-
-  std::vector<Track> tracks = {first};
-  OdometryAccuracy widened = accuracy;
-  widened.heading_sigma_per_rad = std::max(accuracy.heading_sigma_per_rad, options_.turn_sigma_per_rad);
-  OdometryCursor cursor(odometry, widened, start.time_s);
+                                          const OdometryAccuracy& accuracy, const TimedPose& begin,
+                                          const PoseAccuracy& start_accuracy) {
+  start(begin.T_map_vehicle, start_accuracy, accuracy);
+  OdometryCursor cursor(odometry, begin.time_s);
   std::vector<Fix> fixes;
   for (const Scan& scan : scans) {
-    if (scan.time_s < start.time_s) continue;
-    const OdometryCursor from = cursor;
-    for (Track& track : tracks) {
-      const Eigen::Vector2d before_m = track.state.p_map_m;
-      cursor = from;
-      cursor.advance_to(scan.time_s, track.state);
-      Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-      F(0, 2) = before_m.y() - track.state.p_map_m.y();
-      F(1, 2) = track.state.p_map_m.x() - before_m.x();
-      track.of_map = F * track.of_map * F.transpose();
-      if (!fixes.empty()) track.state.covariance.diagonal() += slip;
-    }
-    correct(tracks, scan);
-    fixes.push_back(report(tracks));
-    fixes.back().time_s = scan.time_s;
+    if (scan.time_s < begin.time_s) continue;
+    cursor.advance_to(scan.time_s, [this](const OdometryStep& step, double fraction) { move(step, fraction); });
+    locate(scan, fixes.emplace_back());
     fixes.back().vehicle = odometry.empty() ? VehicleId() : odometry.front().vehicle;
   }
   return fixes;
 }
 
 /// Each track goes on in every way that the scan allows; the likeliest that are distinct stay, best first.
-void LineMapLocalizer::correct(std::vector<Track>& tracks, const Scan& scan) const {
-  const std::vector<Eigen::Vector2d> points = scan_points(scan, options_.scan);
-  const std::vector<LineSegment> segments = scan_segments(scan, options_.scan);
-  std::vector<Track> next;
-  for (const Track& track : tracks) {
+void LineMapLocalizer::correct(const Scan& scan, Fix& fix) {
+  struct Way {
+    Track track;
+    std::pmr::vector<int> wall;  ///< of each segment; -1: none
+  };
+  const std::pmr::vector<Eigen::Vector2d> points = scan_points(scan, options_.scan);
+  const std::pmr::vector<LineSegment> segments = scan_segments(scan, options_.scan);
+  std::pmr::vector<Way> ways(scratch());
+  for (const Track& track : tracks_) {
     for (WallMatches& m : match_walls(track.state, segments, points, map_, options_)) {
       const Eigen::Matrix3d of_map = with_walls(track.of_map, track.state.covariance, m.wall_spread, m.state.covariance);
-      next.push_back({m.state, of_map, track.cost + m.cost, std::move(m.wall)});
+      ways.push_back({{m.state, of_map, track.cost + m.cost}, std::move(m.wall)});
     }
   }
-  std::stable_sort(next.begin(), next.end(), [](const Track& a, const Track& b) { return a.cost < b.cost; });
-  tracks.clear();
-  for (Track& track : next) {
-    if (static_cast<int>(tracks.size()) >= options_.max_hypotheses) break;
-    if (!tracks.empty() && track.cost > tracks.front().cost + options_.forget_margin) break;
+  std::pmr::vector<std::size_t> order(ways.size(), scratch());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return ways[a].track.cost != ways[b].track.cost ? ways[a].track.cost < ways[b].track.cost : a < b;
+  });
+  tracks_.clear();
+  const Way& best = ways[order.front()];
+  for (const std::size_t i : order) {
+    const Track& track = ways[i].track;
+    if (static_cast<int>(tracks_.size()) >= options_.max_hypotheses) break;
+    if (!tracks_.empty() && track.cost > best.track.cost + options_.forget_margin) break;
     const bool is_known =
-        std::any_of(tracks.begin(), tracks.end(), [&](const Track& kept) { return same_pose(kept.state, track.state); });
-    if (!is_known) tracks.push_back(std::move(track));
+        std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& kept) { return same_pose(kept.state, track.state); });
+    if (!is_known) tracks_.push_back(track);
   }
-  const double best = tracks.front().cost;
-  for (Track& track : tracks) track.cost -= best;
-}
-
-Fix LineMapLocalizer::report(const std::vector<Track>& tracks) const {
-  const Track& best = tracks.front();
-  Fix fix;
-  fix.T_map_vehicle = best.state.pose();
-  fix.covariance = best.state.covariance + best.of_map;
+  for (Track& track : tracks_) track.cost -= best.track.cost;
   for (const int k : best.wall) {
     fix.rejections.push_back(k >= 0 ? Rejection::kUsed : Rejection::kOutvoted);
     ++(k >= 0 ? fix.arrivals_used : fix.arrivals_rejected);
   }
+}
+
+void LineMapLocalizer::report(Fix& fix) const {
+  const Track& best = tracks_.front();
+  fix.T_map_vehicle = best.state.pose();
+  fix.covariance = best.state.covariance + best.of_map;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(Eigen::Matrix2d(fix.covariance.topLeftCorner<2, 2>()));
   fix.status = FixStatus::kOk;
-  if (tracks.size() > 1 && tracks[1].cost < options_.ambiguity_margin) fix.status = FixStatus::kAmbiguous;
+  if (tracks_.size() > 1 && tracks_[1].cost < options_.ambiguity_margin) fix.status = FixStatus::kAmbiguous;
   if (!(axes.eigenvalues().maxCoeff() < square(options_.max_sigma_m))) fix.status = FixStatus::kPoorGeometry;
-  return fix;
 }
 
 }  // namespace octant

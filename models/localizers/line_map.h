@@ -13,6 +13,7 @@
 #include "models/localizers/scan_lines.h"
 #include "models/result.h"
 #include "models/run.h"
+#include "models/scratch.h"
 
 namespace octant {
 
@@ -77,19 +78,28 @@ struct LineMapOptions {
 /// decide. The covariance of a fix is the filter's and, besides, that of the walls it was corrected by, whose error stays the
 /// same from scan to scan.
 /// The sensor's frame is the vehicle's. Planar.
+/// All memory is taken at construction: a scan of up to a few thousand beams is located without more, once the fix has held one
+/// of as many segments.
 class LineMapLocalizer {
  public:
   explicit LineMapLocalizer(LineMap map, LineMapOptions options = {});
 
-  /// One fix a scan, in order, from the start on (scans before it are left out). `arrivals_used` is the number of segments that
+  /// The vehicle is at this pose; accuracy of it and of the odometry that follows.
+  void start(const Pose& T_map_vehicle, const PoseAccuracy& start_accuracy, const OdometryAccuracy& odometry_accuracy) noexcept;
+  /// The vehicle moved by a fraction (0 to 1) of an odometry row.
+  void move(const OdometryStep& step, double fraction = 1.0) noexcept;
+  /// Fix at a scan, from where `start` and `move` have brought the vehicle. `arrivals_used` is the number of segments that
   /// corrected it, 0 for odometry alone; kAmbiguous while another pose explains the scans as well, kPoorGeometry where the
-  /// position's sigma is beyond max_sigma_m.
+  /// position's sigma is beyond max_sigma_m or nothing was said of the start.
+  void locate(const Scan& scan, Fix& fix) noexcept;
+
+  /// One fix a scan, in order, from the start on (scans before it are left out).
   /// @param start at start.time_s, with its accuracy
   [[nodiscard]] std::vector<Fix> locate(std::span<const Scan> scans, std::span<const OdometryStep> odometry,
                                         const OdometryAccuracy& accuracy, const TimedPose& start,
-                                        const PoseAccuracy& start_accuracy) const;
+                                        const PoseAccuracy& start_accuracy);
   /// The same for a run that `line_map_fits`, from its first measured pose; later ones are not looked at.
-  [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& log) const;
+  [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& log);
 
   [[nodiscard]] const LineMap& map() const { return map_; }
 
@@ -99,13 +109,16 @@ class LineMapLocalizer {
     OdometryState state;
     Eigen::Matrix3d of_map = Eigen::Matrix3d::Zero();  ///< covariance of what the walls' own errors put the pose off
     double cost = 0.0;                                 ///< minus twice the log likelihood, less the best track's
-    std::vector<int> wall;                             ///< of each segment of the last scan; -1: none
   };
-  void correct(std::vector<Track>& tracks, const Scan& scan) const;
-  [[nodiscard]] Fix report(const std::vector<Track>& tracks) const;
+  void correct(const Scan& scan, Fix& fix);
+  void report(Fix& fix) const;
 
   LineMap map_;
   LineMapOptions options_;
+  OdometryAccuracy odometry_accuracy_;
+  std::vector<Track> tracks_;
+  bool first_scan_ = true;
+  Scratch scratch_;
 };
 
 }  // namespace octant

@@ -41,20 +41,24 @@ class Matcher {
         outlier_(square(options.gate_probability_sigmas)),
         clutter_(2 * std::log(4 * options.max_offset_m * options.max_angle_rad * (1 - options.clutter_share) /
                               options.clutter_share)) {
-    candidates_.resize(segments.size());
     double reach_m = 2 * options.max_offset_m;
     for (const Eigen::Vector2d& p : points) reach_m = std::max(reach_m, p.norm() + 2 * options.max_offset_m);
     for (std::size_t k = 0; k < map.lines.size(); ++k)
       if (distance_from(map.lines[k].segment, prior.p_map_m) < reach_m) near_.push_back(static_cast<int>(k));
-    for (std::size_t i = 0; i < segments.size(); ++i)
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      first_candidate_.push_back(candidate_.size());
       for (std::size_t k = 0; k < map.lines.size(); ++k)
-        if (distance(prior, prior.covariance, i, k) < outlier_) candidates_[i].push_back(static_cast<int>(k));
+        if (distance(prior, prior.covariance, i, k) < outlier_) candidate_.push_back(static_cast<int>(k));
+    }
+    first_candidate_.push_back(candidate_.size());
   }
 
-  std::vector<WallMatches> run() {
-    std::vector<WallMatches> all;
+  std::pmr::vector<WallMatches> run() {
+    std::pmr::vector<WallMatches> all(scratch());
     const auto consider = [&](int segment, int wall) {
-      WallMatches m{.wall = std::vector<int>(segments_.size(), -1), .state = prior_};
+      WallMatches m;
+      m.wall.assign(segments_.size(), -1);
+      m.state = prior_;
       if (segment >= 0) m.wall[static_cast<std::size_t>(segment)] = wall;
       m = follow(std::move(m));
       // Seeds of one pose end in the same matches.
@@ -68,11 +72,14 @@ class Matcher {
     };
     consider(-1, -1);
     for (std::size_t i = 0; i < segments_.size(); ++i)
-      for (const int k : candidates_[i]) consider(static_cast<int>(i), k);
+      for (const int k : candidates(i)) consider(static_cast<int>(i), k);
     return all;
   }
 
  private:
+  [[nodiscard]] std::span<const int> candidates(std::size_t segment) const {
+    return std::span(candidate_).subspan(first_candidate_[segment], first_candidate_[segment + 1] - first_candidate_[segment]);
+  }
   /// Squared normalised distance of a segment from a wall, seen from a pose; beyond the gate where it cannot be that wall.
   [[nodiscard]] double distance(const OdometryState& at, const Eigen::Matrix3d& P, std::size_t segment, std::size_t wall) const {
     const LineSegment& s = segments_[segment];
@@ -93,12 +100,13 @@ class Matcher {
 
   /// From a seed to a consistent set of matches: adjust, match anew under the smaller covariance, until nothing changes.
   [[nodiscard]] WallMatches follow(WallMatches m) const {
+    std::pmr::vector<int> wall(segments_.size(), -1, scratch());
     for (int round = 0; round < kRounds; ++round) {
       adjust(m);
-      std::vector<int> wall(segments_.size(), -1);
+      std::fill(wall.begin(), wall.end(), -1);
       for (std::size_t i = 0; i < segments_.size(); ++i) {
         double nearest = outlier_;
-        for (const int k : candidates_[i]) {
+        for (const int k : candidates(i)) {
           const double d = distance(m.state, m.state.covariance, i, static_cast<std::size_t>(k));
           if (d >= nearest) continue;
           nearest = d;
@@ -106,7 +114,7 @@ class Matcher {
         }
       }
       if (wall == m.wall) break;
-      m.wall = std::move(wall);
+      m.wall = wall;
     }
     adjust(m);
     return m;
@@ -151,12 +159,13 @@ class Matcher {
   Eigen::Matrix3d prior_information_;
   std::span<const LineSegment> segments_;
   std::span<const Eigen::Vector2d> points_;
-  std::vector<int> near_;  ///< walls within the scan's reach
+  std::pmr::vector<int> near_{scratch()};  ///< walls within the scan's reach
   const LineMap& map_;
   const LineMapOptions& options_;
   double outlier_;
   double clutter_;  ///< cost of a segment that is no wall
-  std::vector<std::vector<int>> candidates_;
+  std::pmr::vector<int> candidate_{scratch()};  ///< walls that each segment may be, segment by segment
+  std::pmr::vector<std::size_t> first_candidate_{scratch()};
 };
 
 }  // namespace
@@ -207,7 +216,7 @@ MapSupport map_support(const OdometryState& pose, std::span<const Eigen::Vector2
   return support;
 }
 
-std::vector<WallMatches> match_walls(const OdometryState& prior, std::span<const LineSegment> segments,
+std::pmr::vector<WallMatches> match_walls(const OdometryState& prior, std::span<const LineSegment> segments,
                                      std::span<const Eigen::Vector2d> points, const LineMap& map, const LineMapOptions& options) {
   return Matcher(prior, segments, points, map, options).run();
 }

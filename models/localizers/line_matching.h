@@ -22,7 +22,7 @@ struct WallObservation {
 
 /// Which wall each segment of a scan is (-1: none), and the pose that follows.
 struct WallMatches {
-  std::vector<int> wall;
+  std::pmr::vector<int> wall{scratch()};
   OdometryState state;  ///< prior and matched segments together; its covariance without the walls' own
   Eigen::Matrix3d wall_spread = Eigen::Matrix3d::Zero();  ///< sum of H' W M W H, M the walls' own covariance
   double cost = 0.0;                                      ///< minus twice the log likelihood
@@ -34,7 +34,7 @@ struct WallMatches {
 /// be expected: a match that a wide prior would allow anywhere says little, three that meet in one pose say much. A segment that
 /// is no wall of the map (clutter) lies anywhere within the gates. All of the scan's points, not its segments alone, then
 /// check each pose: points on walls speak for it, beams that went through walls speak against it.
-[[nodiscard]] std::vector<WallMatches> match_walls(const OdometryState& prior, std::span<const LineSegment> segments,
+[[nodiscard]] std::pmr::vector<WallMatches> match_walls(const OdometryState& prior, std::span<const LineSegment> segments,
                                                    std::span<const Eigen::Vector2d> points, const LineMap& map,
                                                    const LineMapOptions& options);
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "models/fix.h"
 #include "models/run.h"
@@ -14,6 +16,14 @@ struct Observations {
   std::span<const Arrival> arrivals;
   std::span<const Bearing> bearings;
 };
+
+/// Makes a fix a new one without giving its memory back.
+inline void clear(Fix& fix) {
+  std::vector<Rejection> rejections = std::move(fix.rejections);
+  rejections.clear();
+  fix = Fix{};
+  fix.rejections = std::move(rejections);
+}
 
 /// A way of finding a vehicle, constructed from a `Deployment`. All memory is taken at construction: a call allocates
 /// nothing once `fix` has held a fix of as many arrivals, throws nothing, and ends in bounded time. What cannot be fixed is

@@ -155,7 +155,7 @@ namespace {
 
 /// Residual of each arrival in metres, and of its beacon the middle one (the lower of two: echoes are late).
 struct Residuals {
-  std::vector<double> own_m, beacon_m;
+  std::pmr::vector<double> own_m{scratch()}, beacon_m{scratch()};
 };
 
 Residuals residuals_of(const Trajectory& t, const Segment& segment, const SharedState& state) {
@@ -165,7 +165,7 @@ Residuals residuals_of(const Trajectory& t, const Segment& segment, const Shared
     const double speed = (a.model_speed_mps + state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
     out.own_m.push_back(arrival_residual(t, a, state) * a.sigma_s * speed);
   }
-  std::vector<double> same;
+  std::pmr::vector<double> same(scratch());
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     same.clear();
     for (std::size_t j = segment.first_arrival; j < segment.last_arrival; ++j)

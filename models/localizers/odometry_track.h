@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -33,6 +35,31 @@ struct OdometryState {
 
 /// Moves on by a fraction (0 to 1) of an odometry row; noise as `OdometryAccuracy` says, its variance in proportion.
 void advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy, double fraction = 1.0);
+
+/// Odometry rows of a vehicle from an instant on, given out up to ever later ones.
+class OdometryCursor {
+ public:
+  OdometryCursor(std::span<const OdometryStep> steps, double from_s) : steps_(steps), now_s_(from_s) {
+    while (next_ < steps_.size() && steps_[next_].time_s <= now_s_) ++next_;
+  }
+  /// Calls move(step, fraction) for every row, or part of one, until then.
+  template <class Move>
+  void advance_to(double time_s, Move&& move) {
+    while (next_ < steps_.size() && now_s_ < time_s) {
+      const double start_s = next_ > 0 ? steps_[next_ - 1].time_s : now_s_, span_s = steps_[next_].time_s - start_s;
+      const double until_s = std::min(time_s, steps_[next_].time_s);
+      // The first row is the anchor: what it says is no motion.
+      if (next_ > 0 && span_s > 0) move(steps_[next_], (until_s - now_s_) / span_s);
+      now_s_ = until_s;
+      if (now_s_ >= steps_[next_].time_s) ++next_;
+    }
+  }
+
+ private:
+  std::span<const OdometryStep> steps_;
+  double now_s_;
+  std::size_t next_ = 0;
+};
 
 /// Poses at all rows from the anchor's pose on: odometry alone.
 [[nodiscard]] std::vector<TimedPose> odometry_track(std::span<const OdometryStep> steps, const Pose& T_map_anchor);

@@ -29,7 +29,7 @@ struct OfBeacon {
 double horizontal_protection_m(const Trajectory& t, const Segment& segment, const SharedState& state, const PoseCovariance& covariance) {
   const int n = t.block_size();
   NodeBlock A = NodeBlock::Zero(n, n);
-  std::vector<OfBeacon> beacons;
+  std::pmr::vector<OfBeacon> beacons(scratch());
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
     A.noalias() += row.by_node.transpose() * row.by_node;
     if (row.kind != RowKind::kTof) return;

@@ -35,8 +35,8 @@ void settle(LineSegment& s, std::span<const Eigen::Vector2d> reach) {
 
 Eigen::Vector2d NormalLine::normal() const { return {std::cos(alpha_rad), std::sin(alpha_rad)}; }
 
-std::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOptions& options) {
-  std::vector<Eigen::Vector2d> points;
+std::pmr::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOptions& options) {
+  std::pmr::vector<Eigen::Vector2d> points(scratch());
   points.reserve(scan.range_m.size());
   for (std::size_t k = 0; k < scan.range_m.size(); ++k) {
     const double r = scan.range_m[k];
@@ -47,8 +47,8 @@ std::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOptions
   return points;
 }
 
-std::vector<std::size_t> cluster(std::span<const Eigen::Vector2d> points, double beam_rad, const ScanLineOptions& options) {
-  std::vector<std::size_t> first;
+std::pmr::vector<std::size_t> cluster(std::span<const Eigen::Vector2d> points, double beam_rad, const ScanLineOptions& options) {
+  std::pmr::vector<std::size_t> first(scratch());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (i > 0) {
       const double nearer_m = std::min(points[i].norm(), points[i - 1].norm());
@@ -70,12 +70,12 @@ LineSegment fit_segment(std::span<const Eigen::Vector2d> points) {
   return s;
 }
 
-std::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> object, const ScanLineOptions& options) {
-  std::vector<LineSegment> segments;
+std::pmr::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> object, const ScanLineOptions& options) {
+  std::pmr::vector<LineSegment> segments(scratch());
   struct Piece {
     std::size_t first, last;  // both included
   };
-  std::vector<Piece> open;
+  std::pmr::vector<Piece> open(scratch());
   if (object.size() >= 2) open.push_back({0, object.size() - 1});
   while (!open.empty()) {
     const Piece piece = open.back();
@@ -105,10 +105,10 @@ std::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> obj
   return segments;
 }
 
-std::vector<LineSegment> scan_segments(const Scan& scan, const ScanLineOptions& options) {
-  const std::vector<Eigen::Vector2d> points = scan_points(scan, options);
-  const std::vector<std::size_t> first = cluster(points, std::abs(scan.angle_increment_rad), options);
-  std::vector<LineSegment> segments;
+std::pmr::vector<LineSegment> scan_segments(const Scan& scan, const ScanLineOptions& options) {
+  const std::pmr::vector<Eigen::Vector2d> points = scan_points(scan, options);
+  const std::pmr::vector<std::size_t> first = cluster(points, std::abs(scan.angle_increment_rad), options);
+  std::pmr::vector<LineSegment> segments(scratch());
   for (std::size_t k = 0; k + 1 < first.size(); ++k) {
     const auto object = std::span(points).subspan(first[k], first[k + 1] - first[k]);
     for (const LineSegment& s : iterative_segments(object, options)) segments.push_back(s);

@@ -12,6 +12,7 @@
 
 #include "models/pose.h"
 #include "models/run.h"
+#include "models/scratch.h"
 
 namespace octant {
 
@@ -53,10 +54,10 @@ struct HoughLine {
 };
 
 /// Ends of the beams in the sensor's frame, in the order of the scan; beams that saw nothing are left out.
-[[nodiscard]] std::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOptions& options = {});
+[[nodiscard]] std::pmr::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOptions& options = {});
 
 /// Division of the points into objects (Smieszek eq. 2): indices of the first point of each, and one past the last.
-[[nodiscard]] std::vector<std::size_t> cluster(std::span<const Eigen::Vector2d> points, double beam_rad,
+[[nodiscard]] std::pmr::vector<std::size_t> cluster(std::span<const Eigen::Vector2d> points, double beam_rad,
                                                const ScanLineOptions& options = {});
 
 /// Straight line through points by total least squares. @param points two or more, not all the same
@@ -64,11 +65,11 @@ struct HoughLine {
 
 /// Segments of one object by iterative generation (Smieszek eq. 3): the line through its ends, split at the farthest point
 /// until all are within split_m; each then fitted.
-[[nodiscard]] std::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> object,
+[[nodiscard]] std::pmr::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> object,
                                                           const ScanLineOptions& options = {});
 
 /// All segments of a scan: points, objects, segments.
-[[nodiscard]] std::vector<LineSegment> scan_segments(const Scan& scan, const ScanLineOptions& options = {});
+[[nodiscard]] std::pmr::vector<LineSegment> scan_segments(const Scan& scan, const ScanLineOptions& options = {});
 
 /// Straight lines by the Hough transform (Smieszek eq. 4): the cell with most points is a line; its points are taken out,
 /// and so on. Not hindered by gaps and outliers, but as coarse as its cells.

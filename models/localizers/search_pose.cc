@@ -46,10 +46,11 @@ void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState
 }
 
 void sort_by_score(SearchResult& result) {
-  std::vector<std::size_t> order(result.poses.size());
+  std::pmr::vector<std::size_t> order(result.poses.size(), scratch());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return result.poses[a].score < result.poses[b].score; });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return result.poses[a].score != result.poses[b].score ? result.poses[a].score < result.poses[b].score : a < b;
+  });
   SearchResult sorted;
   for (const std::size_t i : order) {
     sorted.poses.push_back(result.poses[i]);

@@ -96,9 +96,11 @@ SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& s
   problem.slack_m = range_slack_m;
   add_ranges(trajectory, segment, model, path, problem);
   add_bearings(trajectory, segment, model, path, problem);
-  std::stable_sort(problem.ranges.begin(), problem.ranges.end(),
-                   [](const SearchRange& a, const SearchRange& b) { return a.beacon < b.beacon; });
-  std::vector<double> sigma;
+  // By the observation where the beacons are the same: a stable sort would take memory.
+  std::sort(problem.ranges.begin(), problem.ranges.end(), [](const SearchRange& a, const SearchRange& b) {
+    return a.beacon != b.beacon ? a.beacon < b.beacon : a.observation < b.observation;
+  });
+  std::pmr::vector<double> sigma(scratch());
   for (std::size_t i = 0; i < problem.ranges.size(); ++i) {
     const SearchRange& r = problem.ranges[i];
     if (i == 0 || r.beacon != problem.ranges[i - 1].beacon) {

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "models/localizers/epoch_fix.h"
+#include "models/scratch.h"
 #include "models/trajectory.h"
 
 namespace octant {
@@ -43,10 +44,10 @@ struct SearchBearing {
 /// What the search for a pose looks at: delays, speed and time-walk are taken out beforehand, so that a candidate costs a
 /// square root an arrival.
 struct SearchProblem {
-  std::vector<SearchRange> ranges;       ///< sorted by beacon
-  std::vector<std::size_t> group_first;  ///< first range of each beacon, and one past the last
-  std::vector<double> group_bias_m;      ///< sigma of what each beacon's ranges are off by together: slack and calibration
-  std::vector<SearchBearing> bearings;
+  std::pmr::vector<SearchRange> ranges{scratch()};       ///< sorted by beacon
+  std::pmr::vector<std::size_t> group_first{scratch()};  ///< first range of each beacon, and one past the last
+  std::pmr::vector<double> group_bias_m{scratch()};      ///< sigma of what each beacon's ranges are off by together: slack and calibration
+  std::pmr::vector<SearchBearing> bearings{scratch()};
   bool has_offset = false;
   /// Arrivals of one beacon share its error of position and an obstacle's detour: true within a stationary epoch.
   bool common_bias = true;
@@ -64,8 +65,8 @@ struct SearchProblem {
 /// The frames of a stretch of odometry in the frame of its anchor, and how far they may have drifted.
 struct RigidPath {
   std::size_t first_node = 0;
-  std::vector<Pose> T_anchor_node;  ///< empty: all observations are of the anchor itself
-  std::vector<double> drift_m;      ///< sigma, one for each node
+  std::pmr::vector<Pose> T_anchor_node{scratch()};  ///< empty: all observations are of the anchor itself
+  std::pmr::vector<double> drift_m{scratch()};      ///< sigma, one for each node
 };
 
 /// Reduces the usable arrivals and bearings of a segment. Two-way paths get the mean of both lever arms: their curvature is

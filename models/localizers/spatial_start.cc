@@ -3,62 +3,78 @@
 #include "models/localizers/spatial_start.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 
 #include "models/localizers/search_problem.h"
 
 namespace octant {
 namespace {
 
+/// Positions to begin from; one, or one on either side of the beacons' plane.
+struct LinearPositions {
+  std::array<Eigen::Vector3d, 2> p_map_m;
+  std::size_t count = 0;
+};
+
 /// |p - b|^2 = (range - o)^2, one equation subtracted from the others: linear in p (and o). Beacons in a plane leave the
-/// distance from it open, which the minimum norm about their centre sets to zero; both sides are tried.
-std::vector<Eigen::Vector3d> linear_positions(const SearchProblem& problem) {
-  const auto n = static_cast<Eigen::Index>(problem.ranges.size());
+/// distance from it open, which the minimum norm about their centre sets to zero; both sides are tried. By normal equations:
+/// a start needs half the digits.
+LinearPositions linear_positions(const SearchProblem& problem) {
+  constexpr double kRankShare = 1e-6;  // of eigenvalues: a thousandth of the singular values
+  const double n = static_cast<double>(problem.ranges.size());
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double mean_range2 = 0.0, mean_norm2 = 0.0, mean_range = 0.0;
-  for (const SearchRange& r : problem.ranges) centre += r.p_beacon_map_m / static_cast<double>(n);
+  for (const SearchRange& r : problem.ranges) centre += r.p_beacon_map_m / n;
   for (const SearchRange& r : problem.ranges) {
-    mean_range2 += r.range_m * r.range_m / static_cast<double>(n);
-    mean_range += r.range_m / static_cast<double>(n);
-    mean_norm2 += (r.p_beacon_map_m - centre).squaredNorm() / static_cast<double>(n);
+    mean_range2 += r.range_m * r.range_m / n;
+    mean_range += r.range_m / n;
+    mean_norm2 += (r.p_beacon_map_m - centre).squaredNorm() / n;
   }
-  const int columns = problem.has_offset ? 4 : 3;
-  Eigen::MatrixXd A(n, columns);
-  Eigen::VectorXd b(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const SearchRange& r = problem.ranges[static_cast<std::size_t>(i)];
+  Eigen::Matrix4d AtA = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d Atb = Eigen::Vector4d::Zero();
+  for (const SearchRange& r : problem.ranges) {
     const Eigen::Vector3d q = r.p_beacon_map_m - centre;
-    A.row(i).head<3>() = 2.0 * q.transpose();
-    if (problem.has_offset) A(i, 3) = -2.0 * (r.range_m - mean_range);
-    b[i] = q.squaredNorm() - mean_norm2 - r.range_m * r.range_m + mean_range2;
+    Eigen::Vector4d row;
+    row << 2.0 * q, problem.has_offset ? -2.0 * (r.range_m - mean_range) : 0.0;
+    AtA += row * row.transpose();
+    Atb += row * (q.squaredNorm() - mean_norm2 - r.range_m * r.range_m + mean_range2);
   }
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(1e-3);
-  const Eigen::Vector3d p = svd.solve(b).head<3>();
-  std::vector<Eigen::Vector3d> out = {centre + p};
-  if (!problem.has_offset && svd.rank() == 2) {
-    const double height2 = mean_range2 - mean_norm2 - p.squaredNorm();
-    const Eigen::Vector3d normal = svd.matrixV().col(2);
-    const double height = std::sqrt(std::max(height2, 0.0));
-    out = {centre + p + height * normal, centre + p - height * normal};
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(AtA);
+  Eigen::Vector4d solution = Eigen::Vector4d::Zero();
+  int rank = 0;
+  for (int i = 0; i < 4; ++i) {
+    if (!(eigen.eigenvalues()[i] > kRankShare * eigen.eigenvalues()[3])) continue;
+    solution += eigen.eigenvectors().col(i) * (eigen.eigenvectors().col(i).dot(Atb) / eigen.eigenvalues()[i]);
+    ++rank;
+  }
+  const Eigen::Vector3d p = solution.head<3>();
+  LinearPositions out{{centre + p, centre + p}, 1};
+  if (!problem.has_offset && rank == 2) {
+    // Eigenvectors of what is known span the beacons' plane.
+    const Eigen::Vector3d across = eigen.eigenvectors().col(3).head<3>(), along = eigen.eigenvectors().col(2).head<3>();
+    const Eigen::Vector3d normal = across.cross(along).normalized();
+    const double height = std::sqrt(std::max(mean_range2 - mean_norm2 - p.squaredNorm(), 0.0));
+    out = {{centre + p + height * normal, centre + p - height * normal}, 2};
   }
   return out;
 }
 
-/// 24 rotations of the cube: none is further than 63 degrees away, most are within 45.
-std::vector<Eigen::Quaterniond> coarse_rotations() {
-  std::vector<Eigen::Quaterniond> out;
+constexpr std::size_t kRotations = 24;
+
+/// The rotations of the cube: none is further than 63 degrees away, most are within 45.
+std::array<Eigen::Quaterniond, kRotations> coarse_rotations() {
+  std::array<Eigen::Quaterniond, kRotations> out;
   using Axis = Eigen::AngleAxisd;
   const double quarter = std::numbers::pi / 2;
-  for (int face = 0; face < 6; ++face) {
-    const Eigen::Quaterniond tip(face < 4 ? Axis(face * quarter, Eigen::Vector3d::UnitY())
+  for (std::size_t face = 0; face < 6; ++face) {
+    const Eigen::Quaterniond tip(face < 4 ? Axis(static_cast<double>(face) * quarter, Eigen::Vector3d::UnitY())
                                           : Axis((face == 4 ? 1 : -1) * quarter, Eigen::Vector3d::UnitX()));
-    for (int turn = 0; turn < 4; ++turn)
-      out.emplace_back(tip * Eigen::Quaterniond(Axis(turn * quarter, Eigen::Vector3d::UnitZ())));
+    for (std::size_t turn = 0; turn < 4; ++turn)
+      out[4 * face + turn] = tip * Eigen::Quaterniond(Axis(static_cast<double>(turn) * quarter, Eigen::Vector3d::UnitZ()));
   }
   return out;
 }
@@ -75,18 +91,21 @@ bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& m
   const SearchProblem problem = make_search_problem(t, segment, model, options.range_slack_m);
   found = segment.first_pose != segment.last_pose || (problem.groups() >= 3 && problem.ranges.size() >= 6);
   if (!found) return false;
-  std::vector<Pose> starts;
+  std::pmr::vector<Pose> starts(scratch());
+  starts.reserve(2 * kRotations);
   if (segment.first_pose != segment.last_pose) {
     starts.push_back(t.poses[segment.first_pose].T_map_vehicle);
   } else {
-    for (const Eigen::Vector3d& p : linear_positions(problem))
-      for (const Eigen::Quaterniond& q : coarse_rotations()) starts.push_back({p, q});
+    const LinearPositions positions = linear_positions(problem);
+    for (std::size_t k = 0; k < positions.count; ++k)
+      for (const Eigen::Quaterniond& q : coarse_rotations()) starts.push_back({positions.p_map_m[k], q});
   }
   struct Settled {
     Node node;
     double cost;
   };
-  std::vector<Settled> settled;
+  std::pmr::vector<Settled> settled(scratch());
+  settled.reserve(starts.size());
   for (const Pose& start : starts) {
     node.T_map_vehicle = start;
     node.cycle_offset_s = 0.0;

@@ -9,16 +9,16 @@
 #include "models/localizers/chain_covariance.h"
 #include "models/localizers/drive_filter.h"
 #include "models/localizers/drive_start.h"
+#include "models/localizers/drive_tracker.h"
 #include "models/localizers/motion_start.h"
 #include "models/localizers/node_adjustment.h"
+#include "models/localizers/odometry_track.h"
 #include "models/localizers/trajectory_model.h"
 
 namespace octant {
 namespace {
 
-constexpr double kLost = 0.35;  ///< share of arrivals used below which the filter is lost
 constexpr int kMarkRounds = 5;
-constexpr double kStartInflation = 4.0;  ///< of the covariance at the end of a stretch that was settled robustly
 
 void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
@@ -44,14 +44,6 @@ Pose part_of(const Pose& step, double from, double to) {
   return interpolate(Pose{}, step, from).inverse() * interpolate(Pose{}, step, to);
 }
 
-Eigen::Matrix3d covariance_at(Trajectory& t, const Segment& stretch, const EpochFixModel& model, double slack_m,
-                              std::size_t node) {
-  const WidenedArrivals widened(t, stretch, model, slack_m);
-  const Eigen::MatrixXd P = node_covariance(t, stretch, node, model.state);
-  if (P.rows() < 3 || !P.allFinite()) return Eigen::Vector3d(1.0, 1.0, 0.1).asDiagonal();
-  return kStartInflation * P.topLeftCorner<3, 3>();
-}
-
 /// Forward from a node to the segment's end, or until lost; returns the node reached. Calls visit for the arrivals of each
 /// distinct time.
 template <class Visitor>
@@ -72,7 +64,7 @@ std::size_t run_forward(Trajectory& t, const Segment& segment, DriveFilter& filt
     filter.predict(part_of(step.T_before_after, done, 1.0), step, 1.0 - done);
     t.nodes[node + 1].T_map_vehicle = filter.pose();
     t.nodes[node + 1].placed = true;
-    if (filter.acceptance() < kLost) return node + 1;
+    if (filter.is_lost()) return node + 1;
   }
   return node;
 }
@@ -108,12 +100,12 @@ bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& m
     const Segment stretch = stretch_of(t, segment, start.first_node, start.last_node);
     if (!placed) {
       filter.start(t.nodes[start.first_node].T_map_vehicle,
-                   covariance_at(t, stretch, model, options.range_slack_m, start.first_node));
+                   start_covariance(t, stretch, model, options.range_slack_m, start.first_node));
       run_backward(t, segment, filter, start.first_node);
       placed = true;
     }
     filter.start(t.nodes[start.last_node - 1].T_map_vehicle,
-                 covariance_at(t, stretch, model, options.range_slack_m, start.last_node - 1));
+                 start_covariance(t, stretch, model, options.range_slack_m, start.last_node - 1));
     from = run_forward(t, segment, filter, start.last_node - 1, [](std::size_t, std::size_t) {});
     if (from + 1 >= segment.last_node) return true;
   }
@@ -183,36 +175,24 @@ void track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
   });
 }
 
-/// Only what came before: no fix until a stretch has been placed, then the filter's.
-void track_causal(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options,
+/// Only what came before, as a robot sees it: odometry up to each instant, then its arrivals.
+void track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment& deployment, const TrackerOptions& options,
                   std::vector<Fix>& fixes) {
-  DriveFilter filter(model, options.rejection_sigmas, independent_slack_m(t, segment, model, options.range_slack_m));
-  std::size_t from = segment.first_node;
-  std::size_t reported = segment.first_arrival;
-  const auto report_lost = [&](std::size_t until) {
-    Segment lost = segment;
-    lost.first_arrival = reported;
-    lost.last_arrival = std::max(until, reported);
-    unlocated(t, lost, fixes);
-    reported = lost.last_arrival;
-  };
-  while (from + 2 <= segment.last_node) {
-    const DriveStart start = find_start(t, segment, model, options, from);
-    if (!start.found) break;
-    report_lost(arrival_from(t, segment, start.last_node - 1));
-    const Segment stretch = stretch_of(t, segment, start.first_node, start.last_node);
-    filter.start(t.nodes[start.last_node - 1].T_map_vehicle,
-                 covariance_at(t, stretch, model, options.range_slack_m, start.last_node - 1));
-    from = run_forward(t, segment, filter, start.last_node - 1, [&](std::size_t first, std::size_t last) {
-      Fix fix = fix_at(t, first, last);
-      fix.T_map_vehicle = filter.pose();
-      fix.covariance = filter.covariance();
-      fix.status = FixStatus::kOk;
-      fixes.push_back(fix);
-      reported = last;
-    });
+  std::vector<OdometryStep> steps;
+  for (const OdometryStep& step : log.odometry)
+    if (step.vehicle == vehicle) steps.push_back(step);
+  std::vector<Arrival> arrivals;
+  for (const Arrival& a : log.arrivals)
+    if (a.vehicle == vehicle && a.time_s >= steps.front().time_s && a.time_s <= steps.back().time_s) arrivals.push_back(a);
+  DriveTracker tracker(deployment, log.odometry_accuracy, options);
+  OdometryCursor cursor(steps, steps.front().time_s);
+  for (std::size_t first = 0; first < arrivals.size();) {
+    std::size_t last = first;
+    while (last < arrivals.size() && arrivals[last].time_s == arrivals[first].time_s) ++last;
+    cursor.advance_to(arrivals[first].time_s, [&](const OdometryStep& step, double fraction) { tracker.move(step, fraction); });
+    tracker.locate(Observations{std::span(arrivals).subspan(first, last - first), {}}, fixes.emplace_back());
+    first = last;
   }
-  report_lost(segment.last_arrival);
 }
 
 bool is_drive(const Trajectory& t, const Segment& segment) {
@@ -248,7 +228,7 @@ std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, 
       } else if (options.smooth || t.motion_prior) {
         track_smooth(t, segment, model, options, fixes);
       } else {
-        track_causal(t, segment, model, options, fixes);
+        track_causal(log, VehicleId(v), deployment, options, fixes);
       }
     }
   }

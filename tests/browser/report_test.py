@@ -164,7 +164,7 @@ class Reports(unittest.TestCase):
             displays = "return [...document.querySelectorAll('#figure-plan g.layer')].map(g => getComputedStyle(g).display)"
             before = b.picture("#figure-plan svg")
             b.driver.find_element("id", "choice-figure-plan-1").click()
-            self.assertEqual(b.run(displays), ["none", "inline", "none"])
+            self.assertEqual(b.run(displays), ["none", "block", "none", "none"])
             self.assertNotEqual(before, b.picture("#figure-plan svg"))
             self.assertEqual(b.run("return getComputedStyle(document.querySelector('.controls') || document.createElement('p')).display") in ("none", ""), True)
             self.assert_quiet()

@@ -91,7 +91,7 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
   std::vector<Trajectory> trajectories = solution.trajectories;
   const calib::Information information = calib::information_at(problem, layout, trajectories, layout.vector_of(solution.state));
   const auto reliability = [&](std::size_t all_epochs) {
-    return calib::reliability_of(problem, layout, trajectories, solution.state, solution.covariance, solution.beacon_status, 1.0, information.data, all_epochs);
+    return calib::reliability_of(problem, layout, trajectories, solution.state, solution.covariance, solution.beacon_status, 1.0, information.data, 2, all_epochs);
   };
   const calib::Reliability all = reliability(1000), some = reliability(60);
   ASSERT_EQ(all.every, 1U);

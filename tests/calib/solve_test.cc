@@ -65,7 +65,7 @@ TEST(Solve, FixesOfACalibratedSiteAreWhatTheirCovarianceSays) {
     const calib::Problem problem = problem_of(world);
     const calib::Solution solution = calib::solve(problem);
     if (solution.status != SolveStatus::kConverged) continue;  // thirty stops do not always reach the tolerance
-    const LeastSquaresLocalizer localizer(calib::make_deployment(problem, solution, {}));
+    LeastSquaresLocalizer localizer(calib::make_deployment(problem, solution, {}));
     // One fix a world: those of one calibration share its errors.
     const std::vector<Fix> fixes = localizer.locate(world.heldout);
     ASSERT_FALSE(fixes.empty());

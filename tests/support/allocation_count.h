@@ -6,7 +6,7 @@
 
 namespace octant::test {
 
-/// Calls of global operator new so far in the process.
+/// Grows with every call of global operator new or malloc in the process.
 [[nodiscard]] std::size_t allocations();
 
 }  // namespace octant::test

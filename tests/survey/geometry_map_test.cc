@@ -74,21 +74,32 @@ TEST(GeometryMap, HeadingOfAnArrayAtThePolygonsCentre) {
   EXPECT_EQ(f.arrivals[0], 96);
 }
 
-// One satellite overhead and three evenly round the horizon, the arrangement of four with the largest tetrahedron above the
-// horizon. Closed form: A = diag(3/2, 3/2) and [[1, 1], [1, 4]] in (z, t), whose inverse is [[4, -1], [-1, 1]] / 3; so
-// HDOP^2 = 4/3, VDOP^2 = 4/3, TDOP^2 = 1/3, GDOP = sqrt 3. Published as GDOP = 1.732: Parkinson and Spilker (eds.), Global
-// Positioning System: Theory and Applications I (AIAA 1996), chapter 5, for this constellation.
+// One satellite overhead and three evenly round the horizon: A = diag(3/2, 3/2) and [[1, 1], [1, 4]] in (z, t), whose inverse is
+// [[4, -1], [-1, 1]] / 3; so HDOP^2 = VDOP^2 = 4/3, TDOP^2 = 1/3, GDOP = sqrt 3.
 TEST(GeometryMap, SatelliteOverheadAndThreeOnTheHorizon) {
   SurveyModel model = bare_model(Motion::kSpatial, Clock::kCycleOffset);
   constexpr double kFar = 2.0e7;
   model.beacons.push_back({"zenith", {0, 0, kFar}});
-  for (int i = 0; i < 3; ++i) model.beacons.push_back({"horizon", {kFar * std::cos(2.1 * i / 2.1 * 2 * std::numbers::pi / 3), kFar * std::sin(i * 2 * std::numbers::pi / 3), 0}});
+  for (int i = 0; i < 3; ++i) model.beacons.push_back({"horizon", {kFar * std::cos(i * 2 * std::numbers::pi / 3), kFar * std::sin(i * 2 * std::numbers::pi / 3), 0}});
   const auto f = evaluate_poses(model, at(0, 0));
   EXPECT_NEAR(f.gdop[0], 1.7320508, 1e-6);
   EXPECT_NEAR(f.pdop[0], std::sqrt(8.0 / 3), 1e-6);
   EXPECT_NEAR(f.hdop[0], std::sqrt(4.0 / 3), 1e-6);
   EXPECT_NEAR(f.vdop[0], std::sqrt(4.0 / 3), 1e-6);
   EXPECT_NEAR(f.tdop[0], std::sqrt(1.0 / 3), 1e-6);
+}
+
+// The least GDOP that n satellites all round can have is sqrt(10 / n): 1.581 for the four of a regular tetrahedron (M. Kihara and
+// T. Okada, A satellite selection method and accuracy for the Global Positioning System, Navigation 31 (1984) 8-20), 1.291 for the
+// six of an octahedron (S. Xue and Y. Yang, Positioning configurations with the lowest GDOP, J. Geod. 89 (2015) 49-71).
+TEST(GeometryMap, LeastDilutionOfPlatonicConstellations) {
+  constexpr double kFar = 2.0e7;
+  SurveyModel tetrahedron = bare_model(Motion::kSpatial, Clock::kCycleOffset), octahedron = tetrahedron;
+  for (int i = 0; i < 4; ++i) tetrahedron.beacons.push_back({"S", Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, (i == 0 || i == 3) ? 1 : -1).normalized() * kFar});
+  for (int i = 0; i < 6; ++i) octahedron.beacons.push_back({"S", Eigen::Vector3d::Unit(i / 2) * (i % 2 ? kFar : -kFar)});
+  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], 1.581, 5e-4);   // as printed
+  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 4), 1e-6);
+  EXPECT_NEAR(evaluate_poses(octahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 6), 1e-6);
 }
 
 TEST(GeometryMap, NothingDeterminedIsNoFix) {

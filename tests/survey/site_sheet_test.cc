@@ -46,7 +46,7 @@ TEST(SiteSheet, NamesAreText) {
   EXPECT_THAT(html, Not(HasSubstr("<b>")));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, HasSubstr("not determined"));
-  EXPECT_THAT(html, HasSubstr("x</dt><dd>10.0000 m, U (k = 2) 4 mm"));
+  EXPECT_THAT(html, HasSubstr("x</dt><dd>10.0000\u00a0m, U\u00a0=\u00a0" "4\u00a0mm"));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "tests/models/localizers/hall.h"
+#include "tests/support/allocation_count.h"
 #include "tests/support/statistics.h"
 
 namespace octant {
@@ -31,7 +32,7 @@ TEST(EpochFix, IsExactWithoutNoise) {
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);
   const Deployment d = with_octagon(hall());
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   for (int k = 0; k < 50; ++k) {
     const Pose truth = random_pose(random);
     const Fix fix = localizer.locate(hear(d, truth, {}, random));
@@ -47,7 +48,7 @@ TEST(EpochFix, IsExactWithTimeWalkAndTemperature) {
   std::mt19937_64 random(kSeed);
   Deployment d = with_octagon(hall());
   d.attenuation = AttenuationModel{12.5, 0.12, 0.05, 4.5e-4};
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   for (int k = 0; k < 20; ++k) {
     const Pose truth = random_pose(random);
     const Fix fix = localizer.locate(hear(d, truth, {}, random));
@@ -60,7 +61,7 @@ TEST(EpochFix, FindsTheCycleOffset) {
   std::mt19937_64 random(kSeed);
   Deployment d = with_octagon(hall());
   d.timing.clock = Clock::kCycleOffset;
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   for (int k = 0; k < 30; ++k) {
     const Pose truth = random_pose(random);
     const Fix fix = localizer.locate(hear(d, truth, {.range_m = 15.0, .cycle_offset_s = 0.037 - 0.003 * k}, random));
@@ -74,7 +75,7 @@ TEST(EpochFix, CovarianceIsConsistent) {
   std::cout << "seed " << kSeed + 1 << "\n";
   std::mt19937_64 random(kSeed + 1);
   const Deployment d = with_octagon(hall());
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   double nees = 0.0;
   int count = 0;
   for (int k = 0; k < 500; ++k) {
@@ -96,7 +97,7 @@ TEST(EpochFix, RejectsEchoesAndKeepsTheRest) {
   std::cout << "seed " << kSeed + 2 << "\n";
   std::mt19937_64 random(kSeed + 2);
   const Deployment d = with_octagon(hall());
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   std::uniform_real_distribution<double> uniform(0, 1);
   int judged = 0, missed = 0;
   for (int k = 0; k < 200; ++k) {
@@ -139,7 +140,7 @@ TEST(EpochFix, RejectsEchoesAndKeepsTheRest) {
 TEST(EpochFix, AllEchoesIsNoFix) {
   std::mt19937_64 random(kSeed + 3);
   const Deployment d = with_octagon(hall());
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   std::uniform_real_distribution<double> detour(1e-3, 12e-3);
   int fixes = 0;
   for (int k = 0; k < 50; ++k) {
@@ -156,7 +157,7 @@ TEST(EpochFix, TwoBeaconsAndOneReceiverAreAmbiguous) {
   std::mt19937_64 random(kSeed + 4);
   Deployment d = with_receiver(hall(), {0, 0, 0.3});
   d.beacons.resize(2);
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   const Fix fix = localizer.locate(hear(d, Pose::planar(6, 5, 0.4), {.range_m = 50}, random));
   EXPECT_EQ(fix.status, FixStatus::kAmbiguous) << to_string(fix.status);
 }
@@ -165,7 +166,7 @@ TEST(EpochFix, ArrayTellsTheMirrorImageOfTwoBeacons) {
   std::mt19937_64 random(kSeed + 5);
   Deployment d = with_octagon(hall());
   d.beacons.resize(2);
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   for (int k = 0; k < 20; ++k) {
     const Pose truth = random_pose(random);
     const Fix fix = localizer.locate(hear(d, truth, {.range_m = 50}, random));
@@ -180,7 +181,7 @@ TEST(EpochFix, CollinearBeaconsAndOneReceiverAreAmbiguous) {
   Deployment d = with_receiver(hall(), {0, 0, 0.3});
   d.beacons.resize(5);
   for (std::size_t i = 0; i < d.beacons.size(); ++i) d.beacons[i].position_m = {2.0 + 4.0 * static_cast<double>(i), 0.0, 2.5};
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   const Fix fix = localizer.locate(hear(d, Pose::planar(8, 4, 0.0), {.range_m = 50}, random));
   EXPECT_EQ(fix.status, FixStatus::kAmbiguous) << to_string(fix.status);
 }
@@ -188,7 +189,7 @@ TEST(EpochFix, CollinearBeaconsAndOneReceiverAreAmbiguous) {
 TEST(EpochFix, SingleReceiverOnTheAxisStillGivesThePosition) {
   std::mt19937_64 random(kSeed + 7);
   const Deployment d = with_receiver(hall(), {0, 0, 0.3});
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   const Pose truth = Pose::planar(7, 5, 1.0);
   const Fix fix = localizer.locate(hear(d, truth, {.range_m = 50}, random));
   ASSERT_TRUE(fix.ok()) << to_string(fix.status);
@@ -199,7 +200,7 @@ TEST(EpochFix, SingleReceiverOnTheAxisStillGivesThePosition) {
 TEST(EpochFix, TooFewArrivals) {
   std::mt19937_64 random(kSeed + 8);
   const Deployment d = with_octagon(hall());
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   std::vector<Arrival> arrivals = hear(d, Pose::planar(6, 5, 0.4), {}, random);
   EXPECT_EQ(localizer.locate(std::span<const Arrival>{}).status, FixStatus::kTooFewArrivals);
   EXPECT_EQ(localizer.locate(std::span(arrivals).first(1)).status, FixStatus::kTooFewArrivals);
@@ -272,7 +273,7 @@ TEST(EpochFix, SpatialMotion) {
   d.motion = Motion::kSpatial;
   for (std::size_t i = 0; i < d.beacons.size(); ++i) d.beacons[i].position_m.z() = i % 2 == 0 ? 0.5 : 3.5;
   d = with_receiver(with_receiver(with_receiver(with_receiver(d, {0.5, 0, 0}), {-0.4, 0.4, 0}), {-0.4, -0.4, 0.1}), {0, 0, 0.5});
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   Pose truth;
   truth.translation_m = {7, 5, 1.4};
   truth.rotation = exp_rotation({0.3, -0.2, 1.9});
@@ -309,7 +310,7 @@ RC_GTEST_PROP(EpochFixProperty, DoesNotDependOnTheOrderOfRows, ()) {
   for (Arrival& a : arrivals) a.time_s = 0.0;  // else the order would be wrong
   std::uniform_int_distribution<std::size_t> any(0, arrivals.size() - 1);
   arrivals[any(random)].tof_s += 2e-3;
-  const LeastSquaresLocalizer localizer(d);
+  LeastSquaresLocalizer localizer(d);
   const Fix first = localizer.locate(arrivals);
   std::shuffle(arrivals.begin(), arrivals.end(), random);
   const Fix second = localizer.locate(arrivals);
@@ -317,6 +318,73 @@ RC_GTEST_PROP(EpochFixProperty, DoesNotDependOnTheOrderOfRows, ()) {
   if (!first.ok()) return;
   RC_ASSERT(position_error_m(first.T_map_vehicle, second.T_map_vehicle) < 1e-6);  // as above
   RC_ASSERT(first.arrivals_used == second.arrivals_used);
+}
+
+/// Fixes of a second epoch, after a first one of as many rows, take no memory.
+void expect_no_allocation(Deployment d, const Hearing& how, const std::vector<Bearing>& bearings, std::mt19937_64& random, bool spatial) {
+  LeastSquaresLocalizer localizer(d);
+  const auto pose = [&] {
+    if (!spatial) return random_pose(random);
+    return Pose{Eigen::Vector3d(9, 5, 0.8), Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()))};
+  };
+  std::vector<std::vector<Arrival>> epochs;
+  for (int k = 0; k < 5; ++k) epochs.push_back(hear(d, pose(), how, random));
+  Fix fix;
+  fix.rejections.reserve(4 * d.beacons.size() * d.receivers.size());
+  const std::size_t before = test::allocations();
+  int ok = 0;
+  for (const auto& arrivals : epochs) {
+    localizer.locate(Observations{arrivals, bearings}, fix);
+    ok += fix.ok();
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_GE(ok, 1);
+}
+
+TEST(EpochFix, AllocatesNothing) {
+  std::mt19937_64 random(kSeed);
+  Deployment d = with_octagon(hall());
+  // What calibration leaves open, so that its part of the covariance is computed too.
+  for (const DeploymentBeacon& b : d.beacons)
+    for (const char* what : {"/x_m", "/y_m", "/delay_s"}) d.covariance.parameters.push_back("beacon/" + b.name + what);
+  d.covariance.parameters.push_back("medium/speed_mps");
+  d.covariance.matrix = 1e-8 * Eigen::MatrixXd::Identity(25, 25);
+  expect_no_allocation(d, {.noise_s = 1e-5, }, {}, random, false);
+  Deployment offset = d;
+  offset.timing.clock = Clock::kCycleOffset;
+  expect_no_allocation(offset, {.noise_s = 1e-5}, {}, random, false);
+  Deployment spatial = with_receiver(d, {0.2, 0.1, 0.6});
+  spatial.motion = Motion::kSpatial;
+  expect_no_allocation(spatial, {.noise_s = 1e-5}, {}, random, true);
+  Deployment sees = d;
+  sees.noise.bearing_sigma_rad = 0.01;
+  const Pose truth = random_pose(random);
+  std::vector<Bearing> bearings;
+  for (std::size_t i = 0; i < d.beacons.size(); ++i) {
+    const Eigen::Vector3d p = truth.inverse() * d.beacons[i].position_m;
+    bearings.push_back({.bearing_rad = std::atan2(p.y(), p.x()), .reflector = BeaconId(i), .vehicle = VehicleId(0), .epoch = 3});
+  }
+  LeastSquaresLocalizer localizer(sees);
+  Fix fix;
+  const std::size_t before = test::allocations();
+  localizer.locate(Observations{{}, bearings}, fix);
+  EXPECT_EQ(test::allocations(), before);
+  ASSERT_TRUE(fix.ok()) << to_string(fix.status);
+  EXPECT_LT(position_error_m(fix.T_map_vehicle, truth), 1e-6);  // by bearings alone
+}
+
+/// What a fix needs beyond its scratch comes from the heap: it is slower, not worse.
+TEST(EpochFix, ManyRowsAreNoFault) {
+  std::mt19937_64 random(kSeed);
+  const Deployment d = with_octagon(hall(40));
+  const Pose truth = random_pose(random);
+  std::vector<Arrival> arrivals;
+  for (int ping = 0; ping < 20; ++ping)
+    for (const Arrival& a : hear(d, truth, {.noise_s = 1e-5}, random)) arrivals.push_back(a);
+  LeastSquaresLocalizer localizer(d);
+  const Fix fix = localizer.locate(arrivals);
+  ASSERT_TRUE(fix.ok());
+  EXPECT_LT(position_error_m(fix.T_map_vehicle, truth), 1e-3);
 }
 
 }  // namespace

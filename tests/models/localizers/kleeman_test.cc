@@ -310,7 +310,7 @@ TEST(Kleeman, AgreesWithLeastSquares) {
   std::mt19937_64 random(kSeed + 7);
   const Deployment d = kleeman_room();
   Kleeman kleeman(d);
-  const LeastSquaresLocalizer least_squares(d);
+  LeastSquaresLocalizer least_squares(d);
   double squares = 0.0, squares_least = 0.0;
   int count = 0;
   for (int k = 0; k < 60; ++k) {

@@ -10,6 +10,7 @@
 
 #include "models/localizers/line_matching.h"
 #include "tests/models/localizers/walls.h"
+#include "tests/support/allocation_count.h"
 #include "tests/support/statistics.h"
 
 namespace octant {
@@ -250,6 +251,34 @@ TEST(LineMap, FromOneRunToTheNext) {
   const auto fixes = LineMapLocalizer(*map).locate(second);
   ASSERT_EQ(fixes.size(), b.scans.size());
   EXPECT_LT(error(fixes.back(), b.truth.back()).head<2>().norm(), 0.05);
+}
+
+TEST(LineMap, AScanAllocatesNothing) {
+  Random random(kSeed);
+  const Drive d = drive(kRooms, 60, kOdometry, 0.01, random);
+  LineMapLocalizer localizer(map_of(kRooms));
+  localizer.start(d.truth[0], kStart, kOdometry);
+  Fix fix;
+  fix.rejections.reserve(256);
+  const std::size_t before = test::allocations();
+  int corrected = 0;
+  for (std::size_t k = 0; k < d.scans.size(); ++k) {
+    if (k > 0) localizer.move(d.odometry[k]);
+    localizer.locate(d.scans[k], fix);
+    corrected += fix.ok() && fix.arrivals_used > 0;
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_GT(corrected, 50);
+  EXPECT_LT((fix.T_map_vehicle.translation_m - d.truth.back().translation_m).norm(), 0.05);
+}
+
+TEST(LineMap, WithoutAStartThereIsNoFix) {
+  Random random(kSeed);
+  LineMapLocalizer localizer(map_of(kRooms));
+  Fix fix;
+  localizer.move({.dx_m = 1.0});
+  localizer.locate(drive(kRooms, 1, kOdometry, 0.01, random).scans[0], fix);
+  EXPECT_EQ(fix.status, FixStatus::kPoorGeometry);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
@@ -87,9 +88,9 @@ TEST(Cluster, DividesAtGaps) {
   const std::vector<Eigen::Vector2d> points = {{1, 0}, {1, 0.1}, {1, 0.2}, {1, 0.51}, {1, 0.8}, {3, 0.9}};
   // eq. 2 holds at the threshold itself: a gap of 0.3 m does not divide, one of 0.31 m does.
   const auto first = cluster(points, 0.0, {.gap_m = 0.3, .gap_beams = 0.0});
-  EXPECT_EQ(first, (std::vector<std::size_t>{0, 3, 5, 6}));
-  EXPECT_EQ(cluster(points, 0.2, {.gap_m = 0.3, .gap_beams = 4.0}), (std::vector<std::size_t>{0, 5, 6}));
-  EXPECT_EQ(cluster({}, 0.1), (std::vector<std::size_t>{0}));
+  EXPECT_THAT(first, testing::ElementsAre(0, 3, 5, 6));
+  EXPECT_THAT(cluster(points, 0.2, {.gap_m = 0.3, .gap_beams = 4.0}), testing::ElementsAre(0, 5, 6));
+  EXPECT_THAT(cluster({}, 0.1), testing::ElementsAre(0));
 }
 
 TEST(Segments, SplitAtTheCorner) {

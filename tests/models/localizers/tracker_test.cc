@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/odometry_track.h"
+#include "models/localizers/drive_tracker.h"
 #include "models/localizers/tracker.h"
 
 #include <iostream>
@@ -10,6 +12,7 @@
 #include "models/localizers/chain_covariance.h"
 #include "models/localizers/trajectory_model.h"
 #include "tests/models/localizers/hall.h"
+#include "tests/support/allocation_count.h"
 
 namespace octant {
 namespace {
@@ -210,6 +213,62 @@ TEST(ChainCovariance, AgreesWithTheSingleNodeAndTheDenseInverse) {
   }
   const Eigen::Matrix3d cross = P.block<3, 3>(3 * 57, 3 * 58);
   EXPECT_LT((chain.cross[57] - cross).norm(), 1e-6 * cross.norm());
+}
+
+/// The rows of a drive and its arrivals, in the order in which a robot gets them.
+template <class Visit>
+void replay(const Drive& w, DriveTracker& tracker, Fix& fix, Visit&& visit) {
+  OdometryCursor cursor(w.log.odometry, w.log.odometry.front().time_s);
+  for (std::size_t first = 0; first < w.log.arrivals.size();) {
+    std::size_t last = first;
+    while (last < w.log.arrivals.size() && w.log.arrivals[last].time_s == w.log.arrivals[first].time_s) ++last;
+    cursor.advance_to(w.log.arrivals[first].time_s, [&](const OdometryStep& step, double part) { tracker.move(step, part); });
+    tracker.locate(Observations{std::span(w.log.arrivals).subspan(first, last - first), {}}, fix);
+    visit(fix);
+    first = last;
+  }
+}
+
+TEST(DriveTracker, AllocatesNothing) {
+  const Deployment d = with_octagon(hall());
+  Drive w = drive(d, 60, 1e-5, 1.0, 37);
+  // A kidnapping, so that it is lost and searches again.
+  w.log.odometry[600].dx_m += 2.0;
+  w.log.odometry[600].dheading_rad += 2.5;
+  DriveTracker tracker(d, w.log.odometry_accuracy);
+  Fix fix;
+  fix.rejections.reserve(64);
+  std::size_t before = test::allocations(), taken = 0;
+  int ok = 0, lost = 0;
+  replay(w, tracker, fix, [&](const Fix&) {
+    taken += test::allocations() - before;
+    if (fix.ok()) {
+      ++ok;
+    } else if (ok > 0) {
+      ++lost;
+    }
+    before = test::allocations();
+  });
+  EXPECT_EQ(taken, 0u);
+  EXPECT_GT(ok, 500);
+  EXPECT_GT(lost, 10);  // the second search took place
+}
+
+TEST(DriveTracker, BeginsWhereItIsTold) {
+  const Deployment d = with_octagon(hall());
+  const Drive w = drive(d, 20, 1e-5, 1.0, 38);
+  DriveTracker tracker(d, w.log.odometry_accuracy);
+  tracker.start(w.truth.front().T_map_vehicle, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal());
+  double sum2 = 0.0;
+  int count = 0;
+  Fix fix;
+  replay(w, tracker, fix, [&](const Fix&) {
+    ASSERT_TRUE(fix.ok());
+    sum2 += (fix.T_map_vehicle.translation_m - truth_at(w, fix.time_s).translation_m).head<2>().squaredNorm();
+    ++count;
+  });
+  ASSERT_GT(count, 200);
+  EXPECT_LT(std::sqrt(sum2 / count), 0.008);  // as CausalFixesUseOnlyThePast
 }
 
 }  // namespace

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "calib/parameters.h"
+#include "calib/ranks.h"
+#include "calib/tile.h"
+#include "models/trajectory.h"
+
+namespace octant::calib {
+
+/// Who works on the tiles; the result does not depend on it.
+struct Workers {
+  int threads = 1;
+  const Ranks* ranks = nullptr;  ///< not owned; null: this process is alone
+};
+
+/// All tiles of an adjustment, evaluated together. Sums are formed in an order that depends on the problem alone: tiles are
+/// added up in a fixed number of shares, and the shares in their order (over ranks: to rounding).
+class TileSum {
+ public:
+  TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const Workers& workers);
+
+  /// Settles all states from where they were committed; returns the cost. Where a tile belongs to another rank its states
+  /// here stay as they were until `share_states`.
+  double settle(const SharedState& state, const RobustLoss& loss);
+  /// Reduced system of everything in all the layout's parameters, at the states of the last `settle`; commits them.
+  void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum);
+  /// The same, each tile's own (in Tile::columns), for sites whose parameters hardly see each other.
+  void reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems);
+  /// States as they were committed last, on every rank.
+  void share_states();
+
+  /// Makes the states of the last `settle` those to begin from.
+  void commit();
+
+  [[nodiscard]] const std::vector<Tile>& tiles() const { return tiles_; }
+  /// Of each tile at the last `settle`.
+  [[nodiscard]] const std::vector<double>& costs() const { return costs_; }
+
+ private:
+  [[nodiscard]] bool is_mine(std::size_t share) const;
+  [[nodiscard]] std::size_t first_of(std::size_t share) const;
+  template <class Work>
+  void for_each_of_mine(Work&& work);
+
+  std::vector<Trajectory>& trajectories_;
+  const ParameterLayout& layout_;
+  Workers workers_;
+  std::vector<Tile> tiles_;
+  std::vector<double> costs_;
+  std::vector<ReducedSystem> shares_;
+  std::vector<int> all_columns_;
+};
+
+}  // namespace octant::calib

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tof_rows.h"
+
+#include <fmt/format.h>
+
+namespace octant::io {
+namespace {
+
+constexpr std::array<const char*, 4> kReasons = {"", "tof_s is empty", "tof_s is not a number", "tof_s is not positive"};
+
+/// Amplitude of the row. Level only where there is no amplitude.
+bool read_amplitude(CsvReader& csv, const TofColumns& columns, double& amplitude_v) {
+  if (columns.amplitude >= 0 && !csv.number_or_nan(columns.amplitude, amplitude_v)) return false;
+  if (columns.level >= 0 && !(amplitude_v > 0.0)) {
+    double level_dbm = 0.0;
+    if (!csv.number_or_nan(columns.level, level_dbm)) return false;
+    amplitude_v = amplitude_of_level(level_dbm);
+  }
+  amplitude_v = usable_amplitude(amplitude_v);
+  return true;
+}
+
+bool read_temperature(CsvReader& csv, int column, double& temperature_degC) {
+  if (!csv.number_or_nan(column, temperature_degC)) return false;
+  if (is_temperature(temperature_degC)) return true;
+  return csv.fail_at(column, fmt::format("temperature_degC is {}", exact(temperature_degC)),
+                     "degrees Celsius from -100 to 100 (20 degC are 293 K)");
+}
+
+}  // namespace
+
+TofColumns::TofColumns(CsvReader& csv)
+    : time(csv.require("time_s")),
+      beacon(csv.require("beacon")),
+      tof(csv.require("tof_s")),
+      epoch(csv.find("epoch")),
+      vehicle(csv.find("vehicle")),
+      receiver(csv.find("receiver")),
+      amplitude(csv.find("amplitude_v")),
+      level(csv.find("level_dbm")),
+      temperature(csv.find("temperature_degC")) {}
+
+double amplitude_of_level(double level_dbm) { return std::sqrt(0.05 * std::pow(10.0, level_dbm / 10.0)); }
+
+void TofRefusals::add(Refusal refusal, int line, std::string_view text) {
+  const auto kind = static_cast<std::size_t>(refusal);
+  Count& count = counts_[kind];
+  if (count.count++ == 0) {
+    count.first_line = line;
+    if (refusal != Refusal::kEmpty) count.first_text = fmt::format(" ({})", text.substr(0, 24));
+  }
+  rows_.push_back({line, kReasons[kind]});
+}
+
+void TofRefusals::warn(const std::string& file, std::vector<std::string>& warnings) const {
+  for (std::size_t kind = 1; kind < counts_.size(); ++kind) {
+    const Count& c = counts_[kind];
+    if (c.count == 0) continue;
+    warnings.push_back(fmt::format("{}:{}: {}{}; {} arrival{} rejected for this reason", file, c.first_line, kReasons[kind], c.first_text,
+                                   c.count, c.count == 1 ? "" : "s"));
+  }
+}
+
+bool read_tof_row(CsvReader& csv, const TofColumns& columns, const NameLookup& names, OrderWatch& order, Arrival& arrival) {
+  if (!csv.number_or_nan(columns.tof, arrival.tof_s)) return false;
+  if (!csv.number(columns.time, arrival.time_s) || !order.time(csv, arrival.time_s)) return false;
+  if (!names.beacon(csv, columns.beacon, arrival.beacon)) return false;
+  if (!names.vehicle(csv, columns.vehicle, arrival.vehicle)) return false;
+  if (!names.receiver(csv, columns.receiver, arrival.vehicle, arrival.receiver)) return false;
+  if (columns.epoch >= 0) {
+    if (!csv.integer(columns.epoch, arrival.epoch) || !order.epoch(csv, arrival.vehicle, arrival.epoch)) return false;
+  }
+  if (!read_amplitude(csv, columns, arrival.amplitude_v)) return false;
+  if (columns.temperature >= 0 && !read_temperature(csv, columns.temperature, arrival.temperature_degC)) return false;
+  arrival.line = csv.line();
+  return true;
+}
+
+}  // namespace octant::io

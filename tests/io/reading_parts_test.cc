@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// What the reader of tof.csv is made of.
+#include <atomic>
+#include <set>
+#include <stdexcept>
+
+#include "io/atomic_file.h"
+#include "io/csv_marks.h"
+#include "io/mapped_file.h"
+#include "io/name_index.h"
+#include "io/order_watch.h"
+#include "io/ordered_work.h"
+#include "io/sha256.h"
+#include "tests/io/io_support.h"
+
+namespace octant::io {
+namespace {
+
+using test::expect_error;
+using test::TemporaryFolder;
+
+TEST(MappedFile, IsTheFile) {
+  const TemporaryFolder folder;
+  const std::string text = std::string(100'000, 'a') + "b";
+  const auto map = MappedFile::open(folder.write("file", text));
+  ASSERT_TRUE(map.has_value());
+  EXPECT_EQ(map->text(), text);
+  map->release(0, 50'000);
+  map->release(50'000, text.size());
+  EXPECT_EQ(map->text(), text) << "what was given back comes again";
+  EXPECT_EQ(MappedFile::open(folder.write("empty", ""))->text(), "");
+}
+
+TEST(MappedFile, CopiesWhatCannotBeMapped) {
+  // The system makes up this file's content when it is asked, and gives no size: there is nothing to map.
+  if (::access("/proc/self/status", R_OK) != 0) GTEST_SKIP() << "no /proc here";
+  EXPECT_EQ(MappedFile::open("/proc/self/status")->text(), read_file("/proc/self/status").value());
+}
+
+TEST(MappedFile, SaysWhatCannotBeRead) {
+  const TemporaryFolder folder;
+  expect_error(MappedFile::open(folder.path("none")), 0, "No such file", "none");
+  expect_error(MappedFile::open(folder.path()), 0, "this is a folder");
+}
+
+TEST(Sha256, DoesNotDependOnThePieces) {
+  Sha256 digest;
+  for (const char* piece : {"a", "", "bc"}) digest.add(piece);
+  // FIPS 180-4, example of one block
+  EXPECT_EQ(digest.hex(), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(CsvMarks, FindsAllAndNothingElse) {
+  EXPECT_TRUE(rc::check("against a loop over the bytes", [] {
+    const auto text = *rc::gen::container<std::string>(rc::gen::weightedOneOf<char>(
+        {{20, rc::gen::element('a', '1', ' ', '-', '+', '/', '\t', '\r')}, {8, rc::gen::element(',', '.', '\n')}, {1, rc::gen::arbitrary<char>()}}));
+    std::vector<std::uint32_t> expected;
+    for (std::size_t i = 0; i < text.size(); ++i)
+      if (text[i] == ',' || text[i] == '.' || text[i] == '\n') expected.push_back(static_cast<std::uint32_t>(i));
+    CsvMarks marks;
+    marks.find(std::string(200, ','));  // what was found before is forgotten
+    marks.find(text);
+    marks.offsets.resize(marks.count);
+    RC_ASSERT(marks.offsets == expected);
+    RC_ASSERT(marks.has_quote == (text.find('"') != std::string::npos));
+    RC_ASSERT(marks.has_nul == (text.find('\0') != std::string::npos));
+    RC_ASSERT(marks.has_high == std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; }));
+  }));
+}
+
+TEST(NameIndex, FindsEachNameAndNoOther) {
+  EXPECT_EQ(NameIndex().find("a"), -1);
+  EXPECT_TRUE(rc::check("against a search", [] {
+    const auto some = rc::gen::container<std::string>(rc::gen::element('a', 'b', '\xFF'));
+    const auto names = *rc::gen::container<std::vector<std::string>>(some);
+    const NameIndex index({names.begin(), names.end()});
+    auto asked = *rc::gen::container<std::vector<std::string>>(some);
+    asked.insert(asked.end(), names.begin(), names.end());
+    for (const auto& name : asked) {
+      const auto found = std::find(names.begin(), names.end(), name);
+      RC_ASSERT(index.find(name) == (found == names.end() ? -1 : static_cast<std::int32_t>(found - names.begin())));
+    }
+  }));
+  // Alike in their ends and their length.
+  const std::vector<std::string_view> alike = {"the first eight ... the last eight", "the first eight --- the last eight"};
+  EXPECT_EQ(NameIndex(alike).find(alike[1]), 1);
+  EXPECT_EQ(NameIndex(alike).find("the first eight *** the last eight"), -1);
+}
+
+TEST(NumberSet, IsASet) {
+  EXPECT_TRUE(rc::check("against std::set", [] {
+    NumberSet set;
+    std::set<std::int64_t> expected;
+    std::int64_t next = 0;
+    for (int i = 0; i < 50; ++i) {
+      next += *rc::gen::element(1, 1, 1, 2, 5, -3, 0);
+      set.insert(next);
+      expected.insert(next);
+    }
+    for (std::int64_t n = -160; n < 260; ++n) RC_ASSERT(set.contains(n) == expected.contains(n));
+  }));
+}
+
+TEST(OrderedWork, HandsOverInOrder) {
+  for (const int threads : {1, 2, 7}) {
+    std::vector<std::size_t> slots(OrderedWork::slots(threads));
+    std::atomic<int> done{0}, beside{0};
+    OrderedWork work(
+        100, threads, [&](std::size_t task, std::size_t slot) { slots[slot] = task * task, ++done; }, [&] { ++beside; });
+    for (std::size_t task = 0; task < 100; ++task) {
+      ASSERT_TRUE(work.wait());
+      EXPECT_EQ(slots[work.slot()], task * task);
+      work.release();
+      EXPECT_LE(static_cast<std::size_t>(done), task + 1 + slots.size()) << "never far ahead";
+    }
+    EXPECT_FALSE(work.wait());
+    work.finish();
+    EXPECT_EQ(done, 100);
+    EXPECT_EQ(beside, 1);
+  }
+}
+
+TEST(OrderedWork, StopsEarlyAndWithoutTasks) {
+  std::atomic<int> done{0}, beside{0};
+  {
+    OrderedWork work(1000, 3, [&](std::size_t, std::size_t) { ++done; });
+    ASSERT_TRUE(work.wait());
+  }
+  EXPECT_LE(done, 6 + 1) << "no more than there are slots for";
+  OrderedWork none(0, 3, [&](std::size_t, std::size_t) {}, [&] { ++beside; });
+  EXPECT_FALSE(none.wait());
+  none.finish();
+  EXPECT_EQ(beside, 1);
+}
+
+TEST(OrderedWork, PassesOnWhatATaskThrows) {
+  for (const int threads : {1, 3}) {
+    OrderedWork work(10, threads, [](std::size_t task, std::size_t) {
+      if (task == 2) throw std::runtime_error("two");
+    });
+    const auto all = [&] {
+      while (work.wait()) work.release();
+    };
+    EXPECT_THROW(all(), std::runtime_error);
+  }
+}
+
+}  // namespace
+}  // namespace octant::io
