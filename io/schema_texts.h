@@ -11,9 +11,9 @@ namespace octant::io {
 [[nodiscard]] std::string_view site_schema();
 [[nodiscard]] std::string_view run_schema();
 [[nodiscard]] std::string_view deployment_schema();
+[[nodiscard]] std::string_view batch_schema();
 [[nodiscard]] std::string_view scene_schema();
 /// Properties of a scene, for the schemas that hold one.
 [[nodiscard]] std::string_view scene_properties();
-[[nodiscard]] std::string_view batch_schema();
 
 }  // namespace octant::io

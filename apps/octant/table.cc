@@ -49,6 +49,13 @@ std::string length_text(double length_m) {
   return fmt::format("{:.3g} {}", unit.per_si * length_m, unit.name);
 }
 
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string safe = "\"";
+  for (const char c : text) safe += c == '"' ? "\"\"" : std::string(1, c);
+  return safe + "\"";
+}
+
 std::string time_text(double time_s) {
   const Unit unit = time_unit(std::abs(time_s));
   return fmt::format("{:.4g} {}", unit.per_si * time_s, unit.name);

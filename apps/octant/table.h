@@ -25,6 +25,8 @@ struct Unit {
 [[nodiscard]] Unit length_unit(double largest_m);
 /// A length on its own, with its unit: "2.41 mm", "3.2 m".
 [[nodiscard]] std::string length_text(double length_m);
+/// A field of a CSV row, in quotes where it needs them (RFC 4180).
+[[nodiscard]] std::string csv_field(const std::string& text);
 /// A time on its own, with its unit.
 [[nodiscard]] std::string time_text(double time_s);
 
