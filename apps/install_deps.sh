@@ -4,9 +4,9 @@
 # Sourced by apps/demo.sh and tests/run.sh: the one list of the Debian packages that Octant needs, and how they get here.
 
 OCTANT_BUILD_PACKAGES="g++ cmake ninja-build pkg-config ca-certificates libboost-dev libceres-dev libcli11-dev libeigen3-dev
-  libexpected-dev libfast-float-dev libfmt-dev libhwy-dev libnlopt-cxx-dev libnlopt-dev libssl-dev libsuitesparse-dev
+  libexpected-dev libfast-float-dev libfmt-dev libhwy-dev libnlopt-cxx-dev libnlopt-dev libpng-dev libssl-dev libsuitesparse-dev
   libyaml-cpp-dev nlohmann-json3-dev"
-OCTANT_TEST_PACKAGES="libbenchmark-dev libgmock-dev libgtest-dev librapidcheck-dev python3 python3-numpy python3-yaml"
+OCTANT_TEST_PACKAGES="libopenmpi-dev openmpi-bin libbenchmark-dev libgmock-dev libgtest-dev librapidcheck-dev python3 python3-numpy python3-yaml"
 
 # octant_install PACKAGE...: installs what is missing, says what, and does nothing where nothing is.
 octant_install() {

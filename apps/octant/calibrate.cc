@@ -10,6 +10,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/ranks.h"
 #include "apps/octant/steps.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
@@ -120,6 +121,7 @@ int run(const Words& words, Session& session) {
   const Json object = calibration_json(*calibration, session);
   if (!calibration->deployment) return session.fail(failure_of(calibration->solution), object);
 
+  if (session.job != nullptr && !session.job->is_first()) return kDone;  // the first rank writes
   if (auto written = write_calibration(words.output, words.report, *calibration, session); !written) return session.fail(written.error());
   session.result(calibration_text(*calibration));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));

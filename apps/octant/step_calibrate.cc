@@ -7,6 +7,7 @@
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/progress.h"
+#include "apps/octant/ranks.h"
 #include "apps/octant/steps.h"
 #include "apps/octant/table.h"
 #include "io/atomic_file.h"
@@ -47,6 +48,7 @@ calib::Solution solve_with_progress(calib::Problem& problem, bool strict, Sessio
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::SolveOptions options;
   options.threads = session.threads();
+  options.ranks = session.job != nullptr ? session.job->ranks() : nullptr;
   options.strict = strict;
   options.on_progress = [&](const calib::Progress& p) {
     reporter.show(p.stage, p.iteration, p.cost, p.fraction);

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "schema", "batch"};
+const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "survey", "schema", "batch"};
 
 TEST(Usage, EveryCommandHelpsWithAnExample) {
   for (const auto& command : kCommands) {
@@ -43,7 +43,8 @@ TEST(Usage, WrongWordsAreExit2) {
       {"verify", "d.json"}, {"schema", "site", "--threads", "-1"}, {"schema", "site", "--threads", "many"}, {"schema", "site", "--seed", "x"},
       {"schema", "site", "--progress", "loud"}, {"demo", "too", "many"},
       {"calibrate", "s", "r", "-o", "-", "--json"}, {"calibrate", "s", "r", "-o", "-", "--report", "-"},
-      {"localize", "d", "r", "-o", "-", "--csv", "-"}, {"localize", "d", "r", "-o", "-", "--json"}};
+      {"localize", "d", "r", "-o", "-", "--csv", "-"}, {"localize", "d", "r", "-o", "-", "--json"}, {"survey"}, {"survey", "s", "-o", "-", "--csv", "-"}, {"survey", "s", "--failures", "3"},
+      {"survey", "s", "-o", "-", "--json"}};
   for (const auto& words : wrong) {
     const Outcome plain = octant(words);
     EXPECT_EQ(plain.exit, 2) << ::testing::PrintToString(words) << plain.err;
@@ -75,7 +76,7 @@ TEST(Usage, CommonOptionsStandBeforeAndAfterTheCommand) {
 }
 
 TEST(Usage, SchemaPrintsJson) {
-  for (const char* format : {"site", "run", "deployment", "scenario"}) {
+  for (const char* format : {"site", "run", "deployment", "scenario", "scene"}) {
     const Outcome schema = octant({"schema", format});
     EXPECT_EQ(schema.exit, 0);
     const auto object = nlohmann::json::parse(schema.out, nullptr, false);
