@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "survey/map_svg.h"
-#include "survey/site_plan.h"
+#include "survey/escape.h"
 
 namespace octant::survey {
 namespace {
