@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "survey/escape.h"
 #include "survey/map_svg.h"
 #include "survey/site_plan.h"
 
