@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "survey/site_plan.h"
+#include "survey/escape.h"
 
 namespace octant::survey {
 namespace {

@@ -13,6 +13,7 @@
 #include "apps/octant/survey_text.h"
 #include "io/atomic_file.h"
 #include "survey/survey_csv.h"
+#include "survey/report_markdown.h"
 #include "survey/survey_page.h"
 
 namespace octant::app {
@@ -23,6 +24,7 @@ struct Words {
   std::optional<double> cell_m;
   int failures = 2;
   std::size_t bins = 0;
+  bool still = false;
 };
 
 Result<survey::Survey> look(const Words& words, Session& session) {
@@ -46,7 +48,9 @@ Result<Json> write_outputs(const Words& words, const survey::Survey& survey, con
     for (const std::string& file : *files) written.push_back(words.maps + "/" + file);
   }
   if (!words.report.empty()) {
-    const std::string page = survey::survey_html(survey, {.input = words.input, .created = created_now(), .program = "octant " OCTANT_VERSION, .warnings = session.warnings()});
+    const survey::SurveyPageInput about{.input = words.input, .created = created_now(), .program = "octant " OCTANT_VERSION, .command = session.command_line,
+                                        .warnings = session.warnings()};
+    const std::string page = words.report.ends_with(".md") ? survey::to_markdown(survey::survey_document(survey, about)) : survey::survey_html(survey, about, !words.still);
     if (auto done = io::write_file(words.report, page); !done) return fail(done.error());
     if (words.report != "-") written.push_back(words.report);
   }
@@ -80,7 +84,8 @@ void add_survey(CLI::App& app, CommonOptions& common, Action& action) {
                                   "octant survey aisles/site.yaml -o aisles/survey.html --maps aisles/maps");
   command->add_option("input", words->input, "Site file, or a deployment: then with the calibration's part")->required()->type_name("SITE.yaml|DEPLOYMENT.json");
   command->add_option("--scene", words->scene, "Scene file: floor, walls, patterns, routes; goes before the site's own scene block")->type_name("S.yaml");
-  command->add_option("-o,--output", words->report, "Page to write; - is standard output")->type_name("R.html");
+  command->add_option("-o,--output,--report", words->report, "Report to write: a page, or Markdown where its name ends in .md; - is standard output")->type_name("R.html");
+  command->add_flag("--report-static", words->still, "A page without the interactive layer: no script, and small");
   command->add_option("--csv", words->csv, "All figures of all cells to write")->type_name("F.csv");
   command->add_option("--maps", words->maps, "Folder to write every map to: SVG, PNG, PGM and YAML for ROS, CSV")->type_name("DIR");
   command->add_option("--vehicle", words->vehicle, "Whose receivers hear; else the first vehicle's")->type_name("ID");

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "survey", "schema", "batch", "convert", "plan"};
+const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "survey", "schema", "batch", "convert", "plan", "report"};
 
 TEST(Usage, EveryCommandHelpsWithAnExample) {
   for (const auto& command : kCommands) {
@@ -43,6 +43,8 @@ TEST(Usage, WrongWordsAreExit2) {
       {"verify", "d.json"}, {"schema", "site", "--threads", "-1"}, {"schema", "site", "--threads", "many"}, {"schema", "site", "--seed", "x"},
       {"schema", "site", "--progress", "loud"}, {"demo", "too", "many"},
       {"calibrate", "s", "r", "-o", "-", "--json"}, {"calibrate", "s", "r", "-o", "-", "--report", "-"},
+      {"report"}, {"report", "d", "-o", "-", "--site-sheet", "-"}, {"calibrate", "s", "r", "-o", "d", "--report", "r.pdf"},
+      {"calibrate", "s", "r", "-o", "d", "--report", "r.html", "--no-report"}, {"verify", "d", "r", "--all-methods", "--report", "r.html"},
       {"localize", "d", "r", "-o", "-", "--csv", "-"}, {"localize", "d", "r", "-o", "-", "--json"}, {"survey"}, {"survey", "s", "-o", "-", "--csv", "-"}, {"survey", "s", "--failures", "3"},
       {"survey", "s", "-o", "-", "--json"}};
   for (const auto& words : wrong) {

@@ -276,7 +276,7 @@ TEST(SurveyPage, NamesFromDataAreEscapedAndNothingRuns) {
   site.beacons[0].name = "a\"b<i>";
   scene.routes[0].name = "'&<b>";
   const auto survey = must(run_survey(must(make_survey_model(site, scene)), scene, nullptr));
-  const std::string html = survey_html(survey, {.input = "<x>", .created = "now", .program = "octant", .warnings = {"<w>"}});
+  const std::string html = survey_html(survey, {.input = "<x>", .created = "now", .program = "octant", .command = "", .warnings = {"<w>"}}, false);
   EXPECT_THAT(html, HasSubstr("default-src 'none'"));
   for (const char* raw : {"<script", "<i>", "<b>", "<x>", "<w>", "http://localhost", " src="}) EXPECT_THAT(html, Not(HasSubstr(raw)));
   EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
