@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "survey/escape.h"
 #include "survey/map_svg.h"
-#include "survey/site_plan.h"
 
 namespace octant::survey {
 namespace {
