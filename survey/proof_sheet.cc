@@ -9,7 +9,6 @@
 
 #include "survey/escape.h"
 #include "survey/map_svg.h"
-#include "survey/site_plan.h"
 
 namespace octant::survey {
 namespace {
