@@ -74,17 +74,36 @@ void TofReader::start() {
 
 void TofReader::parse(std::size_t task, std::size_t slot) {
   const std::size_t begin = seam(body_ + task * options_.chunk_bytes), end = seam(body_ + (task + 1) * options_.chunk_bytes);
+  if (options_.threads > 1) chunks_[slot].arrivals.clear();
   parsers_[slot].parse(text_.substr(begin, end - begin), chunks_[slot]);
 }
 
 Result<bool> TofReader::next(std::vector<Arrival>& block) {
   block.clear();
-  if (general_) return next_rows(block);
-  if (!work_->wait()) return false;
-  const std::size_t slot = work_->slot();
-  if (take(chunks_[slot], block)) {
+  return append(block);
+}
+
+Result<bool> TofReader::append(std::vector<Arrival>& all) {
+  if (general_) return next_rows(all);
+  // The only thread puts the rows where they are to stay.
+  const bool alone = options_.threads <= 1;
+  const std::size_t first = alone ? all.size() : 0;
+  if (alone) chunks_[0].arrivals.swap(all);
+  const bool more = work_->wait();
+  TofChunk& chunk = chunks_[work_->slot()];
+  const bool taken = more && take(chunk, first);
+  if (alone) {
+    if (more && !taken) chunk.arrivals.resize(first);
+    chunk.arrivals.swap(all);
+  } else if (taken && all.empty() && all.capacity() <= chunk.arrivals.capacity()) {
+    chunk.arrivals.swap(all);  // unless there is room for more to come
+  } else if (taken) {
+    all.insert(all.end(), chunk.arrivals.begin(), chunk.arrivals.end());
+  }
+  if (!more) return false;
+  if (taken) {
     offset_ = seam(body_ + ++task_ * options_.chunk_bytes);
-    if (options_.threads <= 1) digest_to(offset_);
+    if (alone) digest_to(offset_);
     give_back(offset_);
     work_->release();
     return true;
@@ -94,11 +113,11 @@ Result<bool> TofReader::next(std::vector<Arrival>& block) {
   if (out_of_order_) return fail(first_error());
   general_ = true;
   csv_.go_to(offset_, line_);
-  return next_rows(block);
+  return next_rows(all);
 }
 
-/// Takes over what a piece holds; false where the general way must look at it.
-bool TofReader::take(TofChunk& chunk, std::vector<Arrival>& block) {
+/// Takes over what a piece holds, its arrivals from the first on; false where the general way must look at it.
+bool TofReader::take(TofChunk& chunk, std::size_t first) {
   if (!chunk.regular) return false;
   if (chunk.rows > 0 && !(order_->advance_time(chunk.first_time_s) && order_->advance_time(chunk.last_time_s))) return false;
   for (const auto& [vehicle, epoch] : chunk.epochs) {
@@ -107,16 +126,16 @@ bool TofReader::take(TofChunk& chunk, std::vector<Arrival>& block) {
       return false;
     }
   }
-  for (Arrival& arrival : chunk.arrivals) arrival.line += line_;
+  for (std::size_t i = first; i < chunk.arrivals.size(); ++i) chunk.arrivals[i].line += line_;
   for (const auto& [line, refusal, text] : chunk.refused) refusals_.add(refusal, line_ + line, text);
   line_ += chunk.lines;
   rows_ += chunk.rows;
-  block.swap(chunk.arrivals);
   return true;
 }
 
 Result<bool> TofReader::next_rows(std::vector<Arrival>& block) {
-  while (block.size() < kBlockRows && csv_.next_row()) {
+  const std::size_t first = block.size();
+  while (block.size() < first + kBlockRows && csv_.next_row()) {
     Arrival arrival;
     if (!read_tof_row(csv_, *columns_, names_, *order_, arrival)) break;
     ++rows_;
@@ -130,7 +149,7 @@ Result<bool> TofReader::next_rows(std::vector<Arrival>& block) {
   }
   if (csv_.error()) return fail(*csv_.error());
   give_back(csv_.offset());
-  return !block.empty();
+  return block.size() > first;
 }
 
 /// What is wrong with the order of the rows, by reading them from the beginning.

@@ -115,7 +115,7 @@ void add_wall(const SceneWall& wall, SurveyModel& model) {
     model.walls.push_back({wall.points_m[i], wall.points_m[(i + 1) % n], wall.bottom_m, wall.top_m});
 }
 
-Result<SurveyModel> assemble(Common common, const Scene& scene) {
+Result<SurveyModel> assemble(Common common, const Scene& scene, bool may_be_empty = false) {
   if (const auto checked = check_scene(scene); !checked) return fail(checked.error());
   SurveyModel model;
   model.name = common.name;
@@ -130,7 +130,7 @@ Result<SurveyModel> assemble(Common common, const Scene& scene) {
   model.speed_sigma_mps = common.speed_sigma_mps;
   model.tolerance = common.tolerance;
   model.vehicle_z_m = common.motion == Motion::kSpatial ? scene.vehicle_z_m : 0.0;
-  if (model.beacons.empty()) return fail({.found = "not a single beacon has a place", .expected = "beacons with position_m", .advice = "calibrate first"});
+  if (model.beacons.empty() && !may_be_empty) return fail({.found = "not a single beacon has a place", .expected = "beacons with position_m", .advice = "calibrate first"});
   if (model.receivers.empty()) return fail({.found = "the vehicle has no receivers", .expected = "receivers: what is to hear the beacons"});
   for (const std::string& name : common.left_out) model.warnings.push_back(fmt::format("beacon '{}' has no known place and is left out", name));
   model.unknowns = unknowns_of(model.motion, model.clock, model.receivers);
@@ -182,7 +182,9 @@ double reach_m(const Hearing& hearing) {
   return std::min(hearing.range_m, low);
 }
 
-Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene, std::size_t vehicle) {
+namespace {
+
+Common common_of(const Site& site, std::size_t vehicle) {
   Common common;
   common.name = site.name;
   common.vehicle = vehicle;
@@ -209,7 +211,19 @@ Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene, std:
       const SiteReceiver& receiver = site.receivers[site.vehicles[vehicle].first_receiver + r];
       add_receiver(receiver.name, receiver.position_m, receiver.axis, kHearingCosine, common);
     }
-  return assemble(std::move(common), scene);
+  return common;
+}
+
+}  // namespace
+
+Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene, std::size_t vehicle) { return assemble(common_of(site, vehicle), scene); }
+
+Result<SurveyModel> make_empty_survey_model(Site site, Scene scene, std::size_t vehicle) {
+  if (scene.floor_m.empty())
+    return fail({.file = scene.path, .found = "the scene has no floor", .expected = "scene.floor_m: the outline over which vehicles are to be positioned"});
+  site.beacons.clear();
+  scene.beacons.clear();
+  return assemble(common_of(site, vehicle), scene, /*may_be_empty=*/true);
 }
 
 Result<SurveyModel> make_survey_model(const Deployment& d, const Scene& scene, std::size_t vehicle) {

@@ -93,6 +93,8 @@ struct SurveyModel {
 /// Errors: no beacon with a place, no receivers; what check_scene finds; a scene's beacon that the site does not have.
 [[nodiscard]] Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene, std::size_t vehicle = 0);
 [[nodiscard]] Result<SurveyModel> make_survey_model(const Deployment& deployment, const Scene& scene, std::size_t vehicle = 0);
+/// The same place without any beacon, for whoever looks for places for all of them. Errors too: the scene has no floor.
+[[nodiscard]] Result<SurveyModel> make_empty_survey_model(Site site, Scene scene, std::size_t vehicle = 0);
 
 /// The unknowns that receivers at these places allow.
 [[nodiscard]] Unknowns unknowns_of(Motion motion, Clock clock, const std::vector<SurveyReceiver>& receivers);

@@ -38,7 +38,7 @@ Result<void> read_scene_of(const std::string& path, const std::string& scene_pat
 }  // namespace
 
 Result<SurveyInput> read_survey_input(const std::string& path, const std::string& scene_path, const std::string& vehicle, std::optional<double> cell_m,
-                                      Session& session) {
+                                      Session& session, bool without_beacons) {
   const auto text = io::read_file(path);
   if (!text) return fail(text.error());
   SurveyInput input;
@@ -59,7 +59,9 @@ Result<SurveyInput> read_survey_input(const std::string& path, const std::string
   if (cell_m) input.scene.cell_m = *cell_m;
   const auto index = vehicle_index(input.site ? input.site->vehicles : input.deployment->vehicles, vehicle, path);
   if (!index) return fail(index.error());
-  auto model = input.site ? survey::make_survey_model(*input.site, input.scene, *index) : survey::make_survey_model(*input.deployment, input.scene, *index);
+  auto model = !input.site        ? survey::make_survey_model(*input.deployment, input.scene, *index)
+               : without_beacons ? survey::make_empty_survey_model(*input.site, input.scene, *index)
+                                 : survey::make_survey_model(*input.site, input.scene, *index);
   if (!model) {
     Error error = model.error();
     if (error.file.empty()) error.file = path;

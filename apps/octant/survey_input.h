@@ -25,7 +25,8 @@ struct SurveyInput {
 /// @param scene_path  file with a scene alone; empty: the site's own
 /// @param vehicle  name; empty: the first one
 /// @param cell_m  goes before the scene's
+/// @param without_beacons  the model has none, whatever the site has: for whoever looks for their places (site files only)
 [[nodiscard]] Result<SurveyInput> read_survey_input(const std::string& path, const std::string& scene_path, const std::string& vehicle,
-                                                    std::optional<double> cell_m, Session& session);
+                                                    std::optional<double> cell_m, Session& session, bool without_beacons = false);
 
 }  // namespace octant::app

@@ -103,7 +103,7 @@ void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& pl
       for (double& v : normal) v = draw.normal();
       believed = with_errors(truth, root * normal);
     }
-    const LeastSquaresLocalizer localizer(believed, {.rejection_sigmas = 8.0});  // no arrival is at fault here
+    LeastSquaresLocalizer localizer(believed, {.rejection_sigmas = 8.0});  // no arrival is at fault here
     for (std::size_t i = 0; i < places.size(); ++i) {
       const Fix fix = localizer.locate(arrivals_at(truth, model, places[i], truth.timing.clock == Clock::kCycleOffset ? draw.uniform(0, 0.05) : 0.0, draw));
       if (!fix.ok()) continue;  // the search found two answers, once in some hundred times with cycle offsets
