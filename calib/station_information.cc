@@ -57,9 +57,8 @@ double extent_m(const Site& site, const std::vector<bool>& placed) {
 }
 
 /// Information of priors alone; what has none gets the vague one.
-Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout, const SharedState& state, double vague_m) {
-  std::vector<Trajectory> none;
-  Eigen::MatrixXd N = information_at(problem, layout, none, layout.vector_of(state)).prior;
+Eigen::MatrixXd with_vague_priors(const Problem& problem, const ParameterLayout& layout, const SharedState& state, double vague_m) {
+  Eigen::MatrixXd N = prior_information(problem, layout, layout.vector_of(state));
   for (int i = 0; i < layout.size(); ++i)
     if (!std::isfinite(layout.parameters[static_cast<std::size_t>(i)].prior_sigma)) N(i, i) += 1.0 / (vague_m * vague_m);
   return N;
@@ -153,7 +152,7 @@ void fill_from_site(Knowledge& k, const SharedState& state) {
   k.problem.runs.resize(1);
   k.state = state;
   k.layout = make_layout(k.problem, k.state, held);
-  k.information = prior_information(k.problem, k.layout, k.state, kVagueExtents * extent);
+  k.information = with_vague_priors(k.problem, k.layout, k.state, kVagueExtents * extent);
   k.tof_sigma_s = site.noise.tof_sigma_s;
 }
 
@@ -250,7 +249,7 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
   }
   k.layout = make_layout(problem, k.state, held);
   std::vector<Trajectory> trajectories = solution.trajectories;
-  const Information information = information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state), {}, {.threads = threads, .ranks = nullptr});
+  const Information information = information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state), {}, {.threads = threads});
   k.information = information.data + information.prior;
   fill_place_sigmas(k);
   return k;

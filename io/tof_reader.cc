@@ -35,9 +35,19 @@ Result<void> TofReader::read_header() {
   line_ = csv_.next_line();
   general_ = options_.general_way || !is_utf8(text_.substr(0, body_));
   if (general_) {
-    if (auto ok = check_utf8(text_, file_); !ok) return ok;
+    if (auto ok = check_text(); !ok) return ok;
   }
   start();
+  return {};
+}
+
+/// That the text is UTF-8, without having all of it in memory at a time.
+Result<void> TofReader::check_text() const {
+  for (std::size_t begin = 0, end = 0; begin < text_.size(); begin = end) {
+    end = seam(std::max(begin, body_) + kDigestBytes);
+    if (!is_utf8(text_.substr(begin, end - begin))) return check_utf8(text_, file_);
+    map_.release(begin, end);
+  }
   return {};
 }
 
@@ -61,15 +71,8 @@ void TofReader::start() {
   const std::size_t slots = OrderedWork::slots(options_.threads);
   chunks_.resize(slots);
   parsers_.assign(slots, TofChunkParser(csv_.header().size(), *columns_, names_, clock_));
-  const auto digest = [this] {
-    while (!abandoned_ && digested_ < text_.size()) {
-      const std::size_t begin = digested_;
-      digest_to(std::min(text_.size(), begin + kDigestBytes));
-      map_.release(begin, digested_);
-    }
-  };
   work_.emplace(tasks, options_.threads, [this](std::size_t task, std::size_t slot) { parse(task, slot); },
-                options_.threads > 1 ? std::function<void()>(digest) : std::function<void()>());
+                options_.threads > 1 ? std::function<void()>([this] { digest_rest(); }) : std::function<void()>());
 }
 
 void TofReader::parse(std::size_t task, std::size_t slot) {
@@ -109,7 +112,7 @@ Result<bool> TofReader::append(std::vector<Arrival>& all) {
     return true;
   }
   work_->stop();
-  if (const auto ok = check_utf8(text_, file_); !ok) return fail(ok.error());
+  if (const auto ok = check_text(); !ok) return fail(ok.error());
   if (out_of_order_) return fail(first_error());
   general_ = true;
   csv_.go_to(offset_, line_);
@@ -176,8 +179,16 @@ std::vector<std::string> TofReader::warnings() const {
 
 std::string TofReader::sha256() {
   work_->finish();
-  digest_to(text_.size());
+  digest_rest();
   return digest_.hex();
+}
+
+void TofReader::digest_rest() {
+  while (!abandoned_ && digested_ < text_.size()) {
+    const std::size_t begin = digested_;
+    digest_to(std::min(text_.size(), begin + kDigestBytes));
+    map_.release(begin, digested_);
+  }
 }
 
 void TofReader::digest_to(std::size_t offset) {

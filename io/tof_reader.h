@@ -60,9 +60,11 @@ class TofReader {
   void parse(std::size_t task, std::size_t slot);
   bool take(TofChunk& chunk, std::size_t first);
   Result<bool> next_rows(std::vector<Arrival>& block);
+  [[nodiscard]] Result<void> check_text() const;
   [[nodiscard]] Error first_error() const;
   [[nodiscard]] Error text_error(const Error& otherwise) const;
   void digest_to(std::size_t offset);
+  void digest_rest();
   void give_back(std::size_t offset);
 
   MappedFile map_;

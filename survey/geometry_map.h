@@ -21,7 +21,7 @@ struct PoseList {
   }
 };
 
-inline constexpr double kNoFix = std::numeric_limits<double>::infinity();  ///< in place of a dilution or a sigma
+inline constexpr double kNoFix = std::numeric_limits<double>::infinity();  ///< in place of a dilution (beyond 10,000 too) or a sigma
 
 /// What a geometry gives at each pose. Dilutions are sigmas of the pose by a range sigma of 1 m, all ranges alike, an arrival a
 /// row; with receivers' arrays several arrivals come from one beacon. kNoFix where what is heard does not determine the pose.

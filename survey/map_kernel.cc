@@ -25,6 +25,7 @@ using M = hn::Mask<D>;
 
 constexpr double kMinDistanceM = 1e-6;
 constexpr double kSingular = 1e-10;     ///< of a pivot against its diagonal
+constexpr double kWorstDilution = 1e4;  ///< beyond it a geometry is singular to rounding, or as good as
 constexpr double kNonCentrality = 4.13; ///< 3.29 + 0.84, as in models/localizers/protection.cc
 constexpr double kNoise = 3.29;
 constexpr double kUnnoticed = 1e-6;     ///< of a beacon's own information
@@ -280,6 +281,7 @@ class Tile {
     } else {
       for (int e = 0; e < E; ++e) Q[e] = hn::Mul(C[e], number(1.0 / model.constant_m2));
     }
+    sound = hn::And(sound, hn::Lt(hn::Add(Q[0], Q[entry(N, 1, 1)]), number(kWorstDilution * kWorstDilution)));
     const auto diagonal = [](const V* packed, int p) HWY_ATTR { return packed[entry(N, p, p)]; };
     const V zero = hn::Zero(D());
     const V h = hn::Add(diagonal(Q, 0), diagonal(Q, 1)), v = kPosition == 3 ? diagonal(Q, 2) : zero, t = kClock ? diagonal(Q, N - 1) : zero;
@@ -368,6 +370,8 @@ HWY_INLINE V horizontal_sigma(V* A, const V* before) {
   const M good = hn::And(hn::Gt(xx, hn::Mul(number(kSingular), before[0])), hn::Gt(determinant, hn::Mul(hn::Mul(number(kSingular), before[1]), xx)));
   sound = hn::And(sound, good);
   const V square = hn::Div(hn::Add(xx, yy), hn::IfThenElse(sound, determinant, number(1.0)));
+  // As many ranges as there were, of their mean weight: the square of the dilution times their number.
+  sound = hn::And(sound, hn::Lt(hn::Mul(square, hn::Add(before[0], before[1])), number(10 * kWorstDilution * kWorstDilution)));
   return hn::IfThenElse(sound, hn::Sqrt(hn::Max(square, hn::Zero(D()))), number(kNever));
 }
 
