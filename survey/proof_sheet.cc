@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "survey/map_svg.h"
 #include "survey/escape.h"
+#include "survey/map_svg.h"
 
 namespace octant::survey {
 namespace {

@@ -38,6 +38,8 @@ void add_beacon_options(CLI::App& command, PlanWords& words) {
       ->capture_default_str()->type_name("A")->group(group);
   command.add_option("--evaluations", words.evaluations, "Layouts that each run of an algorithm may look at; 0: by their number of unknowns")
       ->check(CLI::Range(0, 10'000'000))->capture_default_str()->type_name("N")->group(group);
+  command.add_option("--restarts", words.restarts, "Random layouts from which searches set out too; fewer are faster")->check(CLI::Range(0, 10'000))->capture_default_str()
+      ->type_name("N")->group(group);
   command.add_option("--proof", words.proof, "Compare numbers of beacons up to this with greedy, regular and random layouts")->check(CLI::Range(1, 200))->type_name("N")->group(group);
   command.add_option("--mount-sigma", words.mount_sigma_m, "How well the beacons will stand where the plan says, for the written site")->check(CLI::NonNegativeNumber)
       ->capture_default_str()->type_name("M")->group(group);

@@ -20,7 +20,7 @@ struct PlanWords {
   int coverage = 0, most = 24, proof = 0;
   bool keep = false;
   std::string goal = "worst", algorithm = "crs2", local = "sbplx";
-  int evaluations = 0;
+  int evaluations = 0, restarts = 6;
   double mount_sigma_m = 0.1;
   // --stations
   std::optional<int> stations;

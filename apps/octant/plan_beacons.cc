@@ -33,6 +33,7 @@ survey::PlacementOptions options_of(const PlanWords& words, ProgressReporter& re
   o.keep = words.keep;
   o.coverage = words.coverage;
   o.evaluations = static_cast<std::size_t>(words.evaluations);
+  o.restarts = words.restarts;
   o.threads = session.threads();
   o.on_progress = [&reporter](double fraction) {
     reporter.show("placement", 0, 0.0, fraction);
