@@ -26,7 +26,7 @@ class Words {
   std::string_view word() {
     at_ = line_.find_first_not_of(" \t\r", at_);
     if (at_ == std::string_view::npos) {
-      at_ = line_.size();
+      at_ = begin_ = line_.size();
       return {};
     }
     const std::size_t end = std::min(line_.find_first_of(" \t\r", at_), line_.size());
