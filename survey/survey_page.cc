@@ -18,7 +18,7 @@ namespace octant::survey {
 namespace {
 
 /// Bins along the longer side of the drawn maps and of those to point at: what a screen shows, and what a page can carry.
-constexpr std::size_t kDrawnBins = 52, kLiveBins = 48;
+constexpr std::size_t kDrawnBins = 44, kLiveBins = 44;
 
 std::string percent(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
 
