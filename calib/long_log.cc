@@ -19,7 +19,7 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kLongEpochs = 4000;
-constexpr ThinOptions kPart = {.instants = 1000, .per_beacon = 300};
+constexpr ThinOptions kPart = {.instants = 600, .per_beacon = 200};
 constexpr double kInLine = 1e-4;  ///< of the largest pivot: beacons in line do not tell the side
 
 /// Mean range and place of each beacon that the epoch hears, in order of first appearance.

@@ -19,6 +19,7 @@ namespace {
 
 /// Less than this share of a beacon's lateness in the residuals is rounding.
 constexpr double kUnnoticed = 1e-9;
+constexpr std::size_t kTimeBins = 16;  // drifts are slow, but a door that opens is not
 
 enum Kind : std::size_t { kTof, kAmplitude, kBearing, kOdometry, kPose, kMotion, kPrior, kDistance, kKinds };
 constexpr const char* kKindName[kKinds] = {"tof", "amplitude", "bearing", "odometry", "pose", "motion", "prior", "control_distance"};
@@ -97,6 +98,8 @@ class Collector {
     out_.by_receiver = groups_by_name(by_receiver_, receiver_names());
     out_.by_distance = groups_by_quantity(std::move(by_distance_));
     out_.by_temperature = groups_by_quantity(std::move(by_temperature_));
+    out_.by_incidence = groups_by_quantity(std::move(by_incidence_));
+    out_.by_time = groups_by_quantity(std::move(by_time_), kTimeBins);
     out_.ok = true;
     return std::move(out_);
   }
@@ -165,11 +168,22 @@ class Collector {
     const auto grouped = [&](double key) { return GroupedResidual{key, s.residual_s, range_per_s}; };
     by_beacon_.push_back(grouped(static_cast<double>(a.beacon.index())));
     by_receiver_.push_back(grouped(static_cast<double>(a.receiver.index())));
-    by_distance_.push_back(grouped((pose_at(t, a.node, a.alpha) * state_.receiver_p_vehicle_m[a.receiver.index()] -
-                                    state_.beacon_p_map_m[a.beacon.index()]).norm()));
+    const Pose T = pose_at(t, a.node, a.alpha);
+    const Eigen::Vector3d path = state_.beacon_p_map_m[a.beacon.index()] - T * state_.receiver_p_vehicle_m[a.receiver.index()];
+    by_distance_.push_back(grouped(path.norm()));
+    by_incidence_.push_back(grouped(incidence_rad(path, T, a.receiver)));
+    by_time_.push_back(grouped(a.time_s - problem_.runs[t.run].arrivals.front().time_s));
     const double temperature = problem_.runs[t.run].arrivals[a.arrival].temperature_degC;
     if (std::isfinite(temperature)) by_temperature_.push_back(grouped(temperature));
     out_.arrivals.push_back(s);
+  }
+
+  /// @param path  from receiver to beacon, in the map
+  [[nodiscard]] double incidence_rad(const Eigen::Vector3d& path, const Pose& T_map_vehicle, ReceiverId receiver) const {
+    const auto& axis = problem_.site.receivers[receiver.index()].axis;
+    if (!axis) return std::atan2(path.head<2>().norm(), std::abs(path.z()));
+    const Eigen::Vector3d a = T_map_vehicle.rotation * *axis;
+    return std::atan2(a.cross(path).norm(), a.dot(path));
   }
 
   /// Arrivals used over those looked at.
@@ -313,7 +327,7 @@ class Collector {
   std::array<Part, kKinds> kinds_;
   std::vector<OfBeacon> beacons_;
   std::vector<LatenessInformation> lateness_;
-  std::vector<GroupedResidual> by_beacon_, by_receiver_, by_distance_, by_temperature_;
+  std::vector<GroupedResidual> by_beacon_, by_receiver_, by_distance_, by_temperature_, by_incidence_, by_time_;
   Reliability out_;
 };
 

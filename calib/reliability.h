@@ -74,7 +74,7 @@ struct BeaconReliability {
 /// Residuals of the used arrivals of one group.
 struct ResidualGroup {
   std::string name;              ///< of beacon or receiver; empty for a bin
-  double from = 0.0, to = 0.0;   ///< of a bin: metres or degrees Celsius
+  double from = 0.0, to = 0.0;   ///< of a bin: metres, radians, degrees Celsius or seconds
   std::size_t count = 0;
   double mean_s = 0.0, rms_s = 0.0;
   double mean_m = 0.0, rms_m = 0.0;
@@ -96,6 +96,9 @@ struct Reliability {
   std::vector<BeaconReliability> beacons;  ///< order of the site
   std::vector<VarianceComponent> kinds;    ///< tof, amplitude, bearing, odometry, pose, prior, control_distance; those present
   std::vector<ResidualGroup> by_beacon, by_receiver, by_distance, by_temperature;
+  /// Angle at the receiver, off its axis where the site gives one; else of the path off the vertical.
+  std::vector<ResidualGroup> by_incidence;
+  std::vector<ResidualGroup> by_time;      ///< since the start of the recording
 };
 inline constexpr std::size_t kWorst = 10;
 /// Enough for any mean, and the time is then the adjustment's.

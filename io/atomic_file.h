@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "models/result.h"
 
@@ -14,6 +15,13 @@ namespace octant::io {
 /// pipes and devices are written in place. A link keeps pointing where it did, a file keeps its permissions.
 /// Errors: kOutput with the path and the system's reason; the file that was there stays as it was. Folders are not created.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view content);
+
+struct FileContent {
+  std::string path, content;
+};
+/// Several files, each as write_file does it, all or none: none is replaced before all of them lie on the disk. (Only where a
+/// rename fails after another went through does one stay; what goes to standard output, pipes and devices cannot be taken back.)
+[[nodiscard]] Result<void> write_files(const std::vector<FileContent>& files);
 
 inline constexpr std::size_t kLargestFile = std::size_t{1} << 36;
 

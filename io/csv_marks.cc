@@ -14,6 +14,7 @@ namespace octant::io {
 namespace {
 
 constexpr std::size_t kBlock = 64;
+constexpr std::uint64_t kNeverZero = std::uint64_t{1} << 63;  // spares a branch, and is nobody's first mark but the last byte's
 
 /// What a block of 64 bytes holds: a bit for each mark, and the odd bytes of all blocks so far in `odd`.
 #ifdef __SSE2__
@@ -78,7 +79,7 @@ void CsvMarks::find(std::string_view text) {
     // Eight at a time, be they there or not, as a loop over a number of marks that nobody can foresee costs more (simdjson).
     for (; marks != 0; out += 8) {
       for (int i = 0; i < 8; ++i, marks &= marks - 1)
-        out[i] = static_cast<std::uint32_t>(at) + static_cast<std::uint32_t>(std::countr_zero(marks));
+        out[i] = static_cast<std::uint32_t>(at) + static_cast<std::uint32_t>(std::countr_zero(marks | kNeverZero));
     }
   };
   for (; at + kBlock <= text.size(); at += kBlock) keep(marks_of(text.data() + at, odd));

@@ -199,7 +199,7 @@ std::string digest_of(nlohmann::json json) {
 
 std::string deployment_to_json(const Deployment& deployment) { return text_of(content_of(deployment)); }
 
-Result<void> write_deployment(const std::string& path, const Deployment& deployment) {
+Result<std::string> checked_deployment_json(const std::string& path, const Deployment& deployment) {
   const Json json = content_of(deployment);
   if (const std::string pointer = find_not_finite(json, ""); !pointer.empty()) {
     return fail({.code = Errc::kOutput,
@@ -207,7 +207,13 @@ Result<void> write_deployment(const std::string& path, const Deployment& deploym
                  .found = fmt::format("not written: {} is not a finite number", pointer),
                  .advice = "this is a fault of the program: please report it"});
   }
-  return write_file(path, text_of(json));
+  return text_of(json);
+}
+
+Result<void> write_deployment(const std::string& path, const Deployment& deployment) {
+  const auto text = checked_deployment_json(path, deployment);
+  if (!text) return fail(text.error());
+  return write_file(path, *text);
 }
 
 }  // namespace octant::io

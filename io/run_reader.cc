@@ -109,14 +109,19 @@ Result<void> RunReader::open_tof() {
 
 Result<bool> RunReader::next_arrivals(std::vector<Arrival>& block) {
   block.clear();
+  return append_arrivals(block);
+}
+
+Result<bool> RunReader::append_arrivals(std::vector<Arrival>& all) {
   if (!tof_) return false;
-  const auto more = tof_->next(block);
+  const std::size_t before = all.size();
+  const auto more = tof_->append(all);
   if (!more) return more;
   auto refused = tof_->refusals().take();
   log_.rejected.insert(log_.rejected.end(), std::make_move_iterator(refused.begin()), std::make_move_iterator(refused.end()));
   log_.rows = tof_->rows();
-  if (arrivals_ == 0 && !block.empty()) first_vehicle_ = block.front().vehicle;
-  arrivals_ += block.size();
+  if (arrivals_ == 0 && all.size() > before) first_vehicle_ = all[before].vehicle;
+  arrivals_ += all.size() - before;
   if (*more) return true;
   const auto warnings = tof_->warnings();
   log_.warnings.insert(log_.warnings.end(), warnings.begin(), warnings.end());
@@ -130,12 +135,10 @@ Result<void> RunReader::read_arrivals() {
     log_.arrivals.reserve(tof_->rows_estimate());
     prefer_large_pages(log_.arrivals.data(), log_.arrivals.capacity() * sizeof(Arrival));
   }
-  std::vector<Arrival> block;
   for (;;) {
-    const auto more = next_arrivals(block);
+    const auto more = append_arrivals(log_.arrivals);
     if (!more) return fail(more.error());
     if (!*more) return {};
-    log_.arrivals.insert(log_.arrivals.end(), block.begin(), block.end());
   }
 }
 

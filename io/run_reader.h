@@ -40,6 +40,7 @@ class RunReader {
   [[nodiscard]] bool is_there(const std::string& file) const;
   [[nodiscard]] Result<void> check_folder() const;
   Result<std::optional<std::string>> load(const char* name);
+  Result<bool> append_arrivals(std::vector<Arrival>& all);
   Result<void> read_header();
   Result<void> open_tof();
   Result<void> read_bearings();

@@ -30,12 +30,25 @@ std::vector<Eigen::Vector2d> waypoints(YamlMap& map, YamlLog& log) {
   return points;
 }
 
+std::vector<Eigen::Vector3d> stations(YamlMap& map, YamlLog& log) {
+  std::vector<Eigen::Vector3d> poses;
+  for (const YAML::Node& item : map.list("stations")) {
+    const std::vector<double> p = numbers_of(item, map.path("stations"), log, 3);
+    if (p.size() == 3) poses.emplace_back(p[0], p[1], p[2]);
+  }
+  return poses;
+}
+
 /// Keys that are absent stay as they are in `path`.
 void read_path(const YAML::Node& node, const char* name, YamlLog& log, Scenario::Path& path) {
   YamlMap map(node, name, log);
   if (!map.present()) return;
   path.kind = map.choice<PathKind>(
-      "kind", {{"stops", PathKind::kStops}, {"waypoints", PathKind::kWaypoints}, {"drive", PathKind::kDrive}}, path.kind);
+      "kind", {{"stops", PathKind::kStops}, {"waypoints", PathKind::kWaypoints}, {"stations", PathKind::kStations}, {"drive", PathKind::kDrive}}, path.kind);
+  if (map.has("stations")) {
+    path.stations = stations(map, log);
+    if (!path.stations.empty()) path.epochs = static_cast<int>(path.stations.size());
+  }
   path.epochs = map.integer("epochs", path.epochs, 1, 10'000'000);
   path.epoch_period_s = map.number("epoch_period_s", path.epoch_period_s, kPositive);
   path.slot_s = map.number("slot_s", path.slot_s, kPositive);

@@ -13,6 +13,7 @@ std::string_view schema(std::string_view format) {
   if (format == "deployment") return deployment_schema();
   if (format == "scenario") return scenario_schema();
   if (format == "batch") return batch_schema();
+  if (format == "scene") return scene_schema();
   return {};
 }
 

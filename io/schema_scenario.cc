@@ -80,7 +80,7 @@ std::string_view scenario_schema() {
     "path": {
       "type": "object",
       "properties": {
-        "kind": {"description": "stops: stationary epochs along a Lissajous figure through the hall; waypoints: stationary epochs evenly along a polyline; drive: continuous, between random goals or round the waypoints, with odometry.", "enum": ["stops", "waypoints", "drive"], "default": "stops"},
+        "kind": {"description": "stops: stationary epochs along a Lissajous figure through the hall; waypoints: stationary epochs evenly along a polyline; stations: stationary epochs at the poses listed; drive: continuous, between random goals or round the waypoints, with odometry.", "enum": ["stops", "waypoints", "stations", "drive"], "default": "stops"},
         "epochs": {"type": "integer", "minimum": 1, "default": 120},
         "epoch_period_s": {"type": "number", "exclusiveMinimum": 0, "default": 5.0},
         "slot_s": {"description": "Between the firings of two beacons.", "type": "number", "exclusiveMinimum": 0, "default": 0.05},
@@ -89,7 +89,8 @@ std::string_view scenario_schema() {
         "speed_mps": {"type": "number", "exclusiveMinimum": 0, "default": 0.6},
         "turn_rate_rad_per_s": {"type": "number", "exclusiveMinimum": 0, "default": 0.7},
         "odometry_period_s": {"type": "number", "exclusiveMinimum": 0, "default": 0.05},
-        "waypoints_m": {"type": "array", "items": {"$ref": "#/$defs/pair"}}
+        "waypoints_m": {"type": "array", "items": {"$ref": "#/$defs/pair"}},
+        "stations": {"description": "Of kind stations: [x_m, y_m, heading_rad] of each; epochs is their number unless it is stated.", "type": "array", "minItems": 1, "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}}
       }
     }
   }

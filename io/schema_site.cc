@@ -5,7 +5,7 @@
 namespace octant::io {
 
 std::string_view site_schema() {
-  return R"json({
+  static const std::string text = std::string(R"json({
   "$schema": "https://json-schema.org/draft/2020-12/schema",
   "$id": "urn:octant:schema:site:1",
   "title": "Octant site file (site.yaml)",
@@ -187,6 +187,13 @@ std::string_view site_schema() {
         "triangle": {"type": "boolean", "default": true, "description": "Kleeman's inequality between two beacons with known places"}
       }
     },
+    "scene": {
+      "description": "what plans show of the place, for surveys (also in a file of its own: octant schema scene)",
+      "type": ["object", "null"],
+      "additionalProperties": false,
+      "properties": {)json") + std::string(scene_properties()) + R"json(
+      }
+    },
     "tolerance": {
       "description": "what the site must reach",
       "type": ["object", "null"],
@@ -231,6 +238,7 @@ std::string_view site_schema() {
   }
 }
 )json";
+  return text;
 }
 
 }  // namespace octant::io

@@ -3,6 +3,7 @@
 #pragma once
 // Private to io/: the schemas that schema() gives, one file each.
 
+#include <string>
 #include <string_view>
 
 namespace octant::io {
@@ -11,5 +12,8 @@ namespace octant::io {
 [[nodiscard]] std::string_view run_schema();
 [[nodiscard]] std::string_view deployment_schema();
 [[nodiscard]] std::string_view batch_schema();
+[[nodiscard]] std::string_view scene_schema();
+/// Properties of a scene, for the schemas that hold one.
+[[nodiscard]] std::string_view scene_properties();
 
 }  // namespace octant::io

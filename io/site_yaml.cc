@@ -400,6 +400,7 @@ Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, boo
     site.tolerance.beacon_m = tolerance.optional_number("beacon_m", kPositive);
     site.tolerance.fix_m = tolerance.optional_number("fix_m", kPositive);
     tolerance.finish();
+    root.get("scene");  // scene_yaml.cc's
     root.finish();
   } catch (const YAML::Exception& e) {
     return fail({.file = file, .line = e.mark.line + 1, .column = e.mark.column + 1, .found = e.msg});

@@ -145,7 +145,6 @@ inline bool TofChunkParser::settle(const Row& row, Arrival& arrival, TofChunk& o
 
 void TofChunkParser::parse(std::string_view chunk, TofChunk& out) {
   out.regular = false;
-  out.arrivals.clear();
   out.refused.clear();
   out.epochs.clear();
   out.rows = 0;

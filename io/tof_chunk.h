@@ -29,7 +29,7 @@ struct TofChunk {
   };
   /// All rows were read. If not, the others mean nothing: something is wrong, or odd (quotes), and read_tof_row() must look.
   bool regular = false;
-  std::vector<Arrival> arrivals;
+  std::vector<Arrival> arrivals;  ///< behind those that were there before
   std::vector<RefusedRow> refused;
   std::vector<EpochBegin> epochs;  ///< each time a vehicle's epoch differs from that of its row before
   std::size_t rows = 0;            ///< refused ones included

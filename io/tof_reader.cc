@@ -35,9 +35,19 @@ Result<void> TofReader::read_header() {
   line_ = csv_.next_line();
   general_ = options_.general_way || !is_utf8(text_.substr(0, body_));
   if (general_) {
-    if (auto ok = check_utf8(text_, file_); !ok) return ok;
+    if (auto ok = check_text(); !ok) return ok;
   }
   start();
+  return {};
+}
+
+/// That the text is UTF-8, without having all of it in memory at a time.
+Result<void> TofReader::check_text() const {
+  for (std::size_t begin = 0, end = 0; begin < text_.size(); begin = end) {
+    end = seam(std::max(begin, body_) + kDigestBytes);
+    if (!is_utf8(text_.substr(begin, end - begin))) return check_utf8(text_, file_);
+    map_.release(begin, end);
+  }
   return {};
 }
 
@@ -61,44 +71,56 @@ void TofReader::start() {
   const std::size_t slots = OrderedWork::slots(options_.threads);
   chunks_.resize(slots);
   parsers_.assign(slots, TofChunkParser(csv_.header().size(), *columns_, names_, clock_));
-  const auto digest = [this] {
-    while (!abandoned_ && digested_ < text_.size()) {
-      const std::size_t begin = digested_;
-      digest_to(std::min(text_.size(), begin + kDigestBytes));
-      map_.release(begin, digested_);
-    }
-  };
   work_.emplace(tasks, options_.threads, [this](std::size_t task, std::size_t slot) { parse(task, slot); },
-                options_.threads > 1 ? std::function<void()>(digest) : std::function<void()>());
+                options_.threads > 1 ? std::function<void()>([this] { digest_rest(); }) : std::function<void()>());
 }
 
 void TofReader::parse(std::size_t task, std::size_t slot) {
   const std::size_t begin = seam(body_ + task * options_.chunk_bytes), end = seam(body_ + (task + 1) * options_.chunk_bytes);
+  if (options_.threads > 1) chunks_[slot].arrivals.clear();
   parsers_[slot].parse(text_.substr(begin, end - begin), chunks_[slot]);
 }
 
 Result<bool> TofReader::next(std::vector<Arrival>& block) {
   block.clear();
-  if (general_) return next_rows(block);
-  if (!work_->wait()) return false;
-  const std::size_t slot = work_->slot();
-  if (take(chunks_[slot], block)) {
+  return append(block);
+}
+
+Result<bool> TofReader::append(std::vector<Arrival>& all) {
+  if (general_) return next_rows(all);
+  // The only thread puts the rows where they are to stay.
+  const bool alone = options_.threads <= 1;
+  const std::size_t first = alone ? all.size() : 0;
+  if (alone) chunks_[0].arrivals.swap(all);
+  const bool more = work_->wait();
+  TofChunk& chunk = chunks_[work_->slot()];
+  const bool taken = more && take(chunk, first);
+  if (alone) {
+    if (more && !taken) chunk.arrivals.resize(first);
+    chunk.arrivals.swap(all);
+  } else if (taken && all.empty() && all.capacity() <= chunk.arrivals.capacity()) {
+    chunk.arrivals.swap(all);  // unless there is room for more to come
+  } else if (taken) {
+    all.insert(all.end(), chunk.arrivals.begin(), chunk.arrivals.end());
+  }
+  if (!more) return false;
+  if (taken) {
     offset_ = seam(body_ + ++task_ * options_.chunk_bytes);
-    if (options_.threads <= 1) digest_to(offset_);
+    if (alone) digest_to(offset_);
     give_back(offset_);
     work_->release();
     return true;
   }
   work_->stop();
-  if (const auto ok = check_utf8(text_, file_); !ok) return fail(ok.error());
+  if (const auto ok = check_text(); !ok) return fail(ok.error());
   if (out_of_order_) return fail(first_error());
   general_ = true;
   csv_.go_to(offset_, line_);
-  return next_rows(block);
+  return next_rows(all);
 }
 
-/// Takes over what a piece holds; false where the general way must look at it.
-bool TofReader::take(TofChunk& chunk, std::vector<Arrival>& block) {
+/// Takes over what a piece holds, its arrivals from the first on; false where the general way must look at it.
+bool TofReader::take(TofChunk& chunk, std::size_t first) {
   if (!chunk.regular) return false;
   if (chunk.rows > 0 && !(order_->advance_time(chunk.first_time_s) && order_->advance_time(chunk.last_time_s))) return false;
   for (const auto& [vehicle, epoch] : chunk.epochs) {
@@ -107,16 +129,16 @@ bool TofReader::take(TofChunk& chunk, std::vector<Arrival>& block) {
       return false;
     }
   }
-  for (Arrival& arrival : chunk.arrivals) arrival.line += line_;
+  for (std::size_t i = first; i < chunk.arrivals.size(); ++i) chunk.arrivals[i].line += line_;
   for (const auto& [line, refusal, text] : chunk.refused) refusals_.add(refusal, line_ + line, text);
   line_ += chunk.lines;
   rows_ += chunk.rows;
-  block.swap(chunk.arrivals);
   return true;
 }
 
 Result<bool> TofReader::next_rows(std::vector<Arrival>& block) {
-  while (block.size() < kBlockRows && csv_.next_row()) {
+  const std::size_t first = block.size();
+  while (block.size() < first + kBlockRows && csv_.next_row()) {
     Arrival arrival;
     if (!read_tof_row(csv_, *columns_, names_, *order_, arrival)) break;
     ++rows_;
@@ -130,7 +152,7 @@ Result<bool> TofReader::next_rows(std::vector<Arrival>& block) {
   }
   if (csv_.error()) return fail(*csv_.error());
   give_back(csv_.offset());
-  return !block.empty();
+  return block.size() > first;
 }
 
 /// What is wrong with the order of the rows, by reading them from the beginning.
@@ -157,8 +179,16 @@ std::vector<std::string> TofReader::warnings() const {
 
 std::string TofReader::sha256() {
   work_->finish();
-  digest_to(text_.size());
+  digest_rest();
   return digest_.hex();
+}
+
+void TofReader::digest_rest() {
+  while (!abandoned_ && digested_ < text_.size()) {
+    const std::size_t begin = digested_;
+    digest_to(std::min(text_.size(), begin + kDigestBytes));
+    map_.release(begin, digested_);
+  }
 }
 
 void TofReader::digest_to(std::size_t offset) {

@@ -44,6 +44,8 @@ class TofReader {
   /// Puts the arrivals of some more rows, in the order of the file, in place of what `block` held: a piece's, or some thousands; there
   /// may be none where rows were refused. False at the end. Errors: those of the rows; the rows before have been given out then.
   [[nodiscard]] Result<bool> next(std::vector<Arrival>& block);
+  /// The same behind what `all` holds.
+  [[nodiscard]] Result<bool> append(std::vector<Arrival>& all);
 
   [[nodiscard]] std::size_t rows() const { return rows_; }  ///< so far, refused ones included
   [[nodiscard]] TofRefusals& refusals() { return refusals_; }
@@ -56,11 +58,13 @@ class TofReader {
   [[nodiscard]] std::size_t seam(std::size_t offset) const;
   void start();
   void parse(std::size_t task, std::size_t slot);
-  bool take(TofChunk& chunk, std::vector<Arrival>& block);
+  bool take(TofChunk& chunk, std::size_t first);
   Result<bool> next_rows(std::vector<Arrival>& block);
+  [[nodiscard]] Result<void> check_text() const;
   [[nodiscard]] Error first_error() const;
   [[nodiscard]] Error text_error(const Error& otherwise) const;
   void digest_to(std::size_t offset);
+  void digest_rest();
   void give_back(std::size_t offset);
 
   MappedFile map_;

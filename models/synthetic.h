@@ -19,6 +19,7 @@ namespace octant {
 enum class PathKind {
   kStops,      ///< stationary epochs along a closed Lissajous path through the hall
   kWaypoints,  ///< stationary epochs evenly along a polyline
+  kStations,   ///< stationary epochs at given poses, one after the other, round and round
   kDrive       ///< continuous drive between random goals, or round the waypoints where they are given, with odometry
 };
 
@@ -41,6 +42,7 @@ struct Scenario {
     double turn_rate_rad_per_s = 0.7;
     double odometry_period_s = 0.05;  ///< of a drive's odometry (planar motion), truth and measured poses
     std::vector<Eigen::Vector2d> waypoints_m;
+    std::vector<Eigen::Vector3d> stations;  ///< x [m], y [m], heading [rad]
   } path, heldout_path;                 ///< of the calibration run and of the held-out run
   double range_m = 12.0;                ///< beyond it nothing is heard
   double hearing_half_angle_rad = 3.2;  ///< of receivers with an axis; above pi: all round

@@ -52,6 +52,15 @@ std::vector<Pose> polyline_stops(const std::vector<Point>& corners, int epochs) 
   return stops;
 }
 
+std::vector<Pose> given_stops(const std::vector<Eigen::Vector3d>& stations, int epochs) {
+  std::vector<Pose> stops;
+  for (int k = 0; k < epochs; ++k) {
+    const Eigen::Vector3d& s = stations[static_cast<std::size_t>(k) % stations.size()];
+    stops.push_back(Pose::planar(s.x(), s.y(), s.z()));
+  }
+  return stops;
+}
+
 /// From goal to goal at constant speed, steering towards the goal at a limited turn rate.
 std::vector<Pose> drive(const Scenario& scenario, const Scenario::Path& path, Random& draws) {
   std::size_t next = 0;
@@ -116,6 +125,7 @@ TruePath make_path(const Scenario& scenario, const Scenario::Path& path, Random&
   switch (path.kind) {
     case PathKind::kStops: result.poses = lissajous_stops(scenario, path.epochs, draws); break;
     case PathKind::kWaypoints: result.poses = polyline_stops(path.waypoints_m, path.epochs); break;
+    case PathKind::kStations: result.poses = given_stops(path.stations, path.epochs); break;
     case PathKind::kDrive: result.poses = drive(scenario, path, draws); break;
   }
   if (scenario.site.motion == Motion::kSpatial) make_spatial(result, draws);

@@ -37,6 +37,9 @@ Result<void> check_path(const Scenario& scenario, const Scenario::Path& path, co
   if (path.kind == PathKind::kWaypoints && path.waypoints_m.size() < 2) {
     return contradiction(key + ": kind waypoints without waypoints_m", "two points or more");
   }
+  if (path.kind == PathKind::kStations && path.stations.empty()) {
+    return contradiction(key + ": kind stations without stations", "[x_m, y_m, heading_rad] of at least one");
+  }
   if (dwell_s(scenario, path) >= path.epoch_period_s) {
     return contradiction(key + ": arrivals of an epoch last " + std::to_string(dwell_s(scenario, path)) + " s",
                          "a longer epoch_period_s than that");

@@ -69,9 +69,8 @@ std::optional<double> nees_over_dof(const Fix& fix, const ErrorOfFix& error, boo
   return std::isfinite(nees) ? std::optional<double>(nees) : std::nullopt;
 }
 
-/// Quantile with linear interpolation between order statistics. @param values not empty; sorted here
-double quantile(std::vector<double>& values, double q) {
-  std::sort(values.begin(), values.end());
+/// Quantile with linear interpolation between order statistics. @param values not empty, ascending
+double quantile(const std::vector<double>& values, double q) {
   const double at = q * static_cast<double>(values.size() - 1);
   const auto low = static_cast<std::size_t>(at);
   const std::size_t high = std::min(low + 1, values.size() - 1);
@@ -129,6 +128,10 @@ Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion, const
   double squares_m2 = 0.0;
   for (double error_m : sums.position_m) squares_m2 += error_m * error_m;
   result.position_rmse_m = std::sqrt(squares_m2 / static_cast<double>(result.matched));
+  std::sort(sums.position_m.begin(), sums.position_m.end());
+  const std::size_t quantiles = std::min(kErrorQuantiles, result.matched);
+  for (std::size_t i = 0; i < quantiles; ++i)
+    result.error_quantiles_m.push_back(quantile(sums.position_m, quantiles > 1 ? static_cast<double>(i) / static_cast<double>(quantiles - 1) : 1.0));
   result.position_p95_m = quantile(sums.position_m, 0.95);
   result.max_error_m = sums.position_m.back();
   if (sums.headings > 0) result.heading_rmse_rad = std::sqrt(sums.heading_rad2 / static_cast<double>(sums.headings));

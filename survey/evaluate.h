@@ -22,6 +22,9 @@ struct Gate {
   bool pass = false;
 };
 
+/// Enough for a curve.
+inline constexpr std::size_t kErrorQuantiles = 101;
+
 /// Fixes against a reference trajectory.
 struct Evaluation {
   std::size_t fixes = 0;      ///< with status ok
@@ -30,6 +33,7 @@ struct Evaluation {
   double position_rmse_m = 0.0;  ///< horizontal for planar motion, in space otherwise
   double position_p95_m = 0.0;
   double max_error_m = 0.0;
+  std::vector<double> error_quantiles_m;   ///< of the position errors, from the least to the largest, at most kErrorQuantiles
   std::optional<double> heading_rmse_rad;  ///< where the reference has a heading
   std::optional<double> nees_mean;         ///< over its degrees of freedom: 1 for honest covariances
   std::vector<Gate> gates;

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "apps/octant/batch_sites.h"
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/ranks.h"
 #include "apps/octant/table.h"
 
 namespace octant::app {
@@ -46,6 +48,19 @@ std::string summary(const io::Batch& batch, const std::vector<SiteOutcome>& outc
   return table.text();
 }
 
+/// What all ranks did, in the order of the list; on the first rank.
+std::vector<SiteOutcome> gathered(const std::vector<SiteOutcome>& mine, const Job& job) {
+  Json told = Json::array();
+  for (const auto& outcome : mine)
+    told.push_back({{"number", outcome.number}, {"exit", static_cast<int>(outcome.exit)}, {"message", outcome.message}, {"object", outcome.object}});
+  std::vector<SiteOutcome> all;
+  for (const std::string& text : job.gather(dump(told)))
+    for (const Json& one : Json::parse(text))
+      all.push_back({one["number"].get<std::size_t>(), static_cast<Exit>(one["exit"].get<int>()), one["message"].get<std::string>(), one["object"]});
+  std::sort(all.begin(), all.end(), [](const SiteOutcome& a, const SiteOutcome& b) { return a.number < b.number; });
+  return all;
+}
+
 /// The list was gone through; what of the sites?
 int end(const io::Batch& batch, const std::vector<SiteOutcome>& outcomes, const Json& object, Session& session) {
   std::size_t failed = 0, unfinished = 0;
@@ -71,6 +86,12 @@ int run(const Words& words, Session& session) {
     if (!given) return session.fail({"error", "usage", kUsage, fmt::format("--shard is '{}'", words.shard), "i/N with i from 1 to N, such as 1/10"});
     shard = *given;
   }
+  const calib::Ranks* ranks = session.job != nullptr ? session.job->ranks() : nullptr;
+  if (ranks != nullptr) {
+    // A shard of the shard: of the sites that this job is to do, each rank takes every so many.
+    shard.index += shard.count * static_cast<std::size_t>(ranks->index());
+    shard.count *= static_cast<std::size_t>(ranks->count());
+  }
   const auto batch = io::read_batch(words.list, words.folder);
   if (!batch) return session.fail(batch.error());
   session.warn(batch->warnings);
@@ -82,12 +103,18 @@ int run(const Words& words, Session& session) {
 
   std::size_t done = 0;
   const bool silent = session.options.progress == "none";
-  const auto outcomes = calibrate_sites(*batch, shard, words.strict, session, [&](const SiteOutcome& outcome) {
+  auto outcomes = calibrate_sites(*batch, shard, words.strict, session, [&](const SiteOutcome& outcome) {
     const std::string& name = batch->sites[outcome.number].name;
     const std::string what = outcome.message.empty() ? "calibrated" : outcome.message;
     ++done;
     if (!silent) session.note(fmt::format("{}: {}: {}", done, name, what));
   });
+  if (ranks != nullptr) {
+    outcomes = gathered(outcomes, *session.job);
+    if (!session.job->is_first()) return kDone;  // the first rank tells of all
+    shard.index %= shard.count / static_cast<std::size_t>(ranks->count());
+    shard.count /= static_cast<std::size_t>(ranks->count());
+  }
   std::vector<std::string> warnings;
   Json sites = Json::array();
   std::size_t good = 0;

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/interrupt.h"
-#include "apps/octant/steps.h"
+#include "apps/octant/reporting.h"
 
 namespace octant::app {
 namespace {
@@ -23,17 +23,21 @@ void end_with(const Ending& end, SiteOutcome& outcome) {
 }
 
 void calibrate_site(const io::BatchSite& site, bool strict, Session& session, SiteOutcome& outcome) {
-  for (const auto& path : {site.output, site.report})
-    if (const auto fit = check_output(path); !fit) return end_with(ending(fit.error()), outcome);
+  ReportWords report;
+  if (!site.report.empty()) report.paths.push_back(site.report);
+  if (const auto fit = check_output(site.output); !fit) return end_with(ending(fit.error()), outcome);
+  if (const auto fit = check_report(report); !fit) return end_with(ending(fit.error()), outcome);
   const auto calibration = calibrate_files(site.site, site.runs, strict, session);
   if (!calibration) return end_with(ending(calibration.error()), outcome);
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
     return end_with({kInterrupted, interrupted_object(), "interrupted"}, outcome);
   outcome.object.update(calibration_json(*calibration, session));
   for (const char* of_arrivals : {"left_out", "reliability"}) outcome.object.erase(of_arrivals);
-  if (!calibration->deployment) return end_with(ending(failure_of(calibration->solution)), outcome);
-  if (const auto written = write_calibration(site.output, site.report, *calibration, session); !written)
+  const auto input = calibration_report(*calibration, report, session);
+  if (!input) return end_with(ending(input.error()), outcome);
+  if (const auto written = write_calibration(site.output, report, *calibration, *input); !written)
     return end_with(ending(written.error()), outcome);
+  if (!calibration->deployment) return end_with(ending(failure_of(calibration->solution)), outcome);
   outcome.object["status"] = "ok";
 }
 

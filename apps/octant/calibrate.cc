@@ -3,14 +3,14 @@
 #include "calib/calibrate.h"
 
 #include <cmath>
-#include <cstdio>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
-#include "apps/octant/steps.h"
+#include "apps/octant/reporting.h"
+#include "apps/octant/ranks.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
 
@@ -18,7 +18,8 @@ namespace octant::app {
 namespace {
 
 struct Words {
-  std::string site, output, report;
+  std::string site, output;
+  ReportWords report;
   std::vector<std::string> runs;
   bool strict = false;
 };
@@ -95,35 +96,34 @@ Json calibration_json(const Calibration& calibration, const Session& session) {
   return object;
 }
 
-Result<void> write_calibration(const std::string& output, const std::string& report, const Calibration& c, const Session& session) {
-  if (!report.empty()) {
-    const auto page = survey::report_html(report_input(c, session.warnings()));
-    if (auto written = io::write_file(report, page); !written) return written;
-  }
-  auto written = io::write_deployment(output, *c.deployment);
-  if (!written && !report.empty() && report != "-") std::remove(report.c_str());
-  return written;
-}
-
 namespace {
 
 int run(const Words& words, Session& session) {
-  const int on_stdout = (words.output == "-") + (words.report == "-") + session.options.json;
-  if (on_stdout > 1) return session.fail({"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
-  if (words.output == "-" || words.report == "-") session.result_to_stderr();
-  for (const auto& path : {words.output, words.report})
-    if (auto fit = check_output(path); !fit) return session.fail(fit.error());
+  const int files_on_stdout = (words.output == "-") + on_stdout(words.report);
+  if (files_on_stdout + session.options.json > 1)
+    return session.fail({"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
+  if (files_on_stdout > 0) session.result_to_stderr();
+  if (auto fit = check_output(words.output); !fit) return session.fail(fit.error());
+  if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
 
   auto calibration = calibrate_files(words.site, words.runs, words.strict, session);
   if (!calibration) return session.fail(calibration.error());
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
-  const Json object = calibration_json(*calibration, session);
-  if (!calibration->deployment) return session.fail(failure_of(calibration->solution), object);
+  Json object = calibration_json(*calibration, session);
+  if (session.job != nullptr && !session.job->is_first())  // the first rank writes
+    return calibration->deployment ? kDone : session.fail(failure_of(calibration->solution), object);
 
-  if (auto written = write_calibration(words.output, words.report, *calibration, session); !written) return session.fail(written.error());
-  session.result(calibration_text(*calibration));
+  auto input = calibration_report(*calibration, words.report, session);
+  if (!input) return session.fail(input.error());
+  object["verdict"] = verdict_json(*input);
+  if (auto written = write_calibration(words.output, words.report, *calibration, *input); !written) return session.fail(written.error());
+  if (!calibration->deployment) {
+    session.result(report_lines(words.report));
+    return session.fail(failure_of(calibration->solution), object);
+  }
+  session.result(calibration_text(*calibration) + "\n" + verdict_text(*input));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
-  if (!words.report.empty() && words.report != "-") session.result(fmt::format("{:<17}{}\n", "report", words.report));
+  session.result(report_lines(words.report));
   return session.finish(object);
 }
 
@@ -136,7 +136,7 @@ void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("site", words->site, "Site file: what is known beforehand")->required()->type_name("SITE.yaml");
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
   command->add_option("-o,--output", words->output, "Deployment file to write; - is standard output")->required()->type_name("DEPLOYMENT.json");
-  command->add_option("--report", words->report, "Report to write, one HTML page")->type_name("R.html");
+  add_report_options(*command, words->report, true);
   command->add_flag("--strict", words->strict, "A single undetermined beacon is exit 5");
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }

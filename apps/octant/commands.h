@@ -23,6 +23,10 @@ void add_calibrate(CLI::App& app, CommonOptions& common, Action& action);
 void add_batch(CLI::App& app, CommonOptions& common, Action& action);
 void add_localize(CLI::App& app, CommonOptions& common, Action& action);
 void add_verify(CLI::App& app, CommonOptions& common, Action& action);
+void add_survey(CLI::App& app, CommonOptions& common, Action& action);
+void add_convert(CLI::App& app, CommonOptions& common, Action& action);
+void add_plan(CLI::App& app, CommonOptions& common, Action& action);
+void add_report(CLI::App& app, CommonOptions& common, Action& action);
 void add_schema(CLI::App& app, CommonOptions& common, Action& action);
 
 /// A command with the options that all have. @param example  shown by --help

@@ -8,7 +8,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
-#include "apps/octant/steps.h"
+#include "apps/octant/reporting.h"
 #include "apps/octant/table.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
@@ -53,7 +53,7 @@ Result<Deployment> simulate_hall(const Places& at, Session& session) {
 
 struct Checked {
   survey::Evaluation evaluation;
-  std::vector<Fix> fixes;
+  Localization found;
 };
 
 Result<Checked> localize_and_verify(const Places& at, Session& session) {
@@ -64,10 +64,11 @@ Result<Checked> localize_and_verify(const Places& at, Session& session) {
   if (!runs) return fail(runs.error());
   const auto located = localize_runs(*deployment, *runs, Method::kAuto);
   if (!located) return fail(located.error());
-  const Localization& found = *located;
-  Checked checked{{}, found.all()};
-  if (auto written = io::write_file(at.fixes, io::fixes_to_tum(checked.fixes)); !written) return fail(written.error());
-  if (auto written = io::write_file(at.csv, io::fixes_to_csv(checked.fixes, names_of(*deployment))); !written) return fail(written.error());
+  Checked checked{{}, *located};
+  const Localization& found = checked.found;
+  const std::vector<Fix> fixes = found.all();
+  if (auto written = io::write_file(at.fixes, io::fixes_to_tum(fixes)); !written) return fail(written.error());
+  if (auto written = io::write_file(at.csv, io::fixes_to_csv(fixes, names_of(*deployment))); !written) return fail(written.error());
   session.result(fmt::format("$ octant localize {} {} -o {} --csv {}\n{} fixes, {} times no fix\n\n", at.deployment, at.heldout, at.fixes, at.csv,
                              found.ok, found.no_fix));
   const auto evaluation = verify_fixes(*deployment, *runs, found);
@@ -122,11 +123,12 @@ int run(const std::string& folder, Session& session) {
   const auto checked = localize_and_verify(at, session);
   if (!checked) return session.fail(checked.error());
   if (interrupted()) return session.interrupted();
-  survey::ReportInput report = report_input(*calibration, session.warnings());
-  report.plan.fixes = checked->fixes;
-  report.evaluation = checked->evaluation;
+  survey::ReportInput report = report_input(*calibration, session);
+  add_verification(report, checked->found, checked->evaluation);
+  survey::add_geometry(report, session.threads());
   if (auto written = io::write_file(at.plan, survey::site_plan_svg(report.plan)); !written) return session.fail(written.error());
   if (auto written = io::write_file(at.report, survey::report_html(report)); !written) return session.fail(written.error());
+  session.result(verdict_text(report) + "\n");
   return close(at, gates_of(*calibration->deployment, *truth, checked->evaluation), session);
 }
 

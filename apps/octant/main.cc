@@ -11,6 +11,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/ranks.h"
 
 namespace octant::app {
 namespace {
@@ -42,6 +43,9 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
 }
 
 int run(int argc, const char* const* argv, Session& session) {
+  // Only what is shared among ranks is worked on by all of them.
+  const std::string_view first_word = argc > 1 ? argv[1] : "";
+  if (!session.job->is_first() && first_word != "calibrate" && first_word != "batch") return kDone;
   session.command_line = quote_command(argc, argv);
   session.options.json = wants_json(argc, argv);
   install_interrupt_handlers(session.options.json ? dump(interrupted_object()) + "\n" : "");
@@ -60,6 +64,10 @@ int run(int argc, const char* const* argv, Session& session) {
   add_batch(app, session.options, action);
   add_localize(app, session.options, action);
   add_verify(app, session.options, action);
+  add_survey(app, session.options, action);
+  add_convert(app, session.options, action);
+  add_plan(app, session.options, action);
+  add_report(app, session.options, action);
   add_schema(app, session.options, action);
   try {
     app.parse(argc, argv);
@@ -72,8 +80,9 @@ int run(int argc, const char* const* argv, Session& session) {
 }  // namespace
 }  // namespace octant::app
 
-int main(int argc, char** argv) {
-  octant::app::Session session;
+namespace {
+
+int run_guarded(int argc, char** argv, octant::app::Session& session) {
   try {
     return octant::app::run(argc, argv, session);
   } catch (const std::bad_alloc&) {
@@ -81,4 +90,13 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     return session.fail({"error", "internal", octant::app::kFault, fmt::format("a fault of octant: {}", error.what()), "please report it with the command"});
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  octant::app::Job job(&argc, &argv);
+  octant::app::Session session;
+  session.job = &job;
+  return job.finish(run_guarded(argc, argv, session));
 }

@@ -15,6 +15,8 @@
 
 namespace octant::app {
 
+class Job;
+
 using Json = nlohmann::ordered_json;
 
 /// Exit codes of the contract.
@@ -63,6 +65,7 @@ struct Ending {
 class Session {
  public:
   CommonOptions options;
+  const Job* job = nullptr;  ///< whom the work is shared with; null: nobody
   std::string command_line;  ///< as typed, quoted where needed
 
   /// Text of a result: standard output, or standard error where standard output carries a file (`-o -`); none with --json.

@@ -7,10 +7,12 @@
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/progress.h"
+#include "apps/octant/ranks.h"
 #include "apps/octant/steps.h"
 #include "apps/octant/table.h"
 #include "io/atomic_file.h"
 #include "io/site_yaml.h"
+#include "survey/report.h"
 
 namespace octant::app {
 namespace {
@@ -47,6 +49,7 @@ calib::Solution solve_with_progress(calib::Problem& problem, bool strict, Sessio
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::SolveOptions options;
   options.threads = session.threads();
+  options.ranks = session.job != nullptr ? session.job->ranks() : nullptr;
   options.strict = strict;
   options.on_progress = [&](const calib::Progress& p) {
     reporter.show(p.stage, p.iteration, p.cost, p.fraction);
@@ -86,7 +89,6 @@ std::string beacon_table(const Deployment& deployment) {
 
 Result<Calibration> calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths, bool strict, Session& session) {
   Calibration result;
-  calib::Provenance from;
   {
     const ExitAtOnce nothing_written_yet;
     auto site = io::read_site(site_path);
@@ -96,7 +98,7 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
     session.warn(site->warnings);
     auto runs = read_runs(run_paths, names_of(*site), site->timing, {}, session);
     if (!runs) return fail(runs.error());
-    from = provenance(site_path, io::sha256_hex(*bytes), *runs, session);
+    result.provenance = provenance(site_path, io::sha256_hex(*bytes), *runs, session);
     auto problem = calib::make_problem(std::move(*site), std::move(*runs), session.threads());
     if (!problem) return fail(problem.error());
     result.problem = std::move(*problem);
@@ -105,7 +107,7 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
   result.solution = solve_with_progress(result.problem, strict, session);
   session.warn(result.solution.warnings);
   if (result.solution.status == calib::SolveStatus::kConverged) {
-    result.deployment = calib::make_deployment(result.problem, result.solution, from);
+    result.deployment = calib::make_deployment(result.problem, result.solution, result.provenance);
   }
   return result;
 }
@@ -133,22 +135,6 @@ Json left_out_json(const Calibration& calibration) {
   }
   for (const auto& [index, count] : beacons) by_beacon[calibration.problem.site.beacons[index].name] = count;
   return {{"total", total}, {"by_reason", by_reason}, {"by_beacon", by_beacon}};
-}
-
-survey::ReportInput report_input(const Calibration& calibration, const std::vector<std::string>& warnings) {
-  survey::ReportInput input;
-  if (calibration.deployment) input.plan.deployment = *calibration.deployment;
-  for (const auto& trajectory : calibration.solution.trajectories) {
-    survey::Track track;
-    track.moving = trajectory.moving;
-    for (const auto& node : trajectory.nodes)
-      if (node.placed) track.points_m.emplace_back(node.T_map_vehicle.translation_m.head<2>());
-    input.plan.tracks.push_back(std::move(track));
-  }
-  for (const auto& weak : calibration.solution.weak) input.weak.push_back({weak.description, weak.remedy, weak.consequence_m});
-  for (const auto& [reason, count] : left_out_by_reason(calibration)) input.left_out.push_back({reason, count});
-  input.warnings = warnings;
-  return input;
 }
 
 std::string calibration_text(const Calibration& calibration) {

@@ -164,7 +164,9 @@ Json reliability_json(const Calibration& calibration) {
            {{"by_beacon", groups_json(r.by_beacon, nullptr, nullptr)},
             {"by_receiver", groups_json(r.by_receiver, nullptr, nullptr)},
             {"by_distance", groups_json(r.by_distance, "from_m", "to_m")},
-            {"by_temperature", groups_json(r.by_temperature, "from_degC", "to_degC")}}}};
+            {"by_incidence", groups_json(r.by_incidence, "from_rad", "to_rad")},
+            {"by_temperature", groups_json(r.by_temperature, "from_degC", "to_degC")},
+            {"by_time", groups_json(r.by_time, "from_s", "to_s")}}}};
 }
 
 std::string reliability_text(const Calibration& calibration) {

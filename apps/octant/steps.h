@@ -18,7 +18,7 @@
 #include "models/result.h"
 #include "models/run.h"
 #include "models/synthetic.h"
-#include "survey/report.h"
+#include "survey/evaluate.h"
 
 // The steps of the road, shared by the commands that walk a part of it and by the demo that walks all of it.
 namespace octant::app {
@@ -41,6 +41,7 @@ struct Calibration {
   calib::Problem problem;
   calib::Solution solution;
   std::optional<Deployment> deployment;  ///< where the solver converged
+  calib::Provenance provenance;
 };
 /// Errors of reading; numerical trouble is in the solution.
 [[nodiscard]] Result<Calibration> calibrate_files(const std::string& site, const std::vector<std::string>& runs, bool strict, Session& session);
@@ -48,9 +49,6 @@ struct Calibration {
 [[nodiscard]] Json calibration_json(const Calibration& calibration, const Session& session);
 /// Why there is no deployment.
 [[nodiscard]] Failure failure_of(const calib::Solution& solution);
-/// Deployment and report (empty: none), both or none.
-[[nodiscard]] Result<void> write_calibration(const std::string& output, const std::string& report, const Calibration& calibration, const Session& session);
-[[nodiscard]] survey::ReportInput report_input(const Calibration& calibration, const std::vector<std::string>& warnings);
 /// Arrivals and rows left out, by reason and by beacon.
 [[nodiscard]] Json left_out_json(const Calibration& calibration);
 [[nodiscard]] std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration);

@@ -3,9 +3,6 @@
 #include "apps/octant/table.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include <fmt/format.h>
 
 namespace octant::app {
 namespace {
@@ -35,23 +32,11 @@ std::string Table::text() const {
   return out;
 }
 
-Unit time_unit(double largest_s) {
-  if (!(largest_s < 1.0)) return {1.0, "s"};
-  if (largest_s >= 1.0e-3) return {1.0e3, "ms"};
-  if (largest_s >= 1.0e-7 || largest_s == 0.0) return {1.0e6, "us"};
-  return {1.0e9, "ns"};
-}
-
-Unit length_unit(double largest_m) { return largest_m < 1.0 ? Unit{1.0e3, "mm"} : Unit{1.0, "m"}; }
-
-std::string length_text(double length_m) {
-  const Unit unit = length_unit(std::abs(length_m));
-  return fmt::format("{:.3g} {}", unit.per_si * length_m, unit.name);
-}
-
-std::string time_text(double time_s) {
-  const Unit unit = time_unit(std::abs(time_s));
-  return fmt::format("{:.4g} {}", unit.per_si * time_s, unit.name);
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string safe = "\"";
+  for (const char c : text) safe += c == '"' ? "\"\"" : std::string(1, c);
+  return safe + "\"";
 }
 
 }  // namespace octant::app

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "survey/quantity.h"
+
 namespace octant::app {
 
 /// Columns of text for people.
@@ -14,18 +16,12 @@ struct Table {
   [[nodiscard]] std::string text() const;
 };
 
-/// A unit in which numbers of a size are read with ease.
-struct Unit {
-  double per_si = 1.0;  ///< times the SI value
-  std::string name;
-};
-/// s, ms, us or ns.  @param largest_s  largest magnitude of the column
-[[nodiscard]] Unit time_unit(double largest_s);
-/// m or mm.
-[[nodiscard]] Unit length_unit(double largest_m);
-/// A length on its own, with its unit: "2.41 mm", "3.2 m".
-[[nodiscard]] std::string length_text(double length_m);
-/// A time on its own, with its unit.
-[[nodiscard]] std::string time_text(double time_s);
+using survey::length_text;
+using survey::length_unit;
+using survey::time_text;
+using survey::time_unit;
+using survey::Unit;
+/// A field of a CSV row, in quotes where it needs them (RFC 4180).
+[[nodiscard]] std::string csv_field(const std::string& text);
 
 }  // namespace octant::app

@@ -8,7 +8,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
-#include "apps/octant/steps.h"
+#include "apps/octant/reporting.h"
 #include "apps/octant/table.h"
 #include "io/deployment_json.h"
 
@@ -19,6 +19,7 @@ struct Words {
   std::string deployment;
   std::vector<std::string> runs;
   std::string map;
+  ReportWords report;
   Method method = Method::kAuto;
   bool all_methods = false;
 };
@@ -67,6 +68,10 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
 }
 
 int run(const Words& words, Session& session) {
+  if (on_stdout(words.report) + session.options.json > 1) return session.fail({"error", "usage", kUsage, "only one of --report - and --json can have standard output", ""});
+  if (words.all_methods && !words.report.paths.empty()) return session.fail({"error", "usage", kUsage, "--all-methods is a table without a report", ""});
+  if (on_stdout(words.report) > 0) session.result_to_stderr();
+  if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
   const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = looks_at_poses(words.method, words.map)}, session);
@@ -88,7 +93,13 @@ int run(const Words& words, Session& session) {
   const auto evaluation = verify_fixes(*deployment, *runs, found);
   if (!evaluation) return session.fail(evaluation.error());
 
-  session.result(evaluation_text(*evaluation));
+  survey::ReportInput report = report_input(*deployment, session);
+  report.kind = "Verification";
+  add_verification(report, found, *evaluation);
+  if (auto added = add_changes(report, words.report.since); !added) return session.fail(added.error());
+  if (!words.report.paths.empty()) survey::add_geometry(report, session.threads());
+  if (auto written = io::write_files(report_files(words.report, report)); !written) return session.fail(written.error());
+  session.result(evaluation_text(*evaluation) + report_lines(words.report));
   Json object = evaluation_json(*evaluation);
   if (!evaluation->pass()) return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation), ""}, object);
   return session.finish(object);
@@ -104,6 +115,7 @@ void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("run", words->runs, "Run folders with truth.tum")->required()->type_name("RUN");
   command->add_flag("--all-methods", words->all_methods, "Compare all methods on these runs, as a table; no gates");
   add_method_options(*command, words->method, words->map);
+  add_report_options(*command, words->report, true);
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 

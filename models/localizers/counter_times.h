@@ -6,6 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
+
+#include "models/run.h"
 
 namespace octant {
 
@@ -16,6 +19,16 @@ inline constexpr double kCounterClock_hz = 20e6;
 [[nodiscard]] inline double counter_time_s(std::uint64_t counts, double clock_hz = kCounterClock_hz) {
   return static_cast<double>(counts) / clock_hz;
 }
+
+/// A reading of the counter card: clock periods from the firing of a beacon to its pulse at a receiver.
+struct CounterReading {
+  double time_s = 0.0;
+  BeaconId beacon;
+  ReceiverId receiver{0};
+  std::int64_t epoch = kNoEpoch;
+  std::uint64_t counts = 0;
+  int line = 0;  ///< of the log
+};
 
 /// Mean of the values that agree, and the window in which they lie.
 struct AgreeingMean {
@@ -43,5 +56,10 @@ struct AgreeingMean {
   }
   return best;
 }
+
+/// Arrivals of a counter log: the readings of a beacon at a receiver in one epoch (without epochs: at one time), four in the
+/// paper, become one arrival by eq. 1 and 2 without the odd one out, in the order of their first readings.
+/// @param spread_s  within which readings agree
+[[nodiscard]] std::vector<Arrival> arrivals_of_counters(std::span<const CounterReading> readings, double spread_s, double clock_hz = kCounterClock_hz);
 
 }  // namespace octant

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "schema"};
+const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "survey", "schema", "batch", "convert", "plan", "report"};
 
 TEST(Usage, EveryCommandHelpsWithAnExample) {
   for (const auto& command : kCommands) {
@@ -43,7 +43,10 @@ TEST(Usage, WrongWordsAreExit2) {
       {"verify", "d.json"}, {"schema", "site", "--threads", "-1"}, {"schema", "site", "--threads", "many"}, {"schema", "site", "--seed", "x"},
       {"schema", "site", "--progress", "loud"}, {"demo", "too", "many"},
       {"calibrate", "s", "r", "-o", "-", "--json"}, {"calibrate", "s", "r", "-o", "-", "--report", "-"},
-      {"localize", "d", "r", "-o", "-", "--csv", "-"}, {"localize", "d", "r", "-o", "-", "--json"}};
+      {"report"}, {"report", "d", "-o", "-", "--site-sheet", "-"}, {"calibrate", "s", "r", "-o", "d", "--report", "r.pdf"},
+      {"calibrate", "s", "r", "-o", "d", "--report", "r.html", "--no-report"}, {"verify", "d", "r", "--all-methods", "--report", "r.html"},
+      {"localize", "d", "r", "-o", "-", "--csv", "-"}, {"localize", "d", "r", "-o", "-", "--json"}, {"survey"}, {"survey", "s", "-o", "-", "--csv", "-"}, {"survey", "s", "--failures", "3"},
+      {"survey", "s", "-o", "-", "--json"}};
   for (const auto& words : wrong) {
     const Outcome plain = octant(words);
     EXPECT_EQ(plain.exit, 2) << ::testing::PrintToString(words) << plain.err;
@@ -75,7 +78,7 @@ TEST(Usage, CommonOptionsStandBeforeAndAfterTheCommand) {
 }
 
 TEST(Usage, SchemaPrintsJson) {
-  for (const char* format : {"site", "run", "deployment", "scenario"}) {
+  for (const char* format : {"site", "run", "deployment", "scenario", "scene"}) {
     const Outcome schema = octant({"schema", format});
     EXPECT_EQ(schema.exit, 0);
     const auto object = nlohmann::json::parse(schema.out, nullptr, false);

@@ -307,7 +307,7 @@ TEST(Reliability, ResidualsByGroup) {
   s.warming_degC = 4.0;
   const calib::Solution solution = solution_of(must(simulate(s, 9)));
   const Reliability& r = solution.reliability;
-  for (const auto* groups : {&r.by_beacon, &r.by_receiver, &r.by_distance, &r.by_temperature}) {
+  for (const auto* groups : {&r.by_beacon, &r.by_receiver, &r.by_distance, &r.by_temperature, &r.by_incidence, &r.by_time}) {
     std::size_t count = 0;
     double squares = 0.0;
     for (const auto& g : *groups) {
@@ -321,6 +321,9 @@ TEST(Reliability, ResidualsByGroup) {
   }
   EXPECT_EQ(r.by_distance.size(), 8u);
   EXPECT_EQ(r.by_temperature.size(), 8u);
+  EXPECT_GE(r.by_incidence.front().from, 0.0);
+  EXPECT_LE(r.by_incidence.back().to, M_PI);
+  EXPECT_DOUBLE_EQ(r.by_time.front().from, 0.0);
 }
 
 TEST(ResidualGroups, EqualKeysStayTogether) {

@@ -24,21 +24,21 @@ std::string outcome_of(const std::string& path, Clock clock, const TofReaderOpti
   TofReader reader(MappedFile::open(path).value(), "tof.csv", names, clock, options);
   if (auto ok = reader.read_header(); !ok) return ok.error().message();
   std::string out = reader.has_epochs() ? "epochs\n" : "";
-  std::vector<Arrival> block;
+  std::vector<Arrival> all;
   std::vector<RejectedRow> rejected;
   for (;;) {
-    const auto more = reader.next(block);
+    const auto more = reader.append(all);
     if (!more) return more.error().message();
     for (auto& row : reader.refusals().take()) rejected.push_back(row);
     if (!*more) break;
-    for (const Arrival& a : block) {
-      for (const double value : {a.time_s, a.tof_s, a.amplitude_v, a.temperature_degC})
-        out += std::isnan(value) ? "nan " : std::to_string(std::bit_cast<std::uint64_t>(value)) + " ";
-      for (const std::int64_t value : {std::int64_t{a.beacon.value}, std::int64_t{a.receiver.value}, std::int64_t{a.vehicle.value}, a.epoch,
-                                       std::int64_t{a.line}})
-        out += std::to_string(value) + " ";
-      out += "\n";
-    }
+  }
+  for (const Arrival& a : all) {
+    for (const double value : {a.time_s, a.tof_s, a.amplitude_v, a.temperature_degC})
+      out += std::isnan(value) ? "nan " : std::to_string(std::bit_cast<std::uint64_t>(value)) + " ";
+    for (const std::int64_t value : {std::int64_t{a.beacon.value}, std::int64_t{a.receiver.value}, std::int64_t{a.vehicle.value}, a.epoch,
+                                     std::int64_t{a.line}})
+      out += std::to_string(value) + " ";
+    out += "\n";
   }
   for (const RejectedRow& row : rejected) out += std::to_string(row.line) + " " + row.reason + "\n";
   for (const std::string& warning : reader.warnings()) out += warning + "\n";

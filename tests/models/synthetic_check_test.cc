@@ -48,6 +48,7 @@ INSTANTIATE_TEST_SUITE_P(
         Contradiction{"no_epochs", [](Scenario& s) { s.path.epochs = 0; }, "path"},
         Contradiction{"crowded", [](Scenario& s) { s.path.epoch_period_s = 0.3; }, "epoch_period_s"},
         Contradiction{"no_waypoints", [](Scenario& s) { s.heldout_path.kind = PathKind::kWaypoints; }, "heldout_path"},
+        Contradiction{"no_stations", [](Scenario& s) { s.path.kind = PathKind::kStations; }, "stations"},
         Contradiction{"same_waypoints",
                       [](Scenario& s) {
                         s.path.waypoints_m = {{1, 1}, {1, 1}};

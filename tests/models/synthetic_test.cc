@@ -290,6 +290,17 @@ TEST(Synthetic, WaypointsAreFollowedEvenly) {
   }
 }
 
+TEST(Synthetic, StationsAreKeptRoundAndRound) {
+  Scenario s = hall_scenario();
+  s.path = {.kind = PathKind::kStations, .epochs = 3, .stations = {{2, 3, 0.5}, {8, 2, -2.0}}};
+  const World w = must(simulate(s, 1));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Pose T = truth_at(w.run, 10.0 + 5.0 * static_cast<double>(k) + 0.01);
+    EXPECT_LT((T.translation_m.head<2>() - s.path.stations[k % 2].head<2>()).norm(), 1e-12) << k;
+    EXPECT_NEAR(T.heading_rad(), s.path.stations[k % 2].z(), 1e-12);
+  }
+}
+
 TEST(Synthetic, TrueDeploymentPredictsTheArrivals) {
   Scenario s = without_noise(hall_scenario());
   s.site.timing.delay_per = {.beacon = true, .receiver = true, .site = true};

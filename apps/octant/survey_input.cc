@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/survey_input.h"
+
+#include <fmt/format.h>
+
+#include "io/atomic_file.h"
+#include "io/deployment_json.h"
+#include "io/scene_yaml.h"
+#include "io/site_yaml.h"
+
+namespace octant::app {
+namespace {
+
+Result<std::size_t> vehicle_index(const std::vector<SiteVehicle>& vehicles, const std::string& name, const std::string& path) {
+  if (name.empty()) return std::size_t{0};
+  std::string known;
+  for (std::size_t v = 0; v < vehicles.size(); ++v) {
+    if (vehicles[v].name == name) return v;
+    known += (known.empty() ? "" : ", ") + vehicles[v].name;
+  }
+  return fail({.file = path, .found = fmt::format("vehicle '{}' is not in the file", name), .expected = known});
+}
+
+Result<void> read_scene_of(const std::string& path, const std::string& scene_path, SurveyInput& input) {
+  if (!scene_path.empty()) {
+    auto scene = io::read_scene(scene_path);
+    if (!scene) return fail(scene.error());
+    input.scene = std::move(*scene);
+  } else if (input.site) {
+    auto scene = io::read_site_scene(path);
+    if (!scene) return fail(scene.error());
+    if (*scene) input.scene = std::move(**scene);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<SurveyInput> read_survey_input(const std::string& path, const std::string& scene_path, const std::string& vehicle, std::optional<double> cell_m,
+                                      Session& session, bool without_beacons) {
+  const auto text = io::read_file(path);
+  if (!text) return fail(text.error());
+  SurveyInput input;
+  const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first != std::string::npos && (*text)[first] == '{') {
+    auto deployment = io::deployment_from_json(*text, path);
+    if (!deployment) return fail(deployment.error());
+    input.deployment = std::move(*deployment);
+  } else {
+    auto site = io::read_site(path);
+    if (!site) return fail(site.error());
+    session.warn(site->warnings);
+    input.site = std::move(*site);
+  }
+  if (auto read = read_scene_of(path, scene_path, input); !read) return fail(read.error());
+  session.warn(input.scene.warnings);
+  if (input.scene.path.empty()) input.scene.path = path;
+  if (cell_m) input.scene.cell_m = *cell_m;
+  const auto index = vehicle_index(input.site ? input.site->vehicles : input.deployment->vehicles, vehicle, path);
+  if (!index) return fail(index.error());
+  auto model = !input.site        ? survey::make_survey_model(*input.deployment, input.scene, *index)
+               : without_beacons ? survey::make_empty_survey_model(*input.site, input.scene, *index)
+                                 : survey::make_survey_model(*input.site, input.scene, *index);
+  if (!model) {
+    Error error = model.error();
+    if (error.file.empty()) error.file = path;
+    return fail(error);
+  }
+  session.warn(model->warnings);
+  input.model = std::move(*model);
+  return input;
+}
+
+}  // namespace octant::app

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "apps/octant/session.h"
+#include "survey/survey.h"
+
+namespace octant::app {
+
+/// The object of `octant survey --json`. @param bins  along the longer side of each map's values; 0: no values
+[[nodiscard]] Json survey_json(const survey::Survey& survey, std::size_t bins);
+[[nodiscard]] std::string survey_text(const survey::Survey& survey);
+
+/// Every map into a folder, which is made: NAME.svg, NAME.png (a pixel a cell), NAME.pgm and NAME.yaml (for ROS' map_server);
+/// cells.csv, routes.csv. Each file whole or not at all.
+[[nodiscard]] Result<std::vector<std::string>> write_maps(const survey::Survey& survey, const std::string& folder);
+
+}  // namespace octant::app

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/deployment.h"
+
+namespace octant::survey {
+
+/// How a beacon of one deployment differs from its namesake in an earlier one.
+struct BeaconChange {
+  std::string name;
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();   ///< new less old
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();   ///< of the shift: both deployments' variances together
+  std::optional<double> p;                             ///< of a shift this large by chance; none where both are held fixed
+  double delay_change_s = 0.0, delay_sigma_s = 0.0;
+  bool significant = false;                            ///< p below kSignificance
+};
+/// Of a thousand beacons that have not moved one is called moved.
+inline constexpr double kSignificance = 1.0e-3;
+
+struct Changes {
+  std::string since;                      ///< when the earlier one was made
+  bool same_datum = true;                 ///< otherwise shifts are in part those of the frame
+  std::vector<BeaconChange> beacons;      ///< of both
+  std::vector<std::string> gone, added;
+  std::optional<double> speed_change_mps; ///< at the new one's reference temperature
+  double speed_sigma_mps = 0.0;
+};
+
+/// The deployments are taken as independent: sigmas of shifts are too large where they share control points.
+[[nodiscard]] Changes changes_between(const Deployment& before, const Deployment& now);
+
+/// Probability that chi-square with this many degrees of freedom (1 to 3) exceeds a value, in closed form.
+[[nodiscard]] double chi_square_tail(double value, int degrees_of_freedom);
+
+}  // namespace octant::survey

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <thread>
+#include <vector>
+
+namespace octant::survey {
+
+/// Calls work(i) for each i below count, on up to `threads` threads (1 or less: on this one). `work` must not throw.
+template <class Work>
+void for_each_parallel(std::size_t count, int threads, Work&& work) {
+  const std::size_t helpers = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
+  std::atomic<std::size_t> next{0};
+  const auto loop = [&] {
+    for (std::size_t i = next.fetch_add(1); i < count; i = next.fetch_add(1)) work(i);
+  };
+  std::vector<std::thread> others;
+  for (std::size_t k = 1; k < helpers; ++k) others.emplace_back(loop);
+  loop();
+  for (std::thread& thread : others) thread.join();
+}
+
+}  // namespace octant::survey

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace octant::survey {
+
+/// How something is to be taken; never told by colour alone, the words say it too.
+enum class Tone { kPlain, kGood, kAttention, kBad };
+
+struct ReportText {
+  std::string text;
+  Tone tone = Tone::kPlain;
+};
+
+struct ReportList {
+  std::vector<std::string> items;
+  bool numbered = false;
+};
+
+struct ReportColumn {
+  std::string name;    ///< with its unit: "x [m]"
+  bool words = false;  ///< words stand on the left, numbers on the right
+};
+
+/// The first cell of a row is its heading.
+struct ReportTable {
+  std::string id;
+  std::string caption;
+  std::vector<ReportColumn> columns;
+  std::vector<std::vector<ReportText>> rows;
+  bool folded = false;  ///< figures of a drawing: shown on demand
+};
+
+/// A drawing, whole without a script, and if there is one the same as a figure of plotly.js.
+struct ReportFigure {
+  std::string id;
+  std::string caption;
+  std::string svg;          ///< trusted: made by this room
+  std::string interactive;  ///< JSON object {data, layout}; empty: none
+  /// Layers of the SVG (elements of class "layer layer-0", "layer layer-1", ...), of which the reader chooses one. In the
+  /// interactive figure a trace with the key "layer" belongs to one.
+  std::string legend;
+  std::vector<std::string> layers;
+};
+
+using ReportBlock = std::variant<ReportText, ReportList, ReportTable, ReportFigure>;
+
+struct ReportSection {
+  std::string id;
+  std::string title;
+  std::vector<ReportBlock> blocks;
+};
+
+/// A report as content alone; report_html.h and report_markdown.h write it down.
+struct ReportDocument {
+  std::string title;
+  std::string subtitle;
+  Tone tone = Tone::kPlain;
+  std::string grade;      ///< the verdict in a word or two
+  std::string sentence;   ///< and in a sentence
+  std::vector<ReportSection> sections;
+};
+
+}  // namespace octant::survey

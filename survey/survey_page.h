@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "survey/report_document.h"
+#include "survey/survey.h"
+
+namespace octant::survey {
+
+struct SurveyPageInput {
+  std::string input;    ///< file that was surveyed, as the user wrote it
+  std::string created, program, command;
+  std::vector<std::string> warnings;
+};
+
+/// A survey as a document: figures, maps to choose from, failures, routes, what was assumed.
+[[nodiscard]] ReportDocument survey_document(const Survey& survey, const SurveyPageInput& input);
+
+/// That as one self-contained HTML page. @param interactive  with plotly.js inside, where it was at hand when this was built
+[[nodiscard]] std::string survey_html(const Survey& survey, const SurveyPageInput& input, bool interactive = true);
+
+}  // namespace octant::survey

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// octant survey as a process.
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/apps/process.h"
+
+namespace octant::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kAisles = std::string(OCTANT_SOURCE_DIR) + "/datasets/aisles/site.yaml";
+const std::string kHall = std::string(OCTANT_SOURCE_DIR) + "/datasets/hall/";
+
+std::string aisles(const std::string& what, const std::string& by) {
+  std::string text = slurp(kAisles);
+  const auto at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), by);
+}
+
+TEST(SurveyCommand, KeysOfTheContract) {
+  const Outcome survey = octant({"survey", kAisles, "--json", "--cell", "0.5"});
+  EXPECT_EQ(survey.exit, 0) << survey.err;
+  const auto object = survey.json();
+  EXPECT_EQ(object["status"], "ok");
+  EXPECT_GT(object["cells"], 1000);
+  for (const char* key : {"min", "median", "p95", "max"}) EXPECT_TRUE(object["hdop"][key].is_number()) << key;
+  EXPECT_GT(object["covered_fraction"], 0.5);
+  EXPECT_LE(object["covered_fraction"], object["fix_fraction"]);
+  EXPECT_EQ(object["beacons"], 18);
+  EXPECT_EQ(object["failures"].size(), 18u);
+  EXPECT_EQ(object["routes"].size(), 3u);
+  EXPECT_FALSE(object.contains("maps"));
+  const auto bins = octant({"survey", kAisles, "--json", "--cell", "0.5", "--bins", "20"}).json()["maps"]["sigma_m"];
+  EXPECT_EQ(bins["rows"].size(), 12u);
+  EXPECT_EQ(bins["rows"][0].size(), 20u);
+}
+
+TEST(SurveyCommand, WritesPageTableAndEveryMap) {
+  const TemporaryFolder folder;
+  const Outcome survey = octant({"survey", kAisles, "--cell", "0.5", "-o", folder / "r.html", "--csv", folder / "c.csv", "--maps", folder / "maps"});
+  EXPECT_EQ(survey.exit, 0) << survey.err;
+  EXPECT_THAT(survey.out, HasSubstr("within tolerance"));
+  EXPECT_THAT(slurp(folder / "r.html"), HasSubstr("default-src 'none'"));
+  EXPECT_THAT(slurp(folder / "c.csv"), HasSubstr("x_m,y_m,sigma_m,"));
+  for (const char* file : {"sigma_m.svg", "sigma_m.png", "sigma_m.pgm", "sigma_m.yaml", "hdop.png", "loss_two_m.svg", "cells.csv", "routes.csv"})
+    EXPECT_TRUE(std::filesystem::exists(folder / (std::string("maps/") + file))) << file;
+  EXPECT_EQ(slurp(folder / "maps/hdop.png").substr(1, 3), "PNG");
+  // A map of its own that the next survey reads as a scene.
+  spit(folder / "scene.yaml", "octant_scene: 1\nimport: [{ros_map: maps/mirror.yaml, top_m: 0.1}]\ncell_m: 0.5\n");
+  const Outcome again = octant({"survey", kAisles, "--scene", folder / "scene.yaml", "--json"});
+  EXPECT_EQ(again.exit, 0) << again.err;
+}
+
+TEST(SurveyCommand, ADeploymentBringsTheCalibrationsPart) {
+  const Outcome survey = octant({"survey", kHall + "deployment.true.json", "--json", "--failures", "0"});
+  EXPECT_EQ(survey.exit, 0) << survey.err;
+  EXPECT_EQ(survey.json()["calibrated"], false);  // the truth is exact
+  const TemporaryFolder folder;
+  ASSERT_EQ(octant({"calibrate", kHall + "site.yaml", kHall + "run", "-o", folder / "d.json", "-q"}).exit, 0);
+  const auto object = octant({"survey", folder / "d.json", "--json", "--failures", "0"}).json();
+  EXPECT_EQ(object["calibrated"], true);
+  EXPECT_GT(object["calibration_m"]["median"], 0.0);
+  EXPECT_GE(object["total_m"]["median"], object["sigma_m"]["median"]);
+  EXPECT_FALSE(object.contains("loss_one_m"));
+}
+
+TEST(SurveyCommand, BadScenesAreExit3AndNamed) {
+  const TemporaryFolder folder;
+  const auto error_of = [&](const std::string& text, const std::vector<std::string>& more = {}) {
+    spit(folder / "site.yaml", text);
+    std::vector<std::string> words = {"survey", folder / "site.yaml", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome bad = octant(words);
+    EXPECT_EQ(bad.exit, 3) << bad.out << bad.err;
+    const auto object = bad.json();
+    EXPECT_TRUE(object.is_object());
+    return object.is_object() ? object["error"]["message"].get<std::string>() : std::string();
+  };
+  EXPECT_THAT(error_of(aisles("[30, 0], [30, 18], [0, 18]]", "[30, 18], [30, 0], [0, 18]]")), HasSubstr("the floor crosses itself"));
+  EXPECT_THAT(error_of(aisles("[3, 3.4], [27, 3.4], [27, 5.6]", "[3, 3.4], [27, 5.6], [27, 3.4]")), HasSubstr("obstacle 'rack1' crosses itself"));
+  EXPECT_THAT(error_of(aisles("position_m: [3.0, 0.5, 4.8]", "position_m: [5.0, 4.5, 2.0]")), HasSubstr("beacon 'C0'"));
+  EXPECT_THAT(error_of(aisles("position_m: [3.0, 0.5, 4.8]", "position_m: [3.0, -4.5, 2.0]")), HasSubstr("outside the floor"));
+  EXPECT_THAT(error_of(aisles("cell_m: 0.25", "cell_m: 0")), HasSubstr("cell_m"));
+  EXPECT_THAT(error_of(slurp(kAisles), {"--cell", "0"}), HasSubstr("cell_m"));
+  EXPECT_THAT(error_of(aisles("cell_m: 0.25", "cell_m: 0.0007")), HasSubstr("1.1e+09 cells"));
+  EXPECT_THAT(error_of(slurp(kAisles), {"--vehicle", "nobody"}), HasSubstr("nobody"));
+  EXPECT_THAT(error_of(slurp(kAisles), {"--scene", folder / "nowhere.yaml"}), HasSubstr("nowhere.yaml"));
+}
+
+}  // namespace
+}  // namespace octant::test

@@ -1,0 +1,260 @@
+# SPDX-FileCopyrightText: 2026 Octant developers
+# SPDX-License-Identifier: Apache-2.0
+"""Reports in a real browser: report_test.py OCTANT [unittest's words]. Exit 77: there is no browser here."""
+import base64
+import csv
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from browser import Browser, pixels, skip_unless_possible  # noqa: E402
+
+OCTANT = ""
+HOSTILE = ["<script>alert(1)</script>", '"];//', "</script><b>bold</b>", "]]>", "&lt;", "<img src=x onerror=\"document.title='taken'\">",
+           "<a href='javascript:alert(1)'>B6</a>", "var(--bad)"]
+
+
+def octant(*words, exit_code=0):
+    done = subprocess.run([OCTANT, *words, "--progress", "none"], capture_output=True, text=True)
+    assert done.returncode == exit_code, (words, done.returncode, done.stderr)
+    return done.stdout
+
+
+class Reports(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.box = tempfile.mkdtemp(prefix="octant-browser-")
+        cls.at = staticmethod(lambda name: os.path.join(cls.box, name))
+        at = cls.at
+        octant("demo", "-o", at("hall"), "-q")
+        cls.found = json.loads(octant("calibrate", at("hall/site.yaml"), at("hall/run"), "-o", at("d.json"), "--report", at("r.json"), "--json"))
+        octant("report", at("r.json"), at("hall/heldout"), "--since", at("hall/deployment.true.json"), "-o", at("good.html"))
+        octant("report", at("r.json"), at("hall/heldout"), "--since", at("hall/deployment.true.json"), "-o", at("still.html"), "--report-static")
+        octant("report", at("d.json"), "--site-sheet", at("sheet.html"))
+        cls.hostile_site()
+        octant("calibrate", at("hostile/site.yaml"), at("hostile/run"), "-o", at("h.json"), "--report", at("hostile.html"))
+        octant("report", at("h.json"), "--site-sheet", at("hostile-sheet.html"))
+        cls.browser = Browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.close()
+        shutil.rmtree(cls.box, ignore_errors=True)
+
+    @classmethod
+    def hostile_site(cls):
+        """The hall with beacons whose names are meant to do harm."""
+        import yaml
+        shutil.copytree(cls.at("hall"), cls.at("hostile"))
+        with open(cls.at("hall/site.yaml")) as file:
+            site = yaml.safe_load(file)
+        new = {beacon["id"]: name for beacon, name in zip(site["beacons"], HOSTILE)}
+        for beacon in site["beacons"]:
+            beacon["id"] = new[beacon["id"]]
+        site["name"] = HOSTILE[0]
+        with open(cls.at("hostile/site.yaml"), "w") as file:
+            yaml.safe_dump(site, file)
+        with open(cls.at("hall/run/tof.csv")) as file:
+            rows = list(csv.reader(file))
+        column = rows[0].index("beacon")
+        for row in rows[1:]:
+            row[column] = new[row[column]]
+        with open(cls.at("hostile/run/tof.csv"), "w", newline="") as file:
+            csv.writer(file).writerows(rows)
+
+    def assert_quiet(self):
+        self.assertEqual(self.browser.errors(), [])
+        self.assertEqual(self.browser.requests(), [])
+
+    def draw_all(self):
+        """As a reader would: down to the end of the page."""
+        b = self.browser
+        figures = b.run("return [...document.querySelectorAll('figure')].map(f => f.id)")
+        has_webgl = b.run("return !!document.createElement('canvas').getContext('webgl')")
+        for figure in figures:
+            b.run("document.getElementById(arguments[0]).scrollIntoView({behavior: 'instant', block: 'center'})", figure)
+            if figure == "figure-space" and not has_webgl:
+                print("no WebGL here: the view in space is not looked at")
+                continue
+            self.assertTrue(b.wait(f"document.getElementById('{figure}').dataset.drawn === '1'"), figure)
+        return figures
+
+    def is_live(self):
+        return self.browser.run("return !!document.getElementById('plotly-js') || 'Plotly' in window")
+
+    def test_every_figure_is_drawn(self):
+        b = self.browser
+        b.open(self.at("good.html"))
+        if not self.is_live():
+            self.skipTest("built without plotly.js")
+        figures = self.draw_all()
+        self.assertEqual(len(figures), 9)
+        for figure in figures:
+            # An empty frame of one colour varies by nothing, one with axes alone by some 5.
+            self.assertGreater(pixels(b.picture(f"#{figure}", 0.5)).std(), 8, figure)
+        # What the drawings hold: 5 calibrated beacons and 3 control points, as many bins as the tables have rows.
+        names = b.run("return [...document.querySelectorAll('#figure-plan .textpoint')].map(t => t.textContent)")
+        self.assertEqual(sorted(names), [f"B{i}" for i in range(8)])
+        for by, bins in (("beacon", 8), ("distance", 8), ("time", 16)):
+            self.assertEqual(b.run(f"return document.querySelectorAll('#figure-residuals-{by} .points path.point').length"), bins)
+            self.assertEqual(b.run(f"return document.querySelectorAll('#residuals-by-{by} tbody tr').length"), bins)
+        self.assert_quiet()
+
+    def test_table_says_what_json_says(self):
+        b = self.browser
+        b.open(self.at("good.html"))
+        table = b.run("return [...document.querySelectorAll('#beacon-table tr')].map(r => [...r.cells].map(c => c.textContent))")
+        head, rows = table[0], table[1:]
+        self.assertEqual(len(rows), 8)
+        reliability = {x["id"]: x for x in self.found["reliability"]["beacons"]}
+        for beacon, row in zip(self.found["beacons"], rows):
+            cell = dict(zip(head, row))
+            self.assertEqual(cell["beacon"], beacon["id"])
+            for i, axis in enumerate("xyz"):
+                self.assertEqual(cell[f"{axis} [m]"], f"{beacon['position_m'][i]:.4f}")
+                self.assertEqual(cell[f"U {axis} [mm]"], f"{2e3 * beacon['sigma_m'][i]:.2f}")
+            self.assertEqual(cell["delay [µs]"], f"{1e6 * beacon['delay_s']:.3f}")
+            self.assertEqual(cell["U delay [µs]"], f"{2e6 * beacon['delay_sigma_s']:.3f}")
+            of = reliability[beacon["id"]]
+            self.assertEqual(cell["r"], f"{of['mean_redundancy_number']:.2f}")
+            self.assertEqual(cell["MDB [µs]"], f"{1e6 * of['mdb_s']['median']:.1f}")
+            self.assertEqual(cell["arrivals"], str(of["used"]))
+            self.assertEqual(cell["rejected"], str(sum(of["rejected"].values())))
+            self.assertEqual(cell["status"], {"control_point": "control point"}.get(beacon["status"], beacon["status"]))
+
+    def test_choices_work(self):
+        b = self.browser
+        b.open(self.at("good.html"))
+        if not self.is_live():
+            self.skipTest("built without plotly.js")
+        self.draw_all()
+        for figure in ("figure-plan", "figure-loss"):
+            n = b.run(f"return document.querySelectorAll('#drawing-{figure} input').length")
+            self.assertGreaterEqual(n, 2)
+            shown = f"document.querySelector('#{figure} .live').data.filter(t => t.type === 'heatmap').map(t => t.visible)"
+            for k in range(n):
+                b.run(f"document.getElementById('choice-{figure}-{k}').click()")
+                want = json.dumps([i == k for i in range(n)])
+                self.assertTrue(b.wait(f"JSON.stringify({shown}) === JSON.stringify({want})"), (figure, k))
+        # By keyboard: the arrow goes from one choice to the next.
+        from selenium.webdriver.common.keys import Keys
+        first = b.driver.find_element("id", "choice-figure-plan-0")
+        b.run("arguments[0].click(); arguments[0].focus()", first)
+        first.send_keys(Keys.ARROW_RIGHT)
+        self.assertEqual(b.run("return document.activeElement.id"), "choice-figure-plan-1")
+        self.assertTrue(b.run("return document.activeElement.checked"))
+        # The drawings come back where the reader does not want the others.
+        b.run("document.getElementById('all-live').click()")
+        self.assertEqual(b.run("return document.querySelectorAll('figure.is-live').length"), 0)
+        self.assertEqual(b.run("return getComputedStyle(document.querySelector('#figure-plan .still')).display"), "block")
+        self.assert_quiet()
+
+    def test_whole_without_javascript(self):
+        b = self.browser
+        for page in ("good.html", "still.html"):
+            b.open(self.at(page), script=False)
+            for figure in b.run("return [...document.querySelectorAll('figure')].map(f => f.id)"):
+                self.assertGreater(pixels(b.picture(f"#{figure} svg", 0.5)).std(), 8, (page, figure))
+            displays = "return [...document.querySelectorAll('#figure-plan g.layer')].map(g => getComputedStyle(g).display)"
+            before = b.picture("#figure-plan svg")
+            b.driver.find_element("id", "choice-figure-plan-1").click()
+            self.assertEqual(b.run(displays), ["none", "block", "none", "none"])
+            self.assertNotEqual(before, b.picture("#figure-plan svg"))
+            self.assertEqual(b.run("return getComputedStyle(document.querySelector('.controls') || document.createElement('p')).display") in ("none", ""), True)
+            self.assert_quiet()
+        self.assertLess(os.path.getsize(self.at("still.html")), 500_000)
+        self.assertLess(os.path.getsize(self.at("good.html")), 3_000_000)
+
+    def test_nothing_is_wider_than_the_window(self):
+        b = self.browser
+        for page in ("good.html", "still.html", "hostile.html", "sheet.html"):
+            for width, dark in ((1280, False), (390, True)):
+                b.open(self.at(page), width=width, dark=dark)
+                if page == "good.html" and width == 390 and self.is_live():
+                    self.draw_all()
+                self.assertLessEqual(b.run("return document.documentElement.scrollWidth"), width, (page, width))
+                self.assertEqual(b.run("return getComputedStyle(document.body).backgroundColor"), "rgb(18, 24, 30)" if dark else "rgb(255, 255, 255)")
+                self.assert_quiet()
+
+    def test_paper_has_all_sections(self):
+        if not shutil.which("pdftotext"):
+            self.skipTest("poppler-utils is not here")
+        b = self.browser
+        for page in ("good.html", "still.html"):
+            b.open(self.at(page))
+            if page == "good.html" and self.is_live():
+                self.draw_all()
+            titles = b.run("return [...document.querySelectorAll('h2')].map(h => h.textContent)")
+            self.assertEqual(len(titles), 10)
+            b.cdp("Emulation.setEmulatedMedia", features=[])
+            pdf = base64.b64decode(b.cdp("Page.printToPDF", printBackground=True, preferCSSPageSize=True)["data"])
+            with open(self.at("page.pdf"), "wb") as file:
+                file.write(pdf)
+            text = subprocess.run(["pdftotext", "-layout", self.at("page.pdf"), "-"], capture_output=True, text=True, check=True).stdout
+            for title in titles:
+                self.assertIn(title, text)
+            self.assertIn("drawn 100 times as large as they are", text)  # the still plan, not the other
+            last = self.found["beacons"][-1]
+            row = [line for line in text.splitlines() if line.split()[:2] == [last["id"], f"{last['position_m'][0]:.4f}"]]
+            self.assertEqual(len(row), 1)
+            self.assertIn("calibrated", row[0])  # the last column is on the paper too
+            info = subprocess.run(["pdfinfo", self.at("page.pdf")], capture_output=True, text=True, check=True).stdout
+            self.assertRegex(info, r"Page size: +59[45][.0-9]* x 84[12]")  # A4 in points
+
+    def test_hostile_names_do_nothing(self):
+        b = self.browser
+        kinds = "return ['script', 'style', 'img', 'b', 'iframe', 'table', 'figure', 'fieldset'].map(k => document.body.querySelectorAll(k).length)"
+        b.open(self.at("hostile.html"))
+        title = b.run("return document.title")
+        counts = b.run(kinds)
+        live = self.is_live()
+        if live:
+            self.draw_all()
+        self.assertEqual(counts[2:5], [0, 0, 0])
+        self.assertEqual(b.run("return document.title"), title)
+        self.assertTrue(title.startswith(HOSTILE[0]))
+        names = b.run("return [...document.querySelectorAll('#beacon-table tbody th')].map(t => t.textContent)")
+        self.assertEqual(names, HOSTILE)
+        self.assertEqual(b.run("return [...document.querySelectorAll('#figure-plan .still .name')].map(t => t.textContent)"), HOSTILE)
+        if live:
+            labels = b.run("return [...document.querySelectorAll('#figure-plan .live .textpoint')].map(t => t.textContent)")
+            self.assertEqual(sorted(labels), sorted(HOSTILE))
+            self.assertEqual(b.run("return document.querySelectorAll('.live a[*|href]').length"), 0)
+            b.run("document.querySelectorAll('fieldset input').forEach(i => i.click())")
+            data = b.run("return document.querySelector('#figure-residuals-beacon .live').data[0].x")
+            self.assertEqual(len(data), len(HOSTILE))
+        from selenium.common.exceptions import NoAlertPresentException
+        with self.assertRaises(NoAlertPresentException):
+            b.driver.switch_to.alert.accept()
+        self.assert_quiet()
+        b.open(self.at("hostile-sheet.html"))
+        self.assertEqual(b.run("return document.querySelectorAll('img, script, b, a').length"), 0)
+        self.assert_quiet()
+
+    def test_codes_can_be_read(self):
+        if not shutil.which("zbarimg"):
+            self.skipTest("zbar-tools is not here")
+        b = self.browser
+        for sheet, deployment, names in (("sheet.html", "d.json", [f"B{i}" for i in range(8)]), ("hostile-sheet.html", "h.json", HOSTILE)):
+            with open(self.at(deployment)) as file:
+                truth = json.load(file)
+            b.open(self.at(sheet))
+            for i, beacon in enumerate(truth["beacons"]):
+                with open(self.at("code.png"), "wb") as file:
+                    file.write(b.picture(f".tag:nth-child({i + 1}) svg"))
+                read = subprocess.run(["zbarimg", "--quiet", "--raw", self.at("code.png")], capture_output=True, text=True)
+                tag = json.loads(read.stdout)
+                self.assertEqual((tag["beacon"], tag["site"], tag["deployment"]), (names[i], truth["site"], truth["digest"]))
+                self.assertEqual(tag["position_m"], [round(x, 4) for x in beacon["position_m"]])
+
+
+if __name__ == "__main__":
+    skip_unless_possible()
+    OCTANT = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=2)

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/changes.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/survey/report_input.h"
+
+namespace octant::survey {
+namespace {
+
+TEST(Changes, TailOfChiSquare) {
+  // NIST/SEMATECH e-Handbook, table 1.3.6.7.4: upper critical values at 0.05 and 0.001; printed to three decimals.
+  EXPECT_NEAR(chi_square_tail(3.841, 1), 0.05, 2e-5);
+  EXPECT_NEAR(chi_square_tail(5.991, 2), 0.05, 2e-5);
+  EXPECT_NEAR(chi_square_tail(7.815, 3), 0.05, 2e-5);
+  EXPECT_NEAR(chi_square_tail(10.828, 1), 0.001, 1e-6);
+  EXPECT_NEAR(chi_square_tail(13.816, 2), 0.001, 1e-6);
+  EXPECT_NEAR(chi_square_tail(16.266, 3), 0.001, 1e-6);
+  EXPECT_DOUBLE_EQ(chi_square_tail(0, 3), 1.0);
+}
+
+TEST(Changes, ChanceIsUniformWhereNothingMoved) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  const int trials = 4000;
+  int below = 0;
+  for (int i = 0; i < trials; ++i) {
+    Deployment before = full_report().plan.deployment, now = before;
+    for (int axis = 0; axis < 3; ++axis) {
+      before.beacons[1].position_m[axis] += 0.002 * normal(random);
+      now.beacons[1].position_m[axis] += 0.002 * normal(random);
+    }
+    below += *changes_between(before, now).beacons[1].p < 0.1;
+  }
+  // 400 expected, standard deviation 19: five of them.
+  EXPECT_NEAR(below, 400, 95);
+}
+
+TEST(Changes, FindsWhatMoved) {
+  Deployment before = full_report().plan.deployment, now = before;
+  now.beacons[1].position_m.x() += 0.02;
+  now.beacons[2].name = "new";
+  const Changes changes = changes_between(before, now);
+  ASSERT_EQ(changes.beacons.size(), 2u);
+  EXPECT_FALSE(changes.beacons[0].p.has_value());  // a control point in both
+  EXPECT_FALSE(changes.beacons[0].significant);
+  EXPECT_TRUE(changes.beacons[1].significant);
+  EXPECT_NEAR(changes.beacons[1].sigma_m.x(), 0.002 * std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(changes.gone, std::vector<std::string>{"B2"});
+  EXPECT_EQ(changes.added, std::vector<std::string>{"new"});
+  EXPECT_TRUE(changes.same_datum);
+  now.datum.control_points = {"B1"};
+  EXPECT_FALSE(changes_between(before, now).same_datum);
+}
+
+TEST(Changes, KnownHeightIsNoDirectionToJudgeBy) {
+  Deployment before = full_report().plan.deployment;
+  before.beacons[1].covariance_m2 = Eigen::Vector3d(4e-6, 4e-6, 0).asDiagonal();
+  Deployment now = before;
+  now.beacons[1].position_m.x() += std::sqrt(8e-6 * 5.991);
+  EXPECT_NEAR(*changes_between(before, now).beacons[1].p, 0.05, 2e-5);  // two degrees of freedom
+}
+
+}  // namespace
+}  // namespace octant::survey
