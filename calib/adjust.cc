@@ -9,6 +9,7 @@
 #include <thread>
 
 #include <Eigen/Cholesky>
+#include <Eigen/SparseCore>
 #include <ceres/ceres.h>
 
 #include "calib/parallel.h"
@@ -209,7 +210,7 @@ struct Watch : ceres::IterationCallback {
   }
 };
 
-ceres::Solver::Options solver_options(const AdjustOptions& options, int unknowns) {
+ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) {
   ceres::Solver::Options ceres_options;
   ceres_options.minimizer_progress_to_stdout = false;
   ceres_options.logging_type = ceres::SILENT;
@@ -220,7 +221,7 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, int unknowns
   ceres_options.gradient_tolerance = 1e-9;
   ceres_options.parameter_tolerance = 1e-12;
   ceres_options.max_num_consecutive_invalid_steps = 10;
-  ceres_options.linear_solver_type = unknowns <= 600 ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
+  ceres_options.linear_solver_type = dense ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
   ceres_options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
   return ceres_options;
 }
@@ -276,7 +277,7 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
   }
   Watch watch;
   watch.options = &options;
-  ceres::Solver::Options ceres_options = solver_options(options, layout.size());
+  ceres::Solver::Options ceres_options = solver_options(options, point.dense);
   ceres_options.callbacks.push_back(&watch);
   ceres_options.update_state_every_iteration = false;
   ceres::Solver::Summary summary;
@@ -303,20 +304,77 @@ double prior_cost(const Problem& problem, const ParameterLayout& layout, const E
   return cost;
 }
 
-Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x) {
-  const int n = layout.size();
-  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(n, n);
-  for (int i = 0; i < n; ++i) {
+namespace {
+
+/// Visits the elements of the information of priors and control distances, some of them several times.
+template <class Visit>
+void for_each_of_prior(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, Visit&& visit) {
+  for (int i = 0; i < layout.size(); ++i) {
     const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
-    if (std::isfinite(p.prior_sigma)) prior(i, i) += 1.0 / (p.prior_sigma * p.prior_sigma);
+    if (std::isfinite(p.prior_sigma)) visit(i, i, 1.0 / (p.prior_sigma * p.prior_sigma));
   }
   const SharedState state = layout.state_of(x);
   for (const ControlDistance& d : problem.site.distances) {
     const DistanceRow row = distance_row(d, layout, state);
     for (const auto& [i, a] : row.entries)
-      for (const auto& [j, b] : row.entries) prior(i, j) += a * b;
+      for (const auto& [j, b] : row.entries) visit(i, j, a * b);
   }
+}
+
+/// Adds up elements of a sparse matrix in portions, so that the list of them stays short.
+class SparseSum {
+ public:
+  explicit SparseSum(int size) : sum_(size, size) {}
+  void add(int i, int j, double value) {
+    elements_.emplace_back(i, j, value);
+    if (elements_.size() >= kPortion) take();
+  }
+  [[nodiscard]] Eigen::SparseMatrix<double> result() {
+    take();
+    sum_.makeCompressed();
+    return std::move(sum_);
+  }
+
+ private:
+  static constexpr std::size_t kPortion = 1'000'000;
+  void take() {
+    Eigen::SparseMatrix<double> portion(sum_.rows(), sum_.cols());
+    portion.setFromTriplets(elements_.begin(), elements_.end());
+    sum_ += portion;
+    elements_.clear();
+  }
+  Eigen::SparseMatrix<double> sum_;
+  std::vector<Eigen::Triplet<double>> elements_;
+};
+
+}  // namespace
+
+Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x) {
+  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(layout.size(), layout.size());
+  for_each_of_prior(problem, layout, x, [&](int i, int j, double value) { prior(i, j) += value; });
   return prior;
+}
+
+Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
+                                                  const Eigen::VectorXd& x, const RobustLoss& loss, const Workers& workers) {
+  const SharedState state = layout.state_of(x);
+  TileSum tiles(trajectories, layout, workers);
+  static_cast<void>(tiles.settle(state, loss));
+  std::vector<ReducedSystem> systems;
+  tiles.reduce_each(state, loss, systems);
+  tiles.share_states();
+  SparseSum sum(layout.size());
+  for (std::size_t t = 0; t < systems.size(); ++t) {
+    const std::vector<int>& columns = tiles.tiles()[t].columns();
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      for (std::size_t i = 0; i < columns.size(); ++i)
+        if (const double h = systems[t].H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)); h != 0.0) sum.add(columns[i], columns[j], h);
+    systems[t] = {};
+  }
+  // The whole diagonal is there, whatever it holds.
+  for (int i = 0; i < layout.size(); ++i) sum.add(i, i, 0.0);
+  for_each_of_prior(problem, layout, x, [&](int i, int j, double value) { sum.add(i, j, value); });
+  return sum.result();
 }
 
 Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,

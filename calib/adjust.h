@@ -7,6 +7,7 @@
 #include <string>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include "calib/parameters.h"
 #include "calib/tile_sum.h"
@@ -52,5 +53,10 @@ struct Information {
 [[nodiscard]] Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x);
 [[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
                                          const Eigen::VectorXd& x, const RobustLoss& loss = {}, const Workers& workers = {});
+/// Of everything together, for sites where the matrix would be too large: all elements of parameters that some stop, prior or
+/// tape connects, both triangles.
+[[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout,
+                                                                std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
+                                                                const RobustLoss& loss = {}, const Workers& workers = {});
 
 }  // namespace octant::calib

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "calib/tile_sum.h"
+#include "calib/parameters.h"
 #include "calib/problem.h"
 #include "calib/solution.h"
 
@@ -24,6 +25,7 @@ struct SolveOptions {
   const Ranks* ranks = nullptr;   ///< processes that solve this together, all given the same problem; not owned
   int max_iterations = 100;       ///< of each stage
   double rejection_sigmas = 4.0;  ///< arrivals beyond this many sigmas are left out in the end
+  int dense_limit = kDenseLimit;  ///< beyond so many shared parameters matrices are sparse
   bool strict = false;            ///< a single undetermined beacon refuses the whole
   /// Called between iterations; returning false stops with SolveStatus::kInterrupted.
   std::function<bool(const Progress&)> on_progress;

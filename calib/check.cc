@@ -12,6 +12,7 @@
 #include "calib/observability.h"
 #include "calib/ranges.h"
 #include "calib/start.h"
+#include "calib/variances.h"
 
 namespace octant::calib {
 namespace {
@@ -73,27 +74,20 @@ void weigh_as_whole(std::vector<Trajectory>& trajectories, const Counts& whole, 
   }
 }
 
-/// Column of a parameter in the joint covariance.
-std::optional<Eigen::Index> column_of(const JointCovariance& c, const std::string& name) {
-  const auto at = std::find(c.parameters.begin(), c.parameters.end(), name);
-  if (at == c.parameters.end()) return {};
-  return at - c.parameters.begin();
-}
-
 /// Beacons that took part in the adjustment: their parameters are free, or they are control points.
-std::vector<bool> usable_beacons(const Site& site, const JointCovariance& covariance) {
+std::vector<bool> usable_beacons(const Site& site, const Variances& variances) {
   std::vector<bool> usable;
   for (const SiteBeacon& b : site.beacons) {
-    const std::string prefix = "beacon/" + b.name + "/";
-    usable.push_back(b.is_control_point() || std::any_of(covariance.parameters.begin(), covariance.parameters.end(),
-                                                         [&](const std::string& name) { return name.starts_with(prefix); }));
+    const std::string prefix = "beacon/" + b.name;
+    usable.push_back(b.is_control_point() || variances.has(prefix + "/x_m") || variances.has(prefix + "/y_m") || variances.has(prefix + "/z_m") ||
+                     variances.has(prefix + "/delay_s"));
   }
   return usable;
 }
 
 /// The verdict of judge() once more, from the weights of all the data.
-void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& few, bool strict, Solution& solution) {
-  const std::vector<bool> usable = usable_beacons(thinned.site, solution.covariance);
+void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& few, const SolveOptions& options, Solution& solution) {
+  const std::vector<bool> usable = usable_beacons(thinned.site, Variances(solution));
   std::vector<bool> held(usable.size()), mirrored(usable.size(), false);
   for (std::size_t b = 0; b < usable.size(); ++b) {
     held[b] = !usable[b];
@@ -102,6 +96,7 @@ void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& f
                                                3 * solution.tof_sigma_s * speed_mps(thinned.site.medium));
   }
   ParameterLayout layout = make_layout(thinned, solution.state, held);
+  layout.dense_limit = options.dense_limit;
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   (void)check_labels(thinned, layout, x);  // mends the priors as solve() did; it has warned already
 
@@ -109,33 +104,33 @@ void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& f
   whole_solution.status = solution.statistics.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
   whole_solution.message = solution.statistics.converged ? "converged" : solution.message;
   whole_solution.covariance = {};
+  whole_solution.marginals = {};
   whole_solution.beacon_status.clear();
   whole_solution.weak.clear();
   whole_solution.undetermined.clear();
   std::erase_if(whole_solution.warnings, [](const std::string& w) { return w.find(" is undetermined: ") != std::string::npos; });
   std::vector<Trajectory> weighed = solution.trajectories;
   weigh_as_whole(weighed, whole, few);
-  static_cast<void>(judge(thinned, layout, x, usable, mirrored, strict, weighed, whole_solution));
+  static_cast<void>(judge(thinned, layout, x, usable, mirrored, options.strict, weighed, whole_solution));
   whole_solution.trajectories = std::move(solution.trajectories);
   solution = std::move(whole_solution);
 }
 
 constexpr double kUnseenM = 1e4;  ///< as calibrate's words have it: beyond it nothing is known
 
-BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& s, double arrivals) {
+BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& s, const Variances& variances, bool usable, double arrivals) {
   BeaconForecast f;
   f.name = site.beacons[b].name;
   f.arrivals = static_cast<std::size_t>(arrivals);
   if (b >= s.beacon_status.size()) return f;
   f.status = s.beacon_status[b];
-  if (!usable_beacons(site, s.covariance)[b] || (arrivals == 0 && f.status == BeaconStatus::kUndetermined)) return f;
+  if (!usable || (arrivals == 0 && f.status == BeaconStatus::kUndetermined)) return f;
   f.position_m = s.state.beacon_p_map_m[b];
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
   const char* axis[3] = {"/x_m", "/y_m", "/z_m"};
-  for (int i = 0; i < 3; ++i)
-    if (const auto c = column_of(s.covariance, "beacon/" + f.name + axis[i])) sigma[i] = std::sqrt(std::max(0.0, s.covariance.matrix(*c, *c)));
+  for (int i = 0; i < 3; ++i) sigma[i] = variances.sigma("beacon/" + f.name + axis[i]);
   if (sigma.maxCoeff() < kUnseenM) f.sigma_m = sigma;
-  if (const auto c = column_of(s.covariance, "beacon/" + f.name + "/delay_s")) f.delay_sigma_s = std::sqrt(std::max(0.0, s.covariance.matrix(*c, *c)));
+  if (variances.has("beacon/" + f.name + "/delay_s")) f.delay_sigma_s = variances.sigma("beacon/" + f.name + "/delay_s");
   return f;
 }
 
@@ -144,8 +139,9 @@ void speed_forecast(Forecast& f) {
   if (s.beacon_status.empty()) return;
   f.speed_mps = speed_mps(f.thinned.site.medium) + s.state.speed_offset(0);
   f.speed_sigma_mps = 0.0;
+  const Variances variances(s);
   for (const char* name : {"medium/speed_mps", "medium/run1/speed_mps"})
-    if (const auto c = column_of(s.covariance, name)) f.speed_sigma_mps = std::sqrt(std::max(0.0, s.covariance.matrix(*c, *c)));
+    if (variances.has(name)) f.speed_sigma_mps = variances.sigma(name);
 }
 
 ThinOptions share_of(const ThinOptions& options, std::size_t rows, std::size_t all) {
@@ -179,8 +175,11 @@ Forecast forecast(const Problem& whole, const SolveOptions& options, const ThinO
   f.solution = solve(f.thinned, options);
   if (f.solution.status == SolveStatus::kInterrupted) return f;
   const bool judged = !f.solution.beacon_status.empty();
-  if (judged && f.is_thinned()) judge_as_whole(f.thinned, all, used, options.strict, f.solution);
-  for (std::size_t b = 0; b < whole.site.beacons.size(); ++b) f.beacons.push_back(beacon_forecast(whole.site, b, f.solution, all.arrivals[b]));
+  if (judged && f.is_thinned()) judge_as_whole(f.thinned, all, used, options, f.solution);
+  const Variances variances(f.solution);
+  const std::vector<bool> usable = usable_beacons(whole.site, variances);
+  for (std::size_t b = 0; b < whole.site.beacons.size(); ++b)
+    f.beacons.push_back(beacon_forecast(whole.site, b, f.solution, variances, usable[b], all.arrivals[b]));
   speed_forecast(f);
   return f;
 }

@@ -2,30 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "calib/calibrate.h"
+#include "calib/variances.h"
 #include "models/linearise.h"
 
 namespace octant::calib {
 namespace {
-
-/// Look-up of variances in the joint covariance by parameter name.
-class Variances {
- public:
-  explicit Variances(const JointCovariance& joint) : joint_(joint) {
-    for (std::size_t i = 0; i < joint.parameters.size(); ++i) index_[joint.parameters[i]] = static_cast<Eigen::Index>(i);
-  }
-  [[nodiscard]] double covariance(const std::string& a, const std::string& b) const {
-    const auto i = index_.find(a), j = index_.find(b);
-    return i == index_.end() || j == index_.end() ? 0.0 : joint_.matrix(i->second, j->second);
-  }
-  [[nodiscard]] double sigma(const std::string& a) const { return std::sqrt(std::max(0.0, covariance(a, a))); }
-
- private:
-  const JointCovariance& joint_;
-  std::map<std::string, Eigen::Index> index_;
-};
 
 constexpr const char* kAxis[3] = {"/x_m", "/y_m", "/z_m"};
 
@@ -145,7 +128,7 @@ void add_validity(const Problem& problem, const Solution& solution, Deployment& 
 }  // namespace
 
 Deployment make_deployment(const Problem& problem, const Solution& solution, const Provenance& provenance) {
-  const Variances variances(solution.covariance);
+  const Variances variances(solution);
   Deployment d;
   d.site = problem.site.name;
   d.created = provenance.created;

@@ -34,24 +34,19 @@ void gate_ranges(const Site& site, const SharedState& prior, Trajectory& t) {
 /// and still compared with the others (it can only make their differences smaller).
 class TriangleGate {
  public:
-  TriangleGate(const Site& site, const SharedState& prior) : prior_(prior), beacons_(site.beacons.size()) {
-    std::vector<double> sigma_m(beacons_, 0.0);
-    for (std::size_t b = 0; b < beacons_; ++b)
-      for (std::size_t i = 0; i < 3; ++i)
-        sigma_m[b] = std::max(sigma_m[b], site.beacons[b].position_m[i] ? site.beacons[b].sigma_m[i].value_or(INFINITY) : INFINITY);
-    for (std::size_t a = 0; a < beacons_; ++a)
-      for (std::size_t b = 0; b < beacons_; ++b) {
-        const double apart_m = (prior.beacon_p_map_m[a] - prior.beacon_p_map_m[b]).norm();
-        const bool known = a != b && std::max(sigma_m[a], sigma_m[b]) <= kKnownShare * apart_m;
-        pairs_.push_back({apart_m, known ? sigma_m[a] * sigma_m[a] + sigma_m[b] * sigma_m[b] : INFINITY});
-        any_ = any_ || known;
-      }
+  TriangleGate(const Site& site, const SharedState& prior) : prior_(prior) {
+    for (const SiteBeacon& b : site.beacons) {
+      double sigma_m = 0.0;
+      for (std::size_t i = 0; i < 3; ++i) sigma_m = std::max(sigma_m, b.position_m[i] ? b.sigma_m[i].value_or(INFINITY) : INFINITY);
+      sigma_m_.push_back(sigma_m);
+      placed_ += std::isfinite(sigma_m);
+    }
     delay_sigma_s_ = site.timing.delay_per.none() ? 0.0 : site.timing.delay_sigma_s;
     speed_sigma_mps_ = site.speed_sigma_mps;
   }
 
-  /// Some pair of beacons is known well enough to say anything.
-  [[nodiscard]] bool any() const { return any_; }
+  /// Some pair of beacons may be known well enough to say anything.
+  [[nodiscard]] bool any() const { return placed_ >= 2; }
 
   void gate(Trajectory& t, const Segment& s) const {
     thread_local std::vector<double> range_m;
@@ -66,16 +61,13 @@ class TriangleGate {
   }
 
  private:
-  struct Pair {
-    double apart_m, variance_m2;  ///< of both places; infinite: not known well enough
-  };
-
   [[nodiscard]] bool too_long(const ArrivalObservation& a, const ArrivalObservation& b, double ra, double rb) const {
-    const Pair& pair = pairs_[a.beacon.index() * beacons_ + b.beacon.index()];
-    const double beyond_m = ra - rb - pair.apart_m;
-    if (!(beyond_m > 0) || std::isinf(pair.variance_m2)) return false;
+    if (!(ra > rb) || a.beacon == b.beacon) return false;
+    const double apart_m = (prior_.beacon_p_map_m[a.beacon.index()] - prior_.beacon_p_map_m[b.beacon.index()]).norm();
+    const double beyond_m = ra - rb - apart_m, sa = sigma_m_[a.beacon.index()], sb = sigma_m_[b.beacon.index()];
+    if (!(beyond_m > 0) || std::max(sa, sb) > kKnownShare * apart_m) return false;
     const double c = a.model_speed_mps, delay_m = c * delay_sigma_s_, speed_m = speed_sigma_mps_ / c * (ra - rb), noise_m = c * a.sigma_s;
-    return beyond_m > kSigmas * std::sqrt(2 * noise_m * noise_m + 2 * delay_m * delay_m + speed_m * speed_m + pair.variance_m2);
+    return beyond_m > kSigmas * std::sqrt(2 * noise_m * noise_m + 2 * delay_m * delay_m + speed_m * speed_m + sa * sa + sb * sb);
   }
   /// Differences are free of a cycle offset, so the range may be taken with it.
   [[nodiscard]] double range_of(const Trajectory& t, const ArrivalObservation& a) const {
@@ -83,9 +75,8 @@ class TriangleGate {
   }
 
   const SharedState& prior_;
-  std::size_t beacons_;
-  std::vector<Pair> pairs_;
-  bool any_ = false;
+  std::vector<double> sigma_m_;  ///< of each beacon's place, worst coordinate; infinite: not known
+  std::size_t placed_ = 0;
   double delay_sigma_s_ = 0.0, speed_sigma_mps_ = 0.0;
 };
 

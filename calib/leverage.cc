@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -59,20 +60,55 @@ void narrow(const std::vector<Observation>& list, std::size_t first_node, std::s
 
 }  // namespace
 
-LeverageSweep::LeverageSweep(const ParameterLayout& layout, const Eigen::MatrixXd& C) : layout_(layout), root_(root_of(C)) {
+LeverageSweep::LeverageSweep(const ParameterLayout& layout, const Covariance& C) : layout_(layout), C_(&C), place_(static_cast<std::size_t>(layout.size()), -1) {
+  if (C.matrix() == nullptr) return;
+  std::iota(place_.begin(), place_.end(), 0);
   std::vector<int> coordinates;
   for (const auto& columns : layout.beacon)
     for (const int c : columns)
       if (c >= 0) coordinates.push_back(c);
-  beacon_root_.resize(static_cast<Eigen::Index>(coordinates.size()), root_.cols());
-  for (std::size_t i = 0; i < coordinates.size(); ++i) beacon_root_.row(static_cast<Eigen::Index>(i)) = root_.row(coordinates[i]);
-  beacon_C_ = beacon_root_ * root_.transpose();
+  take_root(*C.matrix(), coordinates);
   lateness_total_.assign(layout.beacon.size(), 0.0);
   lateness_remaining_.assign(layout.beacon.size(), 0.0);
   lateness_shared_.setZero(static_cast<Eigen::Index>(layout.beacon.size()), root_.cols());
 }
 
+/// @param coordinates  rows of C that are coordinates of beacons
+void LeverageSweep::take_root(const Eigen::MatrixXd& C, const std::vector<int>& coordinates) {
+  root_ = root_of(C);
+  beacon_root_.resize(static_cast<Eigen::Index>(coordinates.size()), root_.cols());
+  for (std::size_t i = 0; i < coordinates.size(); ++i) beacon_root_.row(static_cast<Eigen::Index>(i)) = root_.row(coordinates[i]);
+  beacon_C_ = beacon_root_ * root_.transpose();
+}
+
+/// L of the parameters that a segment sees.
+void LeverageSweep::focus(const Trajectory& t, const Segment& segment, const SharedState& state) {
+  for (const int column : seen_) place_[static_cast<std::size_t>(column)] = -1;
+  seen_.clear();
+  std::vector<int> coordinates;
+  const auto take = [&](int column) {
+    if (column < 0 || place_[static_cast<std::size_t>(column)] >= 0) return false;
+    place_[static_cast<std::size_t>(column)] = static_cast<int>(seen_.size());
+    seen_.push_back(column);
+    return true;
+  };
+  for_each_row(t, segment, state, [&](const ObservationRow& row) {
+    if (!row.has_shared) return;
+    for (const int column : layout_.beacon[row.beacon.index()])
+      if (take(column)) coordinates.push_back(place_[static_cast<std::size_t>(column)]);
+    const RowEntries entries = row_entries(row, t.run, layout_, state);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(entries.count); ++i) static_cast<void>(take(entries.column[i]));
+  });
+  take_root(C_->block(seen_), coordinates);
+}
+
 double LeverageSweep::leverage_of(const std::vector<std::pair<int, double>>& entries) const {
+  if (C_->matrix() == nullptr) {
+    double h = 0.0;
+    for (const auto& [i, a] : entries)
+      for (const auto& [j, b] : entries) h += a * b * (*C_)(i, j);
+    return h;
+  }
   Eigen::RowVectorXd f = Eigen::RowVectorXd::Zero(root_.cols());
   for (const auto& [column, value] : entries) f += value * root_.row(column);
   return f.squaredNorm();
@@ -106,7 +142,7 @@ Segment LeverageSweep::part(const Trajectory& t, const Segment& segment, std::si
 void LeverageSweep::project(const ObservationRow& row, std::size_t run) {
   entries_ = row_entries(row, run, layout_, *state_);
   f_.setZero(root_.cols());
-  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i) f_.noalias() += entries_.value[i] * root_.row(entries_.column[i]);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i) f_.noalias() += entries_.value[i] * root_.row(place_[static_cast<std::size_t>(entries_.column[i])]);
 }
 
 void LeverageSweep::forward(const Trajectory& t, const Segment& segment, const SharedState& state) {
@@ -152,7 +188,7 @@ void LeverageSweep::assemble(const Trajectory& t, const Segment& segment, const 
       D_[k + 1].noalias() += row.by_next.transpose() * row.by_next;
       U_[k].noalias() += row.by_node.transpose() * row.by_next;
     }
-    if (row.kind != RowKind::kTof) return;
+    if (row.kind != RowKind::kTof || lateness_total_.empty()) return;
     const auto b = static_cast<Eigen::Index>(row.beacon.index());
     const double c = row.by_delay;  // a lateness acts as a delay does
     lateness_total_[row.beacon.index()] += c * c;
@@ -240,7 +276,7 @@ RowLeverage LeverageSweep::leverage_of(const Trajectory& t, const Segment& segme
   if (row.kind != RowKind::kTof || beacon_root_.rows() == 0) return out;
   Eigen::VectorXd shift = beacon_shift(k) * row.by_node.transpose();
   if (row.has_next) shift.noalias() += beacon_shift(k + 1) * row.by_next.transpose();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i) shift += entries_.value[i] * beacon_C_.col(entries_.column[i]);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i) shift += entries_.value[i] * beacon_C_.col(place_[static_cast<std::size_t>(entries_.column[i])]);
   out.shift_m = shift.lpNorm<Eigen::Infinity>();
   return out;
 }

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "calib/covariance.h"
 #include "calib/parameters.h"
 #include "calib/shared_entries.h"
 #include "models/linearise.h"
@@ -39,10 +40,13 @@ struct LatenessInformation {
 /// A^-1 is needed on the diagonal and beside it only: the smoother's recursions of models/localizers/chain_covariance.h; X_k
 /// by back-substitution. Chains are swept in blocks, so that memory does not grow with (nodes x parameters).
 /// State directions that nothing observes (heading of a lone antenna) are held and count as no unknowns.
+///
+/// Where the covariance is not formed as a whole, L is that of the parameters that a segment sees: leverages are the same; shifts
+/// are those of the beacons heard there, and a lateness is not told.
 class LeverageSweep {
  public:
-  /// @param C  joint covariance of the layout's parameters, internal units; positive semidefinite
-  LeverageSweep(const ParameterLayout& layout, const Eigen::MatrixXd& C);
+  /// @param C  joint covariance of the layout's parameters, not owned
+  LeverageSweep(const ParameterLayout& layout, const Covariance& C);
 
   /// Calls visit(RowLeverage) for every row in use of the placed segments, plain squares, at settled states.
   /// @param every  of long logs: only the first of so many of the segments [first, last)
@@ -51,6 +55,7 @@ class LeverageSweep {
     for (std::size_t s = first; s < last; s += every) {
       const Segment& segment = trajectory.segments[s];
       if (!trajectory.nodes[segment.first_node].placed) continue;
+      if (C_->matrix() == nullptr) focus(trajectory, segment, state);
       forward(trajectory, segment, state);
       for (std::size_t block = block_count(); block-- > 0;) {
         backward(trajectory, segment, state, block);
@@ -62,18 +67,18 @@ class LeverageSweep {
 
   /// Leverage of a row that touches shared parameters only (a prior, a taped distance).
   [[nodiscard]] double leverage_of(const std::vector<std::pair<int, double>>& entries) const;
-  /// Of each beacon, after all trajectories were swept.
+  /// Of each beacon, after all trajectories were swept; empty where the covariance is not formed as a whole.
   [[nodiscard]] std::vector<LatenessInformation> lateness() const;
   /// Dimensions of the states swept that observations determine.
   [[nodiscard]] std::size_t determined_states() const { return determined_states_; }
-  /// Rank of C.
-  [[nodiscard]] int determined_parameters() const { return static_cast<int>(root_.cols()); }
 
  private:
   using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   [[nodiscard]] std::size_t block_count() const { return carry_.size(); }
   [[nodiscard]] Segment part(const Trajectory& t, const Segment& segment, std::size_t block) const;
+  void focus(const Trajectory& t, const Segment& segment, const SharedState& state);
+  void take_root(const Eigen::MatrixXd& C, const std::vector<int>& coordinates);
   void forward(const Trajectory& t, const Segment& segment, const SharedState& state);
   void backward(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block);
   void assemble(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block, bool first_pass);
@@ -84,6 +89,9 @@ class LeverageSweep {
 
   const ParameterLayout& layout_;
   const SharedState* state_ = nullptr;  ///< of the sweep at hand
+  const Covariance* C_;
+  std::vector<int> place_;           ///< of each parameter in L; -1: the segment at hand does not see it
+  std::vector<int> seen_;            ///< parameters that stand in L
   RowMatrix root_;                   ///< L, parameters x rank
   Eigen::MatrixXd beacon_C_;         ///< beacon coordinates x parameters
   RowMatrix beacon_root_;            ///< rows of L of the beacon coordinates

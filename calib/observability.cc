@@ -19,8 +19,6 @@
 namespace octant::calib {
 namespace {
 
-/// Below this eigenvalue of the matrix scaled to a unit diagonal a direction counts as unseen.
-constexpr double kUnseen = 1e-12;
 /// A length or speed known to this share of itself carries the scale.
 constexpr double kKnownScale = 0.15;
 constexpr double kVagueDatum = 0.25;
@@ -30,7 +28,7 @@ double worst_sigma_m(const Eigen::Matrix3d& covariance_m2) {
   return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance_m2, Eigen::EigenvaluesOnly).eigenvalues()[2]));
 }
 
-Eigen::Matrix3d beacon_block(const ParameterLayout& layout, const Eigen::MatrixXd& C, std::size_t b) {
+Eigen::Matrix3d beacon_block(const ParameterLayout& layout, const Covariance& C, std::size_t b) {
   Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
@@ -39,12 +37,11 @@ Eigen::Matrix3d beacon_block(const ParameterLayout& layout, const Eigen::MatrixX
   return block;
 }
 
-double sigma_of(const Eigen::MatrixXd& C, int column) { return column < 0 ? 0.0 : std::sqrt(std::max(0.0, C(column, column))); }
+double sigma_of(const Covariance& C, int column) { return column < 0 ? 0.0 : std::sqrt(std::max(0.0, C(column, column))); }
 
 class Judge {
  public:
-  Judge(const Problem& problem, const ParameterLayout& layout, const Eigen::MatrixXd& C, const std::vector<Trajectory>& trajectories,
-        Solution& solution)
+  Judge(const Problem& problem, const ParameterLayout& layout, const Covariance& C, const std::vector<Trajectory>& trajectories, Solution& solution)
       : problem_(problem), site_(problem.site), layout_(layout), C_(C), trajectories_(trajectories), solution_(solution),
         limit_m_(tolerance_m(problem)) {}
 
@@ -141,7 +138,7 @@ class Judge {
   const Problem& problem_;
   const Site& site_;
   const ParameterLayout& layout_;
-  const Eigen::MatrixXd& C_;
+  const Covariance& C_;
   const std::vector<Trajectory>& trajectories_;
   Solution& solution_;
   double limit_m_;
@@ -175,7 +172,10 @@ std::optional<WeakDirection> missing_scale(const Problem& problem) {
 
 double tolerance_m(const Problem& problem) { return problem.site.tolerance.beacon_m.value_or(0.05 * typical_range_m(problem)); }
 
-Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const Eigen::MatrixXd& information) {
+namespace {
+
+template <class Matrix>
+Eigen::MatrixXd motions_unseen(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const Matrix& information) {
   const bool planar = problem.site.motion == Motion::kPlanar;
   const int motions = planar ? 3 : 6;
   Eigen::MatrixXd F = Eigen::MatrixXd::Zero(layout.size(), motions);
@@ -195,8 +195,8 @@ Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout
     }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(F);
   if (layout.size() == 0 || qr.rank() == 0) return Eigen::MatrixXd(layout.size(), 0);
-  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(layout.size(), qr.rank());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Q.transpose() * information * Q);
+  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(layout.size(), qr.rank()), NQ = information * Q;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Q.transpose() * NQ);
   const auto free_beacons = std::count_if(layout.beacon.begin(), layout.beacon.end(), [](const auto& c) { return std::max({c[0], c[1], c[2]}) >= 0; });
   // A unit motion moves each beacon by 1 / sqrt(beacons); positions given to a hundred metres carry no map either.
   const double limit_m = kVagueDatum * typical_range_m(problem) * std::sqrt(static_cast<double>(free_beacons));
@@ -205,44 +205,94 @@ Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout
   return Q * eigen.eigenvectors().leftCols(unseen);
 }
 
-Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum) {
-  if (information.rows() == 0) return information;
-  Eigen::MatrixXd N = information;
-  const double weight = datum.cols() > 0 ? information.diagonal().mean() : 0.0;
-  if (datum.cols() > 0) N += weight * datum * datum.transpose();
-  const Eigen::VectorXd inverse_scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse_scale.asDiagonal() * N * inverse_scale.asDiagonal());
-  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kUnseen);
-  Eigen::MatrixXd C = inverse_scale.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
-                      eigen.eigenvectors().transpose() * inverse_scale.asDiagonal();
-  if (datum.cols() > 0) C -= datum * datum.transpose() / weight;
-  return 0.5 * (C + C.transpose());
+}  // namespace
+
+Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const Eigen::MatrixXd& information) {
+  return motions_unseen(problem, layout, state, information);
 }
 
-Eigen::MatrixXd judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
-           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, const Workers& workers,
-           const std::optional<Eigen::MatrixXd>& data_information) {
-  const Eigen::MatrixXd data = data_information ? *data_information : information_at(problem, layout, trajectories, x, {}, workers).data;
-  const Eigen::MatrixXd N = data + prior_information(problem, layout, x);
-  const Eigen::MatrixXd datum = free_datum(problem, layout, solution.state, N);
+Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+                           const Eigen::SparseMatrix<double>& information) {
+  return motions_unseen(problem, layout, state, information);
+}
+
+namespace {
+
+/// What is asked of a covariance that is not formed as a whole: each beacon's own parameters, and all others among themselves.
+MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance& C) {
+  MarginalCovariance out;
+  std::vector<std::vector<int>> groups(layout.beacon.size() + 1);
+  std::vector<bool> of_beacon(static_cast<std::size_t>(layout.size()), false);
+  for (std::size_t b = 0; b < layout.beacon.size(); ++b)
+    for (const int column : {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2], layout.beacon_delay[b]})
+      if (column >= 0) {
+        groups[b].push_back(column);
+        of_beacon[static_cast<std::size_t>(column)] = true;
+      }
+  const std::vector<int> pairs(layout.pair_bias.begin(), layout.pair_bias.end());  // each on its own: there are as many as arrivals' pairs
+  for (const int column : pairs)
+    if (column >= 0) {
+      groups.push_back({column});
+      of_beacon[static_cast<std::size_t>(column)] = true;
+    }
+  for (int column = 0; column < layout.size(); ++column) {
+    out.parameters.push_back(layout.parameters[static_cast<std::size_t>(column)].name);
+    if (!of_beacon[static_cast<std::size_t>(column)]) groups[layout.beacon.size()].push_back(column);
+  }
+  std::vector<Eigen::Triplet<double>> elements;
+  for (const std::vector<int>& group : groups)
+    for (const int i : group)
+      for (const int j : group)
+        elements.emplace_back(i, j, layout.parameters[static_cast<std::size_t>(i)].si_per_unit * C(i, j) * layout.parameters[static_cast<std::size_t>(j)].si_per_unit);
+  out.matrix.resize(layout.size(), layout.size());
+  out.matrix.setFromTriplets(elements.begin(), elements.end());
+  return out;
+}
+
+/// Of data and priors together; a datum that hangs on nothing is noted.
+template <class Matrix>
+Covariance covariance_of(const Problem& problem, const ParameterLayout& layout, const Matrix& information, Solution& solution) {
+  const Eigen::MatrixXd datum = free_datum(problem, layout, solution.state, information);
   if (datum.cols() > 0) set_free_network(solution.datum);
-  const Eigen::MatrixXd C = covariance_of(N, datum);
+  return Covariance(information, datum);
+}
+
+Covariance covariance_at(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, std::vector<Trajectory>& trajectories,
+                         const Workers& workers, const std::optional<Eigen::MatrixXd>& data_information, Solution& solution) {
+  if (!is_dense(layout)) {
+    Covariance C = covariance_of(problem, layout, sparse_information_at(problem, layout, trajectories, x, {}, workers), solution);
+    solution.marginals = marginals_of(layout, C);
+    solution.warnings.push_back(fmt::format("the joint covariance of {} parameters is left out of the deployment, which holds each beacon's own; sigmas of fixes by least "
+                                            "squares leave the calibration's part out", layout.size()));
+    return C;
+  }
+  const Eigen::MatrixXd data = data_information ? *data_information : information_at(problem, layout, trajectories, x, {}, workers).data;
+  Covariance C = covariance_of(problem, layout, Eigen::MatrixXd(data + prior_information(problem, layout, x)), solution);
   Eigen::VectorXd si(layout.size());
   for (int i = 0; i < layout.size(); ++i) {
     si[i] = layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
     solution.covariance.parameters.push_back(layout.parameters[static_cast<std::size_t>(i)].name);
   }
-  solution.covariance.matrix = si.asDiagonal() * C * si.asDiagonal();
+  solution.covariance.matrix = si.asDiagonal() * *C.matrix() * si.asDiagonal();
+  return C;
+}
+
+}  // namespace
+
+Covariance judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
+                 const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, const Workers& workers,
+                 const std::optional<Eigen::MatrixXd>& data_information) {
+  Covariance C = covariance_at(problem, layout, x, trajectories, workers, data_information, solution);
   Judge judge(problem, layout, C, trajectories, solution);
   judge.beacons(beacon_usable, beacon_mirrored);
   judge.common_parameters();
   std::vector<bool> known(beacon_usable.size());
   for (std::size_t b = 0; b < known.size(); ++b) known[b] = solution.beacon_status[b] != BeaconStatus::kUndetermined;
-  for (WeakDirection& w : weak_directions(problem, layout, x, C, known, trajectories,
+  for (WeakDirection& w : weak_directions(layout, x, C, known, trajectories,
                                           {.limit_m = tolerance_m(problem), .typical_range_m = typical_range_m(problem)}))
     solution.weak.push_back(std::move(w));
   judge.verdict(strict);
-  return data;
+  return C;
 }
 
 }  // namespace octant::calib

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "calib/calibrate.h"
+#include "calib/covariance.h"
 #include "calib/parameters.h"
 
 namespace octant::calib {
@@ -16,18 +17,17 @@ namespace octant::calib {
 /// heading; spatial: six), as columns over the free parameters; orthonormal, none where the datum is fixed.
 [[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
                                          const Eigen::MatrixXd& information);
+[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+                                         const Eigen::SparseMatrix<double>& information);
 
-/// Inverse of a positive semidefinite information matrix; directions it says nothing of get a huge but finite variance, those of
-/// `datum` (inner constraints: F'x = 0) none.
-[[nodiscard]] Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum);
-
-/// Covariance, status of the beacons, weak directions, verdict: fills the solution. Returns the information of the data alone.
+/// Covariance, status of the beacons, weak directions, verdict: fills the solution. Returns the covariance in internal units.
+/// Beyond ParameterLayout::dense_limit the solution's joint covariance stays empty and its marginals are filled instead.
 /// A beacon is undetermined when it was not found or the sigma of its worst direction is beyond the site's tolerance. The data
 /// refuse (SolveStatus::kUndetermined) when half or more of the beacons asked for are, or when speed, a common delay or a
 /// receiver array are not known to that tolerance.
-[[nodiscard]] Eigen::MatrixXd judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
-           const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, const Workers& workers = {},
-           const std::optional<Eigen::MatrixXd>& data_information = {});
+[[nodiscard]] Covariance judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
+                               const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution,
+                               const Workers& workers = {}, const std::optional<Eigen::MatrixXd>& data_information = {});
 
 /// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or the speed itself, to a
 /// tenth. Empty if so, otherwise what is missing.

@@ -27,6 +27,9 @@ struct ParameterBlock {
   int size = 0;
 };
 
+/// So few parameters that one dense system of all of them is the cheapest.
+inline constexpr int kDenseLimit = 600;
+
 /// Which shared numbers are free, and at which column of the unknown vector each stands (-1: held fixed).
 struct ParameterLayout {
   std::vector<Parameter> parameters;
@@ -42,6 +45,7 @@ struct ParameterLayout {
   std::vector<VehicleId> vehicle_of_receiver;
   double nominal_speed_mps = 343.0;     ///< turns delays into metres
   double nominal_amplitude_v = 1.0;
+  int dense_limit = kDenseLimit;        ///< up to so many parameters all matrices are dense
   SharedState fixed;                    ///< values of what is held fixed
 
   [[nodiscard]] int size() const { return static_cast<int>(parameters.size()); }
@@ -54,6 +58,8 @@ struct ParameterLayout {
     return vehicle.index() < array.size() && (array[vehicle.index()][0] >= 0 || array[vehicle.index()][1] >= 0);
   }
 };
+
+[[nodiscard]] inline bool is_dense(const ParameterLayout& layout) { return layout.size() <= layout.dense_limit; }
 
 /// Free parameters of a problem. Beacons in `held` keep the position and delay they have in `state`.
 [[nodiscard]] ParameterLayout make_layout(const Problem& problem, const SharedState& state, const std::vector<bool>& held);

@@ -66,8 +66,8 @@ std::optional<double> largest_of(const std::vector<double>& values) {
 class Collector {
  public:
   Collector(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories, const SharedState& state,
-            const Eigen::MatrixXd& C, double noise_factor, const Eigen::MatrixXd& information, int threads, std::size_t all_epochs)
-      : threads_(threads), problem_(problem), layout_(layout), trajectories_(trajectories), state_(state), C_(C), information_(information), sweep_(layout, C),
+            const Covariance& C, double noise_factor, int threads, std::size_t all_epochs)
+      : threads_(threads), problem_(problem), layout_(layout), trajectories_(trajectories), state_(state), C_(C), sweep_(layout, C),
         variance_scale_(noise_factor * noise_factor), beacons_(problem.site.beacons.size()) {
     std::size_t epochs = 0;
     for (const Trajectory& t : trajectories) {
@@ -195,20 +195,41 @@ class Collector {
     return static_cast<double>(used) / static_cast<double>(kinds_[kTof].observations);
   }
 
-  /// A lateness acts as the beacon's delay does: with N the data's information and C the joint covariance, what remains of it
-  /// is N_dd - N_d C N_d', and it moves the parameters by C N_d'.
-  [[nodiscard]] LatenessInformation lateness_from_information(std::size_t b) const {
-    LatenessInformation late;
-    const int column = layout_.beacon_delay[b];
-    if (column < 0) return late;
-    const double per_s = 1.0 / layout_.parameters[static_cast<std::size_t>(column)].si_per_unit;
-    const Eigen::VectorXd moved = C_ * information_.col(column);
-    late.total = per_s * per_s * information_(column, column);
-    late.remaining = per_s * per_s * std::max(0.0, information_(column, column) - information_.col(column).dot(moved));
-    for (const auto& columns : layout_.beacon)
-      for (const int c : columns)
-        if (c >= 0) late.shift_m_per_s = std::max(late.shift_m_per_s, per_s * std::abs(moved[c]));
+  /// A lateness acts as the beacon's delay does, of which data and priors together hold N e = N_data e + p e, p of its prior.
+  /// With C N e = e it moves the parameters by C N_data e = e - p C e, and of N_data the residuals keep p - p^2 C_dd: what the
+  /// prior contradicts.
+  [[nodiscard]] std::vector<LatenessInformation> lateness_by_delays() const {
+    constexpr std::size_t kAtOnce = 64;
+    std::vector<LatenessInformation> late(layout_.beacon.size());
+    std::vector<int> delays, beacons;
+    const auto take = [&] {
+      const Eigen::MatrixXd moved = C_.columns(delays);
+      for (std::size_t k = 0; k < delays.size(); ++k) {
+        const double p = prior_weight(delays[k]), per_s = 1.0 / layout_.parameters[static_cast<std::size_t>(delays[k])].si_per_unit;
+        const auto by_delay = moved.col(static_cast<Eigen::Index>(k));
+        const double share = std::clamp(p * by_delay[delays[k]], 0.0, 1.0);
+        LatenessInformation& of_beacon = late[static_cast<std::size_t>(beacons[k])];
+        of_beacon.remaining = per_s * per_s * p * (1.0 - share);
+        of_beacon.total = share > 0 ? per_s * per_s * p / share : 0.0;  // data and prior together, all else eliminated
+        for (const auto& columns : layout_.beacon)
+          for (const int c : columns)
+            if (c >= 0) of_beacon.shift_m_per_s = std::max(of_beacon.shift_m_per_s, per_s * p * std::abs(by_delay[c]));
+      }
+      delays.clear();
+      beacons.clear();
+    };
+    for (std::size_t b = 0; b < late.size(); ++b) {
+      if (layout_.beacon_delay[b] < 0) continue;
+      delays.push_back(layout_.beacon_delay[b]);
+      beacons.push_back(static_cast<int>(b));
+      if (delays.size() == kAtOnce) take();
+    }
+    take();
     return late;
+  }
+  [[nodiscard]] double prior_weight(int column) const {
+    const double sigma = layout_.parameters[static_cast<std::size_t>(column)].prior_sigma;
+    return std::isfinite(sigma) ? 1.0 / (sigma * sigma) : 0.0;
   }
 
   /// Priors and taped distances.
@@ -264,8 +285,7 @@ class Collector {
     b.mdb_worst_s = largest_of(sums.mdb_s);
     b.influence_median_m = median_of(sums.influence_m);
     b.influence_worst_m = largest_of(sums.influence_m);
-    if (lateness_.empty()) lateness_ = sweep_.lateness();
-    if (out_.every > 1) lateness_[index] = lateness_from_information(index);
+    if (lateness_.empty()) lateness_ = out_.every > 1 || C_.matrix() == nullptr ? lateness_by_delays() : sweep_.lateness();
     const LatenessInformation& late = lateness_[index];
     if (late.total > 0 && late.remaining > kUnnoticed * late.total) {
       b.lateness_mdb_s = kDelta0 / std::sqrt(late.remaining);
@@ -301,7 +321,7 @@ class Collector {
   const ParameterLayout& layout_;
   const std::vector<Trajectory>& trajectories_;
   const SharedState& state_;
-  const Eigen::MatrixXd &C_, &information_;
+  const Covariance& C_;
   LeverageSweep sweep_;
   double variance_scale_;
   std::array<Part, kKinds> kinds_;
@@ -326,13 +346,10 @@ ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2) {
 }
 
 Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
-                           const SharedState& state, const JointCovariance& covariance, const std::vector<BeaconStatus>& beacon_status,
-                           double noise_factor, const Eigen::MatrixXd& information, int threads, std::size_t all_epochs) {
-  if (covariance.matrix.rows() != layout.size() || !covariance.matrix.allFinite()) return {};
-  Eigen::VectorXd per_si(layout.size());
-  for (int i = 0; i < layout.size(); ++i) per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
-  const Eigen::MatrixXd C = per_si.asDiagonal() * covariance.matrix * per_si.asDiagonal();
-  Reliability out = Collector(problem, layout, trajectories, state, C, noise_factor, information, threads, all_epochs).run();
+                           const SharedState& state, const Covariance& C, const std::vector<BeaconStatus>& beacon_status,
+                           double noise_factor, int threads, std::size_t all_epochs) {
+  if (C.size() != layout.size() || !C.all_finite()) return {};
+  Reliability out = Collector(problem, layout, trajectories, state, C, noise_factor, threads, all_epochs).run();
   for (std::size_t b = 0; b < out.beacons.size() && b < beacon_status.size(); ++b) {
     if (beacon_status[b] != BeaconStatus::kCalibrated) continue;
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();

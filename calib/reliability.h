@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/covariance.h"
 #include "calib/parameters.h"
 #include "models/deployment.h"
 #include "models/trajectory.h"
@@ -106,14 +107,11 @@ inline constexpr std::size_t kAllEpochs = 6000;
 /// @param all_epochs    of more epochs than these only every so many-th is looked at
 /// @param trajectories  settled at the solution's state, arrivals marked used or rejected
 /// @param state         adjusted shared parameters
-/// @param covariance    joint covariance of the layout's parameters, SI units
+/// @param C             joint covariance of the layout's parameters
 /// @param noise_factor  noise of the arrivals as found over the stated one
-/// @param information   of the data alone in the layout's parameters, internal units; where not all arrivals are looked at, the
-///                      lateness of a beacon with a free delay comes from it
 [[nodiscard]] Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
-                                         const SharedState& state, const JointCovariance& covariance,
-                                         const std::vector<BeaconStatus>& beacon_status, double noise_factor,
-                                         const Eigen::MatrixXd& information, int threads = 1, std::size_t all_epochs = kAllEpochs);
+                                         const SharedState& state, const Covariance& C, const std::vector<BeaconStatus>& beacon_status,
+                                         double noise_factor, int threads = 1, std::size_t all_epochs = kAllEpochs);
 
 /// 95 % regions of a position.
 [[nodiscard]] ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include "calib/reliability.h"
 #include "models/deployment.h"
@@ -33,6 +34,13 @@ struct WeakDirection {
   bool lone_beacon = false;              ///< an undetermined beacon, which does not block the others
 };
 
+/// Of sites with so many parameters that their joint covariance is not formed: of each beacon's parameters among themselves, and of
+/// those that no one beacon has. SI units, order of `parameters`; pairs that are not told have no element.
+struct MarginalCovariance {
+  std::vector<std::string> parameters;
+  Eigen::SparseMatrix<double> matrix;
+};
+
 /// An arrival that was left out.
 struct LeftOut {
   std::size_t run = 0;       ///< index into Problem::runs
@@ -51,7 +59,8 @@ struct Solution {
   SharedState state;                         ///< beacons, delays, speed, receivers, attenuation
   std::vector<Trajectory> trajectories;      ///< adjusted vehicle states, arrivals marked used or rejected
   std::vector<BeaconStatus> beacon_status;
-  JointCovariance covariance;                ///< SI units
+  JointCovariance covariance;                ///< SI units; empty where it would be too large
+  MarginalCovariance marginals;              ///< then these
   Datum datum;
   CalibrationStatistics statistics;
   Reliability reliability;                   ///< redundancy numbers, detectable biases, error ellipses, variance components

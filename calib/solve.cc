@@ -166,6 +166,7 @@ class Calibrator {
     std::vector<bool> held(usable_.size());
     for (std::size_t b = 0; b < usable_.size(); ++b) held[b] = !usable_[b];
     layout_ = make_layout(problem_, start_.state, held);
+    layout_.dense_limit = options_.dense_limit;
     x_ = layout_.vector_of(start_.state);
     readmit_all(trajectories_, usable_);
     start_headings_rad_ = epoch_headings_rad(trajectories_);
@@ -335,10 +336,8 @@ class Calibrator {
     solution_.message = last_.converged ? "converged" : "the adjustment did not converge: " + last_.message;
     solution_.datum = datum_of(problem_);
     // What the data do not determine is often what keeps the iteration from settling, and then that is the finding.
-    const Eigen::MatrixXd information = judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_, options_.workers(),
-                                              last_.data_information);
-    solution_.reliability = reliability_of(problem_, layout_, trajectories_, solution_.state, solution_.covariance, solution_.beacon_status, noise_factor_,
-                                           information, options_.threads);
+    const Covariance C = judge(problem_, layout_, x_, usable_, mirrored(), options_.strict, trajectories_, solution_, options_.workers(), last_.data_information);
+    solution_.reliability = reliability_of(problem_, layout_, trajectories_, solution_.state, C, solution_.beacon_status, noise_factor_, options_.threads);
     collect_left_out();
     noise_warning();
     for (std::string& warning : report_flips(problem_, trajectories_, start_headings_rad_)) solution_.warnings.push_back(std::move(warning));

@@ -173,7 +173,7 @@ bool hears(const Knowledge& k, std::size_t beacon, std::size_t receiver_index, c
 
 /// From priors, or from what a calibration knows, whichever the layout's columns carry.
 void fill_place_sigmas(Knowledge& k) {
-  const Eigen::MatrixXd C = covariance_of(k.information, free_datum(k.problem, k.layout, k.state, k.information));
+  const Eigen::MatrixXd C = *Covariance(k.information, free_datum(k.problem, k.layout, k.state, k.information)).matrix();
   for (const auto& beacon : k.layout.beacon) {
     double variance = 0.0;
     for (const int c : beacon)
@@ -239,7 +239,7 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
   k.state = solution.state;
   k.tof_sigma_s = solution.tof_sigma_s > 0 ? solution.tof_sigma_s : problem.site.noise.tof_sigma_s;
   std::vector<bool> held;
-  const auto& names = solution.covariance.parameters;
+  const auto& names = solution.covariance.parameters.empty() ? solution.marginals.parameters : solution.covariance.parameters;
   for (const SiteBeacon& b : problem.site.beacons) {
     const std::string prefix = "beacon/" + b.name + "/";
     const bool found = b.is_control_point() || std::any_of(names.begin(), names.end(), [&](const std::string& n) { return n.starts_with(prefix); });

@@ -34,7 +34,7 @@ std::vector<int> beacon_columns(const ParameterLayout& layout) {
 }
 
 Eigen::MatrixXd covariance_at(const Knowledge& k, const Eigen::MatrixXd& information) {
-  return covariance_of(information, free_datum(k.problem, k.layout, k.state, information));
+  return *Covariance(information, free_datum(k.problem, k.layout, k.state, information)).matrix();
 }
 
 BeaconKnowledge knowledge_from(const Knowledge& k, const Eigen::MatrixXd& C) {

@@ -96,32 +96,29 @@ class Thinner {
     for (std::size_t i = 0; i < count; ++i) chosen_[i * groups_.size() / count] = true;
   }
 
-  [[nodiscard]] std::size_t heard(const Group& g, std::size_t beacon) const {
-    std::size_t count = 0;
-    for (const std::size_t a : g.arrivals) count += run_.arrivals[a].beacon.index() == beacon;
-    for (const std::size_t b : g.bearings) count += run_.bearings[b].reflector.valid() && run_.bearings[b].reflector.index() == beacon;
-    return count;
+  /// Calls visit(beacon) for each observation of a group.
+  template <class Visit>
+  void for_each_heard(const Group& g, Visit&& visit) const {
+    for (const std::size_t a : g.arrivals) visit(run_.arrivals[a].beacon.index());
+    for (const std::size_t b : g.bearings)
+      if (run_.bearings[b].reflector.valid()) visit(run_.bearings[b].reflector.index());
   }
 
   void complete_beacons() {
     std::vector<std::size_t> kept(beacons_, 0);
     std::vector<std::vector<std::size_t>> more(beacons_);  // groups left out so far, by beacon
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      const auto heard = [&](std::size_t beacon) {
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      for_each_heard(groups_[g], [&](std::size_t beacon) {
         if (chosen_[g]) ++kept[beacon];
         else if (more[beacon].empty() || more[beacon].back() != g) more[beacon].push_back(g);
-      };
-      for (const std::size_t a : groups_[g].arrivals) heard(run_.arrivals[a].beacon.index());
-      for (const std::size_t b : groups_[g].bearings)
-        if (run_.bearings[b].reflector.valid()) heard(run_.bearings[b].reflector.index());
-    }
+      });
     for (std::size_t b = 0; b < beacons_; ++b) {
       // Evenly again: every 2nd, 4th, ... of what is left, halves first.
       for (std::size_t step = std::max<std::size_t>(1, more[b].size() / 16); kept[b] < options_.per_beacon; step /= 2) {
         for (std::size_t i = 0; i < more[b].size() && kept[b] < options_.per_beacon; i += step) {
           if (chosen_[more[b][i]]) continue;
           chosen_[more[b][i]] = true;
-          for (std::size_t other = 0; other < beacons_; ++other) kept[other] += heard(groups_[more[b][i]], other);
+          for_each_heard(groups_[more[b][i]], [&](std::size_t beacon) { ++kept[beacon]; });
         }
         if (step == 1) break;
       }

@@ -67,9 +67,6 @@ class Tile {
   std::vector<Node> committed_;       ///< nodes of the general segments
 };
 
-/// So few parameters that one dense system of all of them is the cheapest.
-[[nodiscard]] inline bool is_dense(const ParameterLayout& layout) { return layout.size() <= 600; }
-
 /// Tiles of all trajectories; their number does not depend on the number of threads, so neither does any sum.
 [[nodiscard]] std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads = 1);
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -144,7 +143,7 @@ double shift_at_robot_m(const ParameterLayout& layout, const Eigen::VectorXd& x,
   return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
 }
 
-std::vector<WeakDirection> weak_directions(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const Eigen::MatrixXd& C,
+std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const Eigen::VectorXd& x, const Covariance& C,
                                            const std::vector<bool>& usable, const std::vector<Trajectory>& trajectories,
                                            const WeakDirectionOptions& options) {
   std::vector<WeakDirection> told;
@@ -155,20 +154,17 @@ std::vector<WeakDirection> weak_directions(const Problem& problem, const Paramet
     const Kind kind = kind_of(name);
     if (kind == kSpeed) metres[i] = options.typical_range_m;
     if (kind == kAttenuation && name != "attenuation/rise_time_s") metres[i] = 0.0;
-    const std::string beacon = beacon_of(name);
-    for (std::size_t b = 0; b < usable.size(); ++b)
-      if (!usable[b] && beacon == problem.site.beacons[b].name) metres[i] = 0.0;  // told already
   }
+  for (std::size_t b = 0; b < usable.size(); ++b)  // told already
+    for (const int column : {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2], layout.beacon_delay[b]})
+      if (!usable[b] && column >= 0) metres[column] = 0.0;
   if (layout.size() == 0) return told;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(metres.asDiagonal() * C * metres.asDiagonal());
-  for (Eigen::Index k = layout.size() - 1; k >= 0 && told.size() < options.most; --k) {
-    const double sigma_m = std::sqrt(std::max(0.0, eigen.eigenvalues()[k]));
-    if (sigma_m < kTold * options.limit_m) break;
-    const Eigen::VectorXd v = eigen.eigenvectors().col(k);
+  for (const auto& [variance, v] : C.largest(metres, options.most, std::pow(kTold * options.limit_m, 2))) {
+    const double sigma_m = std::sqrt(variance);
     WeakDirection w = in_words(layout, v);
     w.sigma_m = sigma_m;
     // The parameters move together with all that is correlated with the combination.
-    const Eigen::VectorXd step = C * (metres.asDiagonal() * v) / sigma_m;
+    const Eigen::VectorXd step = C.times(metres.cwiseProduct(v)) / sigma_m;
     w.consequence_m = shift_at_robot_m(layout, x, x + step, trajectories);
     told.push_back(std::move(w));
   }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "calib/covariance.h"
 #include "calib/parameters.h"
 #include "calib/solution.h"
 
@@ -22,8 +23,7 @@ struct WeakDirectionOptions {
 /// settles each, and its consequence at the robot: how far the vehicle states move (RMS, horizontal) when the parameters are off
 /// by one sigma along it and the arrivals are explained anew.
 /// @param C  joint covariance in internal units  @param usable  beacons that are not undetermined on their own
-[[nodiscard]] std::vector<WeakDirection> weak_directions(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
-                                                         const Eigen::MatrixXd& C, const std::vector<bool>& usable,
+[[nodiscard]] std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const Eigen::VectorXd& x, const Covariance& C, const std::vector<bool>& usable,
                                                          const std::vector<Trajectory>& trajectories, const WeakDirectionOptions& options);
 
 /// RMS horizontal shift of the vehicle states of up to some thousand segments when the shared parameters go from x to y [m]; for

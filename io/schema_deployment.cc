@@ -132,7 +132,7 @@ std::string_view deployment_schema() {
       }
     },
     "covariance": {
-      "description": "joint covariance of all calibrated parameters, upper triangle row by row",
+      "description": "joint covariance of all calibrated parameters, upper triangle row by row; both empty beyond 600 parameters, where each beacon's own has to do",
       "type": "object",
       "required": ["parameters", "upper_triangle"],
       "properties": {

@@ -88,10 +88,11 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem, {});
   const calib::ParameterLayout layout = calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
-  std::vector<Trajectory> trajectories = solution.trajectories;
-  const calib::Information information = calib::information_at(problem, layout, trajectories, layout.vector_of(solution.state));
+  Eigen::VectorXd per_si(layout.size());
+  for (int i = 0; i < layout.size(); ++i) per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
+  const calib::Covariance C(Eigen::MatrixXd(per_si.asDiagonal() * solution.covariance.matrix * per_si.asDiagonal()));
   const auto reliability = [&](std::size_t all_epochs) {
-    return calib::reliability_of(problem, layout, trajectories, solution.state, solution.covariance, solution.beacon_status, 1.0, information.data, 2, all_epochs);
+    return calib::reliability_of(problem, layout, solution.trajectories, solution.state, C, solution.beacon_status, 1.0, 2, all_epochs);
   };
   const calib::Reliability all = reliability(1000), some = reliability(60);
   ASSERT_EQ(all.every, 1U);
