@@ -5,6 +5,10 @@
 #include <new>
 #include <string_view>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <fmt/format.h>
@@ -95,6 +99,12 @@ int run_guarded(int argc, char** argv, octant::app::Session& session) {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef __GLIBC__
+  // Lists of millions of rows come and go. Memory that goes back to the system has to be cleared before it can be used again,
+  // which on a virtual machine costs more than filling it.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
   octant::app::Job job(&argc, &argv);
   octant::app::Session session;
   session.job = &job;
