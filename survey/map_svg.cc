@@ -3,7 +3,11 @@
 #include "survey/map_svg.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -42,9 +46,9 @@ Frame frame_of(const Survey& survey, const BinnedMap& map, double width_px) {
   return frame;
 }
 
-/// Runs of bins with one colour in a row are one rectangle.
+/// Runs of bins with one colour in a row are one rectangle, and all rectangles of a colour one path: a third of the bytes.
 void draw_bins(std::string& svg, const BinnedMap& map, const Frame& frame) {
-  svg += "<g shape-rendering='crispEdges'>";
+  std::map<std::array<std::uint8_t, 3>, std::string> paths;
   for (std::size_t row = 0; row < map.rows; ++row)
     for (std::size_t column = 0; column < map.columns;) {
       const std::size_t at = row * map.columns + column;
@@ -57,10 +61,13 @@ void draw_bins(std::string& svg, const BinnedMap& map, const Frame& frame) {
       while (end < map.columns && map.bins[row * map.columns + end] != BinnedMap::Bin::kOffFloor && colour_of(map, row * map.columns + end) == colour) ++end;
       const double x0 = map.origin_m.x() + map.bin_m * static_cast<double>(column), y1 = map.origin_m.y() + map.bin_m * static_cast<double>(row + 1);
       // A hair wider, so that no paper shines through between rows.
-      svg += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.2f}' height='{:.2f}' fill='#{:02x}{:02x}{:02x}'/>", frame.x(x0), frame.y(y1),
-                         map.bin_m * static_cast<double>(end - column) * frame.px_per_m + 0.3, map.bin_m * frame.px_per_m + 0.3, colour[0], colour[1], colour[2]);
+      const double width = map.bin_m * static_cast<double>(end - column) * frame.px_per_m + 0.3;
+      fmt::format_to(std::back_inserter(paths[colour]), "M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z", frame.x(x0), frame.y(y1), width,
+                     map.bin_m * frame.px_per_m + 0.3, -width);
       column = end;
     }
+  svg += "<g shape-rendering='crispEdges'>";
+  for (const auto& [colour, path] : paths) svg += fmt::format("<path fill='#{:02x}{:02x}{:02x}' d='{}'/>", colour[0], colour[1], colour[2], path);
   svg += "</g>\n";
 }
 
