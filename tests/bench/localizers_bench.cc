@@ -6,7 +6,10 @@
 #include <benchmark/benchmark.h>
 
 #include "io/scenario_yaml.h"
+#include "models/localizers/drive_tracker.h"
+#include "models/localizers/line_map.h"
 #include "models/localizers/methods.h"
+#include "models/localizers/odometry_track.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
@@ -35,6 +38,41 @@ BENCHMARK_CAPTURE(fix, one_beacon, "greenhouse", Method::kOneBeacon)->Unit(bench
 BENCHMARK_CAPTURE(fix, rail, "greenhouse", Method::kRail)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fix, reflectors, "reflectors", Method::kReflectors)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fix, binaural, "binaural", Method::kBinaural)->Unit(benchmark::kMillisecond);
+
+/// The tracker as a robot runs it: every odometry row and every instant of arrivals of a drive, the search for the start included.
+void drive_tracker(benchmark::State& state) {
+  static const World world = must(simulate(drive_scenario(60.0), 1));
+  std::size_t fixes = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    DriveTracker tracker(world.truth, world.heldout.odometry_accuracy);
+    OdometryCursor cursor(world.heldout.odometry, world.heldout.odometry.front().time_s);
+    Fix fix;
+    fixes = 0;
+    state.ResumeTiming();
+    const auto& arrivals = world.heldout.arrivals;
+    for (std::size_t first = 0, last = 0; first < arrivals.size(); first = last, ++fixes) {
+      while (last < arrivals.size() && arrivals[last].time_s == arrivals[first].time_s) ++last;
+      cursor.advance_to(arrivals[first].time_s, [&](const OdometryStep& step, double part) { tracker.move(step, part); });
+      tracker.locate(Observations{std::span(arrivals).subspan(first, last - first), {}}, fix);
+    }
+  }
+  state.counters["fixes"] = static_cast<double>(fixes);
+  state.counters["per_fix"] = benchmark::Counter(static_cast<double>(fixes), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(drive_tracker)->Unit(benchmark::kMillisecond);
+
+void line_map(benchmark::State& state) {
+  const World& world = world_of("driveway");
+  const auto map = build_line_map(world.run);
+  if (!map || !line_map_fits(*map, world.heldout)) return state.SkipWithError("no map, or a run that cannot be located on it");
+  LineMapLocalizer localizer(*map);
+  std::size_t scans = 0;
+  for (auto _ : state) scans = localizer.locate(world.heldout).size();
+  state.counters["scans"] = static_cast<double>(scans);
+  state.counters["per_fix"] = benchmark::Counter(static_cast<double>(scans), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(line_map)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace octant::test
