@@ -12,8 +12,8 @@
 #include <Eigen/SparseCore>
 #include <ceres/ceres.h>
 
-#include "calib/parallel.h"
 #include "calib/tile_sum.h"
+#include "models/parallel.h"
 
 namespace octant::calib {
 namespace {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/parallel.h"
 #include "calib/ranges.h"
 #include "models/localizers/range_gates.h"
+#include "models/parallel.h"
 
 namespace octant::calib {
 namespace {

@@ -8,12 +8,12 @@
 
 #include <Eigen/Cholesky>
 
-#include "calib/parallel.h"
 #include "calib/reject.h"
 #include "calib/start.h"
 #include "calib/thin.h"
 #include "calib/tile_sum.h"
 #include "models/localizers/search_problem.h"
+#include "models/parallel.h"
 
 namespace octant::calib {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "calib/gates.h"
-#include "calib/parallel.h"
 #include "models/linearise.h"
+#include "models/parallel.h"
 
 namespace octant::calib {
 namespace {

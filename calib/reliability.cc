@@ -9,10 +9,10 @@
 #include <Eigen/Eigenvalues>
 
 #include "calib/leverage.h"
-#include "calib/parallel.h"
 #include "calib/ranges.h"
 #include "calib/residual_groups.h"
 #include "calib/statistics.h"
+#include "models/parallel.h"
 
 namespace octant::calib {
 namespace {

@@ -10,11 +10,11 @@
 
 #include "calib/cold_start.h"
 #include "calib/gates.h"
-#include "calib/parallel.h"
 #include "calib/ranges.h"
 #include "calib/trilaterate.h"
 #include "models/linearise.h"
 #include "models/localizers/tracker.h"
+#include "models/parallel.h"
 
 namespace octant::calib {
 namespace {

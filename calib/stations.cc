@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "calib/observability.h"
-#include "calib/parallel.h"
+#include "models/parallel.h"
 #include "models/random.h"
 
 namespace octant::calib {

@@ -7,8 +7,8 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
-#include "calib/parallel.h"
 #include "models/linearise.h"
+#include "models/parallel.h"
 
 namespace octant::calib {
 

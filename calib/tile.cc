@@ -10,9 +10,9 @@
 
 #include <Eigen/Cholesky>
 
-#include "calib/parallel.h"
 #include "calib/shared_entries.h"
 #include "models/linearise.h"
+#include "models/parallel.h"
 
 namespace octant::calib {
 namespace {

@@ -4,7 +4,8 @@
 
 #include <numeric>
 
-#include "calib/parallel.h"
+
+#include "models/parallel.h"
 
 namespace octant::calib {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "calib/parallel.h"
 #include "calib/statistics.h"
+#include "models/parallel.h"
 
 namespace octant::calib {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <memory>
 
+#include "models/parallel.h"
 #include "survey/map_tiles.h"
-#include "survey/parallel.h"
 
 namespace octant::survey {
 namespace {

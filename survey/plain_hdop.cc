@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "survey/parallel.h"
+#include "models/parallel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "survey/plain_hdop.cc"

@@ -10,10 +10,10 @@
 #include <memory>
 #include <numbers>
 
+#include "models/parallel.h"
 #include "survey/calibration_map.h"
 #include "survey/map_tiles.h"
 #include "survey/mirror.h"
-#include "survey/parallel.h"
 #include "survey/polygon.h"
 
 namespace octant::survey {

@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/apps/process.h"
+#include "tests/apps/hall_folder.h"
 
 namespace octant::test {
 namespace {
@@ -21,29 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-class Report : public ::testing::Test {
- protected:
-  void SetUp() override { make(40); }
-  void make(int epochs) {
-    spit(box / "scenario.yaml", hall_scenario("epochs: 150", "epochs: " + std::to_string(epochs)));
-    const Outcome made = octant({"simulate", box / "scenario.yaml", "-o", box / "hall"});
-    ASSERT_EQ(made.exit, 0) << made.err;
-    std::filesystem::create_directory(box / "out");
-  }
-  [[nodiscard]] std::string out(const std::string& name) const { return box / ("out/" + name); }
-  [[nodiscard]] Outcome calibrate(std::vector<std::string> more = {}) const {
-    std::vector<std::string> words = {"calibrate", box / "hall/site.yaml", box / "hall/run", "-o", out("d.json"), "--progress", "none"};
-    words.insert(words.end(), more.begin(), more.end());
-    return octant(words);
-  }
-  [[nodiscard]] std::vector<std::string> outputs() const {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(box / "out")) names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-  TemporaryFolder box;
-};
+class Report : public HallFolder {};
 
 TEST_F(Report, AllFormsFromOneCalibration) {
   const Outcome done = calibrate({"--report", out("r.html"), "--report", out("r.md"), "--report", out("r.json"), "--report-static", "--json"});

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/apps/process.h"
+#include "tests/apps/hall_folder.h"
 
 namespace octant::test {
 namespace {
@@ -18,30 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// A simulated hall in a folder of its own, smaller than the demo's.
-class Road : public ::testing::Test {
- protected:
-  void SetUp() override { make(hall_scenario("epochs: 150", "epochs: 40")); }
-  void make(const std::string& scenario) {
-    spit(box / "scenario.yaml", scenario);
-    const Outcome made = octant({"simulate", box / "scenario.yaml", "-o", box / "hall"});
-    ASSERT_EQ(made.exit, 0) << made.err;
-    std::filesystem::create_directory(box / "out");
-  }
-  [[nodiscard]] std::string hall(const std::string& name) const { return box / ("hall/" + name); }
-  [[nodiscard]] Outcome calibrate(std::vector<std::string> more = {}) const {
-    std::vector<std::string> words = {"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "--progress", "none"};
-    words.insert(words.end(), more.begin(), more.end());
-    return octant(words);
-  }
-  [[nodiscard]] std::vector<std::string> outputs() const {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(box / "out")) names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-  TemporaryFolder box;
-};
+class Road : public HallFolder {};
 
 TEST_F(Road, SimulateMakesAWorldAndReplacesOnlyWorlds) {
   for (const char* name : {"site.yaml", "run/tof.csv", "run/run.yaml", "heldout/tof.csv", "heldout/truth.tum", "deployment.true.json"}) {

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace octant::calib {
+namespace octant {
 
 /// Calls work(i) for each i below count, on up to `threads` threads (1 or less: on this one). Whoever adds results up does it
 /// afterwards, in the order of i, so that no sum depends on the number of threads. `work` must not throw.
@@ -34,4 +34,4 @@ void for_each_chunk(std::size_t count, std::size_t size, int threads, Work&& wor
 }
 inline constexpr std::size_t kArrivalsAtOnce = 65536;  ///< that a thread takes
 
-}  // namespace octant::calib
+}  // namespace octant
