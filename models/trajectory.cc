@@ -7,6 +7,8 @@
 #include <map>
 #include <numeric>
 
+#include "models/odometry_noise.h"
+
 namespace octant {
 namespace {
 
@@ -34,18 +36,16 @@ struct OdometryPath {
 
 OdometryPath odometry_path(const MeasurementLog& log, VehicleId vehicle) {
   OdometryPath path;
-  const OdometryAccuracy& a = log.odometry_accuracy;
   Pose T;
   bool first = true;
   for (const OdometryStep& step : log.odometry) {
     if (step.vehicle != vehicle) continue;
     if (!first) T = T * Pose::planar(step.dx_m, step.dy_m, step.dheading_rad);
-    const double d = std::hypot(step.dx_m, step.dy_m);
-    const double ds = a.distance_sigma_m_per_sqrt_m, hs = a.heading_sigma_rad_per_sqrt_m;
+    const OdometryVariance variance = variance_of(step, log.odometry_accuracy);
     path.time_s.push_back(step.time_s);
     path.T_anchor_vehicle.push_back(T);
-    path.distance_variance_m2.push_back(ds * ds * d + a.floor_m * a.floor_m);
-    path.heading_variance_rad2.push_back(hs * hs * d + std::pow(a.heading_sigma_per_rad * step.dheading_rad, 2) + a.floor_rad * a.floor_rad);
+    path.distance_variance_m2.push_back(variance.distance_m2);
+    path.heading_variance_rad2.push_back(variance.heading_rad2);
     first = false;
   }
   return path;

@@ -7,6 +7,7 @@
 
 #include "models/localizers/drive_start.h"
 #include "models/localizers/trajectory_model.h"
+#include "models/odometry_noise.h"
 
 namespace octant {
 namespace {
@@ -16,13 +17,12 @@ constexpr std::size_t kMaxNodes = 768, kMaxArrivals = 8192;  ///< of a window
 constexpr double kWindowGrowth = 1.33;
 
 OdometryObservation observation(std::size_t node, const OdometryStep& step, double fraction, const OdometryAccuracy& a) {
-  const double d = std::hypot(step.dx_m, step.dy_m);
-  const double ds = a.distance_sigma_m_per_sqrt_m, hs = a.heading_sigma_rad_per_sqrt_m;
+  const OdometryVariance variance = variance_of(step, a);
   OdometryObservation o;
   o.node = node;
   o.T_before_after = interpolate(Pose{}, Pose::planar(step.dx_m, step.dy_m, step.dheading_rad), fraction);
-  o.distance_sigma_m = std::sqrt(fraction * (ds * ds * d + a.floor_m * a.floor_m));
-  o.heading_sigma_rad = std::sqrt(fraction * (hs * hs * d + std::pow(a.heading_sigma_per_rad * step.dheading_rad, 2) + a.floor_rad * a.floor_rad));
+  o.distance_sigma_m = std::sqrt(fraction * variance.distance_m2);
+  o.heading_sigma_rad = std::sqrt(fraction * variance.heading_rad2);
   return o;
 }
 

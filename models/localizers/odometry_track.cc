@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "models/odometry_noise.h"
+
 namespace octant {
 
 BodySpeed body_speed(double left_mps, double right_mps, double track_width_m) {
@@ -25,14 +27,9 @@ void advance(OdometryState& state, const OdometryStep& step, const OdometryAccur
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   F(0, 2) = -move.y();
   F(1, 2) = move.x();
-  const double d = std::hypot(dx, dy);
-  const auto square = [](double x) { return x * x; };
-  const double variance_m2 = square(accuracy.distance_sigma_m_per_sqrt_m) * d + square(accuracy.floor_m) * fraction;
-  const double variance_rad2 = square(accuracy.heading_sigma_rad_per_sqrt_m) * d +
-                               square(accuracy.heading_sigma_per_rad * step.dheading_rad) * fraction +
-                               square(accuracy.floor_rad) * fraction;
+  const OdometryVariance variance = variance_of(step, accuracy);
   state.covariance = F * state.covariance * F.transpose();
-  state.covariance.diagonal() += Eigen::Vector3d(variance_m2, variance_m2, variance_rad2);
+  state.covariance.diagonal() += fraction * Eigen::Vector3d(variance.distance_m2, variance.distance_m2, variance.heading_rad2);
   state.p_map_m += move;
   state.heading_rad = wrap_angle(state.heading_rad + turn);
 }
