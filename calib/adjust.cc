@@ -18,13 +18,14 @@
 namespace octant::calib {
 namespace {
 
-/// All tiles at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate is settled, and where it
-/// is taken only its reduction is added.
+/// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate is settled, and where
+/// it is taken only its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
-  EvaluationPoint(TileSum* all_tiles, const ParameterLayout* its_layout, const Eigen::VectorXd* its_x, const RobustLoss* its_loss)
-      : tiles(all_tiles), layout(its_layout), x(its_x), loss(its_loss), dense(is_dense(*its_layout)) {}
+  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout, const Eigen::VectorXd* its_x, const RobustLoss* its_loss)
+      : observations(all), tiles(all_tiles), layout(its_layout), x(its_x), loss(its_loss), dense(tiles == nullptr || is_dense(*its_layout)) {}
 
-  TileSum* tiles;
+  SystemSum* observations;
+  TileSum* tiles;                     ///< the same, where each may be asked for its own
   const ParameterLayout* layout;
   const Eigen::VectorXd* x;
   const RobustLoss* loss;
@@ -38,12 +39,12 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
     if (new_evaluation_point || !settled) {
       state = layout->state_of(*x);
-      cost = tiles->settle(state, *loss);
+      cost = observations->settle(state, *loss);
       settled = true;
     }
     if (!evaluate_jacobians) return;
     if (dense) {
-      tiles->reduce(state, *loss, sum);
+      observations->reduce(state, *loss, sum);
     } else {
       tiles->reduce_each(state, *loss, systems);
     }
@@ -226,18 +227,13 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
   return ceres_options;
 }
 
-}  // namespace
-
-AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
-                    const AdjustOptions& options) {
+AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, TileSum* tiles, Eigen::VectorXd& x,
+                        const AdjustOptions& options) {
   AdjustResult result;
-  TileSum tiles(trajectories, layout, options.workers);
-  EvaluationPoint point(&tiles, &layout, &x, &options.loss);
+  EvaluationPoint point(&observations, tiles, &layout, &x, &options.loss);
   point.state = layout.state_of(x);
   if (layout.size() == 0) {  // everything is held: only the vehicle states move
-    result.cost = tiles.settle(point.state, options.loss);
-    tiles.commit();
-    tiles.share_states();
+    result.cost = observations.settle(point.state, options.loss);
     result.converged = true;
     return result;
   }
@@ -264,8 +260,8 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
     std::iota(all.begin(), all.end(), 0);
     add(new TileCost(&point, -1, all), all);
   } else {
-    for (std::size_t i = 0; i < tiles.tiles().size(); ++i)
-      if (const std::vector<int>& blocks = tiles.tiles()[i].blocks(); !blocks.empty()) add(new TileCost(&point, static_cast<int>(i), blocks), blocks);
+    for (std::size_t i = 0; i < tiles->tiles().size(); ++i)
+      if (const std::vector<int>& blocks = tiles->tiles()[i].blocks(); !blocks.empty()) add(new TileCost(&point, static_cast<int>(i), blocks), blocks);
   }
   for (const ControlDistance& d : problem.site.distances) {
     std::vector<int> blocks;
@@ -287,10 +283,23 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cost = summary.final_cost;
   result.message = summary.message;
-  // Every accepted point was reduced, and so committed.
-  tiles.share_states();
   if (point.dense && point.sum.H.rows() == layout.size()) result.data_information = std::move(point.sum.H);
   return result;
+}
+
+}  // namespace
+
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
+                    const AdjustOptions& options) {
+  TileSum tiles(trajectories, layout, options.workers);
+  AdjustResult result = adjust_all(problem, layout, tiles, &tiles, x, options);
+  if (layout.size() == 0) tiles.commit();  // else every accepted point was reduced, and so committed
+  tiles.share_states();
+  return result;
+}
+
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, Eigen::VectorXd& x, const AdjustOptions& options) {
+  return adjust_all(problem, layout, observations, nullptr, x, options);
 }
 
 double prior_cost(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x) {

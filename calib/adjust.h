@@ -41,6 +41,9 @@ struct AdjustResult {
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
                     const AdjustOptions& options);
 
+/// The same of observations that are no tiles, on a layout that is dense.
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, Eigen::VectorXd& x, const AdjustOptions& options);
+
 /// 1/2 the weighted squares of priors and control distances at x.
 [[nodiscard]] double prior_cost(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x);
 

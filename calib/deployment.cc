@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calib/calibrate.h"
+#include "calib/validity.h"
 #include "calib/variances.h"
 #include "models/linearise.h"
 
@@ -86,37 +87,20 @@ void add_hearing(const Solution& solution, Deployment& d) {
   }
 }
 
-/// Convex hull by Andrew's monotone chain, counter-clockwise.
-std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
-  const auto before = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); };
-  std::sort(points.begin(), points.end(), before);
-  if (points.size() < 3) return points;
-  const auto turn = [](const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
-  };
-  std::vector<Eigen::Vector2d> hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t base = hull.size();
-    for (const Eigen::Vector2d& p : points) {
-      while (hull.size() >= base + 2 && turn(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
-}
-
 void add_validity(const Problem& problem, const Solution& solution, Deployment& d) {
   std::vector<Eigen::Vector2d> places;
   double coldest = INFINITY, hottest = -INFINITY;
+  if (solution.whole) {
+    places = solution.whole->area_m;
+    coldest = solution.whole->coldest_degC;
+    hottest = solution.whole->hottest_degC;
+  }
   for (const Trajectory& t : solution.trajectories) {
     for (const Node& node : t.nodes)
       if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
     const MeasurementLog& run = problem.runs[t.run];
     for (const ArrivalObservation& a : t.arrivals) {
-      const double own = run.arrivals[a.arrival].temperature_degC;
-      const double degC = std::isfinite(own) ? own : run.temperature_degC.value_or(problem.site.medium.temperature_degC);
+      const double degC = temperature_of(run.arrivals[a.arrival], run, problem.site);
       coldest = std::min(coldest, degC);
       hottest = std::max(hottest, degC);
     }

@@ -32,17 +32,21 @@ std::vector<std::vector<double>> epoch_headings_rad(const std::vector<Trajectory
   return headings;
 }
 
+bool is_flipped(const Node& node, double before_rad) { return node.placed && std::cos(node.T_map_vehicle.heading_rad() - before_rad) < 0; }
+
+std::vector<std::string> flips_in_words(const MeasurementLog& run, const std::vector<std::int64_t>& epochs) {
+  if (epochs.empty()) return {};
+  return {fmt::format("{}: {} epochs faced the wrong way at the start and were turned: {}", run.path, epochs.size(), epochs_text(epochs))};
+}
+
 std::vector<std::string> report_flips(const Problem& problem, const std::vector<Trajectory>& trajectories, const std::vector<std::vector<double>>& before) {
   std::vector<std::string> told;
   for (std::size_t i = 0; i < trajectories.size(); ++i) {
     if (!has_stops(trajectories[i]) || before[i].size() != trajectories[i].nodes.size()) continue;
     std::vector<std::int64_t> flipped;
     for (std::size_t k = 0; k < before[i].size(); ++k)
-      if (const Node& node = trajectories[i].nodes[k]; node.placed && std::cos(node.T_map_vehicle.heading_rad() - before[i][k]) < 0)
-        flipped.push_back(node.epoch);
-    if (!flipped.empty())
-      told.push_back(fmt::format("{}: {} epochs faced the wrong way at the start and were turned: {}", problem.runs[trajectories[i].run].path,
-                                 flipped.size(), epochs_text(flipped)));
+      if (is_flipped(trajectories[i].nodes[k], before[i][k])) flipped.push_back(trajectories[i].nodes[k].epoch);
+    for (std::string& words : flips_in_words(problem.runs[trajectories[i].run], flipped)) told.push_back(std::move(words));
   }
   return told;
 }

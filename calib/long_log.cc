@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
@@ -47,6 +48,120 @@ Result<Problem> part_of(const Problem& problem, int threads) {
   std::vector<MeasurementLog> runs;
   for (const MeasurementLog& run : problem.runs) runs.push_back(thin(run, problem.site.beacons.size(), kPart));
   return make_problem(problem.site, std::move(runs), threads);
+}
+
+namespace {
+
+/// Reads the epochs that begin in a block: visit(epoch's number, arrival).
+template <class Visit>
+Result<void> for_each_row_of_block(const ArrivalSource& source, const LogIndex& index, std::size_t run, std::size_t block, Visit&& visit) {
+  std::vector<Arrival> rows;
+  if (auto ok = index.read(source, run, block, block + 1, rows); !ok) return ok;
+  struct Current {
+    VehicleId vehicle;
+    std::int64_t epoch;
+    std::size_t number;
+  };
+  std::vector<Current> current;  // of each vehicle met
+  std::size_t next = index.first_epoch(run, block);
+  for (const Arrival& a : rows) {
+    auto at = std::find_if(current.begin(), current.end(), [&a](const Current& c) { return c.vehicle == a.vehicle; });
+    if (at == current.end()) at = current.insert(at, {a.vehicle, a.epoch, next++});
+    else if (at->epoch != a.epoch) *at = {a.vehicle, a.epoch, next++};
+    visit(at->number, a);
+  }
+  return {};
+}
+
+/// What each block of a list gives, read side by side.
+template <class Found, class Read>
+Result<std::vector<Found>> read_blocks(const std::vector<std::size_t>& blocks, int threads, Read&& read) {
+  std::vector<Found> found;
+  std::vector<std::vector<Found>> of_block(blocks.size());
+  std::vector<std::optional<Error>> wrong(blocks.size());
+  for_each_parallel(blocks.size(), threads, [&](std::size_t i) {
+    if (auto ok = read(blocks[i], of_block[i]); !ok) wrong[i] = ok.error();
+  });
+  for (const auto& error : wrong)
+    if (error) return fail(*error);
+  for (const auto& some : of_block) found.insert(found.end(), some.begin(), some.end());
+  return found;
+}
+
+/// Chooses more epochs for the beacons that the chosen ones hear too seldom, of those that hear them.
+Result<void> choose_for_rare_beacons(const ArrivalSource& source, const LogIndex& index, std::size_t run, int threads, GroupsHearing& hearing,
+                                     std::vector<bool>& chosen) {
+  struct Hears {
+    std::size_t epoch, beacon;
+  };
+  std::vector<bool> rare(hearing.kept.size());
+  for (std::size_t b = 0; b < rare.size(); ++b) rare[b] = hearing.kept[b] < kPart.per_beacon && hearing.kept[b] < index.heard(run)[b];
+  if (std::find(rare.begin(), rare.end(), true) == rare.end()) return {};
+  std::vector<std::size_t> blocks(index.blocks(run));
+  for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = b;
+  auto heard = read_blocks<Hears>(blocks, threads, [&](std::size_t block, std::vector<Hears>& out) {
+    return for_each_row_of_block(source, index, run, block, [&](std::size_t epoch, const Arrival& a) {
+      if (rare[a.beacon.index()] && !chosen[epoch]) out.push_back({epoch, a.beacon.index()});
+    });
+  });
+  if (!heard) return fail(heard.error());
+  std::stable_sort(heard->begin(), heard->end(), [](const Hears& a, const Hears& b) { return a.epoch < b.epoch; });
+  hearing.more.resize(rare.size());
+  for (const Hears& h : *heard)
+    if (hearing.more[h.beacon].empty() || hearing.more[h.beacon].back() != h.epoch) hearing.more[h.beacon].push_back(h.epoch);
+  // Only of rare beacons, as all others have enough.
+  hearing.for_each_heard = [&heard](std::size_t epoch, const auto& visit) {
+    const auto before = [](const Hears& h, std::size_t e) { return h.epoch < e; };
+    for (auto at = std::lower_bound(heard->begin(), heard->end(), epoch, before); at != heard->end() && at->epoch == epoch; ++at) visit(at->beacon);
+  };
+  choose_more(hearing, kPart.per_beacon, chosen);
+  return {};
+}
+
+/// Arrivals of the chosen epochs that are not yet in the log.
+Result<void> read_epochs(const ArrivalSource& source, const LogIndex& index, std::size_t run, const std::vector<bool>& chosen, int threads,
+                         std::vector<Arrival>& arrivals) {
+  std::vector<std::size_t> blocks;
+  for (std::size_t b = 0; b < index.blocks(run); ++b) {
+    const auto begin = chosen.begin() + static_cast<std::ptrdiff_t>(index.first_epoch(run, b));
+    const auto end = chosen.begin() + static_cast<std::ptrdiff_t>(index.first_epoch(run, b + 1));
+    if (std::find(begin, end, true) != end) blocks.push_back(b);
+  }
+  auto some = read_blocks<Arrival>(blocks, threads, [&](std::size_t block, std::vector<Arrival>& out) {
+    return for_each_row_of_block(source, index, run, block, [&](std::size_t epoch, const Arrival& a) {
+      if (chosen[epoch]) out.push_back(a);
+    });
+  });
+  if (!some) return fail(some.error());
+  arrivals.insert(arrivals.end(), some->begin(), some->end());
+  return {};
+}
+
+}  // namespace
+
+Result<Problem> part_of(const Site& site, const ArrivalSource& source, const LogIndex& index, int threads) {
+  std::vector<MeasurementLog> runs;
+  for (std::size_t run = 0; run < source.runs(); ++run) {
+    MeasurementLog few = without_lists(source.log(run));
+    few.rejected = source.log(run).rejected;
+    std::vector<bool> chosen = evenly_chosen(index.epochs(run), kPart.instants);
+    if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok) return fail(ok.error());
+    GroupsHearing hearing;
+    hearing.kept.assign(site.beacons.size(), 0);
+    for (const Arrival& a : few.arrivals) ++hearing.kept[a.beacon.index()];
+    std::vector<bool> more = chosen;
+    if (auto ok = choose_for_rare_beacons(source, index, run, threads, hearing, more); !ok) return fail(ok.error());
+    for (std::size_t e = 0; e < more.size(); ++e) more[e] = more[e] && !chosen[e];
+    if (auto ok = read_epochs(source, index, run, more, threads, few.arrivals); !ok) return fail(ok.error());
+    const auto sooner = [](const Arrival& a, const Arrival& b) { return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line; };
+    std::stable_sort(few.arrivals.begin(), few.arrivals.end(), sooner);
+    // All of these epochs, but not more of one pair within one than is good for anything.
+    ThinOptions all = kPart;
+    all.instants = index.epochs(run);
+    all.per_beacon = 0;
+    runs.push_back(thin(few, site.beacons.size(), all));
+  }
+  return make_problem(site, std::move(runs), threads);
 }
 
 bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& state, const std::vector<bool>& usable) {

@@ -4,9 +4,10 @@
 
 #include <vector>
 
-#include "calib/tile_sum.h"
+#include "calib/log_index.h"
 #include "calib/parameters.h"
 #include "calib/problem.h"
+#include "calib/tile_sum.h"
 
 namespace octant::calib {
 
@@ -15,6 +16,9 @@ namespace octant::calib {
 
 /// A problem with evenly spread epochs of a long log, enough of each beacon (see thin).
 [[nodiscard]] Result<Problem> part_of(const Problem& problem, int threads = 1);
+/// The same of a log that is not at hand. Reads the blocks in which those epochs lie; all blocks once more where a beacon is heard
+/// so seldom that they are not enough of it.
+[[nodiscard]] Result<Problem> part_of(const Site& site, const ArrivalSource& source, const LogIndex& index, int threads = 1);
 
 /// Pose of a stop by linear least squares, good enough to be settled from: the ranges to three and more beacons give
 ///   -2 b.p + |p|^2 = r^2 - |b|^2

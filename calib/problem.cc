@@ -64,11 +64,16 @@ Result<void> check_complete(const Site& site, const MeasurementLog& run) {
 
 }  // namespace
 
+TrajectoryModel trajectory_model(const Site& site) {
+  TrajectoryModel model{site.motion, site.medium, site.timing, site.noise, site.attenuation.has_value(), {}};
+  for (const SiteVehicle& vehicle : site.vehicles) model.motion_priors.push_back(vehicle.motion);
+  return model;
+}
+
 Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int threads) {
   Problem problem;
   std::size_t observations = 0;
-  TrajectoryModel model{site.motion, site.medium, site.timing, site.noise, site.attenuation.has_value(), {}};
-  for (const SiteVehicle& vehicle : site.vehicles) model.motion_priors.push_back(vehicle.motion);
+  const TrajectoryModel model = trajectory_model(site);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (auto ok = check_complete(site, runs[i]); !ok) return fail(ok.error());
     if (auto ok = check_unit(site, runs[i]); !ok) return fail(ok.error());

@@ -21,6 +21,9 @@ struct Problem {
   double typical_range_m = 1.0;          ///< median range of the arrivals by the site's priors
 };
 
+/// What the trajectories of a site need to know of it.
+[[nodiscard]] TrajectoryModel trajectory_model(const Site& site);
+
 /// Checks the recordings against the site and builds the trajectories.
 /// Errors (kBadInput): no arrival at all; times of flight in the wrong unit (median distance beyond 20 times the site's extent).
 [[nodiscard]] Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int threads = 1);

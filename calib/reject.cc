@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <utility>
 
 #include "calib/gates.h"
 #include "models/linearise.h"
@@ -32,6 +33,10 @@ double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedS
       if (const ArrivalObservation& a = t.arrivals[i];
           (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly) && t.nodes[a.node].placed)
         magnitude.push_back(std::abs(arrival_residual(t, a, state)));
+  return agreeing_sigma(std::move(magnitude));
+}
+
+double agreeing_sigma(std::vector<double> magnitude) {
   if (magnitude.size() < 30) return 1.0;
   std::sort(magnitude.begin(), magnitude.end());
   double sigma = 1.4826 * magnitude[magnitude.size() / 2];

@@ -16,6 +16,9 @@ inline constexpr double kCauchyScale = 2.385;
 /// 2.5 of it, iterated from the median. Echoes, however many, lie outside and do not widen it. 1 where there are too few.
 [[nodiscard]] double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedState& state);
 
+/// The same of magnitudes of whitened residuals.
+[[nodiscard]] double agreeing_sigma(std::vector<double> magnitudes);
+
 /// Marks arrivals and bearings beyond `limit` sigmas as rejected, late or early, and readmits those within 0.9 of it.
 /// Returns how many marks changed.
 std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit, int threads = 1);

@@ -66,14 +66,15 @@ std::optional<double> largest_of(const std::vector<double>& values) {
 class Collector {
  public:
   Collector(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories, const SharedState& state,
-            const Covariance& C, double noise_factor, int threads, std::size_t all_epochs)
-      : threads_(threads), problem_(problem), layout_(layout), trajectories_(trajectories), state_(state), C_(C), sweep_(layout, C),
+            const Covariance& C, double noise_factor, int threads, std::size_t all_epochs, const WholeLog* whole)
+      : threads_(threads), problem_(problem), layout_(layout), trajectories_(trajectories), state_(state), C_(C), whole_(whole), sweep_(layout, C),
         variance_scale_(noise_factor * noise_factor), beacons_(problem.site.beacons.size()) {
     std::size_t epochs = 0;
     for (const Trajectory& t : trajectories) {
       if (!t.moving && t.segments.size() == t.nodes.size()) epochs += t.segments.size();
     }
-    if (epochs > all_epochs) out_.every = (epochs + all_epochs - 1) / all_epochs;
+    step_ = looked_at_every(epochs, all_epochs);
+    out_.every = step_ * (whole == nullptr ? 1 : whole->every);
   }
 
   Reliability run() {
@@ -115,11 +116,11 @@ class Collector {
   /// Stops of a long log hang together by the shared parameters alone: stretches of them are swept side by side, and what they
   /// gave is taken up in their order.
   void sweep_spread_stops(const Trajectory& t) {
-    const std::size_t stretch = 256 * out_.every;
+    const std::size_t stretch = 256 * step_;
     std::vector<std::vector<Seen>> seen(chunk_count(t.segments.size(), stretch));
     for_each_chunk(t.segments.size(), stretch, threads_, [&](std::size_t chunk, std::size_t first, std::size_t last) {
       LeverageSweep sweep = sweep_;
-      sweep.sweep(t, state_, first, last, out_.every, [&](const RowLeverage& l) { seen[chunk].push_back(seen_of(l)); });
+      sweep.sweep(t, state_, first, last, step_, [&](const RowLeverage& l) { seen[chunk].push_back(seen_of(l)); });
     });
     for (const auto& chunk : seen)
       for (const Seen& s : chunk) observation(t, s);
@@ -189,9 +190,9 @@ class Collector {
   /// Arrivals used over those looked at.
   [[nodiscard]] double share_looked_at() const {
     if (out_.every == 1 || kinds_[kTof].observations == 0) return 1.0;
-    std::size_t used = 0;
+    std::size_t used = whole_ == nullptr ? 0 : whole_->used();
     for (const Trajectory& t : trajectories_)
-      for (const ArrivalObservation& a : t.arrivals) used += a.rejection == Rejection::kUsed;
+      for (std::size_t i = 0; whole_ == nullptr && i < t.arrivals.size(); ++i) used += t.arrivals[i].rejection == Rejection::kUsed;
     return static_cast<double>(used) / static_cast<double>(kinds_[kTof].observations);
   }
 
@@ -295,6 +296,16 @@ class Collector {
   }
 
   void left_out() {
+    if (whole_ != nullptr) {
+      for (std::size_t b = 0; b < out_.beacons.size(); ++b) {
+        BeaconReliability& beacon = out_.beacons[b];
+        beacon.used = whole_->count(b, Rejection::kUsed);
+        beacon.late = whole_->count(b, Rejection::kLate);
+        beacon.early = whole_->count(b, Rejection::kEarly);
+        beacon.other = std::accumulate(whole_->of_beacon[b].begin(), whole_->of_beacon[b].end(), std::size_t{0}) - beacon.used - beacon.late - beacon.early;
+      }
+      return;
+    }
     std::vector<std::size_t> used(out_.beacons.size(), 0);
     for (const Trajectory& t : trajectories_) {
       for (const ArrivalObservation& a : t.arrivals) {
@@ -322,6 +333,8 @@ class Collector {
   const std::vector<Trajectory>& trajectories_;
   const SharedState& state_;
   const Covariance& C_;
+  const WholeLog* whole_;
+  std::size_t step_ = 1;
   LeverageSweep sweep_;
   double variance_scale_;
   std::array<Part, kKinds> kinds_;
@@ -347,9 +360,9 @@ ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2) {
 
 Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
                            const SharedState& state, const Covariance& C, const std::vector<BeaconStatus>& beacon_status,
-                           double noise_factor, int threads, std::size_t all_epochs) {
+                           double noise_factor, int threads, std::size_t all_epochs, const WholeLog* whole) {
   if (C.size() != layout.size() || !C.all_finite()) return {};
-  Reliability out = Collector(problem, layout, trajectories, state, C, noise_factor, threads, all_epochs).run();
+  Reliability out = Collector(problem, layout, trajectories, state, C, noise_factor, threads, all_epochs, whole).run();
   for (std::size_t b = 0; b < out.beacons.size() && b < beacon_status.size(); ++b) {
     if (beacon_status[b] != BeaconStatus::kCalibrated) continue;
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();

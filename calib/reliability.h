@@ -9,6 +9,7 @@
 
 #include "calib/covariance.h"
 #include "calib/parameters.h"
+#include "calib/whole_log.h"
 #include "models/deployment.h"
 #include "models/trajectory.h"
 
@@ -105,13 +106,19 @@ inline constexpr std::size_t kWorst = 10;
 inline constexpr std::size_t kAllEpochs = 6000;
 
 /// @param all_epochs    of more epochs than these only every so many-th is looked at
+/// @param whole         where the trajectories are only a part of the log: counts of all of it
 /// @param trajectories  settled at the solution's state, arrivals marked used or rejected
 /// @param state         adjusted shared parameters
 /// @param C             joint covariance of the layout's parameters
 /// @param noise_factor  noise of the arrivals as found over the stated one
 [[nodiscard]] Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
                                          const SharedState& state, const Covariance& C, const std::vector<BeaconStatus>& beacon_status,
-                                         double noise_factor, int threads = 1, std::size_t all_epochs = kAllEpochs);
+                                         double noise_factor, int threads = 1, std::size_t all_epochs = kAllEpochs,
+                                         const WholeLog* whole = nullptr);
+/// One in so many epochs is looked at.
+[[nodiscard]] inline std::size_t looked_at_every(std::size_t epochs, std::size_t all_epochs = kAllEpochs) {
+  return epochs > all_epochs ? (epochs + all_epochs - 1) / all_epochs : 1;
+}
 
 /// 95 % regions of a position.
 [[nodiscard]] ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2);

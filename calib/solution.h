@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,7 +66,9 @@ struct Solution {
   CalibrationStatistics statistics;
   Reliability reliability;                   ///< redundancy numbers, detectable biases, error ellipses, variance components
   double tof_sigma_s = 0.0;                  ///< noise of the arrivals as found
-  std::vector<LeftOut> left_out;
+  std::vector<LeftOut> left_out;             ///< of the trajectories
+  /// Of a log that was streamed: its trajectories are only a part of it, and this is of all.
+  std::optional<WholeLog> whole;
   std::vector<WeakDirection> weak;
   std::vector<std::string> undetermined;     ///< names of parameters
   std::vector<std::string> warnings;

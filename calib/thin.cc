@@ -27,7 +27,7 @@ class Thinner {
     make_groups();
     const std::size_t budget = budgeted();
     if (groups_.size() <= budget && !crowded()) return run_;
-    choose(budget);
+    chosen_ = evenly_chosen(groups_.size(), budget);
     complete_beacons();
     return assemble();
   }
@@ -90,12 +90,6 @@ class Thinner {
     });
   }
 
-  void choose(std::size_t budget) {
-    chosen_.assign(groups_.size(), false);
-    const std::size_t count = std::min(budget, groups_.size());
-    for (std::size_t i = 0; i < count; ++i) chosen_[i * groups_.size() / count] = true;
-  }
-
   /// Calls visit(beacon) for each observation of a group.
   template <class Visit>
   void for_each_heard(const Group& g, Visit&& visit) const {
@@ -105,47 +99,22 @@ class Thinner {
   }
 
   void complete_beacons() {
-    std::vector<std::size_t> kept(beacons_, 0);
-    std::vector<std::vector<std::size_t>> more(beacons_);  // groups left out so far, by beacon
+    GroupsHearing hearing;
+    hearing.kept.assign(beacons_, 0);
+    hearing.more.resize(beacons_);
+    hearing.for_each_heard = [this](std::size_t g, const auto& visit) { for_each_heard(groups_[g], visit); };
     for (std::size_t g = 0; g < groups_.size(); ++g)
       for_each_heard(groups_[g], [&](std::size_t beacon) {
-        if (chosen_[g]) ++kept[beacon];
-        else if (more[beacon].empty() || more[beacon].back() != g) more[beacon].push_back(g);
+        if (chosen_[g]) ++hearing.kept[beacon];
+        else if (hearing.more[beacon].empty() || hearing.more[beacon].back() != g) hearing.more[beacon].push_back(g);
       });
-    for (std::size_t b = 0; b < beacons_; ++b) {
-      // Evenly again: every 2nd, 4th, ... of what is left, halves first.
-      for (std::size_t step = std::max<std::size_t>(1, more[b].size() / 16); kept[b] < options_.per_beacon; step /= 2) {
-        for (std::size_t i = 0; i < more[b].size() && kept[b] < options_.per_beacon; i += step) {
-          if (chosen_[more[b][i]]) continue;
-          chosen_[more[b][i]] = true;
-          for_each_heard(groups_[more[b][i]], [&](std::size_t beacon) { ++kept[beacon]; });
-        }
-        if (step == 1) break;
-      }
-    }
-  }
-
-  /// A copy without the lists that are long.
-  [[nodiscard]] MeasurementLog all_but_the_rows() const {
-    MeasurementLog few;
-    few.path = run_.path;
-    if (!drive_) few.odometry = run_.odometry;
-    few.vehicle = run_.vehicle;
-    few.temperature_degC = run_.temperature_degC;
-    few.relative_humidity = run_.relative_humidity;
-    few.pressure_pa = run_.pressure_pa;
-    few.pose_accuracy = run_.pose_accuracy;
-    few.truth_accuracy = run_.truth_accuracy;
-    few.odometry_accuracy = run_.odometry_accuracy;
-    few.has_epochs = run_.has_epochs;
-    few.rows = run_.rows;
-    few.rejected = run_.rejected;
-    few.warnings = run_.warnings;
-    return few;
+    choose_more(hearing, options_.per_beacon, chosen_);
   }
 
   MeasurementLog assemble() const {
-    MeasurementLog few = all_but_the_rows();
+    MeasurementLog few = without_lists(run_);
+    few.rejected = run_.rejected;
+    if (!drive_) few.odometry = run_.odometry;
     std::vector<std::size_t> arrivals, bearings;
     std::vector<std::pair<double, double>> spans;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -230,6 +199,45 @@ class Thinner {
 };
 
 }  // namespace
+
+std::vector<bool> evenly_chosen(std::size_t groups, std::size_t budget) {
+  std::vector<bool> chosen(groups, false);
+  const std::size_t count = std::min(budget, groups);
+  for (std::size_t i = 0; i < count; ++i) chosen[i * groups / count] = true;
+  return chosen;
+}
+
+void choose_more(GroupsHearing& hearing, std::size_t per_beacon, std::vector<bool>& chosen) {
+  std::vector<std::size_t>& kept = hearing.kept;
+  for (std::size_t b = 0; b < kept.size(); ++b) {
+    const std::vector<std::size_t>& more = hearing.more[b];
+    // Evenly again: every 2nd, 4th, ... of what is left, halves first.
+    for (std::size_t step = std::max<std::size_t>(1, more.size() / 16); kept[b] < per_beacon; step /= 2) {
+      for (std::size_t i = 0; i < more.size() && kept[b] < per_beacon; i += step) {
+        if (chosen[more[i]]) continue;
+        chosen[more[i]] = true;
+        hearing.for_each_heard(more[i], [&](std::size_t beacon) { ++kept[beacon]; });
+      }
+      if (step == 1) break;
+    }
+  }
+}
+
+MeasurementLog without_lists(const MeasurementLog& run) {
+  MeasurementLog few;
+  few.path = run.path;
+  few.vehicle = run.vehicle;
+  few.temperature_degC = run.temperature_degC;
+  few.relative_humidity = run.relative_humidity;
+  few.pressure_pa = run.pressure_pa;
+  few.pose_accuracy = run.pose_accuracy;
+  few.truth_accuracy = run.truth_accuracy;
+  few.odometry_accuracy = run.odometry_accuracy;
+  few.has_epochs = run.has_epochs;
+  few.rows = run.rows;
+  few.warnings = run.warnings;
+  return few;
+}
 
 MeasurementLog thin(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options) { return Thinner(run, beacons, options).thin(); }
 

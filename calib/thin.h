@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
+#include "models/ids.h"
 #include "models/run.h"
 
 namespace octant::calib {
@@ -22,5 +24,19 @@ struct ThinOptions {
 /// do. A recording that is small already comes back as it is.
 /// @param beacons  number of beacons of the site
 [[nodiscard]] MeasurementLog thin(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options = {});
+
+/// The choice of groups (epochs, instants, stretches) that thin() makes, by their numbers in the order of time. Evenly spread ones first:
+[[nodiscard]] std::vector<bool> evenly_chosen(std::size_t groups, std::size_t budget);
+/// and then more for each beacon that the chosen ones hear too seldom, evenly again.
+struct GroupsHearing {
+  std::vector<std::size_t> kept;               ///< of each beacon, its arrivals in the groups chosen
+  std::vector<std::vector<std::size_t>> more;  ///< of each beacon, the groups left out that hear it, ascending
+  /// Calls visit(beacon) for each arrival of a group of `more`.
+  std::function<void(std::size_t group, const std::function<void(std::size_t beacon)>& visit)> for_each_heard;
+};
+void choose_more(GroupsHearing& hearing, std::size_t per_beacon, std::vector<bool>& chosen);
+
+/// A run without the lists that are long (arrivals, bearings, odometry, poses, truth, scans).
+[[nodiscard]] MeasurementLog without_lists(const MeasurementLog& run);
 
 }  // namespace octant::calib

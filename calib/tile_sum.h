@@ -18,17 +18,32 @@ struct Workers {
   const Ranks* ranks = nullptr;  ///< not owned; null: this process is alone
 };
 
+/// What an adjustment asks of its observations: their cost, gradient and Gauss-Newton matrix, vehicle states settled.
+class SystemSum {
+ public:
+  virtual ~SystemSum() = default;
+  /// Settles all states; returns the cost.
+  virtual double settle(const SharedState& state, const RobustLoss& loss) = 0;
+  /// Reduced system in all the layout's parameters at the states of the last `settle`.
+  virtual void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) = 0;
+
+ protected:
+  SystemSum() = default;
+  SystemSum(const SystemSum&) = default;
+  SystemSum& operator=(const SystemSum&) = default;
+};
+
 /// All tiles of an adjustment, evaluated together. Sums are formed in an order that depends on the problem alone: tiles are
 /// added up in a fixed number of shares, and the shares in their order (over ranks: to rounding).
-class TileSum {
+class TileSum : public SystemSum {
  public:
   TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const Workers& workers);
 
   /// Settles all states from where they were committed; returns the cost. Where a tile belongs to another rank its states
   /// here stay as they were until `share_states`.
-  double settle(const SharedState& state, const RobustLoss& loss);
+  double settle(const SharedState& state, const RobustLoss& loss) override;
   /// Reduced system of everything in all the layout's parameters, at the states of the last `settle`; commits them.
-  void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum);
+  void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) override;
   /// The same, each tile's own (in Tile::columns), for sites whose parameters hardly see each other.
   void reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems);
   /// States as they were committed last, on every rank.

@@ -16,53 +16,58 @@ constexpr double kSignificance = 1e-6;
 constexpr double kPairMatters = 2.0;        ///< twice the variance of white noise
 constexpr double kCorrelationMatters = 0.2;
 
-struct Series {
-  double sum = 0.0, squares = 0.0, products = 0.0, last = 0.0;
-  std::size_t count = 0, neighbours = 0;
-  void add(double r, bool next_to_last) {
-    if (next_to_last) {
-      products += r * last;
-      ++neighbours;
-    }
-    sum += r;
-    squares += r * r;
-    last = r;
-    ++count;
-  }
-};
-
 }  // namespace
 
+void PairSeries::add(double residual) { append({residual, residual * residual, 0.0, residual, residual, 1}); }
+
+void PairSeries::append(const PairSeries& later) {
+  if (later.count == 0) return;
+  if (count > 0) products += last * later.first;
+  if (count == 0) first = later.first;
+  sum += later.sum;
+  squares += later.squares;
+  products += later.products;
+  last = later.last;
+  count += later.count;
+}
+
+std::vector<PairSeries> pair_series(const Trajectory& t, const SharedState& state, int threads) {
+  const std::size_t receivers = state.receiver_p_vehicle_m.size();
+  std::vector<PairSeries> series(state.beacon_p_map_m.size() * receivers);
+  const auto counts = [&t](const ArrivalObservation& a) { return a.rejection == Rejection::kUsed && t.nodes[a.node].placed; };
+  std::vector<double> residual(t.arrivals.size());
+  for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      if (counts(t.arrivals[i])) residual[i] = arrival_residual(t, t.arrivals[i], state);
+  });
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (counts(a)) series[a.beacon.index() * receivers + a.receiver.index()].add(residual[i]);
+  }
+  return series;
+}
+
 Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state, int threads) {
+  std::vector<std::vector<PairSeries>> series;
+  for (const Trajectory& t : trajectories) series.push_back(pair_series(t, state, threads));
+  return whiteness_of(series);
+}
+
+Whiteness whiteness_of(const std::vector<std::vector<PairSeries>>& trajectories) {
   Whiteness w;
   double pair_sum = 0.0, squares = 0.0, products = 0.0;
   std::size_t count = 0;
-  for (const Trajectory& t : trajectories) {
-    const std::size_t receivers = state.receiver_p_vehicle_m.size();
-    std::vector<Series> series(state.beacon_p_map_m.size() * receivers);
-    const auto counts = [&t](const ArrivalObservation& a) { return a.rejection == Rejection::kUsed && t.nodes[a.node].placed; };
-    std::vector<double> residual(t.arrivals.size());
-    for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i)
-        if (counts(t.arrivals[i])) residual[i] = arrival_residual(t, t.arrivals[i], state);
-    });
-    for (std::size_t i = 0; i < residual.size(); ++i) {
-      const ArrivalObservation& a = t.arrivals[i];
-      if (!counts(a)) continue;
-      Series& s = series[a.beacon.index() * receivers + a.receiver.index()];
-      s.add(residual[i], s.count > 0);
-    }
-    for (const Series& s : series) {
+  for (const std::vector<PairSeries>& series : trajectories)
+    for (const PairSeries& s : series) {
+      if (s.count == 0) continue;
       squares += s.squares;
       products += s.products;
       count += s.count;
-      w.neighbours += s.neighbours;
+      w.neighbours += s.count - 1;
       if (s.count < kEnough) continue;
-      const auto n = static_cast<double>(s.count);
       ++w.pairs;
-      pair_sum += s.sum * s.sum / n;
+      pair_sum += s.sum * s.sum / static_cast<double>(s.count);
     }
-  }
   if (count == 0 || !(squares > 0)) return w;
   const double variance = squares / static_cast<double>(count);
   if (w.pairs > 0) w.pair_ratio = pair_sum / variance / static_cast<double>(w.pairs);

@@ -100,7 +100,8 @@ Result<void> RunReader::open_tof() {
   if (!is_there(file)) return {};
   auto map = MappedFile::open(file);
   if (!map) return fail(map.error());
-  tof_ = std::make_unique<TofReader>(std::move(*map), file, lookup_, clock_, TofReaderOptions{.threads = options_.threads});
+  tof_map_ = std::make_shared<const MappedFile>(std::move(*map));
+  tof_ = std::make_unique<TofReader>(tof_map_, file, lookup_, clock_, TofReaderOptions{.threads = options_.threads});
   if (auto ok = tof_->read_header(); !ok) return ok;
   has_tof_ = true;
   log_.has_epochs = log_.has_epochs || tof_->has_epochs();
@@ -126,8 +127,19 @@ Result<bool> RunReader::append_arrivals(std::vector<Arrival>& all) {
   const auto warnings = tof_->warnings();
   log_.warnings.insert(log_.warnings.end(), warnings.begin(), warnings.end());
   log_.sha256[path("tof.csv")] = tof_->sha256();
+  end_ = tof_->position();
   tof_.reset();
   return false;
+}
+
+Result<void> RunReader::read_again(TofPosition from, TofPosition to, std::vector<Arrival>& arrivals) const {
+  TofReader again(tof_map_, path("tof.csv"), lookup_, clock_, {.from = from, .to = to.offset});
+  if (auto ok = again.read_header(); !ok) return ok;
+  for (;;) {
+    const auto more = again.append(arrivals);
+    if (!more) return fail(more.error());
+    if (!*more) return {};
+  }
 }
 
 Result<void> RunReader::read_arrivals() {

@@ -32,6 +32,13 @@ class RunReader {
   /// What can be said only when all has been read: whether there is anything to work with.
   [[nodiscard]] Result<void> finish();
 
+  /// Of the first row that next_arrivals() has not given out.
+  [[nodiscard]] TofPosition position() const { return tof_ ? tof_->position() : end_; }
+  /// A guess at how many rows tof.csv has, rather too many.
+  [[nodiscard]] std::size_t rows_estimate() const { return tof_ ? tof_->rows_estimate() : 0; }
+  /// Puts the arrivals between two positions, at which next_arrivals() has been, behind what `arrivals` holds. Any thread.
+  [[nodiscard]] Result<void> read_again(TofPosition from, TofPosition to, std::vector<Arrival>& arrivals) const;
+
   [[nodiscard]] const MeasurementLog& log() const { return log_; }
   [[nodiscard]] MeasurementLog take_log() { return std::move(log_); }
 
@@ -53,7 +60,9 @@ class RunReader {
   ReadRunOptions options_;
   double range_max_m_ = std::numeric_limits<double>::infinity();
   MeasurementLog log_;
+  std::shared_ptr<const MappedFile> tof_map_;
   std::unique_ptr<TofReader> tof_;  // null: there is none, or it has been read
+  TofPosition end_;                 // then, of the end
   bool has_tof_ = false;
   std::size_t arrivals_ = 0;
   VehicleId first_vehicle_;  // of the first arrival

@@ -42,6 +42,25 @@ Result<bool> RunStream::next(std::vector<Arrival>& block) {
   return !block.empty();
 }
 
+Result<bool> RunStream::next_piece(std::vector<Arrival>& block) {
+  const TofPosition begin = reader_->position();
+  auto more = reader_->next_arrivals(block);
+  if (more && *more) begins_.push_back(begin);
+  if (more && !*more) {
+    if (auto ok = reader_->finish(); !ok) return fail(ok.error());
+  }
+  return more;
+}
+
+std::size_t RunStream::pieces() const { return begins_.size(); }
+
+Result<void> RunStream::read_pieces(std::size_t first, std::size_t last, std::vector<Arrival>& arrivals) const {
+  if (first >= last) return {};
+  return reader_->read_again(begins_[first], last < begins_.size() ? begins_[last] : reader_->position(), arrivals);
+}
+
+std::size_t RunStream::rows_estimate() const { return reader_->rows_estimate(); }
+
 const MeasurementLog& RunStream::log() const { return reader_->log(); }
 
 }  // namespace octant::io

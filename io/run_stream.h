@@ -15,6 +15,7 @@
 namespace octant::io {
 
 class RunReader;
+struct TofPosition;
 
 /// A run folder whose arrivals are too many to be held at once. They come in blocks, in the order of the file, with the same checks
 /// as read_run() makes; all else is read when it is opened. Memory: a block, a few pieces of a quarter of a megabyte a thread, and
@@ -43,6 +44,18 @@ class RunStream {
   /// Errors: those of the rows; after one there is no more to come.
   [[nodiscard]] Result<bool> next(std::vector<Arrival>& block);
 
+  /// Instead of next(): blocks as they come, each some thousands of rows, so that any of them can be read again. There may be none in
+  /// a block.
+  [[nodiscard]] Result<bool> next_piece(std::vector<Arrival>& block);
+  /// How many blocks next_piece() has given.
+  [[nodiscard]] std::size_t pieces() const;
+  /// Puts the arrivals of blocks [first, last) that next_piece() has given, once more, behind what `arrivals` holds. Several threads
+  /// may do so.
+  [[nodiscard]] Result<void> read_pieces(std::size_t first, std::size_t last, std::vector<Arrival>& arrivals) const;
+
+  /// A guess at how many rows tof.csv has, rather too many; before the first block.
+  [[nodiscard]] std::size_t rows_estimate() const;
+
   /// The run without its arrivals. `rows`, `rejected`, the warnings and the digest of tof.csv are complete once next() has returned
   /// false, and `vehicle` as well where only the rows name it.
   [[nodiscard]] const MeasurementLog& log() const;
@@ -54,6 +67,7 @@ class RunStream {
   std::size_t block_rows_;
   std::vector<Arrival> held_;  // read, not yet given out from taken_ on
   std::size_t taken_ = 0;
+  std::vector<TofPosition> begins_;  // of the pieces given
   bool ended_ = false;
 };
 

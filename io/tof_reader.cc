@@ -14,9 +14,9 @@ constexpr std::size_t kBlockRows = 4096;                    // of the general wa
 
 }  // namespace
 
-TofReader::TofReader(MappedFile map, std::string file, const NameLookup& names, Clock clock, TofReaderOptions options)
+TofReader::TofReader(std::shared_ptr<const MappedFile> map, std::string file, const NameLookup& names, Clock clock, TofReaderOptions options)
     : map_(std::move(map)),
-      text_(map_.text()),
+      text_(map_->text().substr(0, options.to)),
       file_(std::move(file)),
       names_(names),
       clock_(clock),
@@ -31,9 +31,10 @@ Result<void> TofReader::read_header() {
   columns_.emplace(csv_);
   if (csv_.error()) return fail(text_error(*csv_.error()));
   order_.emplace(names_.names().vehicles.size(), columns_->time, columns_->epoch);
-  body_ = offset_ = csv_.offset();
+  general_ = options_.general_way || !is_utf8(text_.substr(0, csv_.offset()));
+  if (options_.from) csv_.go_to(options_.from->offset, options_.from->line);
+  body_ = offset_ = given_back_ = csv_.offset();
   line_ = csv_.next_line();
-  general_ = options_.general_way || !is_utf8(text_.substr(0, body_));
   if (general_) {
     if (auto ok = check_text(); !ok) return ok;
   }
@@ -43,10 +44,11 @@ Result<void> TofReader::read_header() {
 
 /// That the text is UTF-8, without having all of it in memory at a time.
 Result<void> TofReader::check_text() const {
+  if (options_.from) return {};
   for (std::size_t begin = 0, end = 0; begin < text_.size(); begin = end) {
     end = seam(std::max(begin, body_) + kDigestBytes);
     if (!is_utf8(text_.substr(begin, end - begin))) return check_utf8(text_, file_);
-    map_.release(begin, end);
+    map_->release(begin, end);
   }
   return {};
 }
@@ -72,7 +74,7 @@ void TofReader::start() {
   chunks_.resize(slots);
   parsers_.assign(slots, TofChunkParser(csv_.header().size(), *columns_, names_, clock_));
   work_.emplace(tasks, options_.threads, [this](std::size_t task, std::size_t slot) { parse(task, slot); },
-                options_.threads > 1 ? std::function<void()>([this] { digest_rest(); }) : std::function<void()>());
+                options_.threads > 1 && !options_.from ? std::function<void()>([this] { digest_rest(); }) : std::function<void()>());
 }
 
 void TofReader::parse(std::size_t task, std::size_t slot) {
@@ -106,7 +108,7 @@ Result<bool> TofReader::append(std::vector<Arrival>& all) {
   if (!more) return false;
   if (taken) {
     offset_ = seam(body_ + ++task_ * options_.chunk_bytes);
-    if (alone) digest_to(offset_);
+    if (alone && !options_.from) digest_to(offset_);
     give_back(offset_);
     work_->release();
     return true;
@@ -187,7 +189,7 @@ void TofReader::digest_rest() {
   while (!abandoned_ && digested_ < text_.size()) {
     const std::size_t begin = digested_;
     digest_to(std::min(text_.size(), begin + kDigestBytes));
-    map_.release(begin, digested_);
+    map_->release(begin, digested_);
   }
 }
 
@@ -197,7 +199,7 @@ void TofReader::digest_to(std::size_t offset) {
 }
 
 void TofReader::give_back(std::size_t offset) {
-  map_.release(given_back_, offset);
+  map_->release(given_back_, offset);
   given_back_ = offset;
 }
 

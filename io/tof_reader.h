@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,10 +18,20 @@
 
 namespace octant::io {
 
+/// Where a row begins.
+struct TofPosition {
+  std::size_t offset = 0;
+  int line = 1;
+};
+
 struct TofReaderOptions {
   int threads = 1;
   std::size_t chunk_bytes = std::size_t{1} << 17;  ///< a piece that a thread parses at once; with its rows it stays in its cache
   bool general_way = false;                        ///< row by row from the beginning: what all else is measured against
+  /// Only the rows from here to an offset at which a row begins (or the end) of a file that has been read as a whole before: what
+  /// can be said of the file alone (text, digest) is not looked at again.
+  std::optional<TofPosition> from = {};
+  std::size_t to = std::string_view::npos;
 };
 
 /// Reads tof.csv piece by piece: TofChunkParser takes the pieces, on several threads, while what goes beyond a piece (time, epochs,
@@ -30,7 +41,7 @@ class TofReader {
  public:
   /// @param file   as messages name it
   /// @param names  must outlive the reader
-  TofReader(MappedFile map, std::string file, const NameLookup& names, Clock clock, TofReaderOptions options = {});
+  TofReader(std::shared_ptr<const MappedFile> map, std::string file, const NameLookup& names, Clock clock, TofReaderOptions options = {});
   ~TofReader();
   TofReader(const TofReader&) = delete;
   TofReader& operator=(const TofReader&) = delete;
@@ -47,6 +58,8 @@ class TofReader {
   /// The same behind what `all` holds.
   [[nodiscard]] Result<bool> append(std::vector<Arrival>& all);
 
+  /// Of the first row that has not been given out.
+  [[nodiscard]] TofPosition position() const { return general_ ? TofPosition{csv_.offset(), csv_.next_line()} : TofPosition{offset_, line_}; }
   [[nodiscard]] std::size_t rows() const { return rows_; }  ///< so far, refused ones included
   [[nodiscard]] TofRefusals& refusals() { return refusals_; }
   /// Of the file as a whole; at the end.
@@ -67,7 +80,7 @@ class TofReader {
   void digest_rest();
   void give_back(std::size_t offset);
 
-  MappedFile map_;
+  std::shared_ptr<const MappedFile> map_;
   std::string_view text_;
   std::string file_;
   const NameLookup& names_;

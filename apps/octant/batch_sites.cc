@@ -27,7 +27,7 @@ void calibrate_site(const io::BatchSite& site, bool strict, Session& session, Si
   if (!site.report.empty()) report.paths.push_back(site.report);
   if (const auto fit = check_output(site.output); !fit) return end_with(ending(fit.error()), outcome);
   if (const auto fit = check_report(report); !fit) return end_with(ending(fit.error()), outcome);
-  const auto calibration = calibrate_files(site.site, site.runs, strict, session);
+  const auto calibration = calibrate_files(site.site, site.runs, {.strict = strict}, session);
   if (!calibration) return end_with(ending(calibration.error()), outcome);
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
     return end_with({kInterrupted, interrupted_object(), "interrupted"}, outcome);

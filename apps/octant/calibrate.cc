@@ -21,7 +21,7 @@ struct Words {
   std::string site, output;
   ReportWords report;
   std::vector<std::string> runs;
-  bool strict = false;
+  CalibrateOptions options;
 };
 
 /// What the adjustment itself says, whether or not there is something to export.
@@ -52,6 +52,7 @@ Json solution_json(const Calibration& c, const Session& session) {
           {"datum", {{"description", s.datum.description}, {"position", s.datum.position}, {"orientation", s.datum.orientation},
                      {"scale", s.datum.scale}, {"control_points", s.datum.control_points}}},
           {"left_out", left_out_json(c)},
+          {"streamed", s.whole ? Json{{"epochs", s.whole->epochs}, {"every", s.whole->every}} : Json(nullptr)},
           {"reliability", reliability_json(c)}};
 }
 
@@ -106,7 +107,7 @@ int run(const Words& words, Session& session) {
   if (auto fit = check_output(words.output); !fit) return session.fail(fit.error());
   if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
 
-  auto calibration = calibrate_files(words.site, words.runs, words.strict, session);
+  auto calibration = calibrate_files(words.site, words.runs, words.options, session);
   if (!calibration) return session.fail(calibration.error());
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
   Json object = calibration_json(*calibration, session);
@@ -137,7 +138,9 @@ void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
   command->add_option("-o,--output", words->output, "Deployment file to write; - is standard output")->required()->type_name("DEPLOYMENT.json");
   add_report_options(*command, words->report, true);
-  command->add_flag("--strict", words->strict, "A single undetermined beacon is exit 5");
+  command->add_flag("--strict", words->options.strict, "A single undetermined beacon is exit 5");
+  command->add_option("--memory-mb", words->options.memory_mb, "Bound of the memory: recordings of stops that would take more are read in chunks, several times")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))->type_name("N")->capture_default_str();
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 

@@ -109,7 +109,7 @@ int run(const std::string& folder, Session& session) {
   const auto truth = simulate_hall(at, session);
   if (!truth) return session.fail(truth.error());
 
-  const auto calibration = calibrate_files(at.site, {at.run}, false, session);
+  const auto calibration = calibrate_files(at.site, {at.run}, {}, session);
   if (!calibration) return session.fail(calibration.error());
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
   if (!calibration->deployment) {

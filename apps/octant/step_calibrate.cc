@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -9,7 +11,9 @@
 #include "apps/octant/progress.h"
 #include "apps/octant/ranks.h"
 #include "apps/octant/steps.h"
+#include "apps/octant/stream_source.h"
 #include "apps/octant/table.h"
+#include "calib/streamed.h"
 #include "io/atomic_file.h"
 #include "io/site_yaml.h"
 #include "survey/report.h"
@@ -33,19 +37,21 @@ std::string in_words(Rejection reason) {
   return "other";
 }
 
-calib::Provenance provenance(const std::string& site_path, const std::string& site_sha256, const std::vector<MeasurementLog>& runs,
+calib::Provenance provenance(const std::string& site_path, const std::string& site_sha256, const std::vector<const MeasurementLog*>& runs,
                              const Session& session) {
   calib::Provenance from;
   from.created = created_now();
   from.version = OCTANT_VERSION;
   from.command = session.command_line;
   from.inputs.push_back({site_path, site_sha256});
-  for (const auto& run : runs)
-    for (const auto& [path, sha256] : run.sha256) from.inputs.push_back({path, sha256});
+  for (const MeasurementLog* run : runs)
+    for (const auto& [path, sha256] : run->sha256) from.inputs.push_back({path, sha256});
   return from;
 }
 
-calib::Solution solve_with_progress(calib::Problem& problem, bool strict, Session& session) {
+/// Calls solve(options) with progress shown.
+template <class Solve>
+auto with_progress(bool strict, Session& session, Solve&& solve) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::SolveOptions options;
   options.threads = session.threads();
@@ -55,7 +61,39 @@ calib::Solution solve_with_progress(calib::Problem& problem, bool strict, Sessio
     reporter.show(p.stage, p.iteration, p.cost, p.fraction);
     return !interrupted();
   };
-  return calib::solve_in_place(problem, options);
+  return solve(options);
+}
+
+/// Recordings that are to be streamed; none where they fit into memory or cannot be, which is said.
+Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vector<std::string>& runs, std::size_t memory_mb, Session& session) {
+  constexpr std::size_t kMega = std::size_t{1} << 20;
+  if (fits_for_sure(runs, memory_mb * kMega)) return nullptr;
+  const ExitAtOnce nothing_written_yet;
+  auto source = StreamSource::open(runs, names_of(site), site.timing, session);
+  if (!source) return fail(source.error());
+  const std::size_t needed_mb = calib::memory_of_whole((*source)->rows_estimate()) / kMega;
+  if (needed_mb <= memory_mb) return nullptr;
+  const std::string much = fmt::format("these recordings would take about {} MB of memory, more than --memory-mb {}", needed_mb, memory_mb);
+  if (const auto why = calib::why_not_streamed(site, (*source)->logs())) {
+    session.warn(fmt::format("{}, and cannot be streamed: {}", much, *why));
+    return nullptr;
+  }
+  session.note(fmt::format("{}: they are read in chunks, several times", much));
+  return source;
+}
+
+/// All of the recordings at once.
+Result<void> read_problem(Site site, const std::vector<std::string>& run_paths, const std::string& site_sha256, Session& session, Calibration& result) {
+  const ExitAtOnce nothing_written_yet;
+  auto runs = read_runs(run_paths, names_of(site), site.timing, {}, session);
+  if (!runs) return fail(runs.error());
+  std::vector<const MeasurementLog*> logs;
+  for (const MeasurementLog& run : *runs) logs.push_back(&run);
+  result.provenance = provenance(site.path, site_sha256, logs, session);
+  auto problem = calib::make_problem(std::move(site), std::move(*runs), session.threads());
+  if (!problem) return fail(problem.error());
+  result.problem = std::move(*problem);
+  return {};
 }
 
 std::string beacon_table(const Deployment& deployment) {
@@ -87,24 +125,30 @@ std::string beacon_table(const Deployment& deployment) {
 
 }  // namespace
 
-Result<Calibration> calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths, bool strict, Session& session) {
+Result<Calibration> calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths, const CalibrateOptions& how,
+                                    Session& session) {
   Calibration result;
-  {
-    const ExitAtOnce nothing_written_yet;
-    auto site = io::read_site(site_path);
-    if (!site) return fail(site.error());
-    auto bytes = io::read_file(site_path);
-    if (!bytes) return fail(bytes.error());
-    session.warn(site->warnings);
-    auto runs = read_runs(run_paths, names_of(*site), site->timing, {}, session);
-    if (!runs) return fail(runs.error());
-    result.provenance = provenance(site_path, io::sha256_hex(*bytes), *runs, session);
-    auto problem = calib::make_problem(std::move(*site), std::move(*runs), session.threads());
-    if (!problem) return fail(problem.error());
-    result.problem = std::move(*problem);
+  auto site = io::read_site(site_path);
+  if (!site) return fail(site.error());
+  const auto bytes = io::read_file(site_path);
+  if (!bytes) return fail(bytes.error());
+  const std::string sha256 = io::sha256_hex(*bytes);
+  session.warn(site->warnings);
+  auto source = too_long(*site, run_paths, how.memory_mb, session);
+  if (!source) return fail(source.error());
+  if (*source != nullptr) {
+    auto streamed = with_progress(how.strict, session, [&](const calib::SolveOptions& options) {
+      return calib::solve_streamed(*site, **source, options, how.memory_mb << 20U);
+    });
+    if (!streamed) return fail(streamed.error());
+    result.provenance = provenance(site_path, sha256, (*source)->logs(), session);
+    result.problem = std::move(streamed->problem);
+    result.solution = std::move(streamed->solution);
+  } else {
+    if (auto ok = read_problem(std::move(*site), run_paths, sha256, session, result); !ok) return fail(ok.error());
+    session.warn(result.problem.warnings);
+    result.solution = with_progress(how.strict, session, [&](const calib::SolveOptions& options) { return calib::solve_in_place(result.problem, options); });
   }
-  session.warn(result.problem.warnings);
-  result.solution = solve_with_progress(result.problem, strict, session);
   session.warn(result.solution.warnings);
   if (result.solution.status == calib::SolveStatus::kConverged) {
     result.deployment = calib::make_deployment(result.problem, result.solution, result.provenance);
@@ -115,6 +159,11 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
 std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration) {
   std::map<std::string, std::size_t> counts;
   for (const auto& arrival : calibration.solution.left_out) ++counts[in_words(arrival.reason)];
+  if (const auto& whole = calibration.solution.whole) {
+    for (const auto& of_beacon : whole->of_beacon)
+      for (std::size_t reason = 0; reason < of_beacon.size(); ++reason)
+        if (const auto r = static_cast<Rejection>(reason); r != Rejection::kUsed && of_beacon[reason] > 0) counts[in_words(r)] += of_beacon[reason];
+  }
   for (const auto& run : calibration.problem.runs)
     for (const auto& row : run.rejected) ++counts[row.reason];
   return counts;
@@ -132,6 +181,13 @@ Json left_out_json(const Calibration& calibration) {
     if (left.run >= calibration.problem.runs.size() || left.arrival >= calibration.problem.runs[left.run].arrivals.size()) continue;
     const BeaconId beacon = calibration.problem.runs[left.run].arrivals[left.arrival].beacon;
     if (beacon.valid() && beacon.index() < calibration.problem.site.beacons.size()) ++beacons[beacon.index()];
+  }
+  if (const auto& whole = calibration.solution.whole) {
+    for (std::size_t b = 0; b < whole->of_beacon.size(); ++b) {
+      const auto& counts = whole->of_beacon[b];
+      const std::size_t out = std::accumulate(counts.begin() + 1, counts.end(), std::size_t{0});  // all but kUsed
+      if (out > 0) beacons[b] = out;
+    }
   }
   for (const auto& [index, count] : beacons) by_beacon[calibration.problem.site.beacons[index].name] = count;
   return {{"total", total}, {"by_reason", by_reason}, {"by_beacon", by_beacon}};

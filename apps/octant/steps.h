@@ -43,8 +43,13 @@ struct Calibration {
   std::optional<Deployment> deployment;  ///< where the solver converged
   calib::Provenance provenance;
 };
+struct CalibrateOptions {
+  bool strict = false;            ///< a single undetermined beacon refuses the whole
+  std::size_t memory_mb = 1500;   ///< recordings that would take more are streamed
+};
 /// Errors of reading; numerical trouble is in the solution.
-[[nodiscard]] Result<Calibration> calibrate_files(const std::string& site, const std::vector<std::string>& runs, bool strict, Session& session);
+[[nodiscard]] Result<Calibration> calibrate_files(const std::string& site, const std::vector<std::string>& runs, const CalibrateOptions& options,
+                                                  Session& session);
 /// The object of `octant calibrate`.
 [[nodiscard]] Json calibration_json(const Calibration& calibration, const Session& session);
 /// Why there is no deployment.

@@ -21,7 +21,7 @@ const NameTable kNames{.beacons = {"B0", "B1", "B10", "north-east corner", "Süd
 /// All that reading has come to, as one text to compare: numbers by their bits.
 std::string outcome_of(const std::string& path, Clock clock, const TofReaderOptions& options) {
   const NameLookup names(kNames);
-  TofReader reader(MappedFile::open(path).value(), "tof.csv", names, clock, options);
+  TofReader reader(std::make_shared<const MappedFile>(MappedFile::open(path).value()), "tof.csv", names, clock, options);
   if (auto ok = reader.read_header(); !ok) return ok.error().message();
   std::string out = reader.has_epochs() ? "epochs\n" : "";
   std::vector<Arrival> all;

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/calibrate.h"
+#include "models/arrival_source.h"
+
+namespace octant::calib {
+
+/// Bytes that solve() needs for a log of so many arrivals, reading included.
+[[nodiscard]] std::size_t memory_of_whole(std::size_t arrivals);
+
+/// Why a log cannot be streamed, in words: only stops of arrivals alone, with a clock that all share, on a site of not too many
+/// parameters, hang together by the shared parameters alone.
+/// @param runs  without their arrivals
+[[nodiscard]] std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs, int dense_limit = kDenseLimit);
+
+struct StreamedCalibration {
+  /// Its runs hold every so many-th epoch (Solution::whole), its trajectories are the solution's.
+  Problem problem;
+  Solution solution;
+};
+
+/// solve() for a log that would not fit into memory: an evenly spread part of it tells the shared parameters but for the noise, as
+/// solve() does with a long log; then the whole is read again for each step of the adjustment. What it leaves each time is its
+/// sufficient data: cost, gradient and Gauss-Newton matrix of all arrivals at the shared parameters of the step, all stops settled
+/// and eliminated. Near the optimum that is all there is to know, so one reading is one step of Newton's method; it rejects and
+/// readmits arrivals by the way, and three or four of them are enough. The answer is that of solve().
+/// Errors: those of reading, of make_problem, and a file that changes meanwhile.
+/// @param memory_bytes  bound of the process, by the size of what is read at once
+[[nodiscard]] Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source, const SolveOptions& options,
+                                                         std::size_t memory_bytes);
+
+}  // namespace octant::calib

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/run.h"
+#include "models/site.h"
+
+namespace octant::calib {
+
+/// Convex hull by Andrew's monotone chain, counter-clockwise.
+[[nodiscard]] std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
+
+/// Temperature of the medium at an arrival: its own, else the run's, else the site's.
+[[nodiscard]] inline double temperature_of(const Arrival& arrival, const MeasurementLog& run, const Site& site) {
+  return std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC : run.temperature_degC.value_or(site.medium.temperature_degC);
+}
+
+}  // namespace octant::calib
