@@ -107,6 +107,7 @@ class StreamedCalibrator {
       const double off = noise_off_by(it_.last.cost - prior, statistics_of(frame_, it_.layout, settled->counts, it_.last.cost).redundancy);
       if (off == 1.0) break;
       it_.noise_factor *= off;
+      *it_.last.data_information /= off * off;
       first.reset();
     }
     return {};

@@ -65,6 +65,32 @@ TEST(Ranks, FourGiveTheAnswerOfOne) {
   EXPECT_EQ(answer[0]["statistics"]["arrivals"], answer[1]["statistics"]["arrivals"]);
 }
 
+/// A log that is read in chunks: each rank reads its own.
+TEST(Ranks, ShareALogThatIsStreamed) {
+  const TemporaryFolder folder;
+  spit(folder / "scenario.yaml", hall_scenario("epochs: 150", "epochs: 1500"));
+  const std::string world = folder / "hall";
+  ASSERT_EQ(octant({"simulate", folder / "scenario.yaml", "-o", world, "-q"}).exit, 0);
+  std::vector<nlohmann::json> answers;
+  for (const int ranks : {1, 2, 4}) {
+    const std::string deployment = folder / ("deployment" + std::to_string(ranks) + ".json");
+    const Shell done = mpirun(ranks, "calibrate '" + world + "/site.yaml' '" + world + "/run' -o '" + deployment + "' --memory-mb 1 --json --threads 1", folder);
+    ASSERT_EQ(done.exit, 0) << done.err;
+    EXPECT_EQ(nlohmann::json::parse(done.out)["streamed"]["epochs"], 1500);
+    answers.push_back(nlohmann::json::parse(slurp(deployment)));
+  }
+  for (const nlohmann::json& answer : answers) {
+    for (std::size_t b = 0; b < answer["beacons"].size(); ++b)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double one = answers[0]["beacons"][b]["position_m"][axis], many = answer["beacons"][b]["position_m"][axis];
+        EXPECT_NEAR(one, many, 1e-9 * std::max(1.0, std::abs(one)));
+      }
+    EXPECT_EQ(answer["statistics"]["arrivals"], answers[0]["statistics"]["arrivals"]);
+    EXPECT_EQ(answer["validity"]["area"].size(), answers[0]["validity"]["area"].size());
+    EXPECT_EQ(answer["inputs"], answers[0]["inputs"]);
+  }
+}
+
 TEST(Ranks, BadInputIsSaidOnce) {
   const TemporaryFolder folder;
   spit(folder / "site.yaml", "octant_site: 1\nname: [\n");

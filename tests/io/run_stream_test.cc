@@ -56,6 +56,34 @@ TEST(RunStream, IsTheWholeRunWhateverTheBlocks) {
   }
 }
 
+TEST(RunStream, GivesAnyPieceAgain) {
+  const TemporaryFolder folder;
+  // In quotes far behind, so that the last pieces are read the general way.
+  folder.write("run/tof.csv", kHeader + rows(40000) + "40000,\"B0\",0.01,b,6000,20.5\n40001,B0,nan,b,6000,20.5\n40002,B1,0.02,b,6000,20.5\n");
+  const auto whole = read_run(folder.path("run"), kNames, {}).value();
+  for (const int threads : {1, 2}) {
+    auto stream = RunStream::open(folder.path("run"), kNames, {}, {.threads = threads}).value();
+    EXPECT_GE(stream.rows_estimate(), 40000u);
+    std::vector<std::vector<Arrival>> pieces;
+    std::vector<Arrival> block;
+    while (stream.next_piece(block).value()) pieces.push_back(block);
+    ASSERT_EQ(stream.pieces(), pieces.size());
+    ASSERT_GT(pieces.size(), 5u);
+    EXPECT_EQ(stream.log().sha256, whole.sha256);
+    EXPECT_EQ(stream.log().rejected.size(), whole.rejected.size());
+    for (std::size_t first = 0; first < pieces.size(); ++first)
+      for (const std::size_t last : {first, first + 1, pieces.size()}) {
+        std::vector<Arrival> expected, again;
+        for (std::size_t i = first; i < last; ++i) expected.insert(expected.end(), pieces[i].begin(), pieces[i].end());
+        ASSERT_TRUE(stream.read_pieces(first, last, again).has_value());
+        EXPECT_TRUE(std::equal(expected.begin(), expected.end(), again.begin(), again.end(), same)) << first << " to " << last;
+      }
+    std::vector<Arrival> all;
+    ASSERT_TRUE(stream.read_pieces(0, pieces.size(), all).has_value());
+    EXPECT_TRUE(std::equal(all.begin(), all.end(), whole.arrivals.begin(), whole.arrivals.end(), same));
+  }
+}
+
 TEST(RunStream, SaysWhatReadRunSays) {
   struct Bad {
     std::string name, text;

@@ -179,7 +179,7 @@ TEST(TofReader, DigestIsTheFiles) {
 TEST(TofReader, GuessesTheNumberOfRows) {
   const TemporaryFolder folder;
   const NameLookup names(kNames);
-  TofReader reader(MappedFile::open(folder.write("tof.csv", long_file(60'000))).value(), "tof.csv", names, Clock::kSynchronised);
+  TofReader reader(std::make_shared<const MappedFile>(MappedFile::open(folder.write("tof.csv", long_file(60'000))).value()), "tof.csv", names, Clock::kSynchronised);
   ASSERT_TRUE(reader.read_header().has_value());
   EXPECT_GE(reader.rows_estimate(), 60'000u);
   EXPECT_LE(reader.rows_estimate(), 66'000u) << "a tenth of the memory in vain at most";

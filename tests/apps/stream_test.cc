@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// octant calibrate --memory-mb: logs that are read in chunks.
+#include <csignal>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+
+#include "tests/apps/hall_folder.h"
+
+namespace octant::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+class Stream : public HallFolder {
+ protected:
+  void SetUp() override { make(1500); }
+  [[nodiscard]] nlohmann::json deployment() const { return nlohmann::json::parse(slurp(out("d.json"))); }
+  [[nodiscard]] std::string tof() const { return slurp(hall("run/tof.csv")); }
+};
+
+/// Every so many-th data row with its line changed.
+template <class Change>
+std::string changed(const std::string& text, int every, Change&& change) {
+  std::string out;
+  int line = 0;
+  for (std::size_t begin = 0; begin < text.size(); ++line) {
+    const std::size_t end = text.find('\n', begin);
+    const std::string row = text.substr(begin, end - begin);
+    out += (line > 0 && line % every == 0 ? change(row) : row) + "\n";
+    begin = end + 1;
+  }
+  return out;
+}
+
+TEST_F(Stream, GivesTheAnswerOfTheWhole) {
+  // Rows that are no measurement, and one in quotes, behind which the reader goes another way.
+  spit(hall("run/tof.csv"), changed(tof(), 997, [](const std::string& row) { return row.substr(0, row.rfind(',')) + ",nan"; }));
+  std::string text = tof();
+  const std::size_t middle = text.find('\n', text.size() / 2) + 1, comma = text.find(',', middle);
+  text = text.substr(0, middle) + "\"" + text.substr(middle, comma - middle) + "\"" + text.substr(comma);
+  spit(hall("run/tof.csv"), text);
+
+  const Outcome whole = calibrate({"--json"});
+  ASSERT_EQ(whole.exit, 0) << whole.err;
+  EXPECT_TRUE(whole.json()["streamed"].is_null());
+  const auto expected = deployment();
+  const Outcome streamed = calibrate({"--json", "--memory-mb", "1", "--report", out("r.md")});
+  ASSERT_EQ(streamed.exit, 0) << streamed.err;
+  EXPECT_THAT(streamed.err, HasSubstr("read in chunks"));
+  const auto a = whole.json(), b = streamed.json();
+  EXPECT_EQ(b["streamed"]["epochs"], 1500);
+  for (const char* key : {"arrivals", "rejected", "unknowns", "redundancy", "undetermined", "left_out", "warnings", "datum"}) EXPECT_EQ(a[key], b[key]) << key;
+  EXPECT_EQ(a["reliability"]["beacons"].size(), b["reliability"]["beacons"].size());
+  const auto found = deployment();
+  EXPECT_EQ(found["inputs"], expected["inputs"]);
+  EXPECT_EQ(found["validity"]["temperature_degC"], expected["validity"]["temperature_degC"]);
+  for (std::size_t i = 0; i < expected["beacons"].size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(found["beacons"][i]["position_m"][axis].get<double>(), expected["beacons"][i]["position_m"][axis].get<double>(), 1e-6);
+  EXPECT_THAT(slurp(out("r.md")), HasSubstr("B7"));
+}
+
+TEST_F(Stream, SaysWhereARowIsWrong) {
+  spit(hall("run/tof.csv"), tof() + "1e9,0,B99,r0,0.01\n");
+  const Outcome whole = calibrate(), streamed = calibrate({"--memory-mb", "1"});
+  EXPECT_EQ(streamed.exit, 3);
+  EXPECT_THAT(streamed.err, HasSubstr(whole.err));
+  EXPECT_THAT(outputs(), IsEmpty());
+}
+
+TEST_F(Stream, SaysWhatCannotBeStreamed) {
+  make(hall_scenario("epochs: 150", "epochs: 600"));
+  spit(hall("run/poses.tum"), "0 1 1 0 0 0 0 1\n");
+  const Outcome done = calibrate({"--memory-mb", "1"});
+  EXPECT_EQ(done.exit, 0) << done.err;
+  EXPECT_THAT(done.err, HasSubstr("cannot be streamed: " + hall("run") + " has measured poses"));
+}
+
+TEST_F(Stream, SmallLogsAreNot) {
+  const Outcome done = calibrate({"-v"});
+  ASSERT_EQ(done.exit, 0) << done.err;
+  EXPECT_THAT(done.err, Not(HasSubstr("chunks")));
+  EXPECT_EQ(calibrate({"--memory-mb", "0"}).exit, 2);
+}
+
+TEST_F(Stream, InterruptedLeavesNothingBehind) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Outcome stopped = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", out("d.json"), "--json", "--progress", "json", "--memory-mb", "1"},
+                                   {.interrupt_signal = signal});
+    EXPECT_EQ(stopped.exit, 130) << stopped.err;
+    EXPECT_EQ(stopped.json()["status"], "interrupted") << stopped.out;
+    EXPECT_THAT(outputs(), IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace octant::test
