@@ -349,6 +349,12 @@ double chain_cost(const Trajectory& t, const Segment& segment, const SharedState
 }
 
 double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
+  if (a.alpha == 0.0 && !a.two_way && !t.has_cycle_offset && !state.attenuation) {
+    // What most arrivals are, of which long logs have many.
+    const Eigen::Vector3d path_m = t.nodes[a.node].T_map_vehicle * state.receiver_p_vehicle_m[a.receiver.index()] - state.beacon_p_map_m[a.beacon.index()];
+    const double tof_s = path_m.norm() / (a.model_speed_mps + state.speed_offset(t.run)) + state.delay_s(a.beacon, a.receiver);
+    return (a.tof_s - tof_s) / a.sigma_s;
+  }
   double residuals[2];
   arrival_residuals(t, a, state, residuals);
   return residuals[0];
