@@ -10,7 +10,7 @@
 #include <Eigen/SparseCore>
 
 #include "calib/parameters.h"
-#include "calib/tile_sum.h"
+#include "calib/ranks.h"
 
 namespace octant::calib {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "calib/tile_sum.h"
+#include "calib/ranks.h"
 #include "calib/parameters.h"
 #include "calib/problem.h"
 

@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 
 #include "calib/shared_entries.h"
+#include "calib/stop_block.h"
 #include "models/linearise.h"
 #include "models/parallel.h"
 
@@ -30,6 +31,10 @@ Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> segments, const Para
   if (!stops.empty()) stops_ = std::make_unique<StopBlock>(trajectory, stops, layout);
   commit();
 }
+
+Tile::Tile(Tile&&) noexcept = default;
+Tile& Tile::operator=(Tile&&) noexcept = default;
+Tile::~Tile() = default;
 
 void Tile::find_columns() {
   const ParameterLayout& layout = *layout_;
@@ -95,6 +100,10 @@ void Tile::commit() {
 
 void Tile::rewind() {
   if (stops_) stops_->rewind();
+  rewind_general();
+}
+
+void Tile::rewind_general() {
   auto from = committed_.begin();
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
@@ -105,7 +114,7 @@ void Tile::rewind() {
 }
 
 double Tile::settle(const SharedState& state, const RobustLoss& loss) {
-  rewind();
+  rewind_general();
   double cost = stops_ ? stops_->settle(state, loss) : 0.0;
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];

@@ -8,10 +8,11 @@
 #include <Eigen/Core>
 
 #include "calib/parameters.h"
-#include "calib/stop_block.h"
 #include "models/trajectory.h"
 
 namespace octant::calib {
+
+class StopBlock;
 
 /// Cost, gradient and Gauss-Newton matrix of some observations in the shared parameters they touch, vehicle states eliminated.
 struct ReducedSystem {
@@ -29,6 +30,9 @@ class Tile {
  public:
   /// @param trajectory  not owned; this tile writes the nodes of its segments and nothing else
   Tile(Trajectory* trajectory, std::vector<std::size_t> segments, const ParameterLayout* layout);
+  Tile(Tile&&) noexcept;
+  Tile& operator=(Tile&&) noexcept;
+  ~Tile();
 
   [[nodiscard]] const Trajectory& trajectory() const { return *trajectory_; }
   [[nodiscard]] const std::vector<std::size_t>& segments() const { return segments_; }
@@ -41,7 +45,8 @@ class Tile {
   /// Where each column of the layout stands in columns(); -1: nowhere.
   [[nodiscard]] const std::vector<int>& local_of() const { return local_of_; }
 
-  /// Settles the states from where they were committed and returns the cost.
+  /// Settles the states from where they were committed and returns the cost. The trajectory shows them once they are committed
+  /// and `rewind` was called.
   double settle(const SharedState& state, const RobustLoss& loss);
   /// Adds gradient and lower triangle of H at the states of the last `settle`; `place` tells where each column of the layout
   /// stands in the system.
@@ -55,6 +60,7 @@ class Tile {
 
  private:
   void find_columns();
+  void rewind_general();
   void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
 
   Trajectory* trajectory_;

@@ -12,12 +12,6 @@
 
 namespace octant::calib {
 
-/// Who works on the tiles; the result does not depend on it.
-struct Workers {
-  int threads = 1;
-  const Ranks* ranks = nullptr;  ///< not owned; null: this process is alone
-};
-
 /// All tiles of an adjustment, evaluated together. Sums are formed in an order that depends on the problem alone: tiles are
 /// added up in a fixed number of shares, and the shares in their order (over ranks: to rounding).
 class TileSum {

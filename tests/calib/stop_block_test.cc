@@ -75,6 +75,10 @@ void expect_same(const Scenario& scenario, const RobustLoss& loss) {
   EXPECT_NEAR(cost, expected, 1e-10 * expected);
   EXPECT_NEAR(a.cost, cost, 1e-12 * cost);
   ASSERT_EQ(a.H.rows(), b.H.rows());
+  for (calib::Tile* tile : {&fast, &general}) {
+    tile->commit();
+    tile->rewind();
+  }
   // What is left of a direction that the states absorb (the turn of an array) is rounding of what was there before.
   const double rounding = 1e-13 * b.H.diagonal().maxCoeff();
   for (Eigen::Index i = 0; i < a.H.rows(); ++i) {
