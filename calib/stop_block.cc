@@ -279,7 +279,7 @@ void StopBlock::add_group(const Group& group, const StopTables& tables, const Sh
   }
   thread_local StopSums sums;
   thread_local std::vector<double> H, gradient;
-  sums.clear(local);
+  sums.clear(local, tables.has_offset);
   for (std::size_t p = group.first; p < group.last; ++p) reduce_stops(tables, pack_of(p, group), states_[p], local, kUnobservedFloor, sums);
   sums.finish(local, tables.sigma_s, H, gradient);
   const std::size_t stride = local.columns();

@@ -217,7 +217,7 @@ HWY_INLINE void solve(const Normal& normal, V lambda, V* step, hn::Mask<D>& soun
 }
 
 template <bool kOffset, bool kRobust>
-HWY_INLINE void settle_part(const StopTables& tables, const StopPack& pack, std::size_t part, StopStates& states, StopOutcome& outcome) {
+HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::size_t part, StopStates& states, StopOutcome& outcome) {
   const D d;
   constexpr int n = kOffset ? 4 : 3;
   const Constants constants(tables);
@@ -416,46 +416,47 @@ HWY_INLINE void factorise(const Normal& normal, double unobserved, V L[4][4], V*
   }
 }
 
-/// taken += Y'Y, two rows of it at a time.
-template <int n>
-HWY_INLINE void take(const Lanes* rows, std::size_t count, std::size_t part, Lanes* taken) {
-  std::size_t i = 0;
-  for (; i + 1 < count; i += 2) {
-    V a[n], b[n];
-    for (int p = 0; p < n; ++p) {
-      a[p] = load(rows[4 * i + p], part);
-      b[p] = load(rows[4 * (i + 1) + p], part);
+/// Rows [row, row + kHeld) of a block of taken += Y'Y, for the rows of Y that wait.
+template <std::size_t kHeld>
+HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t stride, std::size_t waiting, std::size_t part, Lanes* block) {
+  constexpr std::size_t kColumns = StopSums::kBlock;
+  V sum[kHeld][kColumns];
+  for (std::size_t r = 0; r < kHeld; ++r)
+    for (std::size_t c = 0; c < kColumns; ++c) sum[r][c] = load(block[r * kColumns + c], part);
+  for (std::size_t m = 0; m < waiting; ++m) {
+    V r[kColumns];
+    for (std::size_t k = 0; k < kColumns; ++k) r[k] = load(right[k * stride + m], part);
+    for (std::size_t p = 0; p < kHeld; ++p) {
+      const V l = load(left[p * stride + m], part);
+      for (std::size_t q = 0; q < kColumns; ++q) sum[p][q] = hn::MulAdd(l, r[q], sum[p][q]);
     }
-    Lanes *row_a = taken, *row_b = taken + (count - i) - 1;  // element j of a row stands at [j - its own number]
-    V corner = load(row_a[0], part);
-    for (int p = 0; p < n; ++p) corner = hn::MulAdd(a[p], a[p], corner);
-    store(corner, row_a[0], part);
-    for (std::size_t j = i + 1; j < count; ++j) {
-      V sum_a = load(row_a[j - i], part), sum_b = load(row_b[j - i], part);
-      for (int p = 0; p < n; ++p) {
-        const V other = load(rows[4 * j + p], part);
-        sum_a = hn::MulAdd(a[p], other, sum_a);
-        sum_b = hn::MulAdd(b[p], other, sum_b);
-      }
-      store(sum_a, row_a[j - i], part);
-      store(sum_b, row_b[j - i], part);
-    }
-    taken += (count - i) + (count - i - 1);
   }
-  if (i < count) {
-    V corner = load(taken[0], part);
-    for (int p = 0; p < n; ++p) {
-      const V a = load(rows[4 * i + p], part);
-      corner = hn::MulAdd(a, a, corner);
-    }
-    store(corner, taken[0], part);
+  for (std::size_t r = 0; r < kHeld; ++r)
+    for (std::size_t c = 0; c < kColumns; ++c) store(sum[r][c], block[r * kColumns + c], part);
+}
+
+void take_in_lanes(StopSums& sums, std::size_t active) {
+  // As many rows as the registers hold: 32 of them with AVX-512, else 16.
+  constexpr std::size_t kHeld = HWY_TARGET <= HWY_AVX3 ? 4 : 2, kBlock = StopSums::kBlock;
+  const std::size_t states = sums.has_offset ? 4 : 3, stride = StopSums::kPacksAtOnce * states, waiting = sums.waiting * states;
+  const Lanes* rows = sums.rows.data();
+  for (std::size_t part = 0; part < kLanes; part += hn::Lanes(D())) {
+    Lanes* block = sums.taken.data();
+    for (std::size_t i = 0; i < active; i += kBlock)
+      for (std::size_t j = i; j < active; j += kBlock, block += kBlock * kBlock)
+        for (std::size_t r = 0; r < kBlock; r += kHeld)
+          take_block<kHeld>(rows + (i + r) * stride, rows + j * stride, stride, waiting, part, block + r * kBlock);
   }
 }
 
 template <bool kOffset, bool kRobust>
-HWY_INLINE void reduce_part(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout, double unobserved, std::size_t part,
+HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const StopStates& states, const StopLayout& layout, double unobserved, std::size_t part,
                             StopSums& sums) {
   const D d;
+  // Copies, as a vector may be stored anywhere: what is reached through a reference would be read again after every store.
+  const bool receivers_free = layout.receivers_free;
+  const std::size_t receivers = layout.receivers, columns = layout.columns(), speed_column = layout.speed(), receiver_column = layout.of_receiver(0);
+  Lanes *const beacon_sums = sums.beacon.data(), *const receiver_sums = sums.receiver.data(), *const pair_sums = sums.pair.data();
   constexpr int n = kOffset ? 4 : 3;
   const V zero = hn::Zero(d);
   const Constants constants(tables);
@@ -463,7 +464,7 @@ HWY_INLINE void reduce_part(const StopTables& tables, const StopPack& pack, cons
   for (int i = 0; i < 4; ++i) view.state[i] = load(states.value[i], part);
   view.turn();
   Lanes* coupling = sums.coupling.data();
-  for (std::size_t c = 0; c < 4 * layout.columns(); ++c) store(zero, coupling[c], part);
+  for (std::size_t c = 0; c < 4 * columns; ++c) store(zero, coupling[c], part);
   Normal normal;
   normal.clear();
   V speed_curvature = zero, speed_gradient = zero, by_speed_of_state[4] = {zero, zero, zero, zero};
@@ -480,38 +481,39 @@ HWY_INLINE void reduce_part(const StopTables& tables, const StopPack& pack, cons
       speed_curvature = hn::MulAdd(m.s, by_speed, speed_curvature);
       speed_gradient = hn::MulAdd(m.r, by_speed, speed_gradient);
       all.add(m);
-      m.add_to_sums(sums.beacon.data() + StopSums::kMoments * beacon, part);
+      m.add_to_sums(beacon_sums + StopSums::kMoments * beacon, part);
       couple_beacon<kOffset>(m, antenna, constants, part, coupling + 16 * beacon);
-      if (layout.receivers_free) add_pair(m, s, view, constants, part, sums.pair.data() + 16 * (beacon * layout.receivers + receiver));
+      if (receivers_free) add_pair(m, s, view, constants, part, pair_sums + 16 * (beacon * receivers + receiver));
     }
     add_receiver<kOffset>(antenna, constants, all.vv[0], all.vv[1], all.vv[3], all.rv[0], all.rv[1], all.v[0], all.v[1], all.w, all.r, normal);
     by_speed_of_state[0] = hn::Add(by_speed_of_state[0], all.sv[0]);
     by_speed_of_state[1] = hn::Add(by_speed_of_state[1], all.sv[1]);
     by_speed_of_state[2] = hn::Add(by_speed_of_state[2], hn::NegMulAdd(antenna.ry, all.sv[0], hn::Mul(antenna.rx, all.sv[1])));
     if constexpr (kOffset) by_speed_of_state[3] = hn::MulAdd(constants.by_offset, all.s, by_speed_of_state[3]);
-    if (layout.receivers_free)
-      finish_receiver<kOffset>(all, antenna, view, constants, part, coupling + 4 * layout.of_receiver(receiver), sums.receiver.data() + 18 * receiver);
+    if (receivers_free)
+      finish_receiver<kOffset>(all, antenna, view, constants, part, coupling + 4 * (receiver_column + 4 * receiver), receiver_sums + 18 * receiver);
   }
   add_to(sums.speed[0], part, speed_curvature);
   add_to(sums.speed[1], part, speed_gradient);
-  for (int p = 0; p < n; ++p) store(by_speed_of_state[p], coupling[4 * layout.speed() + p], part);
+  for (int p = 0; p < n; ++p) store(by_speed_of_state[p], coupling[4 * speed_column + static_cast<std::size_t>(p)], part);
 
   V L[4][4], y[4];
   factorise<kOffset>(normal, unobserved, L, y);
   const std::size_t count = layout.active.size();
-  for (std::size_t a = 0; a < count; ++a) {
-    const Lanes* G = coupling + 4 * layout.active[a];
-    V Y[4], gradient = load(sums.taken_gradient[a], part);
+  const std::size_t* const active = layout.active.data();
+  Lanes *rows = sums.rows.data() + sums.waiting * n, *const taken_gradient = sums.taken_gradient.data();
+  for (std::size_t a = 0; a < count; ++a, rows += StopSums::kPacksAtOnce * n) {
+    const Lanes* G = coupling + 4 * active[a];
+    V Y[4], gradient = load(taken_gradient[a], part);
     for (int p = 0; p < n; ++p) {
       V v = load(G[p], part);
       for (int m = 0; m < p; ++m) v = hn::NegMulAdd(L[p][m], Y[m], v);
       Y[p] = hn::Mul(v, L[p][p]);
-      store(Y[p], sums.rows[4 * a + p], part);
+      store(Y[p], rows[p], part);
       gradient = hn::MulAdd(y[p], Y[p], gradient);
     }
-    store(gradient, sums.taken_gradient[a], part);
+    store(gradient, taken_gradient[a], part);
   }
-  take<n>(sums.rows.data(), count, part, sums.taken.data());
 }
 
 void reduce_stops_in_lanes(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout, double unobserved, StopSums& sums) {
@@ -536,31 +538,19 @@ namespace octant::calib {
 
 HWY_EXPORT(settle_stops_in_lanes);
 HWY_EXPORT(reduce_stops_in_lanes);
+HWY_EXPORT(take_in_lanes);
 HWY_EXPORT(target_name);
 
 void settle_stops(const StopTables& tables, const StopPack& pack, StopStates& states, StopOutcome& outcome) {
   HWY_DYNAMIC_DISPATCH(settle_stops_in_lanes)(tables, pack, states, outcome);
 }
 
-void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout, double unobserved, StopSums& sums) {
-  HWY_DYNAMIC_DISPATCH(reduce_stops_in_lanes)(tables, pack, states, layout, unobserved, sums);
-}
-
-const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
-
-void StopSums::clear(const StopLayout& layout) {
-  const std::size_t active = layout.active.size(), receivers = layout.receivers_free ? layout.receivers : 0;
-  beacon.assign(kMoments * layout.beacons, {});
-  receiver.assign(18 * receivers, {});
-  pair.assign(16 * layout.beacons * receivers, {});
-  speed.assign(2, {});
-  taken.assign(active * (active + 1) / 2, {});
-  taken_gradient.assign(active, {});
-  coupling.resize(4 * layout.columns());
-  rows.resize(4 * active);
-}
-
 namespace {
+
+void take_waiting(const StopLayout& layout, StopSums& sums) {
+  HWY_DYNAMIC_DISPATCH(take_in_lanes)(sums, layout.active.size());
+  sums.waiting = 0;
+}
 
 double total(const Lanes& lanes) {
   double sum = 0.0;
@@ -570,7 +560,30 @@ double total(const Lanes& lanes) {
 
 }  // namespace
 
-void StopSums::finish(const StopLayout& layout, double sigma_s, std::vector<double>& H, std::vector<double>& gradient) const {
+void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout, double unobserved, StopSums& sums) {
+  HWY_DYNAMIC_DISPATCH(reduce_stops_in_lanes)(tables, pack, states, layout, unobserved, sums);
+  if (++sums.waiting == StopSums::kPacksAtOnce) take_waiting(layout, sums);
+}
+
+const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
+
+void StopSums::clear(const StopLayout& layout, bool offset) {
+  const std::size_t active = layout.active.size(), receivers = layout.receivers_free ? layout.receivers : 0;
+  beacon.assign(kMoments * layout.beacons, {});
+  receiver.assign(18 * receivers, {});
+  pair.assign(16 * layout.beacons * receivers, {});
+  speed.assign(2, {});
+  const std::size_t side = (active + kBlock - 1) / kBlock;
+  taken.assign(side * (side + 1) / 2 * kBlock * kBlock, {});
+  taken_gradient.assign(active, {});
+  coupling.resize(4 * layout.columns());
+  has_offset = offset;
+  rows.assign(side * kBlock * kPacksAtOnce * (offset ? 4 : 3), {});
+  waiting = 0;
+}
+
+void StopSums::finish(const StopLayout& layout, double sigma_s, std::vector<double>& H, std::vector<double>& gradient) {
+  if (waiting > 0) take_waiting(layout, *this);
   const std::size_t columns = layout.columns(), at_speed = layout.speed();
   const double k = 1.0 / sigma_s;
   H.assign(columns * columns, 0.0);
@@ -603,10 +616,14 @@ void StopSums::finish(const StopLayout& layout, double sigma_s, std::vector<doub
   }
   element(at_speed, at_speed) = total(speed[0]);
   gradient[at_speed] = total(speed[1]);
-  for (std::size_t i = 0, e = 0; i < layout.active.size(); ++i) {
-    gradient[layout.active[i]] -= total(taken_gradient[i]);
-    for (std::size_t j = i; j < layout.active.size(); ++j, ++e) element(layout.active[i], layout.active[j]) -= total(taken[e]);
-  }
+  const std::size_t active = layout.active.size();
+  for (std::size_t i = 0; i < active; ++i) gradient[layout.active[i]] -= total(taken_gradient[i]);
+  const Lanes* e = taken.data();
+  for (std::size_t i = 0; i < active; i += kBlock)
+    for (std::size_t j = i; j < active; j += kBlock)
+      for (std::size_t r = i; r < i + kBlock; ++r)
+        for (std::size_t c = j; c < j + kBlock; ++c, ++e)
+          if (r < active && c < active && r <= c) element(layout.active[r], layout.active[c]) -= total(*e);
 }
 
 }  // namespace octant::calib

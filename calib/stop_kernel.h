@@ -77,15 +77,24 @@ struct StopSums {
   std::vector<Lanes> receiver;         ///< receivers x (upper triangle of 4 x 4, with the speed (4), gradient (4))
   std::vector<Lanes> pair;             ///< (beacons x receivers) x 4 x 4, rows by the beacon
   std::vector<Lanes> speed;            ///< curvature, gradient
-  std::vector<Lanes> taken;            ///< what the states take away from the active columns: upper triangle, row by row
+  std::vector<Lanes> taken;            ///< what the states take away from the active columns: upper triangle in blocks
   std::vector<Lanes> taken_gradient;   ///< and from their gradient
-  std::vector<Lanes> coupling, rows;   ///< of one pack: columns x 4 and active x 4
+  std::vector<Lanes> coupling;         ///< of one pack: columns x 4
+
+  /// Rows Y of what is to be taken away as Y'Y: some packs together, so that the blocks are loaded and stored less often.
+  static constexpr std::size_t kPacksAtOnce = 4;
+  std::vector<Lanes> rows;             ///< active columns and some more, which stay zero, x kPacksAtOnce x 3 or 4
+  std::size_t waiting = 0;             ///< packs
+
+  static constexpr std::size_t kBlock = 4;  ///< rows and columns of a block
+
+  bool has_offset = false;             ///< states of four instead of three
 
   /// Zero, and of the layout's size.
-  void clear(const StopLayout& layout);
+  void clear(const StopLayout& layout, bool has_offset);
   /// The reduced system, lanes added up: upper right triangle of H (columns x columns) and the gradient. Only the active
   /// columns mean anything.
-  void finish(const StopLayout& layout, double sigma_s, std::vector<double>& H, std::vector<double>& gradient) const;
+  void finish(const StopLayout& layout, double sigma_s, std::vector<double>& H, std::vector<double>& gradient);
 };
 
 /// Adds eight epochs, reduced to the parameters of their group by elimination of their states.

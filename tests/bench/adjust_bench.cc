@@ -13,6 +13,7 @@
 
 #include "calib/adjust.h"
 #include "calib/calibrate.h"
+#include "calib/tile_sum.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
@@ -81,6 +82,24 @@ void adjust_tiles(benchmark::State& state) {
     const calib::AdjustResult result = calib::adjust(start.problem, start.layout, trajectories, x, options);
     cost = result.cost;
     state.counters["iterations"] = result.iterations;
+  }
+  report(state, start, cost);
+}
+
+/// The parts of an evaluation, the states beginning where the adjustment's do: what an arrival costs in nanoseconds.
+void tiles_part(benchmark::State& state, int part) {
+  const Start& start = start_of(static_cast<int>(state.range(0)));
+  std::vector<Trajectory> trajectories = start.solution.trajectories;
+  const SharedState at = start.layout.state_of(start.x);
+  const calib::Workers workers{static_cast<int>(state.range(1)), nullptr};
+  std::optional<calib::TileSum> tiles;
+  calib::ReducedSystem sum;
+  tiles.emplace(trajectories, start.layout, workers);
+  double cost = tiles->settle(at, {});
+  for (auto _ : state) {
+    if (part == 0) tiles.emplace(trajectories, start.layout, workers);
+    if (part == 1) cost = tiles->settle(at, {});
+    if (part == 2) tiles->reduce(at, {}, sum);
   }
   report(state, start, cost);
 }
@@ -192,6 +211,9 @@ void adjust_per_arrival(benchmark::State& state, bool states_first) {
 }
 
 constexpr auto kUnit = benchmark::kMillisecond;
+BENCHMARK_CAPTURE(tiles_part, make, 0)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
+BENCHMARK_CAPTURE(tiles_part, settle, 1)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
+BENCHMARK_CAPTURE(tiles_part, reduce, 2)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
 BENCHMARK(adjust_tiles)->Args({5000, 1})->Args({20000, 1})->Args({100000, 1})->Args({100000, 2})->Unit(kUnit)->UseRealTime();
 BENCHMARK_CAPTURE(adjust_per_arrival, schur, true)->Args({5000, 1})->Args({20000, 1})->Args({100000, 1})->Args({100000, 2})->Iterations(1)->Unit(kUnit)->UseRealTime();
 BENCHMARK_CAPTURE(adjust_per_arrival, normal_equations, false)->Args({5000, 1})->Args({20000, 1})->Args({100000, 1})->Args({100000, 2})->Iterations(1)->Unit(kUnit)->UseRealTime();
