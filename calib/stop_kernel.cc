@@ -31,7 +31,26 @@ constexpr double kMinDistanceM = 1e-6;
 
 HWY_INLINE V load(const Lanes& lanes, std::size_t part) { return hn::Load(D(), lanes.of + part); }
 HWY_INLINE void store(V v, Lanes& lanes, std::size_t part) { hn::Store(v, D(), lanes.of + part); }
-HWY_INLINE void add_to(Lanes& lanes, std::size_t part, V v) { store(hn::Add(load(lanes, part), v), lanes, part); }
+
+/// Adds up the lanes of four vectors, each onto its own sum.
+HWY_INLINE void add_lanes(V a, V b, V c, V e, double* sums) {
+#if HWY_MAX_BYTES >= 32
+  const hn::CappedTag<double, 4> d4;
+#if HWY_MAX_BYTES >= 64
+  const auto narrow = [d4](V v) { return hn::Add(hn::LowerHalf(d4, v), hn::UpperHalf(d4, v)); };
+#else
+  const auto narrow = [](V v) { return v; };
+#endif
+  const auto a4 = narrow(a), b4 = narrow(b), c4 = narrow(c), e4 = narrow(e);
+  const auto ab = hn::Add(hn::InterleaveLower(d4, a4, b4), hn::InterleaveUpper(d4, a4, b4));
+  const auto ce = hn::Add(hn::InterleaveLower(d4, c4, e4), hn::InterleaveUpper(d4, c4, e4));
+  const auto all = hn::Add(hn::ConcatLowerLower(d4, ce, ab), hn::ConcatUpperUpper(d4, ce, ab));
+  hn::StoreU(hn::Add(hn::LoadU(d4, sums), all), d4, sums);
+#else
+  const V all[4] = {a, b, c, e};
+  for (int i = 0; i < 4; ++i) sums[i] += hn::GetLane(hn::SumOfLanes(D(), all[i]));
+#endif
+}
 
 /// Constants of an evaluation.
 struct Constants {
@@ -294,14 +313,13 @@ struct Moments {
     }
     for (int i = 0; i < 6; ++i) vv[i] = hn::Add(vv[i], m.vv[i]);
   }
-  HWY_INLINE void add_to_sums(Lanes* sums, std::size_t part) const {
-    add_to(sums[0], part, w);
-    for (int i = 0; i < 3; ++i) add_to(sums[1 + i], part, v[i]);
-    for (int i = 0; i < 6; ++i) add_to(sums[4 + i], part, vv[i]);
-    add_to(sums[10], part, s);
-    for (int i = 0; i < 3; ++i) add_to(sums[11 + i], part, sv[i]);
-    add_to(sums[14], part, r);
-    for (int i = 0; i < 3; ++i) add_to(sums[15 + i], part, rv[i]);
+  HWY_INLINE void add_to_sums(double* sums) const {
+    const V none = hn::Zero(D());
+    add_lanes(w, v[0], v[1], v[2], sums);
+    add_lanes(vv[0], vv[1], vv[2], vv[3], sums + 4);
+    add_lanes(vv[4], vv[5], s, r, sums + 8);
+    add_lanes(sv[0], sv[1], sv[2], none, sums + 12);
+    add_lanes(rv[0], rv[1], rv[2], none, sums + 16);
   }
 };
 
@@ -342,20 +360,17 @@ HWY_INLINE void couple_beacon(const Moments& m, const Antenna& a, const Constant
 }
 
 /// Products of the derivatives by beacon, -(v, k), and by receiver, (R'v, -k).
-HWY_INLINE void add_pair(const Moments& m, const Sight& s, const View& view, const Constants& constants, std::size_t part, Lanes* pair) {
+HWY_INLINE void add_pair(const Moments& m, const Sight& s, const View& view, const Constants& constants, double* pair) {
   const V by_receiver[3] = {hn::MulAdd(view.cosine, s.v[0], hn::Mul(view.sine, s.v[1])), hn::NegMulAdd(view.sine, s.v[0], hn::Mul(view.cosine, s.v[1])), s.v[2]};
-  const V kw = hn::Mul(constants.k, m.w);
-  for (int i = 0; i < 4; ++i) {
-    Lanes* row = pair + 4 * i;
-    const V left = i < 3 ? m.v[i] : kw;
-    for (int j = 0; j < 3; ++j) store(hn::NegMulAdd(left, by_receiver[j], load(row[j], part)), row[j], part);
-    store(hn::MulAdd(left, constants.k, load(row[3], part)), row[3], part);
-  }
+  const V left[4] = {hn::Neg(m.v[0]), hn::Neg(m.v[1]), hn::Neg(m.v[2]), hn::Neg(hn::Mul(constants.k, m.w))};
+  const V last = hn::Neg(constants.k);
+  for (int i = 0; i < 4; ++i)
+    add_lanes(hn::Mul(left[i], by_receiver[0]), hn::Mul(left[i], by_receiver[1]), hn::Mul(left[i], by_receiver[2]), hn::Mul(left[i], last), pair + 4 * i);
 }
 
 /// A receiver's own elements and its coupling to the state, from the moments of its paths. Derivatives by the receiver: (R'v, -k).
 template <bool kOffset>
-HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& view, const Constants& constants, std::size_t part, Lanes* coupling, Lanes* own) {
+HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& view, const Constants& constants, std::size_t part, Lanes* coupling, double* own) {
   const V c = view.cosine, s = view.sine, k = constants.k;
   const auto turn0 = [&](V x, V y) { return hn::MulAdd(c, x, hn::Mul(s, y)); };
   const auto turn1 = [&](V x, V y) { return hn::NegMulAdd(s, x, hn::Mul(c, y)); };
@@ -369,24 +384,12 @@ HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& 
     store(hn::NegMulAdd(a.ry, row0[i], hn::Mul(a.rx, row1[i])), G[2], part);
     if constexpr (kOffset) store(hn::Mul(constants.by_offset, sums[i]), G[3], part);
   }
-  add_to(own[0], part, turn0(row0[0], row1[0]));
-  add_to(own[1], part, turn0(row0[1], row1[1]));
-  add_to(own[2], part, turn0(m.vv[2], m.vv[4]));
-  add_to(own[3], part, hn::Neg(hn::Mul(k, sums[0])));
-  add_to(own[4], part, turn1(row0[1], row1[1]));
-  add_to(own[5], part, turn1(m.vv[2], m.vv[4]));
-  add_to(own[6], part, hn::Neg(hn::Mul(k, sums[1])));
-  add_to(own[7], part, m.vv[5]);
-  add_to(own[8], part, hn::Neg(hn::Mul(k, m.v[2])));
-  add_to(own[9], part, hn::Mul(hn::Mul(k, k), m.w));
-  add_to(own[10], part, turn0(m.sv[0], m.sv[1]));
-  add_to(own[11], part, turn1(m.sv[0], m.sv[1]));
-  add_to(own[12], part, m.sv[2]);
-  add_to(own[13], part, hn::Neg(hn::Mul(k, m.s)));
-  add_to(own[14], part, turn0(m.rv[0], m.rv[1]));
-  add_to(own[15], part, turn1(m.rv[0], m.rv[1]));
-  add_to(own[16], part, m.rv[2]);
-  add_to(own[17], part, hn::Neg(hn::Mul(k, m.r)));
+  const V minus = hn::Neg(k), none = hn::Zero(D());
+  add_lanes(turn0(row0[0], row1[0]), turn0(row0[1], row1[1]), turn0(m.vv[2], m.vv[4]), hn::Mul(minus, sums[0]), own);
+  add_lanes(turn1(row0[1], row1[1]), turn1(m.vv[2], m.vv[4]), hn::Mul(minus, sums[1]), m.vv[5], own + 4);
+  add_lanes(hn::Mul(minus, m.v[2]), hn::Mul(hn::Mul(k, k), m.w), turn0(m.sv[0], m.sv[1]), turn1(m.sv[0], m.sv[1]), own + 8);
+  add_lanes(m.sv[2], hn::Mul(minus, m.s), turn0(m.rv[0], m.rv[1]), turn1(m.rv[0], m.rv[1]), own + 12);
+  add_lanes(m.rv[2], hn::Mul(minus, m.r), none, none, own + 16);
 }
 
 /// Inverse square roots of the pivots on the diagonal, the rest of L below, y = L^-1 g.
@@ -416,13 +419,13 @@ HWY_INLINE void factorise(const Normal& normal, double unobserved, V L[4][4], V*
   }
 }
 
-/// Rows [row, row + kHeld) of a block of taken += Y'Y, for the rows of Y that wait.
+/// Some rows of a block of taken += Y'Y, for the rows of Y that wait.
 template <std::size_t kHeld>
-HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t stride, std::size_t waiting, std::size_t part, Lanes* block) {
+HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t stride, std::size_t waiting, std::size_t part, double* block) {
   constexpr std::size_t kColumns = StopSums::kBlock;
   V sum[kHeld][kColumns];
-  for (std::size_t r = 0; r < kHeld; ++r)
-    for (std::size_t c = 0; c < kColumns; ++c) sum[r][c] = load(block[r * kColumns + c], part);
+  for (auto& row : sum)
+    for (V& v : row) v = hn::Zero(D());
   for (std::size_t m = 0; m < waiting; ++m) {
     V r[kColumns];
     for (std::size_t k = 0; k < kColumns; ++k) r[k] = load(right[k * stride + m], part);
@@ -431,17 +434,17 @@ HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t st
       for (std::size_t q = 0; q < kColumns; ++q) sum[p][q] = hn::MulAdd(l, r[q], sum[p][q]);
     }
   }
-  for (std::size_t r = 0; r < kHeld; ++r)
-    for (std::size_t c = 0; c < kColumns; ++c) store(sum[r][c], block[r * kColumns + c], part);
+  for (std::size_t p = 0; p < kHeld; ++p) add_lanes(sum[p][0], sum[p][1], sum[p][2], sum[p][3], block + p * kColumns);
 }
 
-void take_in_lanes(StopSums& sums, std::size_t active) {
+void take_in_lanes(StopSums& sums) {
   // As many rows as the registers hold: 32 of them with AVX-512, else 16.
   constexpr std::size_t kHeld = HWY_TARGET <= HWY_AVX3 ? 4 : 2, kBlock = StopSums::kBlock;
   const std::size_t states = sums.has_offset ? 4 : 3, stride = StopSums::kPacksAtOnce * states, waiting = sums.waiting * states;
+  const std::size_t active = sums.active.size();
   const Lanes* rows = sums.rows.data();
   for (std::size_t part = 0; part < kLanes; part += hn::Lanes(D())) {
-    Lanes* block = sums.taken.data();
+    double* block = sums.taken.data();
     for (std::size_t i = 0; i < active; i += kBlock)
       for (std::size_t j = i; j < active; j += kBlock, block += kBlock * kBlock)
         for (std::size_t r = 0; r < kBlock; r += kHeld)
@@ -455,8 +458,8 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
   const D d;
   // Copies, as a vector may be stored anywhere: what is reached through a reference would be read again after every store.
   const bool receivers_free = layout.receivers_free;
-  const std::size_t receivers = layout.receivers, columns = layout.columns(), speed_column = layout.speed(), receiver_column = layout.of_receiver(0);
-  Lanes *const beacon_sums = sums.beacon.data(), *const receiver_sums = sums.receiver.data(), *const pair_sums = sums.pair.data();
+  const std::size_t receivers = layout.receivers, columns = layout.columns() + 1, speed_column = layout.speed(), receiver_column = layout.of_receiver(0);
+  double *const beacon_sums = sums.beacon.data(), *const receiver_sums = sums.receiver.data(), *const pair_sums = sums.pair.data();
   constexpr int n = kOffset ? 4 : 3;
   const V zero = hn::Zero(d);
   const Constants constants(tables);
@@ -481,9 +484,9 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
       speed_curvature = hn::MulAdd(m.s, by_speed, speed_curvature);
       speed_gradient = hn::MulAdd(m.r, by_speed, speed_gradient);
       all.add(m);
-      m.add_to_sums(beacon_sums + StopSums::kMoments * beacon, part);
+      m.add_to_sums(beacon_sums + StopSums::kMoments * beacon);
       couple_beacon<kOffset>(m, antenna, constants, part, coupling + 16 * beacon);
-      if (receivers_free) add_pair(m, s, view, constants, part, pair_sums + 16 * (beacon * receivers + receiver));
+      if (receivers_free) add_pair(m, s, view, constants, pair_sums + StopSums::kPair * (beacon * receivers + receiver));
     }
     add_receiver<kOffset>(antenna, constants, all.vv[0], all.vv[1], all.vv[3], all.rv[0], all.rv[1], all.v[0], all.v[1], all.w, all.r, normal);
     by_speed_of_state[0] = hn::Add(by_speed_of_state[0], all.sv[0]);
@@ -491,28 +494,33 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
     by_speed_of_state[2] = hn::Add(by_speed_of_state[2], hn::NegMulAdd(antenna.ry, all.sv[0], hn::Mul(antenna.rx, all.sv[1])));
     if constexpr (kOffset) by_speed_of_state[3] = hn::MulAdd(constants.by_offset, all.s, by_speed_of_state[3]);
     if (receivers_free)
-      finish_receiver<kOffset>(all, antenna, view, constants, part, coupling + 4 * (receiver_column + 4 * receiver), receiver_sums + 18 * receiver);
+      finish_receiver<kOffset>(all, antenna, view, constants, part, coupling + 4 * (receiver_column + 4 * receiver), receiver_sums + StopSums::kReceiver * receiver);
   }
-  add_to(sums.speed[0], part, speed_curvature);
-  add_to(sums.speed[1], part, speed_gradient);
+  sums.speed_curvature += hn::GetLane(hn::SumOfLanes(d, speed_curvature));
+  sums.speed_gradient += hn::GetLane(hn::SumOfLanes(d, speed_gradient));
   for (int p = 0; p < n; ++p) store(by_speed_of_state[p], coupling[4 * speed_column + static_cast<std::size_t>(p)], part);
 
   V L[4][4], y[4];
   factorise<kOffset>(normal, unobserved, L, y);
-  const std::size_t count = layout.active.size();
-  const std::size_t* const active = layout.active.data();
-  Lanes *rows = sums.rows.data() + sums.waiting * n, *const taken_gradient = sums.taken_gradient.data();
-  for (std::size_t a = 0; a < count; ++a, rows += StopSums::kPacksAtOnce * n) {
-    const Lanes* G = coupling + 4 * active[a];
-    V Y[4], gradient = load(taken_gradient[a], part);
-    for (int p = 0; p < n; ++p) {
-      V v = load(G[p], part);
-      for (int m = 0; m < p; ++m) v = hn::NegMulAdd(L[p][m], Y[m], v);
-      Y[p] = hn::Mul(v, L[p][p]);
-      store(Y[p], rows[p], part);
-      gradient = hn::MulAdd(y[p], Y[p], gradient);
+  const std::size_t count = sums.active.size();
+  const std::size_t* const active = sums.active.data();
+  Lanes* rows = sums.rows.data() + sums.waiting * n;
+  double* const taken_gradient = sums.taken_gradient.data();
+  for (std::size_t a = 0; a < count; a += 4) {
+    V gradient[4];
+    for (std::size_t i = 0; i < 4; ++i, rows += StopSums::kPacksAtOnce * n) {
+      const Lanes* G = coupling + 4 * active[a + i];
+      V Y[4];
+      gradient[i] = zero;
+      for (int p = 0; p < n; ++p) {
+        V v = load(G[p], part);
+        for (int m = 0; m < p; ++m) v = hn::NegMulAdd(L[p][m], Y[m], v);
+        Y[p] = hn::Mul(v, L[p][p]);
+        store(Y[p], rows[p], part);
+        gradient[i] = hn::MulAdd(y[p], Y[p], gradient[i]);
+      }
     }
-    store(gradient, taken_gradient[a], part);
+    add_lanes(gradient[0], gradient[1], gradient[2], gradient[3], taken_gradient + a);
   }
 }
 
@@ -547,83 +555,79 @@ void settle_stops(const StopTables& tables, const StopPack& pack, StopStates& st
 
 namespace {
 
-void take_waiting(const StopLayout& layout, StopSums& sums) {
-  HWY_DYNAMIC_DISPATCH(take_in_lanes)(sums, layout.active.size());
+void take_waiting(StopSums& sums) {
+  HWY_DYNAMIC_DISPATCH(take_in_lanes)(sums);
   sums.waiting = 0;
-}
-
-double total(const Lanes& lanes) {
-  double sum = 0.0;
-  for (const double v : lanes.of) sum += v;
-  return sum;
 }
 
 }  // namespace
 
 void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout, double unobserved, StopSums& sums) {
   HWY_DYNAMIC_DISPATCH(reduce_stops_in_lanes)(tables, pack, states, layout, unobserved, sums);
-  if (++sums.waiting == StopSums::kPacksAtOnce) take_waiting(layout, sums);
+  if (++sums.waiting == StopSums::kPacksAtOnce) take_waiting(sums);
 }
 
 const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
 
 void StopSums::clear(const StopLayout& layout, bool offset) {
-  const std::size_t active = layout.active.size(), receivers = layout.receivers_free ? layout.receivers : 0;
-  beacon.assign(kMoments * layout.beacons, {});
-  receiver.assign(18 * receivers, {});
-  pair.assign(16 * layout.beacons * receivers, {});
-  speed.assign(2, {});
-  const std::size_t side = (active + kBlock - 1) / kBlock;
-  taken.assign(side * (side + 1) / 2 * kBlock * kBlock, {});
-  taken_gradient.assign(active, {});
-  coupling.resize(4 * layout.columns());
+  const std::size_t receivers = layout.receivers_free ? layout.receivers : 0;
   has_offset = offset;
-  rows.assign(side * kBlock * kPacksAtOnce * (offset ? 4 : 3), {});
+  active = layout.active;
+  while (active.size() % kBlock != 0) active.push_back(layout.columns());
+  beacon.assign(kMoments * layout.beacons, 0.0);
+  receiver.assign(kReceiver * receivers, 0.0);
+  pair.assign(kPair * layout.beacons * receivers, 0.0);
+  const std::size_t side = active.size() / kBlock;
+  taken.assign(side * (side + 1) / 2 * kBlock * kBlock, 0.0);
+  taken_gradient.assign(active.size(), 0.0);
+  speed_curvature = speed_gradient = 0.0;
+  coupling.resize(4 * (layout.columns() + 1));
+  rows.resize(active.size() * kPacksAtOnce * (offset ? 4 : 3));
   waiting = 0;
 }
 
 void StopSums::finish(const StopLayout& layout, double sigma_s, std::vector<double>& H, std::vector<double>& gradient) {
-  if (waiting > 0) take_waiting(layout, *this);
+  if (waiting > 0) take_waiting(*this);
   const std::size_t columns = layout.columns(), at_speed = layout.speed();
   const double k = 1.0 / sigma_s;
   H.assign(columns * columns, 0.0);
   gradient.assign(columns, 0.0);
   const auto element = [&](std::size_t i, std::size_t j) -> double& { return H[i * columns + j]; };
   for (std::size_t b = 0; b < layout.beacons; ++b) {  // derivatives -(v, k)
-    const Lanes* m = beacon.data() + kMoments * b;
+    const double* m = beacon.data() + kMoments * b;
     const std::size_t at = 4 * b;
     for (std::size_t i = 0, e = 4; i < 3; ++i) {
-      for (std::size_t j = i; j < 3; ++j, ++e) element(at + i, at + j) = total(m[e]);
-      element(at + i, at + 3) = k * total(m[1 + i]);
-      element(at + i, at_speed) = -total(m[11 + i]);
-      gradient[at + i] = -total(m[15 + i]);
+      for (std::size_t j = i; j < 3; ++j, ++e) element(at + i, at + j) = m[e];
+      element(at + i, at + 3) = k * m[1 + i];
+      element(at + i, at_speed) = -m[12 + i];
+      gradient[at + i] = -m[16 + i];
     }
-    element(at + 3, at + 3) = k * k * total(m[0]);
-    element(at + 3, at_speed) = -k * total(m[10]);
-    gradient[at + 3] = -k * total(m[14]);
+    element(at + 3, at + 3) = k * k * m[0];
+    element(at + 3, at_speed) = -k * m[10];
+    gradient[at + 3] = -k * m[11];
   }
   for (std::size_t r = 0; layout.receivers_free && r < layout.receivers; ++r) {
-    const Lanes* m = receiver.data() + 18 * r;
+    const double* m = receiver.data() + kReceiver * r;
     const std::size_t at = layout.of_receiver(r);
     for (std::size_t i = 0, e = 0; i < 4; ++i) {
-      for (std::size_t j = i; j < 4; ++j, ++e) element(at + i, at + j) = total(m[e]);
-      element(at + i, at_speed) = total(m[10 + i]);
-      gradient[at + i] = total(m[14 + i]);
+      for (std::size_t j = i; j < 4; ++j, ++e) element(at + i, at + j) = m[e];
+      element(at + i, at_speed) = m[10 + i];
+      gradient[at + i] = m[14 + i];
     }
     for (std::size_t b = 0; b < layout.beacons; ++b)
       for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < 4; ++j) element(4 * b + i, at + j) = total(pair[16 * (b * layout.receivers + r) + 4 * i + j]);
+        for (std::size_t j = 0; j < 4; ++j) element(4 * b + i, at + j) = pair[kPair * (b * layout.receivers + r) + 4 * i + j];
   }
-  element(at_speed, at_speed) = total(speed[0]);
-  gradient[at_speed] = total(speed[1]);
-  const std::size_t active = layout.active.size();
-  for (std::size_t i = 0; i < active; ++i) gradient[layout.active[i]] -= total(taken_gradient[i]);
-  const Lanes* e = taken.data();
-  for (std::size_t i = 0; i < active; i += kBlock)
-    for (std::size_t j = i; j < active; j += kBlock)
+  element(at_speed, at_speed) = speed_curvature;
+  gradient[at_speed] = speed_gradient;
+  const std::size_t count = layout.active.size();
+  for (std::size_t i = 0; i < count; ++i) gradient[active[i]] -= taken_gradient[i];
+  const double* e = taken.data();
+  for (std::size_t i = 0; i < count; i += kBlock)
+    for (std::size_t j = i; j < count; j += kBlock)
       for (std::size_t r = i; r < i + kBlock; ++r)
         for (std::size_t c = j; c < j + kBlock; ++c, ++e)
-          if (r < active && c < active && r <= c) element(layout.active[r], layout.active[c]) -= total(*e);
+          if (r < count && c < count && r <= c) element(active[r], active[c]) -= *e;
 }
 
 }  // namespace octant::calib

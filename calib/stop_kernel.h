@@ -68,32 +68,33 @@ struct StopLayout {
   [[nodiscard]] std::size_t columns() const { return speed() + 1; }
 };
 
-/// What the packs of a group add up to, the lanes still apart.
-/// Moments of a path with the derivative v of its residual by the place of the receiver, and s by the speed:
-///   sum of w {1, v (3), v v' (6: 00 01 02 11 12 22), s, s v (3), r, r v (3)}
+/// What the packs of a group add up to. All lists stand in fours.
 struct StopSums {
-  static constexpr std::size_t kMoments = 18;
-  std::vector<Lanes> beacon;           ///< beacons x moments
-  std::vector<Lanes> receiver;         ///< receivers x (upper triangle of 4 x 4, with the speed (4), gradient (4))
-  std::vector<Lanes> pair;             ///< (beacons x receivers) x 4 x 4, rows by the beacon
-  std::vector<Lanes> speed;            ///< curvature, gradient
-  std::vector<Lanes> taken;            ///< what the states take away from the active columns: upper triangle in blocks
-  std::vector<Lanes> taken_gradient;   ///< and from their gradient
-  std::vector<Lanes> coupling;         ///< of one pack: columns x 4
-
-  /// Rows Y of what is to be taken away as Y'Y: some packs together, so that the blocks are loaded and stored less often.
+  /// Moments of a path with the derivative v of its residual by the place of the receiver, and s by the speed: sums of
+  ///   w, w v (3), w v v' (6: 00 01 02 11 12 22), w s, w r, w s v (3), -, w r v (3), -
+  static constexpr std::size_t kMoments = 20;
+  static constexpr std::size_t kReceiver = 20;  ///< upper triangle of 4 x 4, with the speed (4), gradient (4), -, -
+  static constexpr std::size_t kPair = 16;      ///< 4 x 4, rows by the beacon
+  static constexpr std::size_t kBlock = 4;      ///< rows and columns of a block of what is taken away
   static constexpr std::size_t kPacksAtOnce = 4;
-  std::vector<Lanes> rows;             ///< active columns and some more, which stay zero, x kPacksAtOnce x 3 or 4
-  std::size_t waiting = 0;             ///< packs
 
-  static constexpr std::size_t kBlock = 4;  ///< rows and columns of a block
+  std::vector<double> beacon;           ///< beacons x kMoments
+  std::vector<double> receiver;         ///< receivers x kReceiver
+  std::vector<double> pair;             ///< (beacons x receivers) x kPair
+  std::vector<double> taken;            ///< what the states take away from the active columns: blocks of the upper triangle
+  std::vector<double> taken_gradient;   ///< and from their gradient
+  double speed_curvature = 0.0, speed_gradient = 0.0;
 
-  bool has_offset = false;             ///< states of four instead of three
+  bool has_offset = false;              ///< states of four instead of three
+  std::vector<std::size_t> active;      ///< columns, filled up to fours with one that is zero
+  std::vector<Lanes> coupling;          ///< of one pack: columns x 4
+  /// Rows Y of what is to be taken away as Y'Y: some packs together, so that the blocks are loaded and stored less often.
+  std::vector<Lanes> rows;              ///< active columns x packs x states
+  std::size_t waiting = 0;              ///< packs in `rows`
 
   /// Zero, and of the layout's size.
   void clear(const StopLayout& layout, bool has_offset);
-  /// The reduced system, lanes added up: upper right triangle of H (columns x columns) and the gradient. Only the active
-  /// columns mean anything.
+  /// The reduced system: upper right triangle of H (columns x columns) and the gradient. Only the active columns mean anything.
   void finish(const StopLayout& layout, double sigma_s, std::vector<double>& H, std::vector<double>& gradient);
 };
 
