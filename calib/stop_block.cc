@@ -17,6 +17,11 @@ constexpr std::size_t kEnoughPacks = 4;
 constexpr double kMostBeacons = 1.5;
 constexpr std::size_t kMaxReceivers = 4096;
 
+void prefetch(const void* from, std::size_t bytes) {
+  constexpr std::size_t kLine = 64;
+  for (std::size_t at = 0; at < bytes; at += kLine) __builtin_prefetch(static_cast<const char*>(from) + at);
+}
+
 }  // namespace
 
 bool StopBlock::knows(const Trajectory& t, const ParameterLayout& layout) {
@@ -42,7 +47,14 @@ StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& seg
   const auto mine = std::find(vehicles.begin(), vehicles.end(), trajectory->vehicle);
   first_receiver_ = static_cast<std::size_t>(mine - vehicles.begin());
   receivers_ = static_cast<std::size_t>(std::count(vehicles.begin(), vehicles.end(), trajectory->vehicle));
-  order(segments);
+  // Epochs that hear the same lie far apart in a long log, so memory is asked for what they need some time before it is needed.
+  constexpr std::size_t kAhead = 24;
+  epochs_.reserve(segments.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (i + kAhead < segments.size()) prefetch(&trajectory->segments[segments[i + kAhead]], sizeof(Segment));
+    const Segment& s = trajectory->segments[segments[i]];
+    epochs_.push_back({segments[i], s.first_node, s.first_arrival, s.last_arrival});
+  }
   group();
   pack();
   commit();
@@ -50,41 +62,16 @@ StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& seg
 
 template <class Visit>
 void StopBlock::for_each_used(std::size_t epoch, Visit&& visit) const {
-  const Segment& s = trajectory_->segments[epochs_[epoch].segment];
-  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
+  for (std::size_t i = epochs_[epoch].first_arrival; i < epochs_[epoch].last_arrival; ++i)
     if (trajectory_->arrivals[i].rejection == Rejection::kUsed) visit(trajectory_->arrivals[i]);
 }
 
-/// Epochs that hear the same beacons follow each other, and among them those that hear over the same paths: they then share slots.
-void StopBlock::order(const std::vector<std::size_t>& segments) {
-  struct Key {
-    std::uint32_t lowest = std::numeric_limits<std::uint32_t>::max();
-    std::uint64_t beacons = 0, paths = 0;  ///< a bit each, several sharing one where there are more than 64
-    Epoch epoch;
-  };
-  std::vector<Key> keys(segments.size());
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    const Segment& s = trajectory_->segments[segments[k]];
-    keys[k].epoch = {segments[k], s.first_node};
-    for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
-      const ArrivalObservation& a = trajectory_->arrivals[i];
-      if (a.rejection != Rejection::kUsed) continue;
-      if (speed_mps_ == 0.0) speed_mps_ = a.model_speed_mps;
-      own_speeds_ = own_speeds_ || a.model_speed_mps != speed_mps_;
-      sigma_s_ = a.sigma_s;
-      const auto beacon = static_cast<std::uint32_t>(a.beacon.value), path = beacon * static_cast<std::uint32_t>(receivers_) + static_cast<std::uint32_t>(a.receiver.value);
-      keys[k].lowest = std::min(keys[k].lowest, beacon);
-      keys[k].beacons |= std::uint64_t{1} << (beacon % 64U);
-      keys[k].paths |= std::uint64_t{1} << (path % 64U);
-    }
+void StopBlock::fetch(std::size_t p) const {
+  for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e) {
+    const Epoch& epoch = epochs_[e];
+    prefetch(&trajectory_->nodes[epoch.node], sizeof(Node));
+    prefetch(trajectory_->arrivals.data() + epoch.first_arrival, (epoch.last_arrival - epoch.first_arrival) * sizeof(ArrivalObservation));
   }
-  std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
-    if (a.lowest != b.lowest) return a.lowest < b.lowest;
-    if (a.beacons != b.beacons) return a.beacons < b.beacons;
-    return a.paths != b.paths ? a.paths < b.paths : a.epoch.segment < b.epoch.segment;
-  });
-  epochs_.reserve(keys.size());
-  for (const Key& key : keys) epochs_.push_back(key.epoch);
 }
 
 void StopBlock::group() {
@@ -94,8 +81,12 @@ void StopBlock::group() {
   for (std::size_t p = 0; p < packs; ++p) {
     std::vector<std::int32_t> heard;
     std::size_t unknown = 0;
+    if (p + 1 < packs) fetch(p + 1);
     for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e)
       for_each_used(e, [&](const ArrivalObservation& a) {
+        if (speed_mps_ == 0.0) speed_mps_ = a.model_speed_mps;
+        own_speeds_ = own_speeds_ || a.model_speed_mps != speed_mps_;
+        sigma_s_ = a.sigma_s;
         if (pack_of[a.beacon.index()] == p) return;
         pack_of[a.beacon.index()] = p;
         heard.push_back(a.beacon.value);
@@ -164,6 +155,12 @@ void StopBlock::pack() {
   pack_first_.push_back(slots_.size());
 }
 
+
+void StopBlock::mark_heard(std::vector<char>& beacons, std::vector<char>& receivers) const {
+  for (const Group& g : groups_)
+    for (const std::int32_t b : g.beacons) beacons[static_cast<std::size_t>(b)] = 1;
+  for (const StopSlot& slot : slots_) receivers[first_receiver_ + slot.receiver] = 1;
+}
 
 void StopBlock::put(std::size_t epoch, const Node& node) {
   Lanes* value = states_[epoch / kLanes].value;

@@ -29,6 +29,7 @@ class StopBlock {
   [[nodiscard]] static bool takes(const Trajectory& trajectory, const Segment& segment);
 
   /// @param trajectory  not owned; the nodes of the segments are written by `rewind`
+  /// @param segments    best in an order in which neighbours hear over the same paths
   StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout);
 
   /// Settles the epochs from where they were committed and returns their cost.
@@ -39,10 +40,12 @@ class StopBlock {
   void commit() { committed_ = states_; }
   /// Back to the states committed last, which the trajectory then shows too.
   void rewind();
+  /// Marks the beacons and receivers of the arrivals in use.
+  void mark_heard(std::vector<char>& beacons, std::vector<char>& receivers) const;
 
  private:
   struct Epoch {
-    std::size_t segment = 0, node = 0;
+    std::size_t segment = 0, node = 0, first_arrival = 0, last_arrival = 0;
   };
   /// Packs [first, last) share a list of beacons.
   struct Group {
@@ -56,7 +59,8 @@ class StopBlock {
     double factor[2] = {};
   };
 
-  void order(const std::vector<std::size_t>& segments);
+  /// Asks memory for what a pack needs.
+  void fetch(std::size_t p) const;
   void group();
   void pack();
   [[nodiscard]] StopTables tables_at(const SharedState& state, const RobustLoss& loss);
