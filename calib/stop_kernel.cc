@@ -26,7 +26,7 @@ constexpr int kMaxIterations = 30;
 constexpr double kAtRest = 1e-13;
 /// With plain squares a step that gains less than this share of the cost is taken without looking again: what would be left to
 /// gain after it is smaller by the square of residual over distance.
-constexpr double kLastStep = 1e-9;
+constexpr double kLastStep = 1e-6;
 constexpr double kMinDistanceM = 1e-6;
 
 HWY_INLINE V load(const Lanes& lanes, std::size_t part) { return hn::Load(D(), lanes.of + part); }
