@@ -138,12 +138,14 @@ HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_
 struct Normal {
   V A[4][4];  ///< lower triangle
   V g[4];
+  V bend;     ///< what the bend of the ranges over the heading adds to A[2][2] of the full Hessian
   V cost;
   HWY_INLINE void clear() {
     const V zero = hn::Zero(D());
     for (auto& row : A)
       for (V& v : row) v = zero;
     for (V& v : g) v = zero;
+    bend = zero;
     cost = zero;
   }
 };
@@ -161,6 +163,7 @@ HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, V v00
   out.g[0] = hn::Add(out.g[0], r0);
   out.g[1] = hn::Add(out.g[1], r1);
   out.g[2] = hn::Add(out.g[2], hn::NegMulAdd(a.ry, r0, hn::Mul(a.rx, r1)));
+  out.bend = hn::NegMulAdd(a.rx, r0, hn::NegMulAdd(a.ry, r1, out.bend));
   if constexpr (kOffset) {
     const V e = constants.by_offset;
     out.A[3][0] = hn::MulAdd(e, w0, out.A[3][0]);
@@ -201,6 +204,9 @@ HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_
 }
 
 /// Solves (A + lambda diag A + floor) s = -g by Cholesky; lanes where it is not positive definite come out with `sound` off.
+/// A is that of Gauss and Newton but for the heading: a lever arm is hardly longer than the residuals while the beacons are off, and
+/// steps without its bend then close in slowly. The bend counts down to half of the diagonal, and not where it is beyond all measure:
+/// a state that far off is no case for Newton.
 template <bool kOffset>
 HWY_INLINE void solve(const Normal& normal, V lambda, V* step, hn::Mask<D>& sound) {
   const D d;
@@ -214,7 +220,12 @@ HWY_INLINE void solve(const Normal& normal, V lambda, V* step, hn::Mask<D>& soun
   V y[4];
   sound = hn::Eq(one, one);
   for (int p = 0; p < n; ++p) {
-    V pivot = hn::Add(hn::MulAdd(lambda, A[p][p], A[p][p]), floor);
+    V diagonal = A[p][p];
+    if (p == 2) {
+      const V bent = hn::Max(hn::Add(diagonal, normal.bend), hn::Mul(hn::Set(d, 0.5), diagonal));
+      diagonal = hn::IfThenElse(hn::Le(hn::Abs(normal.bend), diagonal), bent, diagonal);
+    }
+    V pivot = hn::Add(hn::MulAdd(lambda, diagonal, diagonal), floor);
     for (int m = 0; m < p; ++m) pivot = hn::NegMulAdd(L[p][m], L[p][m], pivot);
     sound = hn::And(sound, hn::Gt(pivot, hn::Zero(d)));
     const V inverse = hn::Div(one, hn::Sqrt(hn::Max(pivot, hn::Set(d, 1e-300))));
@@ -277,6 +288,7 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
       for (int q = 0; q <= p; ++q) now.A[p][q] = hn::IfThenElse(better, trial.A[p][q], now.A[p][q]);
       now.g[p] = hn::IfThenElse(better, trial.g[p], now.g[p]);
     }
+    now.bend = hn::IfThenElse(better, trial.bend, now.bend);
     now.cost = hn::IfThenElse(better, trial.cost, now.cost);
     const V calmer = hn::IfThenElse(hn::Lt(lambda, hn::Set(d, 1e-7)), hn::Set(d, 1e-8), hn::Mul(lambda, hn::Set(d, 0.1)));
     lambda = hn::IfThenElse(better, calmer, hn::Max(hn::Mul(lambda, hn::Set(d, 10.0)), hn::Set(d, 1e-5)));

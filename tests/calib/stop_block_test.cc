@@ -141,7 +141,7 @@ TEST(StopBlock, RepeatedArrivalsAndLonelyOnes) {
   for (std::vector<Trajectory>* side : {&s.fast, &s.general}) {
     Trajectory& t = side->front();
     for (std::size_t i = t.segments[4].first_arrival; i < t.segments[4].last_arrival; ++i)
-      if (i > t.segments[4].first_arrival + 2) t.arrivals[i].rejection = Rejection::kLate;
+      if (i > t.segments[4].first_arrival + 6) t.arrivals[i].rejection = Rejection::kLate;
     Trajectory repeated = t;
     repeated.arrivals.clear();
     for (std::size_t k = 0; k < t.segments.size(); ++k) {
