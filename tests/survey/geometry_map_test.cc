@@ -89,17 +89,37 @@ TEST(GeometryMap, SatelliteOverheadAndThreeOnTheHorizon) {
   EXPECT_NEAR(f.tdop[0], std::sqrt(1.0 / 3), 1e-6);
 }
 
-// The least GDOP that n satellites all round can have is sqrt(10 / n): 1.581 for the four of a regular tetrahedron (M. Kihara and
-// T. Okada, A satellite selection method and accuracy for the Global Positioning System, Navigation 31 (1984) 8-20), 1.291 for the
-// six of an octahedron (S. Xue and Y. Yang, Positioning configurations with the lowest GDOP, J. Geod. 89 (2015) 49-71).
+// With S = sum u u' of trace n and s = sum u, H'H = [[S, s], [s', n]]; by Schur complements its inverse has the blocks
+// (S - s s'/n)^-1 >= S^-1 and 1 / (n - s' S^-1 s) >= 1/n, and tr S^-1 >= 9 / tr S: no GDOP of n satellites is below sqrt(10 / n),
+// and those of a regular tetrahedron and of an octahedron (s = 0, S = n/3 I) reach it.
 TEST(GeometryMap, LeastDilutionOfPlatonicConstellations) {
   constexpr double kFar = 2.0e7;
   SurveyModel tetrahedron = bare_model(Motion::kSpatial, Clock::kCycleOffset), octahedron = tetrahedron;
   for (int i = 0; i < 4; ++i) tetrahedron.beacons.push_back({"S", Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, (i == 0 || i == 3) ? 1 : -1).normalized() * kFar});
   for (int i = 0; i < 6; ++i) octahedron.beacons.push_back({"S", Eigen::Vector3d::Unit(i / 2) * (i % 2 ? kFar : -kFar)});
-  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], 1.581, 5e-4);   // as printed
-  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 4), 1e-6);
-  EXPECT_NEAR(evaluate_poses(octahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 6), 1e-6);
+  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 4), 1e-9);
+  EXPECT_NEAR(evaluate_poses(octahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 6), 1e-9);
+  Random draw(10);
+  for (int n = 4; n < 30; ++n) {
+    SurveyModel any = bare_model(Motion::kSpatial, Clock::kCycleOffset);
+    for (int i = 0; i < n; ++i) any.beacons.push_back({"S", draw.normal3().normalized() * kFar});
+    EXPECT_GE(evaluate_poses(any, at(0, 0)).gdop[0], std::sqrt(10.0 / n)) << n;
+  }
+}
+
+// Published: Stanford NAV Lab, gnss_lib_py, tests/utils/test_metrics.py (test_simple_dop, 7 Feb 2024): satellites at elevations of
+// 0, 0, 45, 45 and 90 degrees at azimuths of 0, 90, 180, 270 and 0.
+TEST(GeometryMap, FiveSatellitesAsPublished) {
+  SurveyModel model = bare_model(Motion::kSpatial, Clock::kCycleOffset);
+  constexpr double kFar = 2.0e7;
+  const double half = std::sqrt(0.5), root2 = std::sqrt(2.0);
+  for (const Eigen::Vector3d& east_north_up : {Eigen::Vector3d(0, 1, 0), {1, 0, 0}, {0, -half, half}, {-half, 0, half}, {0, 0, 1}}) model.beacons.push_back({"S", kFar * east_north_up});
+  const auto f = evaluate_poses(model, at(0, 0));
+  EXPECT_NEAR(f.gdop[0], std::sqrt(23.0 / 3), 1e-9);
+  EXPECT_NEAR(f.pdop[0], std::sqrt(77.0 / 3) / 2, 1e-9);
+  EXPECT_NEAR(f.hdop[0], std::sqrt(25.0 / 6 - root2), 1e-9);
+  EXPECT_NEAR(f.vdop[0], std::sqrt(9.0 / 4 + root2), 1e-9);
+  EXPECT_NEAR(f.tdop[0], std::sqrt(5.0) / 2, 1e-9);
 }
 
 TEST(GeometryMap, NothingDeterminedIsNoFix) {
