@@ -41,6 +41,26 @@ TEST(SurveyCommand, KeysOfTheContract) {
   EXPECT_EQ(bins["rows"][0].size(), 20u);
 }
 
+TEST(SurveyCommand, SaysWhoFiresWhen) {
+  const TemporaryFolder folder;
+  const Outcome text = octant({"survey", kAisles, "--cell", "0.5", "--failures", "0", "-o", folder / "r.md"});
+  ASSERT_EQ(text.exit, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("fires at"));
+  EXPECT_THAT(text.out, HasSubstr("\ncycle            "));
+  EXPECT_THAT(slurp(folder / "r.md"), HasSubstr("## Firing schedule"));
+  auto planned = octant({"plan", kAisles, "--schedule", "--json"}).json();
+  auto told = octant({"survey", kAisles, "--json", "--failures", "0"}).json()["schedule"];
+  std::size_t beacons = 0;
+  for (const auto& group : told["groups"]) beacons += group["beacons"].size();
+  EXPECT_EQ(beacons, 18U);
+  for (const auto& [key, value] : told.items()) EXPECT_EQ(value, planned[key]) << key;  // the same as when asked for
+  // Nothing says how far a pulse is heard: no schedule, and no fault.
+  spit(folder / "site.yaml", aisles("  acoustics: {frequency_hz: 40000, amplitude_1m_v: 8.0, threshold_v: 0.02}\n", ""));
+  const auto silent = octant({"survey", folder / "site.yaml", "--json", "--cell", "0.5", "--failures", "0"});
+  EXPECT_EQ(silent.exit, 0) << silent.err;
+  EXPECT_TRUE(silent.json().at("schedule").is_null());
+}
+
 TEST(SurveyCommand, WritesPageTableAndEveryMap) {
   const TemporaryFolder folder;
   const Outcome survey = octant({"survey", kAisles, "--cell", "0.5", "-o", folder / "r.html", "--csv", folder / "c.csv", "--maps", folder / "maps"});
