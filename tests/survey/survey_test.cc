@@ -12,7 +12,9 @@
 #include "models/random.h"
 #include "models/receiver_array.h"
 #include "survey/binned_map.h"
+#include "survey/calibration_map.h"
 #include "survey/map_svg.h"
+#include "survey/map_tiles.h"
 #include "survey/mirror.h"
 #include "survey/polygon.h"
 #include "survey/scene_check.h"
@@ -149,6 +151,84 @@ TEST(Survey, SumsAreThoseOfTheMaps) {
   ASSERT_EQ(survey.routes.size(), 1u);
   EXPECT_EQ(survey.routes[0].poses.size(), 1u + 20u + 12u);
   EXPECT_NEAR(survey.routes[0].poses.heading_rad.back(), std::numbers::pi / 2, 1e-12);
+}
+
+/// A deployment of the small site's beacons, each known to some millimetres, the speed to 0.2 m/s.
+Deployment small_deployment() {
+  Scenario scenario = test::hall_scenario();
+  scenario.site = small_site();
+  scenario.hall_m = {12, 8};
+  scenario.path.epochs = scenario.heldout_path.epochs = 1;
+  Deployment d = must(simulate(scenario, 1)).truth;
+  for (std::size_t b = 0; b < d.beacons.size(); ++b) d.beacons[b].covariance_m2 = 1e-6 * static_cast<double>(b + 1) * Eigen::Vector3d(1, 2, 3).asDiagonal();
+  d.speed_sigma_mps = 0.2;
+  d.tolerance.fix_m = 0.006;
+  return d;
+}
+
+// The maps of a survey against the figures at one pose and the calibration's part there.
+TEST(Survey, TotalAndProtectionHoldTheCalibrationsPart) {
+  const Scene scene = small_scene();
+  const Deployment deployment = small_deployment();
+  SurveyModel model = must(make_survey_model(deployment, scene));
+  model.hearing.range_m = 9.0;
+  const auto survey = must(run_survey(model, scene, &deployment));
+  ASSERT_TRUE(survey.calibrated);
+  const auto map = [&](const char* name, std::size_t i) { return static_cast<double>(survey.find(name)->values[i]); };
+  const CalibrationMap calibration(deployment, model);
+  const KernelModel kernel = kernel_model(model, model.beacons);
+  const PoseList poses = poses_of(survey.grid, 0.0, 0.0);
+  const auto f = evaluate_poses(model, poses);
+  std::size_t within = 0, noise_alone_within = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    within += map("total_m", i) <= 0.006, noise_alone_within += map("sigma_m", i) <= 0.006;
+    if (i % 7 != 0 || f.sigma_m[i] == kNoFix) continue;
+    const PoseAt at{poses.x_m[i], poses.y_m[i], 0.0, 0.0};
+    KernelTile tile;
+    fill_tile(kernel, model.walls, poses, i, 1, tile);
+    std::vector<std::vector<HeardPath>> paths(1);
+    std::vector<SystematicPart> part(1);
+    heard_paths(model, kernel, tile, at, paths[0]);
+    calibration.systematic(model, paths, part);
+    const double systematic_m2 = part[0].xx_m2 + part[0].yy_m2;
+    const auto near = [&](const char* name, double expected) { EXPECT_NEAR(map(name, i), expected, 1e-5 * expected) << name << " " << i; };  // floats
+    near("sigma_m", f.sigma_m[i]);
+    near("calibration_m", std::sqrt(systematic_m2));
+    near("total_m", std::sqrt(f.sigma_m[i] * f.sigma_m[i] + systematic_m2));
+    near("speed_part_m", f.shift_by_speed_m[i] * 0.2 / model.speed_mps);
+    if (f.fault_shift_m[i] == kNoFix) continue;
+    Eigen::Matrix2d C;
+    C << f.sigma_x_m[i] * f.sigma_x_m[i] + part[0].xx_m2, f.covariance_xy_m2[i] + part[0].xy_m2, 0, f.sigma_y_m[i] * f.sigma_y_m[i] + part[0].yy_m2;
+    C(1, 0) = C(0, 1);
+    near("protection_m", f.fault_shift_m[i] + 3.29 * std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C).eigenvalues()[1]));
+  }
+  EXPECT_LT(within, noise_alone_within) << "the calibration's part matters here";
+  EXPECT_GT(within, 0u);
+  EXPECT_DOUBLE_EQ(survey.covered_fraction, static_cast<double>(within) / static_cast<double>(poses.size()));
+  // A beacon's failure is held against the tolerance with the calibration's part of the whole geometry.
+  for (const Loss& loss : survey.failures) {
+    SurveyModel less = model;
+    less.beacons.erase(less.beacons.begin() + static_cast<std::ptrdiff_t>(loss.first));
+    const auto after = must(run_survey(less, scene, nullptr, {.failures = 0, .integrity = false})).find("sigma_m")->values;
+    std::size_t out = 0;
+    for (std::size_t i = 0; i < poses.size(); ++i) out += map("total_m", i) <= 0.006 && !(std::hypot(static_cast<double>(after[i]), map("calibration_m", i)) <= 0.006);
+    EXPECT_EQ(loss.poses_out, out) << loss.first;
+  }
+}
+
+TEST(Survey, OfSeveralHeadingsTheWorstCounts) {
+  Scene scene = small_scene();
+  scene.headings = 6;
+  SurveyModel model = must(make_survey_model(small_site(4), scene));
+  const auto survey = must(run_survey(model, scene, nullptr, {.failures = 0}));
+  std::vector<double> worst(survey.grid.cells.size(), 0.0), first;
+  for (int h = 0; h < 6; ++h) {
+    const auto sigma = evaluate_poses(model, poses_of(survey.grid, h * std::numbers::pi / 3, 0.0)).sigma_m;
+    if (h == 0) first = sigma;
+    for (std::size_t i = 0; i < worst.size(); ++i) worst[i] = std::max(worst[i], sigma[i]);
+  }
+  EXPECT_NE(worst, first) << "headings matter here";
+  for (std::size_t i = 0; i < worst.size(); ++i) EXPECT_FLOAT_EQ(survey.find("sigma_m")->values[i], static_cast<float>(worst[i])) << i;
 }
 
 // What is measured at c1 and taken for c0 is wrong by d (c0 / c1 - 1); the plain least-squares fix of such ranges.
