@@ -21,6 +21,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kEllipsoid95 = 2.7955;       // square root of chi-square's 0.95 quantile, 3 degrees of freedom
 constexpr int kCircle = 28;                   // points of one
+constexpr std::size_t kMostLineNames = 40;    // of more walls or routes the names would hide the map; the pointer still tells them
 
 /// plotly.js reads labels as a kind of HTML, of which it knows few entities.
 std::string label(const std::string& text) {
@@ -171,9 +172,34 @@ void add_beacons(Json& data, const Deployment& d, double exaggeration, double si
     if (!trace["x"].empty()) data.push_back(std::move(trace));
 }
 
+/// All lines of a kind in one trace, parted by gaps; each tells its name at its corners, and shows it at the first.
+Json lines_trace(const std::vector<NamedLine>& lines, const char* kind, const char* dash, double size) {
+  Json trace = line_trace(kind, "var(--ink)", dash);
+  const bool named = lines.size() <= kMostLineNames;
+  if (named) trace.update({{"mode", "lines+text"}, {"textposition", "top right"}, {"text", Json::array()}});
+  trace["hovertext"] = Json::array();
+  trace["hovertemplate"] = "%{hovertext}<br>x %{x} m, y %{y} m<extra></extra>";
+  const auto tell = [&](const std::string& text, const std::string& hover) {
+    if (named) trace["text"].push_back(text);
+    trace["hovertext"].push_back(hover);
+  };
+  for (const NamedLine& line : lines) {
+    const std::size_t n = line.points_m.size(), corners = n + (line.closed && n > 0 ? 1 : 0);
+    const std::string name = label(line.name), hover = name.empty() ? kind : kind + (" " + name);
+    for (std::size_t i = 0; i < corners; ++i) {
+      const Eigen::Vector2d& p = line.points_m[i % n];
+      put(trace, {p.x(), p.y(), 0}, size, false);
+      tell(i == 0 ? name : "", hover);
+    }
+    put_gap(trace, false);
+    tell("", "");
+  }
+  return trace;
+}
+
 }  // namespace
 
-std::string plan_figure_json(const PlanInput& input) {
+std::string plan_figure_json(const PlanInput& input, const PlanLines& lines) {
   const PlanFrame frame = plan_frame(input);
   const double size = frame.extent_m();
   Json data = Json::array();
@@ -185,6 +211,8 @@ std::string plan_figure_json(const PlanInput& input) {
     put(area, {input.deployment.validity_area_m[0].x(), input.deployment.validity_area_m[0].y(), 0}, size, false);
     data.push_back(std::move(area));
   }
+  if (!lines.walls.empty()) data.push_back(lines_trace(lines.walls, "wall", "solid", size));
+  if (!lines.routes.empty()) data.push_back(lines_trace(lines.routes, "route", "dash", size));
   add_tracks(data, input, size, false);
   add_beacons(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, false);
   for (std::size_t k = 0; k < input.maps.size(); ++k) {

@@ -99,7 +99,11 @@ ReportFigure maps(const Survey& s) {
     figure.layers.push_back(map.title);
     live.maps.push_back(live_map(s, map));
   }
-  figure.interactive = plan_figure_json(live);
+  PlanLines lines;
+  for (const SceneWall& wall : s.scene.walls)
+    if (wall.blocks_sound) lines.walls.push_back({wall.name, wall.points_m, wall.solid});
+  for (const SceneRoute& route : s.scene.routes) lines.routes.push_back({route.name, route.points_m});
+  figure.interactive = plan_figure_json(live, lines);
   return figure;
 }
 

@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "models/random.h"
 #include "models/receiver_array.h"
@@ -282,6 +283,31 @@ TEST(Survey, MirrorImagesWhereBeaconsStandInALine) {
   EXPECT_EQ(must(run_survey(must(make_survey_model(site, scene)), scene, nullptr)).mirror_fraction, 0.0);
 }
 
+// The quick look before the adjustment leaves no image out: beacons a centimetre off a line, whose images still explain the ranges.
+TEST(Survey, MirrorFilterLetsEveryImageThrough) {
+  Scene scene = small_scene();
+  scene.walls.clear();
+  Site site = small_site(0);
+  for (int i = 0; i < 4; ++i) site.beacons.push_back(test::beacon("L" + std::to_string(i), {3.0 * i + 1, 4.0 + 0.01 * (i % 2), 2.5}, 0.0));
+  site.receivers.resize(1);
+  site.receivers[0].axis.reset();
+  site.vehicles[0].receiver_count = 1;
+  const SurveyModel model = must(make_survey_model(site, scene));
+  MirrorFilter filter;
+  std::size_t images = 0;
+  for (double x = 0.5; x < 12; x += 0.7)
+    for (double y = 0.3; y < 8; y += 0.6) {
+      const PoseAt pose{x, y, 0, 0.3};
+      std::vector<HeardPath> paths;
+      for (std::size_t b = 0; b < 4; ++b)
+        for (std::size_t r = 0; r < model.receivers.size(); ++r) paths.push_back(path_between(model, b, r, pose));
+      if (!mirror_image(model, pose, paths).ambiguous) continue;
+      ++images;
+      EXPECT_TRUE(filter.may_have_image(model, pose, {0, 1, 2, 3})) << x << ", " << y;
+    }
+  EXPECT_GT(images, 10u);
+}
+
 TEST(Survey, ReachAndAbsorption) {
   Scene scene = small_scene();
   scene.acoustics = {.frequency_hz = 40000, .amplitude_1m_v = 10.0, .threshold_v = 0.1};
@@ -361,6 +387,31 @@ TEST(SurveyPage, NamesFromDataAreEscapedAndNothingRuns) {
   for (const char* raw : {"<script", "<i>", "<b>", "<x>", "<w>", "http://localhost", " src="}) EXPECT_THAT(html, Not(HasSubstr(raw)));
   EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
   EXPECT_THAT(survey_csv(survey), HasSubstr("\"a\"\"b<i>"));
+}
+
+TEST(SurveyPage, LivePlanHasWallsAndRoutesByName) {
+  Scene scene = small_scene();
+  scene.walls[0].name = "</script><b>";
+  scene.walls.push_back({.name = "glass", .points_m = {{1, 6}, {2, 6}}, .blocks_sound = false});
+  scene.routes[0].name = "a & b";
+  const auto survey = must(run_survey(must(make_survey_model(small_site(), scene)), scene, nullptr));
+  const auto document = survey_document(survey, {});
+  const ReportFigure* figure = nullptr;
+  for (const auto& section : document.sections)
+    for (const auto& block : section.blocks)
+      if (const auto* f = std::get_if<ReportFigure>(&block)) figure = f;
+  ASSERT_NE(figure, nullptr);
+  EXPECT_EQ(figure->interactive.find_first_of("<>&"), std::string::npos);
+  const auto data = nlohmann::json::parse(figure->interactive)["data"];
+  const auto trace = [&](const char* name) { return *std::find_if(data.begin(), data.end(), [&](const auto& t) { return t["name"] == name; }); };
+  const auto walls = trace("wall"), route = trace("route");
+  // The column closed, the curtain open; what lets sound through is no wall here.
+  EXPECT_EQ(walls["x"], nlohmann::json::parse("[5, 7, 7, 5, 5, null, 9, 9, null]"));
+  EXPECT_EQ(walls["y"], nlohmann::json::parse("[3, 3, 5, 5, 3, null, 0, 4, null]"));
+  EXPECT_EQ(walls["text"][0], "&lt;/script&gt;&lt;b&gt;");  // plotly.js reads labels as HTML
+  EXPECT_EQ(walls["hovertext"][6], "wall curtain");
+  EXPECT_EQ(route["x"].size(), 4u);
+  EXPECT_EQ(route["text"][0], "a &amp; b");
 }
 
 TEST(BinnedMap, ABinHoldsTheWorstOfItsCells) {
