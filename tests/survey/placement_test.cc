@@ -84,6 +84,29 @@ TEST(Placement, NeverWorseThanGreedyByAnyAlgorithm) {
   EXPECT_FALSE(global_algorithm("newton"));
 }
 
+// Between the grid's places: what NLopt's algorithms add to greedy choices and exchanges, and that both kinds are asked.
+TEST(Placement, NloptGainsOnTheGrid) {
+  const Hall hall = test::warehouse_hall();
+  const SurveyModel model = model_of(hall);
+  PlacementOptions o = quick();
+  o.evaluations = 400;
+  bool local = false, global = false;  // by the shares of the work that they report
+  o.on_progress = [&](double share) {
+    local = local || (share > 0.31 && share < 0.59);
+    global = global || (share > 0.61 && share < 0.84);
+    return true;
+  };
+  const double both_m = must(place_beacons(model, hall.scene, 5, o)).figures.objective_m;
+  EXPECT_TRUE(local);
+  EXPECT_TRUE(global);
+  o.local = LocalAlgorithm::kNone;
+  o.global = GlobalAlgorithm::kNone;
+  local = global = false;
+  const double grid_m = must(place_beacons(model, hall.scene, 5, o)).figures.objective_m;
+  EXPECT_FALSE(local || global);
+  EXPECT_LT(both_m, 0.95 * grid_m);
+}
+
 TEST(Placement, EachGoalIsBestByItsOwnMeasure) {
   const Hall hall = test::rectangle_hall();
   const SurveyModel model = model_of(hall);
