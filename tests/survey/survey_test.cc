@@ -414,6 +414,32 @@ TEST(SurveyPage, LivePlanHasWallsAndRoutesByName) {
   EXPECT_EQ(route["text"][0], "a &amp; b");
 }
 
+// Rec. 709 luminance: a grey print keeps the order of the colours, and people who see fewer hues keep it too.
+TEST(BinnedMap, ColoursGetLighterAndCostsFall) {
+  BinnedMap scale{.columns = 101, .rows = 1};
+  scale.low = 2.0, scale.high = 4.0;
+  for (int i = 0; i <= 100; ++i) scale.bins.push_back(BinnedMap::Bin::kValue), scale.values.push_back(2.0 + 0.02 * i);
+  const auto luminance = [&](std::size_t i) {
+    const auto c = colour_of(scale, i);
+    return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+  };
+  for (std::size_t i = 5; i <= 100; i += 5) EXPECT_GT(luminance(i), luminance(i - 5)) << i;
+  EXPECT_GT(luminance(100), 4 * luminance(0));
+  // map_server's scale: 254 free, 0 occupied.
+  const auto costs = costs_of(scale);
+  EXPECT_EQ(costs.front(), 254);
+  EXPECT_EQ(costs.back(), 1);
+  for (std::size_t i = 1; i <= 100; ++i) EXPECT_LT(costs[i], costs[i - 1]);
+  scale.values[50] = 4.1;
+  scale.bins[51] = BinnedMap::Bin::kEmpty;
+  scale.bins[52] = BinnedMap::Bin::kOffFloor;
+  EXPECT_EQ(costs_of(scale)[50], 0);
+  EXPECT_EQ(costs_of(scale)[51], 0);
+  EXPECT_EQ(costs_of(scale)[52], 205);  // unknown
+  scale.low_is_bad = true;
+  EXPECT_EQ(costs_of(scale).front(), 1);
+}
+
 TEST(BinnedMap, ABinHoldsTheWorstOfItsCells) {
   Scene scene = small_scene();
   const auto survey = must(run_survey(must(make_survey_model(small_site(), scene)), scene, nullptr));
