@@ -124,6 +124,32 @@ TEST(Placement, EachGoalIsBestByItsOwnMeasure) {
   EXPECT_LE(of[2].mean_m, kShortOfTheBest * std::min(of[0].mean_m, of[1].mean_m));
 }
 
+// What a plan is held against: evenly spaced beacons at the best of several phases, and the median of random layouts.
+TEST(Placement, RegularAndRandomAreWhatTheySay) {
+  const Hall hall = test::rectangle_hall();
+  const SurveyModel model = model_of(hall);
+  const PlacementOptions o = quick();
+  const Placement p = must(place_beacons(model, hall.scene, 6, o));
+  const MountSpace space = must(MountSpace::of(hall.scene));
+  const auto objective_m = [&](const std::vector<MountPoint>& points) {
+    SurveyModel with = model;
+    for (const MountPoint& point : points) with.beacons.push_back(space.beacon(point));
+    return must(layout_figures(with, hall.scene, o)).objective_m;
+  };
+  double best_m = INFINITY;
+  for (int phase = 0; phase < 8; ++phase) best_m = std::min(best_m, objective_m(space.regular(6, phase / 8.0)));
+  EXPECT_NEAR(p.regular.objective_m, best_m, 1e-9 * best_m);
+  // Six along a round of 76 m: equal steps.
+  for (const auto& points = space.regular(6, 0.25); const std::size_t k : {0U, 2U, 4U}) EXPECT_NEAR(points[k + 1].along - points[k].along, 1.0 / 6, 1e-12);
+  Random draws(77);
+  std::vector<double> random_m;
+  for (int i = 0; i < 200; ++i) random_m.push_back(objective_m(space.random(6, draws)));
+  std::sort(random_m.begin(), random_m.end());
+  // The median of 25 is between these quantiles of all layouts but for a chance of 1e-4 or so.
+  EXPECT_GT(p.random.objective_m, random_m[30]);
+  EXPECT_LT(p.random.objective_m, random_m[170]);
+}
+
 TEST(Placement, KeptBeaconsStayAndHelp) {
   Hall hall = test::rectangle_hall();
   hall.site.beacons = {test::beacon("old", {0.1, 0.1, 3.0}, 0.1), test::beacon("B0", {23.9, 13.9, 3.0}, 0.1)};
