@@ -21,6 +21,7 @@ struct NamedLine {
 };
 struct PlanLines {
   std::vector<NamedLine> walls, routes;
+  std::string area = "calibrated area", beacon = "calibrated beacon";  ///< as the legend calls them
 };
 
 /// @param lines  drawn over the maps, with their names where they are few

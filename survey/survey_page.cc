@@ -61,7 +61,7 @@ ReportTable routes(const Survey& s) {
 
 ReportSection firing(const Survey& s, const FloorSchedule& schedule) {
   const FiringPlan& plan = schedule.plan;
-  ReportTable table{"schedule-table", "Who fires when", {{"slot"}, {"fires at"}, {"beacons", true}}, {}};
+  ReportTable table{"schedule-table", "Who fires when", {{"slot", true}, {"fires at"}, {"beacons", true}}, {}};
   for (std::size_t g = 0; g < plan.groups.size(); ++g) {
     std::string names;
     for (const std::size_t b : plan.groups[g]) names += (names.empty() ? "" : ", ") + s.model.beacons[b].name;
@@ -100,6 +100,7 @@ ReportFigure maps(const Survey& s) {
     live.maps.push_back(live_map(s, map));
   }
   PlanLines lines;
+  lines.area = "floor", lines.beacon = "beacon";
   for (const SceneWall& wall : s.scene.walls)
     if (wall.blocks_sound) lines.walls.push_back({wall.name, wall.points_m, wall.solid});
   for (const SceneRoute& route : s.scene.routes) lines.routes.push_back({route.name, route.points_m});
