@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -68,18 +69,20 @@ TEST(Placement, TheSameAgainWithItsSeed) {
 }
 
 TEST(Placement, NeverWorseThanGreedyByAnyAlgorithm) {
-  const Hall hall = test::l_hall();
+  // Ten beacons: greedy choices cover this hall and are better than some that a search sets out from.
+  const Hall hall = test::rectangle_hall();
   const SurveyModel model = model_of(hall);
   for (const char* global : {"none", "crs2", "direct", "isres", "esch"})
     for (const char* local : {"none", "bobyqa", "cobyla", "sbplx"}) {
+      if (global != std::string("none") && local != std::string("none")) continue;  // each algorithm once
       PlacementOptions o = quick();
       o.global = global_algorithm(global).value();
       o.local = local_algorithm(local).value();
       o.evaluations = 30;
       EXPECT_STREQ(to_string(o.global), global);
       EXPECT_STREQ(to_string(o.local), local);
-      const Placement p = must(place_beacons(model, hall.scene, 7, o));
-      EXPECT_TRUE(p.greedy.covers_all()) << "or it would be easy to be no worse";
+      const Placement p = must(place_beacons(model, hall.scene, 10, o));
+      EXPECT_LT(p.greedy.objective_m, p.regular.objective_m);
       EXPECT_LE(p.figures.objective_m, p.greedy.objective_m) << global << " " << local;
     }
   EXPECT_FALSE(global_algorithm("newton"));
