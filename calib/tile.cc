@@ -21,6 +21,8 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kNodesPerTile = 512;
+/// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the columns it touches.
+constexpr std::size_t kBeaconsPerSparseTile = 24;
 
 }  // namespace
 
@@ -313,17 +315,31 @@ std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const Parame
     std::vector<std::size_t> stops{}, general{};
   };
   std::vector<Part> parts;
+  std::vector<std::size_t> heard_in(layout.beacon.size(), 0);  // the last part, counted from one, that heard each beacon
   for (Trajectory& t : trajectories) {
-    std::size_t nodes = 0;
+    std::size_t nodes = 0, beacons = 0;
     Part part{&t};
+    const auto close = [&] {
+      if (nodes > 0) parts.push_back(std::exchange(part, {&t}));
+      nodes = beacons = 0;
+    };
+    const auto new_beacons = [&](const Segment& s) {
+      std::size_t count = 0;
+      for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
+        if (std::size_t& last = heard_in[t.arrivals[i].beacon.index()]; last != parts.size() + 1) {
+          last = parts.size() + 1;
+          ++count;
+        }
+      return count;
+    };
     for (const SegmentKey& key : tile_order(t, layout, threads)) {
+      const Segment& segment = t.segments[key.segment];
+      if (!is_dense(layout)) beacons += new_beacons(segment);
       (key.stop ? part.stops : part.general).push_back(key.segment);
-      nodes += t.segments[key.segment].last_node - t.segments[key.segment].first_node;
-      if (nodes < kNodesPerTile) continue;
-      parts.push_back(std::exchange(part, {&t}));
-      nodes = 0;
+      nodes += segment.last_node - segment.first_node;
+      if (nodes >= kNodesPerTile || beacons > kBeaconsPerSparseTile) close();
     }
-    if (nodes > 0) parts.push_back(std::move(part));
+    close();
   }
   std::vector<std::optional<Tile>> made(parts.size());
   for_each_parallel(parts.size(), threads,
