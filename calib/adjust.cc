@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
-#include <thread>
 
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
@@ -18,23 +17,55 @@
 namespace octant::calib {
 namespace {
 
+/// A reduced system as residuals: H = R'R, g = R'z, and one row more so that half their squares are the cost.
+struct Residuals {
+  Eigen::MatrixXd R;
+  Eigen::VectorXd z;
+  double rest = 0.0;
+};
+
+Residuals residuals_of(const ReducedSystem& system) {
+  Residuals out;
+  const Eigen::VectorXd scale = system.H.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt((inverse.asDiagonal() * system.H * inverse.asDiagonal()).eval());
+  const Eigen::VectorXd d = ldlt.vectorD();
+  // P' L D L' P: rank-deficient directions (nothing in this tile sees them) get a zero row.
+  Eigen::VectorXd y = ldlt.transpositionsP() * (inverse.asDiagonal() * system.gradient).eval();
+  ldlt.matrixL().solveInPlace(y);
+  const Eigen::MatrixXd L = ldlt.matrixL();
+  out.R = (ldlt.transpositionsP().transpose() * L).transpose();  // (P' L)' = L' P
+  out.z.setZero(d.size());
+  for (Eigen::Index i = 0; i < d.size(); ++i) {
+    const double root = d[i] > 1e-13 ? std::sqrt(d[i]) : 0.0;
+    out.R.row(i) *= root;
+    if (root > 0) out.z[i] = y[i] / root;
+  }
+  out.R = out.R * scale.asDiagonal();
+  out.rest = std::sqrt(std::max(0.0, 2.0 * system.cost - out.z.squaredNorm()));
+  return out;
+}
+
 /// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate is settled, and where
 /// it is taken only its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
-  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout, const Eigen::VectorXd* its_x, const RobustLoss* its_loss)
-      : observations(all), tiles(all_tiles), layout(its_layout), x(its_x), loss(its_loss), dense(tiles == nullptr || is_dense(*its_layout)) {}
+  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout, const Eigen::VectorXd* its_x, const RobustLoss* its_loss,
+                  int its_threads)
+      : observations(all), tiles(all_tiles), layout(its_layout), x(its_x), loss(its_loss), threads(its_threads),
+        dense(tiles == nullptr || is_dense(*its_layout)) {}
 
   SystemSum* observations;
   TileSum* tiles;                     ///< the same, where each may be asked for its own
   const ParameterLayout* layout;
   const Eigen::VectorXd* x;
   const RobustLoss* loss;
+  int threads;
   bool dense;
   SharedState state;
   double cost = 0.0;
   bool settled = false;
-  ReducedSystem sum;                  ///< dense
-  std::vector<ReducedSystem> systems; ///< else, of each tile
+  ReducedSystem sum;                 ///< dense
+  std::vector<Residuals> residuals;  ///< of the sum; else of each tile
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
     if (new_evaluation_point || !settled) {
@@ -45,47 +76,31 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     if (!evaluate_jacobians) return;
     if (dense) {
       observations->reduce(state, *loss, sum);
-    } else {
-      tiles->reduce_each(state, *loss, systems);
+      residuals.assign(1, residuals_of(sum));
+      return;
     }
+    std::vector<ReducedSystem> systems;
+    tiles->reduce_each(state, *loss, systems);
+    residuals.resize(systems.size());
+    for_each_parallel(systems.size(), threads, [&](std::size_t i) {
+      residuals[i] = residuals_of(systems[i]);
+      systems[i] = {};
+    });
   }
 };
 
-/// Square root of a positive semidefinite matrix and the matching residual: H = R'R, g = R'z.
-void square_root(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, Eigen::MatrixXd& R, Eigen::VectorXd& z) {
-  const Eigen::VectorXd scale = H.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt((inverse.asDiagonal() * H * inverse.asDiagonal()).eval());
-  const Eigen::VectorXd d = ldlt.vectorD();
-  // P' L D L' P: rank-deficient directions (nothing in this tile sees them) get a zero row.
-  Eigen::VectorXd y = ldlt.transpositionsP() * (inverse.asDiagonal() * g).eval();
-  ldlt.matrixL().solveInPlace(y);
-  const Eigen::MatrixXd L = ldlt.matrixL();
-  R = (ldlt.transpositionsP().transpose() * L).transpose();  // (P' L)' = L' P
-  z.setZero(d.size());
-  for (Eigen::Index i = 0; i < d.size(); ++i) {
-    const double root = d[i] > 1e-13 ? std::sqrt(d[i]) : 0.0;
-    R.row(i) *= root;
-    if (root > 0) z[i] = y[i] / root;
-  }
-  R = R * scale.asDiagonal();
-}
-
-/// A reduced system as a cost function over parameter blocks that cover its columns in their order.
-void as_residuals(const ReducedSystem& system, const ParameterLayout& layout, const std::vector<int>& blocks, double* residuals, double** jacobians) {
-  const Eigen::Index n = system.gradient.size();
-  Eigen::MatrixXd R;
-  Eigen::VectorXd z;
-  square_root(system.H, system.gradient, R, z);
+/// Residuals as Ceres wants them, over parameter blocks that cover their columns in order.
+void hand_over(const Residuals& from, const ParameterLayout& layout, const std::vector<int>& blocks, double* residuals, double** jacobians) {
+  const Eigen::Index n = from.z.size();
   Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
-  out.head(n) = z;
-  out[n] = std::sqrt(std::max(0.0, 2.0 * system.cost - z.squaredNorm()));
+  out.head(n) = from.z;
+  out[n] = from.rest;
   Eigen::Index column = 0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const int size = layout.blocks[static_cast<std::size_t>(blocks[i])].size;
     if (jacobians[i] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(jacobians[i], n + 1, size);
-      J.topRows(n) = R.middleCols(column, size);
+      J.topRows(n) = from.R.middleCols(column, size);
       J.row(n).setZero();
     }
     column += size;
@@ -112,7 +127,7 @@ class TileCost : public ceres::CostFunction {
       std::fill(residuals, residuals + num_residuals() - 1, 0.0);
       residuals[num_residuals() - 1] = std::sqrt(2.0 * cost);
     } else {
-      as_residuals(tile_ < 0 ? point_->sum : point_->systems[static_cast<std::size_t>(tile_)], *point_->layout, blocks_, residuals, jacobians);
+      hand_over(point_->residuals[static_cast<std::size_t>(std::max(tile_, 0))], *point_->layout, blocks_, residuals, jacobians);
     }
     return std::isfinite(cost);
   }
@@ -216,8 +231,8 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
   ceres_options.minimizer_progress_to_stdout = false;
   ceres_options.logging_type = ceres::SILENT;
   ceres_options.max_num_iterations = options.max_iterations;
-  // Ceres grumbles on standard error over more threads than there are cores.
-  ceres_options.num_threads = std::clamp(options.workers.threads, 1, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  // The work is in EvaluationPoint. With more threads Ceres adds costs up in the order in which these come to them.
+  ceres_options.num_threads = 1;
   ceres_options.function_tolerance = options.function_tolerance;
   ceres_options.gradient_tolerance = 1e-9;
   ceres_options.parameter_tolerance = 1e-12;
@@ -230,7 +245,7 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
 AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, TileSum* tiles, Eigen::VectorXd& x,
                         const AdjustOptions& options) {
   AdjustResult result;
-  EvaluationPoint point(&observations, tiles, &layout, &x, &options.loss);
+  EvaluationPoint point(&observations, tiles, &layout, &x, &options.loss, options.workers.threads);
   point.state = layout.state_of(x);
   if (layout.size() == 0) {  // everything is held: only the vehicle states move
     result.cost = observations.settle(point.state, options.loss);

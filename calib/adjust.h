@@ -10,9 +10,11 @@
 #include <Eigen/SparseCore>
 
 #include "calib/parameters.h"
-#include "calib/tile_sum.h"
+#include "calib/ranks.h"
 
 namespace octant::calib {
+
+class SystemSum;
 
 struct AdjustOptions {
   RobustLoss loss;

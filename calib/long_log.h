@@ -7,7 +7,7 @@
 #include "calib/log_index.h"
 #include "calib/parameters.h"
 #include "calib/problem.h"
-#include "calib/tile_sum.h"
+#include "calib/ranks.h"
 
 namespace octant::calib {
 

@@ -22,4 +22,10 @@ class Ranks {
   Ranks& operator=(const Ranks&) = default;
 };
 
+/// Who works on the tiles; the result does not depend on it.
+struct Workers {
+  int threads = 1;
+  const Ranks* ranks = nullptr;  ///< not owned; null: this process is alone
+};
+
 }  // namespace octant::calib

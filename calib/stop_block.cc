@@ -4,23 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 #include "calib/tile.h"
 
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kMaxLocal = 255;  ///< indices within a group are bytes
+/// A group is closed where new beacons come once it has so many packs: adding it to the tile's system is then a small part.
+constexpr std::size_t kEnoughPacks = 4;
+/// Nor does it take in many more beacons than the epochs hear: all pairs of columns are worked on.
+constexpr double kMostBeacons = 1.5;
+constexpr std::size_t kMaxReceivers = 4096;
 
-/// Beacons of a segment's arrivals in use, ascending, each once.
-std::vector<std::int32_t> beacons_of(const Trajectory& t, const Segment& s) {
-  std::vector<std::int32_t> beacons;
-  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
-    if (t.arrivals[i].rejection == Rejection::kUsed) beacons.push_back(t.arrivals[i].beacon.value);
-  std::sort(beacons.begin(), beacons.end());
-  beacons.erase(std::unique(beacons.begin(), beacons.end()), beacons.end());
-  return beacons;
+void prefetch(const void* from, std::size_t bytes) {
+  constexpr std::size_t kLine = 64;
+  for (std::size_t at = 0; at < bytes; at += kLine) __builtin_prefetch(static_cast<const char*>(from) + at);
 }
 
 }  // namespace
@@ -29,7 +28,7 @@ bool StopBlock::knows(const Trajectory& t, const ParameterLayout& layout) {
   const std::size_t vehicle = t.vehicle.index();
   const bool drifts = vehicle < layout.clock_drift.size() && (layout.clock_drift[vehicle] >= 0 || layout.fixed.drift(t.vehicle) != 0.0);
   return t.motion == Motion::kPlanar && !t.motion_prior && !layout.fixed.attenuation && layout.fixed.pair_bias_s.empty() && !drifts &&
-         layout.vehicle_of_receiver.size() <= kMaxLocal;
+         layout.vehicle_of_receiver.size() <= kMaxReceivers;
 }
 
 bool StopBlock::takes(const Trajectory& t, const Segment& s) {
@@ -48,89 +47,136 @@ StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& seg
   const auto mine = std::find(vehicles.begin(), vehicles.end(), trajectory->vehicle);
   first_receiver_ = static_cast<std::size_t>(mine - vehicles.begin());
   receivers_ = static_cast<std::size_t>(std::count(vehicles.begin(), vehicles.end(), trajectory->vehicle));
-  order(segments);
+  // Epochs that hear the same lie far apart in a long log, so memory is asked for what they need some time before it is needed.
+  constexpr std::size_t kAhead = 24;
+  epochs_.reserve(segments.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (i + kAhead < segments.size()) prefetch(&trajectory->segments[segments[i + kAhead]], sizeof(Segment));
+    const Segment& s = trajectory->segments[segments[i]];
+    epochs_.push_back({segments[i], s.first_node, s.first_arrival, s.last_arrival});
+  }
+  group();
   pack();
   commit();
 }
 
-/// Epochs that hear the same beacons together, those with more arrivals first, so that lanes run out at about the same slot.
-void StopBlock::order(const std::vector<std::size_t>& segments) {
-  struct Key {
-    std::vector<std::int32_t> beacons;
-    std::size_t arrivals = 0;
-  };
-  std::vector<Key> keys;
-  std::vector<std::size_t> by_key(segments.size());
-  std::iota(by_key.begin(), by_key.end(), std::size_t{0});
-  for (const std::size_t s : segments) {
-    const Segment& segment = trajectory_->segments[s];
-    keys.push_back({beacons_of(*trajectory_, segment), segment.last_arrival - segment.first_arrival});
+template <class Visit>
+void StopBlock::for_each_used(std::size_t epoch, Visit&& visit) const {
+  for (std::size_t i = epochs_[epoch].first_arrival; i < epochs_[epoch].last_arrival; ++i)
+    if (trajectory_->arrivals[i].rejection == Rejection::kUsed) visit(trajectory_->arrivals[i]);
+}
+
+void StopBlock::fetch(std::size_t p) const {
+  for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e) {
+    const Epoch& epoch = epochs_[e];
+    prefetch(&trajectory_->nodes[epoch.node], sizeof(Node));
+    prefetch(trajectory_->arrivals.data() + epoch.first_arrival, (epoch.last_arrival - epoch.first_arrival) * sizeof(ArrivalObservation));
   }
-  std::sort(by_key.begin(), by_key.end(), [&keys](std::size_t a, std::size_t b) {
-    if (keys[a].beacons != keys[b].beacons) return keys[a].beacons < keys[b].beacons;
-    return keys[a].arrivals != keys[b].arrivals ? keys[a].arrivals > keys[b].arrivals : a < b;
-  });
-  for (const std::size_t k : by_key) {
-    if (groups_.empty() || groups_.back().beacons != keys[k].beacons) groups_.push_back({epochs_.size(), epochs_.size(), keys[k].beacons});
-    epochs_.push_back({segments[k], trajectory_->segments[segments[k]].first_node});
-    groups_.back().last = epochs_.size();
+}
+
+void StopBlock::group() {
+  const std::size_t packs = (epochs_.size() + kLanes - 1) / kLanes, none = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> group_of(layout_->beacon.size(), none), pack_of(layout_->beacon.size(), none);  // of each beacon, the last that heard it
+  std::size_t heard_by_first = 0;
+  for (std::size_t p = 0; p < packs; ++p) {
+    std::vector<std::int32_t> heard;
+    std::size_t unknown = 0;
+    if (p + 1 < packs) fetch(p + 1);
+    for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e)
+      for_each_used(e, [&](const ArrivalObservation& a) {
+        if (speed_mps_ == 0.0) speed_mps_ = a.model_speed_mps;
+        own_speeds_ = own_speeds_ || a.model_speed_mps != speed_mps_;
+        sigma_s_ = a.sigma_s;
+        if (pack_of[a.beacon.index()] == p) return;
+        pack_of[a.beacon.index()] = p;
+        heard.push_back(a.beacon.value);
+        if (groups_.empty() || group_of[a.beacon.index()] != groups_.size() - 1) ++unknown;
+      });
+    const bool close = !groups_.empty() && unknown > 0 &&
+                       (p - groups_.back().first >= kEnoughPacks ||
+                        static_cast<double>(groups_.back().beacons.size() + unknown) > kMostBeacons * static_cast<double>(std::max(heard_by_first, heard.size())));
+    if (groups_.empty() || close) {
+      groups_.push_back({p, p, {}});
+      heard_by_first = heard.size();
+    }
+    Group& g = groups_.back();
+    g.last = p + 1;
+    for (const std::int32_t beacon : heard) {
+      auto& of = group_of[static_cast<std::size_t>(beacon)];
+      if (of != groups_.size() - 1) g.beacons.push_back(beacon);
+      of = groups_.size() - 1;
+    }
   }
+  for (Group& g : groups_) std::sort(g.beacons.begin(), g.beacons.end());
 }
 
 void StopBlock::pack() {
   const Trajectory& t = *trajectory_;
-  const std::size_t packs = (epochs_.size() + kLanes - 1) / kLanes;
-  states_.resize(packs);
-  std::vector<std::vector<std::size_t>> used(kLanes);
-  std::size_t group = 0;
-  double speed_mps = NAN;
-  for (std::size_t p = 0; p < packs; ++p) {
-    std::size_t slots = 0;
-    std::size_t group_of[kLanes] = {};
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      used[lane].clear();
-      const std::size_t e = p * kLanes + lane;
-      if (e >= epochs_.size()) continue;
-      while (e >= groups_[group].last) ++group;
-      group_of[lane] = group;
-      const Segment& s = t.segments[epochs_[e].segment];
-      for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
-        if (t.arrivals[i].rejection == Rejection::kUsed) used[lane].push_back(i);
-      slots = std::max(slots, used[lane].size());
-      const Node& node = t.nodes[epochs_[e].node];
-      states_[p].value[0][lane] = node.T_map_vehicle.translation_m.x();
-      states_[p].value[1][lane] = node.T_map_vehicle.translation_m.y();
-      states_[p].value[2][lane] = node.T_map_vehicle.heading_rad();
-      states_[p].value[3][lane] = node.cycle_offset_s * t.nominal_speed_mps;
-    }
-    const std::size_t first = tof_s_.size() / kLanes;
-    pack_first_.push_back(first);
-    tof_s_.resize((first + slots) * kLanes, 0.0);
-    model_speed_mps_.resize((first + slots) * kLanes, t.nominal_speed_mps);
-    beacon_.resize((first + slots) * kLanes, -1);
-    receiver_.resize((first + slots) * kLanes, static_cast<std::int32_t>(first_receiver_));
-    local_beacon_.resize((first + slots) * kLanes, 0);
-    local_receiver_.resize((first + slots) * kLanes, 0);
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-      for (std::size_t slot = 0; slot < used[lane].size(); ++slot) {
-        const ArrivalObservation& a = t.arrivals[used[lane][slot]];
-        const std::size_t at = (first + slot) * kLanes + lane;
-        const auto& beacons = groups_[group_of[lane]].beacons;
-        tof_s_[at] = a.tof_s;
-        beacon_[at] = a.beacon.value;
-        receiver_[at] = a.receiver.value;
-        local_beacon_[at] = static_cast<std::uint8_t>(std::lower_bound(beacons.begin(), beacons.end(), a.beacon.value) - beacons.begin());
-        local_receiver_[at] = static_cast<std::uint8_t>(a.receiver.index() - first_receiver_);
-        model_speed_mps_[at] = a.model_speed_mps;
-        sigma_s_ = a.sigma_s;
-        if (std::isnan(speed_mps)) speed_mps = a.model_speed_mps;
-        own_speeds_ = own_speeds_ || a.model_speed_mps != speed_mps;
+  states_.resize((epochs_.size() + kLanes - 1) / kLanes);
+  std::vector<std::size_t> local(layout_->beacon.size(), 0);
+  std::vector<std::uint32_t> count, most, first;  // arrivals over each path: in this epoch, at most; its first slot
+  Lanes nothing, usual;
+  std::fill(std::begin(nothing.of), std::end(nothing.of), NAN);
+  std::fill(std::begin(usual.of), std::end(usual.of), t.nominal_speed_mps);
+  for (const Group& g : groups_) {
+    for (std::size_t i = 0; i < g.beacons.size(); ++i) local[static_cast<std::size_t>(g.beacons[i])] = i;
+    const std::size_t paths = g.beacons.size() * receivers_;
+    const auto path_of = [&](const ArrivalObservation& a) { return (a.receiver.index() - first_receiver_) * g.beacons.size() + local[a.beacon.index()]; };
+    for (std::size_t p = g.first; p < g.last; ++p) {
+      most.assign(paths, 0);
+      for (std::size_t lane = 0; lane < epochs_in(p); ++lane) {
+        count.assign(paths, 0);
+        for_each_used(p * kLanes + lane, [&](const ArrivalObservation& a) {
+          const std::size_t path = path_of(a);
+          most[path] = std::max(most[path], ++count[path]);
+        });
       }
+      pack_first_.push_back(slots_.size());
+      first.assign(paths, 0);
+      for (std::size_t path = 0; path < paths; ++path) {
+        first[path] = static_cast<std::uint32_t>(slots_.size());
+        const StopSlot slot{static_cast<std::uint16_t>(path % g.beacons.size()), static_cast<std::uint16_t>(path / g.beacons.size())};
+        slots_.insert(slots_.end(), most[path], slot);
+      }
+      tof_s_.resize(slots_.size(), nothing);
+      if (own_speeds_) model_speed_mps_.resize(slots_.size(), usual);
+      for (std::size_t lane = 0; lane < epochs_in(p); ++lane) {
+        count.assign(paths, 0);
+        for_each_used(p * kLanes + lane, [&](const ArrivalObservation& a) {
+          const std::size_t path = path_of(a);
+          const std::size_t slot = first[path] + count[path]++;
+          tof_s_[slot].of[lane] = a.tof_s;
+          if (own_speeds_) model_speed_mps_[slot].of[lane] = a.model_speed_mps;
+        });
+        put(p * kLanes + lane, t.nodes[epochs_[p * kLanes + lane].node]);
+      }
+    }
   }
-  pack_first_.push_back(tof_s_.size() / kLanes);
-  if (own_speeds_) return;
-  model_speed_mps_.assign(1, speed_mps);  // one for all
-  model_speed_mps_.shrink_to_fit();
+  pack_first_.push_back(slots_.size());
+}
+
+
+void StopBlock::mark_heard(std::vector<char>& beacons, std::vector<char>& receivers) const {
+  for (const Group& g : groups_)
+    for (const std::int32_t b : g.beacons) beacons[static_cast<std::size_t>(b)] = 1;
+  for (const StopSlot& slot : slots_) receivers[first_receiver_ + slot.receiver] = 1;
+}
+
+void StopBlock::put(std::size_t epoch, const Node& node) {
+  Lanes* value = states_[epoch / kLanes].value;
+  const std::size_t lane = epoch % kLanes;
+  value[0].of[lane] = node.T_map_vehicle.translation_m.x();
+  value[1].of[lane] = node.T_map_vehicle.translation_m.y();
+  value[2].of[lane] = node.T_map_vehicle.heading_rad();
+  value[3].of[lane] = node.cycle_offset_s * trajectory_->nominal_speed_mps;
+}
+
+void StopBlock::show(std::size_t epoch) {
+  const Lanes* value = states_[epoch / kLanes].value;
+  const std::size_t lane = epoch % kLanes;
+  Node& node = trajectory_->nodes[epochs_[epoch].node];
+  node.T_map_vehicle = Pose::planar(value[0].of[lane], value[1].of[lane], value[2].of[lane]);
+  node.cycle_offset_s = value[3].of[lane] / trajectory_->nominal_speed_mps;
 }
 
 StopTables StopBlock::tables_at(const SharedState& state, const RobustLoss& loss) {
@@ -140,7 +186,7 @@ StopTables StopBlock::tables_at(const SharedState& state, const RobustLoss& loss
     beacon_table_.insert(beacon_table_.end(), {p.x(), p.y(), p.z(), state.beacon_delay_s[b] + state.site_delay_s});
   }
   receiver_table_.clear();
-  for (std::size_t r = 0; r < state.receiver_p_vehicle_m.size(); ++r) {
+  for (std::size_t r = first_receiver_; r < first_receiver_ + receivers_; ++r) {
     const Eigen::Vector3d& o = state.receiver_p_vehicle_m[r];
     receiver_table_.insert(receiver_table_.end(), {o.x(), o.y(), o.z(), state.receiver_delay_s[r]});
   }
@@ -148,7 +194,7 @@ StopTables StopBlock::tables_at(const SharedState& state, const RobustLoss& loss
   tables.beacon = beacon_table_.data();
   tables.receiver = receiver_table_.data();
   tables.speed_offset_mps = state.speed_offset(trajectory_->run);
-  tables.speed_mps = (own_speeds_ ? 0.0 : model_speed_mps_.front()) + tables.speed_offset_mps;
+  tables.speed_mps = speed_mps_ + tables.speed_offset_mps;
   tables.sigma_s = sigma_s_;
   tables.late_scale = loss.late_scale;
   tables.early_scale = loss.early_scale;
@@ -157,72 +203,42 @@ StopTables StopBlock::tables_at(const SharedState& state, const RobustLoss& loss
   return tables;
 }
 
-StopLanes StopBlock::lanes_of(std::size_t p) const {
-  const std::size_t first = pack_first_[p] * kLanes;
-  return {pack_first_[p + 1] - pack_first_[p], tof_s_.data() + first, beacon_.data() + first, receiver_.data() + first,
-          own_speeds_ ? model_speed_mps_.data() + first : nullptr};
+StopPack StopBlock::pack_of(std::size_t p, const Group& group) const {
+  const std::size_t first = pack_first_[p];
+  return {pack_first_[p + 1] - first, slots_.data() + first, tof_s_.data() + first, own_speeds_ ? model_speed_mps_.data() + first : nullptr, group.beacons.data()};
 }
 
-void StopBlock::write_back(std::size_t p) {
-  for (std::size_t lane = 0; lane < kLanes && p * kLanes + lane < epochs_.size(); ++lane) {
-    Node& node = trajectory_->nodes[epochs_[p * kLanes + lane].node];
-    const auto& v = states_[p].value;
-    node.T_map_vehicle = Pose::planar(v[0][lane], v[1][lane], v[2][lane]);
-    node.cycle_offset_s = v[3][lane] / trajectory_->nominal_speed_mps;
-  }
-}
-
-double StopBlock::settle_all(const StopTables& tables, const SharedState& state, const RobustLoss& loss) {
+double StopBlock::settle(const SharedState& state, const RobustLoss& loss) {
+  const StopTables tables = tables_at(state, loss);
   double cost = 0.0;
   states_ = committed_;
-  for (std::size_t p = 0; p < states_.size(); ++p) {
-    StopOutcome outcome;
-    settle_stops(tables, lanes_of(p), states_[p], outcome);
-    write_back(p);
-    for (std::size_t lane = 0; lane < kLanes && p * kLanes + lane < epochs_.size(); ++lane) {
-      if (outcome.converged[lane] == 1.0) {
-        cost += outcome.cost[lane];
-        continue;
+  for (const Group& g : groups_)
+    for (std::size_t p = g.first; p < g.last; ++p) {
+      StopOutcome outcome;
+      settle_stops(tables, pack_of(p, g), states_[p], outcome);
+      for (std::size_t lane = 0; lane < epochs_in(p); ++lane) {
+        if (outcome.converged.of[lane] == 1.0) {
+          cost += outcome.cost.of[lane];
+          continue;
+        }
+        const std::size_t epoch = p * kLanes + lane;
+        show(epoch);
+        cost += octant::settle(*trajectory_, trajectory_->segments[epochs_[epoch].segment], state, loss).cost;
+        put(epoch, trajectory_->nodes[epochs_[epoch].node]);
       }
-      const Epoch& epoch = epochs_[p * kLanes + lane];
-      cost += octant::settle(*trajectory_, trajectory_->segments[epoch.segment], state, loss).cost;
-      const Node& node = trajectory_->nodes[epoch.node];
-      auto& v = states_[p].value;
-      v[0][lane] = node.T_map_vehicle.translation_m.x();
-      v[1][lane] = node.T_map_vehicle.translation_m.y();
-      v[2][lane] = node.T_map_vehicle.heading_rad();
-      v[3][lane] = node.cycle_offset_s * trajectory_->nominal_speed_mps;
     }
-  }
   return cost;
 }
 
-void StopBlock::add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place,
-                          ReducedSystem& system) {
-  const StopLayout local{group.beacons.size(), receivers_};
-  const std::size_t stride = local.stride();
-  constexpr std::size_t kRowsAtOnce = 48;  ///< together with H's block they stay in the first cache
-  thread_local std::vector<double> H, gradient, rows;
-  H.assign(stride * stride, 0.0);
-  gradient.assign(stride, 0.0);
-  rows.resize((kRowsAtOnce + 4) * stride);
-  std::size_t waiting = 0;
-  for (std::size_t e = group.first; e < group.last; ++e) {
-    const std::size_t p = e / kLanes, lane = e % kLanes, first = pack_first_[p] * kLanes;
-    const StopLanes lanes = lanes_of(p);
-    const auto& v = states_[p].value;
-    const StopEpoch epoch{&lanes, lane, local_beacon_.data() + first, local_receiver_.data() + first, v[0][lane], v[1][lane], v[2][lane], v[3][lane]};
-    waiting += static_cast<std::size_t>(reduce_stop(tables, epoch, local, kUnobservedFloor, H.data(), gradient.data(), rows.data() + waiting * stride));
-    if (waiting < kRowsAtOnce) continue;
-    take_away(rows.data(), waiting, stride, H.data());
-    waiting = 0;
-  }
-  take_away(rows.data(), waiting, stride, H.data());
-  // Where each local column goes: nowhere if it is held, to several places if they share it.
-  std::vector<std::vector<Target>> targets(local.speed() + 1);
+std::vector<StopBlock::Targets> StopBlock::targets_of(const Group& group, const SharedState& state, const std::vector<int>& place) const {
+  const StopLayout local{group.beacons.size(), receivers_, false, {}};
+  std::vector<Targets> targets(local.columns());
   const auto aim = [&](std::size_t column, int parameter, double factor) {
     const int at = parameter < 0 ? -1 : place[static_cast<std::size_t>(parameter)];
-    if (at >= 0) targets[column].push_back({at, factor * layout_->parameters[static_cast<std::size_t>(parameter)].si_per_unit});
+    if (at < 0) return;
+    Targets& t = targets[column];
+    t.column[t.count] = at;
+    t.factor[t.count++] = factor * layout_->parameters[static_cast<std::size_t>(parameter)].si_per_unit;
   };
   for (std::size_t i = 0; i < group.beacons.size(); ++i) {
     const auto b = static_cast<std::size_t>(group.beacons[i]);
@@ -232,7 +248,7 @@ void StopBlock::add_group(const Group& group, const StopTables& tables, const Sh
   }
   const bool array = layout_->has_array(trajectory_->vehicle);
   for (std::size_t i = 0; i < receivers_; ++i) {
-    const std::size_t r = first_receiver_ + i, at = 4 * (group.beacons.size() + i);
+    const std::size_t r = first_receiver_ + i, at = local.of_receiver(i);
     if (array) {
       const Eigen::Vector2d o = state.receiver_p_vehicle_m[r].head<2>(), outward = o.normalized();
       const auto& columns = layout_->array[trajectory_->vehicle.index()];
@@ -246,18 +262,36 @@ void StopBlock::add_group(const Group& group, const StopTables& tables, const Sh
     aim(at + 3, layout_->receiver_delay[r], 1.0);
   }
   aim(local.speed(), layout_->speed_column(trajectory_->run), 1.0);
-  for (std::size_t i = 0; i < targets.size(); ++i)
-    for (const Target& ti : targets[i]) {
-      system.gradient[ti.column] += ti.factor * gradient[i];
-      for (std::size_t j = 0; j < targets.size(); ++j) {
-        const double h = i <= j ? H[i * stride + j] : H[j * stride + i];
-        for (const Target& tj : targets[j])
-          if (ti.column >= tj.column) system.H(ti.column, tj.column) += ti.factor * tj.factor * h;
-      }
-    }
+  return targets;
 }
 
-double StopBlock::settle(const SharedState& state, const RobustLoss& loss) { return settle_all(tables_at(state, loss), state, loss); }
+void StopBlock::add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place,
+                          ReducedSystem& system) {
+  const std::vector<Targets> targets = targets_of(group, state, place);
+  StopLayout local{group.beacons.size(), receivers_, false, {}};
+  for (std::size_t c = 0; c < targets.size(); ++c) {
+    if (targets[c].count == 0) continue;
+    local.active.push_back(c);
+    local.receivers_free = local.receivers_free || (c >= local.of_receiver(0) && c < local.speed());
+  }
+  thread_local StopSums sums;
+  thread_local std::vector<double> H, gradient;
+  sums.clear(local, tables.has_offset);
+  for (std::size_t p = group.first; p < group.last; ++p) reduce_stops(tables, pack_of(p, group), states_[p], local, kUnobservedFloor, sums);
+  sums.finish(local, tables.sigma_s, H, gradient);
+  const std::size_t stride = local.columns();
+  for (const std::size_t i : local.active) {
+    const Targets& ti = targets[i];
+    for (int m = 0; m < ti.count; ++m) system.gradient[ti.column[m]] += ti.factor[m] * gradient[i];
+    for (const std::size_t j : local.active) {
+      const Targets& tj = targets[j];
+      const double h = i <= j ? H[i * stride + j] : H[j * stride + i];
+      for (int m = 0; m < ti.count; ++m)
+        for (int n = 0; n < tj.count; ++n)
+          if (ti.column[m] >= tj.column[n]) system.H(ti.column[m], tj.column[n]) += ti.factor[m] * tj.factor[n] * h;
+    }
+  }
+}
 
 void StopBlock::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system) {
   const StopTables tables = tables_at(state, loss);
@@ -266,7 +300,7 @@ void StopBlock::reduce(const SharedState& state, const RobustLoss& loss, const s
 
 void StopBlock::rewind() {
   states_ = committed_;
-  for (std::size_t p = 0; p < states_.size(); ++p) write_back(p);
+  for (std::size_t e = 0; e < epochs_.size(); ++e) show(e);
 }
 
 }  // namespace octant::calib

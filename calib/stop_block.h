@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -27,7 +28,8 @@ class StopBlock {
   /// Whether it takes a segment: one placed node, arrivals of one sigma, nothing else.
   [[nodiscard]] static bool takes(const Trajectory& trajectory, const Segment& segment);
 
-  /// @param trajectory  not owned; the nodes of the segments are written
+  /// @param trajectory  not owned; the nodes of the segments are written by `rewind`
+  /// @param segments    best in an order in which neighbours hear over the same paths
   StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout);
 
   /// Settles the epochs from where they were committed and returns their cost.
@@ -36,41 +38,53 @@ class StopBlock {
   /// each column of the layout stands in it (-1: nowhere).
   void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
   void commit() { committed_ = states_; }
+  /// Back to the states committed last, which the trajectory then shows too.
   void rewind();
+  /// Marks the beacons and receivers of the arrivals in use.
+  void mark_heard(std::vector<char>& beacons, std::vector<char>& receivers) const;
 
  private:
   struct Epoch {
-    std::size_t segment = 0, node = 0;
+    std::size_t segment = 0, node = 0, first_arrival = 0, last_arrival = 0;
   };
-  /// Epochs [first, last) hear the same beacons.
+  /// Packs [first, last) share a list of beacons.
   struct Group {
     std::size_t first = 0, last = 0;
     std::vector<std::int32_t> beacons;
   };
-  struct Target {
-    int column;  ///< of the tile's system
-    double factor;
+  /// Where a column of a group goes: nowhere if it is held, to two places if they share it.
+  struct Targets {
+    int count = 0;
+    int column[2] = {};     ///< of the tile's system
+    double factor[2] = {};
   };
 
-  void order(const std::vector<std::size_t>& segments);
+  /// Asks memory for what a pack needs.
+  void fetch(std::size_t p) const;
+  void group();
   void pack();
   [[nodiscard]] StopTables tables_at(const SharedState& state, const RobustLoss& loss);
-  [[nodiscard]] StopLanes lanes_of(std::size_t pack) const;
-  double settle_all(const StopTables& tables, const SharedState& state, const RobustLoss& loss);
-  void write_back(std::size_t pack);
+  [[nodiscard]] StopPack pack_of(std::size_t p, const Group& group) const;
+  [[nodiscard]] std::size_t epochs_in(std::size_t p) const { return std::min(kLanes, epochs_.size() - p * kLanes); }
+  /// Calls visit(arrival) for those in use of an epoch.
+  template <class Visit>
+  void for_each_used(std::size_t epoch, Visit&& visit) const;
+  void put(std::size_t epoch, const Node& node);
+  void show(std::size_t epoch);
+  [[nodiscard]] std::vector<Targets> targets_of(const Group& group, const SharedState& state, const std::vector<int>& place) const;
   void add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place, ReducedSystem& system);
 
   Trajectory* trajectory_;
   const ParameterLayout* layout_;
   std::size_t first_receiver_ = 0, receivers_ = 0;  ///< of the vehicle
   double sigma_s_ = 1.0;
-  bool own_speeds_ = false;                         ///< arrivals carry different speeds of the medium
-  std::vector<Epoch> epochs_;                       ///< in the order of packing
+  double speed_mps_ = 0.0;                          ///< of the medium, where it is the same for all arrivals
+  bool own_speeds_ = false;                         ///< else
+  std::vector<Epoch> epochs_;                       ///< in the order of packing, eight a pack
   std::vector<Group> groups_;
-  std::vector<std::size_t> pack_first_;             ///< first slot of each eight epochs
-  std::vector<double> tof_s_, model_speed_mps_;
-  std::vector<std::int32_t> beacon_, receiver_;
-  std::vector<std::uint8_t> local_beacon_, local_receiver_;
+  std::vector<std::size_t> pack_first_;             ///< first slot of each pack
+  std::vector<StopSlot> slots_;
+  std::vector<Lanes> tof_s_, model_speed_mps_;      ///< of each slot
   std::vector<StopStates> states_, committed_;
   std::vector<double> beacon_table_, receiver_table_;
 };

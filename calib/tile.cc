@@ -3,14 +3,17 @@
 #include "calib/tile.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Cholesky>
 
 #include "calib/shared_entries.h"
+#include "calib/stop_block.h"
 #include "models/linearise.h"
 #include "models/parallel.h"
 
@@ -18,18 +21,31 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kNodesPerTile = 512;
+/// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the columns it touches.
+constexpr std::size_t kBeaconsPerSparseTile = 24;
 
 }  // namespace
 
-Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> segments, const ParameterLayout* layout)
-    : trajectory_(trajectory), segments_(std::move(segments)), layout_(layout) {
-  find_columns();
-  std::vector<std::size_t> stops;
+Tile::Tile(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout) : trajectory_(trajectory), layout_(layout) {
   const bool known = StopBlock::knows(*trajectory, *layout);
-  for (const std::size_t s : segments_) (known && StopBlock::takes(*trajectory, trajectory->segments[s]) ? stops : general_).push_back(s);
-  if (!stops.empty()) stops_ = std::make_unique<StopBlock>(trajectory, stops, layout);
+  for (const std::size_t s : segments) (known && StopBlock::takes(*trajectory, trajectory->segments[s]) ? stop_segments_ : general_).push_back(s);
+  prepare();
+}
+
+Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, std::vector<std::size_t> general, const ParameterLayout* layout)
+    : trajectory_(trajectory), layout_(layout), stop_segments_(std::move(stops)), general_(std::move(general)) {
+  prepare();
+}
+
+void Tile::prepare() {
+  if (!stop_segments_.empty()) stops_ = std::make_unique<StopBlock>(trajectory_, stop_segments_, layout_);
+  find_columns();
   commit();
 }
+
+Tile::Tile(Tile&&) noexcept = default;
+Tile& Tile::operator=(Tile&&) noexcept = default;
+Tile::~Tile() = default;
 
 void Tile::find_columns() {
   const ParameterLayout& layout = *layout_;
@@ -38,8 +54,9 @@ void Tile::find_columns() {
   const auto touch = [&](int column) {
     if (column >= 0) touched[static_cast<std::size_t>(column)] = 1;
   };
-  bool arrivals = false;
-  for (const std::size_t s : segments_) {
+  bool arrivals = stops_ != nullptr;
+  if (stops_) stops_->mark_heard(beacon, receiver);
+  for (const std::size_t s : general_) {
     const Segment& segment = t.segments[s];
     for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
       const ArrivalObservation& a = t.arrivals[i];
@@ -95,6 +112,10 @@ void Tile::commit() {
 
 void Tile::rewind() {
   if (stops_) stops_->rewind();
+  rewind_general();
+}
+
+void Tile::rewind_general() {
   auto from = committed_.begin();
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
@@ -105,7 +126,7 @@ void Tile::rewind() {
 }
 
 double Tile::settle(const SharedState& state, const RobustLoss& loss) {
-  rewind();
+  rewind_general();
   double cost = stops_ ? stops_->settle(state, loss) : 0.0;
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
@@ -247,28 +268,43 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
 
 namespace {
 
-/// Segments of a trajectory in the order in which tiles take them: stops that hear the same beacons together. What they have in
-/// common is then summed up before it goes anywhere, and at a site of very many beacons a tile touches few of them.
-std::vector<std::size_t> tile_order(const Trajectory& t) {
-  std::vector<std::size_t> order(t.segments.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  if (t.moving || t.nodes.size() <= kNodesPerTile) return order;
-  struct Heard {
-    std::int32_t lowest = std::numeric_limits<std::int32_t>::max();
-    std::uint64_t all = 0;  ///< a bit a beacon, several beacons sharing one where there are more
-  };
-  std::vector<Heard> heard(t.segments.size());
-  for (std::size_t s = 0; s < heard.size(); ++s)
-    for (std::size_t i = t.segments[s].first_arrival; i < t.segments[s].last_arrival; ++i) {
-      const std::int32_t beacon = t.arrivals[i].beacon.value;
-      heard[s].lowest = std::min(heard[s].lowest, beacon);
-      heard[s].all |= std::uint64_t{1} << (static_cast<std::uint32_t>(beacon) % 64U);
+/// What decides where a segment goes. Stops that hear the same beacons go together: what they have in common is then summed up
+/// before it goes anywhere, and at a site of very many beacons a tile touches few of them; among these, those that hear over the
+/// same paths, which then share slots of the vector kernel.
+struct SegmentKey {
+  std::uint32_t segment = 0;
+  bool stop = false;  ///< for the vector kernel
+  std::uint32_t lowest = std::numeric_limits<std::uint32_t>::max();  ///< beacon
+  std::uint64_t beacons = 0, paths = 0;  ///< a bit each, several sharing one where there are more than 64
+
+  friend bool operator<(const SegmentKey& a, const SegmentKey& b) {
+    return std::tie(a.lowest, a.beacons, a.paths, a.segment) < std::tie(b.lowest, b.beacons, b.paths, b.segment);
+  }
+};
+
+/// Segments of a trajectory in the order in which tiles take them.
+std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& layout, int threads) {
+  constexpr std::size_t kSegmentsAtOnce = 4096;
+  std::vector<SegmentKey> keys(t.segments.size());
+  const bool known = StopBlock::knows(t, layout);
+  const auto receivers = static_cast<std::uint32_t>(layout.receiver.size());
+  for_each_chunk(keys.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t s = first; s < last; ++s) {
+      SegmentKey& key = keys[s];
+      key.segment = static_cast<std::uint32_t>(s);
+      key.stop = known && StopBlock::takes(t, t.segments[s]);
+      if (t.moving) continue;
+      for (std::size_t i = t.segments[s].first_arrival; i < t.segments[s].last_arrival; ++i) {
+        const auto beacon = static_cast<std::uint32_t>(t.arrivals[i].beacon.value);
+        key.lowest = std::min(key.lowest, beacon);
+        key.beacons |= std::uint64_t{1} << (beacon % 64U);
+        if (t.arrivals[i].rejection == Rejection::kUsed)
+          key.paths |= std::uint64_t{1} << ((beacon * receivers + static_cast<std::uint32_t>(t.arrivals[i].receiver.value)) % 64U);
+      }
     }
-  std::sort(order.begin(), order.end(), [&heard](std::size_t a, std::size_t b) {
-    if (heard[a].lowest != heard[b].lowest) return heard[a].lowest < heard[b].lowest;
-    return heard[a].all != heard[b].all ? heard[a].all < heard[b].all : a < b;
   });
-  return order;
+  if (!t.moving) std::sort(keys.begin(), keys.end());
+  return keys;
 }
 
 }  // namespace
@@ -276,23 +312,38 @@ std::vector<std::size_t> tile_order(const Trajectory& t) {
 std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads) {
   struct Part {
     Trajectory* trajectory;
-    std::vector<std::size_t> segments;
+    std::vector<std::size_t> stops{}, general{};
   };
   std::vector<Part> parts;
+  std::vector<std::size_t> heard_in(layout.beacon.size(), 0);  // the last part, counted from one, that heard each beacon
   for (Trajectory& t : trajectories) {
-    std::size_t nodes = 0;
-    Part part{&t, {}};
-    for (const std::size_t s : tile_order(t)) {
-      part.segments.push_back(s);
-      nodes += t.segments[s].last_node - t.segments[s].first_node;
-      if (nodes < kNodesPerTile) continue;
-      parts.push_back(std::exchange(part, {&t, {}}));
-      nodes = 0;
+    std::size_t nodes = 0, beacons = 0;
+    Part part{&t};
+    const auto close = [&] {
+      if (nodes > 0) parts.push_back(std::exchange(part, {&t}));
+      nodes = beacons = 0;
+    };
+    const auto new_beacons = [&](const Segment& s) {
+      std::size_t count = 0;
+      for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
+        if (std::size_t& last = heard_in[t.arrivals[i].beacon.index()]; last != parts.size() + 1) {
+          last = parts.size() + 1;
+          ++count;
+        }
+      return count;
+    };
+    for (const SegmentKey& key : tile_order(t, layout, threads)) {
+      const Segment& segment = t.segments[key.segment];
+      if (!is_dense(layout)) beacons += new_beacons(segment);
+      (key.stop ? part.stops : part.general).push_back(key.segment);
+      nodes += segment.last_node - segment.first_node;
+      if (nodes >= kNodesPerTile || beacons > kBeaconsPerSparseTile) close();
     }
-    if (!part.segments.empty()) parts.push_back(std::move(part));
+    close();
   }
   std::vector<std::optional<Tile>> made(parts.size());
-  for_each_parallel(parts.size(), threads, [&](std::size_t i) { made[i].emplace(parts[i].trajectory, std::move(parts[i].segments), &layout); });
+  for_each_parallel(parts.size(), threads,
+                    [&](std::size_t i) { made[i].emplace(parts[i].trajectory, std::move(parts[i].stops), std::move(parts[i].general), &layout); });
   std::vector<Tile> tiles;
   tiles.reserve(made.size());
   for (auto& tile : made) tiles.push_back(std::move(*tile));

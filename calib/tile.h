@@ -8,10 +8,11 @@
 #include <Eigen/Core>
 
 #include "calib/parameters.h"
-#include "calib/stop_block.h"
 #include "models/trajectory.h"
 
 namespace octant::calib {
+
+class StopBlock;
 
 /// Cost, gradient and Gauss-Newton matrix of some observations in the shared parameters they touch, vehicle states eliminated.
 struct ReducedSystem {
@@ -28,10 +29,21 @@ struct ReducedSystem {
 class Tile {
  public:
   /// @param trajectory  not owned; this tile writes the nodes of its segments and nothing else
-  Tile(Trajectory* trajectory, std::vector<std::size_t> segments, const ParameterLayout* layout);
+  /// @param segments    of which those that StopBlock takes go to the vector kernel
+  Tile(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout);
+  /// The same where it is known already which these are.
+  Tile(Trajectory* trajectory, std::vector<std::size_t> stops, std::vector<std::size_t> general, const ParameterLayout* layout);
+  Tile(Tile&&) noexcept;
+  Tile& operator=(Tile&&) noexcept;
+  ~Tile();
 
   [[nodiscard]] const Trajectory& trajectory() const { return *trajectory_; }
-  [[nodiscard]] const std::vector<std::size_t>& segments() const { return segments_; }
+  /// Calls visit(index) for each of its segments.
+  template <class Visit>
+  void for_each_segment(Visit&& visit) const {
+    for (const std::size_t s : stop_segments_) visit(s);
+    for (const std::size_t s : general_) visit(s);
+  }
 
   /// Global columns of the parameters that this tile touches, ascending; the order of its system.
   [[nodiscard]] const std::vector<int>& columns() const { return columns_; }
@@ -41,7 +53,8 @@ class Tile {
   /// Where each column of the layout stands in columns(); -1: nowhere.
   [[nodiscard]] const std::vector<int>& local_of() const { return local_of_; }
 
-  /// Settles the states from where they were committed and returns the cost.
+  /// Settles the states from where they were committed and returns the cost. The trajectory shows them once they are committed
+  /// and `rewind` was called.
   double settle(const SharedState& state, const RobustLoss& loss);
   /// Adds gradient and lower triangle of H at the states of the last `settle`; `place` tells where each column of the layout
   /// stands in the system.
@@ -54,16 +67,17 @@ class Tile {
   void rewind();
 
  private:
+  void prepare();
   void find_columns();
+  void rewind_general();
   void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
 
   Trajectory* trajectory_;
-  std::vector<std::size_t> segments_;
   const ParameterLayout* layout_;
   std::vector<int> columns_, blocks_;
   std::vector<int> local_of_;        ///< global column -> local, -1
-  std::vector<std::size_t> general_;  ///< segments that the vector kernel does not take
-  std::unique_ptr<StopBlock> stops_;  ///< all others
+  std::vector<std::size_t> stop_segments_, general_;  ///< those that the vector kernel takes, all others
+  std::unique_ptr<StopBlock> stops_;
   std::vector<Node> committed_;       ///< nodes of the general segments
 };
 

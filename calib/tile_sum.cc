@@ -123,11 +123,12 @@ void TileSum::share_states() {
     for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) {
       const Trajectory& t = tiles_[i].trajectory();
       const std::size_t base = first[static_cast<std::size_t>(&t - trajectories_.data())];
-      for (const std::size_t s : tiles_[i].segments())
+      tiles_[i].for_each_segment([&](std::size_t s) {
         for (std::size_t k = t.segments[s].first_node; k < t.segments[s].last_node; ++k) {
           told[base + k] = 1;
           if (is_mine(share)) put(t.nodes[k], values.data() + (base + k) * kDoublesPerNode);
         }
+      });
     }
   workers_.ranks->sum(values);
   for (std::size_t i = 0; i < trajectories_.size(); ++i)

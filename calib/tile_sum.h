@@ -12,12 +12,6 @@
 
 namespace octant::calib {
 
-/// Who works on the tiles; the result does not depend on it.
-struct Workers {
-  int threads = 1;
-  const Ranks* ranks = nullptr;  ///< not owned; null: this process is alone
-};
-
 /// What an adjustment asks of its observations: their cost, gradient and Gauss-Newton matrix, vehicle states settled.
 class SystemSum {
  public:

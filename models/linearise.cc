@@ -319,6 +319,12 @@ void build_chain_system(const Trajectory& t, const Segment& segment, const Share
 int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const SharedState& state, double* residuals) {
   const Pose interpolated = a.alpha == 0.0 ? Pose() : pose_at(t, a.node, a.alpha);
   const PathInput in = path_input(t, a, state, a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated);
+  if (in.attenuation == nullptr && in.T_hear_send == nullptr) {
+    // One way and without time-walk, as nearly all arrivals are: the first term of the measurement equation, in line.
+    const double distance_m = (*in.T_map_vehicle * in.p_receiver_vehicle_m - in.p_beacon_map_m).norm();
+    residuals[0] = (a.tof_s - (distance_m / in.speed_mps + in.delay_s)) / a.sigma_s;
+    return 1;
+  }
   const PathOutput out = predict_arrival_value(in);
   residuals[0] = (a.tof_s - out.tof_s) / a.sigma_s;
   if (!(a.log_amplitude_sigma > 0) || !state.attenuation) return 1;

@@ -21,6 +21,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kEllipsoid95 = 2.7955;       // square root of chi-square's 0.95 quantile, 3 degrees of freedom
 constexpr int kCircle = 28;                   // points of one
+constexpr std::size_t kMostLineNames = 40;    // of more walls or routes the names would hide the map; the pointer still tells them
 
 /// plotly.js reads labels as a kind of HTML, of which it knows few entities.
 std::string label(const std::string& text) {
@@ -89,9 +90,9 @@ Json map_trace(const NamedMap& map, std::size_t layer) {
 }
 
 /// Beacons of a status with all that is known of each when the reader points at it.
-Json beacon_trace(const Deployment& d, BeaconStatus status, double size, bool space) {
+Json beacon_trace(const Deployment& d, BeaconStatus status, const std::string& name, double size, bool space) {
   const bool control = status == BeaconStatus::kControlPoint;
-  Json trace = marker_trace(control ? "control point" : "calibrated beacon", control ? "var(--control)" : "var(--beacon)",
+  Json trace = marker_trace(name, control ? "var(--control)" : "var(--beacon)",
                             space ? (control ? "diamond" : "circle") : (control ? "triangle-up" : "circle"), space ? 6 : 11);
   trace["mode"] = space ? "markers" : "markers+text";
   trace["textposition"] = "top center";
@@ -127,7 +128,7 @@ Json ellipse_trace(const Deployment& d, double exaggeration, double size, bool s
   if (space) trace["type"] = "scatter3d";
   if (d.beacons.size() > kMostNamed) return trace;
   for (const auto& b : d.beacons) {
-    if (b.status != BeaconStatus::kCalibrated || !is_drawn(b) || !b.covariance_m2.allFinite()) continue;
+    if (b.status != BeaconStatus::kCalibrated || !is_drawn(b) || !b.covariance_m2.allFinite() || b.covariance_m2.isZero(0.0)) continue;
     const Eigen::Matrix3d C = space ? b.covariance_m2 : [&b] {
       Eigen::Matrix3d flat = Eigen::Matrix3d::Zero();
       flat.topLeftCorner<2, 2>() = b.covariance_m2.topLeftCorner<2, 2>();
@@ -165,28 +166,55 @@ void add_tracks(Json& data, const PlanInput& input, double size, bool space) {
   if (!fixes["x"].empty()) data.push_back(std::move(fixes));
 }
 
-void add_beacons(Json& data, const Deployment& d, double exaggeration, double size, bool space) {
-  for (auto trace : {ellipse_trace(d, exaggeration, size, space), beacon_trace(d, BeaconStatus::kCalibrated, size, space),
-                     beacon_trace(d, BeaconStatus::kControlPoint, size, space)})
+void add_beacons(Json& data, const Deployment& d, double exaggeration, double size, bool space, const std::string& name = "calibrated beacon") {
+  for (auto trace : {ellipse_trace(d, exaggeration, size, space), beacon_trace(d, BeaconStatus::kCalibrated, name, size, space),
+                     beacon_trace(d, BeaconStatus::kControlPoint, "control point", size, space)})
     if (!trace["x"].empty()) data.push_back(std::move(trace));
+}
+
+/// All lines of a kind in one trace, parted by gaps; each tells its name at its corners, and shows it at the first.
+Json lines_trace(const std::vector<NamedLine>& lines, const char* kind, const char* dash, double size) {
+  Json trace = line_trace(kind, "var(--ink)", dash);
+  const bool named = lines.size() <= kMostLineNames;
+  if (named) trace.update({{"mode", "lines+text"}, {"textposition", "top right"}, {"text", Json::array()}});
+  trace["hovertext"] = Json::array();
+  trace["hovertemplate"] = "%{hovertext}<br>x %{x} m, y %{y} m<extra></extra>";
+  const auto tell = [&](const std::string& text, const std::string& hover) {
+    if (named) trace["text"].push_back(text);
+    trace["hovertext"].push_back(hover);
+  };
+  for (const NamedLine& line : lines) {
+    const std::size_t n = line.points_m.size(), corners = n + (line.closed && n > 0 ? 1 : 0);
+    const std::string name = label(line.name), hover = name.empty() ? kind : kind + (" " + name);
+    for (std::size_t i = 0; i < corners; ++i) {
+      const Eigen::Vector2d& p = line.points_m[i % n];
+      put(trace, {p.x(), p.y(), 0}, size, false);
+      tell(i == 0 ? name : "", hover);
+    }
+    put_gap(trace, false);
+    tell("", "");
+  }
+  return trace;
 }
 
 }  // namespace
 
-std::string plan_figure_json(const PlanInput& input) {
+std::string plan_figure_json(const PlanInput& input, const PlanLines& lines) {
   const PlanFrame frame = plan_frame(input);
   const double size = frame.extent_m();
   Json data = Json::array();
   for (std::size_t k = 0; k < input.maps.size(); ++k) data.push_back(map_trace(input.maps[k], k));
   if (input.deployment.validity_area_m.size() > 2) {
-    Json area = line_trace("calibrated area", "var(--control)", "dash");
+    Json area = line_trace(lines.area.c_str(), "var(--control)", "dash");
     area["hoverinfo"] = "skip";
     for (const auto& p : input.deployment.validity_area_m) put(area, {p.x(), p.y(), 0}, size, false);
     put(area, {input.deployment.validity_area_m[0].x(), input.deployment.validity_area_m[0].y(), 0}, size, false);
     data.push_back(std::move(area));
   }
+  if (!lines.walls.empty()) data.push_back(lines_trace(lines.walls, "wall", "solid", size));
+  if (!lines.routes.empty()) data.push_back(lines_trace(lines.routes, "route", "dash", size));
   add_tracks(data, input, size, false);
-  add_beacons(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, false);
+  add_beacons(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, false, lines.beacon);
   for (std::size_t k = 0; k < input.maps.size(); ++k) {
     for (const auto& b : input.deployment.beacons) {
       if (b.name != input.maps[k].silent_beacon || !is_drawn(b)) continue;

@@ -85,4 +85,13 @@ Result<FloorSchedule> floor_schedule(const SurveyModel& model, const Scene& scen
   return out;
 }
 
+std::optional<FloorSchedule> schedule_of_survey(const SurveyModel& model, const Scene& scene, int threads) {
+  if (model.beacons.size() > kMostScheduledUnasked || model.speed_mps > kFastestSoundMps) return {};
+  FloorScheduleOptions options;
+  options.threads = threads;
+  auto schedule = floor_schedule(model, scene, options);
+  if (!schedule) return {};
+  return std::move(*schedule);
+}
+
 }  // namespace octant::survey

@@ -34,4 +34,13 @@ struct FloorSchedule {
 /// Errors: neither a threshold nor a range; what make_floor_grid finds.
 [[nodiscard]] Result<FloorSchedule> floor_schedule(const SurveyModel& model, const Scene& scene, const FloorScheduleOptions& options);
 
+/// Of more beacons than this a survey tells no schedule by itself: each is held against every other.
+inline constexpr std::size_t kMostScheduledUnasked = 300;
+/// Faster than this a pulse is radio or light, which leaves no echoes to wait for.
+inline constexpr double kFastestSoundMps = 1e5;
+
+/// The schedule that goes with a survey; none where there is no sound to wait for, nothing says how far it is heard, or beacons are
+/// more than kMostScheduledUnasked.
+[[nodiscard]] std::optional<FloorSchedule> schedule_of_survey(const SurveyModel& model, const Scene& scene, int threads);
+
 }  // namespace octant::survey

@@ -28,6 +28,7 @@ thead th{vertical-align:bottom;border-bottom:2px solid var(--soft)}th.words,td.w
 tbody th{font-weight:600}td.words{overflow-wrap:anywhere;min-width:5rem}#beacon-table td.words{white-space:nowrap}#inputs td{font-family:monospace;font-size:.8rem;word-break:break-all}
 figure{margin:1rem 0}figcaption{color:var(--soft);font-size:.875rem;margin-top:.3rem}.still svg{max-width:100%;height:auto;display:block}
 .live{display:none}.is-live .live{display:block}.is-live .still{display:none}
+.live .textpoint text{paint-order:stroke;stroke:var(--paper);stroke-width:3px;stroke-linejoin:round}
 fieldset{border:1px solid var(--line);border-radius:.4rem;padding:.2rem .8rem .5rem;margin:.6rem 0 0;display:flex;flex-wrap:wrap;gap:.1rem 1.2rem}
 fieldset{min-width:0}fieldset span{overflow-wrap:anywhere}input{accent-color:var(--link)}label{cursor:pointer}details{margin:.3rem 0 1rem}summary{cursor:pointer;color:var(--link)}
 footer{margin-top:3rem;color:var(--soft);font-size:.8rem}

@@ -11,6 +11,7 @@
 #include "survey/figure_json.h"
 #include "survey/map_svg.h"
 #include "survey/plotly_js.h"
+#include "survey/quantity.h"
 #include "survey/report_html.h"
 #include "survey/site_plan.h"
 
@@ -58,6 +59,24 @@ ReportTable routes(const Survey& s) {
   return table;
 }
 
+ReportSection firing(const Survey& s, const FloorSchedule& schedule) {
+  const FiringPlan& plan = schedule.plan;
+  ReportTable table{"schedule-table", "Who fires when", {{"slot", true}, {"fires at"}, {"beacons", true}}, {}};
+  for (std::size_t g = 0; g < plan.groups.size(); ++g) {
+    std::string names;
+    for (const std::size_t b : plan.groups[g]) names += (names.empty() ? "" : ", ") + s.model.beacons[b].name;
+    table.rows.push_back({{std::to_string(g + 1)}, {time_text(static_cast<double>(g) * plan.slot_s)}, {std::move(names)}});
+  }
+  std::string text = fmt::format("A cycle takes {}: {} slots of {}, after which a pulse has gone (single echoes after {}, all together after {}; by Kleeman's "
+                                 "eq. 1 after {}), where walls give back {:g} of the amplitude. One by one it takes {}.",
+                                 time_text(plan.cycle_s()), plan.groups.size(), time_text(plan.slot_s), time_text(schedule.silent.single_echo_s),
+                                 time_text(schedule.silent.all_echoes_s), time_text(schedule.silent.kleeman_s), schedule.reverberance.wall_reflection,
+                                 time_text(plan.one_by_one_s()));
+  ReportSection section{"schedule", "Firing schedule", {ReportText{std::move(text)}, std::move(table)}};
+  if (!schedule.warnings.empty()) section.blocks.emplace_back(ReportList{schedule.warnings, false});
+  return section;
+}
+
 NamedMap live_map(const Survey& s, const FloorMap& map) {
   const BinnedMap binned = binned_map(s, map, kLiveBins);
   NamedMap live{map.title, map.unit, binned.origin_m, binned.bin_m, binned.columns, {}};
@@ -80,7 +99,12 @@ ReportFigure maps(const Survey& s) {
     figure.layers.push_back(map.title);
     live.maps.push_back(live_map(s, map));
   }
-  figure.interactive = plan_figure_json(live);
+  PlanLines lines;
+  lines.area = "floor", lines.beacon = "beacon";
+  for (const SceneWall& wall : s.scene.walls)
+    if (wall.blocks_sound) lines.walls.push_back({wall.name, wall.points_m, wall.solid});
+  for (const SceneRoute& route : s.scene.routes) lines.routes.push_back({route.name, route.points_m});
+  figure.interactive = plan_figure_json(live, lines);
   return figure;
 }
 
@@ -102,6 +126,7 @@ ReportDocument survey_document(const Survey& s, const SurveyPageInput& input) {
   document.sections.push_back({"maps", "Maps", {maps(s)}});
   if (!s.failures.empty()) document.sections.push_back({"failures", "If beacons fail", {failures(s)}});
   if (!s.routes.empty()) document.sections.push_back({"routes", "Along the routes", {routes(s)}});
+  if (input.schedule) document.sections.push_back(firing(s, *input.schedule));
   if (s.temperature_error_degC) {
     document.sections.push_back({"what-if", "What if the air is warmer", {ReportText{fmt::format("Air {:g} degrees warmer than stated makes distances {:.0f} ppm wrong.",
                                                                                                  *s.temperature_error_degC, 1e6 * s.speed_error)}}});

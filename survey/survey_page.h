@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "survey/floor_schedule.h"
 #include "survey/report_document.h"
 #include "survey/survey.h"
 
@@ -14,9 +16,10 @@ struct SurveyPageInput {
   std::string input;    ///< file that was surveyed, as the user wrote it
   std::string created, program, command;
   std::vector<std::string> warnings;
+  std::optional<FloorSchedule> schedule;
 };
 
-/// A survey as a document: figures, maps to choose from, failures, routes, what was assumed.
+/// A survey as a document: figures, maps to choose from, failures, routes, firing schedule, what was assumed.
 [[nodiscard]] ReportDocument survey_document(const Survey& survey, const SurveyPageInput& input);
 
 /// That as one self-contained HTML page. @param interactive  with plotly.js inside, where it was at hand when this was built

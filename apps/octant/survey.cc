@@ -36,7 +36,7 @@ Result<survey::Survey> look(const Words& words, Session& session) {
 }
 
 /// Report, CSV and maps; what was written, for people and machines.
-Result<Json> write_outputs(const Words& words, const survey::Survey& survey, const Session& session) {
+Result<Json> write_outputs(const Words& words, const survey::Survey& survey, const std::optional<survey::FloorSchedule>& schedule, const Session& session) {
   Json written = Json::array();
   if (!words.csv.empty()) {
     if (auto done = io::write_file(words.csv, survey::survey_csv(survey)); !done) return fail(done.error());
@@ -49,7 +49,7 @@ Result<Json> write_outputs(const Words& words, const survey::Survey& survey, con
   }
   if (!words.report.empty()) {
     const survey::SurveyPageInput about{.input = words.input, .created = created_now(), .program = "octant " OCTANT_VERSION, .command = session.command_line,
-                                        .warnings = session.warnings()};
+                                        .warnings = session.warnings(), .schedule = schedule};
     const std::string page = words.report.ends_with(".md") ? survey::to_markdown(survey::survey_document(survey, about)) : survey::survey_html(survey, about, !words.still);
     if (auto done = io::write_file(words.report, page); !done) return fail(done.error());
     if (words.report != "-") written.push_back(words.report);
@@ -66,11 +66,12 @@ int run(const Words& words, Session& session) {
   const auto survey = look(words, session);
   if (!survey) return session.fail(survey.error());
   if (interrupted()) return session.interrupted();
-  const auto written = write_outputs(words, *survey, session);
+  const auto schedule = survey::schedule_of_survey(survey->model, survey->scene, session.threads());
+  const auto written = write_outputs(words, *survey, schedule, session);
   if (!written) return session.fail(written.error());
-  session.result(survey_text(*survey));
+  session.result(survey_text(*survey, schedule));
   if (!written->empty()) session.result(fmt::format("\n{:<17}{}\n", "written", words.maps.empty() ? written->back().get<std::string>() : words.maps));
-  Json object = survey_json(*survey, words.bins);
+  Json object = survey_json(*survey, schedule, words.bins);
   object["seconds"] = session.seconds();
   object["written"] = *written;
   return session.finish(object);

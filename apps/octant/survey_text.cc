@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/octant/schedule_text.h"
 #include "apps/octant/table.h"
 #include "io/atomic_file.h"
 #include "io/plan_import.h"
@@ -96,9 +97,20 @@ std::string losses_text(const Survey& survey) {
   return "\n" + table.text();
 }
 
+std::string routes_text(const Survey& survey) {
+  if (survey.routes.empty()) return "";
+  Table table{"lrrrr", {{"route", "poses", "covered", "median", "worst"}}};
+  for (const auto& route : survey.routes) {
+    const survey::Spread& s = route.maps.front().spread;
+    table.rows.push_back({route.name, fmt::format("{}", route.poses.size()), percent(route.covered_fraction), survey::figure_text(s.median, "m"),
+                          s.without > 0 ? "no fix" : survey::figure_text(s.max, "m")});
+  }
+  return "\n" + table.text();
+}
+
 }  // namespace
 
-Json survey_json(const Survey& survey, std::size_t bins) {
+Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule, std::size_t bins) {
   Json object = {{"cells", survey.grid.cells.size()},
                  {"cell_m", survey.grid.cell_m},
                  {"beacons", survey.model.beacons.size()},
@@ -127,6 +139,7 @@ Json survey_json(const Survey& survey, std::size_t bins) {
     routes.push_back(std::move(item));
   }
   object["routes"] = routes;
+  object["schedule"] = schedule ? schedule_json(*schedule, survey.model) : Json(nullptr);
   if (bins > 0) {
     Json maps = Json::object();
     for (const FloorMap& map : survey.maps) maps[map.name] = values_json(survey, map, bins);
@@ -135,7 +148,7 @@ Json survey_json(const Survey& survey, std::size_t bins) {
   return object;
 }
 
-std::string survey_text(const Survey& survey) {
+std::string survey_text(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule) {
   std::string text = fmt::format("{}: {} beacons, {} cells of {:g} m\n\n", survey.model.name, survey.model.beacons.size(), survey.grid.cells.size(), survey.grid.cell_m);
   const auto line = [&](const char* name, const std::string& value) { text += fmt::format("{:<17}{}\n", name, value); };
   line("fix", percent(survey.fix_fraction) + " of the floor");
@@ -152,15 +165,9 @@ std::string survey_text(const Survey& survey) {
     const auto figure = [&](double value) { return map.spread.count > 0 ? survey::figure_text(value, map.unit) : std::string("-"); };
     table.rows.push_back({map.name, figure(map.spread.min), figure(map.spread.median), figure(map.spread.p95), figure(map.spread.max), fmt::format("{}", map.spread.without)});
   }
-  text += "\n" + table.text() + losses_text(survey);
-  if (survey.routes.empty()) return text;
-  Table routes{"lrrrr", {{"route", "poses", "covered", "median", "worst"}}};
-  for (const auto& route : survey.routes) {
-    const survey::Spread& s = route.maps.front().spread;
-    routes.rows.push_back({route.name, fmt::format("{}", route.poses.size()), percent(route.covered_fraction), survey::figure_text(s.median, "m"),
-                           s.without > 0 ? "no fix" : survey::figure_text(s.max, "m")});
-  }
-  return text + "\n" + routes.text();
+  text += "\n" + table.text() + losses_text(survey) + routes_text(survey);
+  if (!schedule) return text;
+  return text + "\n" + slots_text(*schedule, survey.model);
 }
 
 Result<std::vector<std::string>> write_maps(const Survey& survey, const std::string& folder) {

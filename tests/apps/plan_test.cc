@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // octant plan as a process: stops, beacons, schedules; exit codes, one JSON object, outputs whole or not at all.
+#include <algorithm>
 #include <filesystem>
 #include <regex>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -49,6 +51,13 @@ TEST_F(Plan, StopsAsTextJsonAndCsv) {
   const auto object = plan({"--stations", "3", "--grid", "3", "--json"}).json();
   EXPECT_EQ(object["status"], "ok");
   ASSERT_EQ(object["stations"].size(), 3U);
+  // The checklist has them in the same order.
+  const std::string csv = slurp(box / "stops.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& stop = object["stations"][i];
+    EXPECT_THAT(csv, HasSubstr(fmt::format("\n{},{:.3f},{:.3f},{:.4f},", i + 1, stop["x_m"].get<double>(), stop["y_m"].get<double>(), stop["heading_rad"].get<double>())));
+  }
   double sigma = object["before"]["mean_sigma_m"];
   for (const auto& stop : object["stations"]) {
     EXPECT_LT(stop["mean_sigma_m"].get<double>(), sigma);

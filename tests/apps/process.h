@@ -15,6 +15,7 @@ namespace octant::test {
 struct Outcome {
   int exit = -1;  ///< 128 + signal where one ended it
   std::string out, err;
+  double largest_mb = 0.0;  ///< of its resident set
   /// Standard output as the one JSON object that it must be: one line, no NaN; null otherwise.
   [[nodiscard]] nlohmann::json json() const;
 };

@@ -3,6 +3,7 @@
 // octant survey as a process.
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,6 +16,12 @@ using ::testing::HasSubstr;
 
 const std::string kAisles = std::string(OCTANT_SOURCE_DIR) + "/datasets/aisles/site.yaml";
 const std::string kHall = std::string(OCTANT_SOURCE_DIR) + "/datasets/hall/";
+
+#ifdef __SANITIZE_ADDRESS__
+constexpr double kSmallMb = 1e6, kLargeMb = 1e6;  // the sanitizer's own memory is not the program's
+#else
+constexpr double kSmallMb = 60.0, kLargeMb = 200.0;
+#endif
 
 std::string aisles(const std::string& what, const std::string& by) {
   std::string text = slurp(kAisles);
@@ -39,6 +46,27 @@ TEST(SurveyCommand, KeysOfTheContract) {
   const auto bins = octant({"survey", kAisles, "--json", "--cell", "0.5", "--bins", "20"}).json()["maps"]["sigma_m"];
   EXPECT_EQ(bins["rows"].size(), 12u);
   EXPECT_EQ(bins["rows"][0].size(), 20u);
+}
+
+TEST(SurveyCommand, SaysWhoFiresWhen) {
+  const TemporaryFolder folder;
+  spit(folder / "site.yaml", aisles("cell_m: 0.25", "cell_m: 0.5"));
+  const Outcome text = octant({"survey", folder / "site.yaml", "--failures", "0", "-o", folder / "r.md"});
+  ASSERT_EQ(text.exit, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("fires at"));
+  EXPECT_THAT(text.out, HasSubstr("\ncycle            "));
+  EXPECT_THAT(slurp(folder / "r.md"), HasSubstr("## Firing schedule"));
+  auto planned = octant({"plan", folder / "site.yaml", "--schedule", "--json"}).json();
+  auto told = octant({"survey", folder / "site.yaml", "--json", "--failures", "0"}).json()["schedule"];
+  std::size_t beacons = 0;
+  for (const auto& group : told["groups"]) beacons += group["beacons"].size();
+  EXPECT_EQ(beacons, 18U);
+  for (const auto& [key, value] : told.items()) EXPECT_EQ(value, planned[key]) << key;  // the same as when asked for
+  // Nothing says how far a pulse is heard: no schedule, and no fault.
+  spit(folder / "site.yaml", aisles("  acoustics: {frequency_hz: 40000, amplitude_1m_v: 8.0, threshold_v: 0.02}\n", ""));
+  const auto silent = octant({"survey", folder / "site.yaml", "--json", "--cell", "0.5", "--failures", "0"});
+  EXPECT_EQ(silent.exit, 0) << silent.err;
+  EXPECT_TRUE(silent.json().at("schedule").is_null());
 }
 
 TEST(SurveyCommand, WritesPageTableAndEveryMap) {
@@ -72,12 +100,14 @@ TEST(SurveyCommand, ADeploymentBringsTheCalibrationsPart) {
 
 TEST(SurveyCommand, BadScenesAreExit3AndNamed) {
   const TemporaryFolder folder;
+  double largest_mb = 0.0;
   const auto error_of = [&](const std::string& text, const std::vector<std::string>& more = {}) {
     spit(folder / "site.yaml", text);
     std::vector<std::string> words = {"survey", folder / "site.yaml", "--json"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome bad = octant(words);
     EXPECT_EQ(bad.exit, 3) << bad.out << bad.err;
+    largest_mb = bad.largest_mb;
     const auto object = bad.json();
     EXPECT_TRUE(object.is_object());
     return object.is_object() ? object["error"]["message"].get<std::string>() : std::string();
@@ -89,8 +119,44 @@ TEST(SurveyCommand, BadScenesAreExit3AndNamed) {
   EXPECT_THAT(error_of(aisles("cell_m: 0.25", "cell_m: 0")), HasSubstr("cell_m"));
   EXPECT_THAT(error_of(slurp(kAisles), {"--cell", "0"}), HasSubstr("cell_m"));
   EXPECT_THAT(error_of(aisles("cell_m: 0.25", "cell_m: 0.0007")), HasSubstr("1.1e+09 cells"));
+  EXPECT_LT(largest_mb, kSmallMb) << "refused before memory is taken";
   EXPECT_THAT(error_of(slurp(kAisles), {"--vehicle", "nobody"}), HasSubstr("nobody"));
   EXPECT_THAT(error_of(slurp(kAisles), {"--scene", folder / "nowhere.yaml"}), HasSubstr("nowhere.yaml"));
+}
+
+/// 100 x 100 m in cells of 0.1 m, forty directed beacons, sixty walls.
+std::string million_cells() {
+  std::string site = R"(octant_site: 1
+motion: planar
+medium: {model: cramer1993, temperature_degC: 20}
+timing: {clock: synchronised, delay_per: none}
+noise: {tof_sigma_s: 1.0e-5}
+vehicles: [{receivers: [{id: r0, position_m: [0, 0, 0.3]}]}]
+tolerance: {fix_m: 0.02}
+)";
+  std::string beacons = "beacons:\n", axes = "  beacons:\n", walls = "  walls:\n";
+  for (int i = 0; i < 40; ++i) {
+    const double x = 5 + 10 * (i % 10), y = 10 + 25 * (i / 10);
+    beacons += fmt::format("  - {{id: B{}, position_m: [{}, {}, 4], sigma_m: 0.0}}\n", i, x, y);
+    axes += fmt::format("    - {{id: B{}, axis: [{}, {}, -0.4]}}\n", i, i % 3 - 1, i % 2);
+  }
+  for (int i = 0; i < 60; ++i) {
+    const double x = 3 + 37 * i % 90, y = 2 + 53 * i % 95;
+    walls += fmt::format("    - {{points_m: [[{}, {}], [{}, {}]], top_m: {}}}\n", x, y, x + 6, y + i % 5, 1 + i % 4);
+  }
+  return site + beacons + "scene:\n  floor_m: [[0, 0], [100, 0], [100, 100], [0, 100]]\n  cell_m: 0.1\n"
+         "  patterns: [{id: p, kind: cosine_power, exponent: 1.5, half_angle_rad: 1.5}]\n  beacon_pattern: p\n"
+         "  acoustics: {frequency_hz: 40000, amplitude_1m_v: 300, threshold_v: 0.01}\n" + axes + walls;
+}
+
+TEST(SurveyCommand, AMillionCellsTakeLittleMemory) {
+  const TemporaryFolder folder;
+  spit(folder / "site.yaml", million_cells());
+  const Outcome survey = octant({"survey", folder / "site.yaml", "--threads", "2", "--failures", "1", "--json"});
+  ASSERT_EQ(survey.exit, 0) << survey.err;
+  EXPECT_EQ(survey.json()["cells"], 1'000'000);
+  EXPECT_GT(survey.json()["fix_fraction"], 0.5);
+  EXPECT_LT(survey.largest_mb, kLargeMb);
 }
 
 }  // namespace

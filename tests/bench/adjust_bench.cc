@@ -7,12 +7,14 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <benchmark/benchmark.h>
 #include <ceres/ceres.h>
 
 #include "calib/adjust.h"
 #include "calib/calibrate.h"
+#include "calib/tile_sum.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
@@ -33,7 +35,8 @@ Scenario forty_beacons(int epochs) {
   return s;
 }
 
-/// A solved problem, and the shared parameters some sigmas off: where both begin.
+/// A solved problem, and the shared parameters off by so much: where both begin. A centimetre is some sigmas of an arrival, five
+/// are what a start without any knowledge of places leaves at worst.
 struct Start {
   calib::Problem problem;
   calib::Solution solution;
@@ -41,9 +44,9 @@ struct Start {
   Eigen::VectorXd x;
 };
 
-const Start& start_of(int epochs) {
-  static std::map<int, Start> kept;
-  if (const auto found = kept.find(epochs); found != kept.end()) return found->second;
+const Start& start_of(int epochs, int off_mm = 10) {
+  static std::map<std::pair<int, int>, Start> kept;
+  if (const auto found = kept.find({epochs, off_mm}); found != kept.end()) return found->second;
   const World world = must(simulate(forty_beacons(epochs), 1));
   Start s{must(calib::make_problem(world.site, {world.run})), {}, {}, {}};
   calib::SolveOptions options;
@@ -52,11 +55,11 @@ const Start& start_of(int epochs) {
   SharedState off = s.solution.state;
   for (std::size_t b = 0; b < off.beacon_p_map_m.size(); ++b)
     if (!s.problem.site.beacons[b].is_control_point())
-      off.beacon_p_map_m[b] += 0.01 * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)), std::cos(3.0 * static_cast<double>(b)), 0.5);
+      off.beacon_p_map_m[b] += 1e-3 * off_mm * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)), std::cos(3.0 * static_cast<double>(b)), 0.5);
   for (double& v : off.speed_offset_mps) v += 0.1;
   s.layout = calib::make_layout(s.problem, s.solution.state, std::vector<bool>(off.beacon_p_map_m.size(), false));
   s.x = s.layout.vector_of(off);
-  return kept.emplace(epochs, std::move(s)).first->second;
+  return kept.emplace(std::pair{epochs, off_mm}, std::move(s)).first->second;
 }
 
 void report(benchmark::State& state, const Start& start, double cost) {
@@ -68,7 +71,7 @@ void report(benchmark::State& state, const Start& start, double cost) {
 }
 
 void adjust_tiles(benchmark::State& state) {
-  const Start& start = start_of(static_cast<int>(state.range(0)));
+  const Start& start = start_of(static_cast<int>(state.range(0)), static_cast<int>(state.range(2)));
   calib::AdjustOptions options;
   options.workers.threads = static_cast<int>(state.range(1));
   options.function_tolerance = 1e-8;
@@ -81,6 +84,24 @@ void adjust_tiles(benchmark::State& state) {
     const calib::AdjustResult result = calib::adjust(start.problem, start.layout, trajectories, x, options);
     cost = result.cost;
     state.counters["iterations"] = result.iterations;
+  }
+  report(state, start, cost);
+}
+
+/// The parts of an evaluation, the states beginning where the adjustment's do: what an arrival costs in nanoseconds.
+void tiles_part(benchmark::State& state, int part) {
+  const Start& start = start_of(static_cast<int>(state.range(0)));
+  std::vector<Trajectory> trajectories = start.solution.trajectories;
+  const SharedState at = start.layout.state_of(start.x);
+  const calib::Workers workers{static_cast<int>(state.range(1)), nullptr};
+  std::optional<calib::TileSum> tiles;
+  calib::ReducedSystem sum;
+  tiles.emplace(trajectories, start.layout, workers);
+  double cost = tiles->settle(at, {});
+  for (auto _ : state) {
+    if (part == 0) tiles.emplace(trajectories, start.layout, workers);
+    if (part == 1) cost = tiles->settle(at, {});
+    if (part == 2) tiles->reduce(at, {}, sum);
   }
   report(state, start, cost);
 }
@@ -174,7 +195,7 @@ class PerArrival {
 };
 
 void adjust_per_arrival(benchmark::State& state, bool states_first) {
-  const Start& start = start_of(static_cast<int>(state.range(0)));
+  const Start& start = start_of(static_cast<int>(state.range(0)), static_cast<int>(state.range(2)));
   double cost = 0.0;
   for (auto _ : state) {
     state.PauseTiming();  // what people also wait for, but not the solver's work
@@ -192,9 +213,16 @@ void adjust_per_arrival(benchmark::State& state, bool states_first) {
 }
 
 constexpr auto kUnit = benchmark::kMillisecond;
-BENCHMARK(adjust_tiles)->Args({5000, 1})->Args({20000, 1})->Args({100000, 1})->Args({100000, 2})->Unit(kUnit)->UseRealTime();
-BENCHMARK_CAPTURE(adjust_per_arrival, schur, true)->Args({5000, 1})->Args({20000, 1})->Args({100000, 1})->Args({100000, 2})->Iterations(1)->Unit(kUnit)->UseRealTime();
-BENCHMARK_CAPTURE(adjust_per_arrival, normal_equations, false)->Args({5000, 1})->Args({20000, 1})->Args({100000, 1})->Args({100000, 2})->Iterations(1)->Unit(kUnit)->UseRealTime();
+BENCHMARK_CAPTURE(tiles_part, make, 0)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
+BENCHMARK_CAPTURE(tiles_part, settle, 1)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
+BENCHMARK_CAPTURE(tiles_part, reduce, 2)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
+/// Epochs, threads, millimetres off.
+void sizes(benchmark::internal::Benchmark* b) {
+  b->Args({5000, 1, 10})->Args({20000, 1, 10})->Args({100000, 1, 10})->Args({100000, 1, 50})->Args({100000, 2, 10})->Unit(kUnit)->UseRealTime();
+}
+BENCHMARK(adjust_tiles)->Apply(sizes);
+BENCHMARK_CAPTURE(adjust_per_arrival, schur, true)->Apply(sizes)->Iterations(1);
+BENCHMARK_CAPTURE(adjust_per_arrival, normal_equations, false)->Apply(sizes)->Iterations(1);
 
 }  // namespace
 }  // namespace octant::test

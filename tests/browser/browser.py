@@ -68,17 +68,27 @@ class Browser:
         from selenium import webdriver
         from selenium.webdriver.chrome.options import Options
         from selenium.webdriver.chrome.service import Service
+        from selenium.webdriver.common import utils
+
+        class LocalService(Service):
+            """Asked for by its number: a bare system may know no name for it, not even localhost."""
+            service_url = property(lambda service: f"http://127.0.0.1:{service.port}")
+
+            def is_connectable(self):
+                return utils.is_connectable(self.port, "127.0.0.1")
+
         options = Options()
         options.binary_location = shutil.which("chromium")
         self.profile = tempfile.mkdtemp(prefix="octant-chromium-")
-        words = ["--headless=new", "--window-size=1280,1000", "--hide-scrollbars", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+        # By a pipe, as the driver would look for the browser by the name localhost too.
+        words = ["--headless=new", "--remote-debugging-pipe", "--window-size=1280,1000", "--hide-scrollbars", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
                  "--ignore-gpu-blocklist", "--no-first-run", "--disable-dev-shm-usage", "--disable-extensions", f"--user-data-dir={self.profile}"]
         if os.geteuid() == 0:
             words.append("--no-sandbox")  # Chromium's sandbox does not run as root
         for word in words:
             options.add_argument(word)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-        self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+        self.driver = webdriver.Chrome(service=LocalService(shutil.which("chromedriver")), options=options)
         self.driver.set_script_timeout(30)
 
     def close(self):

@@ -40,6 +40,9 @@ class Reports(unittest.TestCase):
         cls.hostile_site()
         octant("calibrate", at("hostile/site.yaml"), at("hostile/run"), "-o", at("h.json"), "--report", at("hostile.html"))
         octant("report", at("h.json"), "--site-sheet", at("hostile-sheet.html"))
+        cls.hostile_hall()
+        octant("survey", at("hall.yaml"), "-o", at("survey.html"))
+        octant("survey", at("hall.yaml"), "-o", at("survey-still.html"), "--report-static")
         cls.browser = Browser()
 
     @classmethod
@@ -67,6 +70,19 @@ class Reports(unittest.TestCase):
             row[column] = new[row[column]]
         with open(cls.at("hostile/run/tof.csv"), "w", newline="") as file:
             csv.writer(file).writerows(rows)
+
+    @classmethod
+    def hostile_hall(cls):
+        """That site with walls and routes of such names, for a survey."""
+        import yaml
+        with open(cls.at("hostile/site.yaml")) as file:
+            site = yaml.safe_load(file)
+        site["scene"] = {"floor_m": [[0, 0], [20, 0], [20, 12], [0, 12]], "cell_m": 1.0, "acoustics": {"range_m": 15.0},
+                         "obstacles": [{"id": HOSTILE[0], "points_m": [[4, 4], [6, 4], [6, 6], [4, 6]], "top_m": 3.0}],
+                         "walls": [{"id": HOSTILE[1], "points_m": [[12, 5], [16, 5]], "top_m": 3.0}, {"id": HOSTILE[5], "points_m": [[9, 9], [9, 11]], "top_m": 2.0}],
+                         "routes": [{"id": HOSTILE[6], "points_m": [[1, 1], [18, 1], [18, 9]]}]}
+        with open(cls.at("hall.yaml"), "w") as file:
+            yaml.safe_dump(site, file)
 
     def assert_quiet(self):
         self.assertEqual(self.browser.errors(), [])
@@ -236,6 +252,44 @@ class Reports(unittest.TestCase):
         b.open(self.at("hostile-sheet.html"))
         self.assertEqual(b.run("return document.querySelectorAll('img, script, b, a').length"), 0)
         self.assert_quiet()
+
+    def test_survey_is_drawn_and_quiet(self):
+        b = self.browser
+        b.open(self.at("survey.html"))
+        self.assertEqual(b.run("return ['script', 'img', 'b', 'a[href^=javascript]'].map(k => document.querySelectorAll('main ' + k + ':not([type])').length)"), [0, 0, 0, 0])
+        figure = "#figure-maps"
+        if self.is_live():
+            self.assertEqual(self.draw_all(), ["figure-maps"])
+            self.assertGreater(pixels(b.picture(figure, 0.5)).std(), 8)
+            shown = b.run(f"return [...document.querySelectorAll('{figure} .live .textpoint')].map(t => t.textContent)")
+            self.assertEqual(sorted(t for t in shown if t), sorted(HOSTILE + [HOSTILE[0], HOSTILE[1], HOSTILE[5], HOSTILE[6]]))  # beacons, walls, the route
+            self.assertEqual(b.run("return document.querySelectorAll('.live a[*|href]').length"), 0)
+            traces = b.run(f"return document.querySelector('{figure} .live').data.map(t => t.name)")
+            self.assertIn("wall", traces)
+            self.assertIn("route", traces)
+            # Each map can be chosen.
+            n = b.run(f"return document.querySelectorAll('#drawing-{figure[1:]} input').length")
+            self.assertGreater(n, 8)
+            for k in range(n):
+                b.run(f"document.getElementById('choice-{figure[1:]}-{k}').click()")
+                want = json.dumps([i == k for i in range(n)])
+                visible = f"document.querySelector('{figure} .live').data.filter(t => t.type === 'heatmap').map(t => t.visible)"
+                self.assertTrue(b.wait(f"JSON.stringify({visible}) === JSON.stringify({want})"), k)
+        self.assert_quiet()
+        for page in ("survey.html", "survey-still.html"):
+            b.open(self.at(page), script=False, width=390)
+            self.assertGreater(pixels(b.picture(f"{figure} .layer-0 svg", 0.5)).std(), 8, page)
+            self.assertLessEqual(b.run("return document.documentElement.scrollWidth"), 390, page)
+            choice = b.driver.find_element("id", "choice-figure-maps-1")
+            b.run("arguments[0].scrollIntoView({behavior: 'instant', block: 'center'})", choice)
+            choice.click()
+            displays = b.run(f"return [...document.querySelectorAll('{figure} .layer')].map(g => getComputedStyle(g).display)")
+            self.assertEqual([i for i, d in enumerate(displays) if d != "none"], [1])
+            names = b.run("return [...document.querySelectorAll('#routes-table tbody th')].map(t => t.textContent)")
+            self.assertEqual(names, [HOSTILE[6]])
+            self.assert_quiet()
+        self.assertLess(os.path.getsize(self.at("survey-still.html")), 500_000)
+        self.assertLess(os.path.getsize(self.at("survey.html")), 3_000_000)
 
     def test_codes_can_be_read(self):
         if not shutil.which("zbarimg"):

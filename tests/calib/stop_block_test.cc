@@ -4,8 +4,11 @@
 #include "calib/stop_block.h"
 
 #include <numeric>
+#include <set>
+#include <string>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "calib/tile.h"
 #include "models/random.h"
@@ -57,8 +60,7 @@ Sides sides_of(const Scenario& scenario, double rough_m) {
   return out;
 }
 
-void expect_same(const Scenario& scenario, const RobustLoss& loss) {
-  Sides s = sides_of(scenario, 0.05);
+void expect_same(Sides& s, const RobustLoss& loss) {
   ASSERT_TRUE(calib::StopBlock::knows(s.fast[0], s.layout));
   ASSERT_TRUE(calib::StopBlock::takes(s.fast[0], s.fast[0].segments[0]));
   ASSERT_FALSE(calib::StopBlock::takes(s.general[0], s.general[0].segments[0]));
@@ -75,6 +77,10 @@ void expect_same(const Scenario& scenario, const RobustLoss& loss) {
   EXPECT_NEAR(cost, expected, 1e-10 * expected);
   EXPECT_NEAR(a.cost, cost, 1e-12 * cost);
   ASSERT_EQ(a.H.rows(), b.H.rows());
+  for (calib::Tile* tile : {&fast, &general}) {
+    tile->commit();
+    tile->rewind();
+  }
   // What is left of a direction that the states absorb (the turn of an array) is rounding of what was there before.
   const double rounding = 1e-13 * b.H.diagonal().maxCoeff();
   for (Eigen::Index i = 0; i < a.H.rows(); ++i) {
@@ -90,6 +96,11 @@ void expect_same(const Scenario& scenario, const RobustLoss& loss) {
   }
 }
 
+void expect_same(const Scenario& scenario, const RobustLoss& loss) {
+  Sides s = sides_of(scenario, 0.05);
+  expect_same(s, loss);
+}
+
 Scenario small_hall(int epochs = 37) {  // no multiple of the lanes
   Scenario s = hall_scenario();
   s.path.epochs = epochs;
@@ -101,6 +112,51 @@ TEST(StopBlock, GivesWhatTheGeneralPathGives) {
   expect_same(small_hall(), {});
   expect_same(small_hall(), {2.385, 2.385});
   expect_same(small_hall(), {10.0, 15.0});
+}
+
+/// One binary, every instruction set that this machine has: narrower vectors take the eight lanes in turns.
+TEST(StopBlock, EveryInstructionSetGivesTheSame) {
+  struct AllTargets {
+    ~AllTargets() { hwy::SetSupportedTargetsForTest(0); }
+  } afterwards;
+  Scenario offset = small_hall();
+  offset.site.timing.clock = Clock::kCycleOffset;
+  offset.site.timing.delay_per = {};
+  offset.true_delay_s.reset();
+  std::set<std::string> names;
+  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+    hwy::SetSupportedTargetsForTest(left & -left);
+    names.insert(calib::stop_kernel_target());
+    SCOPED_TRACE(calib::stop_kernel_target());
+    expect_same(small_hall(), {});
+    expect_same(small_hall(), {2.385, 2.385});
+    expect_same(offset, {2.385, 2.385});
+  }
+  EXPECT_GE(names.size(), 2U);  // x86-64 has SSE2 at least, and some more
+}
+
+/// Several arrivals over one path in an epoch, and epochs that hear hardly anything, in one pack with others.
+TEST(StopBlock, RepeatedArrivalsAndLonelyOnes) {
+  Sides s = sides_of(small_hall(21), 0.02);
+  for (std::vector<Trajectory>* side : {&s.fast, &s.general}) {
+    Trajectory& t = side->front();
+    for (std::size_t i = t.segments[4].first_arrival; i < t.segments[4].last_arrival; ++i)
+      if (i > t.segments[4].first_arrival + 6) t.arrivals[i].rejection = Rejection::kLate;
+    Trajectory repeated = t;
+    repeated.arrivals.clear();
+    for (std::size_t k = 0; k < t.segments.size(); ++k) {
+      Segment& to = repeated.segments[k];
+      to.first_arrival = repeated.arrivals.size();
+      for (int again = 0; again < (k % 3 == 0 ? 3 : 1); ++again)
+        for (std::size_t i = t.segments[k].first_arrival; i < t.segments[k].last_arrival; ++i) {
+          repeated.arrivals.push_back(t.arrivals[i]);
+          repeated.arrivals.back().tof_s += 3e-6 * again;
+        }
+      to.last_arrival = repeated.arrivals.size();
+    }
+    t = repeated;
+  }
+  expect_same(s, {});
 }
 
 TEST(StopBlock, CycleOffset) {

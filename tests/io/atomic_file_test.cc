@@ -71,6 +71,21 @@ TEST(AtomicFile, LeavesTheOldFileWholeWhenWritingFails) {
   EXPECT_EQ(folder.files(), 1u) << "a temporary file was left behind";
 }
 
+// A deployment and its reports come together or not at all, whichever of them fails.
+TEST(AtomicFile, SeveralFilesAreWrittenTogetherOrNotAtAll) {
+  const TemporaryFolder folder;
+  folder.write("report", "old");
+  expect_error(write_files({{folder.path("report"), "new"}, {folder.path("none/deployment"), "new"}}), 0, "folder does not exist", "none/deployment");
+  expect_error(write_files({{folder.path("report"), "new"}, {"/dev/full", "new"}}), 0, "No space left", "/dev/full");
+  expect_error(write_files({{"/dev/full", "new"}, {folder.path("report"), "new"}}), 0, "No space left", "/dev/full");
+  EXPECT_EQ(folder.read("report"), "old");
+  EXPECT_EQ(folder.files(), 1u) << "a temporary file was left behind";
+  ASSERT_TRUE(write_files({{folder.path("report"), "new"}, {folder.path("deployment"), "first"}}));
+  EXPECT_EQ(folder.read("report"), "new");
+  EXPECT_EQ(folder.read("deployment"), "first");
+  EXPECT_EQ(folder.files(), 2u);
+}
+
 TEST(AtomicFile, KeepsLinksAndPermissions) {
   const TemporaryFolder folder;
   folder.write("target", "old");

@@ -15,6 +15,7 @@ namespace octant::survey {
 namespace {
 
 using test::brute_arrivals;
+using test::BruteArrival;
 using test::information_of;
 
 SurveyModel bare_model(Motion motion, Clock clock) {
@@ -89,17 +90,37 @@ TEST(GeometryMap, SatelliteOverheadAndThreeOnTheHorizon) {
   EXPECT_NEAR(f.tdop[0], std::sqrt(1.0 / 3), 1e-6);
 }
 
-// The least GDOP that n satellites all round can have is sqrt(10 / n): 1.581 for the four of a regular tetrahedron (M. Kihara and
-// T. Okada, A satellite selection method and accuracy for the Global Positioning System, Navigation 31 (1984) 8-20), 1.291 for the
-// six of an octahedron (S. Xue and Y. Yang, Positioning configurations with the lowest GDOP, J. Geod. 89 (2015) 49-71).
+// With S = sum u u' of trace n and s = sum u, H'H = [[S, s], [s', n]]; by Schur complements its inverse has the blocks
+// (S - s s'/n)^-1 >= S^-1 and 1 / (n - s' S^-1 s) >= 1/n, and tr S^-1 >= 9 / tr S: no GDOP of n satellites is below sqrt(10 / n),
+// and those of a regular tetrahedron and of an octahedron (s = 0, S = n/3 I) reach it.
 TEST(GeometryMap, LeastDilutionOfPlatonicConstellations) {
   constexpr double kFar = 2.0e7;
   SurveyModel tetrahedron = bare_model(Motion::kSpatial, Clock::kCycleOffset), octahedron = tetrahedron;
   for (int i = 0; i < 4; ++i) tetrahedron.beacons.push_back({"S", Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, (i == 0 || i == 3) ? 1 : -1).normalized() * kFar});
   for (int i = 0; i < 6; ++i) octahedron.beacons.push_back({"S", Eigen::Vector3d::Unit(i / 2) * (i % 2 ? kFar : -kFar)});
-  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], 1.581, 5e-4);   // as printed
-  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 4), 1e-6);
-  EXPECT_NEAR(evaluate_poses(octahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 6), 1e-6);
+  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 4), 1e-9);
+  EXPECT_NEAR(evaluate_poses(octahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 6), 1e-9);
+  Random draw(10);
+  for (int n = 4; n < 30; ++n) {
+    SurveyModel any = bare_model(Motion::kSpatial, Clock::kCycleOffset);
+    for (int i = 0; i < n; ++i) any.beacons.push_back({"S", draw.normal3().normalized() * kFar});
+    EXPECT_GE(evaluate_poses(any, at(0, 0)).gdop[0], std::sqrt(10.0 / n)) << n;
+  }
+}
+
+// Published: Stanford NAV Lab, gnss_lib_py, tests/utils/test_metrics.py (test_simple_dop, 7 Feb 2024): satellites at elevations of
+// 0, 0, 45, 45 and 90 degrees at azimuths of 0, 90, 180, 270 and 0.
+TEST(GeometryMap, FiveSatellitesAsPublished) {
+  SurveyModel model = bare_model(Motion::kSpatial, Clock::kCycleOffset);
+  constexpr double kFar = 2.0e7;
+  const double half = std::sqrt(0.5), root2 = std::sqrt(2.0);
+  for (const Eigen::Vector3d& east_north_up : {Eigen::Vector3d(0, 1, 0), {1, 0, 0}, {0, -half, half}, {-half, 0, half}, {0, 0, 1}}) model.beacons.push_back({"S", kFar * east_north_up});
+  const auto f = evaluate_poses(model, at(0, 0));
+  EXPECT_NEAR(f.gdop[0], std::sqrt(23.0 / 3), 1e-9);
+  EXPECT_NEAR(f.pdop[0], std::sqrt(77.0 / 3) / 2, 1e-9);
+  EXPECT_NEAR(f.hdop[0], std::sqrt(25.0 / 6 - root2), 1e-9);
+  EXPECT_NEAR(f.vdop[0], std::sqrt(9.0 / 4 + root2), 1e-9);
+  EXPECT_NEAR(f.tdop[0], std::sqrt(5.0) / 2, 1e-9);
 }
 
 TEST(GeometryMap, NothingDeterminedIsNoFix) {
@@ -153,8 +174,45 @@ SurveyModel random_model(Random& draw, Motion motion, Clock clock, bool array, i
 /// How far gains and distances are from any limit is not looked at: tables are linear over the cosine, so that a pair in some
 /// thousands may fall on the other side of the threshold. Those cells are counted, and few.
 struct Agreement {
-  int cells = 0, fixes = 0, other_pairs = 0;
+  int cells = 0, fixes = 0, other_pairs = 0, noticed = 0, unnoticed = 0;
 };
+
+/// Each beacon's ranges biased in turn: by how much before a test of 0.1 % finds it with a power of 80 % (Baarda), and what that does.
+void compare_integrity(const SurveyModel& model, const std::vector<BruteArrival>& arrivals, const Eigen::MatrixXd& C, const GeometryFigures& f, std::size_t i,
+                       Agreement& agreement) {
+  constexpr double kTwoSided999 = 3.290527, kOneSided80 = 0.841621;  // quantiles of the normal distribution
+  constexpr double kRounded = 1e-3;                                  // the map has them to three digits
+  const auto m = static_cast<Eigen::Index>(arrivals.size());
+  Eigen::MatrixXd H(m, C.rows());
+  Eigen::VectorXd w(m);
+  for (Eigen::Index a = 0; a < m; ++a) {
+    const auto& arrival = arrivals[static_cast<std::size_t>(a)];
+    H.row(a) = arrival.row, w[a] = 1 / (arrival.sigma_m * arrival.sigma_m);
+  }
+  double bias_m = 0.0, shift_m = 0.0;
+  for (std::size_t b = 0; b < model.beacons.size(); ++b) {
+    const Eigen::VectorXd of_b = Eigen::VectorXd::NullaryExpr(m, [&](Eigen::Index a) { return arrivals[static_cast<std::size_t>(a)].beacon == b ? 1.0 : 0.0; });
+    if (of_b.isZero()) continue;
+    const Eigen::VectorXd moved = C * (H.transpose() * w.cwiseProduct(of_b));
+    const Eigen::VectorXd residual = of_b - H * moved;
+    const double left = residual.dot(w.cwiseProduct(residual)) / of_b.dot(w.cwiseProduct(of_b));
+    if (left < 1e-4 && left > 1e-8) return;  // on the verge of what counts as unnoticed, or lost to rounding
+    if (left <= 1e-8) {
+      ++agreement.unnoticed;
+      EXPECT_EQ(f.detectable_bias_m[i], kNoFix);
+      EXPECT_EQ(f.protection_m[i], kNoFix);
+      return;
+    }
+    const double just_found_m = (kTwoSided999 + kOneSided80) / std::sqrt(residual.dot(w.cwiseProduct(residual)));
+    bias_m = std::max(bias_m, just_found_m);
+    shift_m = std::max(shift_m, just_found_m * moved.head<2>().norm());
+  }
+  ++agreement.noticed;
+  const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C.topLeftCorner<2, 2>()).eigenvalues()[1];
+  EXPECT_NEAR(f.detectable_bias_m[i], bias_m, kRounded * bias_m);
+  EXPECT_NEAR(f.fault_shift_m[i], shift_m, kRounded * shift_m);
+  EXPECT_NEAR(f.protection_m[i], shift_m + kTwoSided999 * std::sqrt(largest), kRounded * f.protection_m[i]);
+}
 
 void compare(const SurveyModel& model, const PoseList& poses, Agreement& agreement) {
   const auto f = evaluate_poses(model, poses);
@@ -191,6 +249,10 @@ void compare(const SurveyModel& model, const PoseList& poses, Agreement& agreeme
     near(f.sigma_m[i], std::sqrt(C(0, 0) + C(1, 1)));
     near(f.sigma_x_m[i], std::sqrt(C(0, 0)));
     near(f.sigma_y_m[i], std::sqrt(C(1, 1)));
+    near(f.sigma_z_m[i], p == 3 ? std::sqrt(C(2, 2)) : 0.0);
+    near(f.sigma_heading_rad[i], model.unknowns.rotation > 0 ? std::sqrt(C(p + model.unknowns.rotation - 1, p + model.unknowns.rotation - 1)) : 0.0);
+    EXPECT_NEAR(f.covariance_xy_m2[i], C(0, 1), tolerance * C.diagonal().head<2>().maxCoeff());
+    compare_integrity(model, arrivals, C, f, i, agreement);
     Eigen::VectorXd by_speed = Eigen::VectorXd::Zero(n);
     for (const auto& a : arrivals) by_speed += a.row * a.distance_m / (a.sigma_m * a.sigma_m);
     EXPECT_NEAR(f.shift_by_speed_m[i], (C * by_speed).head<2>().norm(), 1e-8 * std::max(1.0, condition / 1e4) * (1 + f.shift_by_speed_m[i]));
@@ -220,6 +282,8 @@ TEST(GeometryMap, AgreesWithTheBruteForceInverseInTenThousandCells) {
   EXPECT_GT(agreement.cells, 10000);
   EXPECT_GT(agreement.fixes, 4000);
   EXPECT_LT(agreement.other_pairs, 20);
+  EXPECT_GT(agreement.noticed, 1000);
+  EXPECT_GT(agreement.unnoticed, 100);
 }
 
 TEST(GeometryMap, LayersAddUpToTheMap) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -68,20 +69,46 @@ TEST(Placement, TheSameAgainWithItsSeed) {
 }
 
 TEST(Placement, NeverWorseThanGreedyByAnyAlgorithm) {
-  const Hall hall = test::l_hall();
+  // Ten beacons: greedy choices cover this hall and are better than some that a search sets out from.
+  const Hall hall = test::rectangle_hall();
   const SurveyModel model = model_of(hall);
   for (const char* global : {"none", "crs2", "direct", "isres", "esch"})
     for (const char* local : {"none", "bobyqa", "cobyla", "sbplx"}) {
+      if (global != std::string("none") && local != std::string("none")) continue;  // each algorithm once
       PlacementOptions o = quick();
       o.global = global_algorithm(global).value();
       o.local = local_algorithm(local).value();
-      o.evaluations = 60;
+      o.evaluations = 30;
       EXPECT_STREQ(to_string(o.global), global);
       EXPECT_STREQ(to_string(o.local), local);
-      const Placement p = must(place_beacons(model, hall.scene, 5, o));
+      const Placement p = must(place_beacons(model, hall.scene, 10, o));
+      EXPECT_LT(p.greedy.objective_m, p.regular.objective_m);
       EXPECT_LE(p.figures.objective_m, p.greedy.objective_m) << global << " " << local;
     }
   EXPECT_FALSE(global_algorithm("newton"));
+}
+
+// Between the grid's places: what NLopt's algorithms add to greedy choices and exchanges, and that both kinds are asked.
+TEST(Placement, NloptGainsOnTheGrid) {
+  const Hall hall = test::warehouse_hall();
+  const SurveyModel model = model_of(hall);
+  PlacementOptions o = quick();
+  o.evaluations = 400;
+  bool local = false, global = false;  // by the shares of the work that they report
+  o.on_progress = [&](double share) {
+    local = local || (share > 0.31 && share < 0.59);
+    global = global || (share > 0.61 && share < 0.84);
+    return true;
+  };
+  const double both_m = must(place_beacons(model, hall.scene, 5, o)).figures.objective_m;
+  EXPECT_TRUE(local);
+  EXPECT_TRUE(global);
+  o.local = LocalAlgorithm::kNone;
+  o.global = GlobalAlgorithm::kNone;
+  local = global = false;
+  const double grid_m = must(place_beacons(model, hall.scene, 5, o)).figures.objective_m;
+  EXPECT_FALSE(local || global);
+  EXPECT_LT(both_m, 0.95 * grid_m);
 }
 
 TEST(Placement, EachGoalIsBestByItsOwnMeasure) {
@@ -99,6 +126,32 @@ TEST(Placement, EachGoalIsBestByItsOwnMeasure) {
   EXPECT_LE(of[0].worst_m, kShortOfTheBest * std::min(of[1].worst_m, of[2].worst_m));
   EXPECT_LE(of[1].p95_m, kShortOfTheBest * std::min(of[0].p95_m, of[2].p95_m));
   EXPECT_LE(of[2].mean_m, kShortOfTheBest * std::min(of[0].mean_m, of[1].mean_m));
+}
+
+// What a plan is held against: evenly spaced beacons at the best of several phases, and the median of random layouts.
+TEST(Placement, RegularAndRandomAreWhatTheySay) {
+  const Hall hall = test::rectangle_hall();
+  const SurveyModel model = model_of(hall);
+  const PlacementOptions o = quick();
+  const Placement p = must(place_beacons(model, hall.scene, 6, o));
+  const MountSpace space = must(MountSpace::of(hall.scene));
+  const auto objective_m = [&](const std::vector<MountPoint>& points) {
+    SurveyModel with = model;
+    for (const MountPoint& point : points) with.beacons.push_back(space.beacon(point));
+    return must(layout_figures(with, hall.scene, o)).objective_m;
+  };
+  double best_m = INFINITY;
+  for (int phase = 0; phase < 8; ++phase) best_m = std::min(best_m, objective_m(space.regular(6, phase / 8.0)));
+  EXPECT_NEAR(p.regular.objective_m, best_m, 1e-9 * best_m);
+  // Six along a round of 76 m: equal steps.
+  for (const auto& points = space.regular(6, 0.25); const std::size_t k : {0U, 2U, 4U}) EXPECT_NEAR(points[k + 1].along - points[k].along, 1.0 / 6, 1e-12);
+  Random draws(77);
+  std::vector<double> random_m;
+  for (int i = 0; i < 200; ++i) random_m.push_back(objective_m(space.random(6, draws)));
+  std::sort(random_m.begin(), random_m.end());
+  // The median of 25 is between these quantiles of all layouts but for a chance of 1e-4 or so.
+  EXPECT_GT(p.random.objective_m, random_m[30]);
+  EXPECT_LT(p.random.objective_m, random_m[170]);
 }
 
 TEST(Placement, KeptBeaconsStayAndHelp) {

@@ -58,6 +58,23 @@ TEST(Report, LivePageCarriesFiguresAsData) {
   EXPECT_LT(report_html(full_report()).size(), 1'800'000u);
 }
 
+TEST(Report, WhatIsThinnedIsSaid) {
+  ReportInput input = full_report();
+  EXPECT_THAT(page(input), Not(HasSubstr("vehicle states")));
+  input.plan.tracks[1].points_m.assign(10'000, {1, 2, 0});
+  EXPECT_THAT(page(input), HasSubstr("vehicle states"));
+  input.plan.tracks[1].thinned_from = 1'000'000;
+  EXPECT_THAT(page(input), HasSubstr("Of 1000002 vehicle states"));
+  EXPECT_LT(page(input).size(), 600'000u);
+}
+
+// The scale that is the same to all kinds of colour vision; plotly.js knows it by name.
+TEST(Report, LiveMapsAreCividis) {
+  const std::string html = page(full_report());
+  EXPECT_GT(count(html, "heatmap"), 0u);
+  EXPECT_EQ(count(html, "\"colorscale\":\"Cividis\""), count(html, "\"heatmap\""));
+}
+
 TEST(Report, TextFromDataIsText) {
   for (const std::string evil : {"<script>alert(1)</script>", "\"];//", "</script><b>", "]]>", "&lt;", "<img src=x onerror=alert(1)>&\"'", "--><!--", "a\x01\n|b"}) {
     const ReportInput input = report_full_of(evil);

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "survey/plan_frame.h"
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
@@ -39,6 +40,9 @@ TEST(SitePlan, EllipseHasTheAxesOfTheCovariance) {
   ASSERT_EQ(std::sscanf(svg.c_str() + at, "<ellipse class='ellipse' cx='%lf' cy='%lf' rx='%lf' ry='%lf' transform='rotate(%lf", &x, &y, &rx, &ry,
                         &degrees), 5);
   EXPECT_NEAR(rx / ry, 2.0, 0.01);
+  // 95 % of both coordinates: sqrt(-2 ln 0.05) sigma, as large as the legend says.
+  const PlanFrame frame = plan_frame(plan);
+  EXPECT_NEAR(rx, std::sqrt(-2 * std::log(0.05)) * 0.002 * ellipse_exaggeration(plan.deployment, frame.extent_m()) * frame.px_per_m, 0.01);
   EXPECT_NEAR(std::abs(std::remainder(degrees + 45, 180)), 0.0, 0.1);
 }
 

@@ -8,11 +8,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "models/random.h"
 #include "models/receiver_array.h"
 #include "survey/binned_map.h"
+#include "survey/calibration_map.h"
 #include "survey/map_svg.h"
+#include "survey/map_tiles.h"
 #include "survey/mirror.h"
 #include "survey/polygon.h"
 #include "survey/scene_check.h"
@@ -151,6 +154,84 @@ TEST(Survey, SumsAreThoseOfTheMaps) {
   EXPECT_NEAR(survey.routes[0].poses.heading_rad.back(), std::numbers::pi / 2, 1e-12);
 }
 
+/// A deployment of the small site's beacons, each known to some millimetres, the speed to 0.2 m/s.
+Deployment small_deployment() {
+  Scenario scenario = test::hall_scenario();
+  scenario.site = small_site();
+  scenario.hall_m = {12, 8};
+  scenario.path.epochs = scenario.heldout_path.epochs = 1;
+  Deployment d = must(simulate(scenario, 1)).truth;
+  for (std::size_t b = 0; b < d.beacons.size(); ++b) d.beacons[b].covariance_m2 = 1e-6 * static_cast<double>(b + 1) * Eigen::Vector3d(1, 2, 3).asDiagonal();
+  d.speed_sigma_mps = 0.2;
+  d.tolerance.fix_m = 0.006;
+  return d;
+}
+
+// The maps of a survey against the figures at one pose and the calibration's part there.
+TEST(Survey, TotalAndProtectionHoldTheCalibrationsPart) {
+  const Scene scene = small_scene();
+  const Deployment deployment = small_deployment();
+  SurveyModel model = must(make_survey_model(deployment, scene));
+  model.hearing.range_m = 9.0;
+  const auto survey = must(run_survey(model, scene, &deployment));
+  ASSERT_TRUE(survey.calibrated);
+  const auto map = [&](const char* name, std::size_t i) { return static_cast<double>(survey.find(name)->values[i]); };
+  const CalibrationMap calibration(deployment, model);
+  const KernelModel kernel = kernel_model(model, model.beacons);
+  const PoseList poses = poses_of(survey.grid, 0.0, 0.0);
+  const auto f = evaluate_poses(model, poses);
+  std::size_t within = 0, noise_alone_within = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    within += map("total_m", i) <= 0.006, noise_alone_within += map("sigma_m", i) <= 0.006;
+    if (i % 7 != 0 || f.sigma_m[i] == kNoFix) continue;
+    const PoseAt at{poses.x_m[i], poses.y_m[i], 0.0, 0.0};
+    KernelTile tile;
+    fill_tile(kernel, model.walls, poses, i, 1, tile);
+    std::vector<std::vector<HeardPath>> paths(1);
+    std::vector<SystematicPart> part(1);
+    heard_paths(model, kernel, tile, at, paths[0]);
+    calibration.systematic(model, paths, part);
+    const double systematic_m2 = part[0].xx_m2 + part[0].yy_m2;
+    const auto near = [&](const char* name, double expected) { EXPECT_NEAR(map(name, i), expected, 1e-5 * expected) << name << " " << i; };  // floats
+    near("sigma_m", f.sigma_m[i]);
+    near("calibration_m", std::sqrt(systematic_m2));
+    near("total_m", std::sqrt(f.sigma_m[i] * f.sigma_m[i] + systematic_m2));
+    near("speed_part_m", f.shift_by_speed_m[i] * 0.2 / model.speed_mps);
+    if (f.fault_shift_m[i] == kNoFix) continue;
+    Eigen::Matrix2d C;
+    C << f.sigma_x_m[i] * f.sigma_x_m[i] + part[0].xx_m2, f.covariance_xy_m2[i] + part[0].xy_m2, 0, f.sigma_y_m[i] * f.sigma_y_m[i] + part[0].yy_m2;
+    C(1, 0) = C(0, 1);
+    near("protection_m", f.fault_shift_m[i] + 3.29 * std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C).eigenvalues()[1]));
+  }
+  EXPECT_LT(within, noise_alone_within) << "the calibration's part matters here";
+  EXPECT_GT(within, 0u);
+  EXPECT_DOUBLE_EQ(survey.covered_fraction, static_cast<double>(within) / static_cast<double>(poses.size()));
+  // A beacon's failure is held against the tolerance with the calibration's part of the whole geometry.
+  for (const Loss& loss : survey.failures) {
+    SurveyModel less = model;
+    less.beacons.erase(less.beacons.begin() + static_cast<std::ptrdiff_t>(loss.first));
+    const auto after = must(run_survey(less, scene, nullptr, {.failures = 0, .integrity = false})).find("sigma_m")->values;
+    std::size_t out = 0;
+    for (std::size_t i = 0; i < poses.size(); ++i) out += map("total_m", i) <= 0.006 && !(std::hypot(static_cast<double>(after[i]), map("calibration_m", i)) <= 0.006);
+    EXPECT_EQ(loss.poses_out, out) << loss.first;
+  }
+}
+
+TEST(Survey, OfSeveralHeadingsTheWorstCounts) {
+  Scene scene = small_scene();
+  scene.headings = 6;
+  SurveyModel model = must(make_survey_model(small_site(4), scene));
+  const auto survey = must(run_survey(model, scene, nullptr, {.failures = 0}));
+  std::vector<double> worst(survey.grid.cells.size(), 0.0), first;
+  for (int h = 0; h < 6; ++h) {
+    const auto sigma = evaluate_poses(model, poses_of(survey.grid, h * std::numbers::pi / 3, 0.0)).sigma_m;
+    if (h == 0) first = sigma;
+    for (std::size_t i = 0; i < worst.size(); ++i) worst[i] = std::max(worst[i], sigma[i]);
+  }
+  EXPECT_NE(worst, first) << "headings matter here";
+  for (std::size_t i = 0; i < worst.size(); ++i) EXPECT_FLOAT_EQ(survey.find("sigma_m")->values[i], static_cast<float>(worst[i])) << i;
+}
+
 // What is measured at c1 and taken for c0 is wrong by d (c0 / c1 - 1); the plain least-squares fix of such ranges.
 TEST(Survey, TemperatureWhatIf) {
   Scene scene = small_scene();
@@ -200,6 +281,31 @@ TEST(Survey, MirrorImagesWhereBeaconsStandInALine) {
   // Beacons along one wall: the image is outside, where no vehicle is.
   for (auto& beacon : site.beacons) beacon.position_m[1] = 0.0;
   EXPECT_EQ(must(run_survey(must(make_survey_model(site, scene)), scene, nullptr)).mirror_fraction, 0.0);
+}
+
+// The quick look before the adjustment leaves no image out: beacons a centimetre off a line, whose images still explain the ranges.
+TEST(Survey, MirrorFilterLetsEveryImageThrough) {
+  Scene scene = small_scene();
+  scene.walls.clear();
+  Site site = small_site(0);
+  for (int i = 0; i < 4; ++i) site.beacons.push_back(test::beacon("L" + std::to_string(i), {3.0 * i + 1, 4.0 + 0.01 * (i % 2), 2.5}, 0.0));
+  site.receivers.resize(1);
+  site.receivers[0].axis.reset();
+  site.vehicles[0].receiver_count = 1;
+  const SurveyModel model = must(make_survey_model(site, scene));
+  MirrorFilter filter;
+  std::size_t images = 0;
+  for (double x = 0.5; x < 12; x += 0.7)
+    for (double y = 0.3; y < 8; y += 0.6) {
+      const PoseAt pose{x, y, 0, 0.3};
+      std::vector<HeardPath> paths;
+      for (std::size_t b = 0; b < 4; ++b)
+        for (std::size_t r = 0; r < model.receivers.size(); ++r) paths.push_back(path_between(model, b, r, pose));
+      if (!mirror_image(model, pose, paths).ambiguous) continue;
+      ++images;
+      EXPECT_TRUE(filter.may_have_image(model, pose, {0, 1, 2, 3})) << x << ", " << y;
+    }
+  EXPECT_GT(images, 10u);
 }
 
 TEST(Survey, ReachAndAbsorption) {
@@ -281,6 +387,57 @@ TEST(SurveyPage, NamesFromDataAreEscapedAndNothingRuns) {
   for (const char* raw : {"<script", "<i>", "<b>", "<x>", "<w>", "http://localhost", " src="}) EXPECT_THAT(html, Not(HasSubstr(raw)));
   EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
   EXPECT_THAT(survey_csv(survey), HasSubstr("\"a\"\"b<i>"));
+}
+
+TEST(SurveyPage, LivePlanHasWallsAndRoutesByName) {
+  Scene scene = small_scene();
+  scene.walls[0].name = "</script><b>";
+  scene.walls.push_back({.name = "glass", .points_m = {{1, 6}, {2, 6}}, .blocks_sound = false});
+  scene.routes[0].name = "a & b";
+  const auto survey = must(run_survey(must(make_survey_model(small_site(), scene)), scene, nullptr));
+  const auto document = survey_document(survey, {});
+  const ReportFigure* figure = nullptr;
+  for (const auto& section : document.sections)
+    for (const auto& block : section.blocks)
+      if (const auto* f = std::get_if<ReportFigure>(&block)) figure = f;
+  ASSERT_NE(figure, nullptr);
+  EXPECT_EQ(figure->interactive.find_first_of("<>&"), std::string::npos);
+  const auto data = nlohmann::json::parse(figure->interactive)["data"];
+  const auto trace = [&](const char* name) { return *std::find_if(data.begin(), data.end(), [&](const auto& t) { return t["name"] == name; }); };
+  const auto walls = trace("wall"), route = trace("route");
+  // The column closed, the curtain open; what lets sound through is no wall here.
+  EXPECT_EQ(walls["x"], nlohmann::json::parse("[5, 7, 7, 5, 5, null, 9, 9, null]"));
+  EXPECT_EQ(walls["y"], nlohmann::json::parse("[3, 3, 5, 5, 3, null, 0, 4, null]"));
+  EXPECT_EQ(walls["text"][0], "&lt;/script&gt;&lt;b&gt;");  // plotly.js reads labels as HTML
+  EXPECT_EQ(walls["hovertext"][6], "wall curtain");
+  EXPECT_EQ(route["x"].size(), 4u);
+  EXPECT_EQ(route["text"][0], "a &amp; b");
+}
+
+// Rec. 709 luminance: a grey print keeps the order of the colours, and people who see fewer hues keep it too.
+TEST(BinnedMap, ColoursGetLighterAndCostsFall) {
+  BinnedMap scale{.columns = 101, .rows = 1};
+  scale.low = 2.0, scale.high = 4.0;
+  for (int i = 0; i <= 100; ++i) scale.bins.push_back(BinnedMap::Bin::kValue), scale.values.push_back(2.0 + 0.02 * i);
+  const auto luminance = [&](std::size_t i) {
+    const auto c = colour_of(scale, i);
+    return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+  };
+  for (std::size_t i = 5; i <= 100; i += 5) EXPECT_GT(luminance(i), luminance(i - 5)) << i;
+  EXPECT_GT(luminance(100), 4 * luminance(0));
+  // map_server's scale: 254 free, 0 occupied.
+  const auto costs = costs_of(scale);
+  EXPECT_EQ(costs.front(), 254);
+  EXPECT_EQ(costs.back(), 1);
+  for (std::size_t i = 1; i <= 100; ++i) EXPECT_LT(costs[i], costs[i - 1]);
+  scale.values[50] = 4.1;
+  scale.bins[51] = BinnedMap::Bin::kEmpty;
+  scale.bins[52] = BinnedMap::Bin::kOffFloor;
+  EXPECT_EQ(costs_of(scale)[50], 0);
+  EXPECT_EQ(costs_of(scale)[51], 0);
+  EXPECT_EQ(costs_of(scale)[52], 205);  // unknown
+  scale.low_is_bad = true;
+  EXPECT_EQ(costs_of(scale).front(), 1);
 }
 
 TEST(BinnedMap, ABinHoldsTheWorstOfItsCells) {
