@@ -120,6 +120,12 @@ class Reports(unittest.TestCase):
         for by, bins in (("beacon", 8), ("distance", 8), ("time", 16)):
             self.assertEqual(b.run(f"return document.querySelectorAll('#figure-residuals-{by} .points path.point').length"), bins)
             self.assertEqual(b.run(f"return document.querySelectorAll('#residuals-by-{by} tbody tr').length"), bins)
+            # And they stand where the table says.
+            table = b.run(f"return [...document.querySelectorAll('#residuals-by-{by} tr')].map(r => [...r.cells].map(c => c.textContent))")
+            mean = next(i for i, name in enumerate(table[0]) if name.startswith("mean [µs"))
+            drawn = b.run(f"return [...document.querySelector('#figure-residuals-{by} .live').data[0].y]")
+            for value, row in zip(drawn, table[1:]):
+                self.assertAlmostEqual(value, float(row[mean]), delta=0.006)  # printed to a hundredth
         self.assert_quiet()
 
     def test_table_says_what_json_says(self):
