@@ -126,6 +126,10 @@ TEST(Placement, EachGoalIsBestByItsOwnMeasure) {
   EXPECT_LE(of[0].worst_m, kShortOfTheBest * std::min(of[1].worst_m, of[2].worst_m));
   EXPECT_LE(of[1].p95_m, kShortOfTheBest * std::min(of[0].p95_m, of[2].p95_m));
   EXPECT_LE(of[2].mean_m, kShortOfTheBest * std::min(of[0].mean_m, of[1].mean_m));
+  // And the goal makes a difference: a good worst cell costs a little everywhere.
+  EXPECT_LT(of[0].worst_m, 0.8 * std::min(of[1].worst_m, of[2].worst_m));
+  EXPECT_LT(of[1].p95_m, 0.99 * of[0].p95_m);
+  EXPECT_LT(of[2].mean_m, 0.99 * of[0].mean_m);
 }
 
 // What a plan is held against: evenly spaced beacons at the best of several phases, and the median of random layouts.
