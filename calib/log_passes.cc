@@ -32,6 +32,8 @@ constexpr std::size_t kBytesInWork = 240;
 /// More than these at once are no faster.
 constexpr std::size_t kMostInChunk = std::size_t{1} << 18;
 
+constexpr std::size_t kBesideChunks = std::size_t{200} << 20;
+
 /// Systems of chunks, added up in their order, whoever is first.
 class OrderedSum {
  public:
@@ -69,6 +71,8 @@ class OrderedSum {
 }  // namespace
 
 StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
+  // Something is left for what remains of the readings, and for the epochs that are looked at one by one.
+  memory_bytes -= std::min(memory_bytes / 2, kBesideChunks);
   StreamPlan plan;
   plan.chunk_arrivals = std::clamp<std::size_t>(memory_bytes / 8 / kBytesInWork, 1, kMostInChunk);
   plan.workers = static_cast<int>(std::clamp<std::size_t>(memory_bytes / 2 / (plan.chunk_arrivals * kBytesInWork), 1, static_cast<std::size_t>(std::max(threads, 1))));

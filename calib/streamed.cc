@@ -203,6 +203,11 @@ class StreamedCalibrator {
 
 std::size_t memory_of_whole(std::size_t arrivals) { return arrivals * kBytesOfWhole; }
 
+std::size_t least_memory_streamed(std::size_t arrivals) {
+  constexpr std::size_t kProgram = std::size_t{20} << 20, kLookedAt = 110'000, kBytesLookedAt = 1600;
+  return kProgram + std::min(arrivals, kLookedAt) * kBytesLookedAt + 7 * arrivals / 2;
+}
+
 std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs, int dense_limit) {
   if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
   if (site.timing.clock != Clock::kSynchronised) return "each epoch has a clock offset of its own";

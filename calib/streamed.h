@@ -15,6 +15,10 @@ namespace octant::calib {
 /// Bytes that solve() needs for a log of so many arrivals, reading included.
 [[nodiscard]] std::size_t memory_of_whole(std::size_t arrivals);
 
+/// The least that solve_streamed() needs: what is known of each arrival between two readings, and the epochs that are looked at one
+/// by one in the end.
+[[nodiscard]] std::size_t least_memory_streamed(std::size_t arrivals);
+
 /// Why a log cannot be streamed, in words: only stops of arrivals alone, with a clock that all share, on a site of not too many
 /// parameters, hang together by the shared parameters alone.
 /// @param runs  without their arrivals

@@ -71,14 +71,16 @@ Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vect
   const ExitAtOnce nothing_written_yet;
   auto source = StreamSource::open(runs, names_of(site), site.timing, session);
   if (!source) return fail(source.error());
-  const std::size_t needed_mb = calib::memory_of_whole((*source)->rows_estimate()) / kMega;
+  const std::size_t rows = (*source)->rows_estimate(), needed_mb = calib::memory_of_whole(rows) / kMega;
   if (needed_mb <= memory_mb) return nullptr;
   const std::string much = fmt::format("these recordings would take about {} MB of memory, more than --memory-mb {}", needed_mb, memory_mb);
   if (const auto why = calib::why_not_streamed(site, (*source)->logs())) {
     session.warn(fmt::format("{}, and cannot be streamed: {}", much, *why));
     return nullptr;
   }
-  session.note(fmt::format("{}: they are read in chunks, several times", much));
+  const std::size_t least_mb = calib::least_memory_streamed(rows) / kMega;
+  session.note(fmt::format("{}: they are read in chunks, several times{}", much,
+                           least_mb > memory_mb ? fmt::format("; about {} MB is the least that takes", least_mb) : ""));
   return source;
 }
 
