@@ -31,7 +31,9 @@ constexpr double kFirstDamping = 1e-3;
 class StreamedCalibrator {
  public:
   StreamedCalibrator(const Site& site, ArrivalSource& source, const SolveOptions& options, std::size_t memory_bytes)
-      : site_(site), source_(source), options_(options), plan_(stream_plan(memory_bytes, options.threads)), course_(options) {}
+      : site_(site), source_(source), options_(options), alone_(options), plan_(stream_plan(memory_bytes, options.threads)), course_(alone_) {
+    alone_.ranks = nullptr;
+  }
 
   Result<StreamedCalibration> run() {
     if (!course_.report("first reading of the log", 0.01)) return finished(interrupted_solution());
@@ -39,13 +41,15 @@ class StreamedCalibrator {
     if (!index) return fail(index.error());
     auto part = part_of(site_, source_, *index, options_.threads);
     if (!part) return fail(part.error());
-    Approach found = approach(*part, options_, course_);
+    // So small that each rank is sooner done with it than it would hear of the others.
+    Approach found = approach(*part, alone_, course_);
     warnings_ = part->warnings;
     warnings_.insert(warnings_.end(), found.warnings.begin(), found.warnings.end());
     it_ = std::move(found.estimate);
     part_sigma_ = found.ok ? agreeing_sigma(found.trajectories, it_.state()) : 1.0;
     frame_ = std::move(*part);
     frame_.trajectories.clear();
+    if (found.ok) follow_first_rank();
     if (!found.ok) {
       found.why_not.trajectories = std::move(found.trajectories);
       return finished(std::move(found.why_not));
@@ -80,6 +84,19 @@ class StreamedCalibrator {
   Result<StreamedCalibration> stopped(const Error& error) {
     if (error.code != Errc::kInterrupted) return fail(error);
     return finished(interrupted_solution());
+  }
+
+  /// Ranks on different processors may have found what differs in the last digits.
+  void follow_first_rank() {
+    if (options_.ranks == nullptr) return;
+    std::vector<double> numbers(static_cast<std::size_t>(it_.x.size()) + 1, 0.0);
+    if (options_.ranks->index() == 0) {
+      std::copy(it_.x.begin(), it_.x.end(), numbers.begin());
+      numbers.back() = part_sigma_;
+    }
+    options_.ranks->sum(numbers);
+    std::copy(numbers.begin(), numbers.end() - 1, it_.x.begin());
+    part_sigma_ = numbers.back();
   }
 
   /// Plain squares on the arrivals that agree; the noise as found where the stated one is off.
@@ -190,6 +207,7 @@ class StreamedCalibrator {
   const Site& site_;
   ArrivalSource& source_;
   const SolveOptions& options_;
+  SolveOptions alone_;  ///< without ranks
   StreamPlan plan_;
   Clock::time_point began_ = Clock::now();
   Course course_;
