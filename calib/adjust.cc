@@ -356,7 +356,9 @@ class SparseSum {
   [[nodiscard]] Eigen::SparseMatrix<double> result() {
     take();
     sum_.makeCompressed();
-    return std::move(sum_);
+    Eigen::SparseMatrix<double> result;
+    result.swap(sum_);
+    return result;
   }
 
  private:

@@ -376,7 +376,7 @@ HWY_INLINE void add_pair(const Moments& m, const Sight& s, const View& view, con
   const V by_receiver[3] = {hn::MulAdd(view.cosine, s.v[0], hn::Mul(view.sine, s.v[1])), hn::NegMulAdd(view.sine, s.v[0], hn::Mul(view.cosine, s.v[1])), s.v[2]};
   const V left[4] = {hn::Neg(m.v[0]), hn::Neg(m.v[1]), hn::Neg(m.v[2]), hn::Neg(hn::Mul(constants.k, m.w))};
   const V last = hn::Neg(constants.k);
-  for (int i = 0; i < 4; ++i)
+  for (std::size_t i = 0; i < 4; ++i)
     add_lanes(hn::Mul(left[i], by_receiver[0]), hn::Mul(left[i], by_receiver[1]), hn::Mul(left[i], by_receiver[2]), hn::Mul(left[i], last), pair + 4 * i);
 }
 

@@ -118,14 +118,13 @@ class StreamedCalibrator {
     std::optional<PassSum> first;
     if (marked) first = std::move(placed->sum);
     for (int round = 0; round < kNoiseRounds; ++round) {
-      const auto settled = reject_and_adjust(log, std::move(first));
+      const auto settled = reject_and_adjust(log, std::exchange(first, std::nullopt));
       if (!settled) return fail(settled.error());
       const double prior = prior_cost(frame_, it_.layout, it_.x);
       const double off = noise_off_by(it_.last.cost - prior, statistics_of(frame_, it_.layout, settled->counts, it_.last.cost).redundancy);
       if (off == 1.0) break;
       it_.noise_factor *= off;
       *it_.last.data_information /= off * off;
-      first.reset();
     }
     return {};
   }
