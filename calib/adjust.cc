@@ -7,9 +7,9 @@
 #include <memory>
 #include <numeric>
 
+#include <ceres/ceres.h>
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
-#include <ceres/ceres.h>
 
 #include "calib/tile_sum.h"
 #include "models/parallel.h"
@@ -46,16 +46,21 @@ Residuals residuals_of(const ReducedSystem& system) {
   return out;
 }
 
-/// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate is settled, and where
-/// it is taken only its reduction is added.
+/// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate is settled, and
+/// where it is taken only its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
-  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout, const Eigen::VectorXd* its_x, const RobustLoss* its_loss,
-                  int its_threads)
-      : observations(all), tiles(all_tiles), layout(its_layout), x(its_x), loss(its_loss), threads(its_threads),
+  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout, const Eigen::VectorXd* its_x,
+                  const RobustLoss* its_loss, int its_threads)
+      : observations(all),
+        tiles(all_tiles),
+        layout(its_layout),
+        x(its_x),
+        loss(its_loss),
+        threads(its_threads),
         dense(tiles == nullptr || is_dense(*its_layout)) {}
 
   SystemSum* observations;
-  TileSum* tiles;                     ///< the same, where each may be asked for its own
+  TileSum* tiles;  ///< the same, where each may be asked for its own
   const ParameterLayout* layout;
   const Eigen::VectorXd* x;
   const RobustLoss* loss;
@@ -90,7 +95,8 @@ struct EvaluationPoint : ceres::EvaluationCallback {
 };
 
 /// Residuals as Ceres wants them, over parameter blocks that cover their columns in order.
-void hand_over(const Residuals& from, const ParameterLayout& layout, const std::vector<int>& blocks, double* residuals, double** jacobians) {
+void hand_over(const Residuals& from, const ParameterLayout& layout, const std::vector<int>& blocks, double* residuals,
+               double** jacobians) {
   const Eigen::Index n = from.z.size();
   Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
   out.head(n) = from.z;
@@ -110,7 +116,8 @@ void hand_over(const Residuals& from, const ParameterLayout& layout, const std::
 /// All tiles (tile < 0) or one of them.
 class TileCost : public ceres::CostFunction {
  public:
-  TileCost(const EvaluationPoint* point, int tile, std::vector<int> blocks) : point_(point), tile_(tile), blocks_(std::move(blocks)) {
+  TileCost(const EvaluationPoint* point, int tile, std::vector<int> blocks)
+      : point_(point), tile_(tile), blocks_(std::move(blocks)) {
     int columns = 0;
     for (const int b : blocks_) {
       const int size = point->layout->blocks[static_cast<std::size_t>(b)].size;
@@ -242,8 +249,8 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
   return ceres_options;
 }
 
-AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, TileSum* tiles, Eigen::VectorXd& x,
-                        const AdjustOptions& options) {
+AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, TileSum* tiles,
+                        Eigen::VectorXd& x, const AdjustOptions& options) {
   AdjustResult result;
   EvaluationPoint point(&observations, tiles, &layout, &x, &options.loss, options.workers.threads);
   point.state = layout.state_of(x);
@@ -259,7 +266,8 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
     ceres_problem.AddParameterBlock(address(static_cast<int>(k)), layout.blocks[k].size);
     for (int i = 0; i < layout.blocks[k].size; ++i) {
-      const double lower = layout.parameters[static_cast<std::size_t>(layout.blocks[k].first) + static_cast<std::size_t>(i)].lower;
+      const double lower =
+          layout.parameters[static_cast<std::size_t>(layout.blocks[k].first) + static_cast<std::size_t>(i)].lower;
       if (std::isfinite(lower)) ceres_problem.SetParameterLowerBound(address(static_cast<int>(k)), i, lower);
     }
     ceres_problem.AddResidualBlock(new PriorCost(&layout, layout.blocks[k]), nullptr, address(static_cast<int>(k)));
@@ -276,7 +284,8 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
     add(new TileCost(&point, -1, all), all);
   } else {
     for (std::size_t i = 0; i < tiles->tiles().size(); ++i)
-      if (const std::vector<int>& blocks = tiles->tiles()[i].blocks(); !blocks.empty()) add(new TileCost(&point, static_cast<int>(i), blocks), blocks);
+      if (const std::vector<int>& blocks = tiles->tiles()[i].blocks(); !blocks.empty())
+        add(new TileCost(&point, static_cast<int>(i), blocks), blocks);
   }
   for (const ControlDistance& d : problem.site.distances) {
     std::vector<int> blocks;
@@ -304,8 +313,8 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
 
 }  // namespace
 
-AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
-                    const AdjustOptions& options) {
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
+                    Eigen::VectorXd& x, const AdjustOptions& options) {
   TileSum tiles(trajectories, layout, options.workers);
   AdjustResult result = adjust_all(problem, layout, tiles, &tiles, x, options);
   if (layout.size() == 0) tiles.commit();  // else every accepted point was reduced, and so committed
@@ -313,7 +322,8 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
   return result;
 }
 
-AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, Eigen::VectorXd& x, const AdjustOptions& options) {
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, Eigen::VectorXd& x,
+                    const AdjustOptions& options) {
   return adjust_all(problem, layout, observations, nullptr, x, options);
 }
 
@@ -381,8 +391,9 @@ Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout&
   return prior;
 }
 
-Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-                                                  const Eigen::VectorXd& x, const RobustLoss& loss, const Workers& workers) {
+Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout,
+                                                  std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
+                                                  const RobustLoss& loss, const Workers& workers) {
   const SharedState state = layout.state_of(x);
   TileSum tiles(trajectories, layout, workers);
   static_cast<void>(tiles.settle(state, loss));
@@ -394,7 +405,8 @@ Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const 
     const std::vector<int>& columns = tiles.tiles()[t].columns();
     for (std::size_t j = 0; j < columns.size(); ++j)
       for (std::size_t i = 0; i < columns.size(); ++i)
-        if (const double h = systems[t].H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)); h != 0.0) sum.add(columns[i], columns[j], h);
+        if (const double h = systems[t].H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)); h != 0.0)
+          sum.add(columns[i], columns[j], h);
     systems[t] = {};
   }
   // The whole diagonal is there, whatever it holds.

@@ -33,7 +33,8 @@ constexpr double kSearchAgainScale = 30.0;
 
 class Approacher {
  public:
-  Approacher(const Problem& problem, const SolveOptions& options, Course& course) : problem_(problem), options_(options), course_(course) {}
+  Approacher(const Problem& problem, const SolveOptions& options, Course& course)
+      : problem_(problem), options_(options), course_(course) {}
 
   Approach run() {
     out_.ok = approach();
@@ -59,7 +60,8 @@ class Approacher {
   static Solution refuse(WeakDirection direction) {
     Solution solution;
     solution.status = SolveStatus::kUndetermined;
-    solution.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}", direction.description, direction.remedy);
+    solution.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}", direction.description,
+                                   direction.remedy);
     solution.undetermined = direction.parameters;
     solution.weak.push_back(std::move(direction));
     return solution;
@@ -79,11 +81,14 @@ class Approacher {
         direction.parameters.push_back("beacon/" + beacon.name);
         names.push_back(beacon.name);
       }
-      direction.description = fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once", fmt::join(names, ", "));
+      direction.description =
+          fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once", fmt::join(names, ", "));
     } else {
-      direction.description = fmt::format("any pose of the vehicle, and with it the positions of beacons {}", fmt::join(names, ", "));
+      direction.description =
+          fmt::format("any pose of the vehicle, and with it the positions of beacons {}", fmt::join(names, ", "));
     }
-    direction.remedy = "give approximate positions of three beacons that do not stand in line with the path, or measured poses of the vehicle";
+    direction.remedy =
+        "give approximate positions of three beacons that do not stand in line with the path, or measured poses of the vehicle";
     direction.blocking = true;
     return refuse(std::move(direction));
   }
@@ -116,7 +121,8 @@ class Approacher {
     double scale = std::max(start_.slack_m / sigma_m(), kCauchyScale);
     bool searched_again = false;
     for (int stage = 0;; ++stage) {
-      if (!course_.report(fmt::format("adjustment, robust scale {:.3g} sigma", scale), std::min(0.6, 0.1 + 0.1 * stage))) return false;
+      if (!course_.report(fmt::format("adjustment, robust scale {:.3g} sigma", scale), std::min(0.6, 0.1 + 0.1 * stage)))
+        return false;
       const bool last = scale <= kCauchyScale;
       const HeldHeadings held(scale > kRoughScale ? &out_.trajectories : nullptr);
       if (!adjust_with(scale, last ? 1e-10 : 1e-4)) return false;
@@ -135,11 +141,13 @@ class Approacher {
     if (problem_.site.motion != Motion::kPlanar) return false;
     const SharedState state = it_.layout.state_of(it_.x);
     double plane_z_m = 0.0;
-    for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m) plane_z_m += o.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
+    for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m)
+      plane_z_m += o.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
     bool lifted = false;
     for (const auto& columns : it_.layout.beacon) {
       const int z = columns[2];
-      if (z < 0 || std::isfinite(it_.layout.parameters[static_cast<std::size_t>(z)].prior_sigma) || it_.x[z] >= plane_z_m) continue;
+      if (z < 0 || std::isfinite(it_.layout.parameters[static_cast<std::size_t>(z)].prior_sigma) || it_.x[z] >= plane_z_m)
+        continue;
       it_.x[z] = 2 * plane_z_m - it_.x[z];
       lifted = true;
     }
@@ -159,7 +167,8 @@ class Approacher {
   /// States that fell into a wrong place while the beacons were off, which they may still be by so many sigmas of an arrival.
   void place_again(double scale, double slack_sigmas) {
     const EpochFixModel model = search_model(problem_, it_.layout.state_of(it_.x), it_.beacon_usable);
-    for (Trajectory& t : out_.trajectories) place_states(t, model, slack_sigmas * sigma_m(), true, kSuspectSigmas + scale, options_.threads);
+    for (Trajectory& t : out_.trajectories)
+      place_states(t, model, slack_sigmas * sigma_m(), true, kSuspectSigmas + scale, options_.threads);
     readmit_all(out_.trajectories, it_.beacon_usable);
   }
 
@@ -175,8 +184,8 @@ class Approacher {
     return cost;
   }
 
-  /// Beacons and states hold each other in wrong places: a few flipped headings keep the beacons off, and those keep the headings.
-  /// So the search is repeated with less and less trust in the beacons withdrawn, and the largest consensus is kept.
+  /// Beacons and states hold each other in wrong places: a few flipped headings keep the beacons off, and those keep the
+  /// headings. So the search is repeated with less and less trust in the beacons withdrawn, and the largest consensus is kept.
   bool search_and_adjust() {
     double best = consensus_cost();
     std::size_t failures = 0;
@@ -220,6 +229,8 @@ Solution interrupted_solution() {
   return solution;
 }
 
-Approach approach(const Problem& problem, const SolveOptions& options, Course& course) { return Approacher(problem, options, course).run(); }
+Approach approach(const Problem& problem, const SolveOptions& options, Course& course) {
+  return Approacher(problem, options, course).run();
+}
 
 }  // namespace octant::calib

@@ -19,7 +19,8 @@ namespace {
 constexpr double kNoiseMatters = 0.02;
 
 /// Beacons that a mirror image explains as well from the final states; the start saw them with rougher ranges.
-std::vector<bool> still_mirrored(const Problem& problem, const Estimate& estimate, const std::vector<Trajectory>& trajectories, const SharedState& state) {
+std::vector<bool> still_mirrored(const Problem& problem, const Estimate& estimate, const std::vector<Trajectory>& trajectories,
+                                 const SharedState& state) {
   std::vector<bool> still = estimate.beacon_mirrored;
   for (std::size_t b = 0; b < still.size(); ++b)
     if (still[b]) still[b] = has_mirror_image(problem, state, trajectories, b, 3 * estimate.sigma_m(problem));
@@ -29,17 +30,20 @@ std::vector<bool> still_mirrored(const Problem& problem, const Estimate& estimat
 void warn_of_noise(const Findings& findings, double noise_factor, Solution& solution) {
   const CalibrationStatistics& s = solution.statistics;
   if (s.redundancy >= 30 && noise_factor > 1.2)
-    solution.warnings.push_back(fmt::format(
-        "residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled to the residuals, but errors that stay the "
-        "same at a place or a pair are not noise and make the beacons worse than their sigmas say",
-        noise_factor, s.variance_factor));
+    solution.warnings.push_back(
+        fmt::format("residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled to the residuals, "
+                    "but errors that stay the "
+                    "same at a place or a pair are not noise and make the beacons worse than their sigmas say",
+                    noise_factor, s.variance_factor));
   const Whiteness& w = findings.whiteness;
   if (!w.white)
-    solution.warnings.push_back(fmt::format(
-        "residuals are no white noise: those of a beacon-receiver pair keep a common part (variance of pair means {:.3g} times that of noise, "
-        "correlation in time {:.2f}), as reflections and antennas cause; such errors do not average out, so expect the beacons off by several "
-        "times their stated sigmas, or state noise.pair_sigma_s",
-        w.pair_ratio, w.autocorrelation));
+    solution.warnings.push_back(
+        fmt::format("residuals are no white noise: those of a beacon-receiver pair keep a common part (variance of pair means "
+                    "{:.3g} times that of noise, "
+                    "correlation in time {:.2f}), as reflections and antennas cause; such errors do not average out, so expect "
+                    "the beacons off by several "
+                    "times their stated sigmas, or state noise.pair_sigma_s",
+                    w.pair_ratio, w.autocorrelation));
 }
 
 }  // namespace
@@ -61,20 +65,24 @@ void conclude(const Problem& problem, const SolveOptions& options, const Estimat
   solution.statistics.converged = last.converged;
   // The factor is told against what the site file states, not against the noise as found.
   solution.statistics.variance_factor *= estimate.noise_factor * estimate.noise_factor;
-  solution.statistics.chi2_p = chi_square_p(solution.statistics.variance_factor * solution.statistics.redundancy, solution.statistics.redundancy);
+  solution.statistics.chi2_p =
+      chi_square_p(solution.statistics.variance_factor * solution.statistics.redundancy, solution.statistics.redundancy);
   solution.status = last.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
   solution.message = last.converged ? "converged" : "the adjustment did not converge: " + last.message;
   solution.datum = datum_of(problem);
   // What the data do not determine is often what keeps the iteration from settling, and then that is the finding.
-  const Covariance C = judge(problem, estimate.layout, estimate.x, estimate.beacon_usable, still_mirrored(problem, estimate, trajectories, solution.state),
-                             options.strict, trajectories, solution, options.workers(), last.data_information);
-  solution.reliability = reliability_of(problem, estimate.layout, trajectories, solution.state, C, solution.beacon_status, estimate.noise_factor,
-                                        options.threads, kAllEpochs, findings.whole ? &*findings.whole : nullptr);
+  const Covariance C = judge(problem, estimate.layout, estimate.x, estimate.beacon_usable,
+                             still_mirrored(problem, estimate, trajectories, solution.state), options.strict, trajectories,
+                             solution, options.workers(), last.data_information);
+  solution.reliability =
+      reliability_of(problem, estimate.layout, trajectories, solution.state, C, solution.beacon_status, estimate.noise_factor,
+                     options.threads, kAllEpochs, findings.whole ? &*findings.whole : nullptr);
   solution.left_out = std::move(findings.left_out);
   solution.whole = std::move(findings.whole);
   warn_of_noise(findings, estimate.noise_factor, solution);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
-  for (std::string& warning : suspect_control_points(problem, solution.state, trajectories)) solution.warnings.push_back(std::move(warning));
+  for (std::string& warning : suspect_control_points(problem, solution.state, trajectories))
+    solution.warnings.push_back(std::move(warning));
 }
 
 }  // namespace octant::calib

@@ -97,7 +97,8 @@ class LogIndex::Scanner {
     r.open.resize(r.first_open.back());
     std::vector<std::uint32_t> next(r.first_open.begin(), r.first_open.end() - 1);
     for (std::size_t i = 0; i < r.splits.size(); ++i)
-      for (std::size_t b = r.splits[i].first_block + 1; b <= r.splits[i].last_block; ++b) r.open[next[b]++] = static_cast<std::uint32_t>(i);
+      for (std::size_t b = r.splits[i].first_block + 1; b <= r.splits[i].last_block; ++b)
+        r.open[next[b]++] = static_cast<std::uint32_t>(i);
   }
 
   LogIndex& index_;
@@ -141,7 +142,9 @@ Result<void> LogIndex::read(const ArrivalSource& source, std::size_t run, std::s
   if (going_on.empty()) return {};
   const auto own = static_cast<std::ptrdiff_t>(arrivals.size());
   if (auto ok = source.read(run, last, until, arrivals); !ok) return ok;
-  const auto others = [&](const Arrival& a) { return std::none_of(going_on.begin(), going_on.end(), [&](const Split* s) { return is_of(a, *s); }); };
+  const auto others = [&](const Arrival& a) {
+    return std::none_of(going_on.begin(), going_on.end(), [&](const Split* s) { return is_of(a, *s); });
+  };
   arrivals.erase(std::remove_if(arrivals.begin() + own, arrivals.end(), others), arrivals.end());
   return {};
 }

@@ -14,7 +14,7 @@ namespace octant::calib {
 struct LogChunk {
   std::size_t run = 0;
   std::size_t first_block = 0, last_block = 0;
-  std::vector<std::size_t> epochs, arrivals;              ///< of each vehicle
+  std::vector<std::size_t> epochs, arrivals;                ///< of each vehicle
   std::vector<std::size_t> epochs_before, arrivals_before;  ///< in earlier chunks of the run
   [[nodiscard]] std::size_t all_arrivals() const;
 };
@@ -25,7 +25,8 @@ class LogIndex {
  public:
   /// Reads all of the source.
   /// @param chunk_arrivals  a chunk ends with the block in which it has as many
-  [[nodiscard]] static Result<LogIndex> scan(ArrivalSource& source, std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals);
+  [[nodiscard]] static Result<LogIndex> scan(ArrivalSource& source, std::size_t vehicles, std::size_t beacons,
+                                             std::size_t chunk_arrivals);
 
   [[nodiscard]] const std::vector<LogChunk>& chunks() const { return chunks_; }
   [[nodiscard]] std::size_t epochs(std::size_t run) const { return runs_[run].epochs; }
@@ -52,7 +53,8 @@ class LogIndex {
     std::vector<std::size_t> heard;
     std::vector<std::size_t> first_epoch;  ///< of each block, and one more
     std::vector<Split> splits;
-    std::vector<std::uint32_t> open, first_open;  ///< splits across the beginning of each block: open[first_open[b]...first_open[b + 1])
+    std::vector<std::uint32_t> open,
+        first_open;  ///< splits across the beginning of each block: open[first_open[b]...first_open[b + 1])
   };
   class Scanner;
 

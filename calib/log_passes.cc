@@ -75,7 +75,8 @@ StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
   memory_bytes -= std::min(memory_bytes / 2, kBesideChunks);
   StreamPlan plan;
   plan.chunk_arrivals = std::clamp<std::size_t>(memory_bytes / 8 / kBytesInWork, 1, kMostInChunk);
-  plan.workers = static_cast<int>(std::clamp<std::size_t>(memory_bytes / 2 / (plan.chunk_arrivals * kBytesInWork), 1, static_cast<std::size_t>(std::max(threads, 1))));
+  plan.workers = static_cast<int>(std::clamp<std::size_t>(memory_bytes / 2 / (plan.chunk_arrivals * kBytesInWork), 1,
+                                                          static_cast<std::size_t>(std::max(threads, 1))));
   return plan;
 }
 
@@ -91,11 +92,18 @@ struct LogPasses::Work {
 struct LogPasses::Stops {
   std::vector<std::array<double, 3>> pose;  ///< x, y, heading; NaN: no place
   std::vector<float> start_heading_rad;
-  std::vector<Rejection> marks;             ///< of the arrivals
+  std::vector<Rejection> marks;  ///< of the arrivals
 };
 
-LogPasses::LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index, const SolveOptions& options, int workers, Course& course)
-    : frame_(frame), source_(source), index_(index), options_(options), course_(course), model_(trajectory_model(frame.site)), stops_(index.chunks().size()) {
+LogPasses::LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index, const SolveOptions& options,
+                     int workers, Course& course)
+    : frame_(frame),
+      source_(source),
+      index_(index),
+      options_(options),
+      course_(course),
+      model_(trajectory_model(frame.site)),
+      stops_(index.chunks().size()) {
   const std::size_t chunks = index.chunks().size();
   const auto count = static_cast<std::size_t>(options.ranks != nullptr ? options.ranks->count() : 1);
   const auto rank = static_cast<std::size_t>(options.ranks != nullptr ? options.ranks->index() : 0);
@@ -132,7 +140,8 @@ Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
     }
   };
   std::vector<std::thread> others;
-  for (std::size_t i = 1; i < workers_.size() && first_ + i < last_; ++i) others.emplace_back([&, i] { loop(*workers_[i], false); });
+  for (std::size_t i = 1; i < workers_.size() && first_ + i < last_; ++i)
+    others.emplace_back([&, i] { loop(*workers_[i], false); });
   loop(*workers_[0], true);
   for (std::thread& thread : others) thread.join();
   if (failure) std::rethrow_exception(failure);
@@ -183,7 +192,8 @@ void LogPasses::keep(const Work& w, Stops& stops) const {
   stops.marks.clear();
   for (const Trajectory& t : w.trajectories) {
     for (const Node& n : t.nodes)
-      stops.pose.push_back({n.T_map_vehicle.translation_m.x(), n.T_map_vehicle.translation_m.y(), n.placed ? n.T_map_vehicle.heading_rad() : NAN});
+      stops.pose.push_back(
+          {n.T_map_vehicle.translation_m.x(), n.T_map_vehicle.translation_m.y(), n.placed ? n.T_map_vehicle.heading_rad() : NAN});
     for (const ArrivalObservation& a : t.arrivals) stops.marks.push_back(a.rejection);
   }
 }
@@ -205,7 +215,9 @@ std::vector<double> LogPasses::in_order(std::vector<std::vector<double>> of_chun
   const auto rank = static_cast<std::size_t>(options_.ranks->index());
   sizes[rank] = static_cast<double>(mine.size());
   add_up(sizes);
-  const auto sum_until = [&](std::size_t i) { return static_cast<std::size_t>(std::accumulate(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(i), 0.0)); };
+  const auto sum_until = [&](std::size_t i) {
+    return static_cast<std::size_t>(std::accumulate(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(i), 0.0));
+  };
   std::vector<double> all(sum_until(sizes.size()), 0.0);
   std::copy(mine.begin(), mine.end(), all.begin() + static_cast<std::ptrdiff_t>(sum_until(rank)));
   add_up(all);
@@ -220,8 +232,8 @@ class PassSummer {
   PassSummer(std::size_t first, std::size_t chunks, int parameters) : systems_(first, parameters), numbers_(chunks) {}
 
   /// Settles the trajectories of a chunk with plain squares.
-  void take(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const SharedState& state, double limit,
-            LogPasses::Marks marks, ReducedSystem& system) {
+  void take(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const SharedState& state,
+            double limit, LogPasses::Marks marks, ReducedSystem& system) {
     Numbers& n = numbers_[chunk];
     std::size_t changed = 0;
     if (marks == LogPasses::Marks::kFirst) changed = mark_rejected(trajectories, state, limit);
@@ -253,8 +265,13 @@ class PassSummer {
       sum.changed += n.changed;
       sum.counts.add(n.counts);
     }
-    std::vector<double> all = {sum.cost, sum.cost_before, sum.changed, static_cast<double>(sum.counts.used), static_cast<double>(sum.counts.rejected),
-                               sum.counts.observations, static_cast<double>(sum.counts.states)};
+    std::vector<double> all = {sum.cost,
+                               sum.cost_before,
+                               sum.changed,
+                               static_cast<double>(sum.counts.used),
+                               static_cast<double>(sum.counts.rejected),
+                               sum.counts.observations,
+                               static_cast<double>(sum.counts.states)};
     all.insert(all.end(), system.gradient.data(), system.gradient.data() + system.gradient.size());
     all.insert(all.end(), system.H.data(), system.H.data() + system.H.size());
     return all;
@@ -295,7 +312,8 @@ Result<LogPasses::Placed> LogPasses::place(const Estimate& estimate, double susp
     place_all_stops(frame_, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {}, w.trajectories);
     stops_[k].start_heading_rad.clear();
     for (const Trajectory& t : w.trajectories) {
-      for (const Node& n : t.nodes) stops_[k].start_heading_rad.push_back(n.placed ? static_cast<float>(n.T_map_vehicle.heading_rad()) : NAN);
+      for (const Node& n : t.nodes)
+        stops_[k].start_heading_rad.push_back(n.placed ? static_cast<float>(n.T_map_vehicle.heading_rad()) : NAN);
       const std::size_t before = w.chunk->arrivals_before[t.vehicle.index()];
       for (std::size_t i = 0; i < t.arrivals.size(); ++i) {
         const ArrivalObservation& a = t.arrivals[i];
@@ -336,9 +354,11 @@ Result<PassSum> LogPasses::pass(const Estimate& estimate, Marks marks) {
 /// What a chunk tells goes onto a tape, all chunks' tapes behind each other, and from there into the findings.
 class LogPasses::Teller {
  public:
-  Teller(const LogPasses& log, const Estimate& estimate) : log_(log), site_(log.frame_.site), state_(estimate.state()), sigma_s_(site_.noise.tof_sigma_s * estimate.noise_factor) {
+  Teller(const LogPasses& log, const Estimate& estimate)
+      : log_(log), site_(log.frame_.site), state_(estimate.state()), sigma_s_(site_.noise.tof_sigma_s * estimate.noise_factor) {
     std::vector<std::size_t> epochs;
-    for (const LogChunk& chunk : log.index_.chunks()) whole_.epochs += std::accumulate(chunk.epochs.begin(), chunk.epochs.end(), std::size_t{0});
+    for (const LogChunk& chunk : log.index_.chunks())
+      whole_.epochs += std::accumulate(chunk.epochs.begin(), chunk.epochs.end(), std::size_t{0});
     whole_.every = looked_at_every(whole_.epochs);
     whole_.of_beacon.assign(site_.beacons.size(), {});
   }
@@ -414,7 +434,7 @@ class LogPasses::Teller {
   struct OfTrajectory {
     std::vector<PairSeries> series;
     std::vector<std::int64_t> flipped;
-    std::vector<Arrival> arrivals;           ///< of the epochs at hand
+    std::vector<Arrival> arrivals;  ///< of the epochs at hand
     std::vector<Rejection> marks;
     std::vector<std::array<double, 3>> pose;
   };
@@ -428,12 +448,14 @@ class LogPasses::Teller {
 
   void write_series(const Trajectory& t, TapeWriter& tape) const {
     const std::vector<PairSeries> series = pair_series(t, state_);
-    tape.put_count(static_cast<std::size_t>(std::count_if(series.begin(), series.end(), [](const PairSeries& s) { return s.count > 0; })));
+    tape.put_count(
+        static_cast<std::size_t>(std::count_if(series.begin(), series.end(), [](const PairSeries& s) { return s.count > 0; })));
     for (std::size_t i = 0; i < series.size(); ++i) {
       if (series[i].count == 0) continue;
       tape.put_count(i);
       tape.put_count(series[i].count);
-      for (const double number : {series[i].sum, series[i].squares, series[i].products, series[i].first, series[i].last}) tape.put(number);
+      for (const double number : {series[i].sum, series[i].squares, series[i].products, series[i].first, series[i].last})
+        tape.put(number);
     }
   }
 

@@ -37,7 +37,8 @@ struct PassSum {
 class LogPasses {
  public:
   /// All must outlive it. @param frame  site and runs without arrivals
-  LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index, const SolveOptions& options, int workers, Course& course);
+  LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index, const SolveOptions& options, int workers,
+            Course& course);
   ~LogPasses();
 
   struct Placed {

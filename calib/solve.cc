@@ -76,7 +76,8 @@ class Calibrator {
     }
     const SharedState state = it_.state();
     const double noise = std::max(1.0, agreeing_sigma(of_part.trajectories, state));
-    place_all_stops(problem_, it_.layout, state, it_.beacon_usable, options_.rejection_sigmas * noise, options_.workers(), trajectories_);
+    place_all_stops(problem_, it_.layout, state, it_.beacon_usable, options_.rejection_sigmas * noise, options_.workers(),
+                    trajectories_);
     start_headings_rad_ = epoch_headings_rad(trajectories_);
     return true;
   }
@@ -128,7 +129,8 @@ class Calibrator {
   Findings findings() {
     Findings f;
     const SharedState state = it_.state();
-    f.statistics = statistics_ ? *statistics_ : statistics_of(problem_, it_.layout, trajectories_, state, it_.last.cost, options_.threads);
+    f.statistics =
+        statistics_ ? *statistics_ : statistics_of(problem_, it_.layout, trajectories_, state, it_.last.cost, options_.threads);
     f.whiteness = whiteness_of(trajectories_, state, options_.threads);
     f.flips = report_flips(problem_, trajectories_, start_headings_rad_);
     for (const Trajectory& t : trajectories_) {
@@ -165,6 +167,8 @@ class Calibrator {
 
 Solution solve(const Problem& problem, const SolveOptions& options) { return Calibrator(problem, options).run(); }
 
-Solution solve_in_place(Problem& problem, const SolveOptions& options) { return Calibrator(problem, options, &problem.trajectories).run(); }
+Solution solve_in_place(Problem& problem, const SolveOptions& options) {
+  return Calibrator(problem, options, &problem.trajectories).run();
+}
 
 }  // namespace octant::calib

@@ -26,14 +26,15 @@ void prefetch(const void* from, std::size_t bytes) {
 
 bool StopBlock::knows(const Trajectory& t, const ParameterLayout& layout) {
   const std::size_t vehicle = t.vehicle.index();
-  const bool drifts = vehicle < layout.clock_drift.size() && (layout.clock_drift[vehicle] >= 0 || layout.fixed.drift(t.vehicle) != 0.0);
-  return t.motion == Motion::kPlanar && !t.motion_prior && !layout.fixed.attenuation && layout.fixed.pair_bias_s.empty() && !drifts &&
-         layout.vehicle_of_receiver.size() <= kMaxReceivers;
+  const bool drifts =
+      vehicle < layout.clock_drift.size() && (layout.clock_drift[vehicle] >= 0 || layout.fixed.drift(t.vehicle) != 0.0);
+  return t.motion == Motion::kPlanar && !t.motion_prior && !layout.fixed.attenuation && layout.fixed.pair_bias_s.empty() &&
+         !drifts && layout.vehicle_of_receiver.size() <= kMaxReceivers;
 }
 
 bool StopBlock::takes(const Trajectory& t, const Segment& s) {
-  if (s.last_node - s.first_node != 1 || s.first_bearing != s.last_bearing || s.first_pose != s.last_pose || s.first_arrival == s.last_arrival ||
-      !t.nodes[s.first_node].placed)
+  if (s.last_node - s.first_node != 1 || s.first_bearing != s.last_bearing || s.first_pose != s.last_pose ||
+      s.first_arrival == s.last_arrival || !t.nodes[s.first_node].placed)
     return false;
   const double sigma_s = t.arrivals[s.first_arrival].sigma_s;
   for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
@@ -70,13 +71,15 @@ void StopBlock::fetch(std::size_t p) const {
   for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e) {
     const Epoch& epoch = epochs_[e];
     prefetch(&trajectory_->nodes[epoch.node], sizeof(Node));
-    prefetch(trajectory_->arrivals.data() + epoch.first_arrival, (epoch.last_arrival - epoch.first_arrival) * sizeof(ArrivalObservation));
+    prefetch(trajectory_->arrivals.data() + epoch.first_arrival,
+             (epoch.last_arrival - epoch.first_arrival) * sizeof(ArrivalObservation));
   }
 }
 
 void StopBlock::group() {
   const std::size_t packs = (epochs_.size() + kLanes - 1) / kLanes, none = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> group_of(layout_->beacon.size(), none), pack_of(layout_->beacon.size(), none);  // of each beacon, the last that heard it
+  std::vector<std::size_t> group_of(layout_->beacon.size(), none),
+      pack_of(layout_->beacon.size(), none);  // of each beacon, the last that heard it
   std::size_t heard_by_first = 0;
   for (std::size_t p = 0; p < packs; ++p) {
     std::vector<std::int32_t> heard;
@@ -94,7 +97,8 @@ void StopBlock::group() {
       });
     const bool close = !groups_.empty() && unknown > 0 &&
                        (p - groups_.back().first >= kEnoughPacks ||
-                        static_cast<double>(groups_.back().beacons.size() + unknown) > kMostBeacons * static_cast<double>(std::max(heard_by_first, heard.size())));
+                        static_cast<double>(groups_.back().beacons.size() + unknown) >
+                            kMostBeacons * static_cast<double>(std::max(heard_by_first, heard.size())));
     if (groups_.empty() || close) {
       groups_.push_back({p, p, {}});
       heard_by_first = heard.size();
@@ -121,7 +125,9 @@ void StopBlock::pack() {
   for (const Group& g : groups_) {
     for (std::size_t i = 0; i < g.beacons.size(); ++i) local[static_cast<std::size_t>(g.beacons[i])] = i;
     const std::size_t paths = g.beacons.size() * receivers_;
-    const auto path_of = [&](const ArrivalObservation& a) { return (a.receiver.index() - first_receiver_) * g.beacons.size() + local[a.beacon.index()]; };
+    const auto path_of = [&](const ArrivalObservation& a) {
+      return (a.receiver.index() - first_receiver_) * g.beacons.size() + local[a.beacon.index()];
+    };
     for (std::size_t p = g.first; p < g.last; ++p) {
       most.assign(paths, 0);
       for (std::size_t lane = 0; lane < epochs_in(p); ++lane) {
@@ -135,7 +141,8 @@ void StopBlock::pack() {
       first.assign(paths, 0);
       for (std::size_t path = 0; path < paths; ++path) {
         first[path] = static_cast<std::uint32_t>(slots_.size());
-        const StopSlot slot{static_cast<std::uint16_t>(path % g.beacons.size()), static_cast<std::uint16_t>(path / g.beacons.size())};
+        const StopSlot slot{static_cast<std::uint16_t>(path % g.beacons.size()),
+                            static_cast<std::uint16_t>(path / g.beacons.size())};
         slots_.insert(slots_.end(), most[path], slot);
       }
       tof_s_.resize(slots_.size(), nothing);
@@ -154,7 +161,6 @@ void StopBlock::pack() {
   }
   pack_first_.push_back(slots_.size());
 }
-
 
 void StopBlock::mark_heard(std::vector<char>& beacons, std::vector<char>& receivers) const {
   for (const Group& g : groups_)
@@ -205,7 +211,8 @@ StopTables StopBlock::tables_at(const SharedState& state, const RobustLoss& loss
 
 StopPack StopBlock::pack_of(std::size_t p, const Group& group) const {
   const std::size_t first = pack_first_[p];
-  return {pack_first_[p + 1] - first, slots_.data() + first, tof_s_.data() + first, own_speeds_ ? model_speed_mps_.data() + first : nullptr, group.beacons.data()};
+  return {pack_first_[p + 1] - first, slots_.data() + first, tof_s_.data() + first,
+          own_speeds_ ? model_speed_mps_.data() + first : nullptr, group.beacons.data()};
 }
 
 double StopBlock::settle(const SharedState& state, const RobustLoss& loss) {
@@ -230,7 +237,8 @@ double StopBlock::settle(const SharedState& state, const RobustLoss& loss) {
   return cost;
 }
 
-std::vector<StopBlock::Targets> StopBlock::targets_of(const Group& group, const SharedState& state, const std::vector<int>& place) const {
+std::vector<StopBlock::Targets> StopBlock::targets_of(const Group& group, const SharedState& state,
+                                                      const std::vector<int>& place) const {
   const StopLayout local{group.beacons.size(), receivers_, false, {}};
   std::vector<Targets> targets(local.columns());
   const auto aim = [&](std::size_t column, int parameter, double factor) {
@@ -277,7 +285,8 @@ void StopBlock::add_group(const Group& group, const StopTables& tables, const Sh
   thread_local StopSums sums;
   thread_local std::vector<double> H, gradient;
   sums.clear(local, tables.has_offset);
-  for (std::size_t p = group.first; p < group.last; ++p) reduce_stops(tables, pack_of(p, group), states_[p], local, kUnobservedFloor, sums);
+  for (std::size_t p = group.first; p < group.last; ++p)
+    reduce_stops(tables, pack_of(p, group), states_[p], local, kUnobservedFloor, sums);
   sums.finish(local, tables.sigma_s, H, gradient);
   const std::size_t stride = local.columns();
   for (const std::size_t i : local.active) {

@@ -55,7 +55,7 @@ class StopBlock {
   /// Where a column of a group goes: nowhere if it is held, to two places if they share it.
   struct Targets {
     int count = 0;
-    int column[2] = {};     ///< of the tile's system
+    int column[2] = {};  ///< of the tile's system
     double factor[2] = {};
   };
 
@@ -71,20 +71,22 @@ class StopBlock {
   void for_each_used(std::size_t epoch, Visit&& visit) const;
   void put(std::size_t epoch, const Node& node);
   void show(std::size_t epoch);
-  [[nodiscard]] std::vector<Targets> targets_of(const Group& group, const SharedState& state, const std::vector<int>& place) const;
-  void add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place, ReducedSystem& system);
+  [[nodiscard]] std::vector<Targets> targets_of(const Group& group, const SharedState& state,
+                                                const std::vector<int>& place) const;
+  void add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place,
+                 ReducedSystem& system);
 
   Trajectory* trajectory_;
   const ParameterLayout* layout_;
   std::size_t first_receiver_ = 0, receivers_ = 0;  ///< of the vehicle
   double sigma_s_ = 1.0;
-  double speed_mps_ = 0.0;                          ///< of the medium, where it is the same for all arrivals
-  bool own_speeds_ = false;                         ///< else
-  std::vector<Epoch> epochs_;                       ///< in the order of packing, eight a pack
+  double speed_mps_ = 0.0;     ///< of the medium, where it is the same for all arrivals
+  bool own_speeds_ = false;    ///< else
+  std::vector<Epoch> epochs_;  ///< in the order of packing, eight a pack
   std::vector<Group> groups_;
-  std::vector<std::size_t> pack_first_;             ///< first slot of each pack
+  std::vector<std::size_t> pack_first_;  ///< first slot of each pack
   std::vector<StopSlot> slots_;
-  std::vector<Lanes> tof_s_, model_speed_mps_;      ///< of each slot
+  std::vector<Lanes> tof_s_, model_speed_mps_;  ///< of each slot
   std::vector<StopStates> states_, committed_;
   std::vector<double> beacon_table_, receiver_table_;
 };

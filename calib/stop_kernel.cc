@@ -104,7 +104,8 @@ struct Sight {
 };
 
 template <bool kRobust>
-HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_t slot, std::size_t part, const Antenna& antenna, const Constants& constants) {
+HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_t slot, std::size_t part, const Antenna& antenna,
+                      const Constants& constants) {
   const D d;
   const double* b = tables.beacon + std::ptrdiff_t{4} * pack.beacons[pack.slot[slot].beacon];
   const V tof_s = load(pack.tof_s[slot], part);
@@ -112,8 +113,10 @@ HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_
   Sight s;
   s.inverse_speed = constants.inverse_speed;
   if (pack.model_speed_mps != nullptr)
-    s.inverse_speed = hn::Div(hn::Set(d, 1.0), hn::Add(load(pack.model_speed_mps[slot], part), hn::Set(d, tables.speed_offset_mps)));
-  const V dx = hn::Sub(antenna.x, hn::Set(d, b[0])), dy = hn::Sub(antenna.y, hn::Set(d, b[1])), dz = hn::Set(d, antenna.z_m - b[2]);
+    s.inverse_speed =
+        hn::Div(hn::Set(d, 1.0), hn::Add(load(pack.model_speed_mps[slot], part), hn::Set(d, tables.speed_offset_mps)));
+  const V dx = hn::Sub(antenna.x, hn::Set(d, b[0])), dy = hn::Sub(antenna.y, hn::Set(d, b[1])),
+          dz = hn::Set(d, antenna.z_m - b[2]);
   s.distance = hn::Max(hn::Sqrt(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)))), hn::Set(d, kMinDistanceM));
   const V delay_s = hn::Add(antenna.delay_s, hn::Set(d, b[3]));
   s.residual = hn::IfThenElseZero(heard, hn::Mul(antenna.k, hn::NegMulAdd(s.distance, s.inverse_speed, hn::Sub(tof_s, delay_s))));
@@ -138,7 +141,7 @@ HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_
 struct Normal {
   V A[4][4];  ///< lower triangle
   V g[4];
-  V bend;     ///< what the bend of the ranges over the heading adds to A[2][2] of the full Hessian
+  V bend;  ///< what the bend of the ranges over the heading adds to A[2][2] of the full Hessian
   V cost;
   HWY_INLINE void clear() {
     const V zero = hn::Zero(D());
@@ -152,7 +155,8 @@ struct Normal {
 
 /// Adds a receiver's paths from their moments. The derivative by the state is (v0, v1, rx v1 - ry v0, offset).
 template <bool kOffset>
-HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, V v00, V v01, V v11, V r0, V r1, V w0, V w1, V w, V r, Normal& out) {
+HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, V v00, V v01, V v11, V r0, V r1, V w0, V w1, V w, V r,
+                             Normal& out) {
   const V h0 = hn::NegMulAdd(a.ry, v00, hn::Mul(a.rx, v01)), h1 = hn::NegMulAdd(a.ry, v01, hn::Mul(a.rx, v11));
   out.A[0][0] = hn::Add(out.A[0][0], v00);
   out.A[1][0] = hn::Add(out.A[1][0], v01);
@@ -175,7 +179,8 @@ HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, V v00
 }
 
 template <bool kOffset, bool kRobust>
-HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_t part, const View& view, const Constants& constants, Normal& out) {
+HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_t part, const View& view,
+                      const Constants& constants, Normal& out) {
   const V zero = hn::Zero(D());
   out.clear();
   for (std::size_t slot = 0; slot < pack.slots;) {
@@ -204,9 +209,9 @@ HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_
 }
 
 /// Solves (A + lambda diag A + floor) s = -g by Cholesky; lanes where it is not positive definite come out with `sound` off.
-/// A is that of Gauss and Newton but for the heading: a lever arm is hardly longer than the residuals while the beacons are off, and
-/// steps without its bend then close in slowly. The bend counts down to half of the diagonal, and not where it is beyond all measure:
-/// a state that far off is no case for Newton.
+/// A is that of Gauss and Newton but for the heading: a lever arm is hardly longer than the residuals while the beacons are off,
+/// and steps without its bend then close in slowly. The bend counts down to half of the diagonal, and not where it is beyond all
+/// measure: a state that far off is no case for Newton.
 template <bool kOffset>
 HWY_INLINE void solve(const Normal& normal, V lambda, V* step, hn::Mask<D>& sound) {
   const D d;
@@ -247,7 +252,8 @@ HWY_INLINE void solve(const Normal& normal, V lambda, V* step, hn::Mask<D>& soun
 }
 
 template <bool kOffset, bool kRobust>
-HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::size_t part, StopStates& states, StopOutcome& outcome) {
+HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::size_t part, StopStates& states,
+                            StopOutcome& outcome) {
   const D d;
   constexpr int n = kOffset ? 4 : 3;
   const Constants constants(tables);
@@ -268,18 +274,21 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
     const auto moving = hn::Lt(rest, one);
     rest = hn::IfThenElse(hn::And(sound, hn::Le(gain, hn::Mul(hn::Set(d, kAtRest), hn::Add(one, now.cost)))), one, rest);
     if constexpr (!kRobust) {
-      const auto last = hn::And(moving, hn::And(sound, hn::And(hn::Le(gain, hn::Mul(hn::Set(d, kLastStep), hn::Add(one, now.cost))),
-                                                               hn::Lt(lambda, hn::Set(d, 1e-7)))));
+      const auto last =
+          hn::And(moving, hn::And(sound, hn::And(hn::Le(gain, hn::Mul(hn::Set(d, kLastStep), hn::Add(one, now.cost))),
+                                                 hn::Lt(lambda, hn::Set(d, 1e-7)))));
       for (int p = 0; p < n; ++p) view.state[p] = hn::IfThenElse(last, hn::Add(view.state[p], step[p]), view.state[p]);
       now.cost = hn::IfThenElse(last, hn::Sub(now.cost, gain), now.cost);
       rest = hn::IfThenElse(last, one, rest);
     }
     if (hn::AllTrue(d, hn::Eq(rest, one))) break;
     View moved = view;
-    for (int p = 0; p < n; ++p) moved.state[p] = hn::IfThenElse(hn::Eq(rest, one), view.state[p], hn::Add(view.state[p], step[p]));
+    for (int p = 0; p < n; ++p)
+      moved.state[p] = hn::IfThenElse(hn::Eq(rest, one), view.state[p], hn::Add(view.state[p], step[p]));
     moved.turn();
     build<kOffset, kRobust>(tables, pack, part, moved, constants, trial);
-    const auto better = hn::And(hn::Lt(rest, one), hn::And(sound, hn::Le(trial.cost, hn::Mul(now.cost, hn::Set(d, 1.0 + 1e-14)))));
+    const auto better =
+        hn::And(hn::Lt(rest, one), hn::And(sound, hn::Le(trial.cost, hn::Mul(now.cost, hn::Set(d, 1.0 + 1e-14)))));
     // Neither better nor much left to gain: at rest to rounding.
     const auto rounding = hn::AndNot(better, hn::Lt(gain, hn::Mul(hn::Set(d, 1e-12), hn::Add(one, now.cost))));
     rest = hn::IfThenElse(rounding, one, rest);
@@ -303,9 +312,11 @@ void settle_stops_in_lanes(const StopTables& tables, const StopPack& pack, StopS
   const bool robust = tables.late_scale > 0 && tables.early_scale > 0;
   for (std::size_t part = 0; part < kLanes; part += hn::Lanes(D())) {
     if (tables.has_offset) {
-      robust ? settle_part<true, true>(tables, pack, part, states, outcome) : settle_part<true, false>(tables, pack, part, states, outcome);
+      robust ? settle_part<true, true>(tables, pack, part, states, outcome)
+             : settle_part<true, false>(tables, pack, part, states, outcome);
     } else {
-      robust ? settle_part<false, true>(tables, pack, part, states, outcome) : settle_part<false, false>(tables, pack, part, states, outcome);
+      robust ? settle_part<false, true>(tables, pack, part, states, outcome)
+             : settle_part<false, false>(tables, pack, part, states, outcome);
     }
   }
 }
@@ -313,7 +324,10 @@ void settle_stops_in_lanes(const StopTables& tables, const StopPack& pack, StopS
 /// Moments of some paths, in the order of StopSums::beacon.
 struct Moments {
   V w, v[3], vv[6], s, sv[3], r, rv[3];
-  HWY_INLINE void clear() { w = s = r = v[0] = v[1] = v[2] = sv[0] = sv[1] = sv[2] = rv[0] = rv[1] = rv[2] = vv[0] = vv[1] = vv[2] = vv[3] = vv[4] = vv[5] = hn::Zero(D()); }
+  HWY_INLINE void clear() {
+    w = s = r = v[0] = v[1] = v[2] = sv[0] = sv[1] = sv[2] = rv[0] = rv[1] = rv[2] = vv[0] = vv[1] = vv[2] = vv[3] = vv[4] =
+        vv[5] = hn::Zero(D());
+  }
   HWY_INLINE void add(const Moments& m) {
     w = hn::Add(w, m.w);
     s = hn::Add(s, m.s);
@@ -373,16 +387,20 @@ HWY_INLINE void couple_beacon(const Moments& m, const Antenna& a, const Constant
 
 /// Products of the derivatives by beacon, -(v, k), and by receiver, (R'v, -k).
 HWY_INLINE void add_pair(const Moments& m, const Sight& s, const View& view, const Constants& constants, double* pair) {
-  const V by_receiver[3] = {hn::MulAdd(view.cosine, s.v[0], hn::Mul(view.sine, s.v[1])), hn::NegMulAdd(view.sine, s.v[0], hn::Mul(view.cosine, s.v[1])), s.v[2]};
+  const V by_receiver[3] = {hn::MulAdd(view.cosine, s.v[0], hn::Mul(view.sine, s.v[1])),
+                            hn::NegMulAdd(view.sine, s.v[0], hn::Mul(view.cosine, s.v[1])), s.v[2]};
   const V left[4] = {hn::Neg(m.v[0]), hn::Neg(m.v[1]), hn::Neg(m.v[2]), hn::Neg(hn::Mul(constants.k, m.w))};
   const V last = hn::Neg(constants.k);
   for (std::size_t i = 0; i < 4; ++i)
-    add_lanes(hn::Mul(left[i], by_receiver[0]), hn::Mul(left[i], by_receiver[1]), hn::Mul(left[i], by_receiver[2]), hn::Mul(left[i], last), pair + 4 * i);
+    add_lanes(hn::Mul(left[i], by_receiver[0]), hn::Mul(left[i], by_receiver[1]), hn::Mul(left[i], by_receiver[2]),
+              hn::Mul(left[i], last), pair + 4 * i);
 }
 
-/// A receiver's own elements and its coupling to the state, from the moments of its paths. Derivatives by the receiver: (R'v, -k).
+/// A receiver's own elements and its coupling to the state, from the moments of its paths. Derivatives by the receiver: (R'v,
+/// -k).
 template <bool kOffset>
-HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& view, const Constants& constants, std::size_t part, Lanes* coupling, double* own) {
+HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& view, const Constants& constants,
+                                std::size_t part, Lanes* coupling, double* own) {
   const V c = view.cosine, s = view.sine, k = constants.k;
   const auto turn0 = [&](V x, V y) { return hn::MulAdd(c, x, hn::Mul(s, y)); };
   const auto turn1 = [&](V x, V y) { return hn::NegMulAdd(s, x, hn::Mul(c, y)); };
@@ -433,7 +451,8 @@ HWY_INLINE void factorise(const Normal& normal, double unobserved, V L[4][4], V*
 
 /// Some rows of a block of taken += Y'Y, for the rows of Y that wait.
 template <std::size_t kHeld>
-HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t stride, std::size_t waiting, std::size_t part, double* block) {
+HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t stride, std::size_t waiting, std::size_t part,
+                           double* block) {
   constexpr std::size_t kColumns = StopSums::kBlock;
   V sum[kHeld][kColumns];
   for (auto& row : sum)
@@ -465,13 +484,15 @@ void take_in_lanes(StopSums& sums) {
 }
 
 template <bool kOffset, bool kRobust>
-HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const StopStates& states, const StopLayout& layout, double unobserved, std::size_t part,
-                            StopSums& sums) {
+HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const StopStates& states, const StopLayout& layout,
+                            double unobserved, std::size_t part, StopSums& sums) {
   const D d;
   // Copies, as a vector may be stored anywhere: what is reached through a reference would be read again after every store.
   const bool receivers_free = layout.receivers_free;
-  const std::size_t receivers = layout.receivers, columns = layout.columns() + 1, speed_column = layout.speed(), receiver_column = layout.of_receiver(0);
-  double *const beacon_sums = sums.beacon.data(), *const receiver_sums = sums.receiver.data(), *const pair_sums = sums.pair.data();
+  const std::size_t receivers = layout.receivers, columns = layout.columns() + 1, speed_column = layout.speed(),
+                    receiver_column = layout.of_receiver(0);
+  double *const beacon_sums = sums.beacon.data(), *const receiver_sums = sums.receiver.data(),
+                *const pair_sums = sums.pair.data();
   constexpr int n = kOffset ? 4 : 3;
   const V zero = hn::Zero(d);
   const Constants constants(tables);
@@ -500,13 +521,15 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
       couple_beacon<kOffset>(m, antenna, constants, part, coupling + 16 * beacon);
       if (receivers_free) add_pair(m, s, view, constants, pair_sums + StopSums::kPair * (beacon * receivers + receiver));
     }
-    add_receiver<kOffset>(antenna, constants, all.vv[0], all.vv[1], all.vv[3], all.rv[0], all.rv[1], all.v[0], all.v[1], all.w, all.r, normal);
+    add_receiver<kOffset>(antenna, constants, all.vv[0], all.vv[1], all.vv[3], all.rv[0], all.rv[1], all.v[0], all.v[1], all.w,
+                          all.r, normal);
     by_speed_of_state[0] = hn::Add(by_speed_of_state[0], all.sv[0]);
     by_speed_of_state[1] = hn::Add(by_speed_of_state[1], all.sv[1]);
     by_speed_of_state[2] = hn::Add(by_speed_of_state[2], hn::NegMulAdd(antenna.ry, all.sv[0], hn::Mul(antenna.rx, all.sv[1])));
     if constexpr (kOffset) by_speed_of_state[3] = hn::MulAdd(constants.by_offset, all.s, by_speed_of_state[3]);
     if (receivers_free)
-      finish_receiver<kOffset>(all, antenna, view, constants, part, coupling + 4 * (receiver_column + 4 * receiver), receiver_sums + StopSums::kReceiver * receiver);
+      finish_receiver<kOffset>(all, antenna, view, constants, part, coupling + 4 * (receiver_column + 4 * receiver),
+                               receiver_sums + StopSums::kReceiver * receiver);
   }
   sums.speed_curvature += hn::GetLane(hn::SumOfLanes(d, speed_curvature));
   sums.speed_gradient += hn::GetLane(hn::SumOfLanes(d, speed_gradient));
@@ -536,13 +559,16 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
   }
 }
 
-void reduce_stops_in_lanes(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout, double unobserved, StopSums& sums) {
+void reduce_stops_in_lanes(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout,
+                           double unobserved, StopSums& sums) {
   const bool robust = tables.late_scale > 0 && tables.early_scale > 0;
   for (std::size_t part = 0; part < kLanes; part += hn::Lanes(D())) {
     if (tables.has_offset) {
-      robust ? reduce_part<true, true>(tables, pack, states, layout, unobserved, part, sums) : reduce_part<true, false>(tables, pack, states, layout, unobserved, part, sums);
+      robust ? reduce_part<true, true>(tables, pack, states, layout, unobserved, part, sums)
+             : reduce_part<true, false>(tables, pack, states, layout, unobserved, part, sums);
     } else {
-      robust ? reduce_part<false, true>(tables, pack, states, layout, unobserved, part, sums) : reduce_part<false, false>(tables, pack, states, layout, unobserved, part, sums);
+      robust ? reduce_part<false, true>(tables, pack, states, layout, unobserved, part, sums)
+             : reduce_part<false, false>(tables, pack, states, layout, unobserved, part, sums);
     }
   }
 }
@@ -574,7 +600,8 @@ void take_waiting(StopSums& sums) {
 
 }  // namespace
 
-void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout, double unobserved, StopSums& sums) {
+void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout,
+                  double unobserved, StopSums& sums) {
   HWY_DYNAMIC_DISPATCH(reduce_stops_in_lanes)(tables, pack, states, layout, unobserved, sums);
   if (++sums.waiting == StopSums::kPacksAtOnce) take_waiting(sums);
 }

@@ -39,9 +39,9 @@ struct StopSlot {
 struct StopPack {
   std::size_t slots = 0;
   const StopSlot* slot = nullptr;
-  const Lanes* tof_s = nullptr;             ///< of each slot; NaN: the epoch did not hear that path
-  const Lanes* model_speed_mps = nullptr;   ///< of each slot, or null
-  const std::int32_t* beacons = nullptr;    ///< of the group, in the site's numbers
+  const Lanes* tof_s = nullptr;            ///< of each slot; NaN: the epoch did not hear that path
+  const Lanes* model_speed_mps = nullptr;  ///< of each slot, or null
+  const std::int32_t* beacons = nullptr;   ///< of the group, in the site's numbers
 };
 
 /// State of eight epochs.
@@ -61,8 +61,8 @@ void settle_stops(const StopTables& tables, const StopPack& pack, StopStates& st
 /// delay each), the speed. Derivatives are by metres and seconds and metres a second.
 struct StopLayout {
   std::size_t beacons = 0, receivers = 0;
-  bool receivers_free = false;       ///< any column of a receiver is active
-  std::vector<std::size_t> active;   ///< columns that are adjusted, ascending; of the others only rubbish comes out
+  bool receivers_free = false;      ///< any column of a receiver is active
+  std::vector<std::size_t> active;  ///< columns that are adjusted, ascending; of the others only rubbish comes out
   [[nodiscard]] std::size_t of_receiver(std::size_t r) const { return 4 * (beacons + r); }
   [[nodiscard]] std::size_t speed() const { return 4 * (beacons + receivers); }
   [[nodiscard]] std::size_t columns() const { return speed() + 1; }
@@ -78,19 +78,19 @@ struct StopSums {
   static constexpr std::size_t kBlock = 4;      ///< rows and columns of a block of what is taken away
   static constexpr std::size_t kPacksAtOnce = 4;
 
-  std::vector<double> beacon;           ///< beacons x kMoments
-  std::vector<double> receiver;         ///< receivers x kReceiver
-  std::vector<double> pair;             ///< (beacons x receivers) x kPair
-  std::vector<double> taken;            ///< what the states take away from the active columns: blocks of the upper triangle
-  std::vector<double> taken_gradient;   ///< and from their gradient
+  std::vector<double> beacon;          ///< beacons x kMoments
+  std::vector<double> receiver;        ///< receivers x kReceiver
+  std::vector<double> pair;            ///< (beacons x receivers) x kPair
+  std::vector<double> taken;           ///< what the states take away from the active columns: blocks of the upper triangle
+  std::vector<double> taken_gradient;  ///< and from their gradient
   double speed_curvature = 0.0, speed_gradient = 0.0;
 
-  bool has_offset = false;              ///< states of four instead of three
-  std::vector<std::size_t> active;      ///< columns, filled up to fours with one that is zero
-  std::vector<Lanes> coupling;          ///< of one pack: columns x 4
+  bool has_offset = false;          ///< states of four instead of three
+  std::vector<std::size_t> active;  ///< columns, filled up to fours with one that is zero
+  std::vector<Lanes> coupling;      ///< of one pack: columns x 4
   /// Rows Y of what is to be taken away as Y'Y: some packs together, so that the blocks are loaded and stored less often.
-  std::vector<Lanes> rows;              ///< active columns x packs x states
-  std::size_t waiting = 0;              ///< packs in `rows`
+  std::vector<Lanes> rows;  ///< active columns x packs x states
+  std::size_t waiting = 0;  ///< packs in `rows`
 
   /// Zero, and of the layout's size.
   void clear(const StopLayout& layout, bool has_offset);
@@ -100,8 +100,8 @@ struct StopSums {
 
 /// Adds eight epochs, reduced to the parameters of their group by elimination of their states.
 /// @param unobserved  floor under the information of a state's direction, of the largest diagonal element
-void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout, double unobserved,
-                  StopSums& sums);
+void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout,
+                  double unobserved, StopSums& sums);
 
 /// Name of the vector instructions in use, chosen when the program runs.
 const char* stop_kernel_target();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -31,7 +33,12 @@ constexpr double kFirstDamping = 1e-3;
 class StreamedCalibrator {
  public:
   StreamedCalibrator(const Site& site, ArrivalSource& source, const SolveOptions& options, std::size_t memory_bytes)
-      : site_(site), source_(source), options_(options), alone_(options), plan_(stream_plan(memory_bytes, options.threads)), course_(alone_) {
+      : site_(site),
+        source_(source),
+        options_(options),
+        alone_(options),
+        plan_(stream_plan(memory_bytes, options.threads)),
+        course_(alone_) {
     alone_.ranks = nullptr;
   }
 
@@ -121,7 +128,8 @@ class StreamedCalibrator {
       const auto settled = reject_and_adjust(log, std::exchange(first, std::nullopt));
       if (!settled) return fail(settled.error());
       const double prior = prior_cost(frame_, it_.layout, it_.x);
-      const double off = noise_off_by(it_.last.cost - prior, statistics_of(frame_, it_.layout, settled->counts, it_.last.cost).redundancy);
+      const double off =
+          noise_off_by(it_.last.cost - prior, statistics_of(frame_, it_.layout, settled->counts, it_.last.cost).redundancy);
       if (off == 1.0) break;
       it_.noise_factor *= off;
       *it_.last.data_information /= off * off;
@@ -166,7 +174,8 @@ class StreamedCalibrator {
       const Step step = stepped(sum.system, x, damping);
       const double gain = damping > 0 ? stepped(sum.system, x, 0.0).gain : step.gain;
       const bool settled = gain <= kNoStep * cost;
-      if (settled && (sum.changed == 0 || marked >= kRejectionRounds) && marks != LogPasses::Marks::kKept) return ended(std::move(sum), cost, true);
+      if (settled && (sum.changed == 0 || marked >= kRejectionRounds) && marks != LogPasses::Marks::kKept)
+        return ended(std::move(sum), cost, true);
       const bool may_mark = marked < kRejectionRounds && (!careful || settled);
       if (settled && !may_mark) return ended(std::move(sum), cost, true);
       marks = !may_mark ? LogPasses::Marks::kKept : settled ? LogPasses::Marks::kFirst : LogPasses::Marks::kSettled;
@@ -180,7 +189,8 @@ class StreamedCalibrator {
     it_.last.converged = converged;
     it_.last.cost = cost;
     it_.last.iterations = course_.iterations;
-    it_.last.message = converged ? "no step changes the cost any more" : fmt::format("no rest after {} readings of the log", kMostPasses);
+    it_.last.message =
+        converged ? "no step changes the cost any more" : fmt::format("no rest after {} readings of the log", kMostPasses);
     it_.last.data_information = sum.system.H;
     return sum;
   }
@@ -238,12 +248,14 @@ std::optional<std::string> why_not_streamed(const Site& site, const std::vector<
     if (!run->bearings.empty()) return fmt::format("{} has bearings", run->path);
     frame.runs.push_back(without_lists(*run));
   }
-  if (const int size = make_layout(frame, prior_state(site), std::vector<bool>(site.beacons.size(), false)).size(); size > dense_limit)
+  if (const int size = make_layout(frame, prior_state(site), std::vector<bool>(site.beacons.size(), false)).size();
+      size > dense_limit)
     return fmt::format("there are {} parameters, more than {}", size, dense_limit);
   return {};
 }
 
-Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source, const SolveOptions& options, std::size_t memory_bytes) {
+Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source, const SolveOptions& options,
+                                           std::size_t memory_bytes) {
   return StreamedCalibrator(site, source, options, memory_bytes).run();
 }
 

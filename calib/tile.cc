@@ -26,13 +26,16 @@ constexpr std::size_t kBeaconsPerSparseTile = 24;
 
 }  // namespace
 
-Tile::Tile(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout) : trajectory_(trajectory), layout_(layout) {
+Tile::Tile(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout)
+    : trajectory_(trajectory), layout_(layout) {
   const bool known = StopBlock::knows(*trajectory, *layout);
-  for (const std::size_t s : segments) (known && StopBlock::takes(*trajectory, trajectory->segments[s]) ? stop_segments_ : general_).push_back(s);
+  for (const std::size_t s : segments)
+    (known && StopBlock::takes(*trajectory, trajectory->segments[s]) ? stop_segments_ : general_).push_back(s);
   prepare();
 }
 
-Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, std::vector<std::size_t> general, const ParameterLayout* layout)
+Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, std::vector<std::size_t> general,
+           const ParameterLayout* layout)
     : trajectory_(trajectory), layout_(layout), stop_segments_(std::move(stops)), general_(std::move(general)) {
   prepare();
 }
@@ -50,7 +53,8 @@ Tile::~Tile() = default;
 void Tile::find_columns() {
   const ParameterLayout& layout = *layout_;
   const Trajectory& t = *trajectory_;
-  std::vector<char> touched(static_cast<std::size_t>(layout.size()), 0), beacon(layout.beacon.size(), 0), receiver(layout.receiver.size(), 0);
+  std::vector<char> touched(static_cast<std::size_t>(layout.size()), 0), beacon(layout.beacon.size(), 0),
+      receiver(layout.receiver.size(), 0);
   const auto touch = [&](int column) {
     if (column >= 0) touched[static_cast<std::size_t>(column)] = 1;
   };
@@ -106,7 +110,8 @@ void Tile::commit() {
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
     const auto begin = trajectory_->nodes.begin();
-    committed_.insert(committed_.end(), begin + static_cast<std::ptrdiff_t>(segment.first_node), begin + static_cast<std::ptrdiff_t>(segment.last_node));
+    committed_.insert(committed_.end(), begin + static_cast<std::ptrdiff_t>(segment.first_node),
+                      begin + static_cast<std::ptrdiff_t>(segment.last_node));
   }
 }
 
@@ -164,11 +169,11 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
   // Coupling of each state to the shared parameters it sees; the last column carries the states' own gradient.
   struct NodeSystem {
     NodeBlock D, U;
-    std::vector<int> active;                      ///< local columns, in order of appearance
+    std::vector<int> active;  ///< local columns, in order of appearance
     Eigen::Matrix<double, kMaxBlock, Eigen::Dynamic> G;
   };
   thread_local std::vector<NodeSystem> nodes;
-  thread_local std::vector<int> slot;             ///< local column -> position in the node's active list
+  thread_local std::vector<int> slot;  ///< local column -> position in the node's active list
   if (nodes.size() < count) nodes.resize(count);
   std::vector<NodeVector> g(count, NodeVector::Zero(n));
   for (std::size_t k = 0; k < count; ++k) {
@@ -194,7 +199,8 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
     double rho = 0.0, w = 1.0;
     if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
     RowEntries e = row_entries(row, t.run, *layout_, state);
-    for (int i = 0; i < e.count; ++i) e.column[static_cast<std::size_t>(i)] = place[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
+    for (int i = 0; i < e.count; ++i)
+      e.column[static_cast<std::size_t>(i)] = place[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
     for (int i = 0; i < e.count; ++i) {
       const double wi = w * e.value[static_cast<std::size_t>(i)];
       const int ci = e.column[static_cast<std::size_t>(i)];
@@ -273,7 +279,7 @@ namespace {
 /// same paths, which then share slots of the vector kernel.
 struct SegmentKey {
   std::uint32_t segment = 0;
-  bool stop = false;  ///< for the vector kernel
+  bool stop = false;                                                 ///< for the vector kernel
   std::uint32_t lowest = std::numeric_limits<std::uint32_t>::max();  ///< beacon
   std::uint64_t beacons = 0, paths = 0;  ///< a bit each, several sharing one where there are more than 64
 
@@ -299,7 +305,8 @@ std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& l
         key.lowest = std::min(key.lowest, beacon);
         key.beacons |= std::uint64_t{1} << (beacon % 64U);
         if (t.arrivals[i].rejection == Rejection::kUsed)
-          key.paths |= std::uint64_t{1} << ((beacon * receivers + static_cast<std::uint32_t>(t.arrivals[i].receiver.value)) % 64U);
+          key.paths |=
+              std::uint64_t{1} << ((beacon * receivers + static_cast<std::uint32_t>(t.arrivals[i].receiver.value)) % 64U);
       }
     }
   });
@@ -342,8 +349,9 @@ std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const Parame
     close();
   }
   std::vector<std::optional<Tile>> made(parts.size());
-  for_each_parallel(parts.size(), threads,
-                    [&](std::size_t i) { made[i].emplace(parts[i].trajectory, std::move(parts[i].stops), std::move(parts[i].general), &layout); });
+  for_each_parallel(parts.size(), threads, [&](std::size_t i) {
+    made[i].emplace(parts[i].trajectory, std::move(parts[i].stops), std::move(parts[i].general), &layout);
+  });
   std::vector<Tile> tiles;
   tiles.reserve(made.size());
   for (auto& tile : made) tiles.push_back(std::move(*tile));

@@ -4,7 +4,6 @@
 
 #include <numeric>
 
-
 #include "models/parallel.h"
 
 namespace octant::calib {
@@ -16,8 +15,9 @@ constexpr std::size_t kDoublesPerNode = 11;
 
 void put(const Node& node, double* to) {
   const auto& T = node.T_map_vehicle;
-  const double values[kDoublesPerNode] = {T.translation_m.x(), T.translation_m.y(), T.translation_m.z(), T.rotation.x(), T.rotation.y(), T.rotation.z(),
-                                          T.rotation.w(),      node.cycle_offset_s, node.velocity.x(),   node.velocity.y(), node.velocity.z()};
+  const double values[kDoublesPerNode] = {T.translation_m.x(), T.translation_m.y(), T.translation_m.z(), T.rotation.x(),
+                                          T.rotation.y(),      T.rotation.z(),      T.rotation.w(),      node.cycle_offset_s,
+                                          node.velocity.x(),   node.velocity.y(),   node.velocity.z()};
   std::copy(values, values + kDoublesPerNode, to);
 }
 
@@ -31,7 +31,11 @@ void take(const double* from, Node& node) {
 }  // namespace
 
 TileSum::TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const Workers& workers)
-    : trajectories_(trajectories), layout_(layout), workers_(workers), tiles_(make_tiles(trajectories, layout, workers.threads)), costs_(tiles_.size()),
+    : trajectories_(trajectories),
+      layout_(layout),
+      workers_(workers),
+      tiles_(make_tiles(trajectories, layout, workers.threads)),
+      costs_(tiles_.size()),
       all_columns_(static_cast<std::size_t>(layout.size())) {
   std::iota(all_columns_.begin(), all_columns_.end(), 0);
 }

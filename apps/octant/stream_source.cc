@@ -13,8 +13,8 @@
 
 namespace octant::app {
 
-Result<std::unique_ptr<StreamSource>> StreamSource::open(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
-                                                         Session& session) {
+Result<std::unique_ptr<StreamSource>> StreamSource::open(const std::vector<std::string>& folders, const NameTable& names,
+                                                         const Timing& timing, Session& session) {
   std::unique_ptr<StreamSource> source(new StreamSource(folders, names, timing, session));
   for (const auto& folder : folders) {
     // One thread each, so that none of them begins before it is its turn.

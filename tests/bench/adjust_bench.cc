@@ -27,7 +27,8 @@ Scenario forty_beacons(int epochs) {
   s.site.beacons.clear();
   for (int i = 0; i < 40; ++i) {
     const double x = 4.0 + 8.0 * (i % 8), y = 4.0 + 8.0 * (i / 8);
-    s.site.beacons.push_back(beacon("B" + std::to_string(i), {x + 0.9 * std::sin(3.0 * i), y + 0.9 * std::cos(5.0 * i), 3.0 + 0.4 * std::sin(7.0 * i)},
+    s.site.beacons.push_back(beacon("B" + std::to_string(i),
+                                    {x + 0.9 * std::sin(3.0 * i), y + 0.9 * std::cos(5.0 * i), 3.0 + 0.4 * std::sin(7.0 * i)},
                                     i % 13 == 0 ? 0.0 : 0.3));
   }
   s.path.epochs = epochs;
@@ -56,7 +57,8 @@ const Start& start_of(int epochs, int off_mm = 10) {
   SharedState off = s.solution.state;
   for (std::size_t b = 0; b < off.beacon_p_map_m.size(); ++b)
     if (!s.problem.site.beacons[b].is_control_point())
-      off.beacon_p_map_m[b] += 1e-3 * off_mm * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)), std::cos(3.0 * static_cast<double>(b)), 0.5);
+      off.beacon_p_map_m[b] +=
+          1e-3 * off_mm * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)), std::cos(3.0 * static_cast<double>(b)), 0.5);
   for (double& v : off.speed_offset_mps) v += 0.1;
   s.layout = calib::make_layout(s.problem, s.solution.state, std::vector<bool>(off.beacon_p_map_m.size(), false));
   s.x = s.layout.vector_of(off);
@@ -68,7 +70,8 @@ void report(benchmark::State& state, const Start& start, double cost) {
   for (const Trajectory& t : start.solution.trajectories) arrivals += t.arrivals.size();
   state.counters["arrivals"] = static_cast<double>(arrivals);
   state.counters["cost"] = cost;
-  state.counters["per_arrival"] = benchmark::Counter(static_cast<double>(arrivals), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_arrival"] = benchmark::Counter(static_cast<double>(arrivals),
+                                                     benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 void adjust_tiles(benchmark::State& state) {
@@ -110,11 +113,14 @@ void tiles_part(benchmark::State& state, int part) {
 struct ArrivalError {
   double tof_s, sigma_s, model_speed_mps;
   template <class T>
-  bool operator()(const T* beacon, const T* delay_us, const T* speed_offset, const T* receiver, const T* pose, T* residual) const {
+  bool operator()(const T* beacon, const T* delay_us, const T* speed_offset, const T* receiver, const T* pose,
+                  T* residual) const {
     const T c = ceres::cos(pose[2]), s = ceres::sin(pose[2]);
-    const T dx = pose[0] + c * receiver[0] - s * receiver[1] - beacon[0], dy = pose[1] + s * receiver[0] + c * receiver[1] - beacon[1];
+    const T dx = pose[0] + c * receiver[0] - s * receiver[1] - beacon[0],
+            dy = pose[1] + s * receiver[0] + c * receiver[1] - beacon[1];
     const T dz = receiver[2] - beacon[2];
-    residual[0] = (tof_s - ceres::sqrt(dx * dx + dy * dy + dz * dz) / (model_speed_mps + *speed_offset) - 1e-6 * *delay_us) / sigma_s;
+    residual[0] =
+        (tof_s - ceres::sqrt(dx * dx + dy * dy + dz * dz) / (model_speed_mps + *speed_offset) - 1e-6 * *delay_us) / sigma_s;
     return true;
   }
 };
@@ -139,24 +145,29 @@ class PerArrival {
     for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m) receivers_.push_back({o.x(), o.y(), o.z()});
     speed_offset_ = state.speed_offset_mps[0];
     const Trajectory& t = start.solution.trajectories[0];
-    for (const Node& node : t.nodes) poses_.push_back({node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(), node.T_map_vehicle.heading_rad()});
+    for (const Node& node : t.nodes)
+      poses_.push_back(
+          {node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(), node.T_map_vehicle.heading_rad()});
     auto* order = new ceres::ParameterBlockOrdering;
     for (const ArrivalObservation& a : t.arrivals) {
       if (a.rejection != Rejection::kUsed) continue;
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ArrivalError, 1, 3, 1, 1, 3, 3>(new ArrivalError{a.tof_s, a.sigma_s, a.model_speed_mps}), nullptr,
-                                beacons_[a.beacon.index()].data(), &delays_us_[a.beacon.index()], &speed_offset_, receivers_[a.receiver.index()].data(),
-                                poses_[a.node].data());
+      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ArrivalError, 1, 3, 1, 1, 3, 3>(
+                                    new ArrivalError{a.tof_s, a.sigma_s, a.model_speed_mps}),
+                                nullptr, beacons_[a.beacon.index()].data(), &delays_us_[a.beacon.index()], &speed_offset_,
+                                receivers_[a.receiver.index()].data(), poses_[a.node].data());
     }
     for (std::size_t b = 0; b < beacons_.size(); ++b) {
       const SiteBeacon& beacon = site_.beacons[b];
       if (!problem_.HasParameterBlock(beacons_[b].data())) continue;
       if (beacon.is_control_point()) problem_.SetParameterBlockConstant(beacons_[b].data());
       for (int i = 0; i < 3 && !beacon.is_control_point(); ++i)
-        add_prior<3>(beacons_[b].data(), i, *beacon.position_m[static_cast<std::size_t>(i)], *beacon.sigma_m[static_cast<std::size_t>(i)]);
+        add_prior<3>(beacons_[b].data(), i, *beacon.position_m[static_cast<std::size_t>(i)],
+                     *beacon.sigma_m[static_cast<std::size_t>(i)]);
       add_prior<1>(&delays_us_[b], 0, 1e6 * prior.beacon_delay_s[b], 1e6 * site_.timing.delay_sigma_s);
     }
     for (std::size_t r = 0; r < receivers_.size(); ++r)
-      for (int i = 0; i < 3; ++i) add_prior<3>(receivers_[r].data(), i, site_.receivers[r].position_m[i], site_.receivers[r].sigma_m[i]);
+      for (int i = 0; i < 3; ++i)
+        add_prior<3>(receivers_[r].data(), i, site_.receivers[r].position_m[i], site_.receivers[r].sigma_m[i]);
     add_prior<1>(&speed_offset_, 0, 0.0, site_.speed_sigma_mps);
     if (states_first) {
       std::vector<double*> blocks;
@@ -184,7 +195,8 @@ class PerArrival {
  private:
   template <int kSize>
   void add_prior(double* block, int index, double mean, double sigma) {
-    if (sigma > 0) problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, kSize>(new Prior{index, mean, sigma}), nullptr, block);
+    if (sigma > 0)
+      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, kSize>(new Prior{index, mean, sigma}), nullptr, block);
   }
 
   const Site& site_;
@@ -221,7 +233,13 @@ BENCHMARK_CAPTURE(tiles_part, settle, 1)->Args({100000, 1})->Unit(kUnit)->UseRea
 BENCHMARK_CAPTURE(tiles_part, reduce, 2)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
 /// Epochs, threads, millimetres off.
 void sizes(benchmark::internal::Benchmark* b) {
-  b->Args({5000, 1, 10})->Args({20000, 1, 10})->Args({100000, 1, 10})->Args({100000, 1, 50})->Args({100000, 2, 10})->Unit(kUnit)->UseRealTime();
+  b->Args({5000, 1, 10})
+      ->Args({20000, 1, 10})
+      ->Args({100000, 1, 10})
+      ->Args({100000, 1, 50})
+      ->Args({100000, 2, 10})
+      ->Unit(kUnit)
+      ->UseRealTime();
 }
 BENCHMARK(adjust_tiles)->Apply(sizes);
 BENCHMARK_CAPTURE(adjust_per_arrival, schur, true)->Apply(sizes)->Iterations(1);

@@ -64,7 +64,8 @@ void expect_same(Sides& s, const RobustLoss& loss) {
   ASSERT_TRUE(calib::StopBlock::knows(s.fast[0], s.layout));
   ASSERT_TRUE(calib::StopBlock::takes(s.fast[0], s.fast[0].segments[0]));
   ASSERT_FALSE(calib::StopBlock::takes(s.general[0], s.general[0].segments[0]));
-  calib::Tile fast(s.fast.data(), first_segments(s.fast[0].segments.size()), &s.layout), general(s.general.data(), first_segments(s.general[0].segments.size()), &s.layout);
+  calib::Tile fast(s.fast.data(), first_segments(s.fast[0].segments.size()), &s.layout),
+      general(s.general.data(), first_segments(s.general[0].segments.size()), &s.layout);
   calib::ReducedSystem a, b;
   // Under a redescending loss states come to rest slowly, beyond the steps of one evaluation.
   for (calib::Tile* tile : {&fast, &general})
@@ -87,7 +88,9 @@ void expect_same(Sides& s, const RobustLoss& loss) {
     // A state off by what is left to gain moves the gradient by about the root of that.
     EXPECT_NEAR(a.gradient[i], b.gradient[i], 1e-4 * std::sqrt(b.H(i, i) * expected) + rounding) << i;
     for (Eigen::Index j = 0; j < a.H.cols(); ++j)
-      EXPECT_NEAR(a.H(i, j), b.H(i, j), 1e-6 * std::sqrt(b.H(i, i) * b.H(j, j)) + rounding) << s.layout.parameters[static_cast<std::size_t>(i)].name << " " << s.layout.parameters[static_cast<std::size_t>(j)].name;
+      EXPECT_NEAR(a.H(i, j), b.H(i, j), 1e-6 * std::sqrt(b.H(i, i) * b.H(j, j)) + rounding)
+          << s.layout.parameters[static_cast<std::size_t>(i)].name << " "
+          << s.layout.parameters[static_cast<std::size_t>(j)].name;
   }
   for (std::size_t k = 0; k < s.fast[0].nodes.size(); ++k) {
     const Pose &p = s.fast[0].nodes[k].T_map_vehicle, &q = s.general[0].nodes[k].T_map_vehicle;
@@ -181,7 +184,8 @@ TEST(StopBlock, EpochsOutOfReachAreLeftToTheGeneralPath) {
   s.fast[0].nodes[3].T_map_vehicle.translation_m += Eigen::Vector3d(30.0, -20.0, 0.0);  // far outside the hall
   s.general[0].nodes[3].T_map_vehicle = s.fast[0].nodes[3].T_map_vehicle;
   calib::Tile fast(s.fast.data(), first_segments(16), &s.layout), general(s.general.data(), first_segments(16), &s.layout);
-  const double cost = fast.evaluate(s.state, {2.385, 2.385}, nullptr), expected = general.evaluate(s.state, {2.385, 2.385}, nullptr);
+  const double cost = fast.evaluate(s.state, {2.385, 2.385}, nullptr),
+               expected = general.evaluate(s.state, {2.385, 2.385}, nullptr);
   EXPECT_NEAR(cost, expected, 1e-6 * expected);
 }
 

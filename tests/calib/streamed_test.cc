@@ -26,11 +26,12 @@ Scenario long_hall(int epochs, double echoes = 0.01) {
   return s;
 }
 
-calib::StreamedCalibration streamed(const Site& site, MemorySource& source, const calib::SolveOptions& options = {}, std::size_t memory = kTiny) {
+calib::StreamedCalibration streamed(const Site& site, MemorySource& source, const calib::SolveOptions& options = {},
+                                    std::size_t memory = kTiny) {
   return must(calib::solve_streamed(site, source, options, memory));
 }
-calib::StreamedCalibration streamed(const Site& site, const std::vector<MeasurementLog>& runs, const calib::SolveOptions& options = {},
-                                    std::size_t memory = kTiny) {
+calib::StreamedCalibration streamed(const Site& site, const std::vector<MeasurementLog>& runs,
+                                    const calib::SolveOptions& options = {}, std::size_t memory = kTiny) {
   MemorySource source(runs, 300);
   return streamed(site, source, options, memory);
 }
@@ -81,7 +82,8 @@ void expect_same(const calib::Problem& problem, const calib::Solution& whole, co
   }
   const Deployment a = calib::make_deployment(problem, whole, {}), b = calib::make_deployment(s.problem, part, {});
   ASSERT_EQ(a.validity_area_m.size(), b.validity_area_m.size());
-  for (std::size_t i = 0; i < a.validity_area_m.size(); ++i) EXPECT_LT((a.validity_area_m[i] - b.validity_area_m[i]).norm(), 1e-6);
+  for (std::size_t i = 0; i < a.validity_area_m.size(); ++i)
+    EXPECT_LT((a.validity_area_m[i] - b.validity_area_m[i]).norm(), 1e-6);
   EXPECT_EQ(a.validity_temperature_degC, b.validity_temperature_degC);
 }
 
@@ -219,12 +221,14 @@ TEST(Streamed, RanksReadTheirShareAndAgree) {
 
 TEST(Streamed, StopsWhereItIsAskedTo) {
   const World world = must(simulate(long_hall(4200), 10));
-  for (const char* stage : {"first reading of the log", "states of the whole log", "adjustment of the arrivals that agree", "covariance and verdict"}) {
+  for (const char* stage : {"first reading of the log", "states of the whole log", "adjustment of the arrivals that agree",
+                            "covariance and verdict"}) {
     calib::SolveOptions options;
     int calls = 0;
     options.on_progress = [&](const calib::Progress& p) { return p.stage != stage || ++calls < 3; };
-    EXPECT_EQ(streamed(world.site, {world.run}, options).solution.status,
-              std::string(stage) == "first reading of the log" ? calib::SolveStatus::kConverged : calib::SolveStatus::kInterrupted)
+    EXPECT_EQ(streamed(world.site, {world.run}, options).solution.status, std::string(stage) == "first reading of the log"
+                                                                              ? calib::SolveStatus::kConverged
+                                                                              : calib::SolveStatus::kInterrupted)
         << stage;
     calls = 2;
     EXPECT_EQ(streamed(world.site, {world.run}, options).solution.status, calib::SolveStatus::kInterrupted) << stage;
