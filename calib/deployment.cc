@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calib/calibrate.h"
+#include "calib/deployment_head.h"
 #include "calib/validity.h"
 #include "calib/variances.h"
 #include "models/linearise.h"
@@ -111,29 +112,34 @@ void add_validity(const Problem& problem, const Solution& solution, Deployment& 
 
 }  // namespace
 
+Deployment deployment_head(const Site& site, const Solution& solution, const Provenance& provenance) {
+  Deployment d;
+  d.site = site.name;
+  d.created = provenance.created;
+  d.motion = site.motion;
+  d.medium = site.medium;
+  d.timing = site.timing;
+  d.noise = site.noise;
+  d.tolerance = site.tolerance;
+  d.datum = solution.datum;
+  d.statistics = solution.statistics;
+  d.inputs = provenance.inputs;
+  d.program_version = provenance.version;
+  d.program_command = provenance.command;
+  return d;
+}
+
 Deployment make_deployment(const Problem& problem, const Solution& solution, const Provenance& provenance) {
   const Variances variances(solution);
-  Deployment d;
-  d.site = problem.site.name;
-  d.created = provenance.created;
-  d.motion = problem.site.motion;
-  d.datum = solution.datum;
-  d.medium = problem.site.medium;
+  Deployment d = deployment_head(problem.site, solution, provenance);
   const auto& offsets = solution.state.speed_offset_mps;
   // With one offset a run, the last run is the nearest to the present.
   d.speed_offset_mps = offsets.back();
   d.speed_sigma_mps = variances.sigma(offsets.size() > 1 ? "medium/run" + std::to_string(offsets.size()) + "/speed_mps" : "medium/speed_mps");
-  d.timing = problem.site.timing;
-  d.noise = problem.site.noise;
   d.noise.tof_sigma_s = solution.tof_sigma_s;
   d.attenuation = solution.state.attenuation;
-  d.tolerance = problem.site.tolerance;
   d.covariance = solution.covariance;
-  d.statistics = solution.statistics;
   d.warnings = solution.warnings;
-  d.inputs = provenance.inputs;
-  d.program_version = provenance.version;
-  d.program_command = provenance.command;
   add_beacons(problem, solution, variances, d);
   add_receivers(problem, solution, variances, d);
   add_hearing(solution, d);

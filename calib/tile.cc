@@ -26,21 +26,8 @@ constexpr std::size_t kBeaconsPerSparseTile = 24;
 
 }  // namespace
 
-Tile::Tile(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout)
-    : trajectory_(trajectory), layout_(layout) {
-  const bool known = StopBlock::knows(*trajectory, *layout);
-  for (const std::size_t s : segments)
-    (known && StopBlock::takes(*trajectory, trajectory->segments[s]) ? stop_segments_ : general_).push_back(s);
-  prepare();
-}
-
-Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, std::vector<std::size_t> general,
-           const ParameterLayout* layout)
+Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, std::vector<std::size_t> general, const ParameterLayout* layout)
     : trajectory_(trajectory), layout_(layout), stop_segments_(std::move(stops)), general_(std::move(general)) {
-  prepare();
-}
-
-void Tile::prepare() {
   if (!stop_segments_.empty()) stops_ = std::make_unique<StopBlock>(trajectory_, stop_segments_, layout_);
   find_columns();
   commit();

@@ -29,9 +29,8 @@ struct ReducedSystem {
 class Tile {
  public:
   /// @param trajectory  not owned; this tile writes the nodes of its segments and nothing else
-  /// @param segments    of which those that StopBlock takes go to the vector kernel
-  Tile(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout);
-  /// The same where it is known already which these are.
+  /// @param stops    segments for the vector kernel, which StopBlock takes
+  /// @param general  all others
   Tile(Trajectory* trajectory, std::vector<std::size_t> stops, std::vector<std::size_t> general, const ParameterLayout* layout);
   Tile(Tile&&) noexcept;
   Tile& operator=(Tile&&) noexcept;
@@ -67,7 +66,6 @@ class Tile {
   void rewind();
 
  private:
-  void prepare();
   void find_columns();
   void rewind_general();
   void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/reporting.h"
+#include "calib/deployment_head.h"
 
 namespace octant::app {
 namespace {
@@ -62,19 +63,7 @@ Deployment partial_deployment(const Calibration& c) {
   if (solved) {
     d = calib::make_deployment(c.problem, s, c.provenance);
   } else {
-    d.site = site.name;
-    d.created = c.provenance.created;
-    d.motion = site.motion;
-    d.medium = site.medium;
-    d.timing = site.timing;
-    d.noise = site.noise;
-    d.tolerance = site.tolerance;
-    d.vehicles = {};
-    d.statistics = s.statistics;
-    d.datum = s.datum;
-    d.inputs = c.provenance.inputs;
-    d.program_version = c.provenance.version;
-    d.program_command = c.provenance.command;
+    d = calib::deployment_head(site, s, c.provenance);
     for (const auto& b : site.beacons) {
       DeploymentBeacon beacon;
       beacon.name = b.name;

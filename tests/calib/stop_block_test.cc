@@ -3,7 +3,6 @@
 // The vector kernel against the general path of the tile: same cost, gradient, matrix and states.
 #include "calib/stop_block.h"
 
-#include <numeric>
 #include <set>
 #include <string>
 
@@ -26,10 +25,11 @@ void make_general(Trajectory& t) {
   }
 }
 
-std::vector<std::size_t> first_segments(std::size_t count) {
-  std::vector<std::size_t> segments(count);
-  std::iota(segments.begin(), segments.end(), std::size_t{0});
-  return segments;
+/// All of a small hall's stops are one tile.
+calib::Tile only_tile(std::vector<Trajectory>& trajectories, const calib::ParameterLayout& layout) {
+  std::vector<calib::Tile> tiles = calib::make_tiles(trajectories, layout);
+  EXPECT_EQ(tiles.size(), 1U);
+  return std::move(tiles.front());
 }
 
 struct Sides {
@@ -64,8 +64,7 @@ void expect_same(Sides& s, const RobustLoss& loss) {
   ASSERT_TRUE(calib::StopBlock::knows(s.fast[0], s.layout));
   ASSERT_TRUE(calib::StopBlock::takes(s.fast[0], s.fast[0].segments[0]));
   ASSERT_FALSE(calib::StopBlock::takes(s.general[0], s.general[0].segments[0]));
-  calib::Tile fast(s.fast.data(), first_segments(s.fast[0].segments.size()), &s.layout),
-      general(s.general.data(), first_segments(s.general[0].segments.size()), &s.layout);
+  calib::Tile fast = only_tile(s.fast, s.layout), general = only_tile(s.general, s.layout);
   calib::ReducedSystem a, b;
   // Under a redescending loss states come to rest slowly, beyond the steps of one evaluation.
   for (calib::Tile* tile : {&fast, &general})
@@ -183,7 +182,7 @@ TEST(StopBlock, EpochsOutOfReachAreLeftToTheGeneralPath) {
   Sides s = sides_of(small_hall(16), 0.0);
   s.fast[0].nodes[3].T_map_vehicle.translation_m += Eigen::Vector3d(30.0, -20.0, 0.0);  // far outside the hall
   s.general[0].nodes[3].T_map_vehicle = s.fast[0].nodes[3].T_map_vehicle;
-  calib::Tile fast(s.fast.data(), first_segments(16), &s.layout), general(s.general.data(), first_segments(16), &s.layout);
+  calib::Tile fast = only_tile(s.fast, s.layout), general = only_tile(s.general, s.layout);
   const double cost = fast.evaluate(s.state, {2.385, 2.385}, nullptr),
                expected = general.evaluate(s.state, {2.385, 2.385}, nullptr);
   EXPECT_NEAR(cost, expected, 1e-6 * expected);
