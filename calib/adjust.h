@@ -28,9 +28,10 @@ struct AdjustResult {
   bool converged = false;
   bool interrupted = false;
   int iterations = 0;
-  double cost = 0.0;      ///< 1/2 sum of rho, priors and control distances included
-  std::string message;    ///< Ceres's own words on why it stopped
-  /// Gauss-Newton matrix of all arrivals and bearings at x under the loss of the adjustment, where it was formed as a whole.
+  double cost = 0.0;    ///< 1/2 sum of rho, priors and control distances included
+  std::string message;  ///< why it stopped, Ceres's own words where it was Ceres that found so
+  /// Gauss-Newton matrix of all arrivals and bearings under the loss of the adjustment, where it was formed as a whole: at x, or
+  /// before a last step that changes it by less than a part in a thousand.
   std::optional<Eigen::MatrixXd> data_information;
 };
 
@@ -40,11 +41,12 @@ struct AdjustResult {
 /// that Ceres sees the cost, gradient and Gauss-Newton matrix of the full bundle adjustment.
 /// @param x  start and result, order of the layout
 /// @param trajectories  states and rejection marks; the states are left as settled at x
-AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
-                    const AdjustOptions& options);
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
+                    Eigen::VectorXd& x, const AdjustOptions& options);
 
 /// The same of observations that are no tiles, on a layout that is dense.
-AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, Eigen::VectorXd& x, const AdjustOptions& options);
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, Eigen::VectorXd& x,
+                    const AdjustOptions& options);
 
 /// 1/2 the weighted squares of priors and control distances at x.
 [[nodiscard]] double prior_cost(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x);
@@ -56,8 +58,9 @@ struct Information {
 };
 /// The part of priors and control distances.
 [[nodiscard]] Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x);
-[[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-                                         const Eigen::VectorXd& x, const RobustLoss& loss = {}, const Workers& workers = {});
+[[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout,
+                                         std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
+                                         const RobustLoss& loss = {}, const Workers& workers = {});
 /// Of everything together, for sites where the matrix would be too large: all elements of parameters that some stop, prior or
 /// tape connects, both triangles.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout,

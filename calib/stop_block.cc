@@ -15,35 +15,66 @@ namespace {
 constexpr std::size_t kEnoughPacks = 4;
 /// Nor does it take in many more beacons than the epochs hear: all pairs of columns are worked on.
 constexpr double kMostBeacons = 1.5;
-constexpr std::size_t kMaxReceivers = 4096;
+constexpr std::size_t kNoPose = std::numeric_limits<std::size_t>::max();
 
 void prefetch(const void* from, std::size_t bytes) {
   constexpr std::size_t kLine = 64;
   for (std::size_t at = 0; at < bytes; at += kLine) __builtin_prefetch(static_cast<const char*>(from) + at);
 }
 
+/// Arrivals over a path.
+struct Count {
+  std::uint32_t here = 0, stamp = 0;  ///< in an epoch, and in which
+  std::uint32_t most = 0;             ///< in an epoch of the pack
+  std::size_t first = 0;              ///< slot
+};
+
 }  // namespace
+
+StopArrivals::StopArrivals(const Trajectory& t)
+    : tof_s_(std::make_unique_for_overwrite<double[]>(t.arrivals.size())),        // NOLINT(modernize-avoid-c-arrays)
+      path_(std::make_unique_for_overwrite<std::uint32_t[]>(t.arrivals.size())),  // NOLINT(modernize-avoid-c-arrays)
+      speed_mps_(t.arrivals.front().model_speed_mps) {}
+
+void StopArrivals::tell(std::size_t i, const ArrivalObservation& a) {
+  if (a.model_speed_mps != speed_mps_) own_speeds_ = true;
+  tof_s_[i] = a.tof_s;
+  path_[i] = a.rejection == Rejection::kUsed ? static_cast<std::uint32_t>(a.beacon.index() << kReceiverBits | a.receiver.index())
+                                             : kNotUsed;
+}
+
+void StopArrivals::prefetch(std::size_t first, std::size_t last) const {
+  calib::prefetch(&tof_s_[first], (last - first) * sizeof(double));
+  calib::prefetch(&path_[first], (last - first) * sizeof(std::uint32_t));
+}
 
 bool StopBlock::knows(const Trajectory& t, const ParameterLayout& layout) {
   const std::size_t vehicle = t.vehicle.index();
   const bool drifts =
       vehicle < layout.clock_drift.size() && (layout.clock_drift[vehicle] >= 0 || layout.fixed.drift(t.vehicle) != 0.0);
   return t.motion == Motion::kPlanar && !t.motion_prior && !layout.fixed.attenuation && layout.fixed.pair_bias_s.empty() &&
-         !drifts && layout.vehicle_of_receiver.size() <= kMaxReceivers;
+         !drifts && layout.vehicle_of_receiver.size() <= StopArrivals::kMostReceivers &&
+         layout.beacon.size() <= StopArrivals::kMostBeacons;
 }
 
 bool StopBlock::takes(const Trajectory& t, const Segment& s) {
-  if (s.last_node - s.first_node != 1 || s.first_bearing != s.last_bearing || s.first_pose != s.last_pose ||
+  if (s.last_node - s.first_node != 1 || s.first_bearing != s.last_bearing || s.last_pose - s.first_pose > 1 ||
       s.first_arrival == s.last_arrival || !t.nodes[s.first_node].placed)
     return false;
-  const double sigma_s = t.arrivals[s.first_arrival].sigma_s;
+  if (s.first_pose != s.last_pose && t.poses[s.first_pose].alpha != 0.0) return false;
+  const double sigma_s = t.arrivals.front().sigma_s;
   for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
     if (t.arrivals[i].two_way || t.arrivals[i].alpha != 0.0 || t.arrivals[i].sigma_s != sigma_s) return false;
   return true;
 }
 
-StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const ParameterLayout* layout)
-    : trajectory_(trajectory), layout_(layout) {
+StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const StopArrivals& arrivals,
+                     const ParameterLayout* layout)
+    : trajectory_(trajectory),
+      layout_(layout),
+      sigma_s_(trajectory->arrivals.front().sigma_s),
+      speed_mps_(arrivals.speed_mps()),
+      own_speeds_(arrivals.own_speeds()) {
   const auto& vehicles = layout->vehicle_of_receiver;
   const auto mine = std::find(vehicles.begin(), vehicles.end(), trajectory->vehicle);
   first_receiver_ = static_cast<std::size_t>(mine - vehicles.begin());
@@ -54,29 +85,23 @@ StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& seg
   for (std::size_t i = 0; i < segments.size(); ++i) {
     if (i + kAhead < segments.size()) prefetch(&trajectory->segments[segments[i + kAhead]], sizeof(Segment));
     const Segment& s = trajectory->segments[segments[i]];
-    epochs_.push_back({segments[i], s.first_node, s.first_arrival, s.last_arrival});
+    epochs_.push_back(
+        {segments[i], s.first_node, s.first_arrival, s.last_arrival, s.first_pose != s.last_pose ? s.first_pose : kNoPose});
   }
-  group();
-  pack();
+  group(arrivals);
+  pack(arrivals);
   commit();
 }
 
-template <class Visit>
-void StopBlock::for_each_used(std::size_t epoch, Visit&& visit) const {
-  for (std::size_t i = epochs_[epoch].first_arrival; i < epochs_[epoch].last_arrival; ++i)
-    if (trajectory_->arrivals[i].rejection == Rejection::kUsed) visit(trajectory_->arrivals[i]);
-}
-
-void StopBlock::fetch(std::size_t p) const {
+void StopBlock::fetch(std::size_t p, const StopArrivals& arrivals) const {
   for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e) {
     const Epoch& epoch = epochs_[e];
     prefetch(&trajectory_->nodes[epoch.node], sizeof(Node));
-    prefetch(trajectory_->arrivals.data() + epoch.first_arrival,
-             (epoch.last_arrival - epoch.first_arrival) * sizeof(ArrivalObservation));
+    arrivals.prefetch(epoch.first_arrival, epoch.last_arrival);
   }
 }
 
-void StopBlock::group() {
+void StopBlock::group(const StopArrivals& arrivals) {
   const std::size_t packs = (epochs_.size() + kLanes - 1) / kLanes, none = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> group_of(layout_->beacon.size(), none),
       pack_of(layout_->beacon.size(), none);  // of each beacon, the last that heard it
@@ -84,17 +109,16 @@ void StopBlock::group() {
   for (std::size_t p = 0; p < packs; ++p) {
     std::vector<std::int32_t> heard;
     std::size_t unknown = 0;
-    if (p + 1 < packs) fetch(p + 1);
+    if (p + 1 < packs) fetch(p + 1, arrivals);
     for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e)
-      for_each_used(e, [&](const ArrivalObservation& a) {
-        if (speed_mps_ == 0.0) speed_mps_ = a.model_speed_mps;
-        own_speeds_ = own_speeds_ || a.model_speed_mps != speed_mps_;
-        sigma_s_ = a.sigma_s;
-        if (pack_of[a.beacon.index()] == p) return;
-        pack_of[a.beacon.index()] = p;
-        heard.push_back(a.beacon.value);
-        if (groups_.empty() || group_of[a.beacon.index()] != groups_.size() - 1) ++unknown;
-      });
+      for (std::size_t i = epochs_[e].first_arrival; i < epochs_[e].last_arrival; ++i) {
+        if (!arrivals.used(i)) continue;
+        const std::size_t beacon = arrivals.beacon(i);
+        if (pack_of[beacon] == p) continue;
+        pack_of[beacon] = p;
+        heard.push_back(static_cast<std::int32_t>(beacon));
+        if (groups_.empty() || group_of[beacon] != groups_.size() - 1) ++unknown;
+      }
     const bool close = !groups_.empty() && unknown > 0 &&
                        (p - groups_.back().first >= kEnoughPacks ||
                         static_cast<double>(groups_.back().beacons.size() + unknown) >
@@ -114,52 +138,64 @@ void StopBlock::group() {
   for (Group& g : groups_) std::sort(g.beacons.begin(), g.beacons.end());
 }
 
-void StopBlock::pack() {
+void StopBlock::pack(const StopArrivals& arrivals) {
   const Trajectory& t = *trajectory_;
-  states_.resize((epochs_.size() + kLanes - 1) / kLanes);
-  std::vector<std::size_t> local(layout_->beacon.size(), 0);
-  std::vector<std::uint32_t> count, most, first;  // arrivals over each path: in this epoch, at most; its first slot
   Lanes nothing, usual;
   std::fill(std::begin(nothing.of), std::end(nothing.of), NAN);
   std::fill(std::begin(usual.of), std::end(usual.of), t.nominal_speed_mps);
-  for (const Group& g : groups_) {
+  std::vector<std::size_t> local(layout_->beacon.size(), 0);
+  std::vector<Count> count;  // of the present group's paths
+  std::uint32_t stamp = 0;
+  // Calls visit(arrival, path) for those in use of an epoch, with how many came over that path before.
+  const auto for_each_used = [&](std::size_t epoch, auto&& visit) {
+    ++stamp;
+    for (std::size_t i = epochs_[epoch].first_arrival; i < epochs_[epoch].last_arrival; ++i) {
+      if (!arrivals.used(i)) continue;
+      Count& path = count[local[arrivals.beacon(i)] * receivers_ + arrivals.receiver(i) - first_receiver_];
+      if (path.stamp != stamp) path.here = 0;
+      path.stamp = stamp;
+      visit(i, path);
+      ++path.here;
+    }
+  };
+  const auto begin_group = [&](const Group& g) {
     for (std::size_t i = 0; i < g.beacons.size(); ++i) local[static_cast<std::size_t>(g.beacons[i])] = i;
-    const std::size_t paths = g.beacons.size() * receivers_;
-    const auto path_of = [&](const ArrivalObservation& a) {
-      return (a.receiver.index() - first_receiver_) * g.beacons.size() + local[a.beacon.index()];
-    };
+    count.assign(g.beacons.size() * receivers_, {});
+  };
+  pack_first_.reserve(epochs_.size() / kLanes + 2);
+  for (const Group& g : groups_) {
+    begin_group(g);
     for (std::size_t p = g.first; p < g.last; ++p) {
-      most.assign(paths, 0);
-      for (std::size_t lane = 0; lane < epochs_in(p); ++lane) {
-        count.assign(paths, 0);
-        for_each_used(p * kLanes + lane, [&](const ArrivalObservation& a) {
-          const std::size_t path = path_of(a);
-          most[path] = std::max(most[path], ++count[path]);
-        });
-      }
+      for (Count& path : count) path.most = 0;
+      for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e)
+        for_each_used(e, [](std::size_t /*arrival*/, Count& path) { path.most = std::max(path.most, path.here + 1); });
       pack_first_.push_back(slots_.size());
-      first.assign(paths, 0);
-      for (std::size_t path = 0; path < paths; ++path) {
-        first[path] = static_cast<std::uint32_t>(slots_.size());
-        const StopSlot slot{static_cast<std::uint16_t>(path % g.beacons.size()),
-                            static_cast<std::uint16_t>(path / g.beacons.size())};
-        slots_.insert(slots_.end(), most[path], slot);
-      }
-      tof_s_.resize(slots_.size(), nothing);
-      if (own_speeds_) model_speed_mps_.resize(slots_.size(), usual);
-      for (std::size_t lane = 0; lane < epochs_in(p); ++lane) {
-        count.assign(paths, 0);
-        for_each_used(p * kLanes + lane, [&](const ArrivalObservation& a) {
-          const std::size_t path = path_of(a);
-          const std::size_t slot = first[path] + count[path]++;
-          tof_s_[slot].of[lane] = a.tof_s;
-          if (own_speeds_) model_speed_mps_[slot].of[lane] = a.model_speed_mps;
-        });
-        put(p * kLanes + lane, t.nodes[epochs_[p * kLanes + lane].node]);
-      }
+      for (std::size_t r = 0; r < receivers_; ++r)
+        for (std::size_t b = 0; b < g.beacons.size(); ++b)
+          for (std::uint32_t k = 0; k < count[b * receivers_ + r].most; ++k)
+            slots_.push_back({static_cast<std::uint16_t>(b), static_cast<std::uint16_t>(r)});
     }
   }
   pack_first_.push_back(slots_.size());
+  states_.resize(pack_first_.size() - 1);
+  tof_s_.assign(slots_.size(), nothing);
+  if (own_speeds_) model_speed_mps_.assign(slots_.size(), usual);
+  for (const Group& g : groups_) {
+    begin_group(g);
+    for (std::size_t p = g.first; p < g.last; ++p) {
+      for (std::size_t slot = pack_first_[p + 1]; slot-- > pack_first_[p];)
+        count[slots_[slot].beacon * receivers_ + slots_[slot].receiver].first = slot;
+      for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e) {
+        const std::size_t lane = e % kLanes;
+        for_each_used(e, [&](std::size_t i, const Count& path) {
+          tof_s_[path.first + path.here].of[lane] = arrivals.tof_s(i);
+          if (own_speeds_) model_speed_mps_[path.first + path.here].of[lane] = t.arrivals[i].model_speed_mps;
+        });
+        put(e, t.nodes[epochs_[e].node]);
+        if (epochs_[e].pose != kNoPose) put(e, t.poses[epochs_[e].pose]);
+      }
+    }
+  }
 }
 
 void StopBlock::mark_heard(std::vector<char>& beacons, std::vector<char>& receivers) const {
@@ -175,6 +211,20 @@ void StopBlock::put(std::size_t epoch, const Node& node) {
   value[1].of[lane] = node.T_map_vehicle.translation_m.y();
   value[2].of[lane] = node.T_map_vehicle.heading_rad();
   value[3].of[lane] = node.cycle_offset_s * trajectory_->nominal_speed_mps;
+}
+
+void StopBlock::put(std::size_t epoch, const PoseObservation& pose) {
+  if (poses_.empty()) poses_.resize(states_.size());
+  StopPoses& poses = poses_[epoch / kLanes];
+  const std::size_t lane = epoch % kLanes;
+  const Eigen::Vector3d value(pose.T_map_vehicle.translation_m.x(), pose.T_map_vehicle.translation_m.y(),
+                              pose.T_map_vehicle.heading_rad());
+  const Eigen::Vector3d sigma(pose.position_sigma_m, pose.position_sigma_m, pose.heading_sigma_rad);
+  for (int i = 0; i < 3; ++i) {
+    if (!std::isfinite(sigma[i])) continue;
+    poses.value[i].of[lane] = value[i];
+    poses.weight[i].of[lane] = 1.0 / (sigma[i] * sigma[i]);
+  }
 }
 
 void StopBlock::show(std::size_t epoch) {
@@ -211,8 +261,9 @@ StopTables StopBlock::tables_at(const SharedState& state, const RobustLoss& loss
 
 StopPack StopBlock::pack_of(std::size_t p, const Group& group) const {
   const std::size_t first = pack_first_[p];
-  return {pack_first_[p + 1] - first, slots_.data() + first, tof_s_.data() + first,
-          own_speeds_ ? model_speed_mps_.data() + first : nullptr, group.beacons.data()};
+  return {pack_first_[p + 1] - first, slots_.data() + first,
+          tof_s_.data() + first,      own_speeds_ ? model_speed_mps_.data() + first : nullptr,
+          group.beacons.data(),       poses_.empty() ? nullptr : &poses_[p]};
 }
 
 double StopBlock::settle(const SharedState& state, const RobustLoss& loss) {

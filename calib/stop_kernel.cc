@@ -178,6 +178,22 @@ HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, V v00
   }
 }
 
+/// Adds measured poses; their cost is twice what it counts, as that of the paths so far.
+HWY_INLINE void add_poses(const StopPack& pack, std::size_t part, const View& view, Normal& out) {
+  const D d;
+  for (int p = 0; p < 3; ++p) {
+    const V weight = load(pack.poses->weight[p], part);
+    V off = hn::Sub(view.state[p], load(pack.poses->value[p], part));
+    if (p == 2) {
+      constexpr double kTurn = 6.283185307179586476925287;
+      off = hn::NegMulAdd(hn::Set(d, kTurn), hn::Round(hn::Mul(off, hn::Set(d, 1.0 / kTurn))), off);
+    }
+    out.A[p][p] = hn::Add(out.A[p][p], weight);
+    out.g[p] = hn::MulAdd(weight, off, out.g[p]);
+    out.cost = hn::MulAdd(hn::Mul(weight, off), off, out.cost);
+  }
+}
+
 template <bool kOffset, bool kRobust>
 HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_t part, const View& view,
                       const Constants& constants, Normal& out) {
@@ -205,15 +221,17 @@ HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_
     }
     add_receiver<kOffset>(antenna, constants, v00, v01, v11, r0, r1, w0, w1, w, r, out);
   }
+  if (pack.poses != nullptr) add_poses(pack, part, view, out);
   out.cost = hn::Mul(out.cost, hn::Set(D(), 0.5));
 }
 
 /// Solves (A + lambda diag A + floor) s = -g by Cholesky; lanes where it is not positive definite come out with `sound` off.
 /// A is that of Gauss and Newton but for the heading: a lever arm is hardly longer than the residuals while the beacons are off,
-/// and steps without its bend then close in slowly. The bend counts down to half of the diagonal, and not where it is beyond all
-/// measure: a state that far off is no case for Newton.
+/// and steps without its bend then close in slowly. The bend counts down to half of the diagonal, and not where it would turn it
+/// about: a state that far off is no case for Newton. A bend that is more than the diagonal only makes steps shorter and counts
+/// in `stiff` lanes; in the others the longer steps get out of a place that the loss makes up.
 template <bool kOffset>
-HWY_INLINE void solve(const Normal& normal, V lambda, V* step, hn::Mask<D>& sound) {
+HWY_INLINE void solve(const Normal& normal, V lambda, hn::Mask<D> stiff, V* step, hn::Mask<D>& sound) {
   const D d;
   constexpr int n = kOffset ? 4 : 3;
   const V one = hn::Set(d, 1.0);
@@ -228,7 +246,8 @@ HWY_INLINE void solve(const Normal& normal, V lambda, V* step, hn::Mask<D>& soun
     V diagonal = A[p][p];
     if (p == 2) {
       const V bent = hn::Max(hn::Add(diagonal, normal.bend), hn::Mul(hn::Set(d, 0.5), diagonal));
-      diagonal = hn::IfThenElse(hn::Le(hn::Abs(normal.bend), diagonal), bent, diagonal);
+      const auto counts = hn::And(hn::Ge(normal.bend, hn::Neg(diagonal)), hn::Or(stiff, hn::Le(normal.bend, diagonal)));
+      diagonal = hn::IfThenElse(counts, bent, diagonal);
     }
     V pivot = hn::Add(hn::MulAdd(lambda, diagonal, diagonal), floor);
     for (int m = 0; m < p; ++m) pivot = hn::NegMulAdd(L[p][m], L[p][m], pivot);
@@ -264,10 +283,12 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
   build<kOffset, kRobust>(tables, pack, part, view, constants, now);
   V lambda = hn::Set(d, 1e-8), rest = hn::Zero(d);  // rest: 1 where nothing is left to gain
   const V one = hn::Set(d, 1.0);
+  auto stiff = hn::Eq(one, kRobust ? hn::Zero(d) : one);  // squares have one place to go, and a measured heading is near its own
+  if (pack.poses != nullptr) stiff = hn::Or(stiff, hn::Gt(load(pack.poses->weight[2], part), hn::Zero(d)));
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     V step[4];
     hn::Mask<D> sound;
-    solve<kOffset>(now, lambda, step, sound);
+    solve<kOffset>(now, lambda, stiff, step, sound);
     V gain = hn::Zero(d);  // half the Newton decrement: what a quadratic cost would lose
     for (int p = 0; p < n; ++p) gain = hn::NegMulAdd(now.g[p], step[p], gain);
     gain = hn::Mul(hn::Set(d, 0.5), gain);
@@ -535,6 +556,7 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
   sums.speed_gradient += hn::GetLane(hn::SumOfLanes(d, speed_gradient));
   for (int p = 0; p < n; ++p) store(by_speed_of_state[p], coupling[4 * speed_column + static_cast<std::size_t>(p)], part);
 
+  if (pack.poses != nullptr) add_poses(pack, part, view, normal);
   V L[4][4], y[4];
   factorise<kOffset>(normal, unobserved, L, y);
   const std::size_t count = sums.active.size();

@@ -35,6 +35,11 @@ struct StopSlot {
   std::uint16_t receiver = 0;  ///< of the vehicle
 };
 
+/// Measured poses of eight epochs: x, y [m] and heading [rad], and 1 / sigma^2 of each; weight 0: not measured.
+struct StopPoses {
+  Lanes value[3], weight[3];
+};
+
 /// Eight epochs turned sideways: a slot holds the arrivals of all lanes over one path. Slots of one receiver follow each other.
 struct StopPack {
   std::size_t slots = 0;
@@ -42,6 +47,7 @@ struct StopPack {
   const Lanes* tof_s = nullptr;            ///< of each slot; NaN: the epoch did not hear that path
   const Lanes* model_speed_mps = nullptr;  ///< of each slot, or null
   const std::int32_t* beacons = nullptr;   ///< of the group, in the site's numbers
+  const StopPoses* poses = nullptr;        ///< or null
 };
 
 /// State of eight epochs.

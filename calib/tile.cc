@@ -26,9 +26,10 @@ constexpr std::size_t kBeaconsPerSparseTile = 24;
 
 }  // namespace
 
-Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, std::vector<std::size_t> general, const ParameterLayout* layout)
+Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArrivals* arrivals, std::vector<std::size_t> general,
+           const ParameterLayout* layout)
     : trajectory_(trajectory), layout_(layout), stop_segments_(std::move(stops)), general_(std::move(general)) {
-  if (!stop_segments_.empty()) stops_ = std::make_unique<StopBlock>(trajectory_, stop_segments_, layout_);
+  if (!stop_segments_.empty()) stops_ = std::make_unique<StopBlock>(trajectory_, stop_segments_, *arrivals, layout_);
   find_columns();
   commit();
 }
@@ -275,8 +276,8 @@ struct SegmentKey {
   }
 };
 
-/// Segments of a trajectory in the order in which tiles take them.
-std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& layout, int threads) {
+/// Segments of a trajectory in the order in which tiles take them; what is told of the arrivals of stops.
+std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& layout, int threads, StopArrivals* arrivals) {
   constexpr std::size_t kSegmentsAtOnce = 4096;
   std::vector<SegmentKey> keys(t.segments.size());
   const bool known = StopBlock::knows(t, layout);
@@ -286,9 +287,9 @@ std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& l
       SegmentKey& key = keys[s];
       key.segment = static_cast<std::uint32_t>(s);
       key.stop = known && StopBlock::takes(t, t.segments[s]);
-      if (t.moving) continue;
-      for (std::size_t i = t.segments[s].first_arrival; i < t.segments[s].last_arrival; ++i) {
+      for (std::size_t i = t.segments[s].first_arrival; i < t.segments[s].last_arrival && (key.stop || !t.moving); ++i) {
         const auto beacon = static_cast<std::uint32_t>(t.arrivals[i].beacon.value);
+        if (key.stop) arrivals->tell(i, t.arrivals[i]);
         key.lowest = std::min(key.lowest, beacon);
         key.beacons |= std::uint64_t{1} << (beacon % 64U);
         if (t.arrivals[i].rejection == Rejection::kUsed)
@@ -306,15 +307,19 @@ std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& l
 std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads) {
   struct Part {
     Trajectory* trajectory;
+    const StopArrivals* arrivals;
     std::vector<std::size_t> stops{}, general{};
   };
+  std::vector<std::unique_ptr<StopArrivals>> arrivals;
   std::vector<Part> parts;
   std::vector<std::size_t> heard_in(layout.beacon.size(), 0);  // the last part, counted from one, that heard each beacon
   for (Trajectory& t : trajectories) {
     std::size_t nodes = 0, beacons = 0;
-    Part part{&t};
+    StopArrivals* its = nullptr;
+    if (!t.arrivals.empty()) its = arrivals.emplace_back(std::make_unique<StopArrivals>(t)).get();
+    Part part{&t, its};
     const auto close = [&] {
-      if (nodes > 0) parts.push_back(std::exchange(part, {&t}));
+      if (nodes > 0) parts.push_back(std::exchange(part, {&t, its}));
       nodes = beacons = 0;
     };
     const auto new_beacons = [&](const Segment& s) {
@@ -326,7 +331,7 @@ std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const Parame
         }
       return count;
     };
-    for (const SegmentKey& key : tile_order(t, layout, threads)) {
+    for (const SegmentKey& key : tile_order(t, layout, threads, its)) {
       const Segment& segment = t.segments[key.segment];
       if (!is_dense(layout)) beacons += new_beacons(segment);
       (key.stop ? part.stops : part.general).push_back(key.segment);
@@ -337,7 +342,7 @@ std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const Parame
   }
   std::vector<std::optional<Tile>> made(parts.size());
   for_each_parallel(parts.size(), threads, [&](std::size_t i) {
-    made[i].emplace(parts[i].trajectory, std::move(parts[i].stops), std::move(parts[i].general), &layout);
+    made[i].emplace(parts[i].trajectory, std::move(parts[i].stops), parts[i].arrivals, std::move(parts[i].general), &layout);
   });
   std::vector<Tile> tiles;
   tiles.reserve(made.size());

@@ -12,11 +12,12 @@
 
 namespace octant::calib {
 
+class StopArrivals;
 class StopBlock;
 
 /// Cost, gradient and Gauss-Newton matrix of some observations in the shared parameters they touch, vehicle states eliminated.
 struct ReducedSystem {
-  double cost = 0.0;        ///< 1/2 sum of rho
+  double cost = 0.0;  ///< 1/2 sum of rho
   Eigen::VectorXd gradient;
   Eigen::MatrixXd H;
 };
@@ -29,9 +30,11 @@ struct ReducedSystem {
 class Tile {
  public:
   /// @param trajectory  not owned; this tile writes the nodes of its segments and nothing else
-  /// @param stops    segments for the vector kernel, which StopBlock takes
-  /// @param general  all others
-  Tile(Trajectory* trajectory, std::vector<std::size_t> stops, std::vector<std::size_t> general, const ParameterLayout* layout);
+  /// @param stops     segments for the vector kernel, which StopBlock takes
+  /// @param arrivals  those of the stops; not kept, null without stops
+  /// @param general   all others
+  Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArrivals* arrivals, std::vector<std::size_t> general,
+       const ParameterLayout* layout);
   Tile(Tile&&) noexcept;
   Tile& operator=(Tile&&) noexcept;
   ~Tile();
@@ -68,15 +71,16 @@ class Tile {
  private:
   void find_columns();
   void rewind_general();
-  void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
+  void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
+                      ReducedSystem& system);
 
   Trajectory* trajectory_;
   const ParameterLayout* layout_;
   std::vector<int> columns_, blocks_;
-  std::vector<int> local_of_;        ///< global column -> local, -1
+  std::vector<int> local_of_;                         ///< global column -> local, -1
   std::vector<std::size_t> stop_segments_, general_;  ///< those that the vector kernel takes, all others
   std::unique_ptr<StopBlock> stops_;
-  std::vector<Node> committed_;       ///< nodes of the general segments
+  std::vector<Node> committed_;  ///< nodes of the general segments
 };
 
 /// Tiles of all trajectories; their number does not depend on the number of threads, so neither does any sum.

@@ -20,6 +20,8 @@ class SystemSum {
   virtual double settle(const SharedState& state, const RobustLoss& loss) = 0;
   /// Reduced system in all the layout's parameters at the states of the last `settle`.
   virtual void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) = 0;
+  /// Makes the states of the last `settle` those to begin from.
+  virtual void commit() {}
 
  protected:
   SystemSum() = default;
@@ -43,8 +45,7 @@ class TileSum : public SystemSum {
   /// States as they were committed last, on every rank.
   void share_states();
 
-  /// Makes the states of the last `settle` those to begin from.
-  void commit();
+  void commit() override;
 
   [[nodiscard]] const std::vector<Tile>& tiles() const { return tiles_; }
   /// Of each tile at the last `settle`.

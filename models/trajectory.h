@@ -133,6 +133,9 @@ struct TrajectoryModel {
 /// Else: one node for each distinct arrival time, with the measured pose of that time if there is one.
 [[nodiscard]] Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle, const TrajectoryModel& model);
 
+/// Every so many-th segment of a trajectory with what belongs to it.
+[[nodiscard]] Trajectory some_segments(const Trajectory& trajectory, std::size_t every);
+
 /// Makes a trajectory of the one state of a standing vehicle, from the arrivals and bearings of one of its epochs. What the
 /// trajectory held is overwritten, its memory is used again. Two-way ranging: the vehicle stands.
 void set_epoch(Trajectory& trajectory, std::span<const Arrival> arrivals, std::span<const Bearing> bearings, const TrajectoryModel& model);

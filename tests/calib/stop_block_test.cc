@@ -18,10 +18,31 @@ namespace {
 
 /// A measured pose that says nothing, so that the kernel leaves the epoch to the general path.
 void make_general(Trajectory& t) {
-  for (std::size_t s = 0; s < t.segments.size(); ++s) {
-    t.poses.push_back({t.segments[s].first_node, 0.0, Pose(), INFINITY, INFINITY, INFINITY});
-    t.segments[s].first_pose = s;
-    t.segments[s].last_pose = s + 1;
+  const std::vector<PoseObservation> measured = std::exchange(t.poses, {});
+  for (Segment& s : t.segments) {
+    const std::size_t first = t.poses.size();
+    t.poses.insert(t.poses.end(), measured.begin() + static_cast<std::ptrdiff_t>(s.first_pose),
+                   measured.begin() + static_cast<std::ptrdiff_t>(s.last_pose));
+    t.poses.insert(t.poses.end(), 2, {s.first_node, 0.0, Pose(), INFINITY, INFINITY, INFINITY});
+    s.first_pose = first;
+    s.last_pose = t.poses.size();
+  }
+}
+
+/// Measures the poses of a third of the stops, the headings of another third; these badly, so that between what is told and what
+/// is found there often is the half turn where headings begin anew.
+void measure_poses(Trajectory& t) {
+  Random draws(5);
+  for (std::size_t i = 0; i < t.segments.size(); ++i) {
+    Segment& s = t.segments[i];
+    s.first_pose = t.poses.size();
+    const Pose& at = t.nodes[s.first_node].T_map_vehicle;
+    const auto told = [&](double by_rad) {
+      return Pose::planar(at.translation_m.x() + 0.02 * draws.normal(), at.translation_m.y(), at.heading_rad() + by_rad);
+    };
+    if (i % 3 == 0) t.poses.push_back({s.first_node, 0.0, told(0.05 * draws.normal()), 0.02, 0.05, INFINITY});
+    if (i % 3 == 1) t.poses.push_back({s.first_node, 0.0, told(i % 2 == 0 ? 1.5 : -1.5), INFINITY, 1.0, INFINITY});
+    s.last_pose = t.poses.size();
   }
 }
 
@@ -39,7 +60,7 @@ struct Sides {
   std::vector<Trajectory> fast, general;
 };
 
-Sides sides_of(const Scenario& scenario, double rough_m) {
+Sides sides_of(const Scenario& scenario, double rough_m, bool measured = false) {
   const World world = must(simulate(scenario, 7));
   Sides out{problem_of(world), {}, shared_state(world.truth), {}, {}};
   out.state.speed_offset_mps[0] += 0.05;
@@ -55,6 +76,7 @@ Sides sides_of(const Scenario& scenario, double rough_m) {
       node.placed = true;
     }
   out.fast[0].arrivals[5].rejection = Rejection::kLate;
+  if (measured) measure_poses(out.fast[0]);
   out.general = out.fast;
   for (Trajectory& t : out.general) make_general(t);
   return out;
@@ -186,6 +208,20 @@ TEST(StopBlock, EpochsOutOfReachAreLeftToTheGeneralPath) {
   const double cost = fast.evaluate(s.state, {2.385, 2.385}, nullptr),
                expected = general.evaluate(s.state, {2.385, 2.385}, nullptr);
   EXPECT_NEAR(cost, expected, 1e-6 * expected);
+}
+
+TEST(StopBlock, MeasuredPosesAndHeadings) {
+  const auto compare = [](const Scenario& scenario, const RobustLoss& loss) {
+    Sides s = sides_of(scenario, 0.01, true);
+    for (const std::size_t i : {0U, 1U, 2U}) EXPECT_TRUE(calib::StopBlock::takes(s.fast[0], s.fast[0].segments[i])) << i;
+    expect_same(s, loss);
+  };
+  Scenario scenario = small_hall();
+  compare(scenario, {});
+  compare(scenario, {2.385, 2.385});
+  scenario.site.timing.clock = Clock::kCycleOffset;
+  scenario.site.timing.delay_per = {.receiver = true};
+  compare(scenario, {});  // a robust loss with headings half a turn off has several minima
 }
 
 TEST(StopBlock, WhatItDoesNotKnowIsLeftAlone) {
