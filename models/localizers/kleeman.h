@@ -23,7 +23,8 @@ namespace octant {
 // and here: the arrivals of one cycle through all of it, and the speed of sound from their redundancy.
 
 enum class KleemanHeading {
-  kHearing,        ///< which receivers hear, to 45 degrees a beacon, averaged: as published
+  kMeanAxes,       ///< which receivers hear, to 45 degrees a beacon, averaged: as published
+  kHearing,        ///< the same, as sectors that the beacons' patterns leave together
   kInterpolation,  ///< differences of arrival times across the array
 };
 

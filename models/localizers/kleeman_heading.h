@@ -61,7 +61,19 @@ struct ReceiverPath {
 /// As published: each beacon is heard from the middle direction of the receivers that hear it, which the array resolves to one
 /// receiver spacing (45 degrees); its bearing in the map less that is a heading, and the mean over the beacons is the result.
 /// The rounding is uniform, so n beacons leave 45 / sqrt(12 n) degrees: 5.3 with six. Unknown without axes.
+[[nodiscard]] Heading heading_from_mean_axes(const HeadingInput& input);
+
+/// All that hearing tells. A receiver that hears a beacon has its axis nearer to the beacon's bearing than one that does not,
+/// however wide the angle is in which receivers alike hear at that distance. So the bearing lies between two bisectors of axes,
+/// 22.5 degrees to either side of the mean axis, for two receivers that hear as for three, and each beacon leaves a sector of
+/// headings. Where the sectors of most beacons overlap is the heading: any there is as likely as another, so the result is the
+/// middle and sigma the overlap's width / sqrt(12). A receiver whose arrival was left out may or may not hear and bounds
+/// nothing. One that missed its pulse turns a sector by half a receiver spacing, which is as if one beacon in kSectorOdds
+/// disagreed: headings with one beacon less count that much less, and keep sigma from what a sliver of overlap would promise.
+/// Unknown without axes, or where the beacons contradict each other.
 [[nodiscard]] Heading heading_from_hearing(const HeadingInput& input);
+
+inline constexpr double kSectorOdds = 30.0;  ///< a sector that holds the heading against one that does not
 
 /// Interpolated between receivers, as the paper proposes: least squares of the differences between the arrivals of one beacon
 /// at several receivers. The mean of a beacon's arrivals does not enter, so neither does the unknown offset.
