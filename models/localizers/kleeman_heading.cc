@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kOverhead = 0.05;  // cosine of the elevation below which a beacon has no direction in the plan
 constexpr int kMaxSteps = 20;
+constexpr double kSectorOdds = 30.0;        // a sector that holds the heading against one that does not
 constexpr double kAlike_rad = 0.02;         // axes and sensitivities of receivers: bisectors are no better than a degree
 constexpr double kContradiction_rad = 1.0;  // a mean over headings so far apart is none of them
 

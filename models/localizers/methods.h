@@ -9,7 +9,7 @@
 
 #include "models/deployment.h"
 #include "models/fix.h"
-#include "models/localizers/kleeman.h"
+#include "models/localizers/kleeman_heading.h"
 #include "models/localizers/line_map.h"
 #include "models/result.h"
 #include "models/run.h"
