@@ -112,7 +112,7 @@ std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
     return ear;
   };
   // Axes to the right and to the left of the mean one: the outermost that hear, and the nearest beyond them that are deaf. One
-  // that is deaf between two that hear has missed the pulse.
+  // that is deaf between two that hear has missed the pulse, and comes to lie a turn away.
   constexpr double kTurn_rad = 2 * std::numbers::pi, kNone = std::numeric_limits<double>::infinity();
   double hears_right = 0.0, hears_left = 0.0, deaf_right = -kNone, deaf_left = kNone;
   for (const bool hearing : {true, false}) {
@@ -122,7 +122,7 @@ std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
       if (hearing) {
         hears_right = std::min(hears_right, off);
         hears_left = std::max(hears_left, off);
-      } else if (off < hears_right || off > hears_left) {
+      } else {
         deaf_right = std::max(deaf_right, off < hears_right ? off : off - kTurn_rad);
         deaf_left = std::min(deaf_left, off > hears_left ? off : off + kTurn_rad);
       }

@@ -110,6 +110,20 @@ TEST(KleemanHeading, SectorsOfMostBeaconsCount) {
   EXPECT_LT(outvoted.sigma_rad, 10.0 * kDegree);
 }
 
+/// Receivers are not alike to a tenth of a degree, so no overlap is that good.
+TEST(KleemanHeading, ASliverOfOverlapPromisesNoMoreThanADegree) {
+  Listening l;
+  for (const double middle_deg : {22.5, 22.7, 67.2, 67.4}) {  // the first two end at 45 degrees, the others begin there
+    const double bearing = (middle_deg + l.axis_deg(2)) * kDegree;
+    l.beacons.emplace_back(5 * std::cos(bearing), 5 * std::sin(bearing), 0.3);
+    l.hear(l.beacons.size() - 1, {2});
+  }
+  const Heading h = l.hearing();
+  ASSERT_TRUE(h.known);
+  EXPECT_NEAR(h.rad / kDegree, 44.95, 1e-6);
+  EXPECT_NEAR(h.sigma_rad, 0.02, 1e-12);
+}
+
 TEST(KleemanHeading, HearingTurnsWithTheWorld) {
   std::mt19937_64 random(kSeed + 3);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
