@@ -35,11 +35,12 @@ void add_method_options(CLI::App& command, MethodWords& words) {
   command.add_option("--method", words.method, "One of " + listed + "; auto takes what deployment and log allow, and says so")
       ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case).description(""))->type_name("M");
   command.add_option("--map", words.map, "line_map: a run with scans and measured poses, from which the map is made")->type_name("RUN");
-  const std::map<std::string, KleemanHeading> headings = {{"mean_axes", KleemanHeading::kMeanAxes}, {"hearing", KleemanHeading::kHearing},
+  const std::map<std::string, KleemanHeading> headings = {{"mean_axes", KleemanHeading::kMeanAxes},
+                                                          {"hearing", KleemanHeading::kHearing},
                                                           {"interpolation", KleemanHeading::kInterpolation}};
   command.add_option("--heading", words.heading,
-                     "kleeman: from which receivers hear, averaged as published (mean_axes) or as sectors (hearing), or from differences of arrival "
-                     "times (interpolation, the default)")
+                     "kleeman: from which receivers hear, averaged as published (mean_axes) or as sectors (hearing), or from "
+                     "differences of arrival times (interpolation, the default)")
       ->transform(CLI::CheckedTransformer(headings, CLI::ignore_case).description(""))->type_name("H");
 }
 

@@ -85,7 +85,9 @@ struct MethodWords {
 [[nodiscard]] Result<MethodInput> method_input(const MethodWords& words, const Deployment& deployment);
 
 /// A line map starts from the run's first measured pose; no other method looks at poses.tum.
-[[nodiscard]] inline bool looks_at_poses(const MethodWords& words) { return words.method == Method::kLineMap || !words.map.empty(); }
+[[nodiscard]] inline bool looks_at_poses(const MethodWords& words) {
+  return words.method == Method::kLineMap || !words.map.empty();
+}
 
 /// Fixes of the vehicle that truth.tum follows against it. Errors: a run without truth.
 [[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,

@@ -72,11 +72,13 @@ TEST_F(Methods, AutoMatchesUnlabelledBearings) {
 TEST_F(Methods, KleemansHeadingIsChosen) {
   make("kleeman");
   const auto heading_rad = [&](const char* from) {
-    const Outcome said = octant({"verify", box / "w/deployment.true.json", box / "w/heldout", "--method", "kleeman", "--heading", from, "--json"});
+    const Outcome said =
+        octant({"verify", box / "w/deployment.true.json", box / "w/heldout", "--method", "kleeman", "--heading", from, "--json"});
     EXPECT_EQ(said.exit, 0) << said.err;
     return said.json()["heading_rmse_rad"].get<double>();
   };
-  const double published = heading_rad("mean_axes"), hearing = heading_rad("hearing"), interpolated = heading_rad("interpolation");
+  const double published = heading_rad("mean_axes"), hearing = heading_rad("hearing");
+  const double interpolated = heading_rad("interpolation");
   EXPECT_LT(hearing, 0.96 * published);
   EXPECT_LT(hearing, 0.085);
   EXPECT_LT(interpolated, 0.026);
