@@ -7,6 +7,8 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "apps/octant/steps.h"
+
 namespace octant::app {
 
 void add_common_options(CLI::App& app, CommonOptions& common) {
@@ -23,16 +25,23 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
   app.add_option("--seed", common.seed, "Seed of everything random")->capture_default_str()->type_name("N")->group(group);
 }
 
-void add_method_options(CLI::App& command, Method& method, std::string& map_run) {
+void add_method_options(CLI::App& command, MethodWords& words) {
   std::map<std::string, Method> methods;
   std::string listed;
   for (const auto& [name, value] : method_names()) {
     methods.emplace(name, value);
     listed += (listed.empty() ? "" : ", ") + std::string(name);
   }
-  command.add_option("--method", method, "One of " + listed + "; auto takes what deployment and log allow, and says so")
+  command.add_option("--method", words.method, "One of " + listed + "; auto takes what deployment and log allow, and says so")
       ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case).description(""))->type_name("M");
-  command.add_option("--map", map_run, "line_map: a run with scans and measured poses, from which the map is made")->type_name("RUN");
+  command.add_option("--map", words.map, "line_map: a run with scans and measured poses, from which the map is made")->type_name("RUN");
+  const std::map<std::string, KleemanHeading> headings = {{"mean_axes", KleemanHeading::kMeanAxes},
+                                                          {"hearing", KleemanHeading::kHearing},
+                                                          {"interpolation", KleemanHeading::kInterpolation}};
+  command.add_option("--heading", words.heading,
+                     "kleeman: from which receivers hear, averaged as published (mean_axes) or as sectors (hearing), or from "
+                     "differences of arrival times (interpolation, the default)")
+      ->transform(CLI::CheckedTransformer(headings, CLI::ignore_case).description(""))->type_name("H");
 }
 
 CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name, const std::string& purpose, const std::string& example) {

@@ -12,6 +12,8 @@
 
 namespace octant::app {
 
+struct MethodWords;
+
 /// What main() runs when the words are understood; a command's set-up puts it here.
 using Action = std::function<int(Session&)>;
 
@@ -33,7 +35,7 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action);
 [[nodiscard]] CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name, const std::string& purpose,
                                     const std::string& example);
 void add_common_options(CLI::App& app, CommonOptions& common);
-/// --method and --map, of the commands that localize.
-void add_method_options(CLI::App& command, Method& method, std::string& map_run);
+/// --method and what some of them take, of the commands that localize.
+void add_method_options(CLI::App& command, MethodWords& words);
 
 }  // namespace octant::app

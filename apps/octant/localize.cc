@@ -16,9 +16,9 @@ namespace octant::app {
 namespace {
 
 struct Words {
-  std::string deployment, output, csv, map;
+  std::string deployment, output, csv;
   std::vector<std::string> runs;
-  Method method = Method::kAuto;
+  MethodWords how;
 };
 
 /// Both files or none.
@@ -50,11 +50,11 @@ int run(const Words& words, Session& session) {
 
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = looks_at_poses(words.method, words.map)}, session);
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = looks_at_poses(words.how)}, session);
   if (!runs) return session.fail(runs.error());
-  const auto input = method_input(words.map, *deployment);
+  const auto input = method_input(words.how, *deployment);
   if (!input) return session.fail(input.error());
-  auto located = localize_runs(*deployment, *runs, words.method, *input);
+  auto located = localize_runs(*deployment, *runs, words.how.method, *input);
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
@@ -92,7 +92,7 @@ void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
   command->add_option("-o,--output", words->output, "Fixes to write, TUM format; - is standard output")->required()->type_name("FIXES.tum");
   command->add_option("--csv", words->csv, "Fixes with sigmas and reasons to write")->type_name("F.csv");
-  add_method_options(*command, words->method, words->map);
+  add_method_options(*command, words->how);
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 

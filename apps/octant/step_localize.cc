@@ -66,10 +66,11 @@ Result<Localization> localize_runs(const Deployment& deployment, const std::vect
   return result;
 }
 
-Result<MethodInput> method_input(const std::string& map_run, const Deployment& deployment) {
+Result<MethodInput> method_input(const MethodWords& words, const Deployment& deployment) {
   MethodInput input;
-  if (map_run.empty()) return input;
-  const auto mapped = io::read_run(map_run, names_of(deployment), deployment.timing, {.read_truth = false, .read_poses = true});
+  input.kleeman_heading = words.heading;
+  if (words.map.empty()) return input;
+  const auto mapped = io::read_run(words.map, names_of(deployment), deployment.timing, {.read_truth = false, .read_poses = true});
   if (!mapped) return fail(mapped.error());
   auto map = build_line_map(*mapped);
   if (!map) return fail(map.error());

@@ -76,11 +76,18 @@ struct Localization {
 [[nodiscard]] Result<Localization> localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method method,
                                                  const MethodInput& input = {});
 
-/// What methods need beside deployment and run: a line map, from a run with scans and measured poses (empty: none).
-[[nodiscard]] Result<MethodInput> method_input(const std::string& map_run, const Deployment& deployment);
+/// --method and what some methods take beside deployment and run.
+struct MethodWords {
+  Method method = Method::kAuto;
+  std::string map;  ///< a run with scans and measured poses, for a line map; empty: none
+  KleemanHeading heading = KleemanHeading::kInterpolation;
+};
+[[nodiscard]] Result<MethodInput> method_input(const MethodWords& words, const Deployment& deployment);
 
 /// A line map starts from the run's first measured pose; no other method looks at poses.tum.
-[[nodiscard]] inline bool looks_at_poses(Method method, const std::string& map_run) { return method == Method::kLineMap || !map_run.empty(); }
+[[nodiscard]] inline bool looks_at_poses(const MethodWords& words) {
+  return words.method == Method::kLineMap || !words.map.empty();
+}
 
 /// Fixes of the vehicle that truth.tum follows against it. Errors: a run without truth.
 [[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,

@@ -18,9 +18,8 @@ namespace {
 struct Words {
   std::string deployment;
   std::vector<std::string> runs;
-  std::string map;
   ReportWords report;
-  Method method = Method::kAuto;
+  MethodWords how;
   bool all_methods = false;
 };
 
@@ -74,7 +73,7 @@ int run(const Words& words, Session& session) {
   if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = looks_at_poses(words.method, words.map)}, session);
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = looks_at_poses(words.how)}, session);
   if (!runs) return session.fail(runs.error());
   // Before the long computation: is there a reference at all?
   for (const auto& log : *runs) {
@@ -83,10 +82,10 @@ int run(const Words& words, Session& session) {
     none.fixes.resize(runs->size());
     return session.fail(verify_fixes(*deployment, *runs, none).error());
   }
-  const auto input = method_input(words.map, *deployment);
+  const auto input = method_input(words.how, *deployment);
   if (!input) return session.fail(input.error());
   if (words.all_methods) return compare(*deployment, *runs, *input, session);
-  const auto located = localize_runs(*deployment, *runs, words.method, *input);
+  const auto located = localize_runs(*deployment, *runs, words.how.method, *input);
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
@@ -114,7 +113,7 @@ void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("deployment", words->deployment, "Deployment file, from calibrate")->required()->type_name("DEPLOYMENT.json");
   command->add_option("run", words->runs, "Run folders with truth.tum")->required()->type_name("RUN");
   command->add_flag("--all-methods", words->all_methods, "Compare all methods on these runs, as a table; no gates");
-  add_method_options(*command, words->method, words->map);
+  add_method_options(*command, words->how);
   add_report_options(*command, words->report, true);
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }

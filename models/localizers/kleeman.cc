@@ -113,9 +113,10 @@ void Kleeman::find_heading(bool first) noexcept {
   for (HeardDistance& h : w.heard) h.kept = h.kept && w.solution.agreeing[h.beacon];
   const HeadingInput input{w.heard, beacon_p_map_m_, w.vehicle->receivers, w.solution.p_map_m};
   // The first pass has not yet told the echoes of single receivers from direct arrivals: the coarse heading stands that.
-  const bool coarse = first || options_.heading == KleemanHeading::kHearing;
+  const bool coarse = first || options_.heading != KleemanHeading::kInterpolation;
+  const bool published = options_.heading == KleemanHeading::kMeanAxes;
   Heading heading;
-  if (coarse || !w.heading.known) heading = heading_from_hearing(input);
+  if (coarse || !w.heading.known) heading = published ? heading_from_mean_axes(input) : heading_from_hearing(input);
   if (!heading.known || !coarse) {
     const Heading interpolated = heading_from_differences(input, w.heading.known ? w.heading : heading);
     if (interpolated.known) heading = interpolated;

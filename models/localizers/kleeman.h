@@ -22,11 +22,6 @@ namespace octant {
 //   kleeman_longsolve.h   the best triples of all beacons    kleeman_heading.h     orientation
 // and here: the arrivals of one cycle through all of it, and the speed of sound from their redundancy.
 
-enum class KleemanHeading {
-  kHearing,        ///< which receivers hear, to 45 degrees a beacon, averaged: as published
-  kInterpolation,  ///< differences of arrival times across the array
-};
-
 struct KleemanOptions {
   KleemanHeading heading = KleemanHeading::kInterpolation;
   double triangle_sigmas = 4.0;  ///< tolerance of eq. 5-6

@@ -3,9 +3,12 @@
 #include "models/localizers/kleeman_heading.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "models/localizers/kleeman_validation.h"
 #include "models/pose.h"
 
 namespace octant {
@@ -13,6 +16,9 @@ namespace {
 
 constexpr double kOverhead = 0.05;  // cosine of the elevation below which a beacon has no direction in the plan
 constexpr int kMaxSteps = 20;
+constexpr double kSectorOdds = 30.0;        // a sector that holds the heading against one that does not
+constexpr double kAlike_rad = 0.02;         // axes and sensitivities of receivers: bisectors are no better than a degree
+constexpr double kContradiction_rad = 1.0;  // a mean over headings so far apart is none of them
 
 /// Normal equation of the heading, from each beacon's arrivals less their mean.
 struct Normal {
@@ -58,6 +64,158 @@ double best_of_grid(const HeadingInput& in) {
   return best_rad;
 }
 
+/// A beacon's bearing in the map, and the mean axis of the receivers that hear it, in the vehicle's frame.
+struct HeardFrom {
+  bool known = false;
+  Eigen::Vector2d bearing, axis;                                // unit vectors
+  Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  // of the bearing, rad/m
+};
+
+HeardFrom heard_from(const HeadingInput& in, std::size_t beacon) {
+  HeardFrom out;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const HeardDistance& h : in.heard) {
+    if (h.beacon == beacon && h.kept && in.receivers[h.receiver].axis) sum += *in.receivers[h.receiver].axis;
+  }
+  const Eigen::Vector2d to = in.beacon_p_map_m[beacon].head<2>() - in.p_map_m;
+  const double distance_m = to.norm(), height_m = in.beacon_p_map_m[beacon].z() - in.receivers.front().position_m.z();
+  if (sum.norm() < 1e-3 || !(distance_m > kOverhead * std::hypot(distance_m, height_m))) return out;
+  out.known = true;
+  out.bearing = to / distance_m;
+  out.axis = sum.normalized();
+  out.by_position = Eigen::RowVector2d(out.bearing.y(), -out.bearing.x()) / distance_m;
+  return out;
+}
+
+/// The quotient of two unit vectors as complex numbers: the angle from `from` to `to`.
+Eigen::Vector2d turn_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  return {to.dot(from), to.y() * from.x() - to.x() * from.y()};
+}
+
+double angle_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
+
+/// Headings that one beacon allows.
+struct Sector {
+  double from_rad = 0.0, to_rad = 0.0;
+  Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  // of either end
+};
+
+std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
+  const HeardFrom heard = heard_from(in, beacon);
+  if (!heard.known) return std::nullopt;
+  enum class Ear { kDeaf, kUnclear, kHears };
+  const auto ear_of = [&](std::size_t receiver) {
+    Ear ear = Ear::kDeaf;
+    for (const HeardDistance& h : in.heard) {
+      if (h.beacon == beacon && h.receiver == receiver) ear = std::max(ear, h.kept ? Ear::kHears : Ear::kUnclear);
+    }
+    return ear;
+  };
+  // Axes to the right and to the left of the mean one: the outermost that hear, and the nearest beyond them that are deaf. One
+  // that is deaf between two that hear has missed the pulse, and comes to lie a turn away.
+  constexpr double kTurn_rad = 2 * std::numbers::pi, kNone = std::numeric_limits<double>::infinity();
+  double hears_right = 0.0, hears_left = 0.0, deaf_right = -kNone, deaf_left = kNone;
+  for (const bool hearing : {true, false}) {
+    for (std::size_t r = 0; r < in.receivers.size(); ++r) {
+      if (!in.receivers[r].axis || ear_of(r) != (hearing ? Ear::kHears : Ear::kDeaf)) continue;
+      const double off = angle_of(turn_between(heard.axis, *in.receivers[r].axis));
+      if (hearing) {
+        hears_right = std::min(hears_right, off);
+        hears_left = std::max(hears_left, off);
+      } else {
+        deaf_right = std::max(deaf_right, off < hears_right ? off : off - kTurn_rad);
+        deaf_left = std::min(deaf_left, off > hears_left ? off : off + kTurn_rad);
+      }
+    }
+  }
+  if (!std::isfinite(deaf_left)) return std::nullopt;  // heard all round
+  const double mean_rad = angle_of(turn_between(heard.axis, heard.bearing));
+  // Between the bisectors of the last on one side that hears and the first on the other that does not.
+  return Sector{mean_rad - (hears_right + deaf_left) / 2, mean_rad - (hears_left + deaf_right) / 2, heard.by_position};
+}
+
+/// Sectors on a line of headings, that begins and ends opposite to where most of them overlap.
+class SectorOverlap {
+ public:
+  /// Beyond kKleemanBeacons they are passed over: no system has more.
+  void add(const Sector& sector) {
+    if (count_ < sectors_.size()) sectors_[count_++] = sector;
+  }
+  [[nodiscard]] Heading heading();
+
+ private:
+  struct End {
+    double rad;
+    int opens;  // 1, or -1: closes
+    Eigen::RowVector2d by_position;
+  };
+  void lay_out(double about_rad);
+  [[nodiscard]] double deepest_rad() const;
+
+  std::array<Sector, kKleemanBeacons> sectors_{};
+  std::array<End, 2 * kKleemanBeacons> ends_{};
+  std::size_t count_ = 0;
+};
+
+double SectorOverlap::deepest_rad() const {
+  int most = 0;
+  double deepest_rad = 0.0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double at_rad = sectors_[i].from_rad;
+    const auto holds = [&](const Sector& s) {
+      const double half_rad = (s.to_rad - s.from_rad) / 2;
+      return std::abs(wrap_angle(at_rad - s.from_rad - half_rad)) <= half_rad + 1e-12;
+    };
+    const auto depth = static_cast<int>(std::count_if(sectors_.begin(), sectors_.begin() + static_cast<long>(count_), holds));
+    if (depth > most) most = depth, deepest_rad = at_rad;
+  }
+  return deepest_rad;
+}
+
+void SectorOverlap::lay_out(double about_rad) {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Sector& s = sectors_[i];
+    const double half_rad = (s.to_rad - s.from_rad) / 2, middle_rad = wrap_angle(s.from_rad + half_rad - about_rad);
+    ends_[2 * i] = {middle_rad - half_rad, 1, s.by_position};
+    ends_[2 * i + 1] = {middle_rad + half_rad, -1, s.by_position};
+  }
+  std::sort(ends_.begin(), ends_.begin() + static_cast<long>(2 * count_),
+            [](const End& a, const End& b) { return a.rad < b.rad; });
+}
+
+Heading SectorOverlap::heading() {
+  if (count_ == 0) return {};
+  const double about_rad = deepest_rad();
+  lay_out(about_rad);
+  const std::span<const End> ends(ends_.data(), 2 * count_);
+  int depth = 0, most = 0;
+  for (const End& end : ends) most = std::max(most, depth += end.opens);
+  const auto density = [&](int beacons) {
+    if (beacons == most) return 1.0;
+    return beacons == most - 1 && beacons > 0 ? 1 / kSectorOdds : 0.0;
+  };
+  double mass = 0.0, first = 0.0, second = 0.0;  // moments
+  depth = 0;
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    const double rho = density(depth += ends[i].opens), l = ends[i].rad, u = ends[i + 1].rad;
+    mass += rho * (u - l);
+    first += rho * (u * u - l * l) / 2;
+    second += rho * (u * u * u - l * l * l) / 3;
+  }
+  Heading heading;
+  const double mean_rad = first / mass, variance = second / mass - mean_rad * mean_rad;
+  if (!(mass > 0) || !(variance < kContradiction_rad * kContradiction_rad)) return heading;
+  heading.known = true;
+  heading.rad = wrap_angle(about_rad + mean_rad);
+  heading.sigma_rad = std::sqrt(std::max(variance, kAlike_rad * kAlike_rad));
+  depth = 0;
+  for (const End& end : ends) {  // an end that moves takes mass along
+    const double before = density(depth);
+    heading.by_position += (before - density(depth += end.opens)) * (end.rad - mean_rad) / mass * end.by_position;
+  }
+  return heading;
+}
+
 }  // namespace
 
 ReceiverPath receiver_path(const Eigen::Vector3d& beacon, const ArrayReceiver& receiver, const Eigen::Vector2d& p,
@@ -75,32 +233,33 @@ ReceiverPath receiver_path(const Eigen::Vector3d& beacon, const ArrayReceiver& r
   return path;
 }
 
-Heading heading_from_hearing(const HeadingInput& in) {
+Heading heading_from_mean_axes(const HeadingInput& in) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   int beacons = 0;
   Heading heading;
   for (std::size_t b = 0; b < in.beacon_p_map_m.size(); ++b) {
-    Eigen::Vector2d heard_from = Eigen::Vector2d::Zero();
-    for (const HeardDistance& h : in.heard) {
-      if (h.beacon == b && h.kept && in.receivers[h.receiver].axis) heard_from += *in.receivers[h.receiver].axis;
-    }
-    const Eigen::Vector2d to = in.beacon_p_map_m[b].head<2>() - in.p_map_m;
-    const double height_m = in.beacon_p_map_m[b].z() - in.receivers.front().position_m.z();
-    if (heard_from.norm() < 1e-3 || to.norm() < kOverhead * std::hypot(to.norm(), height_m)) continue;
-    // Bearing in the map less bearing in the vehicle: a complex quotient.
-    const Eigen::Vector2d u = to.normalized(), v = heard_from.normalized();
-    sum += Eigen::Vector2d(u.x() * v.x() + u.y() * v.y(), u.y() * v.x() - u.x() * v.y());
-    heading.by_position += Eigen::RowVector2d(u.y(), -u.x()) / to.norm();
+    const HeardFrom heard = heard_from(in, b);
+    if (!heard.known) continue;
+    sum += turn_between(heard.axis, heard.bearing);
+    heading.by_position += heard.by_position;
     ++beacons;
   }
-  if (beacons == 0 || sum.norm() < 1e-3 * beacons) return heading;
+  if (beacons == 0 || sum.norm() < 1e-3 * beacons) return Heading{};
   const auto axes =
       std::count_if(in.receivers.begin(), in.receivers.end(), [](const ArrayReceiver& r) { return r.axis.has_value(); });
   heading.known = true;
-  heading.rad = std::atan2(sum.y(), sum.x());
+  heading.rad = angle_of(sum);
   heading.sigma_rad = 2 * std::numbers::pi / static_cast<double>(axes) / std::sqrt(12.0 * beacons);
   heading.by_position /= beacons;
   return heading;
+}
+
+Heading heading_from_hearing(const HeadingInput& in) {
+  SectorOverlap overlap;
+  for (std::size_t b = 0; b < in.beacon_p_map_m.size(); ++b) {
+    if (const auto sector = sector_of(in, b)) overlap.add(*sector);
+  }
+  return overlap.heading();
 }
 
 Heading heading_from_differences(const HeadingInput& in, const Heading& start) {

@@ -13,6 +13,13 @@ namespace octant {
 
 // Orientation of the receiver array about the vertical, once the position is known (L. Kleeman, sections 5.1 and 6).
 
+/// What the heading is taken from.
+enum class KleemanHeading {
+  kMeanAxes,       ///< which receivers hear, to 45 degrees a beacon, averaged: as published
+  kHearing,        ///< the same, as sectors that the beacons' patterns leave together
+  kInterpolation,  ///< differences of arrival times across the array
+};
+
 /// A receiver of the array, in the vehicle frame.
 struct ArrayReceiver {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
@@ -61,6 +68,17 @@ struct ReceiverPath {
 /// As published: each beacon is heard from the middle direction of the receivers that hear it, which the array resolves to one
 /// receiver spacing (45 degrees); its bearing in the map less that is a heading, and the mean over the beacons is the result.
 /// The rounding is uniform, so n beacons leave 45 / sqrt(12 n) degrees: 5.3 with six. Unknown without axes.
+[[nodiscard]] Heading heading_from_mean_axes(const HeadingInput& input);
+
+/// All that hearing tells. A receiver that hears a beacon has its axis nearer to the beacon's bearing than one that does not,
+/// however wide the angle is in which receivers alike hear at that distance. So the bearing lies between two bisectors of axes,
+/// 22.5 degrees to either side of the mean axis, for two receivers that hear as for three, and each beacon leaves a sector of
+/// headings. Where the sectors of most beacons overlap is the heading: any there is as likely as another, so the result is the
+/// middle and sigma the overlap's width / sqrt(12). A receiver whose arrival was left out may or may not hear and bounds
+/// nothing. One that missed its pulse turns a sector by half a receiver spacing, as if one beacon in thirty disagreed: headings
+/// with one beacon less count that much less, and keep sigma from what a sliver of overlap would promise. Where the number that
+/// hears varies, sectors could be narrower if the angle were known: sigma is on the safe side. Unknown without axes, or where the
+/// beacons contradict each other.
 [[nodiscard]] Heading heading_from_hearing(const HeadingInput& input);
 
 /// Interpolated between receivers, as the paper proposes: least squares of the differences between the arrivals of one beacon

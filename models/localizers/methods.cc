@@ -40,9 +40,9 @@ bool is_drive(const Deployment& deployment, const MeasurementLog& run) {
   return !run.has_epochs && (!run.odometry.empty() || (has_motion_prior(deployment) && run.poses.empty()));
 }
 
-std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment) {
+std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment, const MethodInput& input) {
   switch (method) {
-    case Method::kKleeman: return std::make_unique<Kleeman>(deployment);
+    case Method::kKleeman: return std::make_unique<Kleeman>(deployment, KleemanOptions{.heading = input.kleeman_heading});
     case Method::kHeadTail: return std::make_unique<HeadTail>(deployment);
     case Method::kOneBeacon: return std::make_unique<OneBeacon>(deployment);
     case Method::kRail: return std::make_unique<RailLocalizer>(deployment);
@@ -163,7 +163,7 @@ Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment,
   if (method == Method::kTracker) return track(run, deployment);
   if (method == Method::kLeastSquares) return LeastSquaresLocalizer(deployment).locate(run);
   if (method == Method::kLineMap) return LineMapLocalizer(*input.line_map).locate(run);
-  return locate_by_poses(*make_localizer(method, deployment), deployment, run, method == Method::kReflectors);
+  return locate_by_poses(*make_localizer(method, deployment, input), deployment, run, method == Method::kReflectors);
 }
 
 }  // namespace octant

@@ -9,6 +9,7 @@
 
 #include "models/deployment.h"
 #include "models/fix.h"
+#include "models/localizers/kleeman_heading.h"
 #include "models/localizers/line_map.h"
 #include "models/result.h"
 #include "models/run.h"
@@ -24,6 +25,7 @@ enum class Method { kAuto, kKleeman, kHeadTail, kOneBeacon, kRail, kReflectors, 
 /// What a method may be given beside deployment and run.
 struct MethodInput {
   std::optional<LineMap> line_map{};  ///< Method::kLineMap
+  KleemanHeading kleeman_heading = KleemanHeading::kInterpolation;
 };
 
 /// Whether a method can work on a run of a site; the error says what is missing.

@@ -68,6 +68,23 @@ TEST_F(Methods, AutoMatchesUnlabelledBearings) {
   EXPECT_GE(said["fixes"].get<int>(), 55);
 }
 
+/// `--heading`: from which receivers hear, as published and as sectors, and interpolated; datasets/kleeman/README.md.
+TEST_F(Methods, KleemansHeadingIsChosen) {
+  make("kleeman");
+  const auto heading_rad = [&](const char* from) {
+    const Outcome said =
+        octant({"verify", box / "w/deployment.true.json", box / "w/heldout", "--method", "kleeman", "--heading", from, "--json"});
+    EXPECT_EQ(said.exit, 0) << said.err;
+    return said.json()["heading_rmse_rad"].get<double>();
+  };
+  const double published = heading_rad("mean_axes"), hearing = heading_rad("hearing");
+  const double interpolated = heading_rad("interpolation");
+  EXPECT_LT(hearing, 0.96 * published);
+  EXPECT_LT(hearing, 0.085);
+  EXPECT_LT(interpolated, 0.026);
+  EXPECT_EQ(localize({"--method", "kleeman", "--heading", "compass"}).exit, 2);
+}
+
 TEST_F(Methods, ScansAloneAskForAMap) {
   make("driveway");
   const Outcome without = localize({});

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "models/deployment.h"
+#include "models/localizers/kleeman.h"
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {
@@ -58,6 +59,23 @@ void add_echoes(std::vector<Arrival>& arrivals, double fraction, Random& random)
       a.tof_s += lateness_s();
     }
   }
+}
+
+/// Anywhere in the room, turned anyhow.
+template <class Random>
+Pose anywhere(Random& random, double margin_m = 0.25) {
+  std::uniform_real_distribution<double> place(margin_m, 10 - margin_m), turn(-M_PI, M_PI);
+  const double x = place(random), y = place(random);
+  return Pose::planar(x, y, turn(random));
+}
+
+inline Fix locate(Kleeman& kleeman, const std::vector<Arrival>& arrivals) { return kleeman.locate(Observations{arrivals, {}}); }
+
+/// Of x, y, and the heading.
+inline Eigen::Vector3d error_of(const Fix& fix, const Pose& truth) {
+  Eigen::Vector3d e = fix.T_map_vehicle.translation_m - truth.translation_m;
+  e[2] = wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad());
+  return e;
 }
 
 }  // namespace octant::test

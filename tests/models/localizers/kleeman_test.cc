@@ -17,34 +17,21 @@ namespace octant {
 namespace {
 
 using test::add_echoes;
+using test::anywhere;
+using test::error_of;
 using test::hear;
 using test::Hearing;
 using test::kleeman_room;
 using test::kPrototypeSigma_s;
 using test::kPublished;
+using test::locate;
 
 constexpr std::uint64_t kSeed = 1989;
-constexpr double kDegree = M_PI / 180;
-
-Fix locate(Kleeman& kleeman, const std::vector<Arrival>& arrivals) { return kleeman.locate(Observations{arrivals, {}}); }
-
-Eigen::Vector3d error_of(const Fix& fix, const Pose& truth) {
-  Eigen::Vector3d e = fix.T_map_vehicle.translation_m - truth.translation_m;
-  e[2] = wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad());
-  return e;
-}
 
 double nees(const Fix& fix, const Pose& truth) {
   const Eigen::Matrix3d C = fix.covariance;
   const Eigen::Vector3d e = error_of(fix, truth);
   return e.dot(C.inverse() * e);
-}
-
-template <class Random>
-Pose anywhere(Random& random, double margin_m = 0.25) {
-  std::uniform_real_distribution<double> place(margin_m, 10 - margin_m), turn(-M_PI, M_PI);
-  const double x = place(random), y = place(random);
-  return Pose::planar(x, y, turn(random));
 }
 
 /// What is not noise is solved exactly: heights, lever arms, delays, time-walk, temperature, drift, the cycle's offset.
@@ -186,71 +173,6 @@ TEST(Kleeman, FixesAreWithin50MillimetresInSpiteOfEchoes) {
   EXPECT_GE(fixes, 1902);
   EXPECT_GT(late, 1000);
   EXPECT_GT(outvoted, 1000);
-}
-
-/// Each beacon gives the heading to 45 degrees, so uniformly wrong within 22.5 either way; six of them 13 / sqrt(6) = 5.3.
-TEST(Kleeman, HeadingAsPublishedIsWithin10Degrees) {
-  std::mt19937_64 random(kSeed + 4);
-  const Deployment d = kleeman_room();
-  Kleeman kleeman(d, {.heading = KleemanHeading::kHearing});
-  double squares = 0.0, worst = 0.0, normalised = 0.0;
-  int within = 0, count = 0;
-  for (const auto& place : kPublished) {
-    for (int k = 0; k < 360; ++k) {
-      const Pose truth = Pose::planar(place.x_m, place.y_m, (k - 180) * kDegree);
-      const Fix fix =
-          locate(kleeman, hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
-      ASSERT_TRUE(fix.ok()) << to_string(fix.status);
-      const double error = error_of(fix, truth)[2] / kDegree;
-      squares += error * error;
-      worst = std::max(worst, std::abs(error));
-      within += std::abs(error) <= 10.0;
-      normalised += error * kDegree * error * kDegree / fix.covariance(2, 2);
-      ++count;
-    }
-  }
-  std::cout << "rms " << std::sqrt(squares / count) << " degrees, worst " << worst << ", within 10: " << 100.0 * within / count
-            << " %\n";
-  EXPECT_LT(std::sqrt(squares / count), 45 / std::sqrt(12 * 6.0) * 1.1);  // the three places are no random sample
-  EXPECT_GE(within, 0.94 * count);  // the mean of six uniform errors is within 10 degrees in 94 %
-  EXPECT_LT(worst, 15.0);
-  EXPECT_NEAR(normalised / count, 1.0, 0.2);
-}
-
-TEST(Kleeman, InterpolatedHeadingIsWithinADegree) {
-  std::mt19937_64 random(kSeed + 5);
-  const Deployment d = kleeman_room();
-  // One cycle, at the resolution of the paper's clock (2.5 us): sigma is a third of a degree or less.
-  Deployment fine = d;
-  fine.noise.tof_sigma_s = 2.5e-6;
-  Kleeman one(fine);
-  double worst = 0.0;
-  for (int k = 0; k < 500; ++k) {
-    const Pose truth = anywhere(random, 1.0);
-    const Fix fix = locate(one, hear(fine, truth, {.range_m = 15.0, .noise_s = 2.5e-6, .cycle_offset_s = 0.02}, random));
-    ASSERT_TRUE(fix.ok());
-    EXPECT_LT(std::sqrt(fix.covariance(2, 2)), 0.45 * kDegree);
-    worst = std::max(worst, std::abs(error_of(fix, truth)[2]) / std::sqrt(fix.covariance(2, 2)));
-    if (k < 100) {
-      EXPECT_LT(std::abs(error_of(fix, truth)[2]), 1.0 * kDegree) << k;
-    }
-  }
-  EXPECT_LT(worst, 4.5);  // of 500 normal errors, 0.3 %
-  // At the prototype's noise it is 1.3 degrees a cycle, and a vehicle that stands for 20 cycles has 0.3.
-  Kleeman many(d);
-  for (const auto& place : kPublished) {
-    for (int k = 0; k < 10; ++k) {
-      const Pose truth = Pose::planar(place.x_m, place.y_m, 0.6 * k);
-      double sum = 0.0;
-      for (int i = 0; i < 20; ++i) {
-        const Fix fix =
-            locate(many, hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
-        ASSERT_TRUE(fix.ok());
-        sum += error_of(fix, truth)[2] / 20;
-      }
-      EXPECT_LT(std::abs(sum), 1.0 * kDegree);
-    }
-  }
 }
 
 /// "The speed of sound is resolved down to 0.25 %", from the redundancy of a few cycles, when it is up to 3 % off.
