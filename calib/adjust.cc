@@ -3,6 +3,7 @@
 #include "calib/adjust.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -105,14 +106,25 @@ struct EvaluationPoint : ceres::EvaluationCallback {
 
   /// Whether the cost came out as the system of the last point foretold, and so near that nothing worth while is left to gain.
   /// Steps of Gauss and Newton leave a few hundredths of the way behind where lever arms are as short as an octagon's, a tenth at
-  /// most, and the square of that of the gain. The matrix is another one here by some times what the foretold cost was off, which
-  /// has to stay below what anybody reads in a covariance.
+  /// most, and the square of that of the gain. The matrix is another one here by some times what the foretold cost was off, and
+  /// as rays turn: both have to stay below what anybody reads in a covariance.
   [[nodiscard]] bool foretold() const {
     constexpr double kAlike = 3e-4, kLeftBehind = 0.1;
     if (reduced_at.size() == 0) return false;
     const Eigen::VectorXd step = *x - reduced_at, bent = sum.H * step;
     const double curved = 0.5 * step.dot(bent), off = std::abs(cost - sum.cost - step.dot(sum.gradient) - curved);
-    return off < kAlike * curved && kLeftBehind * kLeftBehind * curved < tolerance * cost;
+    return off < kAlike * curved && kLeftBehind * kLeftBehind * curved < tolerance * cost && rays_are_the_same();
+  }
+
+  /// Whether rays of some metres and lever arms of some centimetres point where they did, to a thousandth.
+  [[nodiscard]] bool rays_are_the_same() const {
+    constexpr double kBeaconM = 1e-3, kReceiverM = 5e-5;
+    const auto moved = [&](const std::vector<std::array<int, 3>>& columns, double by_m) {
+      return std::any_of(columns.begin(), columns.end(), [&](const std::array<int, 3>& place) {
+        return std::any_of(place.begin(), place.end(), [&](int c) { return c >= 0 && std::abs((*x)[c] - reduced_at[c]) > by_m; });
+      });
+    };
+    return !moved(layout->beacon, kBeaconM) && !moved(layout->receiver, kReceiverM);
   }
 
   /// The last system as it looks from here.

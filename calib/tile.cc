@@ -266,7 +266,7 @@ namespace {
 /// before it goes anywhere, and at a site of very many beacons a tile touches few of them; among these, those that hear over the
 /// same paths, which then share slots of the vector kernel.
 struct SegmentKey {
-  std::uint32_t segment = 0;
+  std::uint32_t segment = 0, nodes = 0;
   bool stop = false;                                                 ///< for the vector kernel
   std::uint32_t lowest = std::numeric_limits<std::uint32_t>::max();  ///< beacon
   std::uint64_t beacons = 0, paths = 0;  ///< a bit each, several sharing one where there are more than 64
@@ -275,6 +275,21 @@ struct SegmentKey {
     return std::tie(a.lowest, a.beacons, a.paths, a.segment) < std::tie(b.lowest, b.beacons, b.paths, b.segment);
   }
 };
+
+/// By their lowest beacons first, each beacon's for itself, so that threads may share the work.
+std::vector<SegmentKey> sorted(const std::vector<SegmentKey>& keys, std::size_t beacons, int threads) {
+  const auto bucket_of = [beacons](const SegmentKey& key) { return std::min<std::size_t>(key.lowest, beacons); };
+  std::vector<std::size_t> end(beacons + 2, 0);
+  for (const SegmentKey& key : keys) ++end[bucket_of(key) + 1];
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<SegmentKey> out(keys.size());
+  for (const SegmentKey& key : keys) out[end[bucket_of(key)]++] = key;  // now where the bucket ends
+  for_each_parallel(beacons + 1, threads, [&](std::size_t b) {
+    const auto at = [&](std::size_t i) { return out.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::sort(at(b == 0 ? 0 : end[b - 1]), at(end[b]));
+  });
+  return out;
+}
 
 /// Segments of a trajectory in the order in which tiles take them; what is told of the arrivals of stops.
 std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& layout, int threads, StopArrivals* arrivals) {
@@ -286,6 +301,7 @@ std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& l
     for (std::size_t s = first; s < last; ++s) {
       SegmentKey& key = keys[s];
       key.segment = static_cast<std::uint32_t>(s);
+      key.nodes = static_cast<std::uint32_t>(t.segments[s].last_node - t.segments[s].first_node);
       key.stop = known && StopBlock::takes(t, t.segments[s]);
       for (std::size_t i = t.segments[s].first_arrival; i < t.segments[s].last_arrival && (key.stop || !t.moving); ++i) {
         const auto beacon = static_cast<std::uint32_t>(t.arrivals[i].beacon.value);
@@ -298,8 +314,7 @@ std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& l
       }
     }
   });
-  if (!t.moving) std::sort(keys.begin(), keys.end());
-  return keys;
+  return t.moving ? keys : sorted(keys, layout.beacon.size(), threads);
 }
 
 }  // namespace
@@ -332,10 +347,9 @@ std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const Parame
       return count;
     };
     for (const SegmentKey& key : tile_order(t, layout, threads, its)) {
-      const Segment& segment = t.segments[key.segment];
-      if (!is_dense(layout)) beacons += new_beacons(segment);
+      if (!is_dense(layout)) beacons += new_beacons(t.segments[key.segment]);
       (key.stop ? part.stops : part.general).push_back(key.segment);
-      nodes += segment.last_node - segment.first_node;
+      nodes += key.nodes;
       if (nodes >= kNodesPerTile || beacons > kBeaconsPerSparseTile) close();
     }
     close();
