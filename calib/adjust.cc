@@ -25,7 +25,7 @@ struct Residuals {
   double rest = 0.0;
 };
 
-Residuals residuals_of(const ReducedSystem& system) {
+Residuals residuals_of(const ReducedSystem& system, double least_pivot = 1e-13) {
   Residuals out;
   const Eigen::VectorXd scale = system.H.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::VectorXd inverse = scale.cwiseInverse();
@@ -38,7 +38,7 @@ Residuals residuals_of(const ReducedSystem& system) {
   out.R = (ldlt.transpositionsP().transpose() * L).transpose();  // (P' L)' = L' P
   out.z.setZero(d.size());
   for (Eigen::Index i = 0; i < d.size(); ++i) {
-    const double root = d[i] > 1e-13 ? std::sqrt(d[i]) : 0.0;
+    const double root = d[i] > least_pivot ? std::sqrt(d[i]) : 0.0;
     out.R.row(i) *= root;
     if (root > 0) out.z[i] = y[i] / root;
   }
@@ -51,30 +51,34 @@ Residuals residuals_of(const ReducedSystem& system) {
 /// where it is taken only its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
   EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout, const Eigen::VectorXd* its_x,
-                  const AdjustOptions& options)
+                  const AdjustOptions& its_options)
       : observations(all),
         tiles(all_tiles),
         layout(its_layout),
         x(its_x),
-        loss(&options.loss),
-        threads(options.workers.threads),
-        tolerance(options.function_tolerance),
-        dense(tiles == nullptr || is_dense(*its_layout)) {}
+        options(&its_options),
+        loss(&its_options.loss),
+        threads(its_options.workers.threads),
+        dense(tiles == nullptr || is_dense(*its_layout)),
+        lent(its_options.borrowed_matrix) {}
 
   SystemSum* observations;
   TileSum* tiles;  ///< the same, where each may be asked for its own
   const ParameterLayout* layout;
   const Eigen::VectorXd* x;
+  const AdjustOptions* options;
   const RobustLoss* loss;
   int threads;
-  double tolerance;  ///< of the cost
   bool dense;
   SharedState state;
   double cost = 0.0;
   bool settled = false;
-  bool at_rest = false;              ///< the step that led here was the last worth taking
-  ReducedSystem sum;                 ///< dense
-  Eigen::VectorXd reduced_at;        ///< where `sum` was formed
+  bool at_rest = false;                  ///< the step that led here was the last worth taking
+  ReducedSystem sum;                     ///< dense
+  Eigen::VectorXd matrix_at, looked_at;  ///< where its matrix was formed (or none, while it is borrowed), and its gradient
+  Eigen::MatrixXd lent;
+  bool borrowed = false;
+  double gained = INFINITY;          ///< by the last step
   std::vector<Residuals> residuals;  ///< of the sum; else of each tile
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
@@ -85,14 +89,7 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     }
     if (!evaluate_jacobians) return;
     if (dense) {
-      at_rest = foretold();
-      if (at_rest) {
-        look_from_here();
-        return;
-      }
-      observations->reduce(state, *loss, sum);
-      reduced_at = *x;
-      residuals.assign(1, residuals_of(sum));
+      look();
       return;
     }
     std::vector<ReducedSystem> systems;
@@ -104,16 +101,63 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     });
   }
 
-  /// Whether the cost came out as the system of the last point foretold, and so near that nothing worth while is left to gain.
-  /// Steps of Gauss and Newton leave a few hundredths of the way behind where lever arms are as short as an octagon's, a tenth at
-  /// most, and the square of that of the gain. The matrix is another one here by some times what the foretold cost was off, and
-  /// as rays turn: both have to stay below what anybody reads in a covariance.
-  [[nodiscard]] bool foretold() const {
-    constexpr double kAlike = 3e-4, kLeftBehind = 0.1;
-    if (reduced_at.size() == 0) return false;
-    const Eigen::VectorXd step = *x - reduced_at, bent = sum.H * step;
-    const double curved = 0.5 * step.dot(bent), off = std::abs(cost - sum.cost - step.dot(sum.gradient) - curved);
-    return off < kAlike * curved && kLeftBehind * kLeftBehind * curved < tolerance * cost && rays_are_the_same();
+  /// The system here. A borrowed matrix leads on with the gradient of this point, for a fraction of the work, as long as its
+  /// steps shrink. Where nothing worth while is left to gain not even that is needed.
+  void look() {
+    const bool first = looked_at.size() == 0;
+    const Outlook outlook = first ? outlook_with_lent() : outlook_of_step();
+    at_rest = outlook.matrix_does && outlook.left_to_gain < options->function_tolerance * cost;
+    if (at_rest) {
+      look_from_last();
+      return;
+    }
+    if (!(borrowed && outlook.matrix_does && look_with_borrowed())) {
+      borrowed = false;
+      observations->reduce(state, *loss, sum);
+      matrix_at = *x;
+      residuals.assign(1, residuals_of(sum));
+    }
+    looked_at = *x;
+  }
+
+  bool look_with_borrowed() {
+    constexpr double kLeastPivot = 1e-6;  // a direction that nothing tells has a gradient of what the states' rest left over
+    if (!observations->reduce_gradient(state, *loss, sum.gradient)) return false;
+    sum.cost = cost;
+    residuals.assign(1, residuals_of(sum, kLeastPivot));
+    return residuals[0].z.squaredNorm() < 2.0 * cost;  // else the matrix is not one that goes with this gradient
+  }
+
+  struct Outlook {
+    bool matrix_does = false;
+    double left_to_gain = INFINITY;
+  };
+  Outlook outlook_with_lent() {
+    borrowed = lent.size() > 0;
+    if (borrowed) sum.H = lent;
+    return {borrowed, INFINITY};
+  }
+  /// Whether the adjustment has to begin again with a matrix of its own: with a borrowed one that nothing moves says nothing.
+  bool gives_back() {
+    if (!borrowed || at_rest) return false;
+    lent.resize(0, 0);
+    looked_at.resize(0);
+    return true;
+  }
+  /// A step gains half of its square in the matrix. Steps of Gauss and Newton leave a few hundredths of the way behind where
+  /// lever arms are as short as an octagon's, a tenth at most, and the square of that of the gain. A matrix of one's own changes
+  /// by some times what the foretold gain was off, and as rays turn: both have to stay below what anybody reads in a covariance.
+  /// Of a borrowed one the steps tell how much they leave behind, about.
+  [[nodiscard]] Outlook outlook_of_step() {
+    constexpr double kAlike = 3e-4, kLeftBehind = 0.01, kWithinNoise = 1.0;
+    constexpr double kShrinks = 0.1, kAbout = 4.0, kBorrowedLeaves = 0.03;
+    const Eigen::VectorXd step = *x - looked_at;
+    const double gain = 0.5 * step.dot(sum.H * step), last = std::exchange(gained, gain);
+    if (borrowed)
+      return {gain < kShrinks * last && !(options->matrix_wanted && gain < kWithinNoise),
+              std::max(kAbout * gain / last, kBorrowedLeaves) * gain};
+    const double off = std::abs(cost - sum.cost - step.dot(sum.gradient) - gain);
+    return {off < kAlike * gain && rays_are_the_same(), kLeftBehind * gain};
   }
 
   /// Whether rays of some metres and lever arms of some centimetres point where they did, to a thousandth.
@@ -121,16 +165,16 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     constexpr double kBeaconM = 1e-3, kReceiverM = 5e-5;
     const auto moved = [&](const std::vector<std::array<int, 3>>& columns, double by_m) {
       return std::any_of(columns.begin(), columns.end(), [&](const std::array<int, 3>& place) {
-        return std::any_of(place.begin(), place.end(), [&](int c) { return c >= 0 && std::abs((*x)[c] - reduced_at[c]) > by_m; });
+        return std::any_of(place.begin(), place.end(), [&](int c) { return c >= 0 && std::abs((*x)[c] - matrix_at[c]) > by_m; });
       });
     };
     return !moved(layout->beacon, kBeaconM) && !moved(layout->receiver, kReceiverM);
   }
 
   /// The last system as it looks from here.
-  void look_from_here() {
+  void look_from_last() {
     Residuals& r = residuals[0];
-    r.z += r.R * (*x - reduced_at);
+    r.z += r.R * (*x - looked_at);
     r.rest = std::sqrt(std::max(0.0, 2.0 * cost - r.z.squaredNorm()));
     observations->commit();
   }
@@ -346,13 +390,17 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   ceres_options.update_state_every_iteration = false;
   ceres::Solver::Summary summary;
   ceres::Solve(ceres_options, &ceres_problem, &summary);
+  if (!watch.interrupted && point.gives_back()) {
+    result.iterations += static_cast<int>(summary.iterations.size()) - 1;
+    ceres::Solve(ceres_options, &ceres_problem, &summary);
+  }
   result.converged = point.at_rest || summary.termination_type == ceres::CONVERGENCE;
   result.interrupted = watch.interrupted;
-  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  result.iterations += static_cast<int>(summary.iterations.size()) - 1;
   result.cost = summary.final_cost;
   result.message =
       point.at_rest ? "the cost came out as foretold, and what is left to gain is below the tolerance" : summary.message;
-  if (point.dense && point.sum.H.rows() == layout.size()) result.data_information = std::move(point.sum.H);
+  if (point.dense && point.matrix_at.size() == layout.size()) result.data_information = std::move(point.sum.H);
   return result;
 }
 

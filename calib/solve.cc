@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "calib/adjust.h"
 #include "calib/approach.h"
@@ -79,6 +81,12 @@ class Calibrator {
     place_all_stops(problem_, it_.layout, state, it_.beacon_usable, options_.rejection_sigmas * noise, options_.workers(),
                     trajectories_);
     start_headings_rad_ = epoch_headings_rad(trajectories_);
+    const auto arrivals = [](const std::vector<Trajectory>& in) {
+      return std::accumulate(in.begin(), in.end(), 0.0,
+                             [](double sum, const Trajectory& t) { return sum + static_cast<double>(t.arrivals.size()); });
+    };
+    if (it_.last.data_information)
+      borrowed_matrix_ = *it_.last.data_information * (arrivals(trajectories_) / arrivals(of_part.trajectories));
     return true;
   }
 
@@ -88,7 +96,9 @@ class Calibrator {
   }
 
   bool adjust_again() {
-    it_.last = adjust(problem_, it_.layout, trajectories_, it_.x, course_.adjust_options(0.0, 1e-12));
+    AdjustOptions options = course_.adjust_options(0.0, 1e-12);
+    options.borrowed_matrix = std::exchange(borrowed_matrix_, {});
+    it_.last = adjust(problem_, it_.layout, trajectories_, it_.x, options);
     return !it_.last.interrupted;
   }
 
@@ -110,6 +120,7 @@ class Calibrator {
   void scale_noise(double factor) {
     it_.noise_factor *= factor;
     it_.last.data_information.reset();
+    borrowed_matrix_.resize(0, 0);
     statistics_.reset();
     for (Trajectory& t : trajectories_)
       for (ArrivalObservation& a : t.arrivals) a.sigma_s = problem_.site.noise.tof_sigma_s * it_.noise_factor;
@@ -159,6 +170,7 @@ class Calibrator {
   Estimate it_;
   std::vector<Trajectory> trajectories_;
   std::vector<std::vector<double>> start_headings_rad_;
+  Eigen::MatrixXd borrowed_matrix_;  ///< of all arrivals, about, as a part of them told it
   std::optional<CalibrationStatistics> statistics_;  ///< at the last states and marks
   Solution solution_;
 };

@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "calib/parameters.h"
 #include "calib/stop_kernel.h"
 #include "models/trajectory.h"
@@ -70,6 +72,8 @@ class StopBlock {
   /// Adds the reduced system at the states of the last `settle` to the gradient and the lower triangle; `place` tells where
   /// each column of the layout stands in it (-1: nowhere).
   void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
+  /// Adds the gradient alone; the states are taken to be at rest.
+  void add_gradient(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, Eigen::VectorXd& gradient);
   void commit() { committed_ = states_; }
   /// Back to the states committed last, which the trajectory then shows too.
   void rewind();

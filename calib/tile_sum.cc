@@ -88,6 +88,27 @@ void TileSum::reduce(const SharedState& state, const RobustLoss& loss, ReducedSy
   sum.cost = std::accumulate(costs_.begin(), costs_.end(), 0.0);
 }
 
+bool TileSum::reduce_gradient(const SharedState& state, const RobustLoss& loss, Eigen::VectorXd& gradient) {
+  constexpr std::size_t kMostlyStops = 16;
+  std::size_t stops = 0, general = 0;
+  for (const Tile& tile : tiles_) stops += tile.stop_count(), general += tile.general_count();
+  if (general * kMostlyStops > stops) return false;
+  const auto n = static_cast<Eigen::Index>(layout_.size());
+  shares_.resize(kShares);
+  for (ReducedSystem& share : shares_) {
+    share.H.resize(n, n);
+    share.gradient.setZero(n);
+  }
+  for_each_of_mine([&](Tile& tile, std::size_t, std::size_t share) {
+    tile.add_gradient(state, loss, all_columns_, shares_[share]);
+    tile.commit();
+  });
+  gradient.setZero(n);
+  for (const ReducedSystem& share : shares_) gradient += share.gradient;
+  if (workers_.ranks != nullptr) workers_.ranks->sum({gradient.data(), static_cast<std::size_t>(gradient.size())});
+  return true;
+}
+
 void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems) {
   systems.resize(tiles_.size());
   for (std::size_t i = 0; i < tiles_.size(); ++i) {

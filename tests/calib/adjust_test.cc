@@ -4,6 +4,7 @@
 #include "calib/adjust.h"
 
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -20,9 +21,9 @@ struct Off {
 };
 
 /// A solved hall, its beacons off again.
-Off hall_off_by(double off_m) {
+Off hall_off_by(double off_m, int epochs = 300) {
   Scenario scenario = hall_scenario();
-  scenario.path.epochs = 300;
+  scenario.path.epochs = epochs;
   const World world = must(simulate(scenario, 4));
   Off off{problem_of(world), {}, {}, {}};
   calib::Solution solution = calib::solve(off.problem, {});
@@ -70,6 +71,74 @@ TEST(Adjust, StopsWhereTheLastStepIsForetoldAndNotBefore) {
     }
   }
   EXPECT_GE(foretold, 2);
+}
+
+/// What another matrix than the true one leads to, from two centimetres off.
+struct Led {
+  double above_best = 0.0, matrix_off = INFINITY;
+  std::string message;
+};
+
+Led led_by(const Off& off, const Eigen::MatrixXd& matrix, bool wanted, double tolerance = 1e-6) {
+  Eigen::VectorXd x = off.x, best_x;
+  std::vector<Trajectory> there = off.trajectories, best_there;
+  const double best = adjusted(off, 1e-14, best_x, best_there).cost;
+  calib::AdjustOptions options;
+  options.function_tolerance = tolerance;
+  options.borrowed_matrix = matrix;
+  options.matrix_wanted = wanted;
+  const calib::AdjustResult result = calib::adjust(off.problem, off.layout, there, x, options);
+  EXPECT_TRUE(result.converged);
+  Led led{result.cost / best - 1.0, INFINITY, result.message};
+  // The cost that is told is that of x and of the states that are left.
+  calib::Information at_x = calib::information_at(off.problem, off.layout, there, x);
+  EXPECT_NEAR(result.cost, at_x.data_cost + calib::prior_cost(off.problem, off.layout, x), 1e-7 * best);
+  if (!result.data_information) return led;
+  const Eigen::VectorXd scale = at_x.data.diagonal().cwiseSqrt().cwiseInverse();
+  led.matrix_off = (scale.asDiagonal() * (*result.data_information - at_x.data) * scale.asDiagonal()).cwiseAbs().maxCoeff();
+  return led;
+}
+
+TEST(Adjust, ABorrowedMatrixLeadsToTheSameOptimum) {
+  constexpr std::size_t kEvery = 8;
+  const Off off = hall_off_by(0.02, 1600);
+  Off part = off;
+  part.trajectories = {some_segments(off.trajectories[0], kEvery)};
+  Eigen::VectorXd x;
+  std::vector<Trajectory> there;
+  const Eigen::MatrixXd matrix = *adjusted(part, 1e-6, x, there).data_information * static_cast<double>(kEvery);
+  Off from_part = off;
+  from_part.x = x;
+  for (const Off* from : {&off, static_cast<const Off*>(&from_part)})
+    for (const bool wanted : {false, true}) {
+      const Led led = led_by(*from, matrix, wanted);
+      EXPECT_LT(led.above_best, 1e-6) << wanted;
+      if (wanted) {
+        EXPECT_LT(led.matrix_off, 1e-3);
+      }
+    }
+  int led_all_the_way = 0;
+  for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8}) {
+    const Led led = led_by(from_part, matrix, false, tolerance);
+    EXPECT_LT(led.above_best, tolerance);
+    led_all_the_way += std::isinf(led.matrix_off) ? 1 : 0;
+  }
+  EXPECT_GE(led_all_the_way, 1) << "all steps needed a matrix of their own";
+}
+
+TEST(Adjust, AMatrixOfSomethingElseDoesNoHarm) {
+  const Off off = hall_off_by(0.02, 400);
+  const Eigen::Index n = off.layout.size();
+  Eigen::VectorXd x;
+  std::vector<Trajectory> there;
+  const Eigen::MatrixXd right = *adjusted(off, 1e-6, x, there).data_information;
+  for (const Eigen::MatrixXd& matrix :
+       {Eigen::MatrixXd(100.0 * right), Eigen::MatrixXd(0.01 * right), Eigen::MatrixXd(Eigen::MatrixXd::Zero(n, n)),
+        Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)), Eigen::MatrixXd(1e12 * Eigen::MatrixXd::Identity(n, n))})
+    for (const bool wanted : {false, true}) {
+      const Led led = led_by(off, matrix, wanted);
+      EXPECT_LT(led.above_best, 1e-6) << matrix(0, 0) << " " << led.message;
+    }
 }
 
 }  // namespace
