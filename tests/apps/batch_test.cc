@@ -127,7 +127,8 @@ TEST_F(Batch, AnInterruptionLeavesWholeFiles) {
   EXPECT_EQ(stopped.json()["status"], "interrupted");
   EXPECT_EQ(stopped.json()["sites"].size(), 64u);
   for (const std::string& name : outputs()) EXPECT_THAT(name, Not(HasSubstr("tmp")));
-  for (const auto& site : stopped.json()["sites"]) {
+  const nlohmann::json told = stopped.json();
+  for (const auto& site : told["sites"]) {
     const std::string output = site["output"];
     EXPECT_EQ(std::filesystem::exists(output), site["status"] == "ok") << output;
     if (site["status"] == "ok") EXPECT_EQ(nlohmann::json::parse(slurp(output))["type"], "octant_deployment");
