@@ -153,7 +153,7 @@ class SectorOverlap {
   [[nodiscard]] double deepest_rad() const;
 
   std::array<Sector, kKleemanBeacons> sectors_{};
-  std::array<End, 2 * kKleemanBeacons> ends_{};
+  std::array<End, std::size_t{2} * kKleemanBeacons> ends_{};
   std::size_t count_ = 0;
 };
 
