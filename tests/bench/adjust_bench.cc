@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <benchmark/benchmark.h>
@@ -35,7 +37,8 @@ Scenario forty_beacons(int epochs) {
   s.hall_m = {60.0, 40.0};
   s.site.beacons.clear();
   for (int i = 0; i < 40; ++i) {
-    const double x = 4.0 + 7.4 * (i % 8), y = 4.0 + 8.0 * (i / 8);
+    const int row = i / 8;
+    const double x = 4.0 + 7.4 * (i % 8), y = 4.0 + 8.0 * row;
     s.site.beacons.push_back(beacon("B" + std::to_string(i),
                                     {x + 0.9 * std::sin(3.0 * i), y + 0.9 * std::cos(5.0 * i), 3.0 + 0.4 * std::sin(7.0 * i)},
                                     i == 0 || i == 7 || i == 32 ? 0.0 : 0.3));
@@ -66,7 +69,9 @@ calib::Problem problem_with(int epochs) {
     const World world = must(simulate(forty_beacons(epochs), 1));
     return must(calib::make_problem(world.site, {world.run}));
   }
-  const std::string folder = std::getenv("OCTANT_LARGE_WORLD");
+  const char* const named = std::getenv("OCTANT_LARGE_WORLD");
+  if (named == nullptr) throw std::runtime_error("OCTANT_LARGE_WORLD names no folder");
+  const std::string folder = named;
   const Site site = must(io::read_site(folder + "/site.yaml"));
   return must(calib::make_problem(site, {must(io::read_run(folder + "/run", names_of(site), site.timing))}));
 }
