@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 #include <ceres/ceres.h>
 #include <Eigen/Cholesky>
@@ -57,18 +58,13 @@ struct EvaluationPoint : ceres::EvaluationCallback {
         layout(its_layout),
         x(its_x),
         options(&its_options),
-        loss(&its_options.loss),
-        threads(its_options.workers.threads),
-        dense(tiles == nullptr || is_dense(*its_layout)),
-        lent(its_options.borrowed_matrix) {}
+        dense(tiles == nullptr || is_dense(*its_layout)) {}
 
   SystemSum* observations;
   TileSum* tiles;  ///< the same, where each may be asked for its own
   const ParameterLayout* layout;
   const Eigen::VectorXd* x;
   const AdjustOptions* options;
-  const RobustLoss* loss;
-  int threads;
   bool dense;
   SharedState state;
   double cost = 0.0;
@@ -76,15 +72,14 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   bool at_rest = false;                  ///< the step that led here was the last worth taking
   ReducedSystem sum;                     ///< dense
   Eigen::VectorXd matrix_at, looked_at;  ///< where its matrix was formed (or none, while it is borrowed), and its gradient
-  Eigen::MatrixXd lent;
-  bool borrowed = false;
+  bool may_borrow = true, borrowed = false;
   double gained = INFINITY;          ///< by the last step
   std::vector<Residuals> residuals;  ///< of the sum; else of each tile
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
     if (new_evaluation_point || !settled) {
       state = layout->state_of(*x);
-      cost = observations->settle(state, *loss);
+      cost = observations->settle(state, options->loss);
       settled = true;
     }
     if (!evaluate_jacobians) return;
@@ -93,9 +88,9 @@ struct EvaluationPoint : ceres::EvaluationCallback {
       return;
     }
     std::vector<ReducedSystem> systems;
-    tiles->reduce_each(state, *loss, systems);
+    tiles->reduce_each(state, options->loss, systems);
     residuals.resize(systems.size());
-    for_each_parallel(systems.size(), threads, [&](std::size_t i) {
+    for_each_parallel(systems.size(), options->workers.threads, [&](std::size_t i) {
       residuals[i] = residuals_of(systems[i]);
       systems[i] = {};
     });
@@ -105,7 +100,7 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   /// steps shrink. Where nothing worth while is left to gain not even that is needed.
   void look() {
     const bool first = looked_at.size() == 0;
-    const Outlook outlook = first ? outlook_with_lent() : outlook_of_step();
+    const Outlook outlook = first ? outlook_of_start() : outlook_of_step();
     at_rest = outlook.matrix_does && outlook.left_to_gain < options->function_tolerance * cost;
     if (at_rest) {
       look_from_last();
@@ -113,7 +108,7 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     }
     if (!(borrowed && outlook.matrix_does && look_with_borrowed())) {
       borrowed = false;
-      observations->reduce(state, *loss, sum);
+      observations->reduce(state, options->loss, sum);
       matrix_at = *x;
       residuals.assign(1, residuals_of(sum));
     }
@@ -122,7 +117,7 @@ struct EvaluationPoint : ceres::EvaluationCallback {
 
   bool look_with_borrowed() {
     constexpr double kLeastPivot = 1e-6;  // a direction that nothing tells has a gradient of what the states' rest left over
-    if (!observations->reduce_gradient(state, *loss, sum.gradient)) return false;
+    if (!observations->reduce_gradient(state, options->loss, sum.gradient)) return false;
     sum.cost = cost;
     residuals.assign(1, residuals_of(sum, kLeastPivot));
     return residuals[0].z.squaredNorm() < 2.0 * cost;  // else the matrix is not one that goes with this gradient
@@ -132,15 +127,15 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     bool matrix_does = false;
     double left_to_gain = INFINITY;
   };
-  Outlook outlook_with_lent() {
-    borrowed = lent.size() > 0;
-    if (borrowed) sum.H = lent;
+  Outlook outlook_of_start() {
+    borrowed = may_borrow && options->borrowed_matrix.size() > 0;
+    if (borrowed) sum.H = options->borrowed_matrix;
     return {borrowed, INFINITY};
   }
   /// Whether the adjustment has to begin again with a matrix of its own: with a borrowed one that nothing moves says nothing.
   bool gives_back() {
     if (!borrowed || at_rest) return false;
-    lent.resize(0, 0);
+    may_borrow = false;
     looked_at.resize(0);
     return true;
   }

@@ -342,6 +342,11 @@ void settle_stops_in_lanes(const StopTables& tables, const StopPack& pack, StopS
   }
 }
 
+/// Derivative of a residual by the speed of the medium.
+HWY_INLINE V by_speed_of(const Sight& s, const Constants& constants) {
+  return hn::Mul(hn::Mul(constants.k, s.distance), hn::Mul(s.inverse_speed, s.inverse_speed));
+}
+
 /// Moments of some paths, in the order of StopSums::beacon.
 struct Moments {
   V w, v[3], vv[6], s, sv[3], r, rv[3];
@@ -533,7 +538,7 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
     for (; slot < pack.slots && pack.slot[slot].receiver == receiver; ++slot) {
       const std::size_t beacon = pack.slot[slot].beacon;
       const Sight s = look<kRobust>(tables, pack, slot, part, antenna, constants);
-      const V by_speed = hn::Mul(hn::Mul(constants.k, s.distance), hn::Mul(s.inverse_speed, s.inverse_speed));
+      const V by_speed = by_speed_of(s, constants);
       const Moments m = moments_of(s, by_speed);
       speed_curvature = hn::MulAdd(m.s, by_speed, speed_curvature);
       speed_gradient = hn::MulAdd(m.r, by_speed, speed_gradient);
@@ -612,7 +617,7 @@ HWY_INLINE void gradient_part(const StopTables tables, const StopPack pack, cons
     for (; slot < pack.slots && pack.slot[slot].receiver == receiver; ++slot) {
       const Sight s = look<kRobust>(tables, pack, slot, part, antenna, constants);
       const V r = hn::Mul(s.weight, s.residual), rv[3] = {hn::Mul(r, s.v[0]), hn::Mul(r, s.v[1]), hn::Mul(r, s.v[2])};
-      speed = hn::MulAdd(r, hn::Mul(hn::Mul(constants.k, s.distance), hn::Mul(s.inverse_speed, s.inverse_speed)), speed);
+      speed = hn::MulAdd(r, by_speed_of(s, constants), speed);
       for (int i = 0; i < 3; ++i) all[i] = hn::Add(all[i], rv[i]);
       all[3] = hn::Add(all[3], r);
       add_lanes(rv[0], rv[1], rv[2], r, beacon_sums + std::ptrdiff_t{4} * pack.slot[slot].beacon);

@@ -75,15 +75,9 @@ void TileSum::reduce(const SharedState& state, const RobustLoss& loss, ReducedSy
     tile.commit();
   });
   sum.H = shares_[0].H;
-  sum.gradient = shares_[0].gradient;
-  for (std::size_t share = 1; share < kShares; ++share) {
-    sum.H += shares_[share].H;
-    sum.gradient += shares_[share].gradient;
-  }
-  if (workers_.ranks != nullptr) {
-    workers_.ranks->sum({sum.H.data(), static_cast<std::size_t>(sum.H.size())});
-    workers_.ranks->sum({sum.gradient.data(), static_cast<std::size_t>(sum.gradient.size())});
-  }
+  for (std::size_t share = 1; share < kShares; ++share) sum.H += shares_[share].H;
+  if (workers_.ranks != nullptr) workers_.ranks->sum({sum.H.data(), static_cast<std::size_t>(sum.H.size())});
+  add_up_gradients(sum.gradient);
   sum.H = sum.H.selfadjointView<Eigen::Lower>();
   sum.cost = std::accumulate(costs_.begin(), costs_.end(), 0.0);
 }
@@ -103,10 +97,14 @@ bool TileSum::reduce_gradient(const SharedState& state, const RobustLoss& loss, 
     tile.add_gradient(state, loss, all_columns_, shares_[share]);
     tile.commit();
   });
-  gradient.setZero(n);
-  for (const ReducedSystem& share : shares_) gradient += share.gradient;
-  if (workers_.ranks != nullptr) workers_.ranks->sum({gradient.data(), static_cast<std::size_t>(gradient.size())});
+  add_up_gradients(gradient);
   return true;
+}
+
+void TileSum::add_up_gradients(Eigen::VectorXd& gradient) const {
+  gradient = shares_[0].gradient;
+  for (std::size_t share = 1; share < kShares; ++share) gradient += shares_[share].gradient;
+  if (workers_.ranks != nullptr) workers_.ranks->sum({gradient.data(), static_cast<std::size_t>(gradient.size())});
 }
 
 void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems) {

@@ -59,6 +59,8 @@ class TileSum : public SystemSum {
  private:
   [[nodiscard]] bool is_mine(std::size_t share) const;
   [[nodiscard]] std::size_t first_of(std::size_t share) const;
+  /// Those of the shares, in their order, over all ranks.
+  void add_up_gradients(Eigen::VectorXd& gradient) const;
   template <class Work>
   void for_each_of_mine(Work&& work);
 

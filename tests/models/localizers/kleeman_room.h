@@ -4,14 +4,18 @@
 // Kleeman's room: 10 x 10 m, six beacons round the walls. The paper's figure 1 is not in its text, which says that beacons 1 and
 // 4 are not in corners: so 0, 2, 3, 5 are, and 1 and 4 in the middle of opposite walls.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "models/deployment.h"
 #include "models/localizers/kleeman.h"
 #include "tests/models/localizers/hall.h"
+#include "tests/support/allocation_count.h"
 
 namespace octant::test {
 
@@ -76,6 +80,17 @@ inline Eigen::Vector3d error_of(const Fix& fix, const Pose& truth) {
   Eigen::Vector3d e = fix.T_map_vehicle.translation_m - truth.translation_m;
   e[2] = wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad());
   return e;
+}
+
+/// Cycles in turn take no memory once the first rejections have room.
+inline void expect_no_allocations(Kleeman& kleeman, const std::vector<std::vector<Arrival>>& cycles) {
+  std::size_t most = 0;
+  for (const auto& arrivals : cycles) most = std::max(most, arrivals.size());
+  Fix fix;
+  fix.rejections.reserve(most);
+  const std::size_t before = allocations();
+  for (const auto& arrivals : cycles) kleeman.locate(Observations{arrivals, {}}, fix);
+  EXPECT_EQ(allocations(), before);
 }
 
 }  // namespace octant::test
