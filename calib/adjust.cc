@@ -348,9 +348,9 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
     ceres_problem.AddParameterBlock(address(static_cast<int>(k)), layout.blocks[k].size);
     for (int i = 0; i < layout.blocks[k].size; ++i) {
-      const double lower =
-          layout.parameters[static_cast<std::size_t>(layout.blocks[k].first) + static_cast<std::size_t>(i)].lower;
-      if (std::isfinite(lower)) ceres_problem.SetParameterLowerBound(address(static_cast<int>(k)), i, lower);
+      const Parameter& parameter = layout.parameters[static_cast<std::size_t>(layout.blocks[k].first) + static_cast<std::size_t>(i)];
+      if (std::isfinite(parameter.lower)) ceres_problem.SetParameterLowerBound(address(static_cast<int>(k)), i, parameter.lower);
+      if (std::isfinite(parameter.upper)) ceres_problem.SetParameterUpperBound(address(static_cast<int>(k)), i, parameter.upper);
     }
     ceres_problem.AddResidualBlock(new PriorCost(&layout, layout.blocks[k]), nullptr, address(static_cast<int>(k)));
   }

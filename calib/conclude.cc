@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/conclude.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -27,7 +28,18 @@ std::vector<bool> still_mirrored(const Problem& problem, const Estimate& estimat
   return still;
 }
 
-void warn_of_noise(const Findings& findings, double noise_factor, Solution& solution) {
+/// Amplitudes that are taken to be alike all round receivers that have axes.
+bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& trajectories) {
+  const Site& site = problem.site;
+  if (!site.attenuation || site.attenuation->half_power_angle_rad.value > 0) return false;
+  const auto measured = [](const Trajectory& t) {
+    return std::any_of(t.arrivals.begin(), t.arrivals.end(), [](const ArrivalObservation& a) { return a.log_amplitude_sigma > 0; });
+  };
+  return std::any_of(site.receivers.begin(), site.receivers.end(), [](const SiteReceiver& r) { return r.axis.has_value(); }) &&
+         std::any_of(trajectories.begin(), trajectories.end(), measured);
+}
+
+void warn_of_noise(const Problem& problem, const Findings& findings, double noise_factor, const std::vector<Trajectory>& trajectories, Solution& solution) {
   const CalibrationStatistics& s = solution.statistics;
   if (s.redundancy >= 30 && noise_factor > 1.2)
     solution.warnings.push_back(
@@ -35,6 +47,10 @@ void warn_of_noise(const Findings& findings, double noise_factor, Solution& solu
                     "but errors that stay the "
                     "same at a place or a pair are not noise and make the beacons worse than their sigmas say",
                     noise_factor, s.variance_factor));
+  if (s.redundancy >= 30 && noise_factor > 1.2 && may_be_directional(problem, trajectories))
+    solution.warnings.push_back(
+        "amplitudes are taken to be alike all round each receiver: where these hear less off their axes, state "
+        "attenuation.half_power_angle_rad (half of the beam width at -3 dB, with a sigma)");
   const Whiteness& w = findings.whiteness;
   if (!w.white)
     solution.warnings.push_back(
@@ -79,7 +95,7 @@ void conclude(const Problem& problem, const SolveOptions& options, const Estimat
                      options.threads, kAllEpochs, findings.whole ? &*findings.whole : nullptr);
   solution.left_out = std::move(findings.left_out);
   solution.whole = std::move(findings.whole);
-  warn_of_noise(findings, estimate.noise_factor, solution);
+  warn_of_noise(problem, findings, estimate.noise_factor, trajectories, solution);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
   for (std::string& warning : suspect_control_points(problem, solution.state, trajectories))
     solution.warnings.push_back(std::move(warning));

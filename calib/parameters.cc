@@ -28,8 +28,8 @@ class LayoutBuilder {
   }
 
  private:
-  int add(std::string name, double mean, double sigma, double si_per_unit, double lower = -INFINITY) {
-    layout_.parameters.push_back({std::move(name), mean, sigma, si_per_unit, lower});
+  int add(std::string name, double mean, double sigma, double si_per_unit, double lower = -INFINITY, double upper = INFINITY) {
+    layout_.parameters.push_back({std::move(name), mean, sigma, si_per_unit, lower, upper});
     return layout_.size() - 1;
   }
   void block_from(int first) {
@@ -149,6 +149,9 @@ class LayoutBuilder {
       layout_.attenuation[1] = add("attenuation/absorption_np_per_m", a.absorption_np_per_m.value, a.absorption_np_per_m.sigma, 1.0);
     if (a.rise_time_s.sigma > 0)
       layout_.attenuation[2] = add("attenuation/rise_time_s", c * a.rise_time_s.value, c * a.rise_time_s.sigma, 1.0 / c, 0.0);
+    if (a.half_power_angle_rad.sigma > 0)
+      layout_.attenuation[3] = add("attenuation/half_power_angle_rad", a.half_power_angle_rad.value, a.half_power_angle_rad.sigma, 1.0,
+                                   kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
     block_from(first);
   }
 
@@ -211,6 +214,7 @@ void for_each_free(const ParameterLayout& layout, State& state, Visit&& visit) {
     visit(layout.attenuation[0], state.attenuation->amplitude_1m_v);
     visit(layout.attenuation[1], state.attenuation->absorption_np_per_m);
     visit(layout.attenuation[2], state.attenuation->rise_time_s);
+    visit(layout.attenuation[3], state.attenuation->half_power_angle_rad);
   }
   for (std::size_t i = 0; i < layout.pair_bias.size(); ++i) visit(layout.pair_bias[i], state.pair_bias_s[i]);
   for (std::size_t v = 0; v < layout.clock_drift.size() && v < state.clock_drift.size(); ++v) visit(layout.clock_drift[v], state.clock_drift[v]);

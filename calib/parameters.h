@@ -18,7 +18,7 @@ struct Parameter {
   double prior_mean = 0.0;    ///< internal unit
   double prior_sigma = 0.0;   ///< internal unit; infinite: no prior
   double si_per_unit = 1.0;   ///< SI value = internal value times this
-  double lower = -INFINITY;   ///< bound, internal unit
+  double lower = -INFINITY, upper = INFINITY;  ///< bounds, internal unit
 };
 
 /// Free parameters that belong together: one parameter block of the solver.
@@ -38,7 +38,7 @@ struct ParameterLayout {
   std::vector<int> beacon_delay, receiver_delay;
   int site_delay = -1;
   std::vector<int> speed;               ///< one for all, or one for each run
-  std::array<int, 3> attenuation = {-1, -1, -1};
+  std::array<int, kAttenuationUnknowns> attenuation = {-1, -1, -1, -1};  ///< in the order of AttenuationRow
   std::vector<int> pair_bias;           ///< beacon-major; empty: none
   std::vector<int> clock_drift;         ///< of each vehicle
   std::vector<std::array<int, 2>> array;  ///< of each vehicle: circumradius and turn of an octagon that is adjusted as a whole

@@ -65,7 +65,8 @@ Result<void> check_complete(const Site& site, const MeasurementLog& run) {
 }  // namespace
 
 TrajectoryModel trajectory_model(const Site& site) {
-  TrajectoryModel model{site.motion, site.medium, site.timing, site.noise, site.attenuation.has_value(), {}};
+  TrajectoryModel model{site.motion, site.medium, site.timing, site.noise, {}, {}};
+  if (site.attenuation) model.attenuation = site.attenuation->mean();
   for (const SiteVehicle& vehicle : site.vehicles) model.motion_priors.push_back(vehicle.motion);
   return model;
 }

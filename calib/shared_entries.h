@@ -39,7 +39,7 @@ struct RowEntries {
   } else {
     for (std::size_t i = 0; i < 3; ++i) e.add(layout.receiver[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
   }
-  for (std::size_t i = 0; i < 3; ++i)
+  for (std::size_t i = 0; i < layout.attenuation.size(); ++i)
     e.add(layout.attenuation[i], row.by_attenuation[static_cast<int>(i)] * scale(layout.attenuation[i]));
   if (row.kind != RowKind::kTof) return e;
   for (const int column : {layout.beacon_delay[row.beacon.index()], layout.receiver_delay[row.receiver.index()], layout.site_delay})

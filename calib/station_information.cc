@@ -90,7 +90,9 @@ Site site_of(const Deployment& d) {
     site.attenuation = AttenuationPrior{.amplitude_1m_v = prior("attenuation/amplitude_1m_v", d.attenuation->amplitude_1m_v),
                                         .absorption_np_per_m = prior("attenuation/absorption_np_per_m", d.attenuation->absorption_np_per_m),
                                         .rise_time_s = prior("attenuation/rise_time_s", d.attenuation->rise_time_s),
-                                        .threshold_v = d.attenuation->threshold_v};
+                                        .threshold_v = d.attenuation->threshold_v,
+                                        .half_power_angle_rad = prior("attenuation/half_power_angle_rad", d.attenuation->half_power_angle_rad),
+                                        .saturation_v = d.attenuation->saturation_v};
   const char* axis[3] = {"/x_m", "/y_m", "/z_m"};
   for (const DeploymentBeacon& b : d.beacons) {
     SiteBeacon beacon;
@@ -164,7 +166,13 @@ bool hears(const Knowledge& k, std::size_t beacon, std::size_t receiver_index, c
   if (distance_m < 1e-6) return false;
   const double margin_m = std::min(kSure * k.place_sigma_m[beacon], kMostMargin * std::min(hearing.range_m, distance_m));
   if (distance_m + margin_m > hearing.range_m) return false;
-  if (k.state.attenuation && !(amplitude_v(distance_m + margin_m, *k.state.attenuation) > kAudible * k.state.attenuation->threshold_v)) return false;
+  if (const auto& model = k.state.attenuation) {
+    const Eigen::Vector3d* axis = k.state.axis_of(ReceiverId(receiver_index));
+    double gain = 1.0;
+    if (axis != nullptr && !axis->isZero())
+      gain = std::exp(log_directivity((T_map_vehicle.rotation * *axis).dot(towards) / distance_m, model->half_power_angle_rad).value);
+    if (!(gain * amplitude_v(distance_m + margin_m, *model) > kAudible * model->threshold_v)) return false;
+  }
   if (receiver.axis && hearing.half_angle_rad < M_PI &&
       (T_map_vehicle.rotation * receiver.axis->normalized()).dot(towards) < std::cos(hearing.half_angle_rad - margin_m / distance_m) * distance_m)
     return false;

@@ -241,6 +241,8 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
     if (const JsonValue a = root.find("attenuation"); a.present()) {
       d.attenuation = AttenuationModel{a.at("amplitude_1m_v").positive(), a.at("absorption_np_per_m").not_negative(),
                                        a.at("threshold_v").not_negative(), a.at("rise_time_s").not_negative()};
+      if (const JsonValue angle = a.find("half_power_angle_rad"); angle.present()) d.attenuation->half_power_angle_rad = angle.within(kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
+      if (const JsonValue saturation = a.find("saturation_v"); saturation.present()) d.attenuation->saturation_v = saturation.positive();
     }
     read_beacons(root.at("beacons"), d);
     read_vehicles(root.at("vehicles"), d);

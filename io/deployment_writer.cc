@@ -62,7 +62,9 @@ Json attenuation_json(const std::optional<AttenuationModel>& a) {
   return {{"amplitude_1m_v", a->amplitude_1m_v},
           {"absorption_np_per_m", a->absorption_np_per_m},
           {"threshold_v", a->threshold_v},
-          {"rise_time_s", a->rise_time_s}};
+          {"rise_time_s", a->rise_time_s},
+          {"half_power_angle_rad", a->directional() ? Json(a->half_power_angle_rad) : Json(nullptr)},
+          {"saturation_v", std::isfinite(a->saturation_v) ? Json(a->saturation_v) : Json(nullptr)}};
 }
 
 Json beacons_json(const Deployment& d) {

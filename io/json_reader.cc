@@ -214,6 +214,12 @@ double JsonValue::positive() const {
   return value;
 }
 
+double JsonValue::within(double low, double high) const {
+  const double value = number();
+  if (json_ != nullptr && !(value >= low && value <= high)) fail(kind_of(*json_), fmt::format("a number from {} to {}", low, high));
+  return value;
+}
+
 std::size_t JsonValue::count() const {
   if (json_ == nullptr) return 0;
   if (json_->is_number_unsigned()) return json_->get<std::size_t>();

@@ -53,6 +53,7 @@ class JsonValue {
   [[nodiscard]] double number() const;
   [[nodiscard]] double not_negative() const;
   [[nodiscard]] double positive() const;
+  [[nodiscard]] double within(double low, double high) const;
   [[nodiscard]] std::size_t count() const;
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] std::string text() const;

@@ -109,13 +109,17 @@ void read_patterns(YamlMap& root, Scene& scene, YamlLog& log) {
     BeamPattern pattern;
     pattern.line = line_of(node);
     pattern.name = map.required_text("id");
-    if (!map.has("kind")) map.fail_missing("kind", "cone, cosine_power or table");
+    if (!map.has("kind")) map.fail_missing("kind", "cone, cosine_power, half_power or table");
     using Kind = BeamPattern::Kind;
-    pattern.kind = map.choice<Kind>("kind", {{"cone", Kind::kCone}, {"cosine_power", Kind::kCosinePower}, {"table", Kind::kTable}}, pattern.kind);
+    pattern.kind = map.choice<Kind>("kind", {{"cone", Kind::kCone}, {"cosine_power", Kind::kCosinePower}, {"half_power", Kind::kHalfPower}, {"table", Kind::kTable}}, pattern.kind);
     if (pattern.kind == Kind::kCone) pattern.half_angle_rad = map.required_number("half_angle_rad", kPositive);
     if (pattern.kind == Kind::kCosinePower) {
       pattern.exponent = map.required_number("exponent", kNotNegative);
       pattern.half_angle_rad = map.number("half_angle_rad", M_PI / 2, kPositive);
+    }
+    if (pattern.kind == Kind::kHalfPower) {
+      pattern.half_power_angle_rad = map.required_number("half_power_angle_rad", kHalfPowerAngle);
+      pattern.half_angle_rad = map.number("half_angle_rad", pattern.half_angle_rad, kPositive);
     }
     if (pattern.kind == Kind::kTable) {
       pattern.angle_rad = map.numbers("angle_rad", 0, kNotNegative);

@@ -82,7 +82,9 @@ std::string_view deployment_schema() {
         "amplitude_1m_v": {"$ref": "#/$defs/positive"},
         "absorption_np_per_m": {"$ref": "#/$defs/not_negative"},
         "threshold_v": {"$ref": "#/$defs/not_negative"},
-        "rise_time_s": {"$ref": "#/$defs/not_negative", "description": "time constant of the envelope"}
+        "rise_time_s": {"$ref": "#/$defs/not_negative", "description": "time constant of the envelope"},
+        "half_power_angle_rad": {"type": ["number", "null"], "exclusiveMinimum": 0, "description": "off a receiver's axis, where the amplitude is 3 dB down; null: all round alike"},
+        "saturation_v": {"type": ["number", "null"], "exclusiveMinimum": 0, "description": "logged amplitudes from here on are not used"}
       }
     },
     "beacons": {

@@ -31,9 +31,10 @@ std::string_view scene_properties() {
         "patterns": {"description": "gain of the amplitude by the angle off the axis", "type": ["array", "null"], "items": {
           "type": "object", "required": ["id", "kind"], "additionalProperties": false, "properties": {
             "id": {"type": ["string", "number"]},
-            "kind": {"enum": ["cone", "cosine_power", "table"]},
+            "kind": {"enum": ["cone", "cosine_power", "half_power", "table"]},
             "half_angle_rad": {"type": "number", "exclusiveMinimum": 0},
             "exponent": {"type": "number", "minimum": 0},
+            "half_power_angle_rad": {"type": "number", "minimum": 0.02, "maximum": 2.8, "description": "of half_power: off the axis, 3 dB down"},
             "angle_rad": {"type": "array", "items": {"type": "number", "minimum": 0}, "description": "of a table, rising from 0"},
             "gain": {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": 1}}}}},
         "beacon_pattern": {"type": "string", "description": "of all beacons that name none; each needs an axis then"},

@@ -75,7 +75,9 @@ std::string_view site_schema() {
         "amplitude_1m_v": {"$ref": "#/$defs/prior"},
         "absorption_np_per_m": {"$ref": "#/$defs/prior"},
         "threshold_v": {"$ref": "#/$defs/not_negative"},
-        "rise_time_s": {"$ref": "#/$defs/prior"}
+        "rise_time_s": {"$ref": "#/$defs/prior"},
+        "half_power_angle_rad": {"description": "off a receiver's axis, where the amplitude is 3 dB down; left out: receivers hear all round alike", "$ref": "#/$defs/prior"},
+        "saturation_v": {"description": "logged amplitudes from here on are not used", "$ref": "#/$defs/positive"}
       }
     },
     "beacons": {

@@ -72,6 +72,8 @@ void write_attenuation(const AttenuationPrior& a, Out out) {
   fmt::format_to(out, "attenuation:\n  amplitude_1m_v: {}\n", prior_text(a.amplitude_1m_v));
   fmt::format_to(out, "  absorption_np_per_m: {}\n", prior_text(a.absorption_np_per_m));
   fmt::format_to(out, "  threshold_v: {}\n  rise_time_s: {}\n", exact(a.threshold_v), prior_text(a.rise_time_s));
+  if (a.half_power_angle_rad.value > 0) fmt::format_to(out, "  half_power_angle_rad: {}\n", prior_text(a.half_power_angle_rad));
+  if (std::isfinite(a.saturation_v)) fmt::format_to(out, "  saturation_v: {}\n", exact(a.saturation_v));
 }
 
 void write_beacons(const Site& site, Out out) {

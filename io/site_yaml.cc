@@ -161,6 +161,12 @@ void read_attenuation(const YAML::Node& node, Site& site, YamlLog& log) {
   prior.absorption_np_per_m = read_prior(map, "absorption_np_per_m", kNotNegative, log);
   prior.threshold_v = map.required_number("threshold_v", kNotNegative);
   prior.rise_time_s = read_prior(map, "rise_time_s", kNotNegative, log);
+  if (map.has("half_power_angle_rad")) prior.half_power_angle_rad = read_prior(map, "half_power_angle_rad", kHalfPowerAngle, log);
+  if (const auto saturation_v = map.optional_number("saturation_v", kPositive)) {
+    prior.saturation_v = *saturation_v;
+    if (!log.error && !(prior.saturation_v > prior.threshold_v))
+      map.fail("saturation_v", fmt::format("attenuation.saturation_v is {}", prior.saturation_v), "more than threshold_v");
+  }
   map.finish();
   site.attenuation = prior;
 }
@@ -371,6 +377,15 @@ void read_control(YamlMap& root, Site& site, YamlLog& log) {
   control.finish();
 }
 
+/// What a directional attenuation needs.
+void check_axes(YamlMap& root, const Site& site, YamlLog& log) {
+  if (log.error || !site.attenuation || !(site.attenuation->half_power_angle_rad.value > 0)) return;
+  for (const SiteReceiver& receiver : site.receivers)
+    if (receiver.axis) return;
+  root.fail("attenuation", "attenuation.half_power_angle_rad, and no receiver has an axis", "axis: [x, y, z] of the receivers, or layout: octagon",
+            "without directions of hearing there is nothing to be off from");
+}
+
 }  // namespace
 
 Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, bool version_required) {
@@ -390,6 +405,7 @@ Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, boo
     read_attenuation(root.block("attenuation"), site, log);
     read_beacons(root, site, log);
     read_vehicles(root, site, log);
+    check_axes(root, site, log);
     read_control(root, site, log);
     YamlMap gates(root.block("gates"), "gates", log);
     site.gates.min_range_m = gates.number("min_range_m", 0.0, kNotNegative);

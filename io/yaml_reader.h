@@ -46,6 +46,8 @@ struct NumberRange {
 inline constexpr NumberRange kAnyNumber{};
 inline constexpr NumberRange kPositive{.low = 0.0, .low_excluded = true, .words = "a positive number"};
 inline constexpr NumberRange kNotNegative{.low = 0.0, .words = "zero or a positive number"};
+inline constexpr NumberRange kHalfPowerAngle{.low = kLeastHalfPowerAngle_rad, .high = kMostHalfPowerAngle_rad,
+                                             .words = "an angle off the axis from 0.02 to 2.8 rad (half of the beam width at -3 dB)"};
 inline constexpr NumberRange kFraction{.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1"};
 
 // Values of a node. `name` is its path in messages, e.g. "medium.sigma_mps". On failure they log and return the fallback.

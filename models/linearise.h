@@ -32,7 +32,8 @@ struct ObservationRow {
   bool has_shared = false;
   BeaconId beacon;
   ReceiverId receiver;
-  Eigen::RowVector3d by_beacon, by_receiver, by_attenuation;  ///< per metre, per metre, per unit
+  Eigen::RowVector3d by_beacon, by_receiver;  ///< per metre
+  AttenuationRow by_attenuation;              ///< per unit
   double by_delay = 0.0;   ///< per second
   double by_speed = 0.0;   ///< per metre a second
   double by_drift = 0.0;   ///< per unit of Timing::drift

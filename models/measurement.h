@@ -21,7 +21,13 @@ struct PathInput {
   const AttenuationModel* attenuation = nullptr;
   /// Two-way ranging: T_hear_send, the vehicle's pose when it asked, in the frame of its pose when it heard the reply.
   const Pose* T_hear_send = nullptr;
+  /// Unit vector in which the receiver hears best, in the vehicle frame; null or zero: all round alike. Counts where the
+  /// attenuation is directional.
+  const Eigen::Vector3d* axis_vehicle = nullptr;
 };
+
+/// By the unknowns of an AttenuationModel.
+using AttenuationRow = Eigen::Matrix<double, 1, kAttenuationUnknowns>;
 
 /// Time of flight and log amplitude predicted for an arrival, with their derivatives.
 /// Rows with respect to the pose use the tangent of Motion: planar (x, y, heading), spatial (translation, body rotation).
@@ -35,15 +41,16 @@ struct PathOutput {
   Eigen::RowVector3d tof_by_receiver;               ///< s/m, in the vehicle frame
   Eigen::Matrix<double, 1, 6> tof_by_pose;          ///< planar uses the first three
   double tof_by_speed = 0.0;                        ///< s/(m/s)
-  Eigen::RowVector3d tof_by_attenuation;            ///< by amplitude_1m_v, absorption_np_per_m, rise_time_s
+  AttenuationRow tof_by_attenuation;
 
-  Eigen::RowVector3d log_amplitude_by_beacon, log_amplitude_by_receiver, log_amplitude_by_attenuation;
+  Eigen::RowVector3d log_amplitude_by_beacon, log_amplitude_by_receiver;
+  AttenuationRow log_amplitude_by_attenuation;
   Eigen::Matrix<double, 1, 6> log_amplitude_by_pose;
 };
 
 /// The measurement equation:
-///   tof = |T o - p| / c + delay + walk,   walk = -tau ln(1 - V_th / A(d)),   A(d) = A_1m / d exp(-alpha d)
-/// Two-way: (|T o - p| + |T T_hear_send o - p|) / c + ..., both legs' mean distance in A(d).
+///   tof = |T o - p| / c + delay + walk,   walk = -tau ln(1 - V_th / A),   A = A_1m / d exp(-alpha d) D(theta)
+/// Two-way: (|T o - p| + |T T_hear_send o - p|) / c + ..., both legs' mean distance in A, and theta of the way back.
 /// The derivative by a delay or a cycle offset is 1.
 [[nodiscard]] PathOutput predict_arrival(const PathInput& input, Motion motion);
 /// The same without derivatives (only heard, distance_m, tof_s, log_amplitude are set).

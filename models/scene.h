@@ -17,12 +17,14 @@ struct BeamPattern {
   enum class Kind {
     kCone,         ///< 1 up to half_angle_rad, 0 beyond
     kCosinePower,  ///< cos(angle)^exponent up to half_angle_rad (at most a right angle), 0 beyond
+    kHalfPower,    ///< log_directivity() of attenuation.h up to half_angle_rad, 0 beyond
     kTable         ///< linear between (angle_rad, gain), 0 beyond the last angle
   };
   std::string name;
   Kind kind = Kind::kCone;
   double half_angle_rad = 3.2;  ///< pi or more: all round
   double exponent = 1.0;
+  double half_power_angle_rad = 1.0;    ///< off the axis, 3 dB down
   std::vector<double> angle_rad, gain;  ///< angles rise from 0
   int line = 0;                         ///< in its file
 };

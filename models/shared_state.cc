@@ -3,6 +3,18 @@
 #include "models/shared_state.h"
 
 namespace octant {
+namespace {
+
+/// Of a site or of a deployment.
+template <class Receivers>
+std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers, const std::optional<AttenuationModel>& attenuation) {
+  std::vector<Eigen::Vector3d> axes;
+  if (!attenuation || !attenuation->directional()) return axes;
+  for (const auto& receiver : receivers) axes.push_back(receiver.axis.value_or(Eigen::Vector3d::Zero()));
+  return axes;
+}
+
+}  // namespace
 
 SharedState prior_state(const Site& site) {
   SharedState state;
@@ -20,6 +32,7 @@ SharedState prior_state(const Site& site) {
   state.receiver_delay_s.assign(site.receivers.size(), on_receivers ? timing.delay_s : 0.0);
   state.site_delay_s = on_beacons || on_receivers ? 0.0 : timing.delay_s;
   if (site.attenuation) state.attenuation = site.attenuation->mean();
+  state.receiver_axis = axes_of(site.receivers, state.attenuation);
   state.clock_drift.assign(site.vehicles.size(), timing.drift);
   if (site.noise.pair_sigma_s) state.pair_bias_s.assign(site.beacons.size() * site.receivers.size(), 0.0);
   return state;
@@ -37,6 +50,7 @@ SharedState shared_state(const Deployment& deployment) {
   }
   state.speed_offset_mps = {deployment.speed_offset_mps};
   state.attenuation = deployment.attenuation;
+  state.receiver_axis = axes_of(deployment.receivers, state.attenuation);
   for (const SiteVehicle& vehicle : deployment.vehicles) state.clock_drift.push_back(vehicle.clock_drift);
   return state;
 }

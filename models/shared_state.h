@@ -22,6 +22,7 @@ struct SharedState {
   double site_delay_s = 0.0;
   std::vector<double> speed_offset_mps = {0.0};  ///< added to the medium's model; one for all, or one for each run
   std::optional<AttenuationModel> attenuation;
+  std::vector<Eigen::Vector3d> receiver_axis;    ///< unit vectors, zero: none; where the attenuation is directional, else empty
   std::vector<double> pair_bias_s;               ///< beacon-major, empty: none
   std::vector<double> clock_drift;               ///< of each vehicle, see Timing::drift; empty: none
 
@@ -29,6 +30,10 @@ struct SharedState {
     double sum = site_delay_s + beacon_delay_s[beacon.index()] + receiver_delay_s[receiver.index()];
     if (!pair_bias_s.empty()) sum += pair_bias_s[beacon.index() * receiver_delay_s.size() + receiver.index()];
     return sum;
+  }
+  /// As PathInput takes it.
+  [[nodiscard]] const Eigen::Vector3d* axis_of(ReceiverId receiver) const {
+    return receiver_axis.empty() ? nullptr : &receiver_axis[receiver.index()];
   }
   [[nodiscard]] double drift(VehicleId vehicle) const {
     return vehicle.index() < clock_drift.size() ? clock_drift[vehicle.index()] : 0.0;

@@ -66,8 +66,10 @@ struct Prior {
 struct AttenuationPrior {
   Prior amplitude_1m_v, absorption_np_per_m, rise_time_s;
   double threshold_v = 0.0;
+  Prior half_power_angle_rad{};  ///< value 0: receivers hear all round alike
+  double saturation_v = std::numeric_limits<double>::infinity();
   [[nodiscard]] AttenuationModel mean() const {
-    return {amplitude_1m_v.value, absorption_np_per_m.value, threshold_v, rise_time_s.value};
+    return {amplitude_1m_v.value, absorption_np_per_m.value, threshold_v, rise_time_s.value, half_power_angle_rad.value, saturation_v};
   }
 };
 

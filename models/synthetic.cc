@@ -84,6 +84,7 @@ PathOutput Recorder::flight(const Shot& shot, ReceiverId receiver) const {
   input.speed_mps = speed_mps(scenario_.site.medium, shot.temperature_degC) + truth_.speed_offset_mps[0];
   input.delay_s = truth_.delay_s(shot.beacon, receiver) + (two_way ? timing.turnaround_s : 0.0);
   input.attenuation = truth_.attenuation ? &*truth_.attenuation : nullptr;
+  input.axis_vehicle = truth_.axis_of(receiver);
   const Pose sent = path_.at(shot.fired_s);
   PathOutput out;
   for (int i = 0; i < 20; ++i) {  // contracts by vehicle speed over signal speed
@@ -103,12 +104,13 @@ bool Recorder::hears(const Shot& shot, ReceiverId receiver, const Pose& T_map_ve
       truth_.beacon_p_map_m[shot.beacon.index()] - T_map_vehicle * truth_.receiver_p_vehicle_m[receiver.index()];
   const double distance_m = from_receiver.norm();
   if (distance_m > scenario_.range_m) return false;
-  if (truth_.attenuation && !(amplitude_v(distance_m, *truth_.attenuation) > kAudible * truth_.attenuation->threshold_v))
-    return false;
   const auto& axis = scenario_.site.receivers[receiver.index()].axis;
-  if (!axis || scenario_.hearing_half_angle_rad >= M_PI) return true;
-  const double cosine = (T_map_vehicle.rotation * axis->normalized()).dot(from_receiver) / distance_m;
-  return cosine > std::cos(scenario_.hearing_half_angle_rad);
+  const double cosine = axis ? (T_map_vehicle.rotation * axis->normalized()).dot(from_receiver) / distance_m : 1.0;
+  if (const auto& model = truth_.attenuation) {
+    const double gain = axis && model->directional() ? std::exp(log_directivity(cosine, model->half_power_angle_rad).value) : 1.0;
+    if (!(gain * amplitude_v(distance_m, *model) > kAudible * model->threshold_v)) return false;
+  }
+  return !axis || scenario_.hearing_half_angle_rad >= M_PI || cosine > std::cos(scenario_.hearing_half_angle_rad);
 }
 
 /// How late an arrival is through an echo, or how early through a spurious signal. Always takes the same number of draws, so
@@ -141,7 +143,7 @@ void Recorder::record_arrival(const Shot& shot, ReceiverId receiver) {
   arrival.vehicle = VehicleId(std::size_t{0});
   arrival.epoch = shot.epoch;
   if (scenario_.log_amplitude)
-    arrival.amplitude_v = std::exp(direct.log_amplitude) * (1 + noise.amplitude_relative_sigma * meter);
+    arrival.amplitude_v = std::min(std::exp(direct.log_amplitude) * (1 + noise.amplitude_relative_sigma * meter), truth_.attenuation->saturation_v);
   if (scenario_.warming_degC != 0) arrival.temperature_degC = shot.temperature_degC;
   // A drive's last arrivals have no odometry any more.
   if (path_.moving && arrival.time_s > path_.end_s() - spec_.odometry_period_s) return;

@@ -145,7 +145,12 @@ SharedState draw_truth(const Scenario& scenario, Random& draws) {
     truth.attenuation = AttenuationModel{.amplitude_1m_v = draw(site.attenuation->amplitude_1m_v, draws),
                                          .absorption_np_per_m = std::max(0.0, draw(site.attenuation->absorption_np_per_m, draws)),
                                          .threshold_v = site.attenuation->threshold_v,
-                                         .rise_time_s = std::max(0.0, draw(site.attenuation->rise_time_s, draws))};
+                                         .rise_time_s = std::max(0.0, draw(site.attenuation->rise_time_s, draws)),
+                                         .saturation_v = site.attenuation->saturation_v};
+    if (site.attenuation->half_power_angle_rad.value > 0)  // no draw where there is none: worlds stay what they were
+      truth.attenuation->half_power_angle_rad =
+          std::clamp(draw(site.attenuation->half_power_angle_rad, draws), kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
+    truth.receiver_axis = prior_state(site).receiver_axis;
   }
   if (site.noise.pair_sigma_s) {
     truth.pair_bias_s.resize(site.beacons.size() * site.receivers.size());

@@ -380,9 +380,12 @@ ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, doubl
   o.tof_s = a.tof_s;
   o.sigma_s = model.noise.tof_sigma_s;
   o.model_speed_mps = model_speed_mps;
-  if (model.use_amplitude && a.amplitude_v > 0) {
+  if (model.attenuation && model.attenuation->measures(a.amplitude_v)) {
     o.log_amplitude = std::log(a.amplitude_v);
     o.log_amplitude_sigma = model.noise.amplitude_relative_sigma;
+    // Far off its axis a receiver just hears, and no directivity is known well enough to say to microseconds how late.
+    if (model.attenuation->directional())
+      o.sigma_s = std::hypot(o.sigma_s, walk_by_log_amplitude_s(a.amplitude_v, *model.attenuation) * o.log_amplitude_sigma);
   }
   o.two_way = model.timing.ranging == Ranging::kTwoWay;
   return o;

@@ -121,7 +121,7 @@ struct TrajectoryModel {
   Medium medium;
   Timing timing;
   Noise noise;
-  bool use_amplitude = false;  ///< there is an attenuation model
+  std::optional<AttenuationModel> attenuation{};  ///< with it logged amplitudes are observations
   /// Of each vehicle; used for drives with neither odometry nor measured poses, planar and without a cycle offset.
   std::vector<std::optional<MotionPrior>> motion_priors{};
 };

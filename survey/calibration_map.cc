@@ -62,7 +62,8 @@ CalibrationMap::CalibrationMap(const Deployment& d, const SurveyModel& model) {
   for (const SurveyReceiver& r : model.receivers) receiver_.push_back(columns_of("receiver/" + vehicle + "/" + r.name));
   site_delay_ = column("site/delay_s");
   speed_ = column("medium/speed_mps");
-  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"), column("attenuation/rise_time_s")};
+  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"), column("attenuation/rise_time_s"),
+                  column("attenuation/half_power_angle_rad")};
   walk_ = d.attenuation;
   speed_mps_ = model.speed_mps;
   mps_by_delay_ = model.speed_mps / (d.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0);
@@ -88,10 +89,14 @@ void CalibrationMap::couple(const SurveyModel& model, const std::vector<HeardPat
     for (const int delay : {beacon_[p.beacon][3], receiver_[p.receiver][3], site_delay_}) add(delay, mps_by_delay_);
     add(speed_, -p.distance_m / speed_mps_);
     if (!walk_ || !(walk_->rise_time_s > 0)) continue;
-    const double below = std::min(walk_->threshold_v / amplitude_v(p.distance_m, *walk_), 0.99), by_part = walk_->rise_time_s * below / (1 - below);
+    const Eigen::Vector3d& axis = model.receivers[p.receiver].axis;
+    LogDirectivity gain;
+    if (walk_->directional() && !axis.isZero()) gain = log_directivity(-axis.dot(in_vehicle), walk_->half_power_angle_rad);
+    const double below = std::min(walk_->threshold_v / (amplitude_v(p.distance_m, *walk_) * std::exp(gain.value)), 0.99), by_part = walk_->rise_time_s * below / (1 - below);
     add(attenuation_[0], -mps_by_delay_ * by_part / walk_->amplitude_1m_v);
     add(attenuation_[1], mps_by_delay_ * by_part * p.distance_m);
     add(attenuation_[2], -mps_by_delay_ * std::log1p(-below));
+    add(attenuation_[3], -mps_by_delay_ * by_part * gain.by_half_power_angle);
   }
 }
 

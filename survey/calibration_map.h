@@ -39,7 +39,7 @@ class CalibrationMap {
   Eigen::MatrixXd root_;  ///< C = root root'
   std::vector<std::array<int, 4>> beacon_, receiver_;  ///< columns of x, y, z, delay; -1: none
   int site_delay_ = -1, speed_ = -1;
-  std::array<int, 3> attenuation_ = {-1, -1, -1};
+  std::array<int, kAttenuationUnknowns> attenuation_ = {-1, -1, -1, -1};
   std::optional<AttenuationModel> walk_;
   double mps_by_delay_ = 343.0, speed_mps_ = 343.0;
 };

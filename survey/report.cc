@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,14 @@ std::string speed_in_words(const Deployment& d) {
   std::string text = fmt::format("{:.8g} m/s, sigma {:.2g} m/s", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps);
   if (d.medium.model == MediumModel::kConstant) return text;
   return text + fmt::format(", at {:g} degC (model {})", d.medium.temperature_degC, std::string(to_string(d.medium.model)));
+}
+
+std::string directivity_in_words(const Deployment& d) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  std::string text = fmt::format("3 dB less at {:.4g} degrees off the axis", d.attenuation->half_power_angle_rad / kDegree);
+  const auto& names = d.covariance.parameters;
+  const auto at = std::find(names.begin(), names.end(), "attenuation/half_power_angle_rad") - names.begin();
+  return at >= d.covariance.matrix.rows() ? text : text + fmt::format(", sigma {:.2g} degrees", std::sqrt(d.covariance.matrix(at, at)) / kDegree);
 }
 
 double radius95_m(const DeploymentBeacon& beacon) {

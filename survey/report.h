@@ -125,6 +125,8 @@ struct Verdict {
 
 /// "343.21 m/s, sigma 0.04 m/s, at 21 degC (model cramer1993)".
 [[nodiscard]] std::string speed_in_words(const Deployment& deployment);
+/// "3 dB less at 22.5 degrees off the axis, sigma 0.1 degrees". @param deployment  with a directional attenuation
+[[nodiscard]] std::string directivity_in_words(const Deployment& deployment);
 
 /// The report's content: verdict, plan, beacons, verification, residuals, weak directions, loss of a beacon, changes, what next,
 /// provenance. Sections of which nothing is known are left out.

@@ -20,6 +20,7 @@ ReportTable adjustment_table(const ReportInput& input) {
   if (d.attenuation) {
     row("time-walk", fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, threshold {:.4g} V, rise time constant {}", d.attenuation->amplitude_1m_v,
                                  d.attenuation->absorption_np_per_m, d.attenuation->threshold_v, time_symbol_text(d.attenuation->rise_time_s)));
+    if (d.attenuation->directional()) row("receivers", directivity_in_words(d));
   }
   row("arrivals", fmt::format("{} used, {} left out", s.arrivals, s.rejected));
   for (const auto& note : input.left_out) row("left out: " + note.reason, std::to_string(note.count));

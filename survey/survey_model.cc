@@ -67,6 +67,19 @@ std::size_t add_cone(double cosine, SurveyModel& model) {
   return model.patterns.size() - 1;
 }
 
+/// How a receiver hears that the scene says nothing of: as calibrated, else as widely as calibration has heard.
+std::size_t pattern_of_receiver(const Common& common, double hearing_cosine, SurveyModel& model) {
+  if (!common.attenuation || !common.attenuation->directional() || !(model.hearing.threshold_v > 0)) return add_cone(hearing_cosine, model);
+  const double angle_rad = common.attenuation->half_power_angle_rad;
+  for (std::size_t i = 0; i < model.patterns.size(); ++i)
+    if (model.patterns[i].kind == BeamPattern::Kind::kHalfPower && model.patterns[i].half_power_angle_rad == angle_rad) return i;
+  BeamPattern& pattern = model.patterns.emplace_back();
+  pattern.name = fmt::format("-3 dB at {:.0f} degrees", angle_rad * 180 / M_PI);
+  pattern.kind = BeamPattern::Kind::kHalfPower;
+  pattern.half_power_angle_rad = angle_rad;
+  return model.patterns.size() - 1;
+}
+
 Result<void> apply_patterns(const Common& common, const Scene& scene, SurveyModel& model) {
   for (SurveyBeacon& beacon : model.beacons)
     if (scene.beacon_pattern && !beacon.axis.isZero()) beacon.pattern = *scene.beacon_pattern;
@@ -91,7 +104,7 @@ Result<void> apply_patterns(const Common& common, const Scene& scene, SurveyMode
   for (std::size_t r = 0; r < model.receivers.size(); ++r) {
     SurveyReceiver& receiver = model.receivers[r];
     if (receiver.axis.isZero()) continue;
-    receiver.pattern = scene.receiver_pattern ? *scene.receiver_pattern : add_cone(common.hearing_cosine[r], model);
+    receiver.pattern = scene.receiver_pattern ? *scene.receiver_pattern : pattern_of_receiver(common, common.hearing_cosine[r], model);
   }
   return {};
 }

@@ -70,6 +70,7 @@ void add_deployment(Json& object, const Deployment& d) {
   if (d.attenuation) {
     object["attenuation"] = {{"amplitude_1m_v", d.attenuation->amplitude_1m_v}, {"absorption_np_per_m", d.attenuation->absorption_np_per_m},
                              {"threshold_v", d.attenuation->threshold_v}, {"rise_time_s", d.attenuation->rise_time_s}};
+    if (d.attenuation->directional()) object["attenuation"]["half_power_angle_rad"] = d.attenuation->half_power_angle_rad;
   }
 }
 

@@ -204,6 +204,7 @@ std::string calibration_text(const Calibration& calibration) {
   if (d.attenuation) {
     line("time-walk", fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, rise time constant {}", d.attenuation->amplitude_1m_v,
                                   d.attenuation->absorption_np_per_m, time_text(d.attenuation->rise_time_s)));
+    if (d.attenuation->directional()) line("receivers", survey::directivity_in_words(d));
   }
   std::string reasons;
   for (const auto& [reason, count] : left_out_by_reason(calibration)) reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, reason);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace octant {
 namespace {
@@ -67,8 +68,14 @@ ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment)
   if (!deployment.attenuation) return out;
   const AttenuationModel& a = *deployment.attenuation;
   const double share = a.threshold_v / arrival.amplitude_v;
-  if (!(share >= 0 && share < kMaxThresholdShare)) {  // not logged, or (noise) not above the threshold
+  if (!a.measures(arrival.amplitude_v) || !(share < kMaxThresholdShare)) {  // not logged, or (noise) not above the threshold
     solve_with_predicted_walk(path_m, legs, tof_sigma_s, a, out);
+    if (a.directional() && deployment.receivers[arrival.receiver.index()].axis) {
+      // From where it hears is not known here: as much later as off the axis by the half-power angle.
+      AttenuationModel off_axis = a;
+      off_axis.amplitude_1m_v /= std::numbers::sqrt2;
+      out.sigma_m = std::hypot(out.sigma_m, out.gain_mps * (predicted_walk(out.range_m, off_axis).walk_s - predicted_walk(out.range_m, a).walk_s));
+    }
     return out;
   }
   out.range_m = (path_m - out.speed_mps * walk_of_share_s(share, a)) / legs;

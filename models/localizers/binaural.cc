@@ -138,7 +138,7 @@ double Binaural::range_m(const Arrival& arrival, double& speed_mps) const noexce
   double range = speed_mps * time_s;
   if (!deployment_.attenuation || !(range > 0)) return range;
   const AttenuationModel& model = *deployment_.attenuation;
-  if (arrival.amplitude_v > 0) return speed_mps * (time_s - walk_s(arrival.amplitude_v, model));
+  if (model.measures(arrival.amplitude_v)) return speed_mps * (time_s - walk_s(arrival.amplitude_v, model));
   for (int i = 0; i < kWalkSteps; ++i) range = speed_mps * (time_s - walk_s(amplitude_v(std::max(range, 1e-3), model), model));
   return range;
 }

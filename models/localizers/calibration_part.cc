@@ -26,7 +26,8 @@ CalibrationPart::CalibrationPart(const Deployment& deployment) : covariance_(dep
     receiver_.push_back(columns_of("receiver/" + deployment.vehicles[r.vehicle.index()].name + "/" + r.name));
   site_delay_ = column("site/delay_s");
   speed_ = column("medium/speed_mps");
-  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"), column("attenuation/rise_time_s")};
+  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"), column("attenuation/rise_time_s"),
+                  column("attenuation/half_power_angle_rad")};
 }
 
 void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, const Segment& segment, const SharedState& state) const {
@@ -52,10 +53,8 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
     };
     for (std::size_t i = 0; i < 3; ++i) couple(beacon_[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
     if (!row.receiver.valid()) return;
-    for (std::size_t i = 0; i < 3; ++i) {
-      couple(receiver_[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
-      couple(attenuation_[i], row.by_attenuation[static_cast<int>(i)]);
-    }
+    for (std::size_t i = 0; i < 3; ++i) couple(receiver_[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
+    for (std::size_t i = 0; i < attenuation_.size(); ++i) couple(attenuation_[i], row.by_attenuation[static_cast<int>(i)]);
     couple(beacon_[row.beacon.index()][3], row.by_delay);
     couple(receiver_[row.receiver.index()][3], row.by_delay);
     couple(site_delay_, row.by_delay);

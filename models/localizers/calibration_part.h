@@ -27,7 +27,7 @@ class CalibrationPart {
   Eigen::MatrixXd covariance_;
   std::vector<std::array<int, 4>> beacon_, receiver_;  ///< columns of x, y, z, delay in the joint covariance; -1: not in it
   int site_delay_ = -1, speed_ = -1;
-  std::array<int, 3> attenuation_ = {-1, -1, -1};
+  std::array<int, kAttenuationUnknowns> attenuation_ = {-1, -1, -1, -1};
 };
 
 }  // namespace octant

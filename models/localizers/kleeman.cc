@@ -98,6 +98,7 @@ FixStatus Kleeman::solve_pass(bool first) noexcept {
   } else {
     centre();
   }
+  set_rough_aside();
   // As long as the array is taken for a point, two distances may differ by its diameter more than eq. 5-6 allow.
   const double slack_m = first ? 2 * v.radius_m : 0.0;
   w.impossible = triangle_violations(w.distances, beacon_p_map_m_, options_.triangle_sigmas, slack_m);
@@ -111,7 +112,9 @@ void Kleeman::find_heading(bool first) noexcept {
   Work& w = *work_;
   // Beacons that longsolve has thrown out are late, and from somewhere else: they say nothing of the heading either.
   for (HeardDistance& h : w.heard) h.kept = h.kept && w.solution.agreeing[h.beacon];
-  const HeadingInput input{w.heard, beacon_p_map_m_, w.vehicle->receivers, w.solution.p_map_m};
+  const auto& attenuation = deployment_.attenuation;
+  const HeadingInput input{w.heard, beacon_p_map_m_, w.vehicle->receivers, w.solution.p_map_m,
+                           attenuation && attenuation->directional() ? &*attenuation : nullptr, deployment_.noise.amplitude_relative_sigma};
   // The first pass has not yet told the echoes of single receivers from direct arrivals: the coarse heading stands that.
   const bool coarse = first || options_.heading != KleemanHeading::kInterpolation;
   const bool published = options_.heading == KleemanHeading::kMeanAxes;

@@ -88,11 +88,12 @@ class Kleeman : public Localizer {
   [[nodiscard]] FixStatus place(std::span<const Arrival> arrivals, double scale) noexcept;
   void gather(std::span<const Arrival> arrivals, double scale) noexcept;
   [[nodiscard]] FixStatus solve_pass(bool first) noexcept;
-  void take_walk_out(HeardDistance& heard, double distance_m) const noexcept;
+  void take_walk_out(HeardDistance& heard, double distance_m, double log_directivity) const noexcept;
   void earliest() noexcept;
   void centre() noexcept;
   void keep_agreeing(std::size_t beacon) noexcept;
   void combine(std::size_t beacon) noexcept;
+  void set_rough_aside() noexcept;
   [[nodiscard]] double calibration_variance_m2(std::size_t beacon) const noexcept;
   void find_heading(bool first) noexcept;
   void fill(std::span<const Arrival> arrivals, Fix& fix) const noexcept;

@@ -18,37 +18,57 @@ constexpr double kOverhead = 0.05;  // cosine of the elevation below which a bea
 constexpr int kMaxSteps = 20;
 constexpr double kSectorOdds = 30.0;        // a sector that holds the heading against one that does not
 constexpr double kAlike_rad = 0.02;         // axes and sensitivities of receivers: bisectors are no better than a degree
+constexpr double kLouder = 3.0;             // sigmas of a difference between amplitudes that is no noise
 constexpr double kContradiction_rad = 1.0;  // a mean over headings so far apart is none of them
 
-/// Normal equation of the heading, from each beacon's arrivals less their mean.
+/// Normal equation of the heading.
 struct Normal {
   double information = 0.0, gradient = 0.0, chi2 = 0.0;
   Eigen::RowVector2d coupling = Eigen::RowVector2d::Zero();
 };
 
+/// Observations of one kind of one beacon, that have an unknown number in common: each less their mean.
+class Differences {
+ public:
+  void add(double residual, double sigma, double by_heading, const Eigen::RowVector2d& by_position) {
+    const double weight = 1 / (sigma * sigma);
+    w_ += weight;
+    r_ += weight * residual;
+    j_ += weight * by_heading;
+    k_ += weight * by_position;
+    rr_ += weight * residual * residual;
+    rj_ += weight * residual * by_heading;
+    jj_ += weight * by_heading * by_heading;
+    jk_ += weight * by_heading * by_position;
+  }
+  void add_to(Normal& sum) const {
+    if (!(w_ > 0)) return;
+    sum.chi2 += rr_ - r_ * r_ / w_;
+    sum.gradient += rj_ - r_ * j_ / w_;
+    sum.information += jj_ - j_ * j_ / w_;
+    sum.coupling += jk_ - j_ * k_ / w_;
+  }
+
+ private:
+  double w_ = 0.0, r_ = 0.0, j_ = 0.0, rr_ = 0.0, rj_ = 0.0, jj_ = 0.0;
+  Eigen::RowVector2d k_ = Eigen::RowVector2d::Zero(), jk_ = Eigen::RowVector2d::Zero();
+};
+
 Normal normal_equation(const HeadingInput& in, double heading_rad) {
   Normal sum;
   for (std::size_t b = 0; b < in.beacon_p_map_m.size(); ++b) {
-    double w = 0.0, r = 0.0, j = 0.0, rr = 0.0, rj = 0.0, jj = 0.0;
-    Eigen::RowVector2d k = Eigen::RowVector2d::Zero(), jk = Eigen::RowVector2d::Zero();
+    Differences distances, amplitudes;
     for (const HeardDistance& h : in.heard) {
       if (h.beacon != b || !h.kept) continue;
-      const ReceiverPath path = receiver_path(in.beacon_p_map_m[b], in.receivers[h.receiver], in.p_map_m, heading_rad);
-      const double weight = 1 / (h.sigma_m * h.sigma_m), residual_m = h.slant_m - path.slant_m;
-      w += weight;
-      r += weight * residual_m;
-      j += weight * path.by_heading;
-      k += weight * path.by_position;
-      rr += weight * residual_m * residual_m;
-      rj += weight * residual_m * path.by_heading;
-      jj += weight * path.by_heading * path.by_heading;
-      jk += weight * path.by_heading * path.by_position;
+      const ArrayReceiver& receiver = in.receivers[h.receiver];
+      const ReceiverPath path = receiver_path(in.beacon_p_map_m[b], receiver, in.p_map_m, heading_rad);
+      distances.add(h.slant_m - path.slant_m, h.sigma_m, path.by_heading, path.by_position);
+      if (in.directional == nullptr || !h.walk_known || receiver.direction.isZero()) continue;
+      const ReceiverGain gain = receiver_gain(in.beacon_p_map_m[b], receiver, in.p_map_m, heading_rad, *in.directional);
+      amplitudes.add(h.log_amplitude - gain.log, in.log_amplitude_sigma, gain.by_heading, gain.by_position);
     }
-    if (!(w > 0)) continue;
-    sum.chi2 += rr - r * r / w;
-    sum.gradient += rj - r * j / w;
-    sum.information += jj - j * j / w;
-    sum.coupling += jk - j * k / w;
+    distances.add_to(sum);
+    amplitudes.add_to(sum);
   }
   return sum;
 }
@@ -100,6 +120,34 @@ struct Sector {
   Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  // of either end
 };
 
+/// Where a beacon may be to the left of the mean axis.
+struct OffAxisBounds {
+  double least_rad = 0.0, most_rad = 0.0;
+};
+
+/// Of two receivers the louder is the nearer: the beacon is on its side of their bisector. Left as it is where that contradicts
+/// itself, as it does where one of them is not as sensitive as the others.
+void narrow_by_loudness(const HeadingInput& in, std::size_t beacon, const Eigen::Vector2d& mean_axis, OffAxisBounds& bounds) {
+  if (in.directional == nullptr) return;
+  const double clear = kLouder * std::numbers::sqrt2 * in.log_amplitude_sigma;
+  const auto counts = [&](const HeardDistance& h) { return h.beacon == beacon && h.kept && h.walk_known && in.receivers[h.receiver].axis; };
+  OffAxisBounds narrow = bounds;
+  for (const HeardDistance& a : in.heard) {
+    if (!counts(a)) continue;
+    const double off_a = angle_of(turn_between(mean_axis, *in.receivers[a.receiver].axis));
+    for (const HeardDistance& b : in.heard) {
+      if (!counts(b) || a.receiver == b.receiver || !(a.log_amplitude - b.log_amplitude > clear)) continue;
+      const double off_b = angle_of(turn_between(mean_axis, *in.receivers[b.receiver].axis)), middle = (off_a + off_b) / 2;
+      if (off_a > off_b) {
+        narrow.least_rad = std::max(narrow.least_rad, middle);
+      } else {
+        narrow.most_rad = std::min(narrow.most_rad, middle);
+      }
+    }
+  }
+  if (narrow.least_rad < narrow.most_rad) bounds = narrow;
+}
+
 std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
   const HeardFrom heard = heard_from(in, beacon);
   if (!heard.known) return std::nullopt;
@@ -130,8 +178,10 @@ std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
   }
   if (!std::isfinite(deaf_left)) return std::nullopt;  // heard all round
   const double mean_rad = angle_of(turn_between(heard.axis, heard.bearing));
-  // Between the bisectors of the last on one side that hears and the first on the other that does not.
-  return Sector{mean_rad - (hears_right + deaf_left) / 2, mean_rad - (hears_left + deaf_right) / 2, heard.by_position};
+  // The bearing off the mean axis: between the bisectors of the last on one side that hears and the first on the other that does not.
+  OffAxisBounds off{(hears_left + deaf_right) / 2, (hears_right + deaf_left) / 2};
+  narrow_by_loudness(in, beacon, heard.axis, off);
+  return Sector{mean_rad - off.most_rad, mean_rad - off.least_rad, heard.by_position};
 }
 
 /// Sectors on a line of headings, that begins and ends opposite to where most of them overlap.
@@ -231,6 +281,28 @@ ReceiverPath receiver_path(const Eigen::Vector3d& beacon, const ArrayReceiver& r
   path.by_position = e.transpose();
   path.by_heading = e.y() * lever.x() - e.x() * lever.y();
   return path;
+}
+
+ReceiverGain receiver_gain(const Eigen::Vector3d& beacon, const ArrayReceiver& receiver, const Eigen::Vector2d& p, double heading_rad,
+                           const AttenuationModel& model) {
+  const double c = std::cos(heading_rad), s = std::sin(heading_rad);
+  const Eigen::Vector3d &o = receiver.position_m, &a = receiver.direction;
+  const Eigen::Vector2d lever(c * o.x() - s * o.y(), s * o.x() + c * o.y()), axis(c * a.x() - s * a.y(), s * a.x() + c * a.y());
+  const Eigen::Vector3d to(beacon.x() - p.x() - lever.x(), beacon.y() - p.y() - lever.y(), beacon.z() - o.z());
+  const double distance_m = to.norm();
+  ReceiverGain gain;
+  if (!(distance_m > 0)) return gain;
+  const Eigen::Vector3d e = to / distance_m;
+  const double cosine = axis.dot(e.head<2>()) + a.z() * e.z();
+  const LogDirectivity directivity = log_directivity(cosine, model.half_power_angle_rad);
+  const double loss = 1 / distance_m + model.absorption_np_per_m;
+  gain.log_directivity = directivity.value;
+  gain.log = directivity.value - std::log(distance_m) - model.absorption_np_per_m * distance_m;
+  // By the receiver's place: the distance grows along -e, the direction turns.
+  gain.by_position = (loss * e.head<2>() - directivity.by_cosine / distance_m * (axis - cosine * e.head<2>())).transpose();
+  const Eigen::Vector2d lever_turns(-lever.y(), lever.x()), axis_turns(-axis.y(), axis.x());
+  gain.by_heading = gain.by_position.dot(lever_turns) + directivity.by_cosine * axis_turns.dot(e.head<2>());
+  return gain;
 }
 
 Heading heading_from_mean_axes(const HeadingInput& in) {

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "models/attenuation.h"
+
 namespace octant {
 
 // Orientation of the receiver array about the vertical, once the position is known (L. Kleeman, sections 5.1 and 6).
@@ -16,14 +18,15 @@ namespace octant {
 /// What the heading is taken from.
 enum class KleemanHeading {
   kMeanAxes,       ///< which receivers hear, to 45 degrees a beacon, averaged: as published
-  kHearing,        ///< the same, as sectors that the beacons' patterns leave together
-  kInterpolation,  ///< differences of arrival times across the array
+  kHearing,        ///< which receivers hear and which of them louder, as sectors that the beacons leave together
+  kInterpolation,  ///< differences of arrival times and, where receivers are directional, of amplitudes across the array
 };
 
 /// A receiver of the array, in the vehicle frame.
 struct ArrayReceiver {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector2d> axis;  ///< horizontal direction of hearing, unit vector
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of hearing, unit vector; zero: all round alike
   double delay_s = 0.0;
   double variance_m2 = 0.0;  ///< of a distance through it, beside the noise: its place and its delay
 };
@@ -38,6 +41,7 @@ struct HeardDistance {
   double sigma_m = 0.0;
   double centred_m = 0.0;   ///< slant_m as from the vehicle's centre
   bool walk_known = false;  ///< from a measured amplitude
+  double log_amplitude = 0.0;  ///< ln(A / 1 V), where walk_known
   bool kept = true;         ///< agrees with the other arrivals of its beacon
 };
 
@@ -47,6 +51,8 @@ struct HeadingInput {
   std::span<const Eigen::Vector3d> beacon_p_map_m;
   std::span<const ArrayReceiver> receivers;
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
+  const AttenuationModel* directional = nullptr;  ///< not owned; where it is, amplitudes tell of angles
+  double log_amplitude_sigma = 0.0;
 };
 
 struct Heading {
@@ -65,6 +71,16 @@ struct ReceiverPath {
 [[nodiscard]] ReceiverPath receiver_path(const Eigen::Vector3d& beacon_p_map_m, const ArrayReceiver& receiver,
                                          const Eigen::Vector2d& p_map_m, double heading_rad);
 
+/// The same of what the receiver hears, ln(A / A_1m): spreading, absorption, and its directivity.
+struct ReceiverGain {
+  double log = 0.0;
+  double log_directivity = 0.0;  ///< the last of the three
+  Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  ///< 1/m
+  double by_heading = 0.0;                                      ///< 1/rad
+};
+[[nodiscard]] ReceiverGain receiver_gain(const Eigen::Vector3d& beacon_p_map_m, const ArrayReceiver& receiver,
+                                         const Eigen::Vector2d& p_map_m, double heading_rad, const AttenuationModel& model);
+
 /// As published: each beacon is heard from the middle direction of the receivers that hear it, which the array resolves to one
 /// receiver spacing (45 degrees); its bearing in the map less that is a heading, and the mean over the beacons is the result.
 /// The rounding is uniform, so n beacons leave 45 / sqrt(12 n) degrees: 5.3 with six. Unknown without axes.
@@ -77,12 +93,14 @@ struct ReceiverPath {
 /// middle and sigma the overlap's width / sqrt(12). A receiver whose arrival was left out may or may not hear and bounds
 /// nothing. One that missed its pulse turns a sector by half a receiver spacing, as if one beacon in thirty disagreed: headings
 /// with one beacon less count that much less, and keep sigma from what a sliver of overlap would promise. Where the number that
-/// hears varies, sectors could be narrower if the angle were known: sigma is on the safe side. Unknown without axes, or where the
-/// beacons contradict each other.
+/// hears varies, sectors could be narrower if the angle were known: sigma is on the safe side.
+/// Of two directional receivers that hear, the one that is louder by more than noise is the nearer: half a sector, and no more
+/// need be known of the directivity than that it falls. Unknown without axes, or where the beacons contradict each other.
 [[nodiscard]] Heading heading_from_hearing(const HeadingInput& input);
 
 /// Interpolated between receivers, as the paper proposes: least squares of the differences between the arrivals of one beacon
-/// at several receivers. The mean of a beacon's arrivals does not enter, so neither does the unknown offset.
+/// at several receivers, in time and, of directional receivers, in amplitude. The means of a beacon's arrivals do not enter, so
+/// neither does the unknown offset, nor how loud the beacon is.
 /// @param start  where it begins; not known: the best of 36 headings. Unknown where no beacon is heard by two receivers.
 [[nodiscard]] Heading heading_from_differences(const HeadingInput& input, const Heading& start);
 

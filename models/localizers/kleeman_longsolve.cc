@@ -143,8 +143,10 @@ bool Longsolve::quick(const Problem& problem, BeaconSet subset, const LongsolveM
 }
 
 /// The four steps of the paper.
-LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet subset, const Eigen::Vector2d& start,
+/// @param wanted  beacons that may be averaged; those that are too rough for it take part in settle() alone
+LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet wanted, const Eigen::Vector2d& start,
                                 LongsolveMemory& memory) const noexcept {
+  const BeaconSet subset = wanted & ~problem.distances.rough;
   LongsolveFix fix;
   fix.status = FixStatus::kNoConsensus;
   if (!memory.has_errors) estimate_errors(start, memory);
@@ -227,11 +229,15 @@ void Longsolve::settle(const Problem& problem, LongsolveFix& fix) const noexcept
 /// is early is believed to be spurious when six agree).
 bool Longsolve::acceptable(const Problem& problem, const LongsolveFix& fix) const noexcept {
   if (!fix.ok() || (fix.averaged & ~fix.agreeing).any()) return false;
-  const auto heard = static_cast<int>(problem.distances.heard.count());
-  const auto agreeing = static_cast<int>(fix.agreeing.count());
-  if (agreeing < std::max(3, std::min(options_.min_agreeing, heard))) return false;
-  if (!(agreeing > options_.agreeing_share * heard)) return false;
-  return fix.early.none() || agreeing >= 6;
+  // Rough distances agree with much: neither do they make up for others, nor may they contradict.
+  for (const BeaconSet counted : {problem.distances.heard & ~problem.distances.rough, problem.distances.heard}) {
+    const auto heard = static_cast<int>(counted.count());
+    const auto agreeing = static_cast<int>((fix.agreeing & counted).count());
+    if (agreeing < std::max(3, std::min(options_.min_agreeing, heard))) return false;
+    if (!(agreeing > options_.agreeing_share * heard)) return false;
+    if (fix.early.any() && agreeing < 6) return false;
+  }
+  return true;
 }
 
 LongsolveFix Longsolve::search_exclusions(const Problem& problem, const Eigen::Vector2d& start,

@@ -83,7 +83,7 @@ class Longsolve {
   struct Average;
   struct Problem;
 
-  [[nodiscard]] LongsolveFix attempt(const Problem& problem, BeaconSet subset, const Eigen::Vector2d& start,
+  [[nodiscard]] LongsolveFix attempt(const Problem& problem, BeaconSet wanted, const Eigen::Vector2d& start,
                                      LongsolveMemory& memory) const noexcept;
   [[nodiscard]] LongsolveFix search_exclusions(const Problem& problem, const Eigen::Vector2d& start,
                                                LongsolveMemory& memory) const noexcept;

@@ -43,13 +43,14 @@ void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
     const double noise_m = w.speed_mps * std::hypot(noise.tof_sigma_s, pair_s);
     // A noise of nothing would make every rounding error an outlier: a tenth of a micrometre is none.
     double variance_m2 = noise_m * noise_m + r.variance_m2 + 1e-14;
-    if (deployment_.attenuation && a.amplitude_v > 0) {
+    if (deployment_.attenuation && deployment_.attenuation->measures(a.amplitude_v)) {
       const AttenuationModel& model = *deployment_.attenuation;
       const double share = std::min(model.threshold_v / a.amplitude_v, kMaxThresholdShare);
       h.time_m += w.speed_mps * model.rise_time_s * std::log1p(-share);  // the walk, at the amplitude measured
       const double spread_m = w.speed_mps * model.rise_time_s * share / (1 - share) * noise.amplitude_relative_sigma;
       variance_m2 += spread_m * spread_m;
       h.walk_known = true;
+      h.log_amplitude = std::log(a.amplitude_v);
     }
     h.sigma_m = std::sqrt(variance_m2);
     h.slant_m = h.time_m;
@@ -57,10 +58,10 @@ void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
   }
 }
 
-void Kleeman::take_walk_out(HeardDistance& h, double distance_m) const noexcept {
+void Kleeman::take_walk_out(HeardDistance& h, double distance_m, double log_directivity) const noexcept {
   if (!deployment_.attenuation || h.walk_known) return;
   const AttenuationModel& model = *deployment_.attenuation;
-  const double amplitude = amplitude_v(std::max(distance_m, kMinDistance_m), model);
+  const double amplitude = amplitude_v(std::max(distance_m, kMinDistance_m), model) * std::exp(log_directivity);
   const double share = std::min(model.threshold_v / amplitude, kMaxThresholdShare);
   h.slant_m = h.time_m + work_->speed_mps * model.rise_time_s * std::log1p(-share);
 }
@@ -76,7 +77,7 @@ void Kleeman::earliest() noexcept {
     double extent_m = 0.0;
     for (const Eigen::Vector3d& b : beacon_p_map_m_) extent_m = std::max(extent_m, (b - beacon_p_map_m_.front()).norm());
     for (HeardDistance& h : w.heard) {
-      take_walk_out(h, extent_m / 2);
+      take_walk_out(h, extent_m / 2, 0.0);
       walk_m = std::max(walk_m, (h.time_m - h.slant_m) / 2);
     }
   }
@@ -104,9 +105,12 @@ void Kleeman::centre() noexcept {
   const Vehicle& v = *w.vehicle;
   w.distances.heard.reset();
   for (HeardDistance& h : w.heard) {
-    const ReceiverPath path =
-        receiver_path(beacon_p_map_m_[h.beacon], v.receivers[h.receiver], w.solution.p_map_m, w.heading.rad);
-    take_walk_out(h, path.slant_m);
+    const ArrayReceiver& receiver = v.receivers[h.receiver];
+    const ReceiverPath path = receiver_path(beacon_p_map_m_[h.beacon], receiver, w.solution.p_map_m, w.heading.rad);
+    const bool off_axis = !h.walk_known && deployment_.attenuation && deployment_.attenuation->directional() && !receiver.direction.isZero();
+    const double log_directivity =
+        off_axis ? receiver_gain(beacon_p_map_m_[h.beacon], receiver, w.solution.p_map_m, w.heading.rad, *deployment_.attenuation).log_directivity : 0.0;
+    take_walk_out(h, path.slant_m, log_directivity);
     h.centred_m = h.slant_m + slant_distance_m(v.plan[h.beacon], w.solution.p_map_m) - path.slant_m;
   }
   for (std::size_t b = 0; b < beacon_p_map_m_.size(); ++b) {
@@ -160,6 +164,24 @@ void Kleeman::combine(std::size_t beacon) noexcept {
   w.distances.distance_m[beacon] = sum_m / weight;
   const double turned_m = by_heading / weight * (w.heading.known ? w.heading.sigma_rad : M_PI);
   w.distances.sigma_m[beacon] = std::sqrt(1 / weight + calibration_variance_m2(beacon) + turned_m * turned_m);
+}
+
+/// The triples' estimated errors take all distances for equally good. One whose pulse just passes the threshold, as those of a
+/// beacon high above do, may be good to centimetres where others are to millimetres: the place does better without, as long as
+/// four others are heard.
+void Kleeman::set_rough_aside() noexcept {
+  constexpr double kRough = 4.0;  // of the median sigma
+  constexpr std::size_t kEnough = 4;
+  OffsetDistances& d = work_->distances;
+  d.rough.reset();
+  std::array<double, kKleemanBeacons> sigma_m{};
+  std::size_t count = 0;
+  for (std::size_t b = 0; b < beacon_p_map_m_.size(); ++b)
+    if (d.heard[b]) sigma_m[count++] = d.sigma_m[b];
+  if (count <= kEnough) return;
+  std::sort(sigma_m.begin(), sigma_m.begin() + static_cast<std::ptrdiff_t>(count));
+  const double limit_m = std::max(kRough * sigma_m[count / 2], sigma_m[kEnough - 1]);
+  for (std::size_t b = 0; b < beacon_p_map_m_.size(); ++b) d.rough[b] = d.heard[b] && d.sigma_m[b] > limit_m;
 }
 
 /// Of a beacon's distance: its place along the line of sight, and its delay.

@@ -18,6 +18,7 @@ struct OffsetDistances {
   std::array<double, kKleemanBeacons> distance_m{};
   std::array<double, kKleemanBeacons> sigma_m{};  ///< of the noise, independent from beacon to beacon
   BeaconSet heard;                                ///< the other entries mean nothing
+  BeaconSet rough;                                ///< of those heard, much less exact than the others: they check and do not place
 };
 
 /// Which distances cannot be direct, by the triangle inequality (L. Kleeman, section 4.3), over all pairs of beacons heard:

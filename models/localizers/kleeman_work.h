@@ -43,6 +43,7 @@ struct Kleeman::Vehicle {
       a.delay_s = r.delay_s;
       const double delay_m = speed_mps * r.delay_sigma_s;
       a.variance_m2 = delay_m * delay_m + r.sigma_m.squaredNorm() / 3;  // along some direction
+      if (r.axis) a.direction = *r.axis;
       if (r.axis && r.axis->head<2>().norm() > 1e-6) a.axis = r.axis->head<2>().normalized();
       out.push_back(a);
     }

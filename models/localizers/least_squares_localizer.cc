@@ -53,7 +53,7 @@ TrajectoryModel trajectory_model(const Deployment& deployment) {
   model.medium = deployment.medium;
   model.timing = deployment.timing;
   model.noise = deployment.noise;
-  model.use_amplitude = deployment.attenuation.has_value();
+  model.attenuation = deployment.attenuation;
   for (const SiteVehicle& vehicle : deployment.vehicles) model.motion_priors.push_back(vehicle.motion);
   return model;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "models/attenuation.h"
 
@@ -11,10 +12,11 @@ namespace octant {
 namespace {
 
 /// Walk of a pulse that just passes the threshold where the model hears none.
-double walk_s(double distance_m, const AttenuationModel& model) {
-  const double share = std::min(model.threshold_v / amplitude_v(std::max(distance_m, 1e-3), model), 0.995);
-  return -model.rise_time_s * std::log1p(-share);
+double walk_s_at(double amplitude_v, const AttenuationModel& model) {
+  return -model.rise_time_s * std::log1p(-std::min(model.threshold_v / amplitude_v, 0.995));
 }
+
+double walk_s(double distance_m, const AttenuationModel& model) { return walk_s_at(amplitude_v(std::max(distance_m, 1e-3), model), model); }
 
 Pose relative_pose(const RigidPath& path, std::size_t node, double alpha) {
   if (path.T_anchor_node.empty()) return {};
@@ -45,6 +47,12 @@ void add_ranges(const Trajectory& trajectory, const Segment& segment, const Epoc
     r.range_m = range_of(a, trajectory, model.state);
     const double speed = a.model_speed_mps + model.state.speed_offset(trajectory.run);
     r.sigma_m = std::hypot(a.sigma_s * speed / (a.two_way ? 2.0 : 1.0), drift(path, a.node));
+    if (model.state.attenuation && model.state.attenuation->directional() && !(a.log_amplitude_sigma > 0)) {
+      // From how far off the axis is not known here: as much later as at the half-power angle.
+      AttenuationModel off_axis = *model.state.attenuation;
+      off_axis.amplitude_1m_v /= std::numbers::sqrt2;
+      r.sigma_m = std::hypot(r.sigma_m, speed * (walk_s(r.range_m, off_axis) - walk_s(r.range_m, *model.state.attenuation)));
+    }
     r.beacon = a.beacon;
     r.observation = i;
     if (std::isfinite(r.range_m) && (trajectory.has_cycle_offset || r.range_m > 0)) problem.ranges.push_back(r);
@@ -81,6 +89,8 @@ double range_of(const ArrivalObservation& a, const Trajectory& trajectory, const
   const double speed = (a.model_speed_mps + state.speed_offset(trajectory.run)) / (a.two_way ? 2.0 : 1.0);
   double time_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? trajectory.turnaround_s : 0.0);
   if (trajectory.has_cycle_offset) time_s -= state.drift(trajectory.vehicle) * (a.time_s - trajectory.nodes[a.node].time_s);
+  if (state.attenuation && state.attenuation->directional() && a.log_amplitude_sigma > 0)
+    return speed * (time_s - walk_s_at(std::exp(a.log_amplitude), *state.attenuation));
   double range_m = speed * time_s;
   if (!state.attenuation || trajectory.has_cycle_offset) return range_m;
   // The walk grows slowly with distance (c d walk/d distance << 1 short of the threshold), so this contracts.

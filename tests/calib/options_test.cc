@@ -1,14 +1,16 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Parameters that a site switches on: the drift of a clock, the array as one piece, a motion prior.
+// Parameters that a site switches on: the drift of a clock, the array as one piece, a motion prior, directional receivers.
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "models/linearise.h"
 #include "models/localizers/epoch_fix.h"
 #include "models/localizers/tracker.h"
 #include "tests/calib/calib_support.h"
+#include "tests/support/statistics.h"
 
 namespace octant::test {
 namespace {
@@ -194,6 +196,76 @@ TEST(MotionPrior, DerivativesMatchNumericOnes) {
         }
       }
   }
+}
+
+/// The array's directivity is calibrated with all else, from amplitudes. Against the same logs read as if receivers heard all round
+/// alike: what is off the axis is then late for no reason.
+TEST(Directivity, IsCalibratedFromAmplitudes) {
+  double nees = 0.0, dof = 0.0, squares = 0.0, squares_blind = 0.0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Scenario s = hall_scenario();
+    s.path.epochs = 60;
+    add_attenuation(s);
+    s.hearing_half_angle_rad = 3.2;
+    s.log_amplitude = true;
+    s.site.attenuation->half_power_angle_rad = {0.5, 0.1};
+    s.site.attenuation->saturation_v = 5.0;
+    World world = must(simulate(s, seed));
+    const calib::Solution solution = solution_of(world);
+    ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << "seed " << seed << ": " << solution.message;
+    const double error = solution.state.attenuation->half_power_angle_rad - world.truth.attenuation->half_power_angle_rad;
+    const double sigma = sigma_of(solution, "attenuation/half_power_angle_rad");
+    EXPECT_LT(sigma, 0.005) << "a tenth of a radian beforehand";
+    const BeaconErrors errors = beacon_errors(world, solution);
+    nees += errors.nees() + error * error / (sigma * sigma);
+    dof += 1 + static_cast<double>(errors.error.size());
+    if (seed > 1) continue;  // what fits so badly takes its time
+    squares += errors.error.squaredNorm();
+    world.site.attenuation->half_power_angle_rad = {};
+    const calib::Solution blind = solution_of(world);
+    EXPECT_THAT(blind.warnings, testing::Contains(testing::HasSubstr("attenuation.half_power_angle_rad")));
+    squares_blind += beacon_errors(world, blind).error.squaredNorm();
+  }
+  // One run in ten thousand fails by chance; the curvature of the problem adds some per cent.
+  EXPECT_GT(nees, 0.85 * chi2_quantile(1e-4, dof));
+  EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));
+  EXPECT_LT(25 * squares, squares_blind) << "five times the error";
+}
+
+/// What calibration found is what fixes are made with: in time and in amplitude, by the walk off the axis as well.
+TEST(Directivity, ServesTheFixes) {
+  double nees = 0.0, dof = 0.0;
+  for (std::uint64_t seed = 21; seed <= 32; ++seed) {
+    Scenario s = hall_scenario();
+    s.path.epochs = 60;
+    s.heldout_path.epochs = 10;
+    add_attenuation(s);
+    s.hearing_half_angle_rad = 3.2;
+    s.log_amplitude = true;
+    s.site.attenuation->half_power_angle_rad = {0.5, 0.1};
+    const World world = must(simulate(s, seed));
+    const calib::Problem problem = problem_of(world);
+    const calib::Solution solution = calib::solve(problem);
+    ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << "seed " << seed;
+    const Deployment d = calib::make_deployment(problem, solution, {});
+    EXPECT_TRUE(d.attenuation->directional());
+    LeastSquaresLocalizer localizer(d);
+    const std::vector<Fix> fixes = localizer.locate(world.heldout);
+    ASSERT_EQ(fixes.size(), 10u);
+    for (const Fix& fix : fixes) {
+      ASSERT_TRUE(fix.ok()) << to_string(fix.status);
+      Pose truth;
+      ASSERT_TRUE(interpolate_poses(world.heldout.truth, fix.time_s, 10.0, truth));
+      Eigen::Vector3d e = fix.T_map_vehicle.translation_m - truth.translation_m;
+      e.z() = wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad());
+      EXPECT_LT(std::abs(e.z()), 0.02) << "a degree";
+      if (&fix != &fixes[0]) continue;  // those of one calibration share its errors
+      nees += e.dot(fix.covariance.ldlt().solve(e));
+      dof += 3.0;
+    }
+  }
+  EXPECT_GT(nees, 0.85 * chi2_quantile(1e-4, dof));
+  EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));
 }
 
 }  // namespace

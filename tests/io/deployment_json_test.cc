@@ -61,6 +61,21 @@ TEST(DeploymentJson, HoldsWhatTheContractAsksFor) {
   EXPECT_TRUE(Json::parse(deployment_to_json(without)).at("attenuation").is_null());
 }
 
+TEST(DeploymentJson, ADirectionThatNoReceiverHasIsRefused) {
+  for (const double angle_rad : {0.0, -0.4, 3.0}) {
+    const auto read = deployment_from_json(changed("/attenuation/half_power_angle_rad", angle_rad), "d.json");
+    ASSERT_FALSE(read) << angle_rad;
+    EXPECT_THAT(read.error().message(), testing::HasSubstr("/attenuation/half_power_angle_rad is")) << angle_rad;
+  }
+  EXPECT_EQ(deployment_from_json(changed("/attenuation/half_power_angle_rad", 0.4), "d.json")->attenuation->half_power_angle_rad, 0.4);
+  Json old = Json::parse(deployment_to_json(small_deployment()));  // as written before there was one
+  old["attenuation"].erase("half_power_angle_rad");
+  old["attenuation"].erase("saturation_v");
+  old.erase("digest");
+  old["digest"] = digest_of(nlohmann::json(old));
+  EXPECT_FALSE(deployment_from_json(old.dump(), "d.json")->attenuation->directional());
+}
+
 TEST(DeploymentJson, ARailIsWrittenOnlyWhereThereIsOne) {
   Deployment d = small_deployment();
   EXPECT_FALSE(Json::parse(deployment_to_json(d)).at("vehicles").at(0).contains("rail"));
@@ -176,6 +191,8 @@ Deployment some_deployment() {
               test::some_positive()};
   d.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()), test::some_positive(),
              test::some_positive()};
+  if (*rc::gen::arbitrary<bool>()) d.attenuation->half_power_angle_rad = 0.1 + 2 * test::some_fraction();
+  if (*rc::gen::arbitrary<bool>()) d.attenuation->saturation_v = test::some_positive();
   if (*rc::gen::arbitrary<bool>()) d.attenuation.reset();
   for (DeploymentBeacon& b : d.beacons) {
     b.position_m = some_vector();
@@ -230,6 +247,8 @@ void assert_same(const Deployment& a, const Deployment& b) {
               a.attenuation->threshold_v == b.attenuation->threshold_v);
     RC_ASSERT(a.attenuation->absorption_np_per_m == b.attenuation->absorption_np_per_m);
     RC_ASSERT(a.attenuation->rise_time_s == b.attenuation->rise_time_s);
+    RC_ASSERT(a.attenuation->half_power_angle_rad == b.attenuation->half_power_angle_rad);
+    RC_ASSERT(a.attenuation->saturation_v == b.attenuation->saturation_v);
   }
   RC_ASSERT(a.beacons.size() == b.beacons.size() && a.vehicles.size() == b.vehicles.size() &&
             a.receivers.size() == b.receivers.size());

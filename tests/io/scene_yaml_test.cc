@@ -36,6 +36,7 @@ constexpr const char* kBlock = R"(scene:
     - {id: cone, kind: cone, half_angle_rad: 0.9}
     - {id: power, kind: cosine_power, exponent: 2}
     - {id: table, kind: table, angle_rad: [0, 1], gain: [1, 0.5]}
+    - {id: piezo, kind: half_power, half_power_angle_rad: 0.4}
   beacon_pattern: power
   receiver_pattern: table
   beacons: [{id: A, axis: [0, 0, -3], pattern: cone}]
@@ -72,8 +73,11 @@ TEST(SceneYaml, EveryKey) {
   ASSERT_EQ(s.mounts.size(), 2u);
   EXPECT_EQ(s.mounts[1].kind, SceneMount::Kind::kPole);
   EXPECT_EQ(*s.mounts[1].axis, Eigen::Vector3d(0, 0, -1));
-  ASSERT_EQ(s.patterns.size(), 3u);
+  ASSERT_EQ(s.patterns.size(), 4u);
   EXPECT_EQ(s.patterns[1].exponent, 2.0);
+  EXPECT_EQ(s.patterns[3].kind, BeamPattern::Kind::kHalfPower);
+  EXPECT_EQ(s.patterns[3].half_power_angle_rad, 0.4);
+  EXPECT_NEAR(beam_gain(s.patterns[3], std::cos(0.4)), std::sqrt(0.5), 1e-12);
   EXPECT_EQ(*s.beacon_pattern, 1u);
   EXPECT_EQ(*s.receiver_pattern, 2u);
   EXPECT_EQ(*s.beacons[0].pattern, 0u);
@@ -118,6 +122,7 @@ TEST(SceneYaml, ErrorsNameElementAndLine) {
       {"scene:\n  walls: [{id: w}]\n", "scene.walls[0].points_m"},
       {"scene:\n  mounts: [{kind: roof, points_m: [[0, 0]], height_m: [1, 2]}]\n", "roof"},
       {"scene:\n  patterns: [{id: p, kind: cone}]\n", "scene.patterns[0].half_angle_rad"},
+      {"scene:\n  patterns: [{id: p, kind: half_power, half_power_angle_rad: 22.5}]\n", "from 0.02 to 2.8 rad"},
       {"scene:\n  beacon_pattern: none\n", "there is no pattern 'none'"},
       {"scene:\n  beacons: [{id: A, axis: [0, 0, 0]}]\n", "scene.beacons[0].axis"},
       {"scene:\n  headings: 0\n", "scene.headings"},

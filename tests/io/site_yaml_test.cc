@@ -224,6 +224,22 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
   }
 }
 
+TEST(SiteYaml, ReceiversMayBeDirectional) {
+  const std::string attenuation = "attenuation: {amplitude_1m_v: 12.5, absorption_np_per_m: 0, threshold_v: 0.2, rise_time_s: 4.5e-4, ";
+  const std::string octagon = "beacons: []\nvehicles:\n  - id: robot\n    receivers: {layout: octagon, side_m: 0.05, height_m: 0.3}\n";
+  const auto site = read(kHead + attenuation + "half_power_angle_rad: {value: 0.4, sigma: 0.1}, saturation_v: 4.7}\n" + octagon);
+  ASSERT_TRUE(site) << site.error().message();
+  EXPECT_EQ(site->attenuation->half_power_angle_rad.value, 0.4);
+  EXPECT_EQ(site->attenuation->half_power_angle_rad.sigma, 0.1);
+  EXPECT_EQ(site->attenuation->mean().half_power_angle_rad, 0.4);
+  EXPECT_EQ(site->attenuation->mean().saturation_v, 4.7);
+  EXPECT_FALSE(read(kContractExample)->attenuation->mean().directional());
+  expect_error(read(kHead + attenuation + "half_power_angle_rad: 22.5}\n" + octagon), 3, "an angle off the axis from 0.02 to 2.8 rad");
+  expect_error(read(kHead + attenuation + "saturation_v: 0.1}\n" + octagon), 3, "more than threshold_v");
+  expect_error(read(kHead + attenuation + "half_power_angle_rad: 0.4}\nbeacons: []\nvehicles:\n  - id: robot\n    receivers: [{id: r0, position_m: [0, 0, 0]}]\n"), 3,
+               "no receiver has an axis");
+}
+
 TEST(SiteYaml, AliasesThatMultiplyCostNothing) {
   std::string text = kHead + "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 30; ++i) {
@@ -256,6 +272,7 @@ Site some_site() {
                      {test::some_positive(), 0},
                      {test::some_positive(), 1},
                      test::some_positive()};
+    s.attenuation->saturation_v = test::maybe(s.attenuation->threshold_v + test::some_positive()).value_or(INFINITY);
   }
   for (std::size_t i = 0; i < *rc::gen::inRange<std::size_t>(2, 5); ++i) {
     SiteBeacon b{.name = test::some_name(i), .position_m = {}, .sigma_m = {}};
@@ -276,6 +293,8 @@ Site some_site() {
       s.receivers.push_back(r);
     }
   }
+  const bool looking = std::any_of(s.receivers.begin(), s.receivers.end(), [](const SiteReceiver& r) { return r.axis.has_value(); });
+  if (s.attenuation && looking) s.attenuation->half_power_angle_rad = {0.1 + 2 * test::some_fraction(), test::some_fraction()};
   if (*rc::gen::arbitrary<bool>())
     s.distances.push_back({BeaconId(0), BeaconId(1), test::some_positive(), test::some_positive()});
   s.tolerance = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
@@ -303,6 +322,8 @@ void assert_same(const Site& a, const Site& b) {
     RC_ASSERT(same(a.attenuation->absorption_np_per_m, b.attenuation->absorption_np_per_m));
     RC_ASSERT(same(a.attenuation->rise_time_s, b.attenuation->rise_time_s) &&
               a.attenuation->threshold_v == b.attenuation->threshold_v);
+    RC_ASSERT(same(a.attenuation->half_power_angle_rad, b.attenuation->half_power_angle_rad) &&
+              a.attenuation->saturation_v == b.attenuation->saturation_v);
   }
   RC_ASSERT(a.beacons.size() == b.beacons.size() && a.vehicles.size() == b.vehicles.size() &&
             a.receivers.size() == b.receivers.size());

@@ -102,6 +102,33 @@ TEST(Synthetic, TimeWalkFollowsTheTrueAmplitude) {
   }
 }
 
+TEST(Synthetic, DirectionalReceiversHearLessOffTheirAxes) {
+  Scenario s = without_noise(hall_scenario());
+  test::add_attenuation(s);
+  s.log_amplitude = true;
+  s.hearing_half_angle_rad = 3.2;
+  s.site.attenuation->half_power_angle_rad = {0.4, 0.05};
+  s.site.attenuation->saturation_v = 0.5;
+  const World w = must(simulate(s, 2));
+  const AttenuationModel m = *w.truth.attenuation;
+  EXPECT_NE(m.half_power_angle_rad, 0.4) << "drawn";
+  int off_axis = 0, saturated = 0;
+  for (const Arrival& a : w.run.arrivals) {
+    const Pose T = truth_at(w.run, a.time_s);
+    const DeploymentReceiver& r = w.truth.receivers[a.receiver.index()];
+    const Eigen::Vector3d to = w.truth.beacons[a.beacon.index()].position_m - T * r.position_m;
+    const double half = std::acos((T.rotation * *r.axis).dot(to) / to.norm()) / 2, half_power = m.half_power_angle_rad / 2;
+    const double gain = std::pow(std::cos(half), -std::log(2.0) / (2 * std::log(std::cos(half_power))));
+    const double volts = gain * m.amplitude_1m_v / to.norm() * std::exp(-m.absorption_np_per_m * to.norm());
+    EXPECT_NEAR(a.amplitude_v, std::min(volts, 0.5), 1e-11);
+    EXPECT_GT(volts, m.threshold_v);
+    off_axis += gain < 0.5;
+    saturated += volts > 0.5;
+  }
+  EXPECT_GT(off_axis, 100);
+  EXPECT_GT(saturated, 5);
+}
+
 TEST(Synthetic, EachEpochHasItsCycleOffset) {
   Scenario s = without_noise(hall_scenario());
   s.site.timing.clock = Clock::kCycleOffset;

@@ -64,6 +64,7 @@ struct Hearing {
   double half_angle_rad = 1.178;  ///< 67.5 degrees, of receivers with an axis
   double noise_s = 0.0;
   double cycle_offset_s = 0.0;
+  std::optional<double> amplitude_sigma{};  ///< relative; none: not logged
 };
 
 /// Arrivals of one stop: each beacon in its slot, each receiver that hears it.
@@ -81,14 +82,16 @@ std::vector<Arrival> hear(const Deployment& d, const Pose& T, const Hearing& h, 
       in.speed_mps = d.speed_mps(d.medium.temperature_degC);
       in.delay_s = d.beacons[b].delay_s + d.receivers[r].delay_s + h.cycle_offset_s;
       in.attenuation = d.attenuation ? &*d.attenuation : nullptr;
+      if (d.receivers[r].axis) in.axis_vehicle = &*d.receivers[r].axis;
       const PathOutput path = predict_arrival_value(in);
-      if (path.distance_m > h.range_m) continue;
+      if (path.distance_m > h.range_m || !path.heard) continue;
       if (d.receivers[r].axis) {
         const Eigen::Vector2d to = (d.beacons[b].position_m - T * d.receivers[r].position_m).head<2>();
         const Eigen::Vector2d axis = (T.rotation * *d.receivers[r].axis).head<2>();
         if (to.normalized().dot(axis) < std::cos(h.half_angle_rad)) continue;
       }
       Arrival a;
+      if (h.amplitude_sigma) a.amplitude_v = std::exp(path.log_amplitude) * (1 + *h.amplitude_sigma * normal(random));
       a.time_s = time_s + 0.05 * static_cast<double>(b);
       a.tof_s = path.tof_s + h.noise_s * normal(random);
       a.beacon = BeaconId(b);

@@ -254,6 +254,35 @@ TEST(KleemanHeadingFigures, InterpolationIsWithinADegree) {
   EXPECT_NEAR(echoes.nees(), 1.0, 0.12);
 }
 
+/// Directional receivers: what the amplitudes add, at 10 us, one arrival in ten an echo. In the very middle of the room corners
+/// and walls are alike modulo 45 degrees, so which is louder is all that tells: 11.25 degrees either way.
+TEST(KleemanHeadingFigures, AmplitudesBringBothWithinTheirMarks) {
+  std::mt19937_64 random(kSeed + 3);
+  const Deployment d = test::directional_room();
+  Kleeman coarse(d, {.heading = KleemanHeading::kHearing}), fine(d);
+  Tally hearing, interpolated;
+  for (int k = 0; k < 4000; ++k) {
+    const Pose truth = anywhere(random);
+    auto arrivals = hear(d, truth, {.range_m = 15.0, .half_angle_rad = M_PI, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02, .amplitude_sigma = 0.05}, random);
+    for (Arrival& a : arrivals) a.amplitude_v = std::min(a.amplitude_v, d.attenuation->saturation_v);
+    add_echoes(arrivals, 0.1, random);
+    const Fix by_hearing = locate(coarse, arrivals), by_differences = locate(fine, arrivals);
+    if (by_hearing.ok()) hearing.add(error_of(by_hearing, truth)[2], by_hearing.covariance(2, 2));
+    if (by_differences.ok()) interpolated.add(error_of(by_differences, truth)[2], by_differences.covariance(2, 2));
+  }
+  std::cout << "seed " << kSeed + 3 << ", directional, hearing: " << hearing << "\nseed " << kSeed + 3 << ", directional, interpolated: " << interpolated << "\n";
+  EXPECT_GE(hearing.count, 3800);
+  EXPECT_LT(hearing.rms(), 2.6);
+  EXPECT_GE(hearing.share_within_10(), 0.9995);
+  EXPECT_LT(hearing.worst, 11.6);
+  EXPECT_LT(hearing.nees(), 1.0);
+  EXPECT_GE(interpolated.count, 3800);
+  EXPECT_LT(interpolated.rms(), 0.38);
+  EXPECT_GE(interpolated.share_within_1(), 0.985);
+  EXPECT_LT(interpolated.worst, 2.5);
+  EXPECT_NEAR(interpolated.nees(), 1.0, 0.15);
+}
+
 /// At 10 us a vehicle that stands has it after two or three cycles.
 TEST(KleemanHeadingFigures, StandingForThreeCyclesGivesADegree) {
   std::mt19937_64 random(kSeed + 2);

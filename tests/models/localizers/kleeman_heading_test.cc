@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "models/localizers/kleeman.h"
+#include "models/measurement.h"
 #include "models/receiver_array.h"
 #include "tests/models/localizers/kleeman_room.h"
 
@@ -29,12 +30,14 @@ struct Listening {
   std::vector<ArrayReceiver> receivers;
   std::vector<HeardDistance> heard;
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
+  AttenuationModel attenuation;  // of a directional array; else not looked at
 
   Listening() {
     for (const ArrayElement& e : octagon(0.05, 0.3)) {
       ArrayReceiver r;
       r.position_m = e.position_m;
       r.axis = e.axis.head<2>();
+      r.direction = e.axis;
       receivers.push_back(r);
     }
   }
@@ -48,7 +51,19 @@ struct Listening {
     }
     return *this;
   }
-  [[nodiscard]] HeadingInput input() const { return {heard, beacons, receivers, p_map_m}; }
+  /// Heard by receivers of an array that is directional, so loud.
+  Listening& hear_loud(std::size_t beacon, std::initializer_list<std::pair<std::size_t, double>> by) {
+    attenuation.half_power_angle_rad = 0.3927;
+    for (const auto& [receiver, amplitude] : by) {
+      hear(beacon, {receiver});
+      heard.back().walk_known = true;
+      heard.back().log_amplitude = std::log(amplitude);
+    }
+    return *this;
+  }
+  [[nodiscard]] HeadingInput input() const {
+    return {heard, beacons, receivers, p_map_m, attenuation.directional() ? &attenuation : nullptr, 0.05};
+  }
   [[nodiscard]] Heading hearing() const { return heading_from_hearing(input()); }
   [[nodiscard]] double axis_deg(std::size_t receiver) const {
     return std::atan2(receivers[receiver].axis->y(), receivers[receiver].axis->x()) / kDegree;
@@ -83,6 +98,61 @@ TEST(KleemanHeading, OneBeaconLeavesASector) {
   l.heard.clear();
   l.hear(0, {1, 2}).hear(0, {3}, /*kept=*/false);
   expect("one is late", axis - 22.5 + 11.25, 67.5 / std::sqrt(12.0));
+}
+
+/// Of two receivers that hear, the louder is the nearer: its half of the sector. A difference within noise says nothing.
+TEST(KleemanHeading, TheLouderReceiverIsTheNearer) {
+  Listening l;
+  l.beacons = {{5, 0, 0.3}};
+  const double left = l.axis_deg(3), right = l.axis_deg(2), middle = (left + right) / 2;
+  const auto expect = [&](const char* what, double bearing_deg, double width_deg) {
+    const Heading h = l.hearing();
+    ASSERT_TRUE(h.known) << what;
+    EXPECT_NEAR(wrap_angle(h.rad + bearing_deg * kDegree) / kDegree, 0.0, 1e-9) << what;
+    EXPECT_NEAR(h.sigma_rad / kDegree, width_deg / std::sqrt(12.0), 1e-9) << what;
+    l.heard.clear();
+  };
+  l.hear_loud(0, {{2, 1.0}, {3, 1.0}});
+  expect("alike", middle, 45.0);
+  l.hear_loud(0, {{2, 1.0}, {3, 1.2}});
+  expect("2.6 sigma", middle, 45.0);
+  l.hear_loud(0, {{2, 1.0}, {3, 1.3}});
+  expect("the left one", middle + 11.25, 22.5);
+  l.hear_loud(0, {{2, 1.3}, {3, 1.0}});
+  expect("the right one", middle - 11.25, 22.5);
+  l.hear_loud(0, {{1, 0.5}, {2, 2.0}, {3, 1.0}});
+  expect("three", l.axis_deg(2) + 11.25, 22.5);
+  // Loudest at both ends: no order that a direction has. One of them is deaf in part.
+  l.hear_loud(0, {{1, 2.0}, {2, 0.5}, {3, 1.0}});
+  expect("contradictory", l.axis_deg(2), 45.0);
+  l.hear_loud(0, {{2, 1.0}, {3, 2.0}});
+  l.attenuation.half_power_angle_rad = 0.0;
+  expect("receivers that hear all round alike", middle, 45.0);
+}
+
+TEST(KleemanHeading, TheGainsDerivativesAreTheNumericOnes) {
+  std::mt19937_64 random(kSeed + 6);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const AttenuationModel model{.amplitude_1m_v = 12.5, .absorption_np_per_m = 0.1, .half_power_angle_rad = 0.5};
+  for (int k = 0; k < 200; ++k) {
+    ArrayReceiver r;
+    r.position_m = {0.3 * uniform(random), 0.3 * uniform(random), 0.3};
+    r.direction = Eigen::Vector3d(uniform(random), uniform(random), 0.3 * uniform(random)).normalized();
+    const Eigen::Vector3d beacon(5 * uniform(random), 5 * uniform(random), 2.0);
+    const Eigen::Vector2d p(5 * uniform(random), 5 * uniform(random));
+    const double heading = M_PI * uniform(random);
+    const ReceiverGain gain = receiver_gain(beacon, r, p, heading, model);
+    // As the measurement equation has it.
+    const Pose T = Pose::planar(p.x(), p.y(), heading);
+    const PathInput in{.T_map_vehicle = &T, .p_beacon_map_m = beacon, .p_receiver_vehicle_m = r.position_m, .attenuation = &model, .axis_vehicle = &r.direction};
+    EXPECT_NEAR(gain.log + std::log(12.5), predict_arrival_value(in).log_amplitude, 1e-12) << k;
+    constexpr double kStep = 1e-6;
+    const auto log_at = [&](double x, double y, double turn) { return receiver_gain(beacon, r, p + Eigen::Vector2d(x, y), heading + turn, model).log; };
+    const double scale = 1e-6 * (1 + std::abs(gain.by_heading) + gain.by_position.norm());
+    EXPECT_NEAR(gain.by_heading, (log_at(0, 0, kStep) - log_at(0, 0, -kStep)) / (2 * kStep), scale) << k;
+    EXPECT_NEAR(gain.by_position.x(), (log_at(kStep, 0, 0) - log_at(-kStep, 0, 0)) / (2 * kStep), scale) << k;
+    EXPECT_NEAR(gain.by_position.y(), (log_at(0, kStep, 0) - log_at(0, -kStep, 0)) / (2 * kStep), scale) << k;
+  }
 }
 
 /// Six beacons that agree but for one: where the others overlap, and some more sigma.
@@ -202,13 +272,13 @@ TEST(KleemanHeading, DegenerateHearingIsUnknown) {
 
 TEST(KleemanHeading, NoneAllocates) {
   std::mt19937_64 random(kSeed + 5);
-  const Deployment d = kleeman_room();
+  const Deployment d = test::directional_room();
   for (const auto heading : {KleemanHeading::kMeanAxes, KleemanHeading::kHearing, KleemanHeading::kInterpolation}) {
     Kleeman kleeman(d, {.heading = heading});
     std::vector<std::vector<Arrival>> cycles;
     for (int k = 0; k < 50; ++k) {
       cycles.push_back(
-          hear(d, anywhere(random), {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
+          hear(d, anywhere(random), {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02, .amplitude_sigma = 0.05}, random));
       add_echoes(cycles.back(), 0.1, random);
     }
     test::expect_no_allocations(kleeman, cycles);

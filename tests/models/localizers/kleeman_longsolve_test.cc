@@ -193,6 +193,36 @@ TEST(Longsolve, ErrorsAreRecomputedAfterAMetre) {
   EXPECT_NE(go({3.8, 3.8}), first);  // 1.13 m
 }
 
+/// A beacon that is heard roughly places nothing, and still contradicts what cannot be.
+TEST(Longsolve, RoughDistancesCheckAndDoNotPlace) {
+  Random random(10);
+  double squares = 0.0, squares_all = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    const Room room = ring(6);
+    const Eigen::Vector2d p(random.uniform(1, 9), random.uniform(1, 9));
+    const auto rough = static_cast<std::size_t>(k % 6);
+    OffsetDistances d = from(room, p);
+    for (std::size_t b = 0; b < 6; ++b) d.distance_m[b] += kSigma_m * random.normal();
+    d.distance_m[rough] += 30 * kSigma_m * random.normal();
+    d.sigma_m[rough] = 30 * kSigma_m;
+    const LongsolveFix all = solve(room, d);
+    d.rough.set(rough);
+    const LongsolveFix fix = solve(room, d);
+    ASSERT_TRUE(fix.ok()) << k;
+    EXPECT_FALSE(fix.averaged[rough]) << k;
+    EXPECT_TRUE(fix.agreeing[rough]) << k;
+    squares += (fix.p_map_m - p).squaredNorm();
+    if (all.ok()) squares_all += (all.p_map_m - p).squaredNorm();
+    d.distance_m[rough] += 1.0 + 10 * 30 * kSigma_m;  // late
+    const LongsolveFix late = solve(room, d);
+    ASSERT_TRUE(late.ok()) << k;
+    EXPECT_TRUE(late.late[rough]) << k;
+    d.distance_m[rough] -= 2 * (1.0 + 10 * 30 * kSigma_m);  // no pulse comes early: the others are wrong, or nobody knows
+    EXPECT_FALSE(solve(room, d).ok()) << k;
+  }
+  EXPECT_LT(9 * squares, squares_all) << "a third of the error";
+}
+
 TEST(Longsolve, SaysWhyThereIsNoFix) {
   const Room room = ring(6);
   OffsetDistances two = from(room, {4, 5});

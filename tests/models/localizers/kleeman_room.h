@@ -41,6 +41,13 @@ inline Deployment kleeman_room(double beacon_height_m = 2.0) {
   return with_octagon(d);
 }
 
+/// The same with his receivers and his pulses (section 2.3): 3 dB at 22.5 degrees, 12.5 V at 1 m, a threshold of 0.2 V.
+inline Deployment directional_room() {
+  Deployment d = kleeman_room();
+  d.attenuation = AttenuationModel{.amplitude_1m_v = 12.5, .threshold_v = 0.2, .rise_time_s = 4.5e-4, .half_power_angle_rad = M_PI / 8, .saturation_v = 4.7};
+  return d;
+}
+
 /// The paper's table: position, and the standard deviation of x and y there [m].
 struct PublishedSpread {
   double x_m, y_m, sigma_x_m, sigma_y_m;

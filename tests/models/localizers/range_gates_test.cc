@@ -107,6 +107,25 @@ TEST(ArrivalRange, TakesTimeWalkOutAtAnyDistance) {
   }
 }
 
+TEST(ArrivalRange, OffADirectionalReceiversAxisItIsKnownLessWell) {
+  Deployment d = test::ranging_site({{0, 0, 0}}, {{0, 0, 0}});
+  d.attenuation = AttenuationModel{12.5, 0.12, 0.05, 4.5e-4};
+  std::mt19937_64 random(1);
+  std::vector<Arrival> a = test::hear(d, Pose::planar(9, 0, 0), {.range_m = 100}, random);
+  const double all_round_m = arrival_range(a.at(0), d).sigma_m;
+  d.attenuation->half_power_angle_rad = 0.4;
+  EXPECT_EQ(arrival_range(a[0], d).sigma_m, all_round_m) << "no axis";
+  d.receivers[0].axis = Eigen::Vector3d::UnitX();
+  const double walk_m = 343 * (*time_walk_s(amplitude_v(9, *d.attenuation) / std::sqrt(2.0), *d.attenuation) - *time_walk_s(amplitude_v(9, *d.attenuation), *d.attenuation));
+  EXPECT_NEAR(arrival_range(a[0], d).sigma_m, std::hypot(all_round_m, walk_m), 0.05 * walk_m);
+  // From the measured amplitude the walk is known, from wherever it came; not from one at the receiver's stop.
+  a[0].amplitude_v = amplitude_v(9, *d.attenuation);
+  const double measured_m = arrival_range(a[0], d).sigma_m;
+  EXPECT_LT(measured_m, 0.5 * walk_m);
+  d.attenuation->saturation_v = a[0].amplitude_v;
+  EXPECT_GT(arrival_range(a[0], d).sigma_m, 1.5 * measured_m);
+}
+
 TEST(PairRanges, AllocatesNothingAndKeepsTheOrderOfReasons) {
   Deployment d = test::ranging_site({{0, 0, 1}, {4, 0, 1}}, {{0, 0, 1}, {0.2, 0, 1}});
   d.beacons[1].status = BeaconStatus::kUndetermined;
