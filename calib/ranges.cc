@@ -22,8 +22,8 @@ double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const Sha
   if (state.attenuation) {
     // One step of the fixed point is plenty for a start: the walk changes slowly with distance.
     const double d = std::max(0.1, tof_s * a.model_speed_mps);
-    const bool measured = state.attenuation->directional() && a.log_amplitude_sigma > 0;
-    const auto walk = time_walk_s(measured ? std::exp(a.log_amplitude) : amplitude_v(d, *state.attenuation), *state.attenuation);
+    const auto measured = walk_amplitude(a, state);
+    const auto walk = time_walk_s(measured ? std::exp(*measured) : amplitude_v(d, *state.attenuation), *state.attenuation);
     if (walk) tof_s -= *walk;
   }
   return std::max(0.0, tof_s * (a.model_speed_mps + state.speed_offset(t.run)) / legs);

@@ -118,12 +118,14 @@ class Calibrator {
   }
 
   void scale_noise(double factor) {
+    const double stated_s = problem_.site.noise.tof_sigma_s, before_s = stated_s * it_.noise_factor, now_s = before_s * factor;
     it_.noise_factor *= factor;
     it_.last.data_information.reset();
     borrowed_matrix_.resize(0, 0);
     statistics_.reset();
     for (Trajectory& t : trajectories_)
-      for (ArrivalObservation& a : t.arrivals) a.sigma_s = problem_.site.noise.tof_sigma_s * it_.noise_factor;
+      for (ArrivalObservation& a : t.arrivals)  // what a measured amplitude leaves of the walk is no noise of the times, and stays
+        a.sigma_s = std::hypot(now_s, std::sqrt(std::max(0.0, a.sigma_s * a.sigma_s - before_s * before_s)));
   }
 
   bool reject_and_adjust() {

@@ -26,7 +26,7 @@ double amplitude_v(double distance_m, const AttenuationModel& model) {
 }
 
 double walk_by_log_amplitude_s(double amplitude_v, const AttenuationModel& model) {
-  const double share = std::min(model.threshold_v / amplitude_v, 0.95);
+  const double share = std::min(model.threshold_v / amplitude_v, kMostMeasuredShare);
   return model.rise_time_s * share / (1 - share);
 }
 

@@ -45,8 +45,11 @@ struct LogDirectivity {
 /// Plateau amplitude at a distance on the axis [V]. @param distance_m > 0
 [[nodiscard]] double amplitude_v(double distance_m, const AttenuationModel& model);
 
-/// How much later a crossing comes for an amplitude less by a small part, divided by that part: tau s / (1 - s) with s = V_th / A,
-/// held where s is beyond 0.95 [s].
+/// Of threshold to measured amplitude, as far as it is believed: one that was measured at or below the threshold is noise.
+inline constexpr double kMostMeasuredShare = 0.95;
+
+/// How much later a crossing comes for a measured amplitude less by a small part, divided by that part: tau s / (1 - s) with
+/// s = V_th / A, at most kMostMeasuredShare [s].
 [[nodiscard]] double walk_by_log_amplitude_s(double amplitude_v, const AttenuationModel& model);
 
 /// Delay of a threshold crossing behind the true onset of a pulse with a first-order envelope.

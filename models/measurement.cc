@@ -82,14 +82,14 @@ struct Walk {
   bool heard = true;
 };
 
-Walk walk_at(double distance_m, double log_gain, const AttenuationModel& a) {
+Walk walk_at(double distance_m, double log_gain, const AttenuationModel& a, const std::optional<double>& measured) {
   Walk out;
   out.log_amplitude = std::log(a.amplitude_1m_v) - std::log(distance_m) - a.absorption_np_per_m * distance_m + log_gain;
   out.by_distance = -(1.0 / distance_m + a.absorption_np_per_m);
   double share = a.threshold_v * std::exp(-out.log_amplitude);
   out.heard = share < 1.0;
-  share = std::min(share, kMaxThresholdShare);
-  out.by_log_amplitude = -a.rise_time_s * share / (1.0 - share);
+  share = measured ? std::min(a.threshold_v * std::exp(-*measured), kMostMeasuredShare) : std::min(share, kMaxThresholdShare);
+  out.by_log_amplitude = measured ? 0.0 : -a.rise_time_s * share / (1.0 - share);
   out.by_rise_time = -std::log1p(-share);
   out.walk_s = a.rise_time_s * out.by_rise_time;
   return out;
@@ -109,7 +109,7 @@ PathOutput predict_arrival_value(const PathInput& in) {
   }
   out.tof_s = legs * out.distance_m / in.speed_mps + in.delay_s;
   if (in.attenuation != nullptr) {
-    const Walk walk = walk_at(out.distance_m, off_axis(in, back).log_gain.value, *in.attenuation);
+    const Walk walk = walk_at(out.distance_m, off_axis(in, back).log_gain.value, *in.attenuation, in.log_amplitude);
     out.tof_s += walk.walk_s;
     out.log_amplitude = walk.log_amplitude;
     out.heard = walk.heard;
@@ -144,7 +144,7 @@ PathOutput predict_arrival(const PathInput& in, Motion motion) {
   out.tof_by_attenuation.setZero();
   if (in.attenuation == nullptr) return out;
   const OffAxis off = off_axis(in, back);
-  const Walk walk = walk_at(out.distance_m, off.log_gain.value, *in.attenuation);
+  const Walk walk = walk_at(out.distance_m, off.log_gain.value, *in.attenuation, in.log_amplitude);
   out.tof_s += walk.walk_s;
   out.log_amplitude = walk.log_amplitude;
   out.heard = walk.heard;

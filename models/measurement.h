@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
 #include <Eigen/Core>
 
@@ -24,6 +25,8 @@ struct PathInput {
   /// Unit vector in which the receiver hears best, in the vehicle frame; null or zero: all round alike. Counts where the
   /// attenuation is directional.
   const Eigen::Vector3d* axis_vehicle = nullptr;
+  /// ln(A / 1 V) as measured: then the walk is that of this amplitude instead of the predicted one, and tells nothing of the states.
+  std::optional<double> log_amplitude{};
 };
 
 /// By the unknowns of an AttenuationModel.

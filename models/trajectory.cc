@@ -383,9 +383,11 @@ ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, doubl
   if (model.attenuation && model.attenuation->measures(a.amplitude_v)) {
     o.log_amplitude = std::log(a.amplitude_v);
     o.log_amplitude_sigma = model.noise.amplitude_relative_sigma;
-    // Far off its axis a receiver just hears, and no directivity is known well enough to say to microseconds how late.
-    if (model.attenuation->directional())
-      o.sigma_s = std::hypot(o.sigma_s, walk_by_log_amplitude_s(a.amplitude_v, *model.attenuation) * o.log_amplitude_sigma);
+    if (model.attenuation->directional()) {
+      // The walk is taken at this amplitude; near the threshold it bends, and one that was measured too loud must not seem exact.
+      const double least_v = a.amplitude_v * std::max(1 - 1 * o.log_amplitude_sigma, 0.5);
+      o.sigma_s = std::hypot(o.sigma_s, walk_by_log_amplitude_s(least_v, *model.attenuation) * o.log_amplitude_sigma);
+    }
   }
   o.two_way = model.timing.ranging == Ranging::kTwoWay;
   return o;

@@ -115,6 +115,13 @@ struct Trajectory {
   [[nodiscard]] int block_size() const { return pose_dof(motion) + (has_cycle_offset ? 1 : 0) + (motion_prior ? 3 : 0); }
 };
 
+/// The amplitude at which an arrival's walk is taken: the measured one of a directional receiver, as PathInput has it. Far off its
+/// axis a receiver just hears, where the walk grows without bound: a pose must not be told by how late that makes the pulse.
+[[nodiscard]] inline std::optional<double> walk_amplitude(const ArrivalObservation& a, const SharedState& state) {
+  const bool measured = a.log_amplitude_sigma > 0 && state.attenuation && state.attenuation->directional();
+  return measured ? std::optional<double>(a.log_amplitude) : std::nullopt;
+}
+
 /// What a trajectory needs to know of a site or a deployment.
 struct TrajectoryModel {
   Motion motion = Motion::kPlanar;

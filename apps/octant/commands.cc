@@ -39,8 +39,8 @@ void add_method_options(CLI::App& command, MethodWords& words) {
                                                           {"hearing", KleemanHeading::kHearing},
                                                           {"interpolation", KleemanHeading::kInterpolation}};
   command.add_option("--heading", words.heading,
-                     "kleeman: from which receivers hear, averaged as published (mean_axes) or as sectors (hearing), or from "
-                     "differences of arrival times (interpolation, the default)")
+                     "kleeman: from which receivers hear, averaged as published (mean_axes) or, with which are louder, as sectors (hearing), "
+                     "or from differences of arrival times and amplitudes (interpolation, the default)")
       ->transform(CLI::CheckedTransformer(headings, CLI::ignore_case).description(""))->type_name("H");
 }
 

@@ -9,7 +9,7 @@
 namespace octant {
 namespace {
 
-constexpr double kMaxThresholdShare = 0.95;  // of an amplitude that was measured at or below threshold: noise
+constexpr double kMaxThresholdShare = 0.95;  // of an amplitude that is predicted for a pulse that was heard
 constexpr double kMinDistance_m = 0.05;
 
 }  // namespace
@@ -45,9 +45,9 @@ void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
     double variance_m2 = noise_m * noise_m + r.variance_m2 + 1e-14;
     if (deployment_.attenuation && deployment_.attenuation->measures(a.amplitude_v)) {
       const AttenuationModel& model = *deployment_.attenuation;
-      const double share = std::min(model.threshold_v / a.amplitude_v, kMaxThresholdShare);
+      const double share = std::min(model.threshold_v / a.amplitude_v, kMostMeasuredShare);
       h.time_m += w.speed_mps * model.rise_time_s * std::log1p(-share);  // the walk, at the amplitude measured
-      const double spread_m = w.speed_mps * model.rise_time_s * share / (1 - share) * noise.amplitude_relative_sigma;
+      const double spread_m = w.speed_mps * walk_by_log_amplitude_s(a.amplitude_v, model) * noise.amplitude_relative_sigma;
       variance_m2 += spread_m * spread_m;
       h.walk_known = true;
       h.log_amplitude = std::log(a.amplitude_v);

@@ -12,11 +12,10 @@ namespace octant {
 namespace {
 
 /// Walk of a pulse that just passes the threshold where the model hears none.
-double walk_s_at(double amplitude_v, const AttenuationModel& model) {
-  return -model.rise_time_s * std::log1p(-std::min(model.threshold_v / amplitude_v, 0.995));
+double walk_s(double distance_m, const AttenuationModel& model) {
+  const double share = std::min(model.threshold_v / amplitude_v(std::max(distance_m, 1e-3), model), 0.995);
+  return -model.rise_time_s * std::log1p(-share);
 }
-
-double walk_s(double distance_m, const AttenuationModel& model) { return walk_s_at(amplitude_v(std::max(distance_m, 1e-3), model), model); }
 
 Pose relative_pose(const RigidPath& path, std::size_t node, double alpha) {
   if (path.T_anchor_node.empty()) return {};
@@ -89,8 +88,10 @@ double range_of(const ArrivalObservation& a, const Trajectory& trajectory, const
   const double speed = (a.model_speed_mps + state.speed_offset(trajectory.run)) / (a.two_way ? 2.0 : 1.0);
   double time_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? trajectory.turnaround_s : 0.0);
   if (trajectory.has_cycle_offset) time_s -= state.drift(trajectory.vehicle) * (a.time_s - trajectory.nodes[a.node].time_s);
-  if (state.attenuation && state.attenuation->directional() && a.log_amplitude_sigma > 0)
-    return speed * (time_s - walk_s_at(std::exp(a.log_amplitude), *state.attenuation));
+  if (const auto log_amplitude = walk_amplitude(a, state)) {
+    const double share = std::min(state.attenuation->threshold_v / std::exp(*log_amplitude), kMostMeasuredShare);
+    return speed * (time_s + state.attenuation->rise_time_s * std::log1p(-share));
+  }
   double range_m = speed * time_s;
   if (!state.attenuation || trajectory.has_cycle_offset) return range_m;
   // The walk grows slowly with distance (c d walk/d distance << 1 short of the threshold), so this contracts.

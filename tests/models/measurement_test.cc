@@ -173,6 +173,20 @@ TEST(Measurement, ADirectionalReceiverHearsLessAndLaterOffItsAxis) {
   EXPECT_FALSE(at(M_PI, &forward).heard);
 }
 
+TEST(Measurement, AMeasuredAmplitudeTakesThePlaceOfThePredictedOneInTheWalk) {
+  std::mt19937 random(13);
+  const Setting s = random_setting(random, Motion::kPlanar);
+  PathInput in{&s.T, s.beacon, s.receiver, s.speed, s.delay, &s.attenuation, nullptr, &s.axis};
+  in.log_amplitude = std::log(2 * s.attenuation.threshold_v);
+  const PathOutput out = predict_arrival(in, Motion::kPlanar);
+  const double flight_s = (s.T * s.receiver - s.beacon).norm() / s.speed;
+  EXPECT_NEAR(out.tof_s, flight_s + s.delay + s.attenuation.rise_time_s * std::log(2.0), 1e-15);
+  EXPECT_NEAR(out.tof_by_attenuation[2], std::log(2.0), 1e-14);
+  EXPECT_EQ(out.tof_by_attenuation[0], 0.0);
+  in.attenuation = nullptr;
+  EXPECT_NEAR((out.tof_by_pose - predict_arrival(in, Motion::kPlanar).tof_by_pose).norm(), 0.0, 1e-15) << "nothing of the pose";
+}
+
 TEST(Measurement, BearingDerivativesAgreeWithNumericOnes) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(-1, 1);
