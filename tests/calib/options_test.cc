@@ -202,7 +202,7 @@ TEST(MotionPrior, DerivativesMatchNumericOnes) {
 /// alike: what is off the axis is then late for no reason.
 TEST(Directivity, IsCalibratedFromAmplitudes) {
   double nees = 0.0, dof = 0.0, squares = 0.0, squares_blind = 0.0;
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+  for (std::uint64_t seed = 5; seed <= 12; ++seed) {
     Scenario s = hall_scenario();
     s.path.epochs = 60;
     add_attenuation(s);
@@ -219,7 +219,8 @@ TEST(Directivity, IsCalibratedFromAmplitudes) {
     const BeaconErrors errors = beacon_errors(world, solution);
     nees += errors.nees() + error * error / (sigma * sigma);
     dof += 1 + static_cast<double>(errors.error.size());
-    if (seed > 1) continue;  // what fits so badly takes its time
+    EXPECT_LT(solution.statistics.rejected, 10u) << "seed " << seed << ": weak arrivals are late by what their amplitude says, and no echoes";
+    if (seed > 5) continue;  // what fits so badly takes its time
     squares += errors.error.squaredNorm();
     world.site.attenuation->half_power_angle_rad = {};
     const calib::Solution blind = solution_of(world);

@@ -219,5 +219,30 @@ TEST(InterpolatePoses, NeverBeyondTheEndsNorOverLongGaps) {
   EXPECT_TRUE(interpolate_poses(poses, 5.0, 0.1, T));
 }
 
+/// What a measured amplitude leaves of the walk: of a directional receiver a part of the noise, and more of it the weaker the pulse.
+TEST(Observe, AWeakPulseOfADirectionalReceiverIsKnownLessWell) {
+  TrajectoryModel model;
+  model.noise.tof_sigma_s = 1e-5;
+  model.noise.amplitude_relative_sigma = 0.05;
+  const auto observed = [&](double amplitude_v) {
+    Arrival a{.tof_s = 0.01, .beacon = BeaconId(0), .receiver = ReceiverId(0), .vehicle = VehicleId(0)};
+    a.amplitude_v = amplitude_v;
+    return observe(a, model, 343.0);
+  };
+  EXPECT_EQ(observed(1.0).log_amplitude_sigma, 0.0) << "no model of amplitudes";
+  model.attenuation = AttenuationModel{12.5, 0.1, 0.2, 4.5e-4};
+  EXPECT_EQ(observed(1.0).log_amplitude_sigma, 0.05);
+  EXPECT_EQ(observed(1.0).sigma_s, 1e-5) << "the walk is taken at the predicted amplitude";
+  EXPECT_FALSE(walk_amplitude(observed(1.0), {.attenuation = model.attenuation}));
+  model.attenuation->half_power_angle_rad = 0.4;
+  EXPECT_NEAR(walk_amplitude(observed(1.0), {.attenuation = model.attenuation}).value(), 0.0, 1e-15);
+  const double share = 0.2 / 0.95;  // a sigma weaker
+  EXPECT_NEAR(observed(1.0).sigma_s, std::hypot(1e-5, 4.5e-4 * share / (1 - share) * 0.05), 1e-12);
+  EXPECT_GT(observed(0.25).sigma_s, 5 * observed(1.0).sigma_s);
+  model.attenuation->saturation_v = 4.7;
+  EXPECT_EQ(observed(4.7).log_amplitude_sigma, 0.0) << "at its stop";
+  EXPECT_EQ(observed(4.7).sigma_s, 1e-5);
+}
+
 }  // namespace
 }  // namespace octant

@@ -44,6 +44,38 @@ SurveyModel looking_model() {
   return must(make_survey_model(hall.site, hall.scene));
 }
 
+/// Without a pattern of the scene's own, receivers hear as their calibrated directivity has it.
+TEST(Hearing, ADirectionalArrayHearsAsCalibrated) {
+  test::Hall hall = test::warehouse_hall();
+  hall.site.vehicles.clear();
+  hall.site.receivers.clear();
+  test::add_octagon(hall.site, 2.2);
+  hall.site.attenuation = AttenuationPrior{.amplitude_1m_v = {12.5, 0}, .absorption_np_per_m = {0.1, 0}, .rise_time_s = {}, .threshold_v = 0.1,
+                                           .half_power_angle_rad = {0.4, 0}};
+  const SurveyModel model = must(make_survey_model(hall.site, hall.scene));
+  hall.site.attenuation->half_power_angle_rad = {};
+  const SurveyModel all_round = must(make_survey_model(hall.site, hall.scene));
+  const AttenuationModel attenuation{.amplitude_1m_v = 12.5, .absorption_np_per_m = 0.1, .threshold_v = 0.1};
+  Random draws(7);
+  int heard = 0, heard_all_round = 0;
+  for (int i = 0; i < 500; ++i) {
+    const double x = draws.uniform(0, 26), y = draws.uniform(0, 16);
+    const Pose T = Pose::planar(x, y, draws.uniform(-3, 3));
+    for (std::size_t b = 0; b < model.beacons.size(); ++b)
+      for (std::size_t r = 0; r < model.receivers.size(); ++r) {
+        const Eigen::Vector3d to = model.beacons[b].p_map_m - T * model.receivers[r].p_vehicle_m;
+        const double gain = std::exp(log_directivity((T.rotation * model.receivers[r].axis).dot(to.normalized()), 0.4).value);
+        const bool loud = gain * amplitude_v(to.norm(), attenuation) >= 0.1;
+        const bool here = hears(model, b, r, T);
+        EXPECT_TRUE(loud || !here) << b << " " << r;
+        heard += here;
+        heard_all_round += hears(all_round, b, r, T);
+      }
+  }
+  EXPECT_GT(heard, 200);
+  EXPECT_LT(heard, heard_all_round);
+}
+
 TEST(Hearing, AsTheMapsHaveIt) {
   const SurveyModel model = looking_model();
   Random draws(6);

@@ -217,6 +217,9 @@ TEST(Longsolve, RoughDistancesCheckAndDoNotPlace) {
     const LongsolveFix late = solve(room, d);
     ASSERT_TRUE(late.ok()) << k;
     EXPECT_TRUE(late.late[rough]) << k;
+    OffsetDistances two = d;  // and another: four of five would do, four of six do not
+    two.distance_m[(rough + 1) % 6] += 2.0;
+    EXPECT_FALSE(solve(room, two).ok()) << k;
     d.distance_m[rough] -= 2 * (1.0 + 10 * 30 * kSigma_m);  // no pulse comes early: the others are wrong, or nobody knows
     EXPECT_FALSE(solve(room, d).ok()) << k;
   }

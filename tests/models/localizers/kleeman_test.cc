@@ -364,5 +364,34 @@ TEST(Kleeman, LocateAllocatesNothing) {
   test::expect_no_allocations(kleeman, cycles);
 }
 
+/// Beside a corner its beacon stands steeply above, and directional receivers just hear it: good to decimetres. The others place.
+TEST(Kleeman, ABeaconThatIsJustHeardDoesNotSpoilTheFix) {
+  std::mt19937_64 random(kSeed + 9);
+  const Deployment d = test::directional_room();
+  Kleeman kleeman(d);
+  std::uniform_real_distribution<double> beside(0.4, 0.9), turn(-M_PI, M_PI);
+  double squares = 0.0, normalised = 0.0;
+  int fixes = 0, rough = 0;
+  for (int k = 0; k < 400; ++k) {
+    const double x = beside(random), y = beside(random);
+    const Pose truth = Pose::planar(x, y, turn(random));
+    auto arrivals = hear(d, truth, {.range_m = 15.0, .half_angle_rad = M_PI, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02, .amplitude_sigma = 0.05}, random);
+    std::erase_if(arrivals, [&](const Arrival& a) { return a.amplitude_v < d.attenuation->threshold_v; });
+    const Fix fix = locate(kleeman, arrivals);
+    if (!fix.ok()) continue;
+    ++fixes;
+    const Eigen::Vector2d e = error_of(fix, truth).head<2>();
+    squares += e.squaredNorm();
+    normalised += e.dot(Eigen::Matrix2d(fix.covariance.topLeftCorner<2, 2>()).ldlt().solve(e)) / 2;
+    for (std::size_t i = 0; i < arrivals.size(); ++i) rough += arrivals[i].beacon == BeaconId(0) && fix.rejections[i] == Rejection::kNotNeeded;
+  }
+  const double rms_m = std::sqrt(squares / fixes);
+  std::cout << fixes << " fixes beside a corner, rms " << 1e3 * rms_m << " mm, of their variance " << normalised / fixes << ", " << rough << " arrivals set aside\n";
+  EXPECT_GE(fixes, 390);
+  EXPECT_GT(rough, 100);
+  EXPECT_LT(rms_m, 0.012);
+  EXPECT_NEAR(normalised / fixes, 1.0, 0.2);
+}
+
 }  // namespace
 }  // namespace octant
