@@ -239,6 +239,7 @@ std::optional<std::string> why_not_streamed(const Site& site, const std::vector<
   if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
   if (site.timing.clock != Clock::kSynchronised) return "each epoch has a clock offset of its own";
   if (site.timing.ranging != Ranging::kOneWay) return "ranges are two-way";
+  if (site.attenuation && site.attenuation->half_power_angle_rad.value > 0) return "receivers are directional: each arrival has a noise of its own";
   Problem frame;
   frame.site = site;
   for (const MeasurementLog* run : runs) {

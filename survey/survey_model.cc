@@ -128,7 +128,7 @@ void add_wall(const SceneWall& wall, SurveyModel& model) {
     model.walls.push_back({wall.points_m[i], wall.points_m[(i + 1) % n], wall.bottom_m, wall.top_m});
 }
 
-Result<SurveyModel> assemble(Common common, const Scene& scene, bool may_be_empty = false) {
+Result<SurveyModel> assemble(const Common& common, const Scene& scene, bool may_be_empty = false) {
   if (const auto checked = check_scene(scene); !checked) return fail(checked.error());
   SurveyModel model;
   model.name = common.name;

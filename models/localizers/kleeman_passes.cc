@@ -140,6 +140,7 @@ void Kleeman::keep_agreeing(std::size_t beacon) noexcept {
       break;
     }
   }
+  if (first == nullptr) return;
   if (supported != nullptr) first = supported;
   for (HeardDistance& h : w.heard) {
     if (h.beacon == beacon) h.kept = h.centred_m >= first->centred_m && h.centred_m - first->centred_m <= gate_m(h, *first);

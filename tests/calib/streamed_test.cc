@@ -272,6 +272,11 @@ TEST(Streamed, SaysWhatCannotBe) {
   Site site = world.site;
   site.timing.clock = Clock::kCycleOffset;
   EXPECT_TRUE(calib::why_not_streamed(site, {&world.run}));
+  site = world.site;
+  site.attenuation = AttenuationPrior{.amplitude_1m_v = {12.5, 1.0}, .absorption_np_per_m = {}, .rise_time_s = {4.5e-4, 0.0}, .threshold_v = 0.05};
+  EXPECT_FALSE(calib::why_not_streamed(site, {&world.run}));
+  site.attenuation->half_power_angle_rad = {0.4, 0.1};
+  EXPECT_TRUE(calib::why_not_streamed(site, {&world.run})) << "arrivals differ in noise";
 }
 
 }  // namespace
