@@ -118,7 +118,7 @@ class Calibrator {
   }
 
   void scale_noise(double factor) {
-    const double stated_s = problem_.site.noise.tof_sigma_s, before_s = stated_s * it_.noise_factor, now_s = before_s * factor;
+    const double before_s = problem_.site.noise.tof_sigma_s * it_.noise_factor, now_s = before_s * factor;
     it_.noise_factor *= factor;
     it_.last.data_information.reset();
     borrowed_matrix_.resize(0, 0);

@@ -385,7 +385,7 @@ ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, doubl
     o.log_amplitude_sigma = model.noise.amplitude_relative_sigma;
     if (model.attenuation->directional()) {
       // The walk is taken at this amplitude; near the threshold it bends, and one that was measured too loud must not seem exact.
-      const double least_v = a.amplitude_v * std::max(1 - 1 * o.log_amplitude_sigma, 0.5);
+      const double least_v = a.amplitude_v * std::max(1 - o.log_amplitude_sigma, 0.5);
       o.sigma_s = std::hypot(o.sigma_s, walk_by_log_amplitude_s(least_v, *model.attenuation) * o.log_amplitude_sigma);
     }
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -57,27 +58,29 @@ Result<void> apply_acoustics(const Common& common, const Scene& scene, SurveyMod
   return {};
 }
 
-std::size_t add_cone(double cosine, SurveyModel& model) {
-  BeamPattern cone;
-  cone.name = fmt::format("hears to {:.0f} degrees", std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI);
-  cone.half_angle_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
-  for (std::size_t i = 0; i < model.patterns.size(); ++i)
-    if (model.patterns[i].kind == cone.kind && model.patterns[i].half_angle_rad == cone.half_angle_rad) return i;
-  model.patterns.push_back(cone);
-  return model.patterns.size() - 1;
+/// A pattern's index: that of one alike, else a new one.
+std::size_t add_pattern(BeamPattern pattern, SurveyModel& model) {
+  const auto alike = [&](const BeamPattern& p) {
+    return p.kind == pattern.kind && p.half_angle_rad == pattern.half_angle_rad && p.half_power_angle_rad == pattern.half_power_angle_rad;
+  };
+  const auto found = std::find_if(model.patterns.begin(), model.patterns.end(), alike);
+  const auto index = static_cast<std::size_t>(found - model.patterns.begin());
+  if (found == model.patterns.end()) model.patterns.push_back(std::move(pattern));
+  return index;
 }
 
 /// How a receiver hears that the scene says nothing of: as calibrated, else as widely as calibration has heard.
 std::size_t pattern_of_receiver(const Common& common, double hearing_cosine, SurveyModel& model) {
-  if (!common.attenuation || !common.attenuation->directional() || !(model.hearing.threshold_v > 0)) return add_cone(hearing_cosine, model);
-  const double angle_rad = common.attenuation->half_power_angle_rad;
-  for (std::size_t i = 0; i < model.patterns.size(); ++i)
-    if (model.patterns[i].kind == BeamPattern::Kind::kHalfPower && model.patterns[i].half_power_angle_rad == angle_rad) return i;
-  BeamPattern& pattern = model.patterns.emplace_back();
-  pattern.name = fmt::format("-3 dB at {:.0f} degrees", angle_rad * 180 / M_PI);
-  pattern.kind = BeamPattern::Kind::kHalfPower;
-  pattern.half_power_angle_rad = angle_rad;
-  return model.patterns.size() - 1;
+  BeamPattern pattern;
+  if (common.attenuation && common.attenuation->directional() && model.hearing.threshold_v > 0) {
+    pattern.kind = BeamPattern::Kind::kHalfPower;
+    pattern.half_power_angle_rad = common.attenuation->half_power_angle_rad;
+    pattern.name = fmt::format("-3 dB at {:.0f} degrees", pattern.half_power_angle_rad * 180 / M_PI);
+  } else {
+    pattern.half_angle_rad = std::acos(std::clamp(hearing_cosine, -1.0, 1.0));
+    pattern.name = fmt::format("hears to {:.0f} degrees", pattern.half_angle_rad * 180 / M_PI);
+  }
+  return add_pattern(std::move(pattern), model);
 }
 
 Result<void> apply_patterns(const Common& common, const Scene& scene, SurveyModel& model) {

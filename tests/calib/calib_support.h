@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "calib/calibrate.h"
+#include "models/fix.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
@@ -22,6 +25,15 @@ inline double worst_beacon_m(const World& world, const calib::Solution& solution
   for (std::size_t b = 0; b < world.truth.beacons.size(); ++b)
     worst = std::max(worst, (solution.state.beacon_p_map_m[b] - world.truth.beacons[b].position_m).norm());
   return worst;
+}
+
+/// A held-out fix less the truth at its instant: x, y [m], heading [rad].
+inline Eigen::Vector3d fix_error(const World& world, const Fix& fix) {
+  Pose truth;
+  EXPECT_TRUE(interpolate_poses(world.heldout.truth, fix.time_s, 10.0, truth));
+  Eigen::Vector3d error = fix.T_map_vehicle.translation_m - truth.translation_m;
+  error.z() = wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad());
+  return error;
 }
 
 /// Free beacon coordinates, estimate less truth, with their joint covariance.

@@ -255,10 +255,7 @@ TEST(Directivity, ServesTheFixes) {
     ASSERT_EQ(fixes.size(), 10u);
     for (const Fix& fix : fixes) {
       ASSERT_TRUE(fix.ok()) << to_string(fix.status);
-      Pose truth;
-      ASSERT_TRUE(interpolate_poses(world.heldout.truth, fix.time_s, 10.0, truth));
-      Eigen::Vector3d e = fix.T_map_vehicle.translation_m - truth.translation_m;
-      e.z() = wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad());
+      const Eigen::Vector3d e = fix_error(world, fix);
       EXPECT_LT(std::abs(e.z()), 0.02) << "a degree";
       if (&fix != &fixes[0]) continue;  // those of one calibration share its errors
       nees += e.dot(fix.covariance.ldlt().solve(e));

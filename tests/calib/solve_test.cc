@@ -70,10 +70,7 @@ TEST(Solve, FixesOfACalibratedSiteAreWhatTheirCovarianceSays) {
     const std::vector<Fix> fixes = localizer.locate(world.heldout);
     ASSERT_FALSE(fixes.empty());
     if (!fixes[0].ok()) continue;
-    Pose truth;
-    ASSERT_TRUE(interpolate_poses(world.heldout.truth, fixes[0].time_s, 10.0, truth));
-    Eigen::Vector3d e = fixes[0].T_map_vehicle.translation_m - truth.translation_m;
-    e.z() = wrap_angle(fixes[0].T_map_vehicle.heading_rad() - truth.heading_rad());
+    const Eigen::Vector3d e = fix_error(world, fixes[0]);
     nees += e.dot(fixes[0].covariance.ldlt().solve(e));
     dof += 3.0;
   }

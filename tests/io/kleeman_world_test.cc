@@ -37,7 +37,6 @@ struct Tally {
 Tally headings(const Scenario& s, KleemanHeading heading, bool amplitudes = true) {
   World world = simulate(s, 1).value();
   if (!amplitudes) {
-    world.truth.attenuation->half_power_angle_rad = 0.0;
     for (Arrival& a : world.heldout.arrivals) {  // their walk still has to be taken out
       const double share = world.truth.attenuation->threshold_v / a.amplitude_v;
       a.tof_s += world.truth.attenuation->rise_time_s * std::log1p(-std::min(share, 0.95));
