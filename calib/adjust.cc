@@ -14,6 +14,7 @@
 #include <Eigen/SparseCore>
 
 #include "calib/tile_sum.h"
+#include "models/decompositions.h"
 #include "models/parallel.h"
 
 namespace octant::calib {
@@ -26,11 +27,12 @@ struct Residuals {
   double rest = 0.0;
 };
 
-Residuals residuals_of(const ReducedSystem& system, double least_pivot = 1e-13) {
+Residuals residuals_of(const ReducedSystem& system) {
+  constexpr double kLeastPivot = 1e-13;
   Residuals out;
   const Eigen::VectorXd scale = system.H.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt((inverse.asDiagonal() * system.H * inverse.asDiagonal()).eval());
+  const DenseLdlt ldlt((inverse.asDiagonal() * system.H * inverse.asDiagonal()).eval());
   const Eigen::VectorXd d = ldlt.vectorD();
   // P' L D L' P: rank-deficient directions (nothing in this tile sees them) get a zero row.
   Eigen::VectorXd y = ldlt.transpositionsP() * (inverse.asDiagonal() * system.gradient).eval();
@@ -39,7 +41,7 @@ Residuals residuals_of(const ReducedSystem& system, double least_pivot = 1e-13) 
   out.R = (ldlt.transpositionsP().transpose() * L).transpose();  // (P' L)' = L' P
   out.z.setZero(d.size());
   for (Eigen::Index i = 0; i < d.size(); ++i) {
-    const double root = d[i] > least_pivot ? std::sqrt(d[i]) : 0.0;
+    const double root = d[i] > kLeastPivot ? std::sqrt(d[i]) : 0.0;
     out.R.row(i) *= root;
     if (root > 0) out.z[i] = y[i] / root;
   }
@@ -69,11 +71,9 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   SharedState state;
   double cost = 0.0;
   bool settled = false;
-  bool at_rest = false;                  ///< the step that led here was the last worth taking
-  ReducedSystem sum;                     ///< dense
-  Eigen::VectorXd matrix_at, looked_at;  ///< where its matrix was formed (or none, while it is borrowed), and its gradient
-  bool may_borrow = true, borrowed = false;
-  double gained = INFINITY;          ///< by the last step
+  bool at_rest = false;              ///< the step that led here was the last worth taking
+  ReducedSystem sum;                 ///< dense
+  Eigen::VectorXd reduced_at;        ///< where that was formed
   std::vector<Residuals> residuals;  ///< of the sum; else of each tile
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
@@ -96,63 +96,27 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     });
   }
 
-  /// The system here. A borrowed matrix leads on with the gradient of this point, for a fraction of the work, as long as its
-  /// steps shrink. Where nothing worth while is left to gain not even that is needed.
+  /// The system here, which is not even needed where nothing worth while is left to gain.
   void look() {
-    const bool first = looked_at.size() == 0;
-    const Outlook outlook = first ? outlook_of_start() : outlook_of_step();
-    at_rest = outlook.matrix_does && outlook.left_to_gain < options->function_tolerance * cost;
+    at_rest = reduced_at.size() > 0 && nothing_left_to_gain();
     if (at_rest) {
       look_from_last();
       return;
     }
-    if (!(borrowed && outlook.matrix_does && look_with_borrowed())) {
-      borrowed = false;
-      observations->reduce(state, options->loss, sum);
-      matrix_at = *x;
-      residuals.assign(1, residuals_of(sum));
-    }
-    looked_at = *x;
+    observations->reduce(state, options->loss, sum);
+    reduced_at = *x;
+    residuals.assign(1, residuals_of(sum));
   }
 
-  bool look_with_borrowed() {
-    constexpr double kLeastPivot = 1e-6;  // a direction that nothing tells has a gradient of what the states' rest left over
-    if (!observations->reduce_gradient(state, options->loss, sum.gradient)) return false;
-    sum.cost = cost;
-    residuals.assign(1, residuals_of(sum, kLeastPivot));
-    return residuals[0].z.squaredNorm() < 2.0 * cost;  // else the matrix is not one that goes with this gradient
-  }
-
-  struct Outlook {
-    bool matrix_does = false;
-    double left_to_gain = INFINITY;
-  };
-  Outlook outlook_of_start() {
-    borrowed = may_borrow && options->borrowed_matrix.size() > 0;
-    if (borrowed) sum.H = options->borrowed_matrix;
-    return {borrowed, INFINITY};
-  }
-  /// Whether the adjustment has to begin again with a matrix of its own: with a borrowed one that nothing moves says nothing.
-  bool gives_back() {
-    if (!borrowed || at_rest) return false;
-    may_borrow = false;
-    looked_at.resize(0);
-    return true;
-  }
   /// A step gains half of its square in the matrix. Steps of Gauss and Newton leave a few hundredths of the way behind where
-  /// lever arms are as short as an octagon's, a tenth at most, and the square of that of the gain. A matrix of one's own changes
-  /// by some times what the foretold gain was off, and as rays turn: both have to stay below what anybody reads in a covariance.
-  /// Of a borrowed one the steps tell how much they leave behind, about.
-  [[nodiscard]] Outlook outlook_of_step() {
-    constexpr double kAlike = 3e-4, kLeftBehind = 0.01, kWithinNoise = 1.0;
-    constexpr double kShrinks = 0.1, kAbout = 4.0, kBorrowedLeaves = 0.03;
-    const Eigen::VectorXd step = *x - looked_at;
-    const double gain = 0.5 * step.dot(sum.H * step), last = std::exchange(gained, gain);
-    if (borrowed)
-      return {gain < kShrinks * last && !(options->matrix_wanted && gain < kWithinNoise),
-              std::max(kAbout * gain / last, kBorrowedLeaves) * gain};
+  /// lever arms are as short as an octagon's, a tenth at most, and the square of that of the gain. The matrix changes by some
+  /// times what the foretold gain was off, and as rays turn: both have to stay below what anybody reads in a covariance.
+  [[nodiscard]] bool nothing_left_to_gain() const {
+    constexpr double kAlike = 3e-4, kLeftBehind = 0.01;
+    const Eigen::VectorXd step = *x - reduced_at;
+    const double gain = 0.5 * step.dot(sum.H * step);
     const double off = std::abs(cost - sum.cost - step.dot(sum.gradient) - gain);
-    return {off < kAlike * gain && rays_are_the_same(), kLeftBehind * gain};
+    return off < kAlike * gain && rays_are_the_same() && kLeftBehind * gain < options->function_tolerance * cost;
   }
 
   /// Whether rays of some metres and lever arms of some centimetres point where they did, to a thousandth.
@@ -160,7 +124,7 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     constexpr double kBeaconM = 1e-3, kReceiverM = 5e-5;
     const auto moved = [&](const std::vector<std::array<int, 3>>& columns, double by_m) {
       return std::any_of(columns.begin(), columns.end(), [&](const std::array<int, 3>& place) {
-        return std::any_of(place.begin(), place.end(), [&](int c) { return c >= 0 && std::abs((*x)[c] - matrix_at[c]) > by_m; });
+        return std::any_of(place.begin(), place.end(), [&](int c) { return c >= 0 && std::abs((*x)[c] - reduced_at[c]) > by_m; });
       });
     };
     return !moved(layout->beacon, kBeaconM) && !moved(layout->receiver, kReceiverM);
@@ -169,7 +133,7 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   /// The last system as it looks from here.
   void look_from_last() {
     Residuals& r = residuals[0];
-    r.z += r.R * (*x - looked_at);
+    r.z += r.R * (*x - reduced_at);
     r.rest = std::sqrt(std::max(0.0, 2.0 * cost - r.z.squaredNorm()));
     observations->commit();
   }
@@ -331,6 +295,14 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
   return ceres_options;
 }
 
+/// Whether an adjustment that came to the end of its iterations gained nothing in their second half that anybody could see: a
+/// hundredth of the square of one sigma. It creeps along a valley that is bent, but is as good as at rest.
+bool crawls(const ceres::Solver::Summary& summary) {
+  constexpr double kUnseen = 0.005;
+  if (summary.termination_type != ceres::NO_CONVERGENCE || summary.iterations.size() < 20) return false;
+  return summary.iterations[summary.iterations.size() / 2].cost - summary.final_cost < kUnseen;
+}
+
 AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, TileSum* tiles,
                         Eigen::VectorXd& x, const AdjustOptions& options) {
   AdjustResult result;
@@ -385,17 +357,13 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   ceres_options.update_state_every_iteration = false;
   ceres::Solver::Summary summary;
   ceres::Solve(ceres_options, &ceres_problem, &summary);
-  if (!watch.interrupted && point.gives_back()) {
-    result.iterations += static_cast<int>(summary.iterations.size()) - 1;
-    ceres::Solve(ceres_options, &ceres_problem, &summary);
-  }
-  result.converged = point.at_rest || summary.termination_type == ceres::CONVERGENCE;
+  result.converged = point.at_rest || summary.termination_type == ceres::CONVERGENCE || crawls(summary);
   result.interrupted = watch.interrupted;
-  result.iterations += static_cast<int>(summary.iterations.size()) - 1;
+  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cost = summary.final_cost;
   result.message =
       point.at_rest ? "the cost came out as foretold, and what is left to gain is below the tolerance" : summary.message;
-  if (point.dense && point.matrix_at.size() == layout.size()) result.data_information = std::move(point.sum.H);
+  if (point.dense && point.reduced_at.size() == layout.size()) result.data_information = std::move(point.sum.H);
   return result;
 }
 

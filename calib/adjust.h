@@ -22,10 +22,6 @@ struct AdjustOptions {
   Workers workers;
   double function_tolerance = 1e-10;
   std::function<bool(int iteration, double cost)> on_iteration;  ///< false stops
-  /// About the Gauss-Newton matrix of all observations at the start: that of a part of them, times how many more they are. Steps then
-  /// need the gradient of all alone, where it is to be had for less, until they are within the noise. Empty: unknown.
-  Eigen::MatrixXd borrowed_matrix{};
-  bool matrix_wanted = true;  ///< false: AdjustResult::data_information may be left out
 };
 
 struct AdjustResult {

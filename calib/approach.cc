@@ -11,6 +11,7 @@
 
 #include "calib/flips.h"
 #include "calib/label_check.h"
+#include "calib/mirror_images.h"
 #include "calib/observability.h"
 #include "calib/reject.h"
 #include "calib/start.h"
@@ -28,6 +29,8 @@ constexpr double kRoughScale = 10.0;
 /// Repeated searches, in sigmas by which beacons may be off; an improvement below two per cent counts as none.
 constexpr std::array<double, 5> kSearchSlacks = {0.0, 20.0, 8.0, 3.0, 0.0};
 constexpr double kMuchBetter = 0.98;
+/// A stated place is believed unless another one is better by this, half a square of four sigmas.
+constexpr double kAsGoodAsStated = 8.0;
 /// States are searched again once the robust scale is down to this, and once more at its end.
 constexpr double kSearchAgainScale = 30.0;
 
@@ -36,19 +39,20 @@ class Approacher {
   Approacher(const Problem& problem, const SolveOptions& options, Course& course)
       : problem_(problem), options_(options), course_(course) {}
 
-  Approach run() {
-    out_.ok = approach();
+  Approach run(bool search_again) {
+    out_.ok = approach(search_again);
     return std::move(out_);
   }
 
  private:
-  bool approach() {
+  bool approach(bool search_again) {
     if (!course_.report("initial values", 0.02)) return stop(interrupted_solution());
     if (const auto missing = missing_scale(problem_)) return stop(refuse(*missing));
     start_ = initial_values(problem_, options_.threads);
     take_start();
     if (!placed_any_) return stop(unplaced());
-    if (!graduated() || !mend_labels() || !search_and_adjust()) return stop(interrupted_solution());
+    if (!graduated() || !mend_labels()) return stop(interrupted_solution());
+    if (search_again && (!search_and_adjust() || !compare_images())) return stop(interrupted_solution());
     return true;
   }
 
@@ -95,7 +99,7 @@ class Approacher {
 
   void take_start() {
     it_.beacon_usable = start_.beacon_found;
-    it_.beacon_mirrored = start_.beacon_mirrored;
+    it_.beacon_mirrored.assign(it_.beacon_usable.size(), false);
     out_.trajectories = std::move(start_.trajectories);
     std::vector<bool> held(it_.beacon_usable.size());
     for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) held[b] = !it_.beacon_usable[b];
@@ -154,14 +158,126 @@ class Approacher {
     return lifted;
   }
 
+  /// A solution on the way, to come back to.
+  struct Kept {
+    ParameterLayout layout;
+    Eigen::VectorXd x;
+    std::vector<Trajectory> trajectories;
+    AdjustResult last;
+  };
+  [[nodiscard]] Kept keep() const { return {it_.layout, it_.x, out_.trajectories, it_.last}; }
+  void restore(Kept kept) {
+    it_.layout = std::move(kept.layout);
+    it_.x = std::move(kept.x);
+    out_.trajectories = std::move(kept.trajectories);
+    it_.last = std::move(kept.last);
+  }
+  [[nodiscard]] Consensus consensus() const {
+    return consensus_of(problem_, it_.layout, it_.x, out_.trajectories, options_.rejection_sigmas);
+  }
+
   /// Exchanged or misplaced beacons, once the arrivals have told where they are.
   bool mend_labels() {
-    const LabelCheck check = check_labels(problem_, it_.layout, it_.x);
+    const Kept before = keep();
+    LabelCheck check = check_labels(problem_, it_.layout, it_.x);
+    if (check.mended) {
+      if (!course_.report("adjustment with mended positions", 0.62)) return false;
+      place_again(kCauchyScale, 0.0);
+      if (!adjust_with(kCauchyScale, 1e-10)) return false;
+    }
+    if (!check.disregarded.empty() && !believe_stated(before, check)) return false;
     out_.warnings.insert(out_.warnings.end(), check.warnings.begin(), check.warnings.end());
-    if (!check.mended) return true;
-    if (!course_.report("adjustment with mended positions", 0.62)) return false;
+    return true;
+  }
+
+  /// A beacon is not where the site file has it because a robust start ended elsewhere: it is adjusted from its stated place as
+  /// well, all such beacons at once, then one by one, and the stated place is disregarded only where that is clearly worse.
+  bool believe_stated(const Kept& before, LabelCheck& check) {
+    const auto better_than = [this](const Consensus& other) {
+      const double noise = agreeing_sigma(out_.trajectories, it_.layout.state_of(it_.x));
+      return consensus().total() < other.total() + kAsGoodAsStated * std::max(1.0, noise * noise);
+    };
+    std::vector<std::size_t> trusted;
+    const std::vector<std::size_t> doubted = check.disregarded;
+    Kept best = keep();
+    Consensus cost = consensus();
+    for (std::size_t trial = 0; trial <= doubted.size() && trusted.size() < doubted.size() && (trial == 0 || doubted.size() > 1); ++trial) {
+      std::vector<std::size_t> wanted = trusted;
+      if (trial == 0) {
+        wanted = doubted;
+        restore(before);
+      } else {
+        wanted.push_back(doubted[trial - 1]);
+        it_.layout = before.layout;
+      }
+      LabelCheck again = check_labels(problem_, it_.layout, before.x, wanted);
+      if (!adjust_from_stated(wanted)) return false;
+      if (better_than(cost)) {
+        trusted = wanted;
+        check = std::move(again);
+        best = keep();
+        cost = consensus();
+      } else {
+        restore(best);
+      }
+    }
+    return true;
+  }
+
+  /// With beacons back at their stated places.
+  bool adjust_from_stated(const std::vector<std::size_t>& beacons) {
+    if (!course_.report("adjustment from stated positions", 0.63)) return false;
+    double off_m = 0.0;
+    for (const std::size_t b : beacons)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const int column = it_.layout.beacon[b][i];
+        if (column < 0 || !problem_.site.beacons[b].position_m[i]) continue;
+        it_.x[column] = *problem_.site.beacons[b].position_m[i];
+        const double prior_m = it_.layout.parameters[static_cast<std::size_t>(column)].prior_sigma;
+        if (std::isfinite(prior_m)) off_m = std::max(off_m, prior_m);
+      }
+    place_again(kCauchyScale, off_m / sigma_m());
+    for (double scale = std::max(off_m / sigma_m(), kCauchyScale); scale > kCauchyScale; scale /= 5)
+      if (!adjust_with(scale, 1e-4)) return false;
     place_again(kCauchyScale, 0.0);
     return adjust_with(kCauchyScale, 1e-10);
+  }
+
+  /// Beacons, or the whole site, of which the ranges leave a mirror image: it is adjusted too, and the better one by all
+  /// observations is kept. Where both are equally good a beacon is undetermined.
+  bool compare_images() {
+    if (!course_.report("mirror images", 0.67)) return false;
+    const auto compare = [this](const Kept& here, Preference& preferred) {
+      const Consensus there = consensus();
+      const double noise = agreeing_sigma(here.trajectories, here.layout.state_of(here.x));
+      preferred = prefer(consensus_of(problem_, here.layout, here.x, here.trajectories, options_.rejection_sigmas), there, noise);
+      if (preferred != Preference::kSecond) restore(here);
+    };
+    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) {
+      const std::array<int, 3>& columns = it_.layout.beacon[b];
+      if (!it_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) continue;
+      const auto image = mirror_image(problem_, it_.layout.state_of(it_.x), out_.trajectories, b, 3 * sigma_m());
+      if (!image) continue;
+      const Kept here = keep();
+      for (std::size_t i = 0; i < 3; ++i)
+        if (columns[i] >= 0) it_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
+      if (!adjust_with(kCauchyScale, 1e-8)) return false;
+      Preference preferred;
+      compare(here, preferred);
+      const double apart_m = (*image - here.layout.state_of(here.x).beacon_p_map_m[b]).norm();
+      it_.beacon_mirrored[b] = preferred == Preference::kNeither && apart_m > tolerance_m(problem_);
+    }
+    const Kept here = keep();
+    if (!reflect_site(problem_, it_.layout, it_.x, out_.trajectories)) return true;
+    const Eigen::VectorXd image = it_.x;
+    if (!adjust_with(kCauchyScale, 1e-8)) return false;
+    Preference preferred;
+    compare(here, preferred);
+    if (preferred != Preference::kNeither) return true;
+    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b)
+      for (const int column : {it_.layout.beacon[b][0], it_.layout.beacon[b][1]})
+        if (column >= 0 && std::abs(image[column] - here.x[column]) > tolerance_m(problem_)) it_.beacon_mirrored[b] = true;
+    return true;
   }
 
   /// States that fell into a wrong place while the beacons were off, which they may still be by so many sigmas of an arrival.
@@ -172,22 +288,10 @@ class Approacher {
     readmit_all(out_.trajectories, it_.beacon_usable);
   }
 
-  /// What the final rejection will leave: squares up to its limit. Lower is a larger consensus.
-  [[nodiscard]] double consensus_cost() const {
-    const SharedState state = it_.layout.state_of(it_.x);
-    const double cap = 0.5 * options_.rejection_sigmas * options_.rejection_sigmas;
-    double cost = prior_cost(problem_, it_.layout, it_.x);
-    for (const Trajectory& t : out_.trajectories)
-      for (const ArrivalObservation& a : t.arrivals)
-        if (a.rejection != Rejection::kBeaconUnusable && a.rejection != Rejection::kNoPose)
-          cost += std::min(cap, 0.5 * std::pow(arrival_residual(t, a, state), 2));
-    return cost;
-  }
-
   /// Beacons and states hold each other in wrong places: a few flipped headings keep the beacons off, and those keep the
   /// headings. So the search is repeated with less and less trust in the beacons withdrawn, and the largest consensus is kept.
   bool search_and_adjust() {
-    double best = consensus_cost();
+    double best = consensus().total();
     std::size_t failures = 0;
     for (const double slack : kSearchSlacks) {
       const Eigen::VectorXd x = it_.x;
@@ -197,7 +301,7 @@ class Approacher {
       place_again(kCauchyScale, slack);
       for (const double scale : {std::max(slack, kCauchyScale), kCauchyScale})
         if (!adjust_with(scale, scale > kCauchyScale ? 1e-4 : 1e-10)) return false;
-      const double cost = consensus_cost();
+      const double cost = consensus().total();
       const bool better = cost < best, much_better = cost < kMuchBetter * best;
       if (better) {
         best = cost;
@@ -229,8 +333,8 @@ Solution interrupted_solution() {
   return solution;
 }
 
-Approach approach(const Problem& problem, const SolveOptions& options, Course& course) {
-  return Approacher(problem, options, course).run();
+Approach approach(const Problem& problem, const SolveOptions& options, Course& course, bool search_again) {
+  return Approacher(problem, options, course).run(search_again);
 }
 
 }  // namespace octant::calib

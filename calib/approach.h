@@ -19,7 +19,7 @@ struct Estimate {
   AdjustResult last;                   ///< of the adjustment that led to x
   double noise_factor = 1.0;           ///< noise of the arrivals as found over the stated one
   std::vector<bool> beacon_usable;     ///< found
-  std::vector<bool> beacon_mirrored;   ///< a second place explained its ranges as well when it was found
+  std::vector<bool> beacon_mirrored;   ///< a second place, adjusted as well, is as good by all observations
 
   [[nodiscard]] SharedState state() const { return layout.state_of(x); }
   /// Noise of a range.
@@ -40,7 +40,8 @@ struct Approach {
 
 /// Initial values; the adjustment with a loss whose scale goes from the slack of the start down to the noise, states searched again on
 /// the way; exchanged and misplaced beacons mended; states searched again with less and less trust in the beacons withdrawn.
-[[nodiscard]] Approach approach(const Problem& problem, const SolveOptions& options, Course& course);
+/// @param search_again  false: without that last search, which takes most of the time where arrivals do not agree
+[[nodiscard]] Approach approach(const Problem& problem, const SolveOptions& options, Course& course, bool search_again = true);
 
 /// A solution of which nothing came but the word that it was stopped.
 [[nodiscard]] Solution interrupted_solution();

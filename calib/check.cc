@@ -11,7 +11,6 @@
 #include "calib/label_check.h"
 #include "calib/observability.h"
 #include "calib/ranges.h"
-#include "calib/start.h"
 #include "calib/variances.h"
 
 namespace octant::calib {
@@ -92,8 +91,7 @@ void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& f
   for (std::size_t b = 0; b < usable.size(); ++b) {
     held[b] = !usable[b];
     const bool doubtful = usable[b] && solution.beacon_status[b] == BeaconStatus::kUndetermined;
-    mirrored[b] = doubtful && has_mirror_image(thinned, solution.state, solution.trajectories, b,
-                                               3 * solution.tof_sigma_s * speed_mps(thinned.site.medium));
+    mirrored[b] = doubtful && b < solution.beacon_mirrored.size() && solution.beacon_mirrored[b];
   }
   ParameterLayout layout = make_layout(thinned, solution.state, held);
   layout.dense_limit = options.dense_limit;

@@ -41,8 +41,18 @@ struct Forecast {
 /// errors that stay. Same words, same undetermined parameters as solve(). Seconds where solve() takes minutes.
 [[nodiscard]] Forecast forecast(const Problem& whole, const SolveOptions& options = {}, const ThinOptions& thin_options = {});
 
-/// What the quick solution shows of the logs: receivers whose ranges fit the place of another one (exchanged cables) or no place at
+/// An adjusted log, or an evenly spread part of it.
+struct Adjusted {
+  const Site& site;
+  const SharedState& state;
+  const std::vector<Trajectory>& trajectories;
+  double every = 1.0;  ///< one of so many stops is there
+};
+
+/// What an adjustment shows of the logs: receivers whose ranges fit the place of another one (exchanged cables) or no place at
 /// all, and jumps of a clock between stops. Jumps are added to the runs' health too.
+[[nodiscard]] std::vector<Finding> suspicions(const Adjusted& adjusted, std::vector<RunHealth>& runs);
+/// The same of a quick solution; nothing where nothing was solved.
 [[nodiscard]] std::vector<Finding> suspicions(const Forecast& forecast, std::vector<RunHealth>& runs);
 
 }  // namespace octant::calib

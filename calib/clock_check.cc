@@ -14,7 +14,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr double kFastestMps = 5.0;
+constexpr double kFastestVehicleMps = 5.0;
 constexpr std::size_t kAtLeastBeacons = 3;
 constexpr double kMost = 0.7;         ///< of the pairs of beacon and receiver that span a jump
 constexpr double kAgreeing = 0.25;    ///< of the step, by which they may differ beside their motion
@@ -33,7 +33,7 @@ struct Change {
   [[nodiscard]] bool beyond() const { return std::abs(range_m) > moved_m; }
 };
 
-/// Way along odometry up to a time; none: kFastestMps.
+/// Way along odometry up to a time; none: kFastestVehicleMps.
 class Travelled {
  public:
   Travelled(const MeasurementLog& run, VehicleId vehicle) {
@@ -46,7 +46,7 @@ class Travelled {
     }
   }
   [[nodiscard]] double most_m(double from_s, double to_s) const {
-    const double fastest = kFastestMps * (to_s - from_s);
+    const double fastest = kFastestVehicleMps * (to_s - from_s);
     if (time_.size() < 2 || from_s < time_.front() || to_s > time_.back()) return fastest;
     const auto first = std::upper_bound(time_.begin(), time_.end(), from_s) - time_.begin() - 1;
     const auto last = std::min<std::ptrdiff_t>(std::lower_bound(time_.begin(), time_.end(), to_s) - time_.begin(), std::ssize(time_) - 1);

@@ -7,26 +7,21 @@
 
 #include <fmt/format.h>
 
+#include "calib/agreement.h"
 #include "calib/datum.h"
 #include "calib/label_check.h"
 #include "calib/observability.h"
+#include "calib/ranges.h"
 #include "calib/reliability.h"
-#include "calib/start.h"
+#include "calib/statements.h"
 #include "calib/statistics.h"
 
 namespace octant::calib {
 namespace {
 
+/// Fewer degrees of freedom behind the variances than this are said.
+constexpr double kFewFreedoms = 12.0;
 constexpr double kNoiseMatters = 0.02;
-
-/// Beacons that a mirror image explains as well from the final states; the start saw them with rougher ranges.
-std::vector<bool> still_mirrored(const Problem& problem, const Estimate& estimate, const std::vector<Trajectory>& trajectories,
-                                 const SharedState& state) {
-  std::vector<bool> still = estimate.beacon_mirrored;
-  for (std::size_t b = 0; b < still.size(); ++b)
-    if (still[b]) still[b] = has_mirror_image(problem, state, trajectories, b, 3 * estimate.sigma_m(problem));
-  return still;
-}
 
 /// Amplitudes that are taken to be alike all round receivers that have axes.
 bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& trajectories) {
@@ -39,27 +34,71 @@ bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& t
          std::any_of(trajectories.begin(), trajectories.end(), measured);
 }
 
+/// Median over the parameters of how much larger the sigmas are than those of white noise.
+double growth_of_sigmas(const Solution& solution) {
+  std::vector<double> growth;
+  const Eigen::MatrixXd &honest = solution.covariance.matrix, &white = solution.white_covariance.matrix;
+  for (Eigen::Index i = 0; i < white.rows(); ++i)
+    if (white(i, i) > 0) growth.push_back(std::sqrt(honest(i, i) / white(i, i)));
+  return median(std::move(growth));
+}
+
+void warn_of_correlation(const Findings& findings, Solution& solution) {
+  const ErrorModel& errors = solution.errors;
+  const Whiteness& w = findings.whiteness;
+  if (errors.correlated) {
+    std::string warning = fmt::format(
+        "errors are correlated: residuals of a beacon-receiver pair keep a common part, as reflections, antennas and bodies cause, "
+        "which does not average out as white noise does; stated sigmas allow for it and are {:.2g} times those of white noise",
+        growth_of_sigmas(solution));
+    if (errors.freedoms < kFewFreedoms)
+      warning += fmt::format("; the log is too short to tell them well (some {:.0f} independent stretches): record longer, over "
+                             "other ground, and sigmas will shrink",
+                             errors.freedoms);
+    solution.warnings.push_back(std::move(warning));
+  } else if (!w.white) {
+    solution.warnings.push_back(fmt::format(
+        "residuals are no white noise (correlation between neighbours of a pair {:.2f}), and a site of so many unknowns has no model "
+        "of that: such errors do not average out, so expect beacons off by several times their stated sigmas",
+        w.autocorrelation));
+  }
+}
+
+/// Sigmas that hold with the errors as the residuals show them.
+void allow_for_correlation(const Estimate& estimate, const Covariance& C, const std::vector<Trajectory>& trajectories,
+                           double share_of_log, int threads, Solution& solution) {
+  solution.errors = error_model_of(estimate.layout, trajectories, solution.state, C, share_of_log, threads);
+  if (!solution.errors.correlated || solution.covariance.parameters.empty()) return;
+  solution.white_covariance = solution.covariance;
+  Eigen::VectorXd si(estimate.layout.size());
+  for (Eigen::Index i = 0; i < si.size(); ++i) si[i] = estimate.layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
+  solution.covariance.matrix = si.asDiagonal() * solution.errors.covariance * si.asDiagonal();
+}
+
 void warn_of_noise(const Problem& problem, const Findings& findings, double noise_factor, const std::vector<Trajectory>& trajectories, Solution& solution) {
   const CalibrationStatistics& s = solution.statistics;
   if (s.redundancy >= 30 && noise_factor > 1.2)
     solution.warnings.push_back(
         fmt::format("residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled to the residuals, "
-                    "but errors that stay the "
-                    "same at a place or a pair are not noise and make the beacons worse than their sigmas say",
+                    "state noise.tof_sigma_s as it is",
                     noise_factor, s.variance_factor));
   if (s.redundancy >= 30 && noise_factor > 1.2 && may_be_directional(problem, trajectories))
     solution.warnings.push_back(
         "amplitudes are taken to be alike all round each receiver: where these hear less off their axes, state "
         "attenuation.half_power_angle_rad (half of the beam width at -3 dB, with a sigma)");
-  const Whiteness& w = findings.whiteness;
-  if (!w.white)
-    solution.warnings.push_back(
-        fmt::format("residuals are no white noise: those of a beacon-receiver pair keep a common part (variance of pair means "
-                    "{:.3g} times that of noise, "
-                    "correlation in time {:.2f}), as reflections and antennas cause; such errors do not average out, so expect "
-                    "the beacons off by several "
-                    "times their stated sigmas, or state noise.pair_sigma_s",
-                    w.pair_ratio, w.autocorrelation));
+  warn_of_correlation(findings, solution);
+}
+
+/// What was stated, and the recording with itself, against what the data say.
+void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate, const std::vector<Trajectory>& trajectories,
+                Solution& solution) {
+  StatementFindings stated = test_statements(problem, options, estimate, trajectories);
+  for (Contradiction& c : stated.contradictions) solution.contradictions.push_back(std::move(c));
+  if (!stated.fit) return;
+  Agreement agreement = agreement_of(problem, options, *stated.fit, solution.contradictions,
+                                      solution.white_covariance.parameters.empty() ? 1.0 : std::max(1.0, growth_of_sigmas(solution)));
+  for (Contradiction& c : agreement.contradictions) solution.contradictions.push_back(std::move(c));
+  for (std::string& warning : agreement.warnings) solution.warnings.push_back(std::move(warning));
 }
 
 }  // namespace
@@ -88,15 +127,23 @@ void conclude(const Problem& problem, const SolveOptions& options, const Estimat
   solution.datum = datum_of(problem);
   // What the data do not determine is often what keeps the iteration from settling, and then that is the finding.
   const Covariance C = judge(problem, estimate.layout, estimate.x, estimate.beacon_usable,
-                             still_mirrored(problem, estimate, trajectories, solution.state), options.strict, trajectories,
+                             estimate.beacon_mirrored, options.strict, trajectories,
                              solution, options.workers(), last.data_information);
   solution.reliability =
       reliability_of(problem, estimate.layout, trajectories, solution.state, C, solution.beacon_status, estimate.noise_factor,
                      options.threads, kAllEpochs, findings.whole ? &*findings.whole : nullptr);
-  solution.left_out = std::move(findings.left_out);
+  const double share_of_log = findings.whole ? 1.0 / static_cast<double>(findings.whole->every) : 1.0;
+  allow_for_correlation(estimate, C, trajectories, share_of_log, options.threads, solution);
+  solution.left_out = std::move(findings.left_out.arrivals);
+  solution.left_out_bearings = std::move(findings.left_out.bearings);
+  solution.left_out_poses = std::move(findings.left_out.poses);
+  solution.beacon_mirrored = estimate.beacon_mirrored;
+  for (std::string& warning : bearings_in_doubt(problem, solution.left_out_bearings)) solution.warnings.push_back(std::move(warning));
   solution.whole = std::move(findings.whole);
-  warn_of_noise(problem, findings, estimate.noise_factor, trajectories, solution);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
+  if (solution.status == SolveStatus::kConverged) contradict(problem, options, estimate, trajectories, solution);
+  if (!solution.contradictions.empty()) return;  // which tell the culprit; what follows would name the innocent
+  warn_of_noise(problem, findings, estimate.noise_factor, trajectories, solution);
   for (std::string& warning : suspect_control_points(problem, solution.state, trajectories))
     solution.warnings.push_back(std::move(warning));
 }

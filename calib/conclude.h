@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calib/approach.h"
+#include "calib/left_out.h"
 #include "calib/whiteness.h"
 #include "calib/whole_log.h"
 
@@ -17,7 +18,7 @@ struct Findings {
   CalibrationStatistics statistics;   ///< against the noise as found
   Whiteness whiteness;
   std::vector<std::string> flips;     ///< epochs that were turned, in words
-  std::vector<LeftOut> left_out;
+  LeftOutOfAll left_out;
   std::optional<WholeLog> whole;      ///< where the trajectories at hand are only a part of the log
 };
 

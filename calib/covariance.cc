@@ -7,9 +7,9 @@
 #include <mutex>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include "calib/sparse_factor.h"
+#include "models/decompositions.h"
 
 namespace octant::calib {
 namespace {
@@ -26,7 +26,7 @@ Eigen::MatrixXd dense_inverse(const Eigen::MatrixXd& information, const Eigen::M
   const double weight = datum.cols() > 0 ? information.diagonal().mean() : 0.0;
   if (datum.cols() > 0) N += weight * datum * datum.transpose();
   const Eigen::VectorXd inverse_scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse_scale.asDiagonal() * N * inverse_scale.asDiagonal());
+  const SymmetricEigen<Eigen::MatrixXd> eigen(inverse_scale.asDiagonal() * N * inverse_scale.asDiagonal());
   const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kUnseen);
   Eigen::MatrixXd C = inverse_scale.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
                       eigen.eigenvectors().transpose() * inverse_scale.asDiagonal();
@@ -92,7 +92,7 @@ class Covariance::Sparse {
   }
   /// Holds as many parameters as the datum has freedoms, those that these move most.
   void pin(Eigen::SparseMatrix<double>& N) const {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(datum_.transpose());
+    const PivotedQr qr(datum_.transpose());
     const double weight = N.diagonal().mean();
     for (Eigen::Index k = 0; k < datum_.cols(); ++k) {
       const Eigen::Index i = qr.colsPermutation().indices()[k];
@@ -151,7 +151,7 @@ std::vector<Covariance::Direction> Covariance::largest(const Eigen::VectorXd& we
   std::vector<Direction> directions;
   const Eigen::Index n = size();
   if (!sparse_) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(weights.asDiagonal() * matrix_ * weights.asDiagonal());
+    const SymmetricEigen<Eigen::MatrixXd> eigen(weights.asDiagonal() * matrix_ * weights.asDiagonal());
     for (Eigen::Index k = n - 1; k >= 0 && directions.size() < most && eigen.eigenvalues()[k] >= least; --k)
       directions.push_back({eigen.eigenvalues()[k], eigen.eigenvectors().col(k)});
     return directions;

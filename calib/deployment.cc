@@ -12,7 +12,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr const char* kAxis[3] = {"/x_m", "/y_m", "/z_m"};
+constexpr const char* kAxisSuffix[3] = {"/x_m", "/y_m", "/z_m"};
 
 void add_beacons(const Problem& problem, const Solution& solution, const Variances& variances, Deployment& d) {
   // A site's one delay stands on every beacon; pair biases are part of a pair and stay out.
@@ -22,7 +22,7 @@ void add_beacons(const Problem& problem, const Solution& solution, const Varianc
     const std::string prefix = "beacon/" + beacon.name;
     beacon.position_m = solution.state.beacon_p_map_m[b];
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) beacon.covariance_m2(i, j) = variances.covariance(prefix + kAxis[i], prefix + kAxis[j]);
+      for (int j = 0; j < 3; ++j) beacon.covariance_m2(i, j) = variances.covariance(prefix + kAxisSuffix[i], prefix + kAxisSuffix[j]);
     beacon.delay_s = solution.state.beacon_delay_s[b] + solution.state.site_delay_s;
     beacon.delay_sigma_s = std::hypot(variances.sigma(prefix + "/delay_s"), variances.sigma("site/delay_s"));
     beacon.status = solution.beacon_status[b];
@@ -44,7 +44,7 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
     receiver.axis = given.axis;
     receiver.position_m = solution.state.receiver_p_vehicle_m[r];
     const std::string prefix = "receiver/" + problem.site.vehicles[given.vehicle.index()].name + "/" + given.name;
-    for (int i = 0; i < 3; ++i) receiver.sigma_m[i] = variances.sigma(prefix + kAxis[i]);
+    for (int i = 0; i < 3; ++i) receiver.sigma_m[i] = variances.sigma(prefix + kAxisSuffix[i]);
     const std::string& vehicle = problem.site.vehicles[given.vehicle.index()].name;
     const Eigen::Vector2d o = receiver.position_m.head<2>();
     if (problem.site.vehicles[given.vehicle.index()].array && o.norm() > 0) {
@@ -110,6 +110,27 @@ void add_validity(const Problem& problem, const Solution& solution, Deployment& 
   d.validity_area_m = convex_hull(std::move(places));
 }
 
+/// White and correlated parts of the noise; how long a vehicle that moves as in the log stays in a cell of the error model.
+void add_noise(const Problem& problem, const Solution& solution, Deployment& d) {
+  const ErrorModel& errors = solution.errors;
+  d.noise.tof_sigma_s = solution.tof_sigma_s;
+  if (!errors.correlated) return;
+  // White noise and errors of a short memory are hard to tell apart; no localizer should take arrivals for exact.
+  constexpr double kLeastWhite = 0.1;
+  const double total = errors.white_tof + std::pow(errors.correlated_sigma(), 2) + std::pow(errors.pair_sigma(), 2);
+  d.noise.tof_sigma_s *= std::sqrt(std::max(errors.white_tof, kLeastWhite * total));
+  double path_m = 0.0, time_s = 0.0;
+  for (const Trajectory& t : solution.trajectories)
+    for (std::size_t k = 1; k < t.nodes.size(); ++k) {
+      if (!t.nodes[k - 1].placed || !t.nodes[k].placed || !(t.nodes[k].time_s > t.nodes[k - 1].time_s)) continue;
+      path_m += (t.nodes[k].T_map_vehicle.translation_m - t.nodes[k - 1].T_map_vehicle.translation_m).norm();
+      time_s += t.nodes[k].time_s - t.nodes[k - 1].time_s;
+    }
+  d.correlated_noise = {solution.tof_sigma_s * errors.correlated_sigma(),
+                        errors.correlation_time_s(time_s > 0 ? path_m / time_s : 0.0, problem.typical_range_m),
+                        solution.tof_sigma_s * errors.pair_sigma()};
+}
+
 }  // namespace
 
 Deployment deployment_head(const Site& site, const Solution& solution, const Provenance& provenance) {
@@ -126,6 +147,7 @@ Deployment deployment_head(const Site& site, const Solution& solution, const Pro
   d.inputs = provenance.inputs;
   d.program_version = provenance.version;
   d.program_command = provenance.command;
+  d.contradictions = solution.contradictions;
   return d;
 }
 
@@ -136,7 +158,7 @@ Deployment make_deployment(const Problem& problem, const Solution& solution, con
   // With one offset a run, the last run is the nearest to the present.
   d.speed_offset_mps = offsets.back();
   d.speed_sigma_mps = variances.sigma(offsets.size() > 1 ? "medium/run" + std::to_string(offsets.size()) + "/speed_mps" : "medium/speed_mps");
-  d.noise.tof_sigma_s = solution.tof_sigma_s;
+  add_noise(problem, solution, d);
   d.attenuation = solution.state.attenuation;
   d.covariance = solution.covariance;
   d.warnings = solution.warnings;

@@ -32,6 +32,19 @@ std::vector<std::vector<double>> epoch_headings_rad(const std::vector<Trajectory
   return headings;
 }
 
+bool has_heading(const Site& site, VehicleId vehicle, bool measured) {
+  constexpr double kSigmas = 3.0;  // nearer to each other receivers may be one
+  std::vector<Eigen::Vector2d> ends;
+  if (measured) ends.push_back(Eigen::Vector2d::Zero());
+  double sigma_m = 0.0;
+  for (const SiteReceiver& r : site.receivers) {
+    if (r.vehicle != vehicle) continue;
+    ends.emplace_back(r.position_m.head<2>());
+    sigma_m = std::max(sigma_m, r.sigma_m.head<2>().maxCoeff());
+  }
+  return std::any_of(ends.begin(), ends.end(), [&](const Eigen::Vector2d& end) { return (end - ends.front()).norm() > kSigmas * sigma_m; });
+}
+
 bool is_flipped(const Node& node, double before_rad) { return node.placed && std::cos(node.T_map_vehicle.heading_rad() - before_rad) < 0; }
 
 std::vector<std::string> flips_in_words(const MeasurementLog& run, const std::vector<std::int64_t>& epochs) {
@@ -42,7 +55,9 @@ std::vector<std::string> flips_in_words(const MeasurementLog& run, const std::ve
 std::vector<std::string> report_flips(const Problem& problem, const std::vector<Trajectory>& trajectories, const std::vector<std::vector<double>>& before) {
   std::vector<std::string> told;
   for (std::size_t i = 0; i < trajectories.size(); ++i) {
-    if (!has_stops(trajectories[i]) || before[i].size() != trajectories[i].nodes.size()) continue;
+    const Trajectory& t = trajectories[i];
+    if (t.bearings.empty() && !has_heading(problem.site, t.vehicle, !t.poses.empty() || !t.odometry.empty())) continue;
+    if (!has_stops(t) || before[i].size() != trajectories[i].nodes.size()) continue;
     std::vector<std::int64_t> flipped;
     for (std::size_t k = 0; k < before[i].size(); ++k)
       if (is_flipped(trajectories[i].nodes[k], before[i][k])) flipped.push_back(trajectories[i].nodes[k].epoch);

@@ -13,6 +13,9 @@ namespace octant::calib {
 /// Headings of the epochs of planar stops, to be compared with later ones; NaN where an epoch has no pose.
 [[nodiscard]] std::vector<std::vector<double>> epoch_headings_rad(const std::vector<Trajectory>& trajectories);
 
+/// Whether a vehicle has a heading that arrivals tell: two receivers apart in the plane, or one off the origin of measured poses.
+/// @param measured  its runs have measured poses or odometry
+[[nodiscard]] bool has_heading(const Site& site, VehicleId vehicle, bool measured);
 /// Whether an epoch began facing the wrong way: by more than 90 degrees against what it was adjusted to.
 [[nodiscard]] bool is_flipped(const Node& node, double before_rad);
 /// So many epochs of a run in words; nothing for none.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calib/ranges.h"
+#include "calib/site_units.h"
 #include "calib/trilaterate.h"
 
 namespace octant::calib {
@@ -31,6 +32,16 @@ double off_in_sigmas(const ParameterLayout& layout, const Eigen::VectorXd& x, st
 
 bool complete(const SiteBeacon& b) { return b.position_m[0] && b.position_m[1] && b.position_m[2]; }
 
+Eigen::Vector3d stated_place(const SiteBeacon& b) { return {*b.position_m[0], *b.position_m[1], *b.position_m[2]}; }
+
+/// "; it seems to be in feet" where the place is the stated one in another unit.
+std::string unit_in_words(const SiteBeacon& b, const Eigen::Vector3d& found_m, double typical_range_m) {
+  constexpr double kOff = 0.01;  // of the range, as far as a place may be off that its ranges alone gave
+  if (!complete(b)) return "";
+  const auto unit = unit_of_place(stated_place(b), found_m, kOff * typical_range_m);
+  return unit ? fmt::format("; its unit seems to be {}, not metres", unit->name) : "";
+}
+
 void set_prior_mean(ParameterLayout& layout, std::size_t b, const SiteBeacon& stated) {
   for (std::size_t i = 0; i < 3; ++i)
     if (layout.beacon[b][i] >= 0 && stated.position_m[i])
@@ -39,7 +50,7 @@ void set_prior_mean(ParameterLayout& layout, std::size_t b, const SiteBeacon& st
 
 }  // namespace
 
-LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const Eigen::VectorXd& x) {
+LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<std::size_t>& trusted) {
   LabelCheck result;
   const auto& beacons = problem.site.beacons;
   std::vector<std::size_t> far;
@@ -58,17 +69,23 @@ LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const E
                                             beacons[a].name, beacons[b].name));
     }
   for (const std::size_t b : far) {
-    if (explained[b]) continue;
+    if (explained[b] || std::find(trusted.begin(), trusted.end(), b) != trusted.end()) continue;
     double distance2 = 0.0;
+    Eigen::Vector3d found_m = Eigen::Vector3d::Zero();
+    for (int i = 0; i < 3; ++i) {
+      const int column = layout.beacon[b][static_cast<std::size_t>(i)];
+      found_m[i] = column >= 0 ? x[column] : beacons[b].position_m[static_cast<std::size_t>(i)].value_or(0.0);
+    }
     for (std::size_t i = 0; i < 3; ++i) {
       const int column = layout.beacon[b][i];
       if (column < 0 || !beacons[b].position_m[i]) continue;
       distance2 += std::pow(x[column] - *beacons[b].position_m[i], 2);
       layout.parameters[static_cast<std::size_t>(column)].prior_sigma = INFINITY;
     }
-    result.warnings.push_back(fmt::format("beacon {} is {:.2f} m from where the site file has it, beyond what its sigma allows; its stated position "
-                                          "is disregarded, check its label and the site file",
-                                          beacons[b].name, std::sqrt(distance2)));
+    result.disregarded.push_back(b);
+    result.warnings.push_back(fmt::format("beacon {} is, by a first estimate, {:.3g} m from where the site file has it, beyond what its sigma allows; its stated position "
+                                          "is disregarded, check its label and the site file{}",
+                                          beacons[b].name, std::sqrt(distance2), unit_in_words(beacons[b], found_m, typical_range_m(problem))));
   }
   result.mended = !far.empty();
   return result;
@@ -94,12 +111,12 @@ std::vector<std::string> suspect_control_points(const Problem& problem, const Sh
     std::string where = "somewhere else";
     for (std::size_t other = 0; other < beacons.size(); ++other) {
       if (other == b || !complete(beacons[other])) continue;
-      const Eigen::Vector3d stated(*beacons[other].position_m[0], *beacons[other].position_m[1], *beacons[other].position_m[2]);
-      if (place.ok && (stated - place.p_map_m).head<2>().norm() < 0.1 * typical_range_m(problem)) where = "where the site file has " + beacons[other].name;
+      if (place.ok && (stated_place(beacons[other]) - place.p_map_m).head<2>().norm() < 0.1 * typical_range_m(problem)) where = "where the site file has " + beacons[other].name;
     }
     warnings.push_back(fmt::format("control point {}: {} of {} arrivals do not fit its stated position, it seems to stand {}; check its label and the "
-                                   "site file",
-                                   beacons[b].name, rejected, ranges.size(), where));
+                                   "site file{}",
+                                   beacons[b].name, rejected, ranges.size(), where,
+                                   place.ok ? unit_in_words(beacons[b], place.p_map_m, typical_range_m(problem)) : ""));
   }
   return warnings;
 }

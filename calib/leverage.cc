@@ -7,7 +7,8 @@
 #include <numeric>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+
+#include "models/decompositions.h"
 
 namespace octant::calib {
 namespace {
@@ -23,7 +24,7 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& C) {
   if (C.rows() == 0) return C;
   const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt((inverse.asDiagonal() * C * inverse.asDiagonal()).eval());
+  const DenseLdlt ldlt((inverse.asDiagonal() * C * inverse.asDiagonal()).eval());
   const Eigen::VectorXd d = ldlt.vectorD();
   const Eigen::MatrixXd L = ldlt.matrixL();
   Eigen::MatrixXd root = ldlt.transpositionsP().transpose() * L;
@@ -37,7 +38,7 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& C) {
 NodeBlock observed_inverse(const NodeBlock& D, std::size_t& rank) {
   const NodeVector inverse_scale = D.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const NodeBlock scaled = inverse_scale.asDiagonal() * D * inverse_scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<NodeBlock> eigen(scaled);
+  const SymmetricEigen<NodeBlock> eigen(scaled);
   NodeVector inverse_values = NodeVector::Zero(D.rows());
   for (Eigen::Index i = 0; i < D.rows(); ++i) {
     if (!(eigen.eigenvalues()[i] > kUnobserved)) continue;
@@ -272,7 +273,7 @@ RowLeverage LeverageSweep::leverage_of(const Trajectory& t, const Segment& segme
     f_.noalias() += row.by_next * X_.middleRows(at + n_, n_);
     h += (row.by_next * P_[k - first_ + 1]).dot(row.by_next) + 2.0 * (row.by_node * cross_[k - first_]).dot(row.by_next);
   }
-  RowLeverage out{t, row, std::clamp(h + f_.squaredNorm(), 0.0, 1.0), 0.0};
+  RowLeverage out{t, row, std::clamp(h + f_.squaredNorm(), 0.0, 1.0), 0.0, f_};
   if (row.kind != RowKind::kTof || beacon_root_.rows() == 0) return out;
   Eigen::VectorXd shift = beacon_shift(k) * row.by_node.transpose();
   if (row.has_next) shift.noalias() += beacon_shift(k + 1) * row.by_next.transpose();

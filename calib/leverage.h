@@ -22,6 +22,7 @@ struct RowLeverage {
   const ObservationRow& row;   ///< whitened
   double leverage = 0.0;       ///< h = d(adjusted) / d(observed), 0..1; the redundancy number is 1 - h
   double shift_m = 0.0;        ///< time-of-flight rows: largest shift of a free beacon coordinate by an error of one sigma
+  const Eigen::RowVectorXd& f; ///< influence: d theta = -L f' per sigma of error
 };
 
 /// A lateness that all arrivals of one beacon share, as one more unknown c of the adjustment (not estimated).
@@ -71,6 +72,8 @@ class LeverageSweep {
   [[nodiscard]] std::vector<LatenessInformation> lateness() const;
   /// Dimensions of the states swept that observations determine.
   [[nodiscard]] std::size_t determined_states() const { return determined_states_; }
+  /// L of the covariance as a whole (of the segment at hand, where that is not formed).
+  [[nodiscard]] const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& root() const { return root_; }
 
  private:
   using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -12,6 +12,7 @@
 #include "calib/clock_check.h"
 #include "calib/ranges.h"
 #include "calib/unit_check.h"
+#include "models/repeated_row.h"
 #include "models/trajectory.h"
 
 namespace octant::calib {
@@ -33,7 +34,10 @@ class Examiner {
     h_.rows = std::max(run_.rows, run_.arrivals.size() + run_.rejected.size());
     h_.arrivals = run_.arrivals.size();
     h_.bearings = run_.bearings.size();
-    for (const RejectedRow& row : run_.rejected) ++h_.rejected[row.reason];
+    for (const RejectedRow& row : run_.rejected) {
+      ++h_.rejected[row.reason];
+      h_.duplicates += row.reason == kRepeatedRow;
+    }
     extent_in_time();
     links();
     order_and_gaps();
@@ -122,14 +126,16 @@ class Examiner {
     using Key = std::tuple<int, int, int, std::int64_t, double>;
     std::set<Key> block;
     int first_line = 0;
+    std::size_t counted = 0;  // those that the reader did not leave out
     for (std::size_t i = 0; i < run_.arrivals.size(); ++i) {
       const Arrival& a = run_.arrivals[i];
       if (i > 0 && a.time_s != run_.arrivals[i - 1].time_s) block.clear();
       if (block.emplace(a.beacon.value, a.receiver.value, a.vehicle.value, a.epoch, a.tof_s).second) continue;
-      if (h_.duplicates++ == 0) first_line = a.line;
+      if (counted++ == 0) first_line = a.line;
     }
-    if (h_.duplicates > 0)
-      find("duplicate", fmt::format("{} rows repeat another one, the first is line {}; they count twice", h_.duplicates, first_line));
+    h_.duplicates += counted;
+    if (counted > 0)
+      find("duplicate", fmt::format("{} rows repeat another one, the first is line {}; they count twice", counted, first_line));
   }
 
   void values() {

@@ -420,6 +420,7 @@ class LogPasses::Teller {
     std::vector<std::vector<PairSeries>> series;
     for (auto& [key, of] : of_trajectory_) {
       series.push_back(std::move(of.series));
+      if (!has_heading(log_.frame_.site, VehicleId(key.second), false)) of.flipped.clear();
       for (std::string& words : flips_in_words(log_.frame_.runs[key.first], of.flipped)) f.flips.push_back(std::move(words));
       told_.trajectories.push_back(trajectory_of(key.first, key.second, of));
     }

@@ -6,15 +6,15 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "calib/adjust.h"
 #include "calib/datum.h"
+#include "calib/fix_shift.h"
 #include "calib/ranges.h"
 #include "calib/weak_directions.h"
+#include "models/decompositions.h"
 
 namespace octant::calib {
 namespace {
@@ -25,7 +25,7 @@ constexpr double kVagueDatum = 0.25;
 
 /// Standard deviation of the worst direction of a beacon, in metres.
 double worst_sigma_m(const Eigen::Matrix3d& covariance_m2) {
-  return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance_m2, Eigen::EigenvaluesOnly).eigenvalues()[2]));
+  return std::sqrt(std::max(0.0, SymmetricEigen<Eigen::Matrix3d>(covariance_m2, Eigen::EigenvaluesOnly).eigenvalues()[2]));
 }
 
 Eigen::Matrix3d beacon_block(const ParameterLayout& layout, const Covariance& C, std::size_t b) {
@@ -41,9 +41,10 @@ double sigma_of(const Covariance& C, int column) { return column < 0 ? 0.0 : std
 
 class Judge {
  public:
-  Judge(const Problem& problem, const ParameterLayout& layout, const Covariance& C, const std::vector<Trajectory>& trajectories, Solution& solution)
-      : problem_(problem), site_(problem.site), layout_(layout), C_(C), trajectories_(trajectories), solution_(solution),
-        limit_m_(tolerance_m(problem)) {}
+  Judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const Covariance& C,
+        const std::vector<Trajectory>& trajectories, Solution& solution)
+      : problem_(problem), site_(problem.site), layout_(layout), x_(x), C_(C), trajectories_(trajectories), solution_(solution),
+        limit_m_(tolerance_m(problem)), fix_limit_m_(site_.tolerance.fix_m.value_or(limit_m_)) {}
 
   void beacons(const std::vector<bool>& usable, const std::vector<bool>& mirrored) {
     std::vector<std::size_t> heard(site_.beacons.size(), 0);
@@ -65,7 +66,7 @@ class Judge {
         } else if (!usable[b]) {
           status = undetermined(name, "too few arrivals agree on a place for it", "hear it from more places, or give its approximate position", INFINITY);
         } else if (sigma_m > limit_m_) {
-          status = undetermined(name, fmt::format("its position is known to {} only, the tolerance is {}", length(sigma_m), length(limit_m_)),
+          status = undetermined(name, fmt::format("its position is {}, the tolerance is {}", sigma_m < kNothingM ? "known to " + length(sigma_m) + " only" : "hardly known at all", length(limit_m_)),
                                 "hear it from places spread around it in all directions, or tape its distance to a control point", sigma_m);
         } else if (mirrored[b]) {
           status = undetermined(name, "a mirror image explains the arrivals as well", "hear it from beside the line driven so far, or give its approximate position", sigma_m);
@@ -80,12 +81,14 @@ class Judge {
     for (const int column : layout_.speed) {
       const double sigma_m = sigma_of(C_, column) * range_m;
       if (sigma_m > limit_m_)
-        block({"speed of sound and overall scale", {name_of(column)}, sigma_m, sigma_m,
-               "tape the distance between two beacons, or state the temperature and a smaller medium.sigma_mps", true});
+        weigh({"speed of sound and overall scale", {name_of(column)}, sigma_m, sigma_m,
+               "tape the distance between two beacons, or state the temperature and a smaller medium.sigma_mps", true},
+              Eigen::VectorXd::Unit(layout_.size(), column));
     }
     if (const double sigma_m = sigma_of(C_, layout_.site_delay); sigma_m > limit_m_)
-      block({"the common delay", {name_of(layout_.site_delay)}, sigma_m, sigma_m,
-             "hear the beacons from near and from far, or measure the delay at a known distance", true});
+      weigh({"the common delay", {name_of(layout_.site_delay)}, sigma_m, sigma_m,
+             "hear the beacons from near and from far, or measure the delay at a known distance", true},
+            Eigen::VectorXd::Unit(layout_.size(), layout_.site_delay));
     for (std::size_t r = 0; r < layout_.receiver.size(); ++r) receiver(r);
   }
 
@@ -105,7 +108,8 @@ class Judge {
   }
 
  private:
-  static std::string length(double m) { return m < 1.0 ? fmt::format("{:.0f} mm", 1000 * m) : m < 1e4 ? fmt::format("{:.2f} m", m) : "nothing"; }
+  static constexpr double kNothingM = 1e4;  ///< a sigma that is none
+  static std::string length(double m) { return m < 1.0 ? fmt::format("{:.0f} mm", 1000 * m) : m < kNothingM ? fmt::format("{:.2f} m", m) : "nothing"; }
   [[nodiscard]] const std::string& name_of(int column) const { return layout_.parameters[static_cast<std::size_t>(column)].name; }
 
   BeaconStatus undetermined(const std::string& beacon, const std::string& why, const std::string& remedy, double sigma_m) {
@@ -121,27 +125,70 @@ class Judge {
     solution_.weak.push_back(std::move(direction));
   }
 
-  /// An array that its prior alone would leave useless and that the data did not improve either.
+  /// What is known worse than the tolerance refuses where the site feels it: everything moves along with it as the joint
+  /// covariance has it, and either a beacon or a typical fix is then off beyond its tolerance. What nothing of that feels is told.
+  void weigh(WeakDirection direction, const Eigen::VectorXd& v) {
+    const Eigen::VectorXd with_it = C_.times(v);
+    const double variance = v.dot(with_it);
+    direction.consequence_m = INFINITY;
+    if (direction.sigma_m < typical_range_m(problem_) && variance > 0) {  // farther off nothing is foretold
+      const Eigen::VectorXd step = with_it / std::sqrt(variance);
+      const std::optional<double> fix_m = fix_shift_m(layout_, x_, x_ + step, trajectories_);
+      if (fix_m && *fix_m <= fix_limit_m_ && largest_beacon_shift_m(step) <= limit_m_) {
+        direction.consequence_m = *fix_m;
+        direction.blocking = false;
+        solution_.weak.push_back(std::move(direction));
+        return;
+      }
+      if (fix_m) direction.consequence_m = *fix_m;
+    }
+    if (!std::isfinite(direction.consequence_m)) direction.consequence_m = direction.sigma_m;
+    block(std::move(direction));
+  }
+
+  [[nodiscard]] double largest_beacon_shift_m(const Eigen::VectorXd& step) const {
+    double largest_m = 0.0;
+    for (std::size_t b = 0; b < layout_.beacon.size(); ++b) {
+      if (solution_.beacon_status[b] == BeaconStatus::kUndetermined) continue;  // localizers leave it out
+      Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
+      for (std::size_t i = 0; i < 3; ++i)
+        if (layout_.beacon[b][i] >= 0) shift_m[static_cast<int>(i)] = step[layout_.beacon[b][i]];
+      largest_m = std::max(largest_m, shift_m.norm());
+    }
+    return largest_m;
+  }
+
+  /// Directions of an array that its prior alone would leave useless and that the data did not improve either.
   void receiver(std::size_t r) {
-    double sigma_m = 0.0;
-    for (const int column : layout_.receiver[r]) sigma_m = std::max(sigma_m, sigma_of(C_, column));
-    for (const int column : layout_.array[site_.receivers[r].vehicle.index()]) sigma_m = std::max(sigma_m, sigma_of(C_, column));
-    sigma_m = std::max(sigma_m, sigma_of(C_, layout_.receiver_delay[r]));
-    const double limit_m = std::max(limit_m_, site_.tolerance.fix_m.value_or(limit_m_));
-    if (sigma_m <= limit_m) return;
+    std::vector<int> columns;
+    for (const int column : layout_.receiver[r]) columns.push_back(column);
+    for (const int column : layout_.array[site_.receivers[r].vehicle.index()]) columns.push_back(column);
+    columns.push_back(layout_.receiver_delay[r]);
+    columns.erase(std::remove_if(columns.begin(), columns.end(), [](int c) { return c < 0; }), columns.end());
+    const double limit_m = std::max(limit_m_, fix_limit_m_);
+    const bool known = std::all_of(columns.begin(), columns.end(), [&](int c) { return sigma_of(C_, c) <= limit_m; });
+    if (known || columns.empty()) return;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C_.block(columns));
     const SiteReceiver& receiver = site_.receivers[r];
-    block({fmt::format("receiver {} of {}", receiver.name, site_.vehicles[receiver.vehicle.index()].name),
-           {"receiver/" + site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name}, sigma_m, sigma_m,
-           "measure its place on the vehicle, or turn the vehicle on the spot among the beacons", true});
+    for (Eigen::Index k = eigen.eigenvalues().size(); k-- > 0;) {
+      const double sigma_m = std::sqrt(std::max(0.0, eigen.eigenvalues()[k]));
+      if (sigma_m <= limit_m) break;
+      Eigen::VectorXd v = Eigen::VectorXd::Zero(layout_.size());
+      for (std::size_t i = 0; i < columns.size(); ++i) v[columns[i]] = eigen.eigenvectors()(static_cast<Eigen::Index>(i), k);
+      weigh({fmt::format("receiver {} of {}", receiver.name, site_.vehicles[receiver.vehicle.index()].name),
+             {"receiver/" + site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name}, sigma_m, sigma_m,
+             "measure its place on the vehicle, or turn the vehicle on the spot among the beacons", true}, v);
+    }
   }
 
   const Problem& problem_;
   const Site& site_;
   const ParameterLayout& layout_;
+  const Eigen::VectorXd& x_;
   const Covariance& C_;
   const std::vector<Trajectory>& trajectories_;
   Solution& solution_;
-  double limit_m_;
+  double limit_m_, fix_limit_m_;
   std::size_t asked_ = 0;
   bool blocked_ = false;
 };
@@ -193,10 +240,10 @@ Eigen::MatrixXd motions_unseen(const Problem& problem, const ParameterLayout& la
         for (int k = 0; k < 3; ++k) F(column, 3 + k) = Eigen::Vector3d::Unit(k).cross(p)[axis];
       }
     }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(F);
+  const PivotedQr qr(F);
   if (layout.size() == 0 || qr.rank() == 0) return Eigen::MatrixXd(layout.size(), 0);
-  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(layout.size(), qr.rank()), NQ = information * Q;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Q.transpose() * NQ);
+  const Eigen::MatrixXd Q = qr.basis(), NQ = information * Q;
+  const SymmetricEigen<Eigen::MatrixXd> eigen(Q.transpose() * NQ);
   const auto free_beacons = std::count_if(layout.beacon.begin(), layout.beacon.end(), [](const auto& c) { return std::max({c[0], c[1], c[2]}) >= 0; });
   // A unit motion moves each beacon by 1 / sqrt(beacons); positions given to a hundred metres carry no map either.
   const double limit_m = kVagueDatum * typical_range_m(problem) * std::sqrt(static_cast<double>(free_beacons));
@@ -283,7 +330,7 @@ Covariance judge(const Problem& problem, const ParameterLayout& layout, const Ei
                  const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, const Workers& workers,
                  const std::optional<Eigen::MatrixXd>& data_information) {
   Covariance C = covariance_at(problem, layout, x, trajectories, workers, data_information, solution);
-  Judge judge(problem, layout, C, trajectories, solution);
+  Judge judge(problem, layout, x, C, trajectories, solution);
   judge.beacons(beacon_usable, beacon_mirrored);
   judge.common_parameters();
   std::vector<bool> known(beacon_usable.size());

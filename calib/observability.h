@@ -24,7 +24,7 @@ namespace octant::calib {
 /// Beyond ParameterLayout::dense_limit the solution's joint covariance stays empty and its marginals are filled instead.
 /// A beacon is undetermined when it was not found or the sigma of its worst direction is beyond the site's tolerance. The data
 /// refuse (SolveStatus::kUndetermined) when half or more of the beacons asked for are, or when speed, a common delay or a
-/// receiver array are not known to that tolerance.
+/// receiver array are not known to that tolerance and a beacon or a typical fix (fix_shift.h) is off beyond its own by that.
 [[nodiscard]] Covariance judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
                                const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution,
                                const Workers& workers = {}, const std::optional<Eigen::MatrixXd>& data_information = {});

@@ -7,8 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "calib/flips.h"
 #include "calib/gates.h"
 #include "calib/ranges.h"
+#include "calib/site_units.h"
 
 namespace octant::calib {
 namespace {
@@ -62,6 +64,43 @@ Result<void> check_complete(const Site& site, const MeasurementLog& run) {
                .advice = "state it: times of flight mean nothing without"});
 }
 
+/// A measured heading that is told worse says nothing.
+constexpr double kMeaninglessRad = 1.0;
+/// A lever arm below this share of what a fix has to reach may be held.
+constexpr double kShareOfTolerance = 0.2;
+constexpr double kUsualTolerance = 0.05;
+
+/// Whether nothing at all tells the headings of a vehicle: one place of its receivers on the origin, no bearings, no odometry, no
+/// measured headings.
+bool is_headless(const Site& site, const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
+  if (site.motion != Motion::kPlanar || has_heading(site, vehicle, true)) return false;
+  return std::none_of(trajectories.begin(), trajectories.end(), [&](const Trajectory& t) {
+    return t.vehicle == vehicle && (!t.bearings.empty() || !t.odometry.empty() || t.motion_prior ||
+                                    std::any_of(t.poses.begin(), t.poses.end(), [](const PoseObservation& p) { return p.heading_sigma_rad < kMeaninglessRad; }));
+  });
+}
+
+/// Without headings a lever arm of some millimetres is no parameter: each stop turns as it likes, and all turned together look the
+/// same, so that the arm would grow until it absorbs the errors of each stop, and no adjustment would come to rest on that circle.
+/// A receiver that is known well enough then stands where it is stated, and measured positions are off by its sigma as well.
+void hold_levers(Site& site, std::vector<Trajectory>& trajectories) {
+  for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
+    if (!is_headless(site, trajectories, VehicleId(v))) continue;
+    double sigma_m = 0.0;
+    for (SiteReceiver& r : site.receivers) {
+      if (r.vehicle.index() != v) continue;
+      sigma_m = std::max(sigma_m, r.sigma_m.head<2>().maxCoeff());
+    }
+    if (sigma_m > kShareOfTolerance * site.tolerance.fix_m.value_or(kUsualTolerance)) continue;
+    for (SiteReceiver& r : site.receivers)
+      if (r.vehicle.index() == v) r.sigma_m.head<2>().setZero();
+    for (Trajectory& t : trajectories) {
+      if (t.vehicle.index() != v) continue;
+      for (PoseObservation& p : t.poses) p.position_sigma_m = std::hypot(p.position_sigma_m, sigma_m);
+    }
+  }
+}
+
 }  // namespace
 
 TrajectoryModel trajectory_model(const Site& site) {
@@ -75,6 +114,7 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int th
   Problem problem;
   std::size_t observations = 0;
   const TrajectoryModel model = trajectory_model(site);
+  if (auto ok = check_site_units(site, runs); !ok) return fail(ok.error());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (auto ok = check_complete(site, runs[i]); !ok) return fail(ok.error());
     if (auto ok = check_unit(site, runs[i]); !ok) return fail(ok.error());
@@ -94,6 +134,7 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int th
                  .expected = "rows of times of flight or bearings with a vehicle state at their time",
                  .advice = "record a run while the beacons fire, or check poses.tum and odometry.csv against the times in tof.csv"});
   }
+  hold_levers(site, problem.trajectories);
   apply_gates(site, problem.trajectories, threads);
   problem.typical_range_m = typical_range_m(site, problem.trajectories);
   problem.site = std::move(site);

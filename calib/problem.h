@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "models/contradiction.h"
 #include "models/result.h"
 #include "models/run.h"
 #include "models/site.h"
@@ -18,6 +19,7 @@ struct Problem {
   std::vector<MeasurementLog> runs;
   std::vector<Trajectory> trajectories;  ///< one for each run and vehicle that has arrivals or bearings
   std::vector<std::string> warnings;
+  std::vector<Contradiction> contradictions;  ///< that show before any adjustment
   double typical_range_m = 1.0;          ///< median range of the arrivals by the site's priors
 };
 

@@ -38,6 +38,48 @@ std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, co
   return ranges;
 }
 
+namespace {
+
+/// A measured heading beyond this says nothing of a direction.
+constexpr double kVagueHeadingRad = 0.5;
+
+/// Whether anything but the bearings of one beacon tells the heading of a planar state.
+bool heading_is_told(const Trajectory& t, const Segment& segment, std::size_t node, BeaconId but, const std::vector<bool>& known) {
+  if (!t.odometry.empty() || t.motion_prior) return true;
+  for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
+    if (t.poses[i].node == node && t.poses[i].heading_sigma_rad < kVagueHeadingRad) return true;
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    const BeaconId reflector = t.bearings[i].reflector;
+    if (t.bearings[i].node == node && reflector.valid() && reflector != but && known[reflector.index()]) return true;
+  }
+  ReceiverId first;
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (a.node != node || a.beacon == but || !known[a.beacon.index()]) continue;
+    if (!first.valid()) first = a.receiver;
+    if (a.receiver != first) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, BeaconId beacon, const std::vector<bool>& known) {
+  std::vector<RayFrom> rays;
+  for (const Trajectory& t : trajectories) {
+    if (t.motion != Motion::kPlanar) continue;
+    for (const Segment& segment : t.segments)
+      for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+        const BearingObservation& b = t.bearings[i];
+        if (b.reflector != beacon || !t.nodes[b.node].placed || (b.alpha != 0.0 && !t.nodes[b.node + 1].placed)) continue;
+        if (!heading_is_told(t, segment, b.node, beacon, known)) continue;
+        const Pose T = pose_at(t, b.node, b.alpha);
+        rays.push_back({T.translation_m.head<2>(), wrap_angle(T.heading_rad() + b.bearing_rad), b.sigma_rad});
+      }
+  }
+  return rays;
+}
+
 double typical_range_m(const Site& site, const std::vector<Trajectory>& trajectories) {
   constexpr std::size_t kEnough = 50000;
   const SharedState prior = prior_state(site);

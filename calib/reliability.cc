@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
 
 #include "calib/leverage.h"
 #include "calib/ranges.h"
 #include "calib/residual_groups.h"
 #include "calib/statistics.h"
+#include "models/decompositions.h"
 #include "models/parallel.h"
 
 namespace octant::calib {
@@ -348,12 +348,12 @@ class Collector {
 
 ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2) {
   ErrorEllipse e;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> flat(covariance_m2.topLeftCorner<2, 2>());
+  const SymmetricEigen<Eigen::Matrix2d> flat(covariance_m2.topLeftCorner<2, 2>());
   e.semi_major_m = kEllipse95 * std::sqrt(std::max(0.0, flat.eigenvalues()[1]));
   e.semi_minor_m = kEllipse95 * std::sqrt(std::max(0.0, flat.eigenvalues()[0]));
   const Eigen::Vector2d axis = flat.eigenvectors().col(1);
   e.azimuth_rad = axis.x() < 0 || (axis.x() == 0 && axis.y() < 0) ? std::atan2(-axis.y(), -axis.x()) : std::atan2(axis.y(), axis.x());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> space(covariance_m2, Eigen::EigenvaluesOnly);
+  const SymmetricEigen<Eigen::Matrix3d> space(covariance_m2, Eigen::EigenvaluesOnly);
   for (int i = 0; i < 3; ++i) e.semi_axes_m[static_cast<std::size_t>(i)] = kEllipsoid95 * std::sqrt(std::max(0.0, space.eigenvalues()[2 - i]));
   return e;
 }

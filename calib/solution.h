@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "calib/error_model.h"
 #include "calib/reliability.h"
 #include "models/deployment.h"
 #include "models/shared_state.h"
@@ -50,6 +51,21 @@ struct LeftOut {
   double residual_s = 0.0;
 };
 
+/// A bearing that was left out.
+struct LeftOutBearing {
+  std::size_t run = 0;       ///< index into Problem::runs
+  std::size_t bearing = 0;   ///< index into MeasurementLog::bearings
+  Rejection reason = Rejection::kUsed;  ///< kLate, kEarly: it does not fit, to the one side or the other
+  double residual_rad = 0.0;
+};
+
+/// A measured pose that was left out.
+struct LeftOutPose {
+  std::size_t run = 0;       ///< index into Problem::runs
+  std::size_t pose = 0;      ///< index into MeasurementLog::poses
+  Rejection reason = Rejection::kNotNeeded;  ///< nothing was observed between it and its neighbours
+};
+
 /// Result of a calibration. Numerical trouble is data here, never an exception and never NaN.
 struct Solution {
   SolveStatus status = SolveStatus::kNotConverged;
@@ -62,15 +78,21 @@ struct Solution {
   std::vector<BeaconStatus> beacon_status;
   JointCovariance covariance;                ///< SI units; empty where it would be too large
   MarginalCovariance marginals;              ///< then these
+  JointCovariance white_covariance;          ///< as if errors were white; empty where `covariance` is that
+  ErrorModel errors;                         ///< how the errors of arrivals hang together
   Datum datum;
   CalibrationStatistics statistics;
   Reliability reliability;                   ///< redundancy numbers, detectable biases, error ellipses, variance components
   double tof_sigma_s = 0.0;                  ///< noise of the arrivals as found
-  std::vector<LeftOut> left_out;             ///< of the trajectories
+  std::vector<LeftOut> left_out;             ///< arrivals of the trajectories
+  std::vector<LeftOutBearing> left_out_bearings;
+  std::vector<LeftOutPose> left_out_poses;
+  std::vector<bool> beacon_mirrored;         ///< its mirror image is as good by all observations
   /// Of a log that was streamed: its trajectories are only a part of it, and this is of all.
   std::optional<WholeLog> whole;
   std::vector<WeakDirection> weak;
   std::vector<std::string> undetermined;     ///< names of parameters
+  std::vector<Contradiction> contradictions; ///< of what was stated and what the data say; not empty: not to be exported as it is
   std::vector<std::string> warnings;
 };
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -12,7 +11,6 @@
 #include "calib/calibrate.h"
 #include "calib/conclude.h"
 #include "calib/flips.h"
-#include "calib/gates.h"
 #include "calib/long_log.h"
 #include "calib/reject.h"
 #include "calib/statistics.h"
@@ -38,6 +36,7 @@ class Calibrator {
   Calibrator(const Problem& problem, const SolveOptions& options, std::vector<Trajectory>* own_trajectories = nullptr)
       : problem_(problem), options_(options), own_trajectories_(own_trajectories), began_(Clock::now()), course_(options) {
     solution_.warnings = problem.warnings;
+    solution_.contradictions = problem.contradictions;
   }
 
   Solution run() {
@@ -58,6 +57,7 @@ class Calibrator {
     start_headings_rad_ = std::move(all.start_headings_rad);
     if (all.ok) return true;
     all.why_not.warnings = std::move(solution_.warnings);
+    all.why_not.contradictions.insert(all.why_not.contradictions.begin(), solution_.contradictions.begin(), solution_.contradictions.end());
     solution_ = std::move(all.why_not);
     return false;
   }
@@ -81,12 +81,6 @@ class Calibrator {
     place_all_stops(problem_, it_.layout, state, it_.beacon_usable, options_.rejection_sigmas * noise, options_.workers(),
                     trajectories_);
     start_headings_rad_ = epoch_headings_rad(trajectories_);
-    const auto arrivals = [](const std::vector<Trajectory>& in) {
-      return std::accumulate(in.begin(), in.end(), 0.0,
-                             [](double sum, const Trajectory& t) { return sum + static_cast<double>(t.arrivals.size()); });
-    };
-    if (it_.last.data_information)
-      borrowed_matrix_ = *it_.last.data_information * (arrivals(trajectories_) / arrivals(of_part.trajectories));
     return true;
   }
 
@@ -96,9 +90,7 @@ class Calibrator {
   }
 
   bool adjust_again() {
-    AdjustOptions options = course_.adjust_options(0.0, 1e-12);
-    options.borrowed_matrix = std::exchange(borrowed_matrix_, {});
-    it_.last = adjust(problem_, it_.layout, trajectories_, it_.x, options);
+    it_.last = adjust(problem_, it_.layout, trajectories_, it_.x, course_.adjust_options(0.0, 1e-12));
     return !it_.last.interrupted;
   }
 
@@ -121,7 +113,6 @@ class Calibrator {
     const double before_s = problem_.site.noise.tof_sigma_s * it_.noise_factor, now_s = before_s * factor;
     it_.noise_factor *= factor;
     it_.last.data_information.reset();
-    borrowed_matrix_.resize(0, 0);
     statistics_.reset();
     for (Trajectory& t : trajectories_)
       for (ArrivalObservation& a : t.arrivals)  // what a measured amplitude leaves of the walk is no noise of the times, and stays
@@ -146,14 +137,7 @@ class Calibrator {
         statistics_ ? *statistics_ : statistics_of(problem_, it_.layout, trajectories_, state, it_.last.cost, options_.threads);
     f.whiteness = whiteness_of(trajectories_, state, options_.threads);
     f.flips = report_flips(problem_, trajectories_, start_headings_rad_);
-    for (const Trajectory& t : trajectories_) {
-      for (const std::size_t i : t.stateless_arrivals) f.left_out.push_back({t.run, i, Rejection::kNoPose, 0.0});
-      for (const ArrivalObservation& a : t.arrivals) {
-        if (a.rejection == Rejection::kUsed) continue;
-        const bool placed = a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection);
-        f.left_out.push_back({t.run, a.arrival, a.rejection, placed ? a.sigma_s * arrival_residual(t, a, state) : 0.0});
-      }
-    }
+    f.left_out = left_out_of(problem_, trajectories_, state);
     return f;
   }
 
@@ -172,7 +156,6 @@ class Calibrator {
   Estimate it_;
   std::vector<Trajectory> trajectories_;
   std::vector<std::vector<double>> start_headings_rad_;
-  Eigen::MatrixXd borrowed_matrix_;  ///< of all arrivals, about, as a part of them told it
   std::optional<CalibrationStatistics> statistics_;  ///< at the last states and marks
   Solution solution_;
 };

@@ -23,12 +23,15 @@ namespace {
 constexpr double kKnownShareOfRange = 0.2;
 
 /// A thousand ranges settle a start as well as a million.
-std::vector<RangeFrom> some_ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, std::size_t beacon) {
-  constexpr std::size_t kEnough = 1000;
-  std::vector<RangeFrom> ranges = ranges_to(trajectories, state, BeaconId(beacon));
-  if (ranges.size() <= kEnough) return ranges;
-  std::vector<RangeFrom> few;
-  for (std::size_t i = 0; i < kEnough; ++i) few.push_back(ranges[i * ranges.size() / kEnough]);
+constexpr std::size_t kEnoughToStart = 1000;
+/// Fewer tell whether a mirror image fits as well.
+constexpr std::size_t kEnoughForImage = 200;
+
+template <class Observation>
+std::vector<Observation> some_of(std::vector<Observation> all, std::size_t enough) {
+  if (all.size() <= enough) return all;
+  std::vector<Observation> few;
+  for (std::size_t i = 0; i < enough; ++i) few.push_back(all[i * all.size() / enough]);
   return few;
 }
 
@@ -136,11 +139,12 @@ class Starter {
   }
 
   bool find_beacon(std::size_t b) {
-    const std::vector<RangeFrom> ranges = some_ranges_to(start_.trajectories, start_.state, b);
-    if (ranges.size() < 4) return false;
+    const std::vector<RangeFrom> ranges = some_of(ranges_to(start_.trajectories, start_.state, BeaconId(b)), kEnoughToStart);
+    const std::vector<RayFrom> rays = some_of(rays_to(start_.trajectories, BeaconId(b), start_.beacon_found), kEnoughToStart);
+    if (ranges.size() + rays.size() < 4) return false;
     const TrilaterationOptions options = trilateration_options(problem_, start_.state, b,
                                                                std::max(start_.slack_m, 3 * site_.noise.tof_sigma_s * speed_mps(site_.medium)));
-    const Trilateration place = trilaterate(ranges, options);
+    const Trilateration place = trilaterate(ranges, options, rays);
     if (!place.ok) return false;
     start_.state.beacon_p_map_m[b] = place.p_map_m;
     start_.beacon_found[b] = true;
@@ -186,9 +190,10 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
 
 Start initial_values(const Problem& problem, int threads) { return Starter(problem, threads).run(); }
 
-bool has_mirror_image(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories, std::size_t beacon,
-                      double scale_m) {
-  return trilaterate(some_ranges_to(trajectories, state, beacon), trilateration_options(problem, state, beacon, scale_m)).has_mirror;
+std::optional<Eigen::Vector3d> mirror_image(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories,
+                                            std::size_t beacon, double scale_m) {
+  return mirror_image_of(state.beacon_p_map_m[beacon], some_of(ranges_to(trajectories, state, BeaconId(beacon)), kEnoughForImage),
+                         trilateration_options(problem, state, beacon, scale_m));
 }
 
 EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable) {

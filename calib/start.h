@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct Start {
   SharedState state;
   std::vector<Trajectory> trajectories;   ///< nodes placed where a start was found
   std::vector<bool> beacon_found;         ///< position known well enough to begin with
-  std::vector<bool> beacon_mirrored;      ///< a second position explains its ranges as well
+  std::vector<bool> beacon_mirrored;      ///< a second position explains its ranges and bearings as well
   double slack_m = 0.0;                   ///< how far predicted ranges may be off at the start
   std::vector<std::string> warnings;
 };
@@ -25,9 +26,9 @@ struct Start {
 /// trilateration), then in turn vehicle states from the beacons found so far and beacons from the states found so far.
 [[nodiscard]] Start initial_values(const Problem& problem, int threads = 1);
 
-/// Whether a second place explains the ranges of a beacon from the states at hand as well, to scale_m.
-[[nodiscard]] bool has_mirror_image(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories, std::size_t beacon,
-                                    double scale_m);
+/// The mirror image of a beacon's place that its ranges from the states at hand leave, to scale_m; none where they tell it apart.
+[[nodiscard]] std::optional<Eigen::Vector3d> mirror_image(const Problem& problem, const SharedState& state,
+                                                          const std::vector<Trajectory>& trajectories, std::size_t beacon, double scale_m);
 
 /// What the epoch search has to know, for the beacons marked usable.
 [[nodiscard]] EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable);

@@ -6,14 +6,13 @@
 #include <cmath>
 #include <set>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "calib/adjust.h"
 #include "calib/observability.h"
 #include "calib/ranges.h"
 #include "calib/shared_entries.h"
+#include "models/decompositions.h"
 #include "models/linearise.h"
 
 namespace octant::calib {
@@ -25,7 +24,7 @@ constexpr double kVagueExtents = 4.0;
 constexpr double kAudible = 1.05;
 constexpr double kSure = 2.0;         ///< sigmas of a beacon's place by which it has to lie within hearing
 constexpr double kMostMargin = 0.1;   ///< of range and angle
-constexpr double kUnseen = 1e-12;  ///< of a covariance scaled to a unit diagonal
+constexpr double kUnseenByStop = 1e-12;  ///< of a covariance scaled to a unit diagonal
 constexpr double kPoseRank = 1e-9; ///< of the rows' largest, below which a direction of the pose is unseen
 
 tl::unexpected<Error> bad(const std::string& file, std::string found, std::string expected, std::string advice = {}) {
@@ -49,7 +48,7 @@ Result<void> check_places(const Site& site) {
   return {};
 }
 
-double extent_m(const Site& site, const std::vector<bool>& placed) {
+double extent_of_placed_m(const Site& site, const std::vector<bool>& placed) {
   Eigen::AlignedBox3d box;
   for (std::size_t b = 0; b < site.beacons.size(); ++b)
     if (placed[b]) box.extend(Eigen::Vector3d(*site.beacons[b].position_m[0], *site.beacons[b].position_m[1], *site.beacons[b].position_m[2]));
@@ -67,8 +66,8 @@ Eigen::MatrixXd with_vague_priors(const Problem& problem, const ParameterLayout&
 /// Inverse of a joint covariance within the directions that it varies in.
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& C) {
   const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * C * scale.asDiagonal());
-  const Eigen::VectorXd inverse = eigen.eigenvalues().unaryExpr([](double v) { return v > kUnseen ? 1.0 / v : 0.0; });
+  const SymmetricEigen<Eigen::MatrixXd> eigen(scale.asDiagonal() * C * scale.asDiagonal());
+  const Eigen::VectorXd inverse = eigen.eigenvalues().unaryExpr([](double v) { return v > kUnseenByStop ? 1.0 / v : 0.0; });
   return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
 }
 
@@ -149,7 +148,7 @@ void fill_from_site(Knowledge& k, const SharedState& state) {
     held.push_back(!has_place);
     if (!has_place) k.warnings.push_back(fmt::format("beacon {} has no position: the plan leaves it out; give an approximate one, or a recording that hears it", b.name));
   }
-  const double extent = extent_m(site, k.placed);
+  const double extent = extent_of_placed_m(site, k.placed);
   k.problem.typical_range_m = 0.5 * extent;
   k.problem.runs.resize(1);
   k.state = state;
@@ -317,7 +316,7 @@ StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double
   });
   const auto rows = static_cast<Eigen::Index>(entries.size());
   if (rows <= t.block_size()) return out;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Jx.topRows(rows));
+  PivotedQr qr(Jx.topRows(rows));
   qr.setThreshold(kPoseRank);
   if (qr.rank() < t.block_size()) return out;
   std::sort(columns.begin(), columns.end());
@@ -330,8 +329,7 @@ StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double
       Js(r, std::lower_bound(columns.begin(), columns.end(), column) - columns.begin()) += entries[static_cast<std::size_t>(r)].value[at];
     }
   // Rows of Q' Js below those that the pose takes up: what is left when it is eliminated.
-  Js.applyOnTheLeft(qr.householderQ().adjoint());
-  out.A = Js.bottomRows(rows - t.block_size());
+  out.A = qr.transposed_times(std::move(Js)).bottomRows(rows - t.block_size());
   out.columns = std::move(columns);
   return out;
 }

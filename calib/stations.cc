@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "calib/observability.h"
+#include "models/decompositions.h"
 #include "models/parallel.h"
 #include "models/random.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kGains = 1.0 + 1e-4;       ///< an exchange has to gain more than rounding
 constexpr double kFinestShare = 0.1;        ///< of the grid, at which the search around a stop ends
-constexpr double kUnseen = 1e-10;           ///< of the largest: a combination of beacons that the datum holds
+constexpr double kUnseenByStations = 1e-10;           ///< of the largest: a combination of beacons that the datum holds
 constexpr std::size_t kAtOnce = 16;         ///< candidates that a thread takes
 
 struct Stop {
@@ -33,7 +33,7 @@ std::vector<int> beacon_columns(const ParameterLayout& layout) {
   return columns;
 }
 
-Eigen::MatrixXd covariance_at(const Knowledge& k, const Eigen::MatrixXd& information) {
+Eigen::MatrixXd covariance_of_stations(const Knowledge& k, const Eigen::MatrixXd& information) {
   return *Covariance(information, free_datum(k.problem, k.layout, k.state, information)).matrix();
 }
 
@@ -70,12 +70,12 @@ BeaconKnowledge knowledge_from(const Knowledge& k, const Eigen::MatrixXd& C) {
 class Gain {
  public:
   Gain(const Knowledge& k, const Eigen::MatrixXd& information, StationCriterion criterion)
-      : C_(covariance_at(k, information)), beacons_(beacon_columns(k.layout)) {
+      : C_(covariance_of_stations(k, information)), beacons_(beacon_columns(k.layout)) {
     if (criterion != StationCriterion::kD) return;
     // det(C_bb - W'W) = det(C_bb) det(I - W C_bb^-1 W'), within what C_bb varies in.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C_(beacons_, beacons_).eval());
+    const SymmetricEigen<Eigen::MatrixXd> eigen(C_(beacons_, beacons_).eval());
     const Eigen::VectorXd& values = eigen.eigenvalues();
-    const auto seen = (values.array() > kUnseen * values.maxCoeff()).count();
+    const auto seen = (values.array() > kUnseenByStations * values.maxCoeff()).count();
     whitener_ = values.tail(seen).cwiseSqrt().cwiseInverse().asDiagonal() * eigen.eigenvectors().rightCols(seen).transpose();
     volume_ = true;
   }
@@ -90,7 +90,7 @@ class Gain {
     const Eigen::MatrixXd W = llt.matrixL().solve(CA(beacons_, Eigen::all).transpose().eval());
     if (!volume_) return W.squaredNorm();
     const Eigen::MatrixXd V = W * whitener_.transpose();
-    const Eigen::LDLT<Eigen::MatrixXd> left(Eigen::MatrixXd::Identity(V.rows(), V.rows()) - V * V.transpose());
+    const DenseLdlt left(Eigen::MatrixXd::Identity(V.rows(), V.rows()) - V * V.transpose());
     return -left.vectorD().array().max(1e-300).log().sum();
   }
 
@@ -277,7 +277,7 @@ class Planner {
 }  // namespace
 
 BeaconKnowledge beacon_knowledge(const Knowledge& knowledge, const Eigen::MatrixXd& information) {
-  return knowledge_from(knowledge, covariance_at(knowledge, information));
+  return knowledge_from(knowledge, covariance_of_stations(knowledge, information));
 }
 
 Result<StationPlan> plan_stations(const Knowledge& knowledge, const StationOptions& options) { return Planner(knowledge, options).run(); }

@@ -12,7 +12,7 @@ namespace octant::calib {
 struct ObservationCounts {
   std::size_t used = 0, rejected = 0;  ///< arrivals
   double observations = 0.0;           ///< of all kinds, in use
-  std::size_t states = 0;              ///< unknowns of the vehicle's states
+  std::size_t states = 0;              ///< unknowns of the vehicle's states, as far as anything observes them
   double squares_s2 = 0.0;             ///< of the residuals of arrivals in use
   void add(const ObservationCounts& other);
 };

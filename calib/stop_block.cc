@@ -358,22 +358,6 @@ void StopBlock::reduce(const SharedState& state, const RobustLoss& loss, const s
   for (const Group& group : groups_) add_group(group, tables, state, place, system);
 }
 
-void StopBlock::add_gradient(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
-                             Eigen::VectorXd& gradient) {
-  const StopTables tables = tables_at(state, loss);
-  thread_local StopGradient sums;
-  thread_local std::vector<double> local;
-  for (const Group& group : groups_) {
-    const StopLayout layout{group.beacons.size(), receivers_, true, {}};
-    sums.clear(layout);
-    for (std::size_t p = group.first; p < group.last; ++p) calib::add_gradient(tables, pack_of(p, group), states_[p], sums);
-    sums.finish(layout, tables.sigma_s, local);
-    const std::vector<Targets> targets = targets_of(group, state, place);
-    for (std::size_t c = 0; c < targets.size(); ++c)
-      for (int m = 0; m < targets[c].count; ++m) gradient[targets[c].column[m]] += targets[c].factor[m] * local[c];
-  }
-}
-
 void StopBlock::rewind() {
   states_ = committed_;
   for (std::size_t e = 0; e < epochs_.size(); ++e) show(e);

@@ -72,8 +72,6 @@ class StopBlock {
   /// Adds the reduced system at the states of the last `settle` to the gradient and the lower triangle; `place` tells where
   /// each column of the layout stands in it (-1: nowhere).
   void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
-  /// Adds the gradient alone; the states are taken to be at rest.
-  void add_gradient(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, Eigen::VectorXd& gradient);
   void commit() { committed_ = states_; }
   /// Back to the states committed last, which the trajectory then shows too.
   void rewind();

@@ -600,40 +600,6 @@ void reduce_stops_in_lanes(const StopTables& tables, const StopPack& pack, const
   }
 }
 
-template <bool kRobust>
-HWY_INLINE void gradient_part(const StopTables tables, const StopPack pack, const StopStates& states, std::size_t part,
-                              StopGradient& sums) {
-  const D d;
-  double *const beacon_sums = sums.beacon.data(), *const receiver_sums = sums.receiver.data();
-  const Constants constants(tables);
-  View view;
-  for (int i = 0; i < 4; ++i) view.state[i] = load(states.value[i], part);
-  view.turn();
-  V speed = hn::Zero(d);
-  for (std::size_t slot = 0; slot < pack.slots;) {
-    const std::size_t receiver = pack.slot[slot].receiver;
-    const Antenna antenna(tables, receiver, view, constants);
-    V all[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    for (; slot < pack.slots && pack.slot[slot].receiver == receiver; ++slot) {
-      const Sight s = look<kRobust>(tables, pack, slot, part, antenna, constants);
-      const V r = hn::Mul(s.weight, s.residual), rv[3] = {hn::Mul(r, s.v[0]), hn::Mul(r, s.v[1]), hn::Mul(r, s.v[2])};
-      speed = hn::MulAdd(r, by_speed_of(s, constants), speed);
-      for (int i = 0; i < 3; ++i) all[i] = hn::Add(all[i], rv[i]);
-      all[3] = hn::Add(all[3], r);
-      add_lanes(rv[0], rv[1], rv[2], r, beacon_sums + std::ptrdiff_t{4} * pack.slot[slot].beacon);
-    }
-    add_lanes(hn::MulAdd(view.cosine, all[0], hn::Mul(view.sine, all[1])),
-              hn::NegMulAdd(view.sine, all[0], hn::Mul(view.cosine, all[1])), all[2], all[3], receiver_sums + 4 * receiver);
-  }
-  sums.speed += hn::GetLane(hn::SumOfLanes(d, speed));
-}
-
-void gradient_in_lanes(const StopTables& tables, const StopPack& pack, const StopStates& states, StopGradient& sums) {
-  const bool robust = tables.late_scale > 0 && tables.early_scale > 0;
-  for (std::size_t part = 0; part < kLanes; part += hn::Lanes(D()))
-    robust ? gradient_part<true>(tables, pack, states, part, sums) : gradient_part<false>(tables, pack, states, part, sums);
-}
-
 const char* target_name() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace HWY_NAMESPACE
@@ -646,7 +612,6 @@ namespace octant::calib {
 HWY_EXPORT(settle_stops_in_lanes);
 HWY_EXPORT(reduce_stops_in_lanes);
 HWY_EXPORT(take_in_lanes);
-HWY_EXPORT(gradient_in_lanes);
 HWY_EXPORT(target_name);
 
 void settle_stops(const StopTables& tables, const StopPack& pack, StopStates& states, StopOutcome& outcome) {
@@ -666,24 +631,6 @@ void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStat
                   double unobserved, StopSums& sums) {
   HWY_DYNAMIC_DISPATCH(reduce_stops_in_lanes)(tables, pack, states, layout, unobserved, sums);
   if (++sums.waiting == StopSums::kPacksAtOnce) take_waiting(sums);
-}
-
-void StopGradient::clear(const StopLayout& layout) {
-  beacon.assign(4 * layout.beacons, 0.0);
-  receiver.assign(4 * layout.receivers, 0.0);
-  speed = 0.0;
-}
-
-void StopGradient::finish(const StopLayout& layout, double sigma_s, std::vector<double>& gradient) const {
-  gradient.assign(layout.columns(), 0.0);
-  const double k = 1.0 / sigma_s;
-  for (std::size_t c = 0; c < beacon.size(); ++c) gradient[c] = -beacon[c] * (c % 4 == 3 ? k : 1.0);
-  for (std::size_t c = 0; c < receiver.size(); ++c) gradient[layout.of_receiver(0) + c] = receiver[c] * (c % 4 == 3 ? -k : 1.0);
-  gradient[layout.speed()] = speed;
-}
-
-void add_gradient(const StopTables& tables, const StopPack& pack, const StopStates& states, StopGradient& sums) {
-  HWY_DYNAMIC_DISPATCH(gradient_in_lanes)(tables, pack, states, sums);
 }
 
 const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }

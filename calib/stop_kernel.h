@@ -109,22 +109,6 @@ struct StopSums {
 void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout,
                   double unobserved, StopSums& sums);
 
-/// The gradient of a group of packs alone, its states at rest. Lists in fours: sums of the weighted residual times the derivative by
-/// place, and of the weighted residual.
-struct StopGradient {
-  std::vector<double> beacon;    ///< beacons x 4, place in the map
-  std::vector<double> receiver;  ///< receivers x 4, place in the vehicle
-  double speed = 0.0;
-
-  /// Zero, and of the layout's size.
-  void clear(const StopLayout& layout);
-  /// By the layout's columns. Only the active ones mean anything.
-  void finish(const StopLayout& layout, double sigma_s, std::vector<double>& gradient) const;
-};
-
-/// Adds eight epochs.
-void add_gradient(const StopTables& tables, const StopPack& pack, const StopStates& states, StopGradient& sums);
-
 /// Name of the vector instructions in use, chosen when the program runs.
 const char* stop_kernel_target();
 

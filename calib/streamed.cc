@@ -73,6 +73,7 @@ class StreamedCalibrator {
     for (std::size_t run = 0; run < frame_.runs.size(); ++run) frame_.runs[run].arrivals = std::move(told->arrivals[run]);
     Solution solution;
     solution.warnings = warnings_;
+    solution.contradictions = frame_.contradictions;
     conclude(frame_, options_, it_, std::move(told->findings), told->trajectories, solution);
     solution.trajectories = std::move(told->trajectories);
     return finished(std::move(solution));

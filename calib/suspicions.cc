@@ -18,9 +18,9 @@ constexpr double kOffSigmas = 4.0, kBetter = 0.3;
 constexpr double kMedianOfNormal = 0.6745;
 
 /// Median size of the residuals, in sigmas, that the ranges of receiver r would have if it stood at the place of s.
-double misfit(const Forecast& f, const SharedState& state, ReceiverId r, ReceiverId s, std::size_t& count) {
+double misfit(const Adjusted& f, const SharedState& state, ReceiverId r, ReceiverId s, std::size_t& count) {
   std::vector<double> sizes;
-  for (const Trajectory& t : f.solution.trajectories)
+  for (const Trajectory& t : f.trajectories)
     for (ArrivalObservation a : t.arrivals) {
       if (a.receiver != r || a.rejection == Rejection::kBeaconUnusable || !t.nodes[a.node].placed) continue;
       if (a.alpha > 0 && !t.nodes[a.node + 1].placed) continue;
@@ -32,9 +32,9 @@ double misfit(const Forecast& f, const SharedState& state, ReceiverId r, Receive
 }
 
 /// Receivers at the places that the site file states, as an exchanged one may have been dragged along.
-SharedState with_stated_receivers(const Forecast& f) {
-  SharedState state = f.solution.state;
-  for (std::size_t r = 0; r < f.thinned.site.receivers.size(); ++r) state.receiver_p_vehicle_m[r] = f.thinned.site.receivers[r].position_m;
+SharedState with_stated_receivers(const Adjusted& f) {
+  SharedState state = f.state;
+  for (std::size_t r = 0; r < f.site.receivers.size(); ++r) state.receiver_p_vehicle_m[r] = f.site.receivers[r].position_m;
   return state;
 }
 
@@ -43,8 +43,8 @@ struct Suspect {
   double sigmas = 0.0;
 };
 
-std::vector<Suspect> suspects(const Forecast& f) {
-  const Site& site = f.thinned.site;
+std::vector<Suspect> suspects(const Adjusted& f) {
+  const Site& site = f.site;
   const SharedState stated = with_stated_receivers(f);
   std::vector<double> own(site.receivers.size(), 0.0), heard;
   std::vector<std::size_t> count(site.receivers.size(), 0);
@@ -70,8 +70,8 @@ std::vector<Suspect> suspects(const Forecast& f) {
   return found;
 }
 
-std::vector<Finding> receiver_labels(const Forecast& f) {
-  const Site& site = f.thinned.site;
+std::vector<Finding> receiver_labels(const Adjusted& f) {
+  const Site& site = f.site;
   const std::vector<Suspect> found = suspects(f);
   const auto name = [&](ReceiverId r) { return site.receivers[r.index()].name; };
   std::vector<Finding> findings;
@@ -94,19 +94,22 @@ std::vector<Finding> receiver_labels(const Forecast& f) {
 
 }  // namespace
 
-std::vector<Finding> suspicions(const Forecast& f, std::vector<RunHealth>& runs) {
-  std::vector<Finding> findings;
-  if (f.solution.beacon_status.empty()) return findings;  // nothing was solved
-  findings = receiver_labels(f);
+std::vector<Finding> suspicions(const Adjusted& f, std::vector<RunHealth>& runs) {
+  std::vector<Finding> findings = receiver_labels(f);
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    for (const ClockStep& s : steps_between_stops(f.solution.trajectories, i, f.solution.state)) {
+    for (const ClockStep& s : steps_between_stops(f.trajectories, i, f.state)) {
       runs[i].clock_steps.push_back(s);
-      const double between = f.is_thinned() ? static_cast<double>(f.states) / static_cast<double>(std::max<std::size_t>(f.states_used, 1)) : 1.0;
       findings.push_back({"clock_step", fmt::format("{}: from {:.6g} s on times of flight are {:.4g} ms {}{}: a clock jumped there", runs[i].path, s.time_s, 1e3 * std::abs(s.step_s),
-                                                    s.step_s > 0 ? "longer" : "shorter", between > 1.5 ? fmt::format(" (looking at every {:.0f}th stop)", between) : "")});
+                                                    s.step_s > 0 ? "longer" : "shorter", f.every > 1.5 ? fmt::format(" (looking at every {:.0f}th stop)", f.every) : "")});
     }
   }
   return findings;
+}
+
+std::vector<Finding> suspicions(const Forecast& f, std::vector<RunHealth>& runs) {
+  if (f.solution.beacon_status.empty()) return {};  // nothing was solved
+  const double every = f.is_thinned() ? static_cast<double>(f.states) / static_cast<double>(std::max<std::size_t>(f.states_used, 1)) : 1.0;
+  return suspicions(Adjusted{f.thinned.site, f.solution.state, f.solution.trajectories, every}, runs);
 }
 
 }  // namespace octant::calib

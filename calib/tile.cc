@@ -131,16 +131,6 @@ double Tile::settle(const SharedState& state, const RobustLoss& loss) {
 
 void Tile::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system) {
   if (stops_) stops_->reduce(state, loss, place, system);
-  reduce_general(state, loss, place, system);
-}
-
-void Tile::add_gradient(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system) {
-  if (stops_) stops_->add_gradient(state, loss, place, system.gradient);
-  reduce_general(state, loss, place, system);
-}
-
-void Tile::reduce_general(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
-                          ReducedSystem& system) {
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
     if (trajectory_->nodes[segment.first_node].placed) reduce_segment(segment, state, loss, place, system);

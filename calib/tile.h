@@ -61,10 +61,6 @@ class Tile {
   /// Adds gradient and lower triangle of H at the states of the last `settle`; `place` tells where each column of the layout
   /// stands in the system.
   void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
-  /// Adds the gradient; H is used as a scratchpad. Much less work than `reduce`, of stops.
-  void add_gradient(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
-  [[nodiscard]] std::size_t stop_count() const { return stop_segments_.size(); }
-  [[nodiscard]] std::size_t general_count() const { return general_.size(); }
   /// Both, in the tile's own columns.
   double evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system);
   /// Makes the states of the last evaluation the start of the next ones (a step was accepted).
@@ -75,7 +71,6 @@ class Tile {
  private:
   void find_columns();
   void rewind_general();
-  void reduce_general(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
   void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
                       ReducedSystem& system);
 

@@ -75,36 +75,17 @@ void TileSum::reduce(const SharedState& state, const RobustLoss& loss, ReducedSy
     tile.commit();
   });
   sum.H = shares_[0].H;
-  for (std::size_t share = 1; share < kShares; ++share) sum.H += shares_[share].H;
-  if (workers_.ranks != nullptr) workers_.ranks->sum({sum.H.data(), static_cast<std::size_t>(sum.H.size())});
-  add_up_gradients(sum.gradient);
+  sum.gradient = shares_[0].gradient;
+  for (std::size_t share = 1; share < kShares; ++share) {
+    sum.H += shares_[share].H;
+    sum.gradient += shares_[share].gradient;
+  }
+  if (workers_.ranks != nullptr) {
+    workers_.ranks->sum({sum.H.data(), static_cast<std::size_t>(sum.H.size())});
+    workers_.ranks->sum({sum.gradient.data(), static_cast<std::size_t>(sum.gradient.size())});
+  }
   sum.H = sum.H.selfadjointView<Eigen::Lower>();
   sum.cost = std::accumulate(costs_.begin(), costs_.end(), 0.0);
-}
-
-bool TileSum::reduce_gradient(const SharedState& state, const RobustLoss& loss, Eigen::VectorXd& gradient) {
-  constexpr std::size_t kMostlyStops = 16;
-  std::size_t stops = 0, general = 0;
-  for (const Tile& tile : tiles_) stops += tile.stop_count(), general += tile.general_count();
-  if (general * kMostlyStops > stops) return false;
-  const auto n = static_cast<Eigen::Index>(layout_.size());
-  shares_.resize(kShares);
-  for (ReducedSystem& share : shares_) {
-    share.H.resize(n, n);
-    share.gradient.setZero(n);
-  }
-  for_each_of_mine([&](Tile& tile, std::size_t, std::size_t share) {
-    tile.add_gradient(state, loss, all_columns_, shares_[share]);
-    tile.commit();
-  });
-  add_up_gradients(gradient);
-  return true;
-}
-
-void TileSum::add_up_gradients(Eigen::VectorXd& gradient) const {
-  gradient = shares_[0].gradient;
-  for (std::size_t share = 1; share < kShares; ++share) gradient += shares_[share].gradient;
-  if (workers_.ranks != nullptr) workers_.ranks->sum({gradient.data(), static_cast<std::size_t>(gradient.size())});
 }
 
 void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems) {

@@ -20,10 +20,6 @@ class SystemSum {
   virtual double settle(const SharedState& state, const RobustLoss& loss) = 0;
   /// Reduced system in all the layout's parameters at the states of the last `settle`.
   virtual void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) = 0;
-  /// The gradient alone, states committed, where it is to be had for much less; false, and nothing done, where it is not.
-  virtual bool reduce_gradient(const SharedState& /*state*/, const RobustLoss& /*loss*/, Eigen::VectorXd& /*gradient*/) {
-    return false;
-  }
   /// Makes the states of the last `settle` those to begin from.
   virtual void commit() {}
 
@@ -44,7 +40,6 @@ class TileSum : public SystemSum {
   double settle(const SharedState& state, const RobustLoss& loss) override;
   /// Reduced system of everything in all the layout's parameters, at the states of the last `settle`; commits them.
   void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) override;
-  bool reduce_gradient(const SharedState& state, const RobustLoss& loss, Eigen::VectorXd& gradient) override;
   /// The same as `reduce`, each tile's own (in Tile::columns), for sites whose parameters hardly see each other.
   void reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems);
   /// States as they were committed last, on every rank.
@@ -59,8 +54,6 @@ class TileSum : public SystemSum {
  private:
   [[nodiscard]] bool is_mine(std::size_t share) const;
   [[nodiscard]] std::size_t first_of(std::size_t share) const;
-  /// Those of the shares, in their order, over all ranks.
-  void add_up_gradients(Eigen::VectorXd& gradient) const;
   template <class Work>
   void for_each_of_mine(Work&& work);
 

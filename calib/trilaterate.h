@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,6 +16,13 @@ struct RangeFrom {
   double range_m = 0.0;
 };
 
+/// A horizontal direction seen from a known place by a vehicle of known heading.
+struct RayFrom {
+  Eigen::Vector2d p_map_m;
+  double direction_rad = 0.0;  ///< in the map, counter-clockwise from +x
+  double sigma_rad = 0.01;
+};
+
 struct TrilaterationOptions {
   std::array<bool, 3> held = {false, false, false};  ///< coordinates that keep the value of `guess`
   Eigen::Vector3d guess = Eigen::Vector3d::Zero();
@@ -25,17 +33,24 @@ struct TrilaterationOptions {
 struct Trilateration {
   bool ok = false;
   Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();
-  int agreeing = 0;              ///< ranges within three scales
+  int agreeing = 0;              ///< ranges and rays within three scales
   double cost = 0.0;             ///< robust, in squared scales
   double weakest_sigma_m = 0.0;  ///< largest standard deviation of the position, from scale_m
-  /// A second place, off by more than its uncertainty, that explains the ranges nearly as well.
+  /// A second place, off by more than its uncertainty, that explains the ranges (and rays) nearly as well.
   bool has_mirror = false;
   Eigen::Vector3d mirror_map_m = Eigen::Vector3d::Zero();
 };
 
 /// Place of a beacon from ranges to known places, none of the ranges trusted: linear solutions of random subsets
 ///   2 q'p - |p|^2 = |q|^2 - r^2   (difference of squares, Figueroa and Mahajan 1994 without the speed)
-/// give candidates, the one that most ranges agree with is refined under Cauchy's loss. Deterministic.
-[[nodiscard]] Trilateration trilaterate(const std::vector<RangeFrom>& ranges, const TrilaterationOptions& options);
+/// give candidates, and so do crossings of rays; the one that most ranges and rays agree with is refined under Cauchy's loss.
+/// Places are known to scale_m, and so is the direction of a ray over its length. Deterministic.
+[[nodiscard]] Trilateration trilaterate(const std::vector<RangeFrom>& ranges, const TrilaterationOptions& options,
+                                        const std::vector<RayFrom>& rays = {});
+
+/// The mirror image of a place that the ranges leave: in the plane, or in the vertical plane, in which the places of the ranges
+/// lie, where it explains them nearly as well. None where they tell the two apart, or both are within two scales.
+[[nodiscard]] std::optional<Eigen::Vector3d> mirror_image_of(const Eigen::Vector3d& p_map_m, const std::vector<RangeFrom>& ranges,
+                                                             const TrilaterationOptions& options);
 
 }  // namespace octant::calib

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <unordered_map>
 
@@ -16,6 +17,8 @@ class Variances {
  public:
   /// @param solution  not owned
   explicit Variances(const Solution& solution);
+  /// @param covariance  not owned
+  explicit Variances(const JointCovariance& covariance);
 
   /// Whether a parameter was free.
   [[nodiscard]] bool has(const std::string& name) const { return index_.contains(name); }
@@ -24,8 +27,12 @@ class Variances {
   [[nodiscard]] double sigma(const std::string& a) const { return std::sqrt(std::max(0.0, covariance(a, a))); }
 
  private:
-  const Solution& solution_;
+  const JointCovariance* joint_;
+  const MarginalCovariance* marginals_ = nullptr;  ///< where there is no joint covariance
   std::unordered_map<std::string, Eigen::Index> index_;
 };
+
+/// Sigmas of a beacon's coordinates as if errors were white; none where the stated ones are that.
+[[nodiscard]] std::optional<Eigen::Vector3d> white_sigma_m(const Solution& solution, const std::string& beacon);
 
 }  // namespace octant::calib

@@ -16,13 +16,13 @@ namespace octant::calib {
 namespace {
 
 constexpr double kTold = 0.5;             ///< share of the tolerance from which a combination is worth telling
-constexpr double kPart = 0.1;             ///< share of a combination's square that makes a kind of parameter a part of it
+constexpr double kNamedPart = 0.1;             ///< share of a combination's square that makes a kind of parameter a part of it
 constexpr double kParameterPart = 0.03;   ///< the same for a single parameter
 constexpr std::size_t kSegmentsMoved = 2000;
 
-enum Kind { kHeight, kPlace, kDelay, kSpeed, kReceiver, kAttenuation, kDrift, kOther, kKinds };
+enum ParameterKind { kHeight, kPlace, kDelay, kSpeed, kReceiver, kAttenuation, kDrift, kOther, kKinds };
 
-Kind kind_of(const std::string& name) {
+ParameterKind parameter_kind_of(const std::string& name) {
   const auto ends = [&name](const char* end) { return name.size() >= std::string(end).size() && name.compare(name.size() - std::string(end).size(), std::string::npos, end) == 0; };
   if (name.rfind("medium/", 0) == 0) return kSpeed;
   if (name.rfind("attenuation/", 0) == 0) return kAttenuation;
@@ -42,7 +42,7 @@ constexpr std::array<const char*, kKinds> kRemedies = {
     "log amplitudes, or hear the beacons from two metres and from the end of their range",
     "fire each beacon again at the end of the cycle", ""};
 /// Of the kinds that take part, the one that is cheapest to settle by a measurement.
-constexpr std::array<Kind, kKinds> kCheapestFirst = {kSpeed, kHeight, kPlace, kDelay, kReceiver, kAttenuation, kDrift, kOther};
+constexpr std::array<ParameterKind, kKinds> kCheapestFirst = {kSpeed, kHeight, kPlace, kDelay, kReceiver, kAttenuation, kDrift, kOther};
 
 std::string beacon_of(const std::string& name) {
   if (name.rfind("beacon/", 0) != 0) return {};
@@ -59,7 +59,7 @@ WeakDirection in_words(const ParameterLayout& layout, const Eigen::VectorXd& v) 
   std::vector<std::string> beacons;
   for (const int i : order) {
     const std::string& name = layout.parameters[static_cast<std::size_t>(i)].name;
-    share[kind_of(name)] += v[i] * v[i];
+    share[parameter_kind_of(name)] += v[i] * v[i];
     if (v[i] * v[i] < kParameterPart) continue;
     w.parameters.push_back(name);
     const std::string beacon = beacon_of(name);
@@ -67,10 +67,10 @@ WeakDirection in_words(const ParameterLayout& layout, const Eigen::VectorXd& v) 
   }
   std::vector<std::string> parts;
   for (std::size_t k = 0; k < kKinds; ++k)
-    if (share[k] > kPart) parts.emplace_back(kWords[k]);
+    if (share[k] > kNamedPart) parts.emplace_back(kWords[k]);
   w.description = fmt::format("{}{}", fmt::join(parts, " against "), beacons.empty() ? "" : fmt::format(" ({})", fmt::join(beacons, ", ")));
-  for (const Kind kind : kCheapestFirst)
-    if (w.remedy.empty() && share[kind] > kPart) w.remedy = kRemedies[kind];
+  for (const ParameterKind kind : kCheapestFirst)
+    if (w.remedy.empty() && share[kind] > kNamedPart) w.remedy = kRemedies[kind];
   return w;
 }
 
@@ -113,7 +113,7 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
   Eigen::VectorXd metres = Eigen::VectorXd::Ones(layout.size());
   for (int i = 0; i < layout.size(); ++i) {
     const std::string& name = layout.parameters[static_cast<std::size_t>(i)].name;
-    const Kind kind = kind_of(name);
+    const ParameterKind kind = parameter_kind_of(name);
     if (kind == kSpeed) metres[i] = options.typical_range_m;
     if (kind == kAttenuation && name != "attenuation/rise_time_s") metres[i] = 0.0;
   }

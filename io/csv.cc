@@ -3,15 +3,46 @@
 #include "io/csv.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <unordered_set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "io/csv_scan.h"
 
 namespace octant::io {
+namespace {
+
+struct ColumnNames {
+  std::string_view name;
+  std::vector<std::string_view> others;  ///< lower case; without a unit behind them
+};
+
+/// Whether a column is one that loggers of other programs write for ours; a unit may stand behind its name.
+bool may_be_called(std::string_view ours, std::string_view theirs) {
+  static const std::vector<ColumnNames> all = {
+      {"time_s", {"time", "t", "timestamp", "stamp", "ts", "sec", "secs", "seconds", "date"}},
+      {"beacon", {"anchor", "beacon_id", "anchor_id", "beaconid", "anchorid", "transmitter", "speaker", "source", "node", "id", "tx"}},
+      {"tof_s", {"tof", "time_of_flight", "toa", "delay", "flight_time", "range", "distance", "dist", "tdoa"}},
+  };
+  std::string name(theirs);
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const ColumnNames& c : all) {
+    if (c.name != ours) continue;
+    for (const std::string_view other : c.others) {
+      if (name == other) return true;
+      const bool unit_behind = name.size() > other.size() + 1 && name.starts_with(other) && name[other.size()] == '_' && name.size() <= other.size() + 4;
+      if (unit_behind && other.size() > 2) return true;
+    }
+  }
+  return suggestion(ours, {std::string(theirs)}).starts_with("did");
+}
+
+}  // namespace
+
 namespace {
 
 constexpr std::size_t kMostColumns = 65536;
@@ -105,15 +136,31 @@ int CsvReader::find(std::string_view name) {
 
 int CsvReader::require(std::string_view name) {
   const int column = find(name);
-  if (column < 0) {
-    double value = 0.0;
-    const bool headless = !header_.empty() && std::all_of(header_.begin(), header_.end(), [&](const std::string& text) {
-      return parse_number(text, value) == NumberText::kNumber;
-    });
-    fail_file(row_line_, fmt::format("column {} is missing (columns: {})", in_quotes(name), listed(header_, 12)),
-              "a header row that names it", headless ? "the header row itself seems to be missing" : "");
-  }
+  if (column >= 0 || (error_ && missing_.empty())) return column;
+  missing_.emplace_back(name);
+  double value = 0.0;
+  const bool headless = !header_.empty() && std::all_of(header_.begin(), header_.end(), [&](const std::string& text) {
+    return parse_number(text, value) == NumberText::kNumber;
+  });
+  std::vector<std::string> quoted;
+  for (const std::string& m : missing_) quoted.push_back(in_quotes(m));
+  const bool many = quoted.size() > 1;
+  error_.reset();
+  fail_file(row_line_, fmt::format("column{} {} {} missing (columns: {})", many ? "s" : "", fmt::join(quoted, ", "), many ? "are" : "is", listed(header_, 12)),
+            many ? "a header row that names them" : "a header row that names it", headless ? "the header row itself seems to be missing" : renamed_columns());
   return column;
+}
+
+/// Columns of the file that may be the missing ones under another name.
+std::string CsvReader::renamed_columns() const {
+  std::vector<std::string> guesses;
+  for (const std::string& name : missing_)
+    for (std::size_t i = 0; i < header_.size(); ++i) {
+      if (known_[i] || !may_be_called(name, header_[i])) continue;
+      guesses.push_back(fmt::format("{} for {}", in_quotes(header_[i]), in_quotes(name)));
+      break;
+    }
+  return guesses.empty() ? "" : fmt::format("is it {}? Rename the columns, and mind the units that the names state", fmt::join(guesses, ", "));
 }
 
 std::optional<std::string> CsvReader::unknown_columns() const {

@@ -33,7 +33,7 @@ class CsvReader {
   [[nodiscard]] const std::vector<std::string>& header() const { return header_; }
   /// Index of a column, -1 if there is none; marks it as known.
   int find(std::string_view name);
-  /// The same; its absence is an error.
+  /// The same; its absence is an error, which names all columns that are missing so far and what they may be called in this file.
   int require(std::string_view name);
   /// For columns that are known by a pattern of names: the caller has seen this one.
   void mark_known(std::size_t column) { known_[column] = true; }
@@ -81,6 +81,7 @@ class CsvReader {
   void skip_comments();
   void check_separator(std::string_view line);
   bool not_a_number(int column, const char* expected);
+  [[nodiscard]] std::string renamed_columns() const;
   void fail_file(int line, std::string found, std::string expected, std::string advice = "");
 
   std::string file_;
@@ -93,6 +94,7 @@ class CsvReader {
   std::vector<std::string> header_;
   std::vector<bool> known_;
   std::vector<std::string> asked_;
+  std::vector<std::string> missing_;  // of those that are required
   std::vector<std::string_view> fields_;
   std::deque<std::string> unquoted_;                         // fields of the current row that had doubled quotes
   std::vector<std::pair<std::size_t, int>> quoted_columns_;  // quoted fields of the current row and their columns in the line

@@ -25,7 +25,7 @@ std::optional<double> optional_number(const JsonValue& value) {
   return value.present() ? std::optional<double>(value.number()) : std::nullopt;
 }
 
-void read_medium(const JsonValue& json, Deployment& d) {
+void read_deployed_medium(const JsonValue& json, Deployment& d) {
   Medium& m = d.medium;
   m.model = json.at("model").choice(kMediumModels);
   m.temperature_degC = json.at("reference_temperature_degC").number();
@@ -43,7 +43,7 @@ void read_medium(const JsonValue& json, Deployment& d) {
   }
 }
 
-void read_timing(const JsonValue& json, Timing& t) {
+void read_deployed_timing(const JsonValue& json, Timing& t) {
   t.clock = json.at("clock").choice<Clock>({{"synchronised", Clock::kSynchronised}, {"cycle_offset", Clock::kCycleOffset}});
   if (const JsonValue ranging = json.find("ranging"); ranging.present()) {
     t.ranging = ranging.choice<Ranging>({{"one_way", Ranging::kOneWay}, {"two_way", Ranging::kTwoWay}});
@@ -60,12 +60,21 @@ void read_timing(const JsonValue& json, Timing& t) {
   t.drift_sigma = 1e-6 * number_or(json.find("drift_sigma_ppm"), 0.0);
 }
 
-void read_noise(const JsonValue& json, Noise& n) {
+void read_deployed_noise(const JsonValue& json, Noise& n) {
   n.tof_sigma_s = json.at("tof_sigma_s").positive();
   n.amplitude_relative_sigma = number_or(json.find("amplitude_relative_sigma"), n.amplitude_relative_sigma);
   n.pair_sigma_s = optional_number(json.find("pair_sigma_s"));
   n.bearing_sigma_rad = number_or(json.find("bearing_sigma_rad"), n.bearing_sigma_rad);
   n.range_sigma_m = number_or(json.find("range_sigma_m"), n.range_sigma_m);
+}
+
+void read_correlated_noise(const JsonValue& json, CorrelatedNoise& c) {
+  if (!json.present()) return;
+  const auto read = [&json](const char* key) {
+    const JsonValue value = json.find(key);
+    return value.present() ? value.not_negative() : 0.0;
+  };
+  c = {read("sigma_s"), read("time_s"), read("pair_sigma_s")};
 }
 
 std::string take_id(const JsonValue& json, std::unordered_set<std::string>& taken) {
@@ -76,7 +85,7 @@ std::string take_id(const JsonValue& json, std::unordered_set<std::string>& take
   return name;
 }
 
-void read_beacons(const JsonValue& json, Deployment& d) {
+void read_deployed_beacons(const JsonValue& json, Deployment& d) {
   std::unordered_set<std::string> taken;
   for (const JsonValue& item : json.items()) {
     DeploymentBeacon b;
@@ -101,7 +110,7 @@ Eigen::Vector2d point_of(const JsonValue& json) {
   return {at[0], at[1]};
 }
 
-std::optional<Rail> read_rail(const JsonValue& json) {
+std::optional<Rail> read_deployed_rail(const JsonValue& json) {
   if (!json.present()) return std::nullopt;
   Rail rail;
   if (json.find("centre_m").present()) {
@@ -116,7 +125,7 @@ std::optional<Rail> read_rail(const JsonValue& json) {
   return rail;
 }
 
-void read_vehicles(const JsonValue& json, Deployment& d) {
+void read_deployed_vehicles(const JsonValue& json, Deployment& d) {
   std::unordered_set<std::string> taken;
   for (const JsonValue& item : json.items()) {
     const VehicleId vehicle(d.vehicles.size());
@@ -141,7 +150,7 @@ void read_vehicles(const JsonValue& json, Deployment& d) {
     if (const JsonValue motion = item.find("motion"); motion.present())
       read.motion = MotionPrior{motion.at("speed_mps").positive(), motion.at("acceleration_mps2").positive(),
                                 motion.at("turn_rate_rad_per_s").positive(), motion.at("turn_acceleration_rad_per_s2").positive()};
-    read.rail = read_rail(item.find("rail"));
+    read.rail = read_deployed_rail(item.find("rail"));
   }
   if (d.vehicles.empty()) json.fail("empty", "at least one vehicle");
 }
@@ -196,6 +205,20 @@ void read_provenance(const JsonValue& root, Deployment& d) {
   d.warnings = root.find("warnings").texts();
 }
 
+void read_contradictions(const JsonValue& verdict, std::vector<Contradiction>& contradictions) {
+  if (!verdict.present()) return;
+  for (const JsonValue& c : verdict.find("contradictions").items()) {
+    const std::string kind = c.at("kind").text();
+    const auto known = contradiction_kind(kind);
+    if (!known) {
+      c.at("kind").fail(in_quotes(kind), "a kind of contradiction, such as 'control_point'", "octant schema deployment lists them");
+      return;
+    }
+    contradictions.push_back({*known, c.at("subject").text(), c.at("stated").text(), c.at("found").text(), c.at("sigmas").not_negative(),
+                              c.at("remedy").text()});
+  }
+}
+
 void check_head(const JsonValue& root) {
   if (const std::string type = root.at("type").text(); type != "octant_deployment") {
     root.at("type").fail(in_quotes(type), "'octant_deployment'", "is this a file that octant calibrate wrote?");
@@ -222,6 +245,8 @@ void check_digest(const JsonValue& root, const nlohmann::json& json, std::vector
 }  // namespace
 
 Result<Deployment> deployment_from_json(const std::string& text, const std::string& file) {
+  if (without_bom(text).find("octant_site:") != std::string_view::npos && !text.starts_with('{'))
+    return fail({.file = file, .found = "a site file", .expected = "a deployment file, which octant calibrate makes of a site file and a recording"});
   const Result<nlohmann::json> json = parse_json(text, file);
   if (!json) return fail(json.error());
   JsonLog log{file, text, std::nullopt};
@@ -235,21 +260,23 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
     d.site = root.at("site").text();
     d.created = root.at("created").text();
     d.motion = root.at("motion").choice<Motion>({{"planar", Motion::kPlanar}, {"spatial", Motion::kSpatial}});
-    read_medium(root.at("medium"), d);
-    read_timing(root.at("timing"), d.timing);
-    read_noise(root.at("noise"), d.noise);
+    read_deployed_medium(root.at("medium"), d);
+    read_deployed_timing(root.at("timing"), d.timing);
+    read_deployed_noise(root.at("noise"), d.noise);
+    read_correlated_noise(root.at("noise").find("correlated"), d.correlated_noise);
     if (const JsonValue a = root.find("attenuation"); a.present()) {
       d.attenuation = AttenuationModel{a.at("amplitude_1m_v").positive(), a.at("absorption_np_per_m").not_negative(),
                                        a.at("threshold_v").not_negative(), a.at("rise_time_s").not_negative()};
       if (const JsonValue angle = a.find("half_power_angle_rad"); angle.present()) d.attenuation->half_power_angle_rad = angle.within(kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
       if (const JsonValue saturation = a.find("saturation_v"); saturation.present()) d.attenuation->saturation_v = saturation.positive();
     }
-    read_beacons(root.at("beacons"), d);
-    read_vehicles(root.at("vehicles"), d);
+    read_deployed_beacons(root.at("beacons"), d);
+    read_deployed_vehicles(root.at("vehicles"), d);
     read_covariance(root.at("covariance"), d.covariance);
     read_statistics(root.at("statistics"), d.statistics);
     read_validity(root.at("validity"), d);
     read_provenance(root, d);
+    read_contradictions(root.find("verdict"), d.contradictions);
     d.warnings.insert(d.warnings.end(), warnings.begin(), warnings.end());
     if (log.error) return fail(*log.error);
     return d;

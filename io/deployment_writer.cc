@@ -49,12 +49,16 @@ Json timing_json(const Timing& t) {
           {"drift_sigma_ppm", 1e6 * t.drift_sigma}};
 }
 
-Json noise_json(const Noise& n) {
-  return {{"tof_sigma_s", n.tof_sigma_s},
-          {"amplitude_relative_sigma", n.amplitude_relative_sigma},
-          {"pair_sigma_s", value_or_null(n.pair_sigma_s)},
-          {"bearing_sigma_rad", n.bearing_sigma_rad},
-          {"range_sigma_m", n.range_sigma_m}};
+Json noise_json(const Noise& n, const CorrelatedNoise& correlated) {
+  Json json = {{"tof_sigma_s", n.tof_sigma_s},
+               {"amplitude_relative_sigma", n.amplitude_relative_sigma},
+               {"pair_sigma_s", value_or_null(n.pair_sigma_s)},
+               {"bearing_sigma_rad", n.bearing_sigma_rad},
+               {"range_sigma_m", n.range_sigma_m}};
+  if (correlated.any()) {
+    json["correlated"] = {{"sigma_s", correlated.sigma_s}, {"time_s", correlated.time_s}, {"pair_sigma_s", correlated.pair_sigma_s}};
+  }
+  return json;
 }
 
 Json attenuation_json(const std::optional<AttenuationModel>& a) {
@@ -141,6 +145,14 @@ Json validity_json(const Deployment& d) {
   return {{"temperature_degC", value_or_null(d.validity_temperature_degC)}, {"area", area}};
 }
 
+Json contradictions_json(const std::vector<Contradiction>& contradictions) {
+  Json list = Json::array();
+  for (const Contradiction& c : contradictions) {
+    list.push_back({{"kind", to_string(c.kind)}, {"subject", c.subject}, {"stated", c.stated}, {"found", c.found}, {"sigmas", c.sigmas}, {"remedy", c.remedy}});
+  }
+  return list;
+}
+
 Json content_of(const Deployment& d) {
   Json json = {{"type", "octant_deployment"},
                {"version", 1},
@@ -154,7 +166,7 @@ Json content_of(const Deployment& d) {
                    {"control_points", d.datum.control_points}};
   json["medium"] = medium_json(d);
   json["timing"] = timing_json(d.timing);
-  json["noise"] = noise_json(d.noise);
+  json["noise"] = noise_json(d.noise, d.correlated_noise);
   json["attenuation"] = attenuation_json(d.attenuation);
   json["beacons"] = beacons_json(d);
   json["vehicles"] = vehicles_json(d);
@@ -165,6 +177,7 @@ Json content_of(const Deployment& d) {
   for (const InputDigest& input : d.inputs) json["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
   json["program"] = {{"name", "octant"}, {"version", d.program_version}, {"command", d.program_command}};
   json["warnings"] = d.warnings;
+  if (!d.contradictions.empty()) json["verdict"] = {{"grade", "Contradicted"}, {"contradictions", contradictions_json(d.contradictions)}};
   json["covariance"] = covariance_json(d.covariance);
   return json;
 }

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "io/run_parts.h"
@@ -27,8 +29,24 @@ bool NameLookup::beacon(CsvReader& csv, int column, BeaconId& id) const {
   id = beacon(name);
   if (id.valid()) return true;
   if (name.empty()) return csv.fail_at(column, csv.header()[static_cast<std::size_t>(column)] + " is empty", "a beacon's id");
-  return csv.fail_at(column, fmt::format("beacon {} is not in the site", in_quotes(name)), "a beacon's id",
-                     suggestion(name, names_.beacons));
+  const std::string others = other_unknown_beacons(csv, column);
+  const std::string hint = suggestion(name, names_.beacons);
+  return csv.fail_at(column, fmt::format("beacon {} is not in the site{}", in_quotes(name), others), "a beacon's id",
+                     hint + (hint.empty() ? "" : hint.ends_with('?') ? " Or " : "; or ") + "add it to the site's beacons");
+}
+
+/// The other names of the column that the site does not have, so that all can be mended at once.
+std::string NameLookup::other_unknown_beacons(const CsvReader& csv, int column) const {
+  constexpr std::size_t kMost = 12;
+  CsvReader rest = csv;
+  const std::string first(csv.field(column));
+  std::vector<std::string> unknown;
+  while (unknown.size() <= kMost && rest.next_row()) {
+    const std::string name(rest.field(column));
+    if (name.empty() || name == first || beacon(name).valid() || std::find(unknown.begin(), unknown.end(), name) != unknown.end()) continue;
+    unknown.push_back(name);
+  }
+  return unknown.empty() ? "" : fmt::format(", nor {} {}", unknown.size() == 1 ? "is" : "are", listed(unknown, kMost));
 }
 
 bool NameLookup::vehicle(CsvReader& csv, int column, VehicleId& id) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "models/result.h"
 #include "models/run.h"
@@ -10,9 +11,15 @@
 
 namespace octant::io {
 
+/// The files that a run folder gives meaning to.
+inline constexpr std::string_view kRunFiles[] = {"tof.csv",    "bearings.csv", "scans.csv", "odometry.csv", "poses.tum",
+                                                 "points.csv", "truth.tum",    "truth.csv", "run.yaml"};
+
 struct ReadRunOptions {
   bool read_truth = false;  ///< open truth.tum; only verify does
   bool read_poses = true;   ///< open poses.tum
+  /// Of a medium whose speed is constant: then a column distance_m may stand for tof_s [m/s]. 0: it may not.
+  double constant_speed_mps = 0.0;
   int threads = 1;          ///< that read tof.csv; the result does not depend on it
 };
 

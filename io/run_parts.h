@@ -43,6 +43,8 @@ class NameLookup {
   [[nodiscard]] const NameTable& names() const { return names_; }
 
  private:
+  [[nodiscard]] std::string other_unknown_beacons(const CsvReader& csv, int column) const;
+
   struct Receivers {
     NameIndex names;
     std::vector<ReceiverId> ids;  // by place in names
@@ -66,6 +68,12 @@ struct RunHeader {
 [[nodiscard]] Result<void> parse_odometry(std::string_view text, const std::string& file, const NameLookup& names,
                                           MeasurementLog& log);
 [[nodiscard]] Result<void> parse_scans(std::string_view text, const std::string& file, double range_max_m, MeasurementLog& log);
+
+/// Poses measured by hand, one an epoch (points.csv, truth.csv): the same pose at the epoch's first and last instant, in the order
+/// of time; to be interpolated over no more than an epoch, which is what `accuracy` says then. Its sigmas are those of the rows, where
+/// they have some. Needs the log's arrivals and bearings. Errors: those of the rows; a run without epochs.
+[[nodiscard]] Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::string& file, const NameLookup& names,
+                                                          MeasurementLog& log, PoseAccuracy& accuracy);
 
 // The texts that write_run writes.
 [[nodiscard]] std::string run_to_yaml(const MeasurementLog& log, const NameTable& names);

@@ -32,6 +32,9 @@ void prefer_large_pages(void* data, std::size_t bytes) {
 RunReader::RunReader(const std::string& folder, const NameTable& names, const Timing& timing, const ReadRunOptions& options)
     : lookup_(names), clock_(timing.clock), options_(options) {
   log_.path = folder;
+  if (!(options.constant_speed_mps > 0.0)) return;
+  const bool two_way = timing.ranging == Ranging::kTwoWay;
+  distance_ = {(two_way ? 2.0 : 1.0) / options.constant_speed_mps, two_way ? timing.turnaround_s : 0.0};
 }
 
 Result<void> RunReader::begin() {
@@ -101,7 +104,7 @@ Result<void> RunReader::open_tof() {
   auto map = MappedFile::open(file);
   if (!map) return fail(map.error());
   tof_map_ = std::make_shared<const MappedFile>(std::move(*map));
-  tof_ = std::make_unique<TofReader>(tof_map_, file, lookup_, clock_, TofReaderOptions{.threads = options_.threads});
+  tof_ = std::make_unique<TofReader>(tof_map_, file, lookup_, clock_, TofReaderOptions{.threads = options_.threads, .distance = distance_});
   if (auto ok = tof_->read_header(); !ok) return ok;
   has_tof_ = true;
   log_.has_epochs = log_.has_epochs || tof_->has_epochs();
@@ -133,7 +136,7 @@ Result<bool> RunReader::append_arrivals(std::vector<Arrival>& all) {
 }
 
 Result<void> RunReader::read_again(TofPosition from, TofPosition to, std::vector<Arrival>& arrivals) const {
-  TofReader again(tof_map_, path("tof.csv"), lookup_, clock_, {.from = from, .to = to.offset});
+  TofReader again(tof_map_, path("tof.csv"), lookup_, clock_, {.from = from, .to = to.offset, .distance = distance_});
   if (auto ok = again.read_header(); !ok) return ok;
   for (;;) {
     const auto more = again.append(arrivals);
@@ -160,8 +163,28 @@ Result<void> RunReader::read_others() {
   }
   if (options_.read_poses) {
     if (auto ok = read_track("poses.tum", log_.poses); !ok) return ok;
+    if (auto ok = read_points("points.csv", "poses.tum", log_.poses, log_.pose_accuracy); !ok) return ok;
   }
-  return options_.read_truth ? read_track("truth.tum", log_.truth) : Result<void>{};
+  if (!options_.read_truth) return {};
+  if (auto ok = read_track("truth.tum", log_.truth); !ok) return ok;
+  return read_points("truth.csv", "truth.tum", log_.truth, log_.truth_accuracy);
+}
+
+Result<void> RunReader::read_points(const char* name, const char* instead_of, std::vector<TimedPose>& poses, PoseAccuracy& accuracy) {
+  const auto text = load(name);
+  if (!text) return fail(text.error());
+  if (!*text) return {};
+  if (tof_) {
+    // The arrivals are yet to come, as a stream's do: all that can be said is that there are measured poses.
+    poses.resize(1);
+    return {};
+  }
+  if (!poses.empty())
+    return fail({.file = path(name), .found = fmt::format("there is {} too", instead_of), .expected = "one of them: poses by time, or points by epoch"});
+  auto points = parse_points(**text, path(name), lookup_, log_, accuracy);
+  if (!points) return fail(points.error());
+  poses = std::move(*points);
+  return {};
 }
 
 Result<void> RunReader::read_bearings() {

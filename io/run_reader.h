@@ -27,7 +27,8 @@ class RunReader {
   [[nodiscard]] Result<void> read_arrivals();
   /// Or some of it at a time, in place of what `block` held; false at the end. There may be none in a block.
   [[nodiscard]] Result<bool> next_arrivals(std::vector<Arrival>& block);
-  /// Bearings, scans, odometry, poses, truth.
+  /// Bearings, scans, odometry, poses, truth. Points measured by hand belong to
+  /// epochs: where the arrivals have not been read yet, one pose stands for them.
   [[nodiscard]] Result<void> read_others();
   /// What can be said only when all has been read: whether there is anything to work with.
   [[nodiscard]] Result<void> finish();
@@ -54,10 +55,12 @@ class RunReader {
   Result<void> read_scans();
   Result<void> read_odometry();
   Result<void> read_track(const char* name, std::vector<TimedPose>& poses);
+  Result<void> read_points(const char* name, const char* instead_of, std::vector<TimedPose>& poses, PoseAccuracy& accuracy);
 
   NameLookup lookup_;
   Clock clock_;
   ReadRunOptions options_;
+  DistanceAsTime distance_;
   double range_max_m_ = std::numeric_limits<double>::infinity();
   MeasurementLog log_;
   std::shared_ptr<const MappedFile> tof_map_;

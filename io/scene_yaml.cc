@@ -130,7 +130,7 @@ void read_patterns(YamlMap& root, Scene& scene, YamlLog& log) {
   }
 }
 
-void read_beacons(YamlMap& root, Scene& scene, YamlLog& log) {
+void read_scene_beacons(YamlMap& root, Scene& scene, YamlLog& log) {
   for (const YAML::Node& node : root.list("beacons")) {
     YamlMap map(node, fmt::format("{}[{}]", root.path("beacons"), scene.beacons.size()), log);
     SceneBeacon beacon;
@@ -273,7 +273,7 @@ void read_block(YamlMap& root, Scene& scene, YamlLog& log) {
   read_patterns(root, scene, log);
   scene.beacon_pattern = read_pattern_name(root, "beacon_pattern", scene);
   scene.receiver_pattern = read_pattern_name(root, "receiver_pattern", scene);
-  read_beacons(root, scene, log);
+  read_scene_beacons(root, scene, log);
   read_routes(root, scene, log);
   read_acoustics(root, scene, log);
   const YAML::Node cell = root.get("cell_m");

@@ -70,6 +70,15 @@ std::string_view deployment_schema() {
         "tof_sigma_s": {"$ref": "#/$defs/positive"},
         "amplitude_relative_sigma": {"type": "number"},
         "pair_sigma_s": {"type": ["number", "null"]},
+        "correlated": {
+          "description": "The part of the errors that is not white, as the residuals of the calibration show it; left out where there is none.",
+          "type": "object",
+          "properties": {
+            "sigma_s": {"$ref": "#/$defs/not_negative", "description": "standard deviation of the part that a beacon-receiver pair keeps for about time_s"},
+            "time_s": {"$ref": "#/$defs/not_negative", "description": "correlation time: two errors of a pair that lie t apart share exp(-t / time_s) of sigma_s squared"},
+            "pair_sigma_s": {"$ref": "#/$defs/not_negative", "description": "standard deviation of the part that a pair keeps for good: it does not average out"}
+          }
+        },
         "bearing_sigma_rad": {"type": "number"},
         "range_sigma_m": {"type": "number"}
       }
@@ -186,6 +195,31 @@ std::string_view deployment_schema() {
       "properties": {"name": {"type": "string"}, "version": {"type": "string"}, "command": {"type": "string"}}
     },
     "warnings": {"type": "array", "items": {"type": "string"}},
+    "verdict": {
+      "description": "only of a calibration that was exported with --accept although its data contradict what its site file states",
+      "type": "object",
+      "required": ["grade", "contradictions"],
+      "properties": {
+        "grade": {"const": "Contradicted"},
+        "contradictions": {
+          "type": "array",
+          "minItems": 1,
+          "items": {
+            "type": "object",
+            "required": ["kind", "subject", "stated", "found", "sigmas", "remedy"],
+            "properties": {
+              "kind": {"enum": ["control_point", "exchanged", "beacon", "speed", "delay", "receiver", "wiring", "attenuation", "distance", "poses",
+                                "units", "epochs", "ranging", "repeated", "stop", "log"]},
+              "subject": {"type": "string", "examples": ["B3", "robot/fl", "medium"]},
+              "stated": {"type": "string"},
+              "found": {"type": "string"},
+              "sigmas": {"$ref": "#/$defs/not_negative"},
+              "remedy": {"type": "string"}
+            }
+          }
+        }
+      }
+    },
     "digest": {"type": "string", "description": "SHA-256 of the content without this key: keys sorted, no blanks, shortest numbers"}
   },
   "$defs": {

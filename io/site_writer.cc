@@ -12,7 +12,7 @@
 namespace octant::io {
 namespace {
 
-using Out = std::back_insert_iterator<std::string>;
+using SiteOut = std::back_insert_iterator<std::string>;
 
 std::string list_text(const std::array<std::optional<double>, 3>& values) {
   const auto item = [](const std::optional<double>& value) { return value ? exact(*value) : "null"; };
@@ -25,7 +25,7 @@ std::string sigma_text(const std::array<std::optional<double>, 3>& sigmas) {
   return sigmas[0] && sigmas[0] == sigmas[1] && sigmas[1] == sigmas[2] ? exact(*sigmas[0]) : list_text(sigmas);
 }
 
-bool any(const std::array<std::optional<double>, 3>& values) { return values[0] || values[1] || values[2]; }
+bool any_stated(const std::array<std::optional<double>, 3>& values) { return values[0] || values[1] || values[2]; }
 
 std::string prior_text(const Prior& prior) {
   return fmt::format("{{value: {}, sigma: {}}}", exact(prior.value), exact(prior.sigma));
@@ -40,7 +40,7 @@ std::string delay_per_text(const DelayPer& per) {
   return out.find(',') == std::string::npos ? out : fmt::format("[{}]", out);
 }
 
-void write_medium(const Site& site, Out out) {
+void write_medium(const Site& site, SiteOut out) {
   const Medium& m = site.medium;
   fmt::format_to(out, "medium:\n  model: {}\n", to_string(m.model));
   fmt::format_to(out, "  speed_mps: {}\n  temperature_degC: {}\n", exact(m.speed_mps), exact(m.temperature_degC));
@@ -49,7 +49,7 @@ void write_medium(const Site& site, Out out) {
                  site.speed_offset_per_run ? "run" : "site");
 }
 
-void write_timing(const Timing& t, Out out) {
+void write_timing(const Timing& t, SiteOut out) {
   fmt::format_to(out, "timing:\n  clock: {}\n", t.clock == Clock::kCycleOffset ? "cycle_offset" : "synchronised");
   fmt::format_to(out, "  ranging: {}\n", t.ranging == Ranging::kTwoWay ? "two_way" : "one_way");
   if (t.ranging == Ranging::kTwoWay || t.turnaround_s != 0.0) fmt::format_to(out, "  turnaround_s: {}\n", exact(t.turnaround_s));
@@ -59,7 +59,7 @@ void write_timing(const Timing& t, Out out) {
     fmt::format_to(out, "  drift_ppm: {}\n  drift_sigma_ppm: {}\n", exact(1e6 * t.drift), exact(1e6 * t.drift_sigma));
 }
 
-void write_noise(const Site& site, Out out) {
+void write_noise(const Site& site, SiteOut out) {
   const Noise& n = site.noise;
   fmt::format_to(out, "noise:\n");
   if (site.tof_sigma_given) fmt::format_to(out, "  tof_sigma_s: {}\n", exact(n.tof_sigma_s));
@@ -68,7 +68,7 @@ void write_noise(const Site& site, Out out) {
   fmt::format_to(out, "  bearing_sigma_rad: {}\n  range_sigma_m: {}\n", exact(n.bearing_sigma_rad), exact(n.range_sigma_m));
 }
 
-void write_attenuation(const AttenuationPrior& a, Out out) {
+void write_attenuation(const AttenuationPrior& a, SiteOut out) {
   fmt::format_to(out, "attenuation:\n  amplitude_1m_v: {}\n", prior_text(a.amplitude_1m_v));
   fmt::format_to(out, "  absorption_np_per_m: {}\n", prior_text(a.absorption_np_per_m));
   fmt::format_to(out, "  threshold_v: {}\n  rise_time_s: {}\n", exact(a.threshold_v), prior_text(a.rise_time_s));
@@ -76,17 +76,17 @@ void write_attenuation(const AttenuationPrior& a, Out out) {
   if (std::isfinite(a.saturation_v)) fmt::format_to(out, "  saturation_v: {}\n", exact(a.saturation_v));
 }
 
-void write_beacons(const Site& site, Out out) {
+void write_beacons(const Site& site, SiteOut out) {
   fmt::format_to(out, "beacons:{}\n", site.beacons.empty() ? " []" : "");
   for (const SiteBeacon& b : site.beacons) {
     fmt::format_to(out, "  - {{id: {}", yaml_text(b.name));
-    if (any(b.position_m)) fmt::format_to(out, ", position_m: {}", list_text(b.position_m));
-    if (any(b.sigma_m)) fmt::format_to(out, ", sigma_m: {}", sigma_text(b.sigma_m));
+    if (any_stated(b.position_m)) fmt::format_to(out, ", position_m: {}", list_text(b.position_m));
+    if (any_stated(b.sigma_m)) fmt::format_to(out, ", sigma_m: {}", sigma_text(b.sigma_m));
     fmt::format_to(out, "}}\n");
   }
 }
 
-void write_rail(const Rail& rail, Out out) {
+void write_rail(const Rail& rail, SiteOut out) {
   const auto point = [](const Eigen::Vector2d& p) { return fmt::format("[{}, {}]", exact(p.x()), exact(p.y())); };
   if (rail.shape == Rail::Shape::kArc) {
     fmt::format_to(out, "    rail: {{centre_m: {}, radius_m: {}}}\n", point(rail.centre_m), exact(rail.radius_m));
@@ -95,7 +95,7 @@ void write_rail(const Rail& rail, Out out) {
   }
 }
 
-void write_vehicles(const Site& site, Out out) {
+void write_vehicles(const Site& site, SiteOut out) {
   fmt::format_to(out, "vehicles:\n");
   for (const SiteVehicle& vehicle : site.vehicles) {
     fmt::format_to(out, "  - id: {}\n    receivers:{}\n", yaml_text(vehicle.name), vehicle.receiver_count == 0 ? " []" : "");
@@ -116,7 +116,7 @@ void write_vehicles(const Site& site, Out out) {
   }
 }
 
-void write_distances(const Site& site, Out out) {
+void write_distances(const Site& site, SiteOut out) {
   fmt::format_to(out, "control:\n  distances:\n");
   for (const ControlDistance& d : site.distances) {
     fmt::format_to(out, "    - {{from: {}, to: {}, distance_m: {}, sigma_m: {}}}\n", yaml_text(site.beacons[d.from.index()].name),
@@ -128,7 +128,7 @@ void write_distances(const Site& site, Out out) {
 
 std::string site_to_yaml(const Site& site) {
   std::string text;
-  const Out out = std::back_inserter(text);
+  const SiteOut out = std::back_inserter(text);
   fmt::format_to(out, "octant_site: 1\nname: {}\n", yaml_text(site.name));
   fmt::format_to(out, "motion: {}\n", site.motion == Motion::kSpatial ? "spatial" : "planar");
   if (site.medium_given) write_medium(site, out);

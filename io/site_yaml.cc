@@ -429,6 +429,9 @@ Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, boo
 Result<Site> read_site(const std::string& path) {
   const Result<std::string> text = read_file(path);
   if (!text) return fail(text.error());
+  if (text->find("\"octant_deployment\"") != std::string::npos && text->find_first_not_of(" \t\r\n") == text->find('{'))
+    return fail({.file = path, .found = "a deployment file", .expected = "a site file (octant schema site): what is known before a calibration",
+                 .advice = "to hold a recording against a deployment: octant verify; to say what changed since: --since"});
   const Result<YAML::Node> root = parse_yaml(*text, path);
   if (!root) return fail(root.error());
   return site_from_yaml(*root, path);

@@ -28,7 +28,7 @@ TofReader::~TofReader() { abandoned_ = true; }
 Result<void> TofReader::read_header() {
   csv_.read_header();
   if (csv_.error()) return fail(text_error(*csv_.error()));
-  columns_.emplace(csv_);
+  columns_.emplace(csv_, options_.distance);
   if (csv_.error()) return fail(text_error(*csv_.error()));
   order_.emplace(names_.names().vehicles.size(), columns_->time, columns_->epoch);
   general_ = options_.general_way || !is_utf8(text_.substr(0, csv_.offset()));
@@ -89,6 +89,16 @@ Result<bool> TofReader::next(std::vector<Arrival>& block) {
 }
 
 Result<bool> TofReader::append(std::vector<Arrival>& all) {
+  const std::size_t before = all.size();
+  auto more = append_as_written(all);
+  if (more && *more)
+    for (const int line : repeated_.drop(all, before)) refusals_.add(Refusal::kRepeated, line, "");
+  if (columns_->distance)
+    for (std::size_t i = before; i < all.size(); ++i) all[i].tof_s = options_.distance.per_m_s * all[i].tof_s + options_.distance.offset_s;
+  return more;
+}
+
+Result<bool> TofReader::append_as_written(std::vector<Arrival>& all) {
   if (general_) return next_rows(all);
   // The only thread puts the rows where they are to stay.
   const bool alone = options_.threads <= 1;
@@ -161,7 +171,7 @@ Result<bool> TofReader::next_rows(std::vector<Arrival>& block) {
 Error TofReader::first_error() const {
   CsvReader csv(text_, file_, true);
   csv.read_header();
-  const TofColumns columns(csv);
+  const TofColumns columns(csv, options_.distance);
   OrderWatch order(names_.names().vehicles.size(), columns.time, columns.epoch);
   Arrival arrival;
   while (csv.next_row()) {

@@ -12,6 +12,7 @@
 
 #include "io/mapped_file.h"
 #include "io/ordered_work.h"
+#include "io/repeated_rows.h"
 #include "io/sha256.h"
 #include "io/tof_chunk.h"
 #include "io/tof_rows.h"
@@ -32,6 +33,7 @@ struct TofReaderOptions {
   /// can be said of the file alone (text, digest) is not looked at again.
   std::optional<TofPosition> from = {};
   std::size_t to = std::string_view::npos;
+  DistanceAsTime distance = {};
 };
 
 /// Reads tof.csv piece by piece: TofChunkParser takes the pieces, on several threads, while what goes beyond a piece (time, epochs,
@@ -73,6 +75,7 @@ class TofReader {
   void parse(std::size_t task, std::size_t slot);
   bool take(TofChunk& chunk, std::size_t first);
   Result<bool> next_rows(std::vector<Arrival>& block);
+  Result<bool> append_as_written(std::vector<Arrival>& all);
   [[nodiscard]] Result<void> check_text() const;
   [[nodiscard]] Error first_error() const;
   [[nodiscard]] Error text_error(const Error& otherwise) const;
@@ -90,6 +93,7 @@ class TofReader {
   std::optional<TofColumns> columns_;
   std::optional<OrderWatch> order_;
   TofRefusals refusals_;
+  RepeatedRows repeated_;
   std::size_t rows_ = 0;
   std::size_t body_ = 0, offset_ = 0;  // where the rows begin; where those begin that have not been given out
   std::size_t task_ = 0;               // pieces given out

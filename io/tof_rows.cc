@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tof_rows.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
+
+#include "models/repeated_row.h"
 
 namespace octant::io {
 namespace {
 
-constexpr std::array<const char*, 4> kReasons = {"", "tof_s is empty", "tof_s is not a number", "tof_s is not positive"};
+constexpr std::array<const char*, 5> kReasons = {"", "tof_s is empty", "tof_s is not a number", "tof_s is not positive", kRepeatedRow};
 
 /// Amplitude of the row. Level only where there is no amplitude.
 bool read_amplitude(CsvReader& csv, const TofColumns& columns, double& amplitude_v) {
@@ -28,12 +32,23 @@ bool read_temperature(CsvReader& csv, int column, double& temperature_degC) {
                      "degrees Celsius from -100 to 100 (20 degC are 293 K)");
 }
 
+/// Whether distance_m stands for tof_s; an error where it would have to and no speed is known.
+bool has_distance(CsvReader& csv, const DistanceAsTime& as_time) {
+  const auto has = [&csv](const char* name) { return std::find(csv.header().begin(), csv.header().end(), name) != csv.header().end(); };
+  if (has("tof_s") || !has("distance_m")) return false;
+  if (as_time.per_m_s > 0.0) return true;
+  csv.fail_at(-1, "column 'tof_s' is missing, and 'distance_m' stands for it only where the medium's speed is constant", "tof_s, or medium.model: constant in the site file",
+              "state medium: {model: constant, speed_mps: ...}, the speed at which the device turned times into distances");
+  return false;
+}
+
 }  // namespace
 
-TofColumns::TofColumns(CsvReader& csv)
+TofColumns::TofColumns(CsvReader& csv, const DistanceAsTime& as_time)
     : time(csv.require("time_s")),
       beacon(csv.require("beacon")),
-      tof(csv.require("tof_s")),
+      distance(has_distance(csv, as_time)),
+      tof(distance ? csv.find("distance_m") : csv.require("tof_s")),
       epoch(csv.find("epoch")),
       vehicle(csv.find("vehicle")),
       receiver(csv.find("receiver")),
@@ -48,7 +63,7 @@ void TofRefusals::add(Refusal refusal, int line, std::string_view text) {
   Count& count = counts_[kind];
   if (count.count++ == 0) {
     count.first_line = line;
-    if (refusal != Refusal::kEmpty) count.first_text = fmt::format(" ({})", text.substr(0, 24));
+    if (refusal != Refusal::kEmpty && !text.empty()) count.first_text = fmt::format(" ({})", text.substr(0, 24));
   }
   rows_.push_back({line, kReasons[kind]});
 }

@@ -18,10 +18,17 @@
 
 namespace octant::io {
 
+/// How distances become times of flight: tof_s = per_m_s distance_m + offset_s. Zero: nothing says at which speed.
+struct DistanceAsTime {
+  double per_m_s = 0.0, offset_s = 0.0;
+};
+
 /// Columns of tof.csv by name, -1 where there is none.
 struct TofColumns {
-  int time, beacon, tof, epoch, vehicle, receiver, amplitude, level, temperature;
-  explicit TofColumns(CsvReader& csv);
+  int time, beacon;
+  bool distance;  ///< `tof` is distance_m, in metres
+  int tof, epoch, vehicle, receiver, amplitude, level, temperature;
+  TofColumns(CsvReader& csv, const DistanceAsTime& distance);
 };
 
 /// Amplitude [V], NaN where the logged one is none: not positive, not finite.
@@ -36,7 +43,7 @@ struct TofColumns {
 }
 
 /// Why a row is no measurement.
-enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive };
+enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive, kRepeated };
 /// Negative times are legal where the receiver's clock has an unknown offset.
 [[nodiscard]] inline Refusal refusal_of(std::string_view text, double tof_s, Clock clock) {
   if (text.empty()) return Refusal::kEmpty;
@@ -44,7 +51,7 @@ enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive };
   return tof_s > 0.0 || clock == Clock::kCycleOffset ? Refusal::kNone : Refusal::kNotPositive;
 }
 
-/// Rows that are no measurement: all of them with their reason, and one warning of each reason.
+/// Rows that are no measurement, or none of their own: all of them with their reason, and one warning of each reason.
 class TofRefusals {
  public:
   void add(Refusal refusal, int line, std::string_view text);
@@ -59,7 +66,7 @@ class TofRefusals {
     std::size_t count = 0;
   };
   std::vector<RejectedRow> rows_;
-  std::array<Count, 4> counts_;
+  std::array<Count, 5> counts_;
 };
 
 /// Reads the current row; false after logging an error.

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kLargestYaml = 64u << 20;
 constexpr std::size_t kMostKeys = 1000;  // no format of ours has as many
 
-std::string kind_of(const YAML::Node& node) {
+std::string yaml_kind_of(const YAML::Node& node) {
   switch (node.Type()) {
     case YAML::NodeType::Map: return "a mapping";
     case YAML::NodeType::Sequence: return "a list";
@@ -43,6 +43,23 @@ bool is_number(const YAML::Node& node, double& value) {
     return true;
   }
   return parse_number(text, value) == NumberText::kNumber;
+}
+
+}  // namespace
+
+namespace {
+
+/// Line up to the given one, and near to it, that is indented with a tab; 0: none.
+int tab_in_indentation(std::string_view text, int wrong_line) {
+  constexpr int kNear = 3;
+  int line = 1, found = 0;
+  for (std::size_t begin = 0; begin < text.size() && line <= wrong_line; ++line) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::size_t first = text.find_first_not_of(' ', begin);
+    if (first < end && text[first] == '\t' && line + kNear >= wrong_line) found = line;
+    begin = end + 1;
+  }
+  return found;
 }
 
 }  // namespace
@@ -81,6 +98,9 @@ Result<YAML::Node> parse_yaml(std::string_view text, const std::string& file) {
     return fail(
         {.file = file, .line = e.mark.line + 1, .found = "brackets or indentation hundreds of levels deep", .expected = "a few"});
   } catch (const YAML::Exception& e) {
+    if (const int line = tab_in_indentation(text, e.mark.line + 1); line > 0)
+      return fail({.file = file, .line = line, .column = 1, .found = "not YAML: a tab in the indentation", .expected = "blanks: YAML is not indented by tabs",
+                   .advice = "have the editor replace tabs by blanks"});
     return fail({.file = file,
                  .line = e.mark.line + 1,
                  .column = e.mark.column + 1,
@@ -95,12 +115,12 @@ double number_of(const YAML::Node& node, const std::string& name, YamlLog& log, 
   double value = 0.0;
   if (!is_number(node, value)) {
     const bool is_text = node.IsScalar() && is_quoted(node);
-    log.fail(node, fmt::format("{} is {}{}", name, kind_of(node), is_text ? " in quotes" : ""), range.words,
+    log.fail(node, fmt::format("{} is {}{}", name, yaml_kind_of(node), is_text ? " in quotes" : ""), range.words,
              is_text ? "leave the quotes out" : "");
     return fallback;
   }
   if (!std::isfinite(value)) {
-    log.fail(node, fmt::format("{} is {}", name, kind_of(node)), std::string(range.words) + ", and a finite one");
+    log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)), std::string(range.words) + ", and a finite one");
     return fallback;
   }
   if (value < range.low || value > range.high || (range.low_excluded && value == range.low)) {
@@ -113,7 +133,7 @@ double number_of(const YAML::Node& node, const std::string& name, YamlLog& log, 
 int integer_of(const YAML::Node& node, const std::string& name, YamlLog& log, int low, int high, int fallback) {
   double value = 0.0;
   if (!is_number(node, value) || value != std::floor(value) || value < low || value > high) {
-    log.fail(node, fmt::format("{} is {}", name, kind_of(node)), fmt::format("a whole number from {} to {}", low, high));
+    log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)), fmt::format("a whole number from {} to {}", low, high));
     return fallback;
   }
   return static_cast<int>(value);
@@ -123,20 +143,20 @@ bool boolean_of(const YAML::Node& node, const std::string& name, YamlLog& log, b
   const std::string word = node.IsScalar() && !is_quoted(node) ? node.Scalar() : "";
   if (word == "true" || word == "True" || word == "TRUE") return true;
   if (word == "false" || word == "False" || word == "FALSE") return false;
-  log.fail(node, fmt::format("{} is {}", name, kind_of(node)), "true or false");
+  log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)), "true or false");
   return fallback;
 }
 
 std::string text_of(const YAML::Node& node, const std::string& name, YamlLog& log) {
   if (node.IsScalar()) return node.Scalar();
-  log.fail(node, fmt::format("{} is {}", name, kind_of(node)), "text");
+  log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)), "text");
   return "";
 }
 
 std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name, YamlLog& log, std::size_t size) {
   const std::string expected = size > 0 ? fmt::format("a list of {}", size) : "a list";
   if (!node.IsSequence()) {
-    log.fail(node, fmt::format("{} is {}", name, kind_of(node)), expected);
+    log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)), expected);
     return {};
   }
   if (size > 0 && node.size() != size) {
@@ -159,7 +179,7 @@ std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, 
 YamlMap::YamlMap(const YAML::Node& node, std::string name, YamlLog& log) : node_(node), name_(std::move(name)), log_(log) {
   if (!node_.IsDefined()) return;
   if (!node_.IsMap()) {
-    log_.fail(node_, fmt::format("{} is {}", name_.empty() ? "the file's content" : name_, kind_of(node_)),
+    log_.fail(node_, fmt::format("{} is {}", name_.empty() ? "the file's content" : name_, yaml_kind_of(node_)),
               "a mapping (key: value)");
     return;
   }
@@ -170,7 +190,7 @@ YamlMap::YamlMap(const YAML::Node& node, std::string name, YamlLog& log) : node_
   present_ = true;
   for (const auto& item : node_) {
     if (!item.first.IsScalar()) {
-      log_.fail(item.first, "a key that is " + kind_of(item.first), "a word");
+      log_.fail(item.first, "a key that is " + yaml_kind_of(item.first), "a word");
       return;
     }
     if (find(item.first.Scalar()) != nullptr) {
@@ -289,8 +309,13 @@ void YamlMap::fail_missing(std::string_view key, const std::string& expected) {
 void YamlMap::finish() {
   for (const Entry& entry : entries_) {
     if (entry.known) continue;
-    log_.warn(entry.key_node,
-              fmt::format("unknown key {} is ignored; {}", in_quotes(path(entry.key)), suggestion(entry.key, asked_)));
+    const std::string hint = suggestion(entry.key, asked_);
+    // What looks like a place in another spelling would be lost; without it the file means something else.
+    if (hint == "did you mean 'position_m'?" && !has("position_m")) {
+      log_.fail(entry.key_node, fmt::format("unknown key {}", in_quotes(path(entry.key))), "position_m for a place", hint);
+      continue;
+    }
+    log_.warn(entry.key_node, fmt::format("unknown key {} is ignored; {}", in_quotes(path(entry.key)), hint));
   }
 }
 
@@ -306,7 +331,7 @@ void check_version(YamlMap& root, std::string_view version_key, YamlLog& log) {
   if (!node.IsDefined()) {
     log.fail(root.node(), fmt::format("{} is missing", in_quotes(version_key)), expected, "write it in the first line");
   } else if (!node.IsScalar() || node.Scalar() != "1") {
-    log.fail(node, fmt::format("version {} of the format", kind_of(node)), expected,
+    log.fail(node, fmt::format("version {} of the format", yaml_kind_of(node)), expected,
              "a newer version needs a newer octant; see octant schema");
   }
 }

@@ -10,7 +10,7 @@
 namespace octant::io {
 namespace {
 
-bool is_plain(std::string_view text) {
+bool is_plain_scalar(std::string_view text) {
   double value = 0.0;
   if (text.empty() || !std::isalpha(static_cast<unsigned char>(text[0])) || parse_number(text, value) == NumberText::kNumber)
     return false;
@@ -27,7 +27,7 @@ bool is_plain(std::string_view text) {
 }  // namespace
 
 std::string yaml_text(std::string_view text) {
-  if (is_plain(text)) return std::string(text);
+  if (is_plain_scalar(text)) return std::string(text);
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') {

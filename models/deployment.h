@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "models/contradiction.h"
 #include "models/site.h"
 
 namespace octant {
@@ -65,6 +66,14 @@ struct JointCovariance {
   Eigen::MatrixXd matrix;
 };
 
+/// The part of the errors of arrivals that is not white, as the calibration's residuals show it; zero: there is none.
+struct CorrelatedNoise {
+  double sigma_s = 0.0;       ///< of the part that a beacon-receiver pair keeps for about time_s [s]
+  double time_s = 0.0;        ///< [s]
+  double pair_sigma_s = 0.0;  ///< of the part that a pair keeps for good: it does not average out [s]
+  [[nodiscard]] bool any() const { return sigma_s > 0.0 || pair_sigma_s > 0.0; }
+};
+
 struct InputDigest {
   std::string path;
   std::string sha256;
@@ -81,6 +90,7 @@ struct Deployment {
   double speed_sigma_mps = 0.0;
   Timing timing;
   Noise noise;
+  CorrelatedNoise correlated_noise;     ///< beside noise.tof_sigma_s, which is white
   std::optional<AttenuationModel> attenuation;
   std::vector<DeploymentBeacon> beacons;
   std::vector<SiteVehicle> vehicles;
@@ -94,6 +104,8 @@ struct Deployment {
   std::string program_version;
   std::string program_command;
   std::vector<std::string> warnings;
+  /// What the data of the calibration say against its site file: exported against advice, and localizers say so. Empty: nothing.
+  std::vector<Contradiction> contradictions;
 
   /// Speed at a temperature: the model's and the calibrated offset [m/s].
   [[nodiscard]] double speed_mps(double temperature_degC) const {

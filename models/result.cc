@@ -6,8 +6,8 @@ namespace octant {
 
 std::string Error::message() const {
   std::string text = file;
-  if (line > 0) text += ":" + std::to_string(line);
-  if (line > 0 && column > 0) text += ":" + std::to_string(column);
+  if (line > 0) text.append(":").append(std::to_string(line));
+  if (line > 0 && column > 0) text.append(":").append(std::to_string(column));
   if (!text.empty()) text += ": ";
   text += found;
   if (!expected.empty()) text += "; expected " + expected;

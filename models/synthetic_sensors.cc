@@ -12,7 +12,7 @@
 namespace octant {
 namespace {
 
-double to_microsecond(double time_s) { return std::round(time_s * 1e6) / 1e6; }
+double sensor_time_s(double time_s) { return std::round(time_s * 1e6) / 1e6; }
 
 /// When a sensor works: once at the start of each stop, or every period of a drive.
 struct Instant {
@@ -22,11 +22,11 @@ struct Instant {
 std::vector<Instant> instants(const Scenario::Path& spec, const TruePath& path, double period_s) {
   std::vector<Instant> all;
   if (!path.moving) {
-    for (int k = 0; k < spec.epochs; ++k) all.push_back({to_microsecond(path.start_s + k * path.period_s), k});
+    for (int k = 0; k < spec.epochs; ++k) all.push_back({sensor_time_s(path.start_s + k * path.period_s), k});
     return all;
   }
   for (int i = 0; path.start_s + i * period_s <= path.end_s() - spec.odometry_period_s; ++i)
-    all.push_back({to_microsecond(path.start_s + i * period_s), kNoEpoch});
+    all.push_back({sensor_time_s(path.start_s + i * period_s), kNoEpoch});
   return all;
 }
 
@@ -88,7 +88,7 @@ void record_scans(const Scenario& scenario, const std::vector<Instant>& times, c
   }
 }
 
-tl::unexpected<Error> contradiction(std::string found, std::string expected) {
+tl::unexpected<Error> sensor_contradiction(std::string found, std::string expected) {
   return fail({.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)});
 }
 
@@ -104,22 +104,22 @@ Result<void> check_sensors(const Scenario& scenario) {
   if (scenario.bearings) {
     const Scenario::Bearings& b = *scenario.bearings;
     if (!(b.range_m > 0 && b.period_s > 0))
-      return contradiction("bearings: range_m or period_s is not positive", "numbers above zero");
+      return sensor_contradiction("bearings: range_m or period_s is not positive", "numbers above zero");
     if (!(b.unlabelled_fraction >= 0 && b.unlabelled_fraction <= 1))
-      return contradiction("bearings.unlabelled_fraction out of range", "0 <= fraction <= 1");
+      return sensor_contradiction("bearings.unlabelled_fraction out of range", "0 <= fraction <= 1");
     if (scenario.site.beacons.empty())
-      return contradiction("bearings without reflectors", "beacons in the site, which are the reflectors");
+      return sensor_contradiction("bearings without reflectors", "beacons in the site, which are the reflectors");
   }
   if (scenario.scans) {
     const Scenario::Scans& s = *scenario.scans;
     if (!(s.period_s > 0 && s.range_max_m > 0 && s.beams > 0))
-      return contradiction("scans: period_s, range_max_m or beams is not positive", "numbers above zero");
-    if (scenario.walls_m.empty()) return contradiction("scans without walls_m", "walls to be seen");
+      return sensor_contradiction("scans: period_s, range_max_m or beams is not positive", "numbers above zero");
+    if (scenario.walls_m.empty()) return sensor_contradiction("scans without walls_m", "walls to be seen");
   }
   for (const auto& [x1, y1, x2, y2] : scenario.walls_m)
-    if (x1 == x2 && y1 == y2) return contradiction("walls_m: a wall without length", "[x1, y1, x2, y2], two distinct ends");
+    if (x1 == x2 && y1 == y2) return sensor_contradiction("walls_m: a wall without length", "[x1, y1, x2, y2], two distinct ends");
   if ((scenario.bearings || scenario.scans) && scenario.site.motion != Motion::kPlanar)
-    return contradiction("bearings or scans with spatial motion", "motion: planar");
+    return sensor_contradiction("bearings or scans with spatial motion", "motion: planar");
   return {};
 }
 

@@ -7,8 +7,9 @@
 #include <string>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "models/decompositions.h"
 
 namespace octant::survey {
 namespace {
@@ -19,7 +20,7 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& C) {
   // Scaled, as metres, seconds and metres a second stand beside each other.
   const Eigen::VectorXd sigma = C.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd inverse = sigma.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * C * inverse.asDiagonal());
+  const SymmetricEigen<Eigen::MatrixXd> eigen(inverse.asDiagonal() * C * inverse.asDiagonal());
   const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(0.0);
   Eigen::Index first = 0;
   while (first < values.size() && values[first] <= 1e-14 * values.size()) ++first;

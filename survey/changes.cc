@@ -4,15 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
-#include <Eigen/Eigenvalues>
+#include "models/decompositions.h"
+
 
 namespace octant::survey {
 namespace {
 
 /// Shift weighted by its covariance, in the directions that have one.
 std::optional<double> chance_of(const Eigen::Vector3d& shift_m, const Eigen::Matrix3d& C) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(C);
+  const SymmetricEigen<Eigen::Matrix3d> eigen(C);
   double sum = 0.0;
   int dof = 0;
   for (int i = 0; i < 3; ++i) {
@@ -30,6 +32,50 @@ const DeploymentBeacon* find(const Deployment& d, const std::string& name) {
   return at == d.beacons.end() ? nullptr : &*at;
 }
 
+/// A list of words such as "control points, medium, odometry" without odometry, which fixes no frame and no datum of a site.
+std::string without_odometry(const std::string& words) {
+  std::string kept;
+  for (std::size_t from = 0; from <= words.size();) {
+    const std::size_t comma = std::min(words.find(", ", from), words.size());
+    const std::string word = words.substr(from, comma - from);
+    if (!word.empty() && word != "odometry") kept += (kept.empty() ? "" : ", ") + word;
+    from = comma + 2;
+  }
+  return kept;
+}
+
+/// The same points hold the frame; what else says something of the scale does not move it.
+bool same_frame(const Datum& a, const Datum& b) {
+  const std::set<std::string> points_a(a.control_points.begin(), a.control_points.end()), points_b(b.control_points.begin(), b.control_points.end());
+  return points_a == points_b && without_odometry(a.position) == without_odometry(b.position) &&
+         without_odometry(a.orientation) == without_odometry(b.orientation) && without_odometry(a.scale) == without_odometry(b.scale);
+}
+
+/// A delay that the deployments have each of a beacon's own.
+std::optional<double> chance_of_delay(const Deployment& before, const Deployment& now, const BeaconChange& c) {
+  if (!before.timing.delay_per.beacon || !now.timing.delay_per.beacon || !(c.delay_sigma_s > 0)) return {};
+  return std::erfc(std::abs(c.delay_change_s) / c.delay_sigma_s / std::sqrt(2.0));
+}
+
+/// What is more than chance, with the number of comparisons in mind; and what a control point that was knocked may explain. It is
+/// held, so that its own delay takes up a part of what it moved, and the others' places the rest.
+void judge(const Deployment& before, const Deployment& now, Changes& changes) {
+  std::size_t tests = 0;
+  for (const BeaconChange& c : changes.beacons) tests += static_cast<std::size_t>(c.p.has_value()) + static_cast<std::size_t>(c.delay_p.has_value());
+  changes.limit_p = std::min(kSignificance, kChangesByChance / static_cast<double>(std::max<std::size_t>(tests, 1)));
+  for (BeaconChange& c : changes.beacons) {
+    // Two control points that disagree are not a matter of chance.
+    c.significant = c.p ? *c.p < changes.limit_p : c.shift_m.norm() > 0.0;
+    c.delay_significant = c.delay_p && *c.delay_p < changes.limit_p;
+    const DeploymentBeacon* a = find(before, c.name);
+    const DeploymentBeacon* b = find(now, c.name);
+    const bool held = a->status == BeaconStatus::kControlPoint && b->status == BeaconStatus::kControlPoint && !c.significant;
+    if (held && c.delay_significant) changes.doubted_control_points.push_back(c.name);
+  }
+  if (changes.doubted_control_points.empty()) return;
+  for (BeaconChange& c : changes.beacons) c.by_datum = c.significant && c.p.has_value();
+}
+
 }  // namespace
 
 double chi_square_tail(double value, int degrees_of_freedom) {
@@ -42,8 +88,7 @@ double chi_square_tail(double value, int degrees_of_freedom) {
 Changes changes_between(const Deployment& before, const Deployment& now) {
   Changes changes;
   changes.since = before.created;
-  changes.same_datum = before.datum.position == now.datum.position && before.datum.orientation == now.datum.orientation &&
-                       before.datum.scale == now.datum.scale && before.datum.control_points == now.datum.control_points;
+  changes.same_datum = same_frame(before.datum, now.datum);
   for (const auto& b : now.beacons) {
     const DeploymentBeacon* old = find(before, b.name);
     if (old == nullptr) {
@@ -57,12 +102,12 @@ Changes changes_between(const Deployment& before, const Deployment& now) {
     const Eigen::Matrix3d C = b.covariance_m2 + old->covariance_m2;
     c.sigma_m = C.diagonal().cwiseMax(0.0).cwiseSqrt();
     c.p = chance_of(c.shift_m, C);
-    // Two control points that disagree are not a matter of chance.
-    c.significant = c.p ? *c.p < kSignificance : c.shift_m.norm() > 0.0;
     c.delay_change_s = b.delay_s - old->delay_s;
     c.delay_sigma_s = std::hypot(b.delay_sigma_s, old->delay_sigma_s);
+    c.delay_p = chance_of_delay(before, now, c);
     changes.beacons.push_back(std::move(c));
   }
+  judge(before, now, changes);
   for (const auto& b : before.beacons)
     if (find(now, b.name) == nullptr) changes.gone.push_back(b.name);
   if (!now.beacons.empty()) {

@@ -13,6 +13,12 @@ namespace {
 /// Fix times are often means of equal times: rounding must not push one off its sample, or beyond the reference's end.
 constexpr double kSameInstant_s = 1.0e-6;
 
+/// A vehicle that stands where it stood has not been elsewhere: a reading as a stop begins and one as it ends.
+bool at_rest(const Pose& a, const Pose& b) {
+  constexpr double kMoved_m = 1.0e-3, kTurned_rad = 1.0e-3;
+  return (a.translation_m - b.translation_m).norm() < kMoved_m && a.rotation.angularDistance(b.rotation) < kTurned_rad;
+}
+
 std::optional<Pose> reference_at(const std::vector<TimedPose>& truth, double time_s, double max_gap_s) {
   const auto after = std::lower_bound(truth.begin(), truth.end(), time_s - kSameInstant_s,
                                       [](const TimedPose& pose, double t) { return pose.time_s < t; });
@@ -21,7 +27,7 @@ std::optional<Pose> reference_at(const std::vector<TimedPose>& truth, double tim
   if (after == truth.begin()) return std::nullopt;
   const auto before = std::prev(after);
   const double gap_s = after->time_s - before->time_s;
-  if (gap_s > max_gap_s) return std::nullopt;
+  if (gap_s > max_gap_s && !at_rest(before->T_map_vehicle, after->T_map_vehicle)) return std::nullopt;
   return interpolate(before->T_map_vehicle, after->T_map_vehicle, (time_s - before->time_s) / gap_s);
 }
 

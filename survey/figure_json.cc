@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "models/decompositions.h"
 #include "survey/escape.h"
 #include "survey/plan_frame.h"
 #include "survey/quantity.h"
@@ -134,7 +134,7 @@ Json ellipse_trace(const Deployment& d, double exaggeration, double size, bool s
       flat.topLeftCorner<2, 2>() = b.covariance_m2.topLeftCorner<2, 2>();
       return flat;
     }();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(C);
+    const SymmetricEigen<Eigen::Matrix3d> eigen(C);
     const Eigen::Matrix3d axes = eigen.eigenvectors() * (eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt() * exaggeration * (space ? kEllipsoid95 : kEllipse95)).asDiagonal();
     // Eigenvalues ascend, so the flat one's plane is that of the last two.
     for (int normal = 0; normal < (space ? 3 : 1); ++normal) {
@@ -166,7 +166,7 @@ void add_tracks(Json& data, const PlanInput& input, double size, bool space) {
   if (!fixes["x"].empty()) data.push_back(std::move(fixes));
 }
 
-void add_beacons(Json& data, const Deployment& d, double exaggeration, double size, bool space, const std::string& name = "calibrated beacon") {
+void add_beacon_traces(Json& data, const Deployment& d, double exaggeration, double size, bool space, const std::string& name = "calibrated beacon") {
   for (auto trace : {ellipse_trace(d, exaggeration, size, space), beacon_trace(d, BeaconStatus::kCalibrated, name, size, space),
                      beacon_trace(d, BeaconStatus::kControlPoint, "control point", size, space)})
     if (!trace["x"].empty()) data.push_back(std::move(trace));
@@ -214,7 +214,7 @@ std::string plan_figure_json(const PlanInput& input, const PlanLines& lines) {
   if (!lines.walls.empty()) data.push_back(lines_trace(lines.walls, "wall", "solid", size));
   if (!lines.routes.empty()) data.push_back(lines_trace(lines.routes, "route", "dash", size));
   add_tracks(data, input, size, false);
-  add_beacons(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, false, lines.beacon);
+  add_beacon_traces(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, false, lines.beacon);
   for (std::size_t k = 0; k < input.maps.size(); ++k) {
     for (const auto& b : input.deployment.beacons) {
       if (b.name != input.maps[k].silent_beacon || !is_drawn(b)) continue;
@@ -233,7 +233,7 @@ std::string space_figure_json(const PlanInput& input) {
   const double size = plan_frame(input).extent_m();
   Json data = Json::array(), names = Json::array();
   add_tracks(data, input, size, true);
-  add_beacons(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, true);
+  add_beacon_traces(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, true);
   for (const auto& b : input.deployment.beacons) {
     if (!is_drawn(b) || input.deployment.beacons.size() > kMostNamed) continue;
     names.push_back({{"x", b.position_m.x()}, {"y", b.position_m.y()}, {"z", b.position_m.z()}, {"text", label(b.name)}, {"showarrow", false}, {"yshift", 14}});

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/hearing.h"
+#include "models/plane.h"
 
 #include <cmath>
 
 namespace octant::survey {
 namespace {
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 bool stops(const WallPiece& wall, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector2d along = wall.to_m - wall.from_m, a = from.head<2>(), b = to.head<2>();

@@ -16,7 +16,7 @@ constexpr double kVagueM = 20.0;     ///< sigma of the vague idea: position and 
 constexpr double kVagueRad = 1.0;
 constexpr double kSoftPower = 8.0;  ///< soft() has it in multiplications
 
-double quantile(std::vector<double>& values, double share) {
+double quantile_in_place(std::vector<double>& values, double share) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
@@ -101,7 +101,7 @@ double LayoutScore::hard(std::span<const double> sigma_m, std::span<const std::u
   const double mean = sum / static_cast<double>(errors_.size());
   switch (options_.goal) {
     case PlacementGoal::kWorst: return worst + kMeanShare * mean;
-    case PlacementGoal::kP95: return quantile(errors_, kP95) + kMeanShare * mean;
+    case PlacementGoal::kP95: return quantile_in_place(errors_, kP95) + kMeanShare * mean;
     case PlacementGoal::kMean: return (1 + kMeanShare) * mean;
   }
   return worst;
@@ -139,13 +139,13 @@ LayoutFigures LayoutScore::figures(std::span<const double> sigma_m, std::span<co
   if (!covered_.empty()) {
     f.mean_m = mean(covered_);
     f.worst_m = *std::max_element(covered_.begin(), covered_.end());
-    f.p95_m = quantile(covered_, kP95);
+    f.p95_m = quantile_in_place(covered_, kP95);
   }
   switch (options_.goal) {
     case PlacementGoal::kWorst: f.objective_m = *std::max_element(errors_.begin(), errors_.end()); break;
     case PlacementGoal::kP95: {
       std::vector<double> sorted = errors_;
-      f.objective_m = quantile(sorted, kP95);
+      f.objective_m = quantile_in_place(sorted, kP95);
       break;
     }
     case PlacementGoal::kMean: f.objective_m = f.mean_with_uncovered_m; break;

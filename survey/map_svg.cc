@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMargin_px = 40.0, kScale_px = 64.0;
 
-constexpr const char* kStyle = R"(<style>
+constexpr const char* kMapStyle = R"(<style>
 .map text{font:11px system-ui,sans-serif;fill:#1b2733}.map .paper{fill:#fff}.map .grid{stroke:#d9dfe5}.map .floor{fill:none;stroke:#1b2733;stroke-width:1.5}
 .map .wall{fill:none;stroke:#1b2733;stroke-width:2}.map .obstacle{fill:#8a97a3;stroke:#1b2733}.map .route{fill:none;stroke:#fff;stroke-width:2;stroke-dasharray:6 4}
 .map .beacon{fill:#fff;stroke:#1b2733;stroke-width:1.5}.map .axis{stroke:#1b2733}
@@ -131,7 +131,7 @@ std::string map_svg(const Survey& survey, const BinnedMap& map, const MapDrawing
   std::string svg = fmt::format("<svg class='map' xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {1:.0f}' width='{0:.0f}' height='{1:.0f}' role='img' "
                                 "aria-label='{2}'>\n<title>{2}</title>\n",
                                 drawing.width_px, height, escape_xml(map.title));
-  svg += kStyle;
+  svg += kMapStyle;
   svg += "<rect class='paper' width='100%' height='100%'/>\n";
   draw_bins(svg, map, frame);
   draw_place(svg, survey, frame, drawing.beacon_names);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/map_tiles.h"
+#include "models/plane.h"
 
 #include <algorithm>
 #include <array>
@@ -20,8 +21,6 @@ struct Box {
     return {low, Vector2d(high.x(), low.y()), high, Vector2d(low.x(), high.y())};
   }
 };
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 KernelTransducer transducer(const Eigen::Vector3d& p, const Eigen::Vector3d& axis, std::size_t pattern, const SurveyModel& model,
                             const std::vector<std::vector<double>>& gains) {

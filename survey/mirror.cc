@@ -8,7 +8,8 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+
+#include "models/decompositions.h"
 
 namespace octant::survey {
 namespace {
@@ -29,7 +30,7 @@ Line line_through(const SurveyModel& model, const std::vector<std::size_t>& beac
     const Eigen::Vector2d arm = model.beacons[b].p_map_m.head<2>() - line.middle;
     spread += arm * arm.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(spread);
+  const SymmetricEigen<Eigen::Matrix2d> eigen(spread);
   line.along = eigen.eigenvectors().col(1);
   return line;
 }

@@ -14,14 +14,14 @@ Eigen::Vector3d turned(const Eigen::Vector3d& v, double cosine, double sine) {
   return {cosine * v.x() - sine * v.y(), sine * v.x() + cosine * v.y(), v.z()};
 }
 
-double gain(const SurveyModel& model, std::size_t pattern, const Eigen::Vector3d& axis, const Eigen::Vector3d& towards) {
+double path_gain(const SurveyModel& model, std::size_t pattern, const Eigen::Vector3d& axis, const Eigen::Vector3d& towards) {
   return pattern == kAllRound || axis.isZero() ? 1.0 : beam_gain(model.patterns[pattern], axis.dot(towards));
 }
 
 bool loud_enough(const SurveyModel& model, const KernelModel& kernel, const HeardPath& path, const Eigen::Vector3d& receiver_axis) {
   if (path.distance_m > kernel.reach_m) return false;
   const SurveyBeacon& b = model.beacons[path.beacon];
-  const double both = gain(model, b.pattern, b.axis, path.unit) * gain(model, model.receivers[path.receiver].pattern, receiver_axis, -path.unit);
+  const double both = path_gain(model, b.pattern, b.axis, path.unit) * path_gain(model, model.receivers[path.receiver].pattern, receiver_axis, -path.unit);
   if (!(both > 0)) return false;
   const Hearing& h = model.hearing;
   return !(h.threshold_v > 0) || both * h.amplitude_1m_v * std::exp(-h.absorption_np_per_m * path.distance_m) >= h.threshold_v * path.distance_m;

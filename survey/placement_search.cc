@@ -25,7 +25,7 @@ struct Spot {
 };
 using Layout = std::vector<Spot>;
 
-std::vector<MountPoint> points_of(const Layout& layout) {
+std::vector<MountPoint> search_points_of(const Layout& layout) {
   std::vector<MountPoint> points;
   for (const Spot& s : layout) points.push_back(s.point);
   return points;
@@ -169,7 +169,7 @@ class ContinuousSearch {
     } catch (const nlopt::forced_stop&) {
       interrupted_ = true;
     }
-    return points_of(best_);
+    return search_points_of(best_);
   }
 
   [[nodiscard]] double value_of(const std::vector<MountPoint>& points) {
@@ -196,7 +196,7 @@ class ContinuousSearch {
     }
     return x;
   }
-  [[nodiscard]] std::vector<MountPoint> points_of(const std::vector<double>& x) const {
+  [[nodiscard]] std::vector<MountPoint> search_points_of(const std::vector<double>& x) const {
     std::vector<MountPoint> points;
     for (std::size_t k = 0; k < count_; ++k) points.push_back({x[k * numbers()], numbers() == 2 ? x[2 * k + 1] : 0.5});
     return points;
@@ -205,7 +205,7 @@ class ContinuousSearch {
   double value(const std::vector<double>& x) {
     ++evaluations_;
     std::vector<SurveyBeacon> beacons = kept_;
-    for (const MountPoint& p : points_of(x)) beacons.push_back(mounts_.beacon(p));
+    for (const MountPoint& p : search_points_of(x)) beacons.push_back(mounts_.beacon(p));
     return soft_ ? score_.soft_value(beacons) : LayoutScore::value(score_.of(beacons));
   }
 
@@ -235,7 +235,7 @@ class ContinuousSearch {
 }  // namespace
 
 std::vector<MountPoint> greedy_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score) {
-  return points_of(GridSearch(mounts, kept, score).greedy(count));
+  return search_points_of(GridSearch(mounts, kept, score).greedy(count));
 }
 
 namespace {
@@ -260,16 +260,16 @@ class LayoutSearch {
   /// Exchanges on the grid, from greedy and stingy choices and from all starts.
   void choose(const std::vector<std::vector<MountPoint>>& starts) {
     std::vector<Layout> layouts = {grid_.greedy(count_), grid_.stingy(count_)};
-    result_.layouts.push_back(points_of(layouts.front()));
+    result_.layouts.push_back(search_points_of(layouts.front()));
     for (const auto& start : starts) {
       keep(start);
       layouts.push_back(grid_.layout(start));
     }
     for (std::size_t i = 0; i < layouts.size() && nlopt_.report(0.3 * static_cast<double>(i) / static_cast<double>(layouts.size())); ++i) {
       static_cast<void>(grid_.exchange(layouts[i], /*soft=*/true));
-      keep(points_of(layouts[i]));
+      keep(search_points_of(layouts[i]));
       static_cast<void>(grid_.exchange(layouts[i], /*soft=*/false));
-      keep(points_of(layouts[i]));
+      keep(search_points_of(layouts[i]));
     }
   }
 
@@ -303,8 +303,8 @@ class LayoutSearch {
       const double before = best_value_;
       Layout layout = grid_.layout(best_);
       static_cast<void>(grid_.exchange(layout, /*soft=*/false));
-      keep(points_of(layout));
-      if (options_.local != LocalAlgorithm::kNone) keep(nlopt_.run(algorithm_of(options_.local), points_of(layout), 0.02, /*soft=*/false));
+      keep(search_points_of(layout));
+      if (options_.local != LocalAlgorithm::kNone) keep(nlopt_.run(algorithm_of(options_.local), search_points_of(layout), 0.02, /*soft=*/false));
       if (!(best_value_ < before * (1 - kGains))) return;
     }
   }

@@ -23,19 +23,19 @@ td:first-child,th:first-child{text-align:left}svg{max-width:100%;height:auto}
 </style>
 )";
 
-struct Line {
+struct ProofLine {
   const char* name;
   LayoutFigures ProofRow::*figures;
   const char* colour;
   const char* dash;
 };
 // Colours of Okabe and Ito, told apart without seeing red and green, and by their dashes without seeing colours.
-constexpr Line kLines[] = {{"plan", &ProofRow::plan, "#0072b2", ""},
+constexpr ProofLine kLines[] = {{"plan", &ProofRow::plan, "#0072b2", ""},
                            {"greedy", &ProofRow::greedy, "#009e73", "6 3"},
                            {"regular", &ProofRow::regular, "#d55e00", "2 3"},
                            {"random (median)", &ProofRow::random, "#999999", "8 3 2 3"}};
 
-constexpr double kLeft = 70, kTop = 20, kWide = 520, kHigh = 300;
+constexpr double kProofLeft = 70, kProofTop = 20, kWide = 520, kHigh = 300;
 
 /// Where numbers of beacons and errors stand on the chart.
 class Chart {
@@ -43,14 +43,14 @@ class Chart {
   explicit Chart(const std::vector<ProofRow>& rows) {
     for (const ProofRow& row : rows) {
       first_ = std::min(first_, static_cast<double>(row.beacons)), last_ = std::max(last_, static_cast<double>(row.beacons));
-      for (const Line& line : kLines)
+      for (const ProofLine& line : kLines)
         if (const LayoutFigures& f = row.*line.figures; f.covers_all()) low_ = std::min(low_, f.objective_m), high_ = std::max(high_, f.objective_m);
     }
     if (!(high_ > 0)) low_ = 1e-2, high_ = 1.0;
     low_ = std::pow(10.0, std::floor(std::log10(low_))), high_ = std::pow(10.0, std::ceil(std::log10(high_) + 1e-9));
   }
-  [[nodiscard]] double x(double beacons) const { return kLeft + (last_ > first_ ? (beacons - first_) / (last_ - first_) : 0.5) * kWide; }
-  [[nodiscard]] double y(double error_m) const { return kTop + kHigh * (1 - std::log10(error_m / low_) / std::log10(high_ / low_)); }
+  [[nodiscard]] double x(double beacons) const { return kProofLeft + (last_ > first_ ? (beacons - first_) / (last_ - first_) : 0.5) * kWide; }
+  [[nodiscard]] double y(double error_m) const { return kProofTop + kHigh * (1 - std::log10(error_m / low_) / std::log10(high_ / low_)); }
   [[nodiscard]] double low() const { return low_; }
   [[nodiscard]] double high() const { return high_; }
 
@@ -58,7 +58,7 @@ class Chart {
   double first_ = 1e9, last_ = 0.0, low_ = 1e9, high_ = 0.0;
 };
 
-std::string line_svg(const Line& line, const std::vector<ProofRow>& rows, const Chart& chart) {
+std::string line_svg(const ProofLine& line, const std::vector<ProofRow>& rows, const Chart& chart) {
   std::string points, dots;
   for (const ProofRow& row : rows) {
     const LayoutFigures& f = row.*line.figures;
@@ -98,25 +98,25 @@ std::string beacons_html(const Placement& placement) {
 std::string proof_svg(const ProofSheetInput& input) {
   const Chart chart(input.rows);
   std::string svg = fmt::format("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {} {}' width='{}' font-family='sans-serif' font-size='12' fill='currentColor'>\n",
-                                kLeft + kWide + 150, kTop + kHigh + 50, kLeft + kWide + 150);
+                                kProofLeft + kWide + 150, kProofTop + kHigh + 50, kProofLeft + kWide + 150);
   for (double decade = chart.low(); decade < chart.high() * 1.001; decade *= 10)
     for (const double mark : {1.0, 2.0, 5.0}) {
       const double error = mark * decade;
       if (error > chart.high() * 1.001) continue;
-      svg += fmt::format("<line x1='{0}' x2='{1}' y1='{2:.1f}' y2='{2:.1f}' stroke='#8884'/><text x='{3}' y='{4:.1f}' text-anchor='end'>{5}</text>\n", kLeft, kLeft + kWide,
-                         chart.y(error), kLeft - 6, chart.y(error) + 4, figure_text(error, "m"));
+      svg += fmt::format("<line x1='{0}' x2='{1}' y1='{2:.1f}' y2='{2:.1f}' stroke='#8884'/><text x='{3}' y='{4:.1f}' text-anchor='end'>{5}</text>\n", kProofLeft, kProofLeft + kWide,
+                         chart.y(error), kProofLeft - 6, chart.y(error) + 4, figure_text(error, "m"));
     }
   for (const ProofRow& row : input.rows)
-    svg += fmt::format("<text x='{:.1f}' y='{}' text-anchor='middle'>{}</text>\n", chart.x(static_cast<double>(row.beacons)), kTop + kHigh + 18, row.beacons);
-  svg += fmt::format("<text x='{}' y='{}' text-anchor='middle'>number of beacons</text>\n", kLeft + kWide / 2, kTop + kHigh + 38);
+    svg += fmt::format("<text x='{:.1f}' y='{}' text-anchor='middle'>{}</text>\n", chart.x(static_cast<double>(row.beacons)), kProofTop + kHigh + 18, row.beacons);
+  svg += fmt::format("<text x='{}' y='{}' text-anchor='middle'>number of beacons</text>\n", kProofLeft + kWide / 2, kProofTop + kHigh + 38);
   if (input.tolerance_m && *input.tolerance_m >= chart.low() && *input.tolerance_m <= chart.high())
-    svg += fmt::format("<line x1='{0}' x2='{1}' y1='{2:.1f}' y2='{2:.1f}' stroke='currentColor'/><text x='{3}' y='{4:.1f}'>tolerance</text>\n", kLeft, kLeft + kWide,
-                       chart.y(*input.tolerance_m), kLeft + kWide + 6, chart.y(*input.tolerance_m) + 4);
-  double y = kTop + 10;
-  for (const Line& line : kLines) {
+    svg += fmt::format("<line x1='{0}' x2='{1}' y1='{2:.1f}' y2='{2:.1f}' stroke='currentColor'/><text x='{3}' y='{4:.1f}'>tolerance</text>\n", kProofLeft, kProofLeft + kWide,
+                       chart.y(*input.tolerance_m), kProofLeft + kWide + 6, chart.y(*input.tolerance_m) + 4);
+  double y = kProofTop + 10;
+  for (const ProofLine& line : kLines) {
     svg += line_svg(line, input.rows, chart);
-    svg += fmt::format("<line x1='{0}' x2='{1}' y1='{2}' y2='{2}' stroke='{3}' stroke-width='2' stroke-dasharray='{4}'/><text x='{5}' y='{6}'>{7}</text>\n", kLeft + kWide + 10,
-                       kLeft + kWide + 40, y, line.colour, line.dash, kLeft + kWide + 46, y + 4, line.name);
+    svg += fmt::format("<line x1='{0}' x2='{1}' y1='{2}' y2='{2}' stroke='{3}' stroke-width='2' stroke-dasharray='{4}'/><text x='{5}' y='{6}'>{7}</text>\n", kProofLeft + kWide + 10,
+                       kProofLeft + kWide + 40, y, line.colour, line.dash, kProofLeft + kWide + 46, y + 4, line.name);
     y += 20;
   }
   return svg + "</svg>\n";

@@ -55,7 +55,7 @@ ReportDocument report_document(const ReportInput& input) {
   const Verdict v = verdict(input);
   ReportDocument document;
   document.title = input.plan.deployment.site.empty() ? "Site" : input.plan.deployment.site;
-  document.subtitle = input.kind + (input.plan.deployment.created.empty() ? "" : " of " + input.plan.deployment.created);
+  document.subtitle = input.kind + (input.plan.deployment.created.empty() ? "" : (input.kind == "Verification" ? " of the calibration of " : " of ") + input.plan.deployment.created);
   document.grade = to_string(v.grade);
   document.tone = v.grade == Grade::kGood ? Tone::kGood : v.grade == Grade::kUnjudged ? Tone::kAttention : Tone::kBad;
   document.sentence = v.sentence;

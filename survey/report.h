@@ -102,6 +102,7 @@ enum class Grade {
   kGood,
   kUnjudged,  ///< nothing is wrong, but the site states no tolerance to hold it against
   kPoor,      ///< a gate is not kept
+  kContradicted,  ///< the data speak against what the site file states
   kRefused    ///< nothing was exported
 };
 [[nodiscard]] const char* to_string(Grade grade);

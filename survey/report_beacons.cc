@@ -5,10 +5,10 @@
 #include <map>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "survey/quantity.h"
+#include "models/decompositions.h"
 #include "survey/report_sections.h"
 
 namespace octant::survey {
@@ -83,7 +83,7 @@ ReportTable reliability_table(const ReportInput& input, const std::vector<std::s
                                    number_cell(n.influence_m, units.shift.per_si, 2), number_cell(n.lateness_mdb_s, units.late.per_si, 1),
                                    number_cell(n.lateness_influence_m, units.shift.per_si, 2)};
     if (b.status == BeaconStatus::kCalibrated) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> flat(b.covariance_m2.topLeftCorner<2, 2>());
+      const SymmetricEigen<Eigen::Matrix2d> flat(b.covariance_m2.topLeftCorner<2, 2>());
       const Eigen::Vector2d half_mm = 1e3 * kEllipse95 * flat.eigenvalues().cwiseMax(0.0).cwiseSqrt();
       double azimuth = std::atan2(flat.eigenvectors()(1, 1), flat.eigenvectors()(0, 1)) * 180 / M_PI;
       azimuth = azimuth > 90 ? azimuth - 180 : azimuth <= -90 ? azimuth + 180 : azimuth;

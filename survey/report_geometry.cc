@@ -41,15 +41,15 @@ std::vector<double> finite_of(const std::vector<double>& values) {
   return finite;
 }
 
-double quantile(const std::vector<double>& ascending, double q) { return ascending[static_cast<std::size_t>(q * static_cast<double>(ascending.size() - 1))]; }
+double quantile_of_ascending(const std::vector<double>& ascending, double q) { return ascending[static_cast<std::size_t>(q * static_cast<double>(ascending.size() - 1))]; }
 
 BeaconLoss loss_of(const std::string& beacon, const FloorGrid& grid, const std::vector<double>& sigma_m, const std::string& name, const Unit& unit) {
   BeaconLoss loss{beacon, 0.0, {}, {}, map_of(grid, name, unit.symbol, sigma_m, unit.per_si)};
   const std::vector<double> finite = finite_of(sigma_m);
   loss.covered_fraction = static_cast<double>(finite.size()) / static_cast<double>(std::max<std::size_t>(1, sigma_m.size()));
   if (finite.empty()) return loss;
-  loss.median = unit.per_si * quantile(finite, 0.5);
-  loss.p95 = unit.per_si * quantile(finite, 0.95);
+  loss.median = unit.per_si * quantile_of_ascending(finite, 0.5);
+  loss.p95 = unit.per_si * quantile_of_ascending(finite, 0.95);
   return loss;
 }
 

@@ -52,9 +52,9 @@ std::string marked(const ReportText& cell) {
   return mark + running(cell.text);
 }
 
-class Writer {
+class HtmlWriter {
  public:
-  explicit Writer(bool live) : live_(live) {}
+  explicit HtmlWriter(bool live) : live_(live) {}
   std::string html;
 
   void operator()(const ReportText& text) { html += fmt::format("<p class='{}'>{}</p>\n", class_of(text.tone), running(text.text)); }
@@ -126,7 +126,7 @@ std::string page_head(const std::string& title, const std::string& more_style, b
 }
 
 std::string to_html(const ReportDocument& document, std::string_view plotly) {
-  Writer writer(!plotly.empty());
+  HtmlWriter writer(!plotly.empty());
   std::string& html = writer.html;
   html = page_head(document.title + " – " + document.subtitle, "", !plotly.empty());
   html += "<a class='skip' href='#main'>Skip to the content</a>\n<header>\n";

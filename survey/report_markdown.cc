@@ -10,7 +10,7 @@
 namespace octant::survey {
 namespace {
 
-struct Writer {
+struct MarkdownWriter {
   std::string text;
 
   void operator()(const ReportText& paragraph) { text += escape_markdown(paragraph.text) + "\n\n"; }
@@ -49,7 +49,7 @@ struct Writer {
 }  // namespace
 
 std::string to_markdown(const ReportDocument& document) {
-  Writer writer;
+  MarkdownWriter writer;
   writer.text = fmt::format("# {}\n\n{}\n\n**{}.** {}\n\n", escape_markdown(document.title), escape_markdown(document.subtitle), escape_markdown(document.grade),
                             escape_markdown(document.sentence));
   for (const auto& section : document.sections) {

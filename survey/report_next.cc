@@ -54,7 +54,7 @@ void add_beacons(const ReportInput& input, std::vector<std::string>& steps) {
 void add_noise(const ReportInput& input, std::vector<std::string>& steps) {
   const CalibrationStatistics& s = input.plan.deployment.statistics;
   if (s.redundancy < 10 || s.variance_factor <= 0) return;
-  if (s.variance_factor > kNoisy || s.variance_factor < kQuiet)
+  if (input.plan.deployment.contradictions.empty() && (s.variance_factor > kNoisy || s.variance_factor < kQuiet))
     steps.push_back(fmt::format("State the noise as it is: residuals have {:.2g} times the variance of noise.tof_sigma_s in the site file.", s.variance_factor));
   std::size_t left_out = s.rejected, all = s.arrivals + s.rejected;
   if (all > 0 && left_out * 4 > all)
@@ -79,15 +79,28 @@ void add_verification(const ReportInput& input, std::vector<std::string>& steps)
 
 std::vector<std::string> next_steps(const ReportInput& input) {
   std::vector<std::string> steps;
+  for (const Contradiction& c : input.plan.deployment.contradictions) {
+    const std::string step = as_sentence(c.remedy);
+    if (!c.remedy.empty() && std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
+  }
+  if (!steps.empty()) {
+    steps.emplace_back("Then calibrate again: what else is to be measured shows when nothing is contradicted any more.");
+    return steps;
+  }
   if (input.outcome == Outcome::kNotConverged)
     steps.emplace_back("Check units, beacon ids and approximate positions: octant check looks at the log.");
   add_weak(input, steps);
   add_beacons(input, steps);
   if (input.changes) {
-    std::vector<std::string> moved;
-    for (const auto& c : input.changes->beacons)
-      if (c.significant) moved.push_back(c.name);
+    std::vector<std::string> moved, delayed;
+    for (const auto& c : input.changes->beacons) {
+      if (c.moved()) moved.push_back(c.name);
+      if (c.delay_significant && !c.moved()) delayed.push_back(c.name);
+    }
+    const std::vector<std::string>& doubted = input.changes->doubted_control_points;
+    if (!doubted.empty()) steps.push_back(fmt::format("Measure {} again: held as a control point, with another delay than in the earlier deployment.", names(doubted)));
     if (!moved.empty()) steps.push_back(fmt::format("Look at {} on site: moved since the earlier deployment.", names(moved)));
+    if (!delayed.empty()) steps.push_back(fmt::format("Look at {} on site: another delay than in the earlier deployment, as of another device.", names(delayed)));
   }
   if (input.outcome == Outcome::kCalibrated) {
     add_noise(input, steps);

@@ -21,7 +21,7 @@ ResidualChart worst_of(const ResidualChart& chart) {
   return few;
 }
 
-ReportTable table_of(const ResidualChart& chart) {
+ReportTable residual_table_of(const ResidualChart& chart) {
   double largest_s = 0.0;
   for (const auto& bin : chart.bins) largest_s = std::max(largest_s, bin.rms_s);
   const Unit time = time_unit(largest_s);
@@ -53,7 +53,7 @@ std::optional<ReportSection> residuals_section(const ReportInput& input) {
                                                                    : fmt::format("the {} of {} bins whose RMS is largest", chart.bins.size(), whole.bins.size());
     section.blocks.emplace_back(ReportFigure{"figure-residuals-" + chart.by, fmt::format("Residuals by {}: {}.", chart.by, bins),
                                              residual_chart_svg(chart), residual_chart_json(chart), {}, {}});
-    section.blocks.emplace_back(table_of(chart));
+    section.blocks.emplace_back(residual_table_of(chart));
   }
   if (input.standardised && !input.standardised->counts.empty())
     section.blocks.emplace_back(ReportFigure{"figure-standardised",

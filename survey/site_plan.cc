@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 
+#include "models/decompositions.h"
 #include "survey/escape.h"
 #include "survey/plan_frame.h"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr double kLegendRow_px = 24.0;
 
 // Colours are spelled out twice, as few programs but browsers know CSS variables. Marks differ in shape, not in colour alone.
-constexpr const char* kStyle = R"(<style>
+constexpr const char* kPlanStyle = R"(<style>
 .plan text{font:12px system-ui,sans-serif;fill:#1b2733}.plan .name{font-weight:600;paint-order:stroke;stroke:#fff;stroke-width:3px}
 .plan .paper{fill:#fff}.plan .grid{stroke:#d9dfe5}.plan .area{fill:#eef5ee;stroke:#5f7d69;stroke-dasharray:5 4}
 .plan .track{fill:none;stroke:#5d6b78;stroke-width:1.2}.plan .stop{fill:none;stroke:#5d6b78;stroke-width:4;stroke-linecap:round}
@@ -79,7 +79,7 @@ void draw_area(std::string& svg, const Deployment& deployment, const PlanFrame& 
 void draw_ellipse(std::string& svg, const DeploymentBeacon& beacon, const PlanFrame& frame, double exaggeration) {
   const Eigen::Matrix2d C = beacon.covariance_m2.topLeftCorner<2, 2>();
   if (!C.allFinite()) return;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(C);
+  const SymmetricEigen<Eigen::Matrix2d> eigen(C);
   const Eigen::Vector2d half_px = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt() * (kEllipse95 * exaggeration * frame.px_per_m);
   if (half_px.y() < 0.5) return;
   const Eigen::Vector2d major = eigen.eigenvectors().col(1);
@@ -158,7 +158,7 @@ double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& fr
 std::string framed(const std::string& label, double height_px, const std::string& drawing) {
   return fmt::format("<svg class='plan' xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {1:.0f}' width='{0:.0f}' height='{1:.0f}' role='img' "
                      "aria-label='{2}'>\n{3}<rect class='paper' width='100%' height='100%'/>\n{4}</svg>\n",
-                     kPlanWidth_px, height_px, escape_xml(label), kStyle, drawing);
+                     kPlanWidth_px, height_px, escape_xml(label), kPlanStyle, drawing);
 }
 
 }  // namespace

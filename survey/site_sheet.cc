@@ -18,9 +18,9 @@
 namespace octant::survey {
 namespace {
 
-constexpr int kQuiet = 4;  // modules of white around, as the standard asks
+constexpr int kSheetQuiet = 4;  // modules of white around, as the standard asks
 
-constexpr const char* kStyle = R"(.tags{display:grid;grid-template-columns:repeat(auto-fill,minmax(17rem,1fr));gap:.8rem;margin-top:1.2rem}
+constexpr const char* kSheetStyle = R"(.tags{display:grid;grid-template-columns:repeat(auto-fill,minmax(17rem,1fr));gap:.8rem;margin-top:1.2rem}
 .tag{border:1px solid var(--soft);border-radius:.4rem;padding:.7rem .9rem;break-inside:avoid}
 .tag h2{border:0;margin:0;padding:0;font-size:1.5rem;overflow-wrap:anywhere}.tag svg{width:36mm;height:36mm;float:right;margin:0 0 .3rem .6rem}
 .tag dl{margin:.3rem 0 0;font-size:.85rem}.tag dt{color:var(--soft)}.tag dd{margin:0 0 .25rem;font-variant-numeric:tabular-nums}
@@ -65,17 +65,17 @@ std::string qr_svg(const std::string& text) {
     for (int x = 0; x < code->width;) {
       int end = x;
       while (end < code->width && (code->data[y * code->width + end] & 1) != 0) ++end;
-      if (end > x) path += fmt::format("M{} {}h{}v1h-{}z", x + kQuiet, y + kQuiet, end - x, end - x);
+      if (end > x) path += fmt::format("M{} {}h{}v1h-{}z", x + kSheetQuiet, y + kSheetQuiet, end - x, end - x);
       x = end + 1;
     }
   }
-  const int side = code->width + 2 * kQuiet;
+  const int side = code->width + 2 * kSheetQuiet;
   return fmt::format("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {0}' shape-rendering='crispEdges' role='img' aria-label='QR code'>"
                      "<rect width='{0}' height='{0}' fill='#fff'/><path fill='#000' d='{1}'/></svg>\n", side, path);
 }
 
 std::string site_sheet_html(const Deployment& d, const std::string& digest) {
-  std::string html = page_head(d.site + " – beacons", kStyle, false);
+  std::string html = page_head(d.site + " – beacons", kSheetStyle, false);
   html += fmt::format("<header>\n<h1>{}</h1>\n<p class='soft'>Beacons as calibrated {}; deployment {}</p>\n", escape_xml(d.site), escape_xml(d.created), escape_xml(digest));
   html += fmt::format("<p>Datum: {}. Speed: {}.</p>\n<p class='soft'>Each code holds site, beacon, position and the deployment's digest as JSON. U: expanded uncertainty, k = 2.</p>\n</header>\n",
                       escape_xml(d.datum.description), escape_xml(speed_in_words(d)));

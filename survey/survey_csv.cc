@@ -10,7 +10,7 @@
 namespace octant::survey {
 namespace {
 
-std::string quoted(const std::string& text) {
+std::string csv_quoted(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string safe = "\"";
   for (const char c : text) safe += c == '"' ? "\"\"" : std::string(1, c);
@@ -27,7 +27,7 @@ void add_values(const Survey& survey, const std::vector<FloorMap>& maps, const s
   for (const FloorMap& map : maps) {
     csv += ',';
     if (map.name == "loss_one_beacon") {
-      if (map.values[i] >= 0 && !std::isinf(map.values[i])) csv += quoted(survey.model.beacons[static_cast<std::size_t>(map.values[i])].name);
+      if (map.values[i] >= 0 && !std::isinf(map.values[i])) csv += csv_quoted(survey.model.beacons[static_cast<std::size_t>(map.values[i])].name);
     } else if (!std::isinf(map.values[i])) {
       fmt::format_to(std::back_inserter(csv), "{:.6g}", map.values[i]);
     }
@@ -35,7 +35,7 @@ void add_values(const Survey& survey, const std::vector<FloorMap>& maps, const s
   std::string names;
   for (std::size_t b = 0; b < heard_bits.size(); ++b)
     if (((heard_bits[b][i / 8] >> (i % 8)) & 1) != 0) names += (names.empty() ? "" : ";") + survey.model.beacons[b].name;
-  csv += "," + quoted(names) + "\n";
+  csv += "," + csv_quoted(names) + "\n";
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ std::string routes_csv(const Survey& survey) {
   for (const RouteSurvey& route : survey.routes) {
     if (csv.empty()) csv = heading("route,x_m,y_m,heading_rad", route.maps);
     for (std::size_t i = 0; i < route.poses.size(); ++i) {
-      fmt::format_to(std::back_inserter(csv), "{},{:.10g},{:.10g},{:.8g}", quoted(route.name), route.poses.x_m[i], route.poses.y_m[i], route.poses.heading_rad[i]);
+      fmt::format_to(std::back_inserter(csv), "{},{:.10g},{:.10g},{:.8g}", csv_quoted(route.name), route.poses.x_m[i], route.poses.y_m[i], route.poses.heading_rad[i]);
       add_values(survey, route.maps, route.heard_bits, i, csv);
     }
   }

@@ -250,6 +250,7 @@ Result<SurveyModel> make_survey_model(const Deployment& d, const Scene& scene, s
   common.medium = d.medium;
   common.timing = d.timing;
   common.noise = d.noise;
+  common.noise.tof_sigma_s = std::hypot(d.noise.tof_sigma_s, d.correlated_noise.sigma_s, d.correlated_noise.pair_sigma_s);
   common.attenuation = d.attenuation;
   common.speed_mps = d.speed_mps(d.medium.temperature_degC);
   common.speed_sigma_mps = d.speed_sigma_mps;

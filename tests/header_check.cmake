@@ -23,4 +23,5 @@ target_include_directories(octant_header_check SYSTEM PRIVATE ${CLI11_INCLUDE} $
 target_link_libraries(octant_header_check PRIVATE octant::calib octant::survey octant::io Ceres::ceres yaml-cpp
   nlohmann_json::nlohmann_json fmt::fmt)
 target_compile_options(octant_header_check PRIVATE -O0 -g0)
+set_target_properties(octant_header_check PROPERTIES UNITY_BUILD OFF)
 octant_warnings(octant_header_check)

@@ -11,13 +11,14 @@
 #include "apps/octant/batch_sites.h"
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/ranks.h"
 #include "apps/octant/table.h"
 
 namespace octant::app {
 namespace {
 
-struct Words {
+struct BatchArgs {
   std::string list, folder, shard;
   bool strict = false;
 };
@@ -79,7 +80,7 @@ int end(const io::Batch& batch, const std::vector<SiteOutcome>& outcomes, const 
   return session.fail({first->object["status"].get<std::string>(), "sites_failed", first->exit, message, ""}, object);
 }
 
-int run(const Words& words, Session& session) {
+int run(const BatchArgs& words, Session& session) {
   Shard shard;
   if (!words.shard.empty()) {
     const auto given = shard_of(words.shard);
@@ -94,6 +95,13 @@ int run(const Words& words, Session& session) {
   }
   const auto batch = io::read_batch(words.list, words.folder);
   if (!batch) return session.fail(batch.error());
+  CommandFiles files{.inputs = {words.list}, .outputs = {}, .run_outputs = {}};
+  for (const io::BatchSite& site : batch->sites) {
+    files.inputs.push_back(site.site);
+    files.inputs.insert(files.inputs.end(), site.runs.begin(), site.runs.end());
+    files.outputs.insert(files.outputs.end(), {site.output, site.report});
+  }
+  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   session.warn(batch->warnings);
   if (!words.folder.empty()) {
     std::error_code error;
@@ -134,7 +142,7 @@ int run(const Words& words, Session& session) {
 }  // namespace
 
 void add_batch(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<Words>();
+  auto words = std::make_shared<BatchArgs>();
   CLI::App* command = add_command(app, common, "batch", "Calibrate many sites; one that fails does not stop the others",
                                   "octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10");
   command->add_option("sites", words->list, "List of sites, with their runs and outputs (octant schema batch)")->required()->type_name("SITES.yaml");

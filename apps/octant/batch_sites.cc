@@ -37,7 +37,8 @@ void calibrate_site(const io::BatchSite& site, bool strict, Session& session, Si
   if (!input) return end_with(ending(input.error()), outcome);
   if (const auto written = write_calibration(site.output, report, *calibration, *input); !written)
     return end_with(ending(written.error()), outcome);
-  if (!calibration->deployment) return end_with(ending(failure_of(calibration->solution)), outcome);
+  outcome.object["verdict"] = verdict_json(*input);
+  if (const auto failure = failure_of(*calibration)) return end_with(ending(*failure), outcome);
   outcome.object["status"] = "ok";
 }
 

@@ -7,17 +7,20 @@
 
 #include <fmt/format.h>
 
+#include "apps/octant/changes_text.h"
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/reporting.h"
 #include "apps/octant/ranks.h"
+#include "calib/variances.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
 
 namespace octant::app {
 namespace {
 
-struct Words {
+struct CalibrateArgs {
   std::string site, output;
   ReportWords report;
   std::vector<std::string> runs;
@@ -76,35 +79,59 @@ void add_deployment(Json& object, const Deployment& d) {
 
 }  // namespace
 
-Failure failure_of(const calib::Solution& s) {
+std::optional<Failure> failure_of(const Calibration& calibration) {
+  const calib::Solution& s = calibration.solution;
   if (s.status == calib::SolveStatus::kUndetermined) {
     std::string message = s.message.empty() ? "the data do not determine what is asked for" : s.message, advice;
     if (s.message.empty())
       for (const auto& name : s.undetermined) message += (&name == &s.undetermined.front() ? ": " : ", ") + name;
+    for (const Contradiction& c : s.contradictions) {
+      message += "; " + in_words(c);
+      advice += (advice.empty() ? "" : "; ") + c.remedy;
+    }
     for (const auto& weak : s.weak) {
       // The message of the solver may name the remedy already.
       if (!weak.blocking || weak.remedy.empty() || message.find(weak.remedy) != std::string::npos) continue;
       advice += (advice.empty() ? "settled by: " : "; ") + weak.remedy;
     }
-    return {"undetermined", "undetermined", kUndetermined, message, advice};
+    return Failure{"undetermined", "undetermined", kUndetermined, message, advice};
   }
-  return {"not_converged", "not_converged", kNotConverged, s.message.empty() ? "the adjustment did not converge" : s.message,
-          "are the units, the beacon ids and the approximate positions right?"};
+  if (!s.contradictions.empty()) {
+    std::string message = "the data contradict what was stated", advice;
+    for (const Contradiction& c : s.contradictions) {
+      message += (&c == &s.contradictions.front() ? ": " : " ") + in_words(c);
+      if (advice.find(c.remedy) == std::string::npos) advice += (advice.empty() ? "" : "; ") + c.remedy;
+    }
+    if (calibration.deployment && !calibration.accepted) advice += "; --accept exports it all the same, marked";
+    return Failure{"contradicted", "contradicted", kGateFailed, message, advice};
+  }
+  if (calibration.deployment) return std::nullopt;
+  return Failure{"not_converged", "not_converged", kNotConverged, s.message.empty() ? "the adjustment did not converge" : s.message,
+                 "are the units, the beacon ids and the approximate positions right?"};
 }
 
 Json calibration_json(const Calibration& calibration, const Session& session) {
   Json object = solution_json(calibration, session);
-  if (calibration.deployment) add_deployment(object, *calibration.deployment);
+  if (!calibration.deployment) return object;
+  add_deployment(object, *calibration.deployment);
+  for (Json& beacon : object["beacons"]) {
+    const auto white = calib::white_sigma_m(calibration.solution, beacon["id"].get<std::string>());
+    beacon["white_sigma_m"] = white ? to_json(*white) : beacon["sigma_m"];
+  }
   return object;
 }
 
 namespace {
 
-int run(const Words& words, Session& session) {
+int run(const CalibrateArgs& words, Session& session) {
   const int files_on_stdout = (words.output == "-") + on_stdout(words.report);
   if (files_on_stdout + session.options.json > 1)
     return session.fail({"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
   if (files_on_stdout > 0) session.result_to_stderr();
+  CommandFiles files{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
+  files.inputs.insert(files.inputs.end(), {words.site, words.report.since});
+  files.outputs.push_back(words.output);
+  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   if (auto fit = check_output(words.output); !fit) return session.fail(fit.error());
   if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
 
@@ -112,27 +139,29 @@ int run(const Words& words, Session& session) {
   if (!calibration) return session.fail(calibration.error());
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
   Json object = calibration_json(*calibration, session);
+  const auto failure = failure_of(*calibration);
   if (session.job != nullptr && !session.job->is_first())  // the first rank writes
-    return calibration->deployment ? kDone : session.fail(failure_of(calibration->solution), object);
+    return failure ? session.fail(*failure, object) : kDone;
 
   auto input = calibration_report(*calibration, words.report, session);
   if (!input) return session.fail(input.error());
   object["verdict"] = verdict_json(*input);
+  add_changes_json(*input, object);
   if (auto written = write_calibration(words.output, words.report, *calibration, *input); !written) return session.fail(written.error());
   if (!calibration->deployment) {
     session.result(report_lines(words.report));
-    return session.fail(failure_of(calibration->solution), object);
+    return session.fail(*failure, object);
   }
-  session.result(calibration_text(*calibration) + "\n" + verdict_text(*input));
-  if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
+  session.result(calibration_text(*calibration) + changes_text(*input) + "\n" + verdict_text(*input));
+  if (calibration->exported() && words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
   session.result(report_lines(words.report));
-  return session.finish(object);
+  return failure ? session.fail(*failure, object) : session.finish(object);
 }
 
 }  // namespace
 
 void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<Words>();
+  auto words = std::make_shared<CalibrateArgs>();
   CLI::App* command = add_command(app, common, "calibrate", "Find beacons, delays, speed and receivers from recordings",
                                   "octant calibrate hall/site.yaml hall/run -o hall/deployment.json --report hall/report.html");
   command->add_option("site", words->site, "Site file: what is known beforehand")->required()->type_name("SITE.yaml");
@@ -140,6 +169,7 @@ void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("-o,--output", words->output, "Deployment file to write; - is standard output")->required()->type_name("DEPLOYMENT.json");
   add_report_options(*command, words->report, true);
   command->add_flag("--strict", words->options.strict, "A single undetermined beacon is exit 5");
+  command->add_flag("--accept", words->options.accept, "Write the deployment, marked, although the data contradict what the site file states (exit 6 all the same)");
   command->add_option("--memory-mb", words->options.memory_mb, "Bound of the memory: recordings of stops that would take more are read in chunks, several times")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))->type_name("N")->capture_default_str();
   command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });

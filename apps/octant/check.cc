@@ -13,12 +13,13 @@
 #include "apps/octant/progress.h"
 #include "apps/octant/steps.h"
 #include "apps/octant/table.h"
+#include "calib/hints.h"
 #include "io/site_yaml.h"
 
 namespace octant::app {
 namespace {
 
-struct Words {
+struct CheckArgs {
   std::string site;
   std::vector<std::string> runs;
   bool strict = false;
@@ -28,17 +29,19 @@ struct Words {
 struct Logs {
   std::vector<calib::RunHealth> runs;
   std::vector<calib::Finding> findings;
-  std::vector<bool> has_truth;  ///< truth.tum lies there; it is not opened
+  std::vector<bool> has_truth;  ///< truth.tum or truth.csv lies there; it is not opened
 };
 
 Logs examine(const Site& site, const std::vector<MeasurementLog>& runs) {
   Logs logs;
+  logs.findings = calib::site_hints(site);
   for (const MeasurementLog& run : runs) {
     logs.runs.push_back(calib::log_health(site, run));
     const auto& found = logs.runs.back().findings;
     logs.findings.insert(logs.findings.end(), found.begin(), found.end());
     std::error_code ignored;
-    logs.has_truth.push_back(std::filesystem::exists(std::filesystem::path(run.path) / "truth.tum", ignored));
+    const std::filesystem::path folder(run.path);
+    logs.has_truth.push_back(std::filesystem::exists(folder / "truth.tum", ignored) || std::filesystem::exists(folder / "truth.csv", ignored));
   }
   for (auto& f : calib::silent_links(site, logs.runs)) logs.findings.push_back(std::move(f));
   return logs;
@@ -85,7 +88,7 @@ Json health_json(const Logs& logs) {
   return {{"runs", runs}, {"findings", findings}};
 }
 
-Json verdict_json(const calib::Forecast& f) {
+Json forecast_verdict_json(const calib::Forecast& f) {
   const calib::Solution& s = f.solution;
   Json weak = Json::array();
   for (const auto& w : s.weak)
@@ -155,7 +158,7 @@ std::string state_in_words(const calib::BeaconForecast& b) {
   }
 }
 
-std::string beacon_table(const calib::Forecast& f) {
+std::string check_beacon_table(const calib::Forecast& f) {
   double largest_m = 0.0, largest_delay_s = 0.0;
   for (const auto& b : f.beacons) {
     if (b.sigma_m && b.status != BeaconStatus::kUndetermined) largest_m = std::max(largest_m, b.sigma_m->maxCoeff());
@@ -173,13 +176,13 @@ std::string beacon_table(const calib::Forecast& f) {
   return table.text();
 }
 
-std::string verdict_text(const calib::Forecast& f, const std::string& site) {
+std::string forecast_verdict_text(const calib::Forecast& f, const std::string& site) {
   const calib::Solution& s = f.solution;
   const std::string from = f.is_thinned() ? fmt::format("a quick adjustment of {} of the {} arrivals, scaled to all of them", f.arrivals_used, f.arrivals)
                                           : fmt::format("an adjustment of all {} arrivals", f.arrivals);
   std::string text = fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})\n\n", site, from);
   if (!s.beacon_status.empty()) {
-    text += beacon_table(f) + "\n";
+    text += check_beacon_table(f) + "\n";
     if (f.speed_sigma_mps) add_line(text, "speed", fmt::format("{:.2f} m/s, predicted sigma {:.2g} m/s", f.speed_mps, *f.speed_sigma_mps));
     add_line(text, "datum", s.datum.description);
   }
@@ -195,7 +198,7 @@ std::string verdict_text(const calib::Forecast& f, const std::string& site) {
   return text;
 }
 
-calib::Forecast forecast(const calib::Problem& problem, const Words& words, Session& session) {
+calib::Forecast forecast(const calib::Problem& problem, const CheckArgs& words, Session& session) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::SolveOptions options;
   options.threads = session.threads();
@@ -204,7 +207,16 @@ calib::Forecast forecast(const calib::Problem& problem, const Words& words, Sess
     reporter.show(p.stage, p.iteration, p.cost, p.fraction);
     return !interrupted();
   };
-  return calib::forecast(problem, options);
+  calib::Forecast f = calib::forecast(problem, options);
+  calib::explain(problem, f.thinned, f.solution, options);
+  return f;
+}
+
+/// What the quick adjustment shows: contradictions, or what is suspicious where there are none.
+std::vector<calib::Finding> findings_of(const calib::Forecast& f, Logs& logs) {
+  std::vector<calib::Finding> findings;
+  for (const Contradiction& c : f.solution.contradictions) findings.push_back({to_string(c.kind), in_words(c) + " " + c.remedy});
+  return findings.empty() ? calib::suspicions(f, logs.runs) : findings;
 }
 
 /// Logs that cannot be made a problem of (their unit, no vehicle states) are still worth a look.
@@ -222,11 +234,11 @@ void warn_of(const std::vector<calib::Finding>& findings, Session& session) {
   for (const auto& f : findings) session.warn(f.text);
 }
 
-int run(const Words& words, Session& session) {
+int run(const CheckArgs& words, Session& session) {
   auto site = io::read_site(words.site);
   if (!site) return session.fail(site.error());
   session.warn(site->warnings);
-  auto runs = read_runs(words.runs, names_of(*site), site->timing, {}, session);
+  auto runs = read_runs(words.runs, names_of(*site), site->timing, {.constant_speed_mps = constant_speed_mps(site->medium)}, session);
   if (!runs) return session.fail(runs.error());
   Logs logs = examine(*site, *runs);
   warn_of(logs.findings, session);
@@ -238,14 +250,14 @@ int run(const Words& words, Session& session) {
   }
   const calib::Forecast f = forecast(*problem, words, session);
   if (f.solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
-  const auto suspected = calib::suspicions(f, logs.runs);
+  const auto suspected = findings_of(f, logs);
   warn_of(suspected, session);
   logs.findings.insert(logs.findings.end(), suspected.begin(), suspected.end());
   session.warn(f.solution.warnings);
 
   for (std::size_t i = 0; i < logs.runs.size(); ++i) session.result(health_text(logs.runs[i], logs.has_truth[i]));
-  session.result(verdict_text(f, name));
-  const Json object = {{"health", health_json(logs)}, {"verdict", verdict_json(f)}, {"beacons", beacons_json(f)}, {"seconds", session.seconds()}};
+  session.result(forecast_verdict_text(f, name));
+  const Json object = {{"health", health_json(logs)}, {"verdict", forecast_verdict_json(f)}, {"beacons", beacons_json(f)}, {"seconds", session.seconds()}};
   if (f.solution.status == calib::SolveStatus::kUndetermined) return session.fail({"undetermined", "undetermined", kUndetermined, f.solution.message, ""}, object);
   if (f.solution.status == calib::SolveStatus::kNotConverged)
     return session.fail({"not_converged", "not_converged", kNotConverged, f.solution.message, "are the units, the beacon ids and the approximate positions right?"}, object);
@@ -255,7 +267,7 @@ int run(const Words& words, Session& session) {
 }  // namespace
 
 void add_check(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<Words>();
+  auto words = std::make_shared<CheckArgs>();
   CLI::App* command = add_command(app, common, "check", "Tell what recordings are worth: their health, and what they can and cannot determine",
                                   "octant check hall/site.yaml hall/run");
   command->add_option("site", words->site, "Site file: what is known beforehand")->required()->type_name("SITE.yaml");

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/commands.h"
 
+#include <algorithm>
+#include <cctype>
 #include <map>
 
 #include <CLI/Config.hpp>
@@ -26,14 +28,19 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
 }
 
 void add_method_options(CLI::App& command, MethodWords& words) {
-  std::map<std::string, Method> methods;
   std::string listed;
-  for (const auto& [name, value] : method_names()) {
-    methods.emplace(name, value);
-    listed += (listed.empty() ? "" : ", ") + std::string(name);
-  }
-  command.add_option("--method", words.method, "One of " + listed + "; auto takes what deployment and log allow, and says so")
-      ->transform(CLI::CheckedTransformer(methods, CLI::ignore_case).description(""))->type_name("M");
+  for (const auto& [name, value] : method_names()) listed += (listed.empty() ? "" : ", ") + std::string(name);
+  command.add_option_function<std::string>(
+             "--method",
+             [&words, listed](const std::string& wanted) {
+               std::string lower = wanted;
+               std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+               for (const auto& [name, value] : method_names())
+                 if (name == lower) return void(words.method = value);
+               throw CLI::ValidationError("--method", "there is no method '" + wanted + "'; expected one of " + listed);
+             },
+             "One of " + listed + "; auto takes what deployment and log allow, and says so")
+      ->type_name("M");
   command.add_option("--map", words.map, "line_map: a run with scans and measured poses, from which the map is made")->type_name("RUN");
   const std::map<std::string, KleemanHeading> headings = {{"mean_axes", KleemanHeading::kMeanAxes},
                                                           {"hearing", KleemanHeading::kHearing},

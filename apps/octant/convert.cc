@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/commands.h"
+#include "apps/octant/outputs.h"
 #include "io/foreign_logs.h"
 #include "io/run_folder.h"
 #include "io/site_yaml.h"
@@ -14,13 +15,13 @@
 namespace octant::app {
 namespace {
 
-struct Words {
+struct ConvertArgs {
   std::string input, output, format, site;
   double clock_hz = kCounterClock_hz, spread_s = 2e-4;
   FiringSchedule schedule;
 };
 
-Result<MeasurementLog> from_counters(const Words& words, const NameTable& names) {
+Result<MeasurementLog> from_counters(const ConvertArgs& words, const NameTable& names) {
   const auto readings = io::read_counter_log(words.input, names);
   if (!readings) return fail(readings.error());
   MeasurementLog log;
@@ -30,7 +31,7 @@ Result<MeasurementLog> from_counters(const Words& words, const NameTable& names)
   return log;
 }
 
-Result<MeasurementLog> from_pulses(const Words& words, const NameTable& names) {
+Result<MeasurementLog> from_pulses(const ConvertArgs& words, const NameTable& names) {
   const auto pulses = io::read_pulse_log(words.input);
   if (!pulses) return fail(pulses.error());
   PulseSyncOptions options;
@@ -51,15 +52,17 @@ Result<MeasurementLog> from_pulses(const Words& words, const NameTable& names) {
 }
 
 /// What a log looks like, where --format does not say.
-std::string format_of(const Words& words) {
+std::string format_of(const ConvertArgs& words) {
   if (words.format != "auto") return words.format;
   return words.site.empty() ? "carmen" : "counters";
 }
 
-int run(const Words& words, Session& session) {
+int run(const ConvertArgs& words, Session& session) {
   const std::string format = format_of(words);
   if (format != "carmen" && words.site.empty())
     return session.fail({"error", "usage", kUsage, fmt::format("--format {} needs --site", format), "the site file names beacons and receivers"});
+  if (auto fit = check_no_overwriting({.inputs = {words.input, words.site}, .outputs = {}, .run_outputs = {words.output}}); !fit)
+    return session.fail(fit.error());
   NameTable names;
   names.vehicles = {"robot"};
   if (!words.site.empty()) {
@@ -82,7 +85,7 @@ int run(const Words& words, Session& session) {
 }  // namespace
 
 void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<Words>();
+  auto words = std::make_shared<ConvertArgs>();
   words->format = "auto";
   CLI::App* command = add_command(app, common, "convert", "Make a run folder of another program's or device's log", "octant convert intel.clf -o intel");
   command->add_option("input", words->input, "CARMEN log; counter log (time_s, beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)")

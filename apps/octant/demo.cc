@@ -60,7 +60,7 @@ Result<Checked> localize_and_verify(const Places& at, Session& session) {
   // From the file, as a robot would.
   const auto deployment = io::read_deployment(at.deployment);
   if (!deployment) return fail(deployment.error());
-  const auto runs = read_runs({at.heldout}, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = false}, session);
+  const auto runs = read_runs({at.heldout}, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = false, .constant_speed_mps = constant_speed_mps(deployment->medium)}, session);
   if (!runs) return fail(runs.error());
   const auto located = localize_runs(*deployment, *runs, Method::kAuto);
   if (!located) return fail(located.error());
@@ -74,7 +74,7 @@ Result<Checked> localize_and_verify(const Places& at, Session& session) {
   const auto evaluation = verify_fixes(*deployment, *runs, found);
   if (!evaluation) return fail(evaluation.error());
   checked.evaluation = *evaluation;
-  session.result(fmt::format("$ octant verify {} {}\n{}\n", at.deployment, at.heldout, evaluation_text(*evaluation)));
+  session.result(fmt::format("$ octant verify {} {}\n{}\n", at.deployment, at.heldout, evaluation_text(*evaluation, found)));
   return checked;
 }
 
@@ -112,11 +112,7 @@ int run(const std::string& folder, Session& session) {
   const auto calibration = calibrate_files(at.site, {at.run}, {}, session);
   if (!calibration) return session.fail(calibration.error());
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
-  if (!calibration->deployment) {
-    const bool undetermined = calibration->solution.status == calib::SolveStatus::kUndetermined;
-    return session.fail({undetermined ? "undetermined" : "not_converged", undetermined ? "undetermined" : "not_converged",
-                         undetermined ? kUndetermined : kNotConverged, calibration->solution.message, ""});
-  }
+  if (const auto failure = failure_of(*calibration)) return session.fail(*failure);
   if (auto written = io::write_deployment(at.deployment, *calibration->deployment); !written) return session.fail(written.error());
   session.result(fmt::format("$ octant calibrate {} {} -o {} --report {}\n{}\n", at.site, at.run, at.deployment, at.report, calibration_text(*calibration)));
 

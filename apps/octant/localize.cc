@@ -7,6 +7,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/steps.h"
 #include "io/atomic_file.h"
 #include "io/deployment_json.h"
@@ -15,14 +16,14 @@
 namespace octant::app {
 namespace {
 
-struct Words {
+struct LocalizeArgs {
   std::string deployment, output, csv;
   std::vector<std::string> runs;
   MethodWords how;
 };
 
 /// Both files or none.
-Result<void> write_outputs(const Words& words, const Deployment& deployment, const std::vector<Fix>& fixes) {
+Result<void> write_outputs(const LocalizeArgs& words, const Deployment& deployment, const std::vector<Fix>& fixes) {
   if (!words.csv.empty()) {
     if (auto written = io::write_file(words.csv, io::fixes_to_csv(fixes, names_of(deployment))); !written) return written;
   }
@@ -41,16 +42,21 @@ void warn_of_fixes(const Localization& found, const std::vector<Fix>& fixes, Ses
   }
 }
 
-int run(const Words& words, Session& session) {
+int run(const LocalizeArgs& words, Session& session) {
   const int on_stdout = (words.output == "-") + (words.csv == "-") + session.options.json;
   if (on_stdout > 1) return session.fail({"error", "usage", kUsage, "only one of -o -, --csv - and --json can have standard output", ""});
   if (words.output == "-" || words.csv == "-") session.result_to_stderr();
+  CommandFiles files{.inputs = words.runs, .outputs = {words.output, words.csv}, .run_outputs = {}};
+  files.inputs.insert(files.inputs.end(), {words.deployment, words.how.map});
+  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   for (const auto& path : {words.output, words.csv})
     if (auto fit = check_output(path); !fit) return session.fail(fit.error());
 
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = looks_at_poses(words.how)}, session);
+  warn_if_contradicted(*deployment, words.deployment, session);
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = looks_at_poses(words.how),
+                                                                                             .constant_speed_mps = constant_speed_mps(deployment->medium)}, session);
   if (!runs) return session.fail(runs.error());
   const auto input = method_input(words.how, *deployment);
   if (!input) return session.fail(input.error());
@@ -85,7 +91,7 @@ int run(const Words& words, Session& session) {
 }  // namespace
 
 void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<Words>();
+  auto words = std::make_shared<LocalizeArgs>();
   CLI::App* command = add_command(app, common, "localize", "Tell where the vehicle was",
                                   "octant localize hall/deployment.json hall/heldout -o hall/fixes.tum --csv hall/fixes.csv");
   command->add_option("deployment", words->deployment, "Deployment file, from calibrate")->required()->type_name("DEPLOYMENT.json");

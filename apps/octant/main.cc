@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 #include <string_view>
+#include <vector>
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -46,6 +47,15 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
   return session.fail({"error", "usage", kUsage, message, fmt::format("{} --help explains", name)});
 }
 
+/// `octant help COMMAND` as `octant COMMAND --help`, `octant help` as `octant --help`.
+std::vector<const char*> asked_for_help(int argc, const char* const* argv) {
+  std::vector<const char*> words(argv, argv + argc);
+  if (argc < 2 || std::string_view(argv[1]) != "help") return words;
+  words.erase(words.begin() + 1);
+  words.push_back("--help");
+  return words;
+}
+
 int run(int argc, const char* const* argv, Session& session) {
   // Only what is shared among ranks is worked on by all of them.
   const std::string_view first_word = argc > 1 ? argv[1] : "";
@@ -58,7 +68,7 @@ int run(int argc, const char* const* argv, Session& session) {
                "and tells a robot where it is.", "octant");
   add_common_options(app, session.options);
   app.footer("Example:\n  octant demo\n\nExit codes: 0 done, 1 fault of the program, 2 wrong usage, 3 bad input, 4 not converged,\n"
-             "5 undetermined, 6 a quality gate failed, 130 interrupted.");
+             "5 undetermined, 6 a quality gate failed or the data contradict the site file, 130 interrupted.");
   app.require_subcommand(1);
   Action action;
   add_demo(app, session.options, action);
@@ -73,8 +83,9 @@ int run(int argc, const char* const* argv, Session& session) {
   add_plan(app, session.options, action);
   add_report(app, session.options, action);
   add_schema(app, session.options, action);
+  const std::vector<const char*> words = asked_for_help(argc, argv);
   try {
-    app.parse(argc, argv);
+    app.parse(static_cast<int>(words.size()), words.data());
   } catch (const CLI::ParseError& error) {
     return end_of_parsing(app, error, session);
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/plan.h"
 #include "apps/octant/progress.h"
 #include "apps/octant/steps.h"
@@ -118,7 +119,7 @@ Result<std::string> new_site(const PlanWords& words, const BeaconPlan& plan, Ses
   return std::move(site->text);
 }
 
-Result<Json> write_outputs(const PlanWords& words, const SurveyInput& input, const BeaconPlan& plan, Session& session) {
+Result<Json> write_plan_outputs(const PlanWords& words, const SurveyInput& input, const BeaconPlan& plan, Session& session) {
   Json written = Json::array();
   const auto write = [&](const std::string& path, const std::string& content) -> Result<void> {
     if (auto done = io::write_file(path, content); !done) return done;
@@ -143,6 +144,8 @@ Result<Json> write_outputs(const PlanWords& words, const SurveyInput& input, con
 
 int plan_beacons(const PlanWords& words, Session& session) {
   if (words.output == "-" || words.report == "-") session.result_to_stderr();
+  if (auto fit = check_no_overwriting({.inputs = {words.input, words.scene}, .outputs = {words.output, words.report}, .run_outputs = {}}); !fit)
+    return session.fail(fit.error());
   for (const auto& path : {words.output, words.report})
     if (auto fit = check_output(path); !path.empty() && !fit) return session.fail(fit.error());
   const auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session, /*without_beacons=*/!words.keep);
@@ -153,7 +156,7 @@ int plan_beacons(const PlanWords& words, Session& session) {
   reporter.finish();
   if (!plan) return session.fail(plan.error());
   if (plan->placement.interrupted || interrupted()) return session.interrupted();
-  const auto written = write_outputs(words, *input, *plan, session);
+  const auto written = write_plan_outputs(words, *input, *plan, session);
   if (!written) return session.fail(written.error());
   session.result(plan_text(words, *plan, input->model.name, session));
   for (const auto& file : *written) session.result(fmt::format("{:<17}{}\n", "written", file.get<std::string>()));

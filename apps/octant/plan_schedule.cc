@@ -14,7 +14,7 @@
 namespace octant::app {
 namespace {
 
-const char* in_words(survey::Sharing sharing) {
+const char* schedule_in_words(survey::Sharing sharing) {
   switch (sharing) {
     case survey::Sharing::kConfused: return "confused";
     case survey::Sharing::kNeverBoth: return "never_both";
@@ -23,18 +23,18 @@ const char* in_words(survey::Sharing sharing) {
   return "confused";
 }
 
-Json plan_json(const survey::FloorSchedule& s, const survey::SurveyModel& model, const Session& session) {
+Json schedule_plan_json(const survey::FloorSchedule& s, const survey::SurveyModel& model, const Session& session) {
   Json object = {{"plan", "schedule"}}, pairs = Json::array();
   object.update(schedule_json(s, model));
   for (std::size_t a = 0; a < s.plan.beacons; ++a)
     for (std::size_t b = a + 1; b < s.plan.beacons; ++b)
-      pairs.push_back({{"a", model.beacons[a].name}, {"b", model.beacons[b].name}, {"sharing", in_words(s.plan.between(a, b))}});
+      pairs.push_back({{"a", model.beacons[a].name}, {"b", model.beacons[b].name}, {"sharing", schedule_in_words(s.plan.between(a, b))}});
   object["pairs"] = pairs;
   object["seconds"] = session.seconds();
   return object;
 }
 
-std::string plan_text(const survey::FloorSchedule& s, const survey::SurveyModel& model, const PlanWords& words) {
+std::string schedule_plan_text(const survey::FloorSchedule& s, const survey::SurveyModel& model, const PlanWords& words) {
   std::string text = fmt::format("{}: {} beacons, heard up to {}\n\n", model.name, s.plan.beacons, length_text(s.reach_m));
   const auto line = [&](const char* name, const std::string& what) { text += fmt::format("{:<17}{}\n", name, what); };
   line("hall", fmt::format("{:.0f} m3, {:.0f} m2 of walls, floor and ceiling, {:.1f} m at its longest; walls give back {:g} of the amplitude", s.reverberance.volume_m3,
@@ -62,8 +62,8 @@ int plan_schedule(const PlanWords& words, Session& session) {
     return session.fail(error);
   }
   session.warn(schedule->warnings);
-  session.result(plan_text(*schedule, input->model, words));
-  return session.finish(plan_json(*schedule, input->model, session));
+  session.result(schedule_plan_text(*schedule, input->model, words));
+  return session.finish(schedule_plan_json(*schedule, input->model, session));
 }
 
 }  // namespace octant::app

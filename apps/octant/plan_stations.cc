@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/plan.h"
 #include "apps/octant/progress.h"
 #include "apps/octant/steps.h"
@@ -31,7 +32,7 @@ struct Ground {
 
 /// A calibration of what was recorded so far, and of what it says about hearing.
 Result<Ground> ground_from_runs(const PlanWords& words, const Site& site, Session& session) {
-  auto runs = read_runs(words.runs, names_of(site), site.timing, {}, session);
+  auto runs = read_runs(words.runs, names_of(site), site.timing, {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
   if (!runs) return fail(runs.error());
   auto problem = calib::make_problem(site, std::move(*runs));
   if (!problem) return fail(problem.error());
@@ -102,7 +103,7 @@ std::string heard_words(const calib::Station& s, const std::vector<std::string>&
   return words;
 }
 
-Json plan_json(const PlanWords& words, const calib::StationPlan& plan, const std::vector<std::string>& names, double random_mean_m, const Session& session) {
+Json stations_plan_json(const PlanWords& words, const calib::StationPlan& plan, const std::vector<std::string>& names, double random_mean_m, const Session& session) {
   Json stations = Json::array(), beacons = Json::array();
   for (std::size_t i = 0; i < plan.stations.size(); ++i) {
     const calib::Station& s = plan.stations[i];
@@ -131,7 +132,7 @@ std::string plan_csv(const calib::StationPlan& plan, const std::vector<std::stri
   return csv;
 }
 
-std::string plan_text(const calib::StationPlan& plan, const std::vector<std::string>& names, double random_mean_m, const std::string& site) {
+std::string stations_plan_text(const calib::StationPlan& plan, const std::vector<std::string>& names, double random_mean_m, const std::string& site) {
   std::string text = fmt::format("{}: {} stops, the best first\n\n", site, plan.stations.size());
   Table table{"rrrrrlrrl", {{"stop", "x [m]", "y [m]", "heading [deg]", "arrivals", "hears", "mean sigma", "worst", "does most for"}}};
   table.rows.push_back({"", "", "", "", "", "(now)", length_text(plan.before.mean_m), length_text(plan.before.worst_m), ""});
@@ -151,6 +152,9 @@ std::string plan_text(const calib::StationPlan& plan, const std::vector<std::str
 
 int plan_stations(const PlanWords& words, Session& session) {
   if (words.csv == "-") session.result_to_stderr();
+  CommandFiles files{.inputs = words.runs, .outputs = {words.csv}, .run_outputs = {}};
+  files.inputs.insert(files.inputs.end(), {words.input, words.scene});
+  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   if (auto fit = check_output(words.csv); !words.csv.empty() && !fit) return session.fail(fit.error());
   auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session);
   if (!input) return session.fail(input.error());
@@ -185,10 +189,10 @@ int plan_stations(const PlanWords& words, Session& session) {
   if (plan->interrupted || interrupted()) return session.interrupted();
   const double random_mean_m = calib::random_stations_mean_m(ground->knowledge, options, session.options.seed);
   const auto names = input->site ? names_of(*input->site).beacons : names_of(*input->deployment).beacons;
-  Json object = plan_json(words, *plan, names, random_mean_m, session);
+  Json object = stations_plan_json(words, *plan, names, random_mean_m, session);
   if (!words.csv.empty())
     if (auto done = io::write_file(words.csv, plan_csv(*plan, names)); !done) return session.fail(done.error());
-  session.result(plan_text(*plan, names, random_mean_m, input->model.name));
+  session.result(stations_plan_text(*plan, names, random_mean_m, input->model.name));
   return session.finish(object);
 }
 

@@ -15,7 +15,7 @@ namespace octant::app {
 namespace {
 
 /// Progress that nobody can read is no reason to stop.
-void put(const std::string& text) { (void)std::fwrite(text.data(), 1, text.size(), stderr); }
+void put_progress(const std::string& text) { (void)std::fwrite(text.data(), 1, text.size(), stderr); }
 
 }  // namespace
 
@@ -45,19 +45,19 @@ void ProgressReporter::show(const std::string& stage, int iteration, double cost
   fraction = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
   if (style_ == ProgressStyle::kBar) {
     const int full = static_cast<int>(std::lround(24 * fraction));
-    put(fmt::format("\r\033[K[{:#<{}}{:.<{}}] {:3.0f} % {}", "", full, "", 24 - full, 100 * fraction, stage));
+    put_progress(fmt::format("\r\033[K[{:#<{}}{:.<{}}] {:3.0f} % {}", "", full, "", 24 - full, 100 * fraction, stage));
     drawn_ = true;
   } else if (style_ == ProgressStyle::kPlain) {
-    if (new_stage) put(fmt::format("{:3.0f} % {}\n", 100 * fraction, stage));
+    if (new_stage) put_progress(fmt::format("{:3.0f} % {}\n", 100 * fraction, stage));
   } else {
     const nlohmann::ordered_json line = {{"stage", stage}, {"iteration", iteration}, {"cost", cost}, {"fraction", fraction}};
-    put(fmt::format("{}\n", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
+    put_progress(fmt::format("{}\n", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
   }
   std::fflush(stderr);
 }
 
 void ProgressReporter::finish() {
-  if (drawn_) put(fmt::format("\r\033[K"));
+  if (drawn_) put_progress(fmt::format("\r\033[K"));
   drawn_ = false;
 }
 

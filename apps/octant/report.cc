@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/octant/changes_text.h"
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/report_json.h"
 #include "apps/octant/reporting.h"
 #include "io/deployment_json.h"
@@ -15,7 +17,7 @@
 namespace octant::app {
 namespace {
 
-struct Words {
+struct ReportArgs {
   std::string saved;
   std::vector<std::string> runs;
   ReportWords report;
@@ -30,7 +32,7 @@ std::string digest_of(const std::string& text) {
 }
 
 /// What was saved, whole; or what a deployment says, with its geometry.
-Result<survey::ReportInput> read_saved(const std::string& text, const Words& words, Session& session) {
+Result<survey::ReportInput> read_saved(const std::string& text, const ReportArgs& words, Session& session) {
   if (is_saved_report(text)) {
     auto saved = report_from_json(text, words.saved);
     if (saved) saved->command = session.command_line;
@@ -48,7 +50,7 @@ Result<void> verify_with(const std::vector<std::string>& folders, survey::Report
   const Deployment& d = input.plan.deployment;
   if (input.outcome != survey::Outcome::kCalibrated)
     return fail({.code = Errc::kUsage, .found = "runs beside the report of a calibration that exported nothing", .expected = "a report or a deployment that has beacons"});
-  const auto runs = read_runs(folders, names_of(d), d.timing, {.read_truth = true, .read_poses = false}, session);
+  const auto runs = read_runs(folders, names_of(d), d.timing, {.read_truth = true, .read_poses = false, .constant_speed_mps = constant_speed_mps(d.medium)}, session);
   if (!runs) return fail(runs.error());
   const auto found = localize_runs(d, *runs, Method::kAuto);
   if (!found) return fail(found.error());
@@ -58,11 +60,15 @@ Result<void> verify_with(const std::vector<std::string>& folders, survey::Report
   return {};
 }
 
-int run(const Words& words, Session& session) {
+int run(const ReportArgs& words, Session& session) {
   const int files_on_stdout = on_stdout(words.report) + (words.site_sheet == "-");
   if (files_on_stdout + session.options.json > 1)
     return session.fail({"error", "usage", kUsage, "only one of -o -, --site-sheet - and --json can have standard output", ""});
   if (files_on_stdout > 0) session.result_to_stderr();
+  CommandFiles of_command{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
+  of_command.inputs.insert(of_command.inputs.end(), {words.saved, words.report.since});
+  of_command.outputs.push_back(words.site_sheet);
+  if (auto fit = check_no_overwriting(of_command); !fit) return session.fail(fit.error());
   if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
   if (auto fit = check_output(words.site_sheet); !fit) return session.fail(fit.error());
 
@@ -77,15 +83,17 @@ int run(const Words& words, Session& session) {
   auto files = report_files(words.report, *input);
   if (!words.site_sheet.empty()) files.push_back({words.site_sheet, survey::site_sheet_html(input->plan.deployment, digest_of(*text))});
   if (auto written = io::write_files(files); !written) return session.fail(written.error());
-  session.result(verdict_text(*input) + report_lines(words.report));
+  session.result(changes_text(*input) + verdict_text(*input) + report_lines(words.report));
   if (!words.site_sheet.empty() && words.site_sheet != "-") session.result(fmt::format("{:<17}{}\n", "site sheet", words.site_sheet));
-  return session.finish({{"verdict", verdict_json(*input)}});
+  Json object = {{"verdict", verdict_json(*input)}};
+  add_changes_json(*input, object);
+  return session.finish(object);
 }
 
 }  // namespace
 
 void add_report(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<Words>();
+  auto words = std::make_shared<ReportArgs>();
   CLI::App* command = add_command(app, common, "report", "Make a report or a site sheet from saved results", "octant report hall/deployment.json hall/heldout -o hall/report.html");
   command->add_option("saved", words->saved, "Deployment file, or what --report R.json kept (it knows more: residuals, weak directions, the track)")->required()
       ->type_name("SAVED.json");

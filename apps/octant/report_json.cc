@@ -45,8 +45,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Histogram, from, width, counts)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Gate, name, limit, value, pass)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Evaluation, fixes, no_fix, matched, position_rmse_m, position_p95_m, max_error_m, error_quantiles_m, heading_rmse_rad,
                                    nees_mean, gates)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconChange, name, shift_m, sigma_m, p, delay_change_s, delay_sigma_s, significant)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Changes, since, same_datum, beacons, gone, added, speed_change_mps, speed_sigma_mps)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(BeaconChange, name, shift_m, sigma_m, p, delay_change_s, delay_sigma_s, delay_p, significant, delay_significant,
+                                                by_datum)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Changes, since, same_datum, beacons, gone, added, limit_p, doubted_control_points, speed_change_mps, speed_sigma_mps)
 
 /// Cells without a value are NaN in memory and null in JSON.
 void to_json(json& j, const NamedMap& map) {

@@ -79,15 +79,16 @@ std::vector<io::FileContent> report_files(const ReportWords& words, const survey
 
 Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportWords& words, const Session& session) {
   survey::ReportInput input = report_input(calibration, session);
-  if (words.paths.empty() || !calibration.deployment) return input;
+  if (!calibration.deployment) return input;
   if (auto added = add_changes(input, words.since); !added) return fail(added.error());
+  if (words.paths.empty()) return input;
   survey::add_geometry(input, session.threads());
   return input;
 }
 
 Result<void> write_calibration(const std::string& output, const ReportWords& words, const Calibration& calibration, const survey::ReportInput& input) {
   auto files = report_files(words, input);
-  if (calibration.deployment) {
+  if (calibration.exported()) {
     auto deployment = io::checked_deployment_json(output, *calibration.deployment);
     if (!deployment) return fail(deployment.error());
     files.push_back({output, std::move(*deployment)});
@@ -113,7 +114,13 @@ Json verdict_json(const survey::ReportInput& input) {
   const survey::Verdict v = survey::verdict(input);
   Json gates = Json::array();
   for (const auto& gate : v.gates) gates.push_back({{"name", gate.name}, {"value", gate.value}, {"limit", gate.limit}, {"pass", gate.pass}});
-  return {{"grade", survey::to_string(v.grade)}, {"sentence", v.sentence}, {"gates", gates}, {"next", survey::next_steps(input)}};
+  Json contradictions = Json::array();
+  for (const Contradiction& c : input.plan.deployment.contradictions) {
+    contradictions.push_back(
+        {{"kind", to_string(c.kind)}, {"subject", c.subject}, {"stated", c.stated}, {"found", c.found}, {"sigmas", c.sigmas}, {"remedy", c.remedy}});
+  }
+  return {{"grade", survey::to_string(v.grade)}, {"sentence", v.sentence}, {"contradictions", contradictions}, {"gates", gates},
+          {"next", survey::next_steps(input)}};
 }
 
 }  // namespace octant::app

@@ -6,6 +6,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/steps.h"
 #include "io/atomic_file.h"
 #include "io/scenario_yaml.h"
@@ -13,11 +14,11 @@
 namespace octant::app {
 namespace {
 
-struct Words {
+struct SimulateArgs {
   std::string scenario, folder;
 };
 
-Result<World> make_world(const Words& words, Session& session, std::string& text) {
+Result<World> make_world(const SimulateArgs& words, Session& session, std::string& text) {
   const ExitAtOnce nothing_written_yet;
   auto read = io::read_file(words.scenario);
   if (!read) return fail(read.error());
@@ -28,7 +29,12 @@ Result<World> make_world(const Words& words, Session& session, std::string& text
   return simulate(*scenario, session.options.seed);
 }
 
-int run(const Words& words, Session& session) {
+int run(const SimulateArgs& words, Session& session) {
+  const std::string& folder = words.folder;
+  if (auto fit = check_no_overwriting({.inputs = {words.scenario},
+                                       .outputs = {folder + "/scenario.yaml", folder + "/site.yaml", folder + "/deployment.true.json"},
+                                       .run_outputs = {folder + "/run", folder + "/heldout"}}); !fit)
+    return session.fail(fit.error());
   std::string text;
   auto world = make_world(words, session, text);
   if (!world) return session.fail(world.error());
@@ -49,7 +55,7 @@ int run(const Words& words, Session& session) {
 }  // namespace
 
 void add_simulate(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<Words>();
+  auto words = std::make_shared<SimulateArgs>();
   CLI::App* command = add_command(app, common, "simulate", "Simulate a world with known truth: site, recordings, true deployment",
                                   "octant simulate datasets/hall/scenario.yaml --seed 7 -o hall");
   command->add_option("scenario", words->scenario, "Scenario file (octant schema scenario)")->required()->type_name("SCENARIO.yaml");

@@ -13,6 +13,7 @@
 #include "apps/octant/steps.h"
 #include "apps/octant/stream_source.h"
 #include "apps/octant/table.h"
+#include "calib/hints.h"
 #include "calib/streamed.h"
 #include "io/atomic_file.h"
 #include "io/site_yaml.h"
@@ -69,7 +70,7 @@ Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vect
   constexpr std::size_t kMega = std::size_t{1} << 20;
   if (fits_for_sure(runs, memory_mb * kMega)) return nullptr;
   const ExitAtOnce nothing_written_yet;
-  auto source = StreamSource::open(runs, names_of(site), site.timing, session);
+  auto source = StreamSource::open(runs, names_of(site), site.timing, session, constant_speed_mps(site.medium));
   if (!source) return fail(source.error());
   const std::size_t rows = (*source)->rows_estimate(), needed_mb = calib::memory_of_whole(rows) / kMega;
   if (needed_mb <= memory_mb) return nullptr;
@@ -84,14 +85,19 @@ Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vect
   return source;
 }
 
+void warn_of_hints(const std::vector<calib::Finding>& findings, Session& session) {
+  for (const auto& f : findings) session.warn(f.text);
+}
+
 /// All of the recordings at once.
 Result<void> read_problem(Site site, const std::vector<std::string>& run_paths, const std::string& site_sha256, Session& session, Calibration& result) {
   const ExitAtOnce nothing_written_yet;
-  auto runs = read_runs(run_paths, names_of(site), site.timing, {}, session);
+  auto runs = read_runs(run_paths, names_of(site), site.timing, {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
   if (!runs) return fail(runs.error());
   std::vector<const MeasurementLog*> logs;
   for (const MeasurementLog& run : *runs) logs.push_back(&run);
   result.provenance = provenance(site.path, site_sha256, logs, session);
+  warn_of_hints(calib::log_hints(site, *runs), session);
   auto problem = calib::make_problem(std::move(site), std::move(*runs), session.threads());
   if (!problem) return fail(problem.error());
   result.problem = std::move(*problem);
@@ -130,6 +136,7 @@ std::string beacon_table(const Deployment& deployment) {
 Result<Calibration> calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths, const CalibrateOptions& how,
                                     Session& session) {
   Calibration result;
+  result.accepted = how.accept;
   auto site = io::read_site(site_path);
   if (!site) return fail(site.error());
   const auto bytes = io::read_file(site_path);
@@ -149,7 +156,12 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
   } else {
     if (auto ok = read_problem(std::move(*site), run_paths, sha256, session, result); !ok) return fail(ok.error());
     session.warn(result.problem.warnings);
-    result.solution = with_progress(how.strict, session, [&](const calib::SolveOptions& options) { return calib::solve_in_place(result.problem, options); });
+    result.solution = with_progress(how.strict, session, [&](const calib::SolveOptions& options) {
+      calib::Solution solution = calib::solve_in_place(result.problem, options);
+      calib::explain(result.problem, result.problem, solution, options);
+      return solution;
+    });
+    if (result.solution.contradictions.empty()) warn_of_hints(calib::outcome_hints(result.problem, result.solution), session);
   }
   session.warn(result.solution.warnings);
   if (result.solution.status == calib::SolveStatus::kConverged) {
@@ -171,34 +183,77 @@ std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibra
   return counts;
 }
 
-Json left_out_json(const Calibration& calibration) {
-  Json by_reason = Json::object(), by_beacon = Json::object();
-  std::size_t total = 0;
-  for (const auto& [reason, count] : left_out_by_reason(calibration)) {
-    by_reason[reason] = count;
-    total += count;
+void warn_if_contradicted(const Deployment& deployment, const std::string& path, Session& session) {
+  for (const Contradiction& c : deployment.contradictions)
+    session.warn(fmt::format("{} was exported although its data contradict its site file: {} {}", path, in_words(c), c.remedy));
+}
+
+namespace {
+
+/// Counts of one kind of observation that was left out: by reason, by what it heard or saw.
+class LeftOutCounts {
+ public:
+  void add(const std::string& reason, std::size_t count = 1) {
+    by_reason_[reason] += count;
+    total_ += count;
   }
-  std::map<std::size_t, std::size_t> beacons;
+  void add_of(const std::string& subject, std::size_t count = 1) { by_subject_[subject] += count; }
+  [[nodiscard]] Json json(const char* subject) const { return {{"total", total_}, {"by_reason", by_reason_}, {subject, by_subject_}}; }
+
+ private:
+  std::size_t total_ = 0;
+  std::map<std::string, std::size_t> by_reason_, by_subject_;
+};
+
+Json arrivals_left_out(const Calibration& calibration) {
+  const auto& beacons = calibration.problem.site.beacons;
+  LeftOutCounts counts;
+  for (const auto& [reason, count] : left_out_by_reason(calibration)) counts.add(reason, count);
   for (const auto& left : calibration.solution.left_out) {
     if (left.run >= calibration.problem.runs.size() || left.arrival >= calibration.problem.runs[left.run].arrivals.size()) continue;
     const BeaconId beacon = calibration.problem.runs[left.run].arrivals[left.arrival].beacon;
-    if (beacon.valid() && beacon.index() < calibration.problem.site.beacons.size()) ++beacons[beacon.index()];
+    if (beacon.valid() && beacon.index() < beacons.size()) counts.add_of(beacons[beacon.index()].name);
   }
   if (const auto& whole = calibration.solution.whole) {
     for (std::size_t b = 0; b < whole->of_beacon.size(); ++b) {
-      const auto& counts = whole->of_beacon[b];
-      const std::size_t out = std::accumulate(counts.begin() + 1, counts.end(), std::size_t{0});  // all but kUsed
-      if (out > 0) beacons[b] = out;
+      const auto& of_beacon = whole->of_beacon[b];
+      const std::size_t out = std::accumulate(of_beacon.begin() + 1, of_beacon.end(), std::size_t{0});  // all but kUsed
+      if (out > 0) counts.add_of(beacons[b].name, out);
     }
   }
-  for (const auto& [index, count] : beacons) by_beacon[calibration.problem.site.beacons[index].name] = count;
-  return {{"total", total}, {"by_reason", by_reason}, {"by_beacon", by_beacon}};
+  return counts.json("by_beacon");
+}
+
+Json bearings_left_out(const Calibration& calibration) {
+  LeftOutCounts counts;
+  for (const auto& left : calibration.solution.left_out_bearings) {
+    const BeaconId reflector = calibration.problem.runs[left.run].bearings[left.bearing].reflector;
+    const bool misfit = left.reason == Rejection::kLate || left.reason == Rejection::kEarly;
+    counts.add(!reflector.valid() ? "unlabelled" : misfit ? "does not fit" : in_words(left.reason));
+    if (reflector.valid()) counts.add_of(calibration.problem.site.beacons[reflector.index()].name);
+  }
+  return counts.json("by_beacon");
+}
+
+Json poses_left_out(const Calibration& calibration) {
+  LeftOutCounts counts;
+  for (const auto& left : calibration.solution.left_out_poses) {
+    counts.add(left.reason == Rejection::kNotNeeded ? "nothing was heard or seen at its time" : in_words(left.reason));
+    counts.add_of(calibration.problem.runs[left.run].path);
+  }
+  return counts.json("by_run");
+}
+
+}  // namespace
+
+Json left_out_json(const Calibration& calibration) {
+  return {{"arrivals", arrivals_left_out(calibration)}, {"bearings", bearings_left_out(calibration)}, {"poses", poses_left_out(calibration)}};
 }
 
 std::string calibration_text(const Calibration& calibration) {
   const Deployment& d = *calibration.deployment;
   const calib::Solution& s = calibration.solution;
-  std::string text = fmt::format("{}: calibrated, {} iterations, {:.2f} s\n\n", d.site, s.iterations, s.seconds) + beacon_table(d) + "\n";
+  std::string text = fmt::format("{}: calibrated, {} iterations, {:.2f} s\n\n", d.site.empty() ? "site without a name" : d.site, s.iterations, s.seconds) + beacon_table(d) + "\n";
   const auto line = [&](const char* name, const std::string& what) { text += fmt::format("{:<17}{}\n", name, what); };
   line("speed", survey::speed_in_words(d));
   if (d.attenuation) {

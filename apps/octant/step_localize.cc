@@ -83,7 +83,7 @@ Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std:
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (runs[i].truth.empty()) {
       return fail({.code = Errc::kBadInput, .file = runs[i].path + "/truth.tum", .found = "there is no reference trajectory",
-                   .expected = "a file truth.tum with at least one pose", .advice = "verify needs a run whose true poses are known; localize does not"});
+                   .expected = "a file truth.tum with at least one pose, or truth.csv with at least one point", .advice = "verify needs a run whose true poses are known; localize does not"});
     }
     survey::ReferencedRun run{{}, runs[i].truth, runs[i].truth_accuracy};
     // truth.tum follows one vehicle; the others of the run have no reference.
@@ -109,7 +109,24 @@ Json evaluation_json(const survey::Evaluation& e) {
           {"gates", gates}};
 }
 
-std::string evaluation_text(const survey::Evaluation& e) {
+Json no_fix_json(const Localization& localization) {
+  Json reasons = Json::object();
+  for (const auto& [reason, count] : localization.no_fix_reasons) reasons[reason] = count;
+  return reasons;
+}
+
+std::string unmatched_text(const Localization& localization) {
+  if (localization.ok > 0)
+    return fmt::format("none of the {} fixes has a reference at its time (poses of truth.tum at most 1 s apart around it, or truth.csv with its epoch)",
+                       localization.ok);
+  std::string why;
+  for (const auto& [reason, count] : localization.no_fix_reasons) why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, reason);
+  if (localization.no_fix == 0) return "there is no fix, as nothing was heard";
+  return fmt::format("there is no fix to hold against the reference: {} of {} failed ({}, by {})", localization.no_fix, localization.no_fix, why,
+                     localization.method);
+}
+
+std::string evaluation_text(const survey::Evaluation& e, const Localization& localization) {
   std::string text;
   const auto line = [&](const char* name, const std::string& what) { text += fmt::format("{:<17}{}\n", name, what); };
   line("fixes", fmt::format("{}, {} of them with a reference; {} times no fix", e.fixes, e.matched, e.no_fix));
@@ -121,7 +138,7 @@ std::string evaluation_text(const survey::Evaluation& e) {
   if (e.nees_mean) line("NEES", fmt::format("{:.2f} of its degrees of freedom (1: the stated sigmas are honest)", *e.nees_mean));
   for (const auto& gate : e.gates) {
     if (gate.name == "matched") {
-      line("gate matched", "NOT KEPT: no fix has a reference at its time");
+      line("gate matched", "NOT KEPT: " + unmatched_text(localization));
     } else {
       line(("gate " + gate.name).c_str(), fmt::format("{}: {}, limit {}", gate.pass ? "kept" : "NOT KEPT", length_text(gate.value), length_text(gate.limit)));
     }

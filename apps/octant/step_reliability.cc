@@ -81,7 +81,7 @@ std::string cell(const std::optional<double>& value, double per_si, int digits) 
   return value && std::isfinite(*value) ? fmt::format("{:.{}f}", per_si * *value, digits) : "-";
 }
 
-std::string beacon_table(const Reliability& r) {
+std::string reliability_table(const Reliability& r) {
   const Unit time = time_unit(largest(r, [](const auto& b) { return std::max(b.rms_s, or_zero(b.mdb_median_s)); }));
   const Unit late = time_unit(largest(r, [](const auto& b) { return or_zero(b.lateness_mdb_s); }));
   const Unit shift = length_unit(largest(r, [](const auto& b) { return std::max(or_zero(b.influence_worst_m), or_zero(b.lateness_influence_m)); }));
@@ -172,7 +172,7 @@ Json reliability_json(const Calibration& calibration) {
 std::string reliability_text(const Calibration& calibration) {
   const Reliability& r = calibration.solution.reliability;
   if (!r.ok || r.arrivals.empty()) return "";
-  std::string text = "\n" + beacon_table(r);
+  std::string text = "\n" + reliability_table(r);
   text +=
       "r: mean redundancy number. variance: of the residuals over the stated one. MDB: smallest bias of one arrival that is found\n"
       "(0.1 %, power 80 %; median), and how far the worst that is not moves a beacon coordinate. all late: the same for a lateness\n"

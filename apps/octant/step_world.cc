@@ -46,7 +46,7 @@ class Staging {
 std::optional<fs::path> stranger_in(const fs::path& folder, const std::vector<std::string>& may_replace) {
   std::set<std::string> known = {"site.yaml", "scenario.yaml", "deployment.true.json", "run", "heldout"};
   known.insert(may_replace.begin(), may_replace.end());
-  const std::set<std::string> known_of_run = {"tof.csv", "odometry.csv", "poses.tum", "truth.tum", "run.yaml", "bearings.csv", "scans.csv"};
+  const std::set<std::string> known_of_run(std::begin(io::kRunFiles), std::end(io::kRunFiles));
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();

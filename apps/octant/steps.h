@@ -26,6 +26,11 @@ namespace octant::app {
 /// Fails early where an output could not be written anyway: its folder is missing, or it is a folder.
 [[nodiscard]] Result<void> check_output(const std::string& path);
 
+/// At which a column distance_m of tof.csv is read; 0 where the medium's speed is not constant, and there may be none.
+[[nodiscard]] inline double constant_speed_mps(const Medium& medium) {
+  return medium.model == MediumModel::kConstant ? medium.speed_mps : 0.0;
+}
+
 /// Reads recordings in order; warnings go to the session.
 [[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
                                                             io::ReadRunOptions options, Session& session);
@@ -42,9 +47,13 @@ struct Calibration {
   calib::Solution solution;
   std::optional<Deployment> deployment;  ///< where the solver converged
   calib::Provenance provenance;
+  bool accepted = false;                 ///< to be exported, marked, although the data contradict what was stated
+  /// Whether the deployment is to be written.
+  [[nodiscard]] bool exported() const { return deployment && (accepted || solution.contradictions.empty()); }
 };
 struct CalibrateOptions {
   bool strict = false;            ///< a single undetermined beacon refuses the whole
+  bool accept = false;            ///< exports, marked, what the data contradict
   std::size_t memory_mb = 1500;   ///< recordings that would take more are streamed
 };
 /// Errors of reading; numerical trouble is in the solution.
@@ -52,8 +61,10 @@ struct CalibrateOptions {
                                                   Session& session);
 /// The object of `octant calibrate`.
 [[nodiscard]] Json calibration_json(const Calibration& calibration, const Session& session);
-/// Why there is no deployment.
-[[nodiscard]] Failure failure_of(const calib::Solution& solution);
+/// Why there is no deployment, or none that is to be trusted; none where all is well.
+[[nodiscard]] std::optional<Failure> failure_of(const Calibration& calibration);
+/// Says that a deployment was exported although its data contradict its site file.
+void warn_if_contradicted(const Deployment& deployment, const std::string& path, Session& session);
 /// Arrivals and rows left out, by reason and by beacon.
 [[nodiscard]] Json left_out_json(const Calibration& calibration);
 [[nodiscard]] std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration);
@@ -93,6 +104,10 @@ struct MethodWords {
 [[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
                                                       const Localization& localization);
 [[nodiscard]] Json evaluation_json(const survey::Evaluation& evaluation);
-[[nodiscard]] std::string evaluation_text(const survey::Evaluation& evaluation);
+[[nodiscard]] std::string evaluation_text(const survey::Evaluation& evaluation, const Localization& localization);
+/// How often there was no fix, by reason.
+[[nodiscard]] Json no_fix_json(const Localization& localization);
+/// Why no fix could be held against the reference: there was none, and for what reasons, or none where the reference is.
+[[nodiscard]] std::string unmatched_text(const Localization& localization);
 
 }  // namespace octant::app

@@ -18,7 +18,7 @@ class StreamSource : public ArrivalSource {
   /// Errors: those of read_run() but for the rows of tof.csv, which scan() finds.
   /// @param session  hears the warnings of reading
   [[nodiscard]] static Result<std::unique_ptr<StreamSource>> open(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
-                                                                  Session& session);
+                                                                  Session& session, double constant_speed_mps = 0.0);
 
   [[nodiscard]] std::size_t runs() const override { return streams_.size(); }
   [[nodiscard]] const MeasurementLog& log(std::size_t run) const override { return streams_[run].log(); }
@@ -38,6 +38,7 @@ class StreamSource : public ArrivalSource {
   NameTable names_;
   Timing timing_;
   Session& session_;
+  double constant_speed_mps_ = 0.0;  ///< as in io::ReadRunOptions
   std::vector<io::RunStream> streams_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/steps.h"
 #include "apps/octant/survey_input.h"
 #include "apps/octant/survey_text.h"
@@ -19,7 +20,7 @@
 namespace octant::app {
 namespace {
 
-struct Words {
+struct SurveyArgs {
   std::string input, scene, vehicle, report, csv, maps;
   std::optional<double> cell_m;
   int failures = 2;
@@ -27,7 +28,7 @@ struct Words {
   bool still = false;
 };
 
-Result<survey::Survey> look(const Words& words, Session& session) {
+Result<survey::Survey> look(const SurveyArgs& words, Session& session) {
   const ExitAtOnce nothing_written_yet;
   auto input = read_survey_input(words.input, words.scene, words.vehicle, words.cell_m, session);
   if (!input) return fail(input.error());
@@ -36,7 +37,7 @@ Result<survey::Survey> look(const Words& words, Session& session) {
 }
 
 /// Report, CSV and maps; what was written, for people and machines.
-Result<Json> write_outputs(const Words& words, const survey::Survey& survey, const std::optional<survey::FloorSchedule>& schedule, const Session& session) {
+Result<Json> write_survey_outputs(const SurveyArgs& words, const survey::Survey& survey, const std::optional<survey::FloorSchedule>& schedule, const Session& session) {
   Json written = Json::array();
   if (!words.csv.empty()) {
     if (auto done = io::write_file(words.csv, survey::survey_csv(survey)); !done) return fail(done.error());
@@ -57,17 +58,19 @@ Result<Json> write_outputs(const Words& words, const survey::Survey& survey, con
   return written;
 }
 
-int run(const Words& words, Session& session) {
+int run(const SurveyArgs& words, Session& session) {
   const int on_stdout = (words.report == "-") + (words.csv == "-") + session.options.json;
   if (on_stdout > 1) return session.fail({"error", "usage", kUsage, "only one of -o -, --csv - and --json can have standard output", ""});
   if (words.report == "-" || words.csv == "-") session.result_to_stderr();
+  if (auto fit = check_no_overwriting({.inputs = {words.input, words.scene}, .outputs = {words.report, words.csv}, .run_outputs = {}}); !fit)
+    return session.fail(fit.error());
   for (const auto& path : {words.report, words.csv})
     if (auto fit = check_output(path); !path.empty() && !fit) return session.fail(fit.error());
   const auto survey = look(words, session);
   if (!survey) return session.fail(survey.error());
   if (interrupted()) return session.interrupted();
   const auto schedule = survey::schedule_of_survey(survey->model, survey->scene, session.threads());
-  const auto written = write_outputs(words, *survey, schedule, session);
+  const auto written = write_survey_outputs(words, *survey, schedule, session);
   if (!written) return session.fail(written.error());
   session.result(survey_text(*survey, schedule));
   if (!written->empty()) session.result(fmt::format("\n{:<17}{}\n", "written", words.maps.empty() ? written->back().get<std::string>() : words.maps));
@@ -80,7 +83,7 @@ int run(const Words& words, Session& session) {
 }  // namespace
 
 void add_survey(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<Words>();
+  auto words = std::make_shared<SurveyArgs>();
   CLI::App* command = add_command(app, common, "survey", "What a geometry is worth: who is heard where, how well one is positioned, what a beacon's failure costs",
                                   "octant survey aisles/site.yaml -o aisles/survey.html --maps aisles/maps");
   command->add_option("input", words->input, "Site file, or a deployment: then with the calibration's part")->required()->type_name("SITE.yaml|DEPLOYMENT.json");

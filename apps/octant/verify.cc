@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "apps/octant/changes_text.h"
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/reporting.h"
 #include "apps/octant/table.h"
 #include "io/deployment_json.h"
@@ -15,7 +17,7 @@
 namespace octant::app {
 namespace {
 
-struct Words {
+struct VerifyArgs {
   std::string deployment;
   std::vector<std::string> runs;
   ReportWords report;
@@ -23,12 +25,12 @@ struct Words {
   bool all_methods = false;
 };
 
-std::string gates_in_words(const survey::Evaluation& evaluation) {
+std::string gates_in_words(const survey::Evaluation& evaluation, const Localization& found) {
   std::string words;
   for (const auto& gate : evaluation.gates) {
     if (gate.pass) continue;
     if (!words.empty()) words += "; ";
-    words += gate.name == "matched" ? "no fix has a reference at its time"
+    words += gate.name == "matched" ? unmatched_text(found)
                                     : fmt::format("{}: {} is beyond the limit of {}", gate.name, length_text(gate.value), length_text(gate.limit));
   }
   return words;
@@ -66,14 +68,19 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
   return session.finish({{"status", "ok"}, {"methods", rows}});
 }
 
-int run(const Words& words, Session& session) {
+int run(const VerifyArgs& words, Session& session) {
   if (on_stdout(words.report) + session.options.json > 1) return session.fail({"error", "usage", kUsage, "only one of --report - and --json can have standard output", ""});
   if (words.all_methods && !words.report.paths.empty()) return session.fail({"error", "usage", kUsage, "--all-methods is a table without a report", ""});
   if (on_stdout(words.report) > 0) session.result_to_stderr();
+  CommandFiles files{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
+  files.inputs.insert(files.inputs.end(), {words.deployment, words.how.map, words.report.since});
+  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = looks_at_poses(words.how)}, session);
+  warn_if_contradicted(*deployment, words.deployment, session);
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = looks_at_poses(words.how),
+                                                                                             .constant_speed_mps = constant_speed_mps(deployment->medium)}, session);
   if (!runs) return session.fail(runs.error());
   // Before the long computation: is there a reference at all?
   for (const auto& log : *runs) {
@@ -98,16 +105,18 @@ int run(const Words& words, Session& session) {
   if (auto added = add_changes(report, words.report.since); !added) return session.fail(added.error());
   if (!words.report.paths.empty()) survey::add_geometry(report, session.threads());
   if (auto written = io::write_files(report_files(words.report, report)); !written) return session.fail(written.error());
-  session.result(evaluation_text(*evaluation) + report_lines(words.report));
+  session.result(evaluation_text(*evaluation, found) + changes_text(report) + report_lines(words.report));
   Json object = evaluation_json(*evaluation);
-  if (!evaluation->pass()) return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation), ""}, object);
+  object["no_fix_reasons"] = no_fix_json(found);
+  add_changes_json(report, object);
+  if (!evaluation->pass()) return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation, found), ""}, object);
   return session.finish(object);
 }
 
 }  // namespace
 
 void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<Words>();
+  auto words = std::make_shared<VerifyArgs>();
   CLI::App* command = add_command(app, common, "verify", "Localize held-out recordings and hold the fixes against truth.tum and the tolerance",
                                   "octant verify hall/deployment.json hall/heldout");
   command->add_option("deployment", words->deployment, "Deployment file, from calibrate")->required()->type_name("DEPLOYMENT.json");

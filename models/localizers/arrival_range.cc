@@ -9,29 +9,29 @@
 namespace octant {
 namespace {
 
-constexpr double kMaxThresholdShare = 0.995;  // as in the measurement equation: the logarithm is held beyond
-constexpr double kMinDistance_m = 1e-6;
+constexpr double kMaxImplicitShare = 0.995;  // as in the measurement equation: the logarithm is held beyond
+constexpr double kMinImplicitDistance_m = 1e-6;
 
 double walk_of_share_s(double share, const AttenuationModel& a) { return -a.rise_time_s * std::log1p(-share); }
 
-struct Walk {
+struct ImplicitWalk {
   double walk_s = 0.0;
   double by_distance = 0.0;  ///< s/m
 };
 
-Walk predicted_walk(double distance_m, const AttenuationModel& a) {
+ImplicitWalk predicted_walk(double distance_m, const AttenuationModel& a) {
   const double share = a.threshold_v / amplitude_v(distance_m, a);
-  if (!(share < kMaxThresholdShare)) return {walk_of_share_s(kMaxThresholdShare, a), 0.0};
+  if (!(share < kMaxImplicitShare)) return {walk_of_share_s(kMaxImplicitShare, a), 0.0};
   const double steepness_s = a.rise_time_s * share / (1 - share);  // d walk / d ln(1/A)
   return {walk_of_share_s(share, a), steepness_s * (1 / distance_m + a.absorption_np_per_m)};
 }
 
 /// legs d + c walk(d) = path: the left side rises with d, so Newton's step is kept within a bracket.
 void solve_with_predicted_walk(double path_m, double legs, double tof_sigma_s, const AttenuationModel& a, ArrivalRange& out) {
-  double low_m = kMinDistance_m, high_m = std::max(path_m / legs, kMinDistance_m), d_m = high_m;
+  double low_m = kMinImplicitDistance_m, high_m = std::max(path_m / legs, kMinImplicitDistance_m), d_m = high_m;
   double slope = legs;
   for (int i = 0; i < 80; ++i) {
-    const Walk walk = predicted_walk(d_m, a);
+    const ImplicitWalk walk = predicted_walk(d_m, a);
     const double excess_m = legs * d_m + out.speed_mps * walk.walk_s - path_m;
     slope = legs + out.speed_mps * walk.by_distance;
     (excess_m > 0 ? high_m : low_m) = d_m;
@@ -68,7 +68,7 @@ ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment)
   if (!deployment.attenuation) return out;
   const AttenuationModel& a = *deployment.attenuation;
   const double share = a.threshold_v / arrival.amplitude_v;
-  if (!a.measures(arrival.amplitude_v) || !(share < kMaxThresholdShare)) {  // not logged, or (noise) not above the threshold
+  if (!a.measures(arrival.amplitude_v) || !(share < kMaxImplicitShare)) {  // not logged, or (noise) not above the threshold
     solve_with_predicted_walk(path_m, legs, tof_sigma_s, a, out);
     if (a.directional() && deployment.receivers[arrival.receiver.index()].axis) {
       // From where it hears is not known here: as much later as off the axis by the half-power angle.

@@ -21,7 +21,7 @@ Eigen::Matrix2d rotation(double angle_rad) {
   return (Eigen::Matrix2d() << std::cos(angle_rad), -std::sin(angle_rad), std::sin(angle_rad), std::cos(angle_rad)).finished();
 }
 
-double walk_s(double amplitude, const AttenuationModel& model) {
+double walk_of_amplitude_s(double amplitude, const AttenuationModel& model) {
   return -model.rise_time_s * std::log1p(-std::clamp(model.threshold_v / amplitude, 0.0, kLoudestShare));
 }
 
@@ -138,8 +138,8 @@ double Binaural::range_m(const Arrival& arrival, double& speed_mps) const noexce
   double range = speed_mps * time_s;
   if (!deployment_.attenuation || !(range > 0)) return range;
   const AttenuationModel& model = *deployment_.attenuation;
-  if (model.measures(arrival.amplitude_v)) return speed_mps * (time_s - walk_s(arrival.amplitude_v, model));
-  for (int i = 0; i < kWalkSteps; ++i) range = speed_mps * (time_s - walk_s(amplitude_v(std::max(range, 1e-3), model), model));
+  if (model.measures(arrival.amplitude_v)) return speed_mps * (time_s - walk_of_amplitude_s(arrival.amplitude_v, model));
+  for (int i = 0; i < kWalkSteps; ++i) range = speed_mps * (time_s - walk_of_amplitude_s(amplitude_v(std::max(range, 1e-3), model), model));
   return range;
 }
 

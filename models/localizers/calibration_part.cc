@@ -7,7 +7,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "models/linearise.h"
 #include "models/scratch.h"
 
 namespace octant {
@@ -40,9 +39,7 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
   std::pmr::vector<int> touched(scratch()), place(static_cast<std::size_t>(C.cols()), -1, scratch());
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
     D.noalias() += row.by_node.transpose() * row.by_node;
-    if (!row.has_shared) return;
-    const auto couple = [&](int at, double derivative) {
-      if (at < 0 || derivative == 0.0) return;
+    for_each_coupling(row, [&](int at, double derivative) {
       int& where = place[static_cast<std::size_t>(at)];
       if (where < 0) {
         where = static_cast<int>(touched.size());
@@ -50,15 +47,7 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
         G.push_back(NodeVector::Zero(n));
       }
       G[static_cast<std::size_t>(where)] += derivative * row.by_node.transpose();
-    };
-    for (std::size_t i = 0; i < 3; ++i) couple(beacon_[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
-    if (!row.receiver.valid()) return;
-    for (std::size_t i = 0; i < 3; ++i) couple(receiver_[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
-    for (std::size_t i = 0; i < attenuation_.size(); ++i) couple(attenuation_[i], row.by_attenuation[static_cast<int>(i)]);
-    couple(beacon_[row.beacon.index()][3], row.by_delay);
-    couple(receiver_[row.receiver.index()][3], row.by_delay);
-    couple(site_delay_, row.by_delay);
-    couple(speed_, row.by_speed);
+    });
   });
   // Rotations that nothing observes are as unknown as an angle can be.
   for (int i = t.motion == Motion::kPlanar ? 2 : 3; i < dof; ++i) D(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);

@@ -12,9 +12,9 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kScratchBytes = 6u << 20;  ///< settling a window of all its nodes twice
+constexpr std::size_t kDriveScratchBytes = 9u << 20;  ///< settling a window of all its nodes twice, and how it follows the calibration
 constexpr std::size_t kMaxNodes = 768, kMaxArrivals = 8192;  ///< of a window
-constexpr double kWindowGrowth = 1.33;
+constexpr double kFilterWindowGrowth = 1.33;
 
 OdometryObservation observation(std::size_t node, const OdometryStep& step, double fraction, const OdometryAccuracy& a) {
   const OdometryVariance variance = variance_of(step, a);
@@ -30,11 +30,13 @@ OdometryObservation observation(std::size_t node, const OdometryStep& step, doub
 
 DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry, const TrackerOptions& options)
     : model_(epoch_fix_model(deployment)),
+      calibration_(deployment),
       options_(options),
       odometry_(odometry),
       trajectory_model_(trajectory_model(deployment)),
-      filter_(model_, options.rejection_sigmas, options.range_slack_m),
-      scratch_(kScratchBytes) {
+      filter_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_),
+      start_calibration_(filter_.node_calibration_room()),
+      scratch_(kDriveScratchBytes) {
   t_.moving = true;
   t_.turnaround_s = deployment.timing.turnaround_s;
   t_.nominal_speed_mps = model_.nominal_speed_mps;
@@ -69,7 +71,7 @@ void DriveTracker::keep_recent_half() {
     a.node -= drop;
     if (a.two_way) a.hear_send -= first;
   }
-  next_search_s_ = std::min(next_search_s_, kWindowGrowth * (t_.nodes.back().time_s - t_.nodes.front().time_s));
+  next_search_s_ = std::min(next_search_s_, kFilterWindowGrowth * (t_.nodes.back().time_s - t_.nodes.front().time_s));
 }
 
 void DriveTracker::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance) noexcept {
@@ -123,12 +125,14 @@ Segment DriveTracker::window() const {
 void DriveTracker::search() {
   const double span_s = t_.nodes.back().time_s - t_.nodes.front().time_s;
   if (span_s < next_search_s_ || t_.nodes.size() < 2) return;
-  next_search_s_ = kWindowGrowth * span_s;
+  next_search_s_ = kFilterWindowGrowth * span_s;
   const ScratchScope scope(scratch_);
   const Segment all = window();
   if (!place_stretch(t_, all, model_, options_)) return;
   const std::size_t now = t_.nodes.size() - 1;
-  filter_.start(t_.nodes[now].T_map_vehicle, start_covariance(t_, all, model_, options_.range_slack_m, now));
+  const ChainFactor chain = factor_chain(t_, all, model_.state);
+  if (chain.ok) node_calibration(t_, all, model_.state, chain, calibration_, now, start_calibration_);
+  filter_.start(t_.nodes[now].T_map_vehicle, start_covariance(t_, all, model_, options_.range_slack_m, now), chain.ok ? &start_calibration_ : nullptr);
   filter_.set_range_slack(independent_slack_m(t_, all, model_, options_.range_slack_m));
   placed_ = true;
 }

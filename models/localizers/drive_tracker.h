@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 
 #include "models/deployment.h"
+#include "models/localizers/calibration_part.h"
+#include "models/localizers/chain_calibration.h"
 #include "models/localizers/drive_filter.h"
 #include "models/localizers/epoch_fix.h"
 #include "models/localizers/localizer.h"
@@ -40,10 +42,12 @@ class DriveTracker final : public Localizer {
   [[nodiscard]] Segment window() const;
 
   EpochFixModel model_;
+  CalibrationPart calibration_;
   TrackerOptions options_;
   OdometryAccuracy odometry_;
   TrajectoryModel trajectory_model_;
   DriveFilter filter_;
+  NodeCalibration start_calibration_;  ///< how the place found follows the calibration
   bool placed_ = false;
   Trajectory t_;  ///< the stretch that the place is searched with; with a place: the instant alone
   double next_search_s_ = 0.0;  ///< span of the window at which to search

@@ -7,9 +7,10 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
+#include "models/decompositions.h"
 #include "models/localizers/candidates.h"
+#include "models/localizers/correlated_arrivals.h"
 #include "models/localizers/localizer.h"
 #include "models/localizers/node_adjustment.h"
 #include "models/localizers/spatial_start.h"
@@ -24,7 +25,7 @@ constexpr int kMaxHeadings = 24;
 
 struct Count {
   int heard = 0, used = 0;  ///< arrivals of usable beacons
-  int bearings = 0, poses = 0;
+  int bearings = 0, bearings_seen = 0, poses = 0;  ///< labelled, of usable reflectors: in use, all
   int beacons_heard = 0, beacons_used = 0;
 };
 
@@ -40,8 +41,12 @@ Count count(const Trajectory& t, const Segment& segment, const EpochFixModel& mo
     ++c.used;
     used[a.beacon.index()] = 1;
   }
-  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
-    if (t.bearings[i].rejection == Rejection::kUsed && t.bearings[i].reflector.valid()) ++c.bearings;
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    const BearingObservation& b = t.bearings[i];
+    if (!b.reflector.valid() || b.rejection == Rejection::kBeaconUnusable) continue;
+    ++c.bearings_seen;
+    if (b.rejection == Rejection::kUsed) ++c.bearings;
+  }
   c.poses = static_cast<int>(segment.last_pose - segment.first_pose);
   c.beacons_heard = static_cast<int>(std::count(heard.begin(), heard.end(), 1));
   c.beacons_used = static_cast<int>(std::count(used.begin(), used.end(), 1));
@@ -103,18 +108,26 @@ PlanarState start_at_measured_pose(const PoseObservation& measured, const Search
   return best;
 }
 
-/// Adjusts and marks in turn until the marks rest.
+/// Adjusts and marks in turn until the marks rest. Each arrival is judged by its own sigma and weighed by what it adds to the
+/// others of its pair.
 NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                                const EpochFixOptions& options) {
+  CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kSame);
+  const auto adjust = [&] {
+    sigmas.weigh();
+    return adjust_node(t, segment, model.state, options.range_slack_m);
+  };
   mark_arrivals(t, segment, model, options.range_slack_m, kFirstGate * options.rejection_sigmas);
   mark_bearings(t, segment, model, options.range_slack_m, 2 * kFirstGate * options.rejection_sigmas);
-  NodeAdjustment adjustment = adjust_node(t, segment, model.state, options.range_slack_m);
+  NodeAdjustment adjustment = adjust();
   for (int round = 0; round < kMarkRounds; ++round) {
+    sigmas.restore();
     const bool arrivals = mark_arrivals(t, segment, model, options.range_slack_m, options.rejection_sigmas);
     const bool bearings = mark_bearings(t, segment, model, options.range_slack_m, options.rejection_sigmas);
     if (!arrivals && !bearings) break;
-    adjustment = adjust_node(t, segment, model.state, options.range_slack_m);
+    adjustment = adjust();
   }
+  sigmas.weigh();
   return adjustment;
 }
 
@@ -126,7 +139,7 @@ bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCova
   // Judged in units in which every diagonal element is one.
   const NodeVector scale = A.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
   const NodeBlock scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<NodeBlock> eigen(scaled);
+  const SymmetricEigen<NodeBlock> eigen(scaled);
   if (eigen.info() != Eigen::Success || eigen.eigenvalues().minCoeff() < 1e-10) return false;
   const NodeBlock inverse = Eigen::LDLT<NodeBlock>(scaled).solve(NodeBlock::Identity(A.rows(), A.cols()));
   covariance = (scale.asDiagonal() * inverse * scale.asDiagonal()).topLeftCorner(dof, dof);
@@ -134,13 +147,17 @@ bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCova
 }
 
 double horizontal_sigma_m(const PoseCovariance& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
+  const SymmetricEigen<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
   return std::sqrt(std::max(eigen.eigenvalues()[1], 0.0));
 }
+
+/// At the mirror image of a pose all ranges fit, and one bearing is met by the heading: most of them speak against it.
+bool bearings_speak_against(const Count& c) { return c.poses == 0 && c.bearings_seen >= 2 && 2 * c.bearings < c.bearings_seen; }
 
 /// Whether the arrivals used are more than chance can bring together.
 bool is_consensus(const Count& c, int unknowns) {
   if (c.poses > 0) return true;
+  if (bearings_speak_against(c)) return false;
   const int rejected = c.heard - c.used, spare = c.used + c.bearings - unknowns;
   if (spare < 0) return false;
   if (rejected == 0) return true;
@@ -252,7 +269,7 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
   const bool heading_open = t.motion == Motion::kPlanar && determined && fix.covariance(2, 2) > 1.0;
   const int unknowns = pose_dof(t.motion) + (t.has_cycle_offset ? 1 : 0) - (heading_open ? 1 : 0);
   if (!is_consensus(c, unknowns)) {
-    fix.status = c.heard == c.used ? FixStatus::kTooFewArrivals : FixStatus::kNoConsensus;
+    fix.status = c.heard == c.used && !bearings_speak_against(c) ? FixStatus::kTooFewArrivals : FixStatus::kNoConsensus;
   } else if (!determined || horizontal_sigma_m(fix.covariance) > options.max_sigma_m) {
     fix.status = FixStatus::kPoorGeometry;
   } else if (ambiguous) {

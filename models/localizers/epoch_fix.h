@@ -40,6 +40,8 @@ struct EpochFixModel {
   double nominal_speed_mps = 343.0;
   /// Of each beacon's x, y, z [m], delay [s] and the speed [m/s]: how far calibration itself may be off. Empty: not at all.
   std::vector<Eigen::Matrix<double, 5, 5>> beacon_covariance;
+  /// What the arrivals of a pair have in common beside the calibration (correlated_arrivals.h). Zero: each has its own error.
+  CorrelatedNoise correlated{};
 };
 [[nodiscard]] EpochFixModel epoch_fix_model(const Deployment& deployment);
 
@@ -51,7 +53,8 @@ struct EpochFixModel {
 /// The result is the least-squares estimate of the arrivals used; its covariance is that of their noise (and the slack), with
 /// the shared parameters held. Where nothing tells the heading (one receiver on the axis, no bearings) the position is still
 /// a fix, and the heading's sigma is pi.
-/// Sets the node, marks the arrivals of the segment used or rejected. The node counts as placed only if the fix is kOk; it
+/// Sets the node, marks the arrivals of the segment used or rejected; where the model states correlated noise, they are left with
+/// the sigmas that they were weighed by. The node counts as placed only if the fix is kOk; it
 /// holds the best pose found in any case.
 [[nodiscard]] Fix fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                             const EpochFixOptions& options = {});

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/head_tail.h"
+#include "models/plane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +13,6 @@ namespace octant {
 namespace {
 
 constexpr double kTurn = 2 * M_PI;
-
-Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 Eigen::Vector2d lever(const Deployment& d, ReceiverId receiver) { return d.receivers[receiver.index()].position_m.head<2>(); }
 

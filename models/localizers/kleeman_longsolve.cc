@@ -11,7 +11,7 @@ namespace octant {
 namespace {
 
 constexpr int kMaxAveraged = 32;
-constexpr double kRounding_m = 1e-6;  // deviations below this are the iteration's, not the distances'
+constexpr double kLongsolveRounding_m = 1e-6;  // deviations below this are the iteration's, not the distances'
 constexpr double kThin = 0.2;         // beacons lie on a line when they spread across it less than this part of along it
 constexpr double kOutside_m = 1.0;    // a place so far from all beacons' box is not in the environment
 using Gain = Eigen::Matrix<double, 2, kKleemanBeacons>;
@@ -178,7 +178,7 @@ LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet wanted, const 
       const Solution& s = average.members[static_cast<std::size_t>(i)];
       const Gain by = s.gain - average.gain;
       const double expected_m = std::sqrt(problem.variance(by.row(0), length_m) + problem.variance(by.row(1), length_m));
-      const double ratio = (s.p - average.p).norm() / (options_.deviation_sigmas * expected_m + kRounding_m);
+      const double ratio = (s.p - average.p).norm() / (options_.deviation_sigmas * expected_m + kLongsolveRounding_m);
       if (ratio > worst_ratio) worst = i, worst_ratio = ratio;
     }
     if (worst < 0) break;
@@ -217,7 +217,7 @@ void Longsolve::settle(const Problem& problem, LongsolveFix& fix) const noexcept
     if (!problem.valid[i]) continue;
     fix.residual_m[i] -= fix.offset_m;
     const double sigma_m = std::sqrt(problem.variance(by[i] - by_offset, length_m));
-    const double gate_m = options_.deviation_sigmas * sigma_m + kRounding_m;
+    const double gate_m = options_.deviation_sigmas * sigma_m + kLongsolveRounding_m;
     fix.agreeing[i] = std::abs(fix.residual_m[i]) <= gate_m;
     fix.late[i] = fix.residual_m[i] > gate_m;
     fix.early[i] = fix.residual_m[i] < -gate_m;
@@ -320,7 +320,7 @@ bool Longsolve::ambiguous(const Problem& problem, const LongsolveFix& fix, Longs
       return true;
   }
   const Eigen::Vector2d guess = first_guess(fix.agreeing);
-  if ((guess - middle).norm() < kRounding_m) return false;
+  if ((guess - middle).norm() < kLongsolveRounding_m) return false;
   const Eigen::Vector2d across = guess - middle;
   return rivals(mirrored(fix.p_map_m, middle, {-across.y(), across.x()}));
 }

@@ -9,8 +9,8 @@
 namespace octant {
 namespace {
 
-constexpr double kMaxThresholdShare = 0.95;  // of an amplitude that is predicted for a pulse that was heard
-constexpr double kMinDistance_m = 0.05;
+constexpr double kMaxPassShare = 0.95;  // of an amplitude that is predicted for a pulse that was heard
+constexpr double kMinPassDistance_m = 0.05;
 
 }  // namespace
 
@@ -61,8 +61,8 @@ void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
 void Kleeman::take_walk_out(HeardDistance& h, double distance_m, double log_directivity) const noexcept {
   if (!deployment_.attenuation || h.walk_known) return;
   const AttenuationModel& model = *deployment_.attenuation;
-  const double amplitude = amplitude_v(std::max(distance_m, kMinDistance_m), model) * std::exp(log_directivity);
-  const double share = std::min(model.threshold_v / amplitude, kMaxThresholdShare);
+  const double amplitude = amplitude_v(std::max(distance_m, kMinPassDistance_m), model) * std::exp(log_directivity);
+  const double share = std::min(model.threshold_v / amplitude, kMaxPassShare);
   h.slant_m = h.time_m + work_->speed_mps * model.rise_time_s * std::log1p(-share);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "models/localizers/correlated_arrivals.h"
 #include "models/localizers/epoch_fix.h"
 #include "models/localizers/protection.h"
 #include "models/localizers/trajectory_model.h"
@@ -53,6 +54,7 @@ TrajectoryModel trajectory_model(const Deployment& deployment) {
   model.medium = deployment.medium;
   model.timing = deployment.timing;
   model.noise = deployment.noise;
+  model.noise.tof_sigma_s = single_arrival_sigma_s(deployment);
   model.attenuation = deployment.attenuation;
   for (const SiteVehicle& vehicle : deployment.vehicles) model.motion_priors.push_back(vehicle.motion);
   return model;
@@ -69,6 +71,7 @@ EpochFixModel epoch_fix_model(const Deployment& deployment) {
     model.receiver_axis.push_back(receiver.axis);
     model.hearing_cosine.push_back(receiver.hearing_cosine.value_or(kHearingCosine));
   }
+  model.correlated = correlated_noise(deployment);
   model.nominal_speed_mps = deployment.speed_mps(deployment.medium.temperature_degC);
   return model;
 }

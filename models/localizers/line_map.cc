@@ -7,20 +7,19 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "models/decompositions.h"
 #include "models/localizers/line_matching.h"
 #include "models/localizers/localizer.h"
+#include "models/plane.h"
 
 namespace octant {
 namespace {
 
 constexpr double kExact = 1e-4;        // m, rad: a start that is said to be exact
-constexpr std::size_t kScratchBytes = 4u << 20;  // a scan of a thousand beams in a map of hundreds of walls
+constexpr std::size_t kScanScratchBytes = 4u << 20;  // a scan of a thousand beams in a map of hundreds of walls
 constexpr double kSameSquared = 16.0;  // tracks closer than four sigma are one
-
-double square(double x) { return x * x; }
 
 bool same_pose(const OdometryState& a, const OdometryState& b) {
   const Eigen::Vector3d d(b.p_map_m.x() - a.p_map_m.x(), b.p_map_m.y() - a.p_map_m.y(),
@@ -28,7 +27,7 @@ bool same_pose(const OdometryState& a, const OdometryState& b) {
   return d.dot((a.covariance + b.covariance).inverse() * d) < kSameSquared;
 }
 
-tl::unexpected<Error> lacks(const MeasurementLog& log, std::string found, std::string expected) {
+tl::unexpected<Error> scans_lack(const MeasurementLog& log, std::string found, std::string expected) {
   return fail(
       {.code = Errc::kBadInput, .file = log.path, .found = "line_map: " + std::move(found), .expected = std::move(expected)});
 }
@@ -58,7 +57,7 @@ Eigen::Matrix3d with_walls(const Eigen::Matrix3d& before, const Eigen::Matrix3d&
                            const Eigen::Matrix3d& P) {
   const Eigen::Matrix3d L = P0.llt().matrixL(), P0_inverse = P0.inverse();
   const Eigen::Matrix3d seen = L.transpose() * (P.inverse() - P0_inverse) * L;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes((seen + seen.transpose()) / 2);
+  const SymmetricEigen<Eigen::Matrix3d> axes((seen + seen.transpose()) / 2);
   const Eigen::Matrix3d V = L * axes.eigenvectors(), V_inverse = V.inverse();
   const Eigen::Matrix3d kept = V_inverse * P * P0_inverse, taken = V_inverse * P;
   const Eigen::Matrix3d old = kept * before * kept.transpose(), fresh = taken * spread * taken.transpose();
@@ -90,7 +89,7 @@ LineMap build_line_map(std::span<const Scan> scans, std::span<const Pose> T_map_
 }
 
 Result<LineMap> build_line_map(const MeasurementLog& log, const LineMapOptions& options) {
-  if (log.scans.empty()) return lacks(log, "the run has no scans", "scans.csv");
+  if (log.scans.empty()) return scans_lack(log, "the run has no scans", "scans.csv");
   std::vector<Scan> scans;
   std::vector<Pose> poses;
   for (const Scan& scan : log.scans) {
@@ -107,22 +106,22 @@ Result<LineMap> build_line_map(const MeasurementLog& log, const LineMapOptions& 
     scans.push_back(scan);
     poses.push_back(T);
   }
-  if (scans.empty()) return lacks(log, "no scan has a measured pose", "poses.tum with headings, at the times of the scans");
+  if (scans.empty()) return scans_lack(log, "no scan has a measured pose", "poses.tum with headings, at the times of the scans");
   LineMap map = build_line_map(scans, poses, options);
-  if (map.lines.empty()) return lacks(log, "the scans show no straight wall twice", "scans of a building");
+  if (map.lines.empty()) return scans_lack(log, "the scans show no straight wall twice", "scans of a building");
   return map;
 }
 
 Result<void> line_map_fits(const LineMap& map, const MeasurementLog& log) {
-  if (map.lines.empty()) return lacks(log, "the map has no lines", "a map built from scans at known poses");
-  if (log.scans.empty()) return lacks(log, "the run has no scans", "scans.csv");
-  if (log.odometry.empty()) return lacks(log, "the run has no odometry", "odometry.csv");
-  if (log.poses.empty()) return lacks(log, "nothing says where the run starts", "a measured pose in poses.tum");
+  if (map.lines.empty()) return scans_lack(log, "the map has no lines", "a map built from scans at known poses");
+  if (log.scans.empty()) return scans_lack(log, "the run has no scans", "scans.csv");
+  if (log.odometry.empty()) return scans_lack(log, "the run has no odometry", "odometry.csv");
+  if (log.poses.empty()) return scans_lack(log, "nothing says where the run starts", "a measured pose in poses.tum");
   return {};
 }
 
 LineMapLocalizer::LineMapLocalizer(LineMap map, LineMapOptions options)
-    : map_(std::move(map)), options_(options), scratch_(kScratchBytes) {
+    : map_(std::move(map)), options_(options), scratch_(kScanScratchBytes) {
   tracks_.reserve(static_cast<std::size_t>(std::max(1, options_.max_hypotheses)));
 }
 
@@ -224,7 +223,7 @@ void LineMapLocalizer::report(Fix& fix) const {
   const Track& best = tracks_.front();
   fix.T_map_vehicle = best.state.pose();
   fix.covariance = best.state.covariance + best.of_map;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(Eigen::Matrix2d(fix.covariance.topLeftCorner<2, 2>()));
+  const SymmetricEigen<Eigen::Matrix2d> axes(Eigen::Matrix2d(fix.covariance.topLeftCorner<2, 2>()));
   fix.status = FixStatus::kOk;
   if (tracks_.size() > 1 && tracks_[1].cost < options_.ambiguity_margin) fix.status = FixStatus::kAmbiguous;
   if (!(axes.eigenvalues().maxCoeff() < square(options_.max_sigma_m))) fix.status = FixStatus::kPoorGeometry;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/line_matching.h"
+#include "models/plane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +17,7 @@ namespace {
 constexpr int kRounds = 4;
 constexpr double kReach_sigmas = 3.0;
 
-double square(double x) { return x * x; }
-
-Eigen::Vector3d difference(const OdometryState& a, const OdometryState& b) {
+Eigen::Vector3d state_difference(const OdometryState& a, const OdometryState& b) {
   return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(), wrap_angle(a.heading_rad - b.heading_rad)};
 }
 
@@ -124,7 +123,7 @@ class Matcher {
   void adjust(WallMatches& m) const {
     const Eigen::Vector2d wall_variance(square(options_.map_sigma_m), square(options_.map_sigma_rad));
     for (int step = 0; step < 3; ++step) {
-      const Eigen::Vector3d moved = difference(prior_, m.state);
+      const Eigen::Vector3d moved = state_difference(prior_, m.state);
       Eigen::Matrix3d information = prior_information_;
       Eigen::Vector3d gradient = prior_information_ * moved;
       m.cost = moved.dot(prior_information_ * moved);

@@ -40,6 +40,11 @@ bool is_drive(const Deployment& deployment, const MeasurementLog& run) {
   return !run.has_epochs && (!run.odometry.empty() || (has_motion_prior(deployment) && run.poses.empty()));
 }
 
+/// Stops can be tied together by the odometry between them.
+bool can_chain(const Deployment& deployment) {
+  return deployment.motion == Motion::kPlanar && deployment.timing.clock == Clock::kSynchronised;
+}
+
 std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment, const MethodInput& input) {
   switch (method) {
     case Method::kKleeman: return std::make_unique<Kleeman>(deployment, KleemanOptions{.heading = input.kleeman_heading});
@@ -138,8 +143,9 @@ Result<void> method_fits(Method method, const Deployment& deployment, const Meas
       if (!input.line_map) return missing("no line map", "--map with a run of scans and measured poses");
       return line_map_fits(*input.line_map, run);
     case Method::kTracker:
-      if (run.has_epochs) return missing("a run of stops", "a drive: no epoch column");
-      if (!is_drive(deployment, run)) return missing("a drive without odometry", "odometry.csv, or motion of the vehicle in the site file");
+      if (run.has_epochs && run.odometry.empty()) return missing("stops without odometry", "odometry.csv between them, or a drive: no epoch column");
+      if (run.has_epochs && !can_chain(deployment)) return missing("stops of a vehicle in space or with a clock of its own", "planar motion and synchronised clocks");
+      if (!run.has_epochs && !is_drive(deployment, run)) return missing("a drive without odometry", "odometry.csv, or motion of the vehicle in the site file");
       return {};
     case Method::kAuto:
     case Method::kLeastSquares: break;
@@ -154,6 +160,8 @@ MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& r
   if (run.arrivals.empty() && run.bearings.empty() && !run.scans.empty()) return {Method::kLineMap, "scans alone"};
   if (!run.arrivals.empty() && on_rails(deployment) && rail_fits(deployment)) return {Method::kRail, "the vehicle runs on a rail"};
   if (is_drive(deployment, run)) return {Method::kTracker, run.odometry.empty() ? "a drive with a motion prior" : "a drive with odometry"};
+  if (run.has_epochs && !run.arrivals.empty() && !run.odometry.empty() && can_chain(deployment))
+    return {Method::kTracker, "stops with odometry between them"};
   return {Method::kLeastSquares, "all arrivals of each pose"};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/one_beacon.h"
+#include "models/plane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +14,6 @@ namespace {
 
 constexpr double kMinBaseline_m = 1e-3;
 constexpr double kMinHeadingSigma_rad = 1e-9;  // an exact heading, as a weight
-
-Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
 /// The two receivers of a vehicle that are farthest apart, in their order.
 std::array<ReceiverId, 2> widest_pair(const Deployment& d, const SiteVehicle& vehicle) {

@@ -9,14 +9,13 @@
 
 #include "models/localizers/one_beacon.h"
 #include "models/localizers/triangles.h"
+#include "models/plane.h"
 
 namespace octant {
 namespace {
 
 constexpr double kDistinct_m = 1e-3;
 constexpr double kSlack_m = 0.1;  // beyond what the vehicle can have moved
-
-Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
 }  // namespace
 

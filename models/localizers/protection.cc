@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
+#include "models/decompositions.h"
 #include "models/linearise.h"
 
 namespace octant {
@@ -53,7 +53,7 @@ double horizontal_protection_m(const Trajectory& t, const Segment& segment, cons
     if (!(remaining > kUnnoticed * b.count)) return 0.0;
     worst_m = std::max(worst_m, kNonCentrality / std::sqrt(remaining) * shift.head<2>().norm());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> flat(covariance.topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
+  const SymmetricEigen<Eigen::Matrix2d> flat(covariance.topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
   return worst_m + kNoise * std::sqrt(std::max(0.0, flat.eigenvalues()[1]));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/rail.h"
+#include "models/plane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,17 +10,15 @@
 namespace octant {
 namespace {
 
-constexpr double kSlack_m = 0.1;  // beyond what the vehicle can have moved
+constexpr double kRailSlack_m = 0.1;  // beyond what the vehicle can have moved
 constexpr double kDistinct = 5.0;
-constexpr double kDistinct_m = 1e-3;
+constexpr double kDistinctOnRail_m = 1e-3;
 
 bool has_length(const Rail& rail) {
   return rail.shape == Rail::Shape::kStraight ? (rail.to_m - rail.from_m).norm() > 1e-3 : rail.radius_m > 1e-3;
 }
 
 bool runs_on_rail(const SiteVehicle& vehicle) { return vehicle.rail && has_length(*vehicle.rail) && vehicle.receiver_count > 0; }
-
-Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
 }  // namespace
 
@@ -118,7 +117,7 @@ bool RailLocalizer::in_reach(const Fix& fix, const Place& place) const {
   if (!last.known) return true;
   const auto& motion = deployment_.vehicles[fix.vehicle.index()].motion;
   const double speed_mps = motion ? motion->speed_mps : options_.max_speed_mps;
-  const double reach_m = kSlack_m + options_.gate_sigmas * place.sigma_m + speed_mps * std::abs(fix.time_s - last.time_s);
+  const double reach_m = kRailSlack_m + options_.gate_sigmas * place.sigma_m + speed_mps * std::abs(fix.time_s - last.time_s);
   return std::abs(rail_wrapped_m(*rail_, place.s_m - last.s_m)) <= reach_m;
 }
 
@@ -132,7 +131,7 @@ FixStatus RailLocalizer::choose(std::span<const PairRange> pairs, const Fix& fix
   for (const Place& place : places_) {
     if (place.cost > chosen.cost + options_.ambiguity_margin) continue;
     const double apart_m = std::abs(rail_wrapped_m(*rail_, chosen.s_m - place.s_m));
-    if (apart_m > kDistinct * std::hypot(chosen.sigma_m, place.sigma_m) + kDistinct_m) return FixStatus::kAmbiguous;
+    if (apart_m > kDistinct * std::hypot(chosen.sigma_m, place.sigma_m) + kDistinctOnRail_m) return FixStatus::kAmbiguous;
   }
   // A single range has nothing to agree with but the last position.
   if (chosen.agreeing < 2 && !last_[fix.vehicle.index()].known)

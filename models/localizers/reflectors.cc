@@ -7,8 +7,9 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
+#include "models/decompositions.h"
+#include "models/plane.h"
 #include "models/pose.h"
 
 namespace octant {
@@ -16,11 +17,9 @@ namespace {
 
 constexpr double kSmallestSigma_rad = 1e-9;  // stands in where no noise is stated
 constexpr double kSmallestSight_m = 1e-6;
-constexpr int kSteps = 20, kRematches = 4;
+constexpr int kResectionSteps = 20, kRematches = 4;
 constexpr double kSameSigmas = 5.0;                 // hypotheses closer than this are one pose
 constexpr double kTight_m = 0.5, kTight_rad = 0.3;  // a prediction that may stand in for a search
-
-double square(double x) { return x * x; }
 
 Eigen::Vector3d difference(const ResectedPose& a, const ResectedPose& b) {
   return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(), wrap_angle(a.heading_rad - b.heading_rad)};
@@ -230,7 +229,7 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
   ResectedPose& pose = hypothesis.pose;
   for (int round = 0; round < kRematches; ++round) {
     bool converged = false;
-    for (int step = 0; step < kSteps && !converged; ++step) {
+    for (int step = 0; step < kResectionSteps && !converged; ++step) {
       Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
       information.setZero();
       for (std::size_t i = 0; i < bearings.size(); ++i) {
@@ -286,7 +285,7 @@ FixStatus Reflectors::judge(std::span<const Bearing> bearings, Hypothesis& best,
                             prediction_->cost(best.pose, options_.gate_sigmas) < 0.5 * square(3.0);
   if (matched < 3 || (matched == 3 && named < 3 && !is_predicted)) return FixStatus::kNoConsensus;
   const Eigen::Matrix3d covariance = information.ldlt().solve(Eigen::Matrix3d::Identity());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  const SymmetricEigen<Eigen::Matrix2d> axes(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
   if (!(axes.eigenvalues().minCoeff() >= 0) || !(axes.eigenvalues().maxCoeff() < square(options_.max_sigma_m)))
     return FixStatus::kPoorGeometry;
   for (const Hypothesis& other : best_) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/scan_lines.h"
+#include "models/plane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +9,6 @@
 
 namespace octant {
 namespace {
-
-double square(double x) { return x * x; }
 
 /// Line, ends and fit of a segment whose sums stand; the ends are those of the points given, brought onto the line.
 void settle(LineSegment& s, std::span<const Eigen::Vector2d> reach) {

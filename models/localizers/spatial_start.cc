@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
 
+#include "models/decompositions.h"
 #include "models/localizers/search_problem.h"
 
 namespace octant {
@@ -43,7 +43,7 @@ LinearPositions linear_positions(const SearchProblem& problem) {
     AtA += row * row.transpose();
     Atb += row * (q.squaredNorm() - mean_norm2 - r.range_m * r.range_m + mean_range2);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(AtA);
+  const SymmetricEigen<Eigen::Matrix4d> eigen(AtA);
   Eigen::Vector4d solution = Eigen::Vector4d::Zero();
   int rank = 0;
   for (int i = 0; i < 4; ++i) {

@@ -6,7 +6,10 @@
 #include <cmath>
 
 #include "models/linearise.h"
+#include "models/localizers/calibration_part.h"
+#include "models/localizers/chain_calibration.h"
 #include "models/localizers/chain_covariance.h"
+#include "models/localizers/correlated_arrivals.h"
 #include "models/localizers/drive_filter.h"
 #include "models/localizers/drive_start.h"
 #include "models/localizers/drive_tracker.h"
@@ -18,9 +21,9 @@
 namespace octant {
 namespace {
 
-constexpr int kMarkRounds = 5;
+constexpr int kSegmentMarkRounds = 5;
 
-void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
+void reset_segment_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
     t.arrivals[i].rejection = model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
@@ -118,16 +121,21 @@ bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& m
   return placed;
 }
 
-/// Robust adjustment of a placed segment from coarse to fine, then by plain squares with the outliers left out.
+/// Robust adjustment of a placed segment from coarse to fine, then by plain squares with the outliers left out. Arrivals are
+/// judged by their own sigmas and left with those that they are weighed by.
 bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
-  reset_marks(t, segment, model);
+  reset_segment_marks(t, segment, model);
   const WidenedArrivals widened(t, segment, model, options.range_slack_m);
+  CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kChanging);
   settle(t, segment, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 15);
   SettleResult result = settle(t, segment, model.state, {.late_scale = 2.5, .early_scale = 4.0}, 25);
-  for (int round = 0; round < kMarkRounds; ++round) {
+  for (int round = 0; round < kSegmentMarkRounds; ++round) {
+    sigmas.restore();
     if (!mark_arrivals(t, segment, model, 0.0, options.rejection_sigmas) && round > 0) break;
+    sigmas.weigh();
     result = settle(t, segment, model.state, RobustLoss{}, 20);
   }
+  sigmas.weigh();
   return std::isfinite(result.cost);
 }
 
@@ -135,6 +143,7 @@ Fix fix_at(const Trajectory& t, std::size_t first, std::size_t last) {
   Fix fix;
   fix.time_s = t.arrivals[first].time_s;
   fix.vehicle = t.vehicle;
+  fix.epoch = t.nodes[t.arrivals[first].node].epoch;
   for (std::size_t i = first; i < last; ++i) {
     fix.rejections.push_back(t.arrivals[i].rejection);
     ++(t.arrivals[i].rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
@@ -142,12 +151,15 @@ Fix fix_at(const Trajectory& t, std::size_t first, std::size_t last) {
   return fix;
 }
 
-/// Calls visit(first, last) for the arrivals of each distinct time.
+/// Calls visit(first, last) for the arrivals of each distinct time, or of each epoch.
 template <class Visitor>
 void for_each_instant(const Trajectory& t, const Segment& segment, Visitor&& visit) {
+  const auto together = [&t](const ArrivalObservation& a, const ArrivalObservation& b) {
+    return t.moving ? a.time_s == b.time_s : a.node == b.node;
+  };
   for (std::size_t first = segment.first_arrival; first < segment.last_arrival;) {
     std::size_t last = first;
-    while (last < segment.last_arrival && t.arrivals[last].time_s == t.arrivals[first].time_s) ++last;
+    while (last < segment.last_arrival && together(t.arrivals[last], t.arrivals[first])) ++last;
     visit(first, last);
     first = last;
   }
@@ -160,19 +172,28 @@ void unlocated(const Trajectory& t, const Segment& segment, std::vector<Fix>& fi
   });
 }
 
-void track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options,
-                  std::vector<Fix>& fixes) {
-  if (!place_segment(t, segment, model, options) || !smooth_segment(t, segment, model, options))
-    return unlocated(t, segment, fixes);
-  const ChainCovariance covariance = chain_covariance(t, segment, model.state);
+/// Whether it was possible.
+bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model, const CalibrationPart& calibration,
+                  const TrackerOptions& options, std::vector<Fix>& fixes) {
+  if (!place_segment(t, segment, model, options) || !smooth_segment(t, segment, model, options)) return false;
+  const ChainFactor factor = factor_chain(t, segment, model.state);
+  const ChainCovariance chain = chain_covariance(factor);
+  std::vector<DriveInstant> instants;
+  std::vector<PoseCovariance> covariances;
+  const std::size_t before = fixes.size();
   for_each_instant(t, segment, [&](std::size_t first, std::size_t last) {
     Fix fix = fix_at(t, first, last);
     const ArrivalObservation& a = t.arrivals[first];
     fix.T_map_vehicle = pose_at(t, a.node, a.alpha);
-    fix.status = covariance.ok ? FixStatus::kOk : FixStatus::kPoorGeometry;
-    if (covariance.ok) fix.covariance = covariance.planar_pose(a.node - segment.first_node, a.alpha);
+    fix.status = chain.ok ? FixStatus::kOk : FixStatus::kPoorGeometry;
+    instants.push_back({a.node, a.alpha});
+    if (chain.ok) covariances.emplace_back(chain.planar_pose(a.node - segment.first_node, a.alpha));
     fixes.push_back(fix);
   });
+  if (!chain.ok) return true;
+  add_drive_calibration(t, segment, model.state, factor, calibration, model.correlated.pair_sigma_s, instants, covariances);
+  for (std::size_t i = 0; i < covariances.size(); ++i) fixes[before + i].covariance = covariances[i];
+  return true;
 }
 
 /// Only what came before, as a robot sees it: odometry up to each instant, then its arrivals.
@@ -195,10 +216,28 @@ void track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment
   }
 }
 
-bool is_drive(const Trajectory& t, const Segment& segment) {
-  if (t.motion_prior) return segment.last_node - segment.first_node >= 2;
-  return t.moving && t.motion == Motion::kPlanar && !t.has_cycle_offset && segment.last_node - segment.first_node >= 2 &&
+/// Whether odometry ties all states of a segment to their neighbours.
+bool is_chained(const Trajectory& t, const Segment& segment) {
+  return t.motion == Motion::kPlanar && !t.has_cycle_offset && segment.last_node - segment.first_node >= 2 &&
          segment.last_odometry - segment.first_odometry + 1 == segment.last_node - segment.first_node;
+}
+
+bool needs_tracking(const Trajectory& t, const Segment& segment) {
+  if (t.motion_prior) return segment.last_node - segment.first_node >= 2;
+  return t.moving && is_chained(t, segment);
+}
+
+/// Each pose of a segment by what it hears alone.
+void fix_each_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model, const CalibrationPart& calibration,
+                    const TrackerOptions& options, std::vector<Fix>& fixes) {
+  EpochFixOptions epoch_options;
+  epoch_options.rejection_sigmas = options.rejection_sigmas;
+  epoch_options.range_slack_m = options.range_slack_m;
+  for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
+    const Segment epoch = node_segment(t, segment, node);
+    fixes.push_back(fix_epoch(t, epoch, model, epoch_options));
+    if (fixes.back().ok()) calibration.add_to(fixes.back().covariance, t, epoch, model.state);
+  }
 }
 
 }  // namespace
@@ -206,7 +245,7 @@ bool is_drive(const Trajectory& t, const Segment& segment) {
 bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions& options) {
   bool any = false;
   for (const Segment& segment : t.segments) {
-    if (!is_drive(t, segment)) continue;
+    if (!needs_tracking(t, segment)) continue;
     if (!place_segment(t, segment, model, options)) continue;
     any = smooth_segment(t, segment, model, options) || any;
   }
@@ -216,19 +255,23 @@ bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions
 std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, const TrackerOptions& options) {
   std::vector<Fix> fixes;
   const EpochFixModel model = epoch_fix_model(deployment);
-  EpochFixOptions epoch_options;
-  epoch_options.rejection_sigmas = options.rejection_sigmas;
-  epoch_options.range_slack_m = options.range_slack_m;
+  const CalibrationPart calibration(deployment);
   for (std::size_t v = 0; v < deployment.vehicles.size(); ++v) {
     Trajectory t = make_trajectory(log, 0, VehicleId(v), trajectory_model(deployment));
     for (const Segment& segment : t.segments) {
-      if (!is_drive(t, segment)) {
-        for (std::size_t node = segment.first_node; node < segment.last_node; ++node)
-          fixes.push_back(fix_epoch(t, node_segment(t, segment, node), model, epoch_options));
-      } else if (options.smooth || t.motion_prior) {
-        track_smooth(t, segment, model, options, fixes);
-      } else {
+      const bool drive = needs_tracking(t, segment), stops = !drive && is_chained(t, segment);
+      if (drive && !options.smooth && !t.motion_prior) {
         track_causal(log, VehicleId(v), deployment, options, fixes);
+        continue;
+      }
+      TrackerOptions search = options;
+      // Between two stops there may be minutes: how many of them are needed is not a matter of time.
+      if (stops) search.max_start_window_s = std::max(options.max_start_window_s, t.nodes[segment.last_node - 1].time_s - t.nodes[segment.first_node].time_s);
+      if ((drive || stops) && track_smooth(t, segment, model, calibration, search, fixes)) continue;
+      if (drive) {
+        unlocated(t, segment, fixes);
+      } else {
+        fix_each_epoch(t, segment, model, calibration, options, fixes);
       }
     }
   }

@@ -133,6 +133,32 @@ TEST_F(Check, ExchangedReceiversAreNamed) {
   EXPECT_THAT(check().err, HasSubstr("receivers r0 and r4 of robot are exchanged"));
 }
 
+TEST_F(Check, CalibrateNamesExchangedReceiversAndExportsNothing) {
+  rewrite([](auto& cells, const auto& header) {
+    std::string& receiver = cells[at(header, "receiver")];
+    receiver = receiver == "r0" ? "r4" : receiver == "r4" ? "r0" : receiver;
+    return true;
+  });
+  const Outcome refused = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "d.json", "--json", "--progress", "none"});
+  EXPECT_EQ(refused.exit, 6) << refused.out;
+  const auto object = refused.json();
+  EXPECT_EQ(object["verdict"]["grade"], "Contradicted");
+  ASSERT_EQ(object["verdict"]["contradictions"].size(), 1U) << "the rest are its consequences";
+  EXPECT_EQ(object["verdict"]["contradictions"][0]["kind"], "wiring");
+  EXPECT_THAT(object["error"]["message"].get<std::string>(), HasSubstr("receivers r0 and r4 of robot are exchanged"));
+  EXPECT_FALSE(std::filesystem::exists(box / "d.json"));
+}
+
+TEST_F(Check, WithoutEpochsCalibrateSaysSo) {
+  std::string text = slurp(hall("run/tof.csv"));
+  spit(hall("run/tof.csv"), std::regex_replace(text, std::regex("^([^,]*,)(.*)epoch"), "$1$2colour"));
+  const Outcome refused = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "d.json", "--json", "--progress", "none"});
+  EXPECT_EQ(refused.exit, 5) << refused.out;
+  EXPECT_THAT(refused.json()["error"]["advice"].get<std::string>(), HasSubstr("column epoch"));
+  EXPECT_THAT(refused.json()["error"]["message"].get<std::string>(), ::testing::Not(HasSubstr("approximate positions")));
+  EXPECT_THAT(check().err, HasSubstr("column epoch"));
+}
+
 TEST_F(Check, UndeterminedIsExit5WithCalibratesWords) {
   rewrite([](auto& cells, const auto& header) { return std::stoi(cells[at(header, "epoch")]) < 2; });
   const Outcome calibrate = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "d.json", "--json", "--progress", "none"});

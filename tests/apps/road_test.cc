@@ -63,6 +63,11 @@ TEST_F(Road, CalibrateSaysWhatTheContractNames) {
   EXPECT_EQ(object["beacons"][0]["status"], "control_point");
   EXPECT_EQ(object["beacons"][1]["position_m"].size(), 3u);
   EXPECT_EQ(object["beacons"][1]["sigma_m"].size(), 3u);
+  for (const char* kind : {"arrivals", "bearings", "poses"}) {
+    ASSERT_TRUE(object["left_out"].contains(kind)) << kind;
+    EXPECT_TRUE(object["left_out"][kind].contains("total") && object["left_out"][kind].contains("by_reason")) << kind;
+  }
+  EXPECT_EQ(object["left_out"]["arrivals"]["total"], object["rejected"]);
   EXPECT_EQ(object["receivers"].size(), 8u);
   EXPECT_EQ(object["receivers"][0]["vehicle"], "robot");
   EXPECT_THAT(outputs(), ElementsAre("d.json"));

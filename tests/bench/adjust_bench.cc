@@ -136,9 +136,8 @@ void report(benchmark::State& state, const Start& start, double cost) {
 }
 
 /// As `calibrate` does with a long log: an evenly spread part of the stops first, headings held until the beacons are about right.
-/// Returns about what the matrix of all then is.
-Eigen::MatrixXd adjust_part(const Start& start, const std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
-                            calib::AdjustOptions options) {
+void adjust_part(const Start& start, const std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
+                 calib::AdjustOptions options) {
   constexpr std::size_t kStops = 1200;
   const std::size_t every = std::max<std::size_t>(1, trajectories[0].segments.size() / kStops);
   std::vector<Trajectory> part = {some_segments(trajectories[0], every)};
@@ -148,7 +147,7 @@ Eigen::MatrixXd adjust_part(const Start& start, const std::vector<Trajectory>& t
     calib::adjust(start.problem, start.layout, part, x, options);
   }
   options.function_tolerance = kTolerance;
-  return *calib::adjust(start.problem, start.layout, part, x, options).data_information * static_cast<double>(every);
+  calib::adjust(start.problem, start.layout, part, x, options);
 }
 
 void adjust_tiles(benchmark::State& state) {
@@ -162,10 +161,8 @@ void adjust_tiles(benchmark::State& state) {
     std::vector<Trajectory> trajectories = start.trajectories;
     Eigen::VectorXd x = start.x;
     state.ResumeTiming();
-    calib::AdjustOptions of_all = options;
-    of_all.borrowed_matrix = adjust_part(start, trajectories, x, options);
-    of_all.matrix_wanted = false;
-    const calib::AdjustResult result = calib::adjust(start.problem, start.layout, trajectories, x, of_all);
+    adjust_part(start, trajectories, x, options);
+    const calib::AdjustResult result = calib::adjust(start.problem, start.layout, trajectories, x, options);
     cost = result.cost;
     state.counters["iterations"] = result.iterations;
   }

@@ -123,7 +123,7 @@ TEST_F(Recordings, LiasFast) {
   EXPECT_LT(median(off_reference(r, "lias-fast")), 0.10);
   EXPECT_LT(locate(r, "lias-fast/driven").position_rmse_m, 0.031);
   // Errors of a place and a pair: a program that says nothing of it is too sure of itself.
-  EXPECT_THAT(r.solution.warnings, testing::Contains(testing::HasSubstr("no white noise")));
+  EXPECT_THAT(r.solution.warnings, testing::Contains(testing::HasSubstr("errors are correlated")));
 }
 
 TEST_F(Recordings, LiasStatic) {

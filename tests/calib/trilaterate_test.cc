@@ -55,6 +55,34 @@ TEST(Trilaterate, AStraightTrackLeavesAMirrorImage) {
   EXPECT_NEAR(t.mirror_map_m.y(), -t.p_map_m.y(), 0.05);
 }
 
+TEST(Trilaterate, RaysTellTheSideOfAStraightTrack) {
+  TrilaterationOptions options{.held = {false, false, true}, .guess = {0, 0, 2.5}, .scale_m = 0.01};
+  for (const double side : {4.0, -4.0}) {
+    const std::vector<RangeFrom> ranges = ranges_to({3, side, 2.5}, {6, 0, 0}, 40, 0.003, 0.0, 3);
+    std::vector<RayFrom> rays;
+    for (const RangeFrom& r : ranges)
+      rays.push_back({r.p_map_m.head<2>(), std::atan2(side - r.p_map_m.y(), 3 - r.p_map_m.x()) + 0.02, 0.01});
+    const Trilateration t = trilaterate(ranges, options, rays);
+    ASSERT_TRUE(t.ok);
+    EXPECT_FALSE(t.has_mirror);
+    EXPECT_NEAR(t.p_map_m.y(), side, 0.1);
+    EXPECT_NEAR(mirror_image_of(t.p_map_m, ranges, options).value_or(Eigen::Vector3d::Zero()).y(), -side, 0.1);  // by the ranges alone
+  }
+}
+
+TEST(Trilaterate, RaysAloneGiveAPlace) {
+  TrilaterationOptions options{.held = {false, false, true}, .guess = {0, 0, 2.5}, .scale_m = 0.01};
+  std::vector<RayFrom> rays;
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector2d p(i, 0.2 * i * i);
+    rays.push_back({p, std::atan2(9 - p.y(), 4 - p.x()), 0.01});
+  }
+  rays[3].direction_rad += 1.0;
+  const Trilateration t = trilaterate({}, options, rays);
+  ASSERT_TRUE(t.ok);
+  EXPECT_LT((t.p_map_m - Eigen::Vector3d(4, 9, 2.5)).norm(), 0.05);
+}
+
 TEST(Trilaterate, HeldCoordinatesStay) {
   TrilaterationOptions options{.held = {false, false, true}, .guess = {0, 0, 1.7}, .scale_m = 0.05};
   const Trilateration t = trilaterate(ranges_to({3, 4, 1.7}, {5, 5, 0}, 30, 0.01, 0.0, 4), options);

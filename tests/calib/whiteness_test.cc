@@ -28,7 +28,7 @@ TEST(Whiteness, ABiasThatAPairKeepsIsSeenAndWarnedOf) {
   const calib::Whiteness w = calib::whiteness_of(solution.trajectories, solution.state);
   EXPECT_FALSE(w.white);
   EXPECT_GT(w.pair_ratio, 2.0);
-  EXPECT_THAT(solution.warnings, testing::Contains(testing::HasSubstr("no white noise")));
+  EXPECT_THAT(solution.warnings, testing::Contains(testing::HasSubstr("correlated")));
 }
 
 }  // namespace

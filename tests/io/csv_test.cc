@@ -88,6 +88,14 @@ TEST(Csv, MissingColumnsSayWhatIsThere) {
   EXPECT_THAT(headless.error()->message(), testing::HasSubstr("header row itself seems to be missing"));
 }
 
+TEST(Csv, AllMissingColumnsAreNamedAtOnceWithGuesses) {
+  CsvReader csv("Timestamp,anchor,range_m,receiver\n", "t.csv");
+  csv.read_header();
+  for (const char* name : {"time_s", "beacon", "tof_s"}) EXPECT_EQ(csv.require(name), -1);
+  EXPECT_THAT(csv.error()->message(), testing::HasSubstr("columns 'time_s', 'beacon', 'tof_s' are missing (columns: Timestamp, anchor, range_m, receiver)"));
+  EXPECT_THAT(csv.error()->message(), testing::HasSubstr("is it 'Timestamp' for 'time_s', 'anchor' for 'beacon', 'range_m' for 'tof_s'?"));
+}
+
 TEST(Csv, WholeNumbers) {
   CsvReader csv("a,b,c,d\n7,-7,7.0,9223372036854775807\n", "t.csv");
   csv.read_header();

@@ -127,6 +127,7 @@ TEST(DeploymentJson, NamesWhatIsWrongByPointerAndLine) {
       {"/medium/speed_mps", 300.0, "/medium/speed_mps is 300; expected"},
       {"/timing/delay_per", Json::array({"beacon", "room"}), "/timing/delay_per/1 is 'room'"},
       {"/noise/tof_sigma_s", 0.0, "a positive number"},
+      {"/noise/correlated", Json{{"sigma_s", -1e-9}}, "/noise/correlated/sigma_s"},
       {"/beacons/1/position_m", Json::array({1, 2}), "/beacons/1/position_m is an array of 2"},
       {"/beacons/1/position_m/2", nullptr, "/beacons/1/position_m/2 is null"},
       {"/beacons/1/position_m/2", "6", "/beacons/1/position_m/2 is '6'"},
@@ -191,6 +192,7 @@ Deployment some_deployment() {
               test::some_positive()};
   d.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()), test::some_positive(),
              test::some_positive()};
+  if (*rc::gen::arbitrary<bool>()) d.correlated_noise = {test::some_positive(), test::some_positive(), test::some_positive()};
   if (*rc::gen::arbitrary<bool>()) d.attenuation->half_power_angle_rad = 0.1 + 2 * test::some_fraction();
   if (*rc::gen::arbitrary<bool>()) d.attenuation->saturation_v = test::some_positive();
   if (*rc::gen::arbitrary<bool>()) d.attenuation.reset();
@@ -241,6 +243,8 @@ void assert_same(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.timing.delay_sigma_s == b.timing.delay_sigma_s && a.noise.tof_sigma_s == b.noise.tof_sigma_s);
   RC_ASSERT(a.noise.amplitude_relative_sigma == b.noise.amplitude_relative_sigma && a.noise.pair_sigma_s == b.noise.pair_sigma_s);
   RC_ASSERT(a.noise.bearing_sigma_rad == b.noise.bearing_sigma_rad && a.noise.range_sigma_m == b.noise.range_sigma_m);
+  RC_ASSERT(a.correlated_noise.sigma_s == b.correlated_noise.sigma_s && a.correlated_noise.time_s == b.correlated_noise.time_s);
+  RC_ASSERT(a.correlated_noise.pair_sigma_s == b.correlated_noise.pair_sigma_s);
   RC_ASSERT(a.attenuation.has_value() == b.attenuation.has_value());
   if (a.attenuation) {
     RC_ASSERT(a.attenuation->amplitude_1m_v == b.attenuation->amplitude_1m_v &&
@@ -271,6 +275,20 @@ void assert_same(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.inputs.size() == b.inputs.size() && a.inputs[0].path == b.inputs[0].path &&
             a.inputs[0].sha256 == b.inputs[0].sha256);
   RC_ASSERT(a.program_version == b.program_version && a.program_command == b.program_command && a.warnings == b.warnings);
+}
+
+TEST(DeploymentJson, AMarkStays) {
+  Deployment d = small_deployment();
+  EXPECT_FALSE(Json::parse(deployment_to_json(d)).contains("verdict"));
+  d.contradictions = {{ContradictionKind::kControlPoint, "B3", "here", "there", 12.5, "survey it again"}};
+  const std::string text = deployment_to_json(d);
+  EXPECT_EQ(Json::parse(text).at("verdict").at("grade"), "Contradicted");
+  const auto back = deployment_from_json(text, "d.json");
+  ASSERT_TRUE(back.has_value());
+  ASSERT_EQ(back->contradictions.size(), 1U);
+  const Contradiction &a = d.contradictions[0], &b = back->contradictions[0];
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(std::tie(a.subject, a.stated, a.found, a.sigmas, a.remedy), std::tie(b.subject, b.stated, b.found, b.sigmas, b.remedy));
 }
 
 TEST(DeploymentJson, ReadsBackWhatItWrote) {

@@ -84,6 +84,14 @@ TEST(RunFolder, CountsArrivalsThatAreNoMeasurement) {
   EXPECT_EQ(offset.arrivals.size(), 2u) << "negative ones are legal where the clock has an offset";
 }
 
+TEST(RunFolder, RowsThatStandThereTwiceCountOnce) {
+  const auto log = read_tof(kPlain + "1,B0,0.01\n1,B1,0.02\n1,B0,0.01\n2,B0,0.01\n2,B0,0.01\n").value();
+  EXPECT_EQ(log.rows, 5u);
+  EXPECT_EQ(log.arrivals.size(), 3u);
+  EXPECT_EQ(log.rejected.size(), 2u);
+  EXPECT_THAT(log.warnings, ElementsAre(HasSubstr("tof.csv:4: the row is a duplicate of another one; 2 arrivals rejected")));
+}
+
 TEST(RunFolder, WarnsOnceOfUnknownColumns) {
   const auto log = read_tof("time_s,beacon,tof_s,colour,ampltude_v\n1,B0,0.01,red,2\n2,B0,0.01,red,2\n").value();
   EXPECT_THAT(log.warnings, ElementsAre(HasSubstr("tof.csv: 2 unknown columns are ignored: colour, ampltude_v")));
@@ -103,6 +111,8 @@ TEST(RunFolder, SaysWhatIsWrongWithArrivals) {
       {"beacon,tof_s\n", 1, "column 'time_s' is missing"},
       {"time_s;beacon;tof_s\n1,5;B0;0,01\n", 1, "semicolons"},
       {kPlain + "1,B0,0.01\n1,B9,0.01\n", 3, "beacon 'B9' is not in the site; expected a beacon's id; did you mean"},
+      {kPlain + "1,B9,0.01\n1,B0,0.01\n2,B8,0.01\n3,C7,0.01\n4,B8,0.01\n", 2, "beacon 'B9' is not in the site, nor are B8, C7; expected"},
+      {kPlain + "1,Zebra,0.01\n", 2, "or add it to the site's beacons"},
       {kPlain + "1,,0.01\n", 2, "beacon is empty"},
       {kPlain + "1,B0,N/A\n", 2, "tof_s is 'N/A'; expected a number"},
       {kPlain + "1,B0,0.01s\n", 2, "tof.csv:2:6: tof_s is '0.01s'"},

@@ -64,5 +64,45 @@ TEST(Changes, KnownHeightIsNoDirectionToJudgeBy) {
   EXPECT_NEAR(*changes_between(before, now).beacons[1].p, 0.05, 2e-5);  // two degrees of freedom
 }
 
+TEST(Changes, ADelayIsAPartOfTheTest) {
+  Deployment before = full_report().plan.deployment;
+  before.timing.delay_per.beacon = true;
+  for (DeploymentBeacon& b : before.beacons) b.delay_sigma_s = 1e-5;
+  Deployment now = before;
+  now.beacons[1].delay_s += 178e-6;  // 12.6 sigma
+  const Changes changes = changes_between(before, now);
+  EXPECT_TRUE(changes.beacons[1].delay_significant);
+  EXPECT_TRUE(changes.beacons[1].changed());
+  EXPECT_FALSE(changes.beacons[1].moved());
+  EXPECT_FALSE(changes.beacons[2].changed());
+  EXPECT_TRUE(changes.doubted_control_points.empty());
+  now.timing.delay_per = {};  // the site's one delay is nobody's own
+  EXPECT_FALSE(changes_between(before, now).beacons[1].delay_p.has_value());
+}
+
+/// A control point that was knocked: its delay gives way, and the others with it. They are not accused.
+TEST(Changes, ADoubtfulControlPointMayExplainTheShiftsOfOthers) {
+  Deployment before = full_report().plan.deployment;
+  before.timing.delay_per.beacon = true;
+  for (DeploymentBeacon& b : before.beacons) b.delay_sigma_s = 1e-5;
+  Deployment now = before;
+  ASSERT_EQ(now.beacons[0].status, BeaconStatus::kControlPoint);
+  now.beacons[0].delay_s -= 387e-6;
+  now.beacons[1].position_m.x() += 0.05;
+  const Changes changes = changes_between(before, now);
+  EXPECT_EQ(changes.doubted_control_points, std::vector<std::string>{now.beacons[0].name});
+  EXPECT_TRUE(changes.beacons[1].by_datum);
+  EXPECT_FALSE(changes.beacons[1].moved());
+}
+
+TEST(Changes, AnotherSourceOfTheScaleIsNoOtherFrame) {
+  Deployment before = full_report().plan.deployment, now = before;
+  before.datum.scale = "control points, medium, odometry";
+  now.datum.scale = "control points, medium";
+  EXPECT_TRUE(changes_between(before, now).same_datum);
+  std::reverse(now.datum.control_points.begin(), now.datum.control_points.end());
+  EXPECT_TRUE(changes_between(before, now).same_datum);
+}
+
 }  // namespace
 }  // namespace octant::survey

@@ -68,8 +68,14 @@ TEST(Evaluate, NeverBeyondTheEndsNorOverGaps) {
   EXPECT_EQ(evaluate({fix_at(9.99, here), fix_at(11.01, here)}, kStraight, kExact, Motion::kPlanar, {}).matched, 0u);
   // A rounding error beside the last sample is still that sample.
   EXPECT_EQ(evaluate({fix_at(11.0 + 1e-9, here), fix_at(10.0 - 1e-9, here)}, kStraight, kExact, Motion::kPlanar, {}).matched, 2u);
-  const std::vector<TimedPose> sparse = {{0.0, here}, {100.0, here}};
+  const std::vector<TimedPose> sparse = {{0.0, here}, {100.0, Pose::planar(0.01, 0, 0)}};
   EXPECT_EQ(evaluate({fix_at(0.0, here), fix_at(50.0, here), fix_at(100.0, here)}, sparse, kExact, Motion::kPlanar, {}).matched, 2u);
+}
+
+TEST(Evaluate, AVehicleThatStandsHasAReferenceHoweverSeldomItIsRead) {
+  const Pose here = Pose::planar(3, 2, 1);
+  const std::vector<TimedPose> stops = {{0.0, here}, {60.0, here}, {500.0, Pose::planar(9, 2, 1)}, {560.0, Pose::planar(9, 2, 1)}};
+  EXPECT_EQ(evaluate({fix_at(30.0, here), fix_at(250.0, here), fix_at(530.0, here)}, stops, kExact, Motion::kPlanar, {}).matched, 2u);
 }
 
 TEST(Evaluate, NothingMatchedNeverPasses) {

@@ -49,7 +49,7 @@ ReportInput full_report() {
   input.losses = {{"B1", 0.8, 1.9, 4.0, input.plan.maps[0]}, {"B2", 0.9, 1.5, 3.0, input.plan.maps[0]}};
   input.no_loss = BeaconLoss{"", 1.0, 1.2, 2.0, input.plan.maps[0]};
   input.loss_name = "HDOP";
-  input.changes = Changes{"2025-01-01T00:00:00Z", true, {{"B1", {0.02, 0, 0}, {0.003, 0.003, 0.003}, 1e-9, 1e-6, 2e-6, true}}, {"B9"}, {"B2"}, 0.1, 0.2};
+  input.changes = Changes{"2025-01-01T00:00:00Z", true, {{"B1", {0.02, 0, 0}, {0.003, 0.003, 0.003}, 1e-9, 1e-6, 2e-6, {}, true}}, {"B9"}, {"B2"}, kSignificance, {}, 0.1, 0.2};
   input.warnings = {"run/tof.csv:3: odd"};
   input.command = "octant report deployment.json -o report.html";
   input.options = {"threads 2"};

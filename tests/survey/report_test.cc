@@ -98,6 +98,20 @@ TEST(Report, TextFromDataIsText) {
   EXPECT_THAT(page(report_full_of("\xe2\x80\xa8 line separator")), HasSubstr("\\u2028 line separator"));
 }
 
+TEST(Report, WhatTheDataContradictStandsBeforeAllElse) {
+  ReportInput input = full_report();
+  input.evaluation.reset();
+  input.plan.deployment.tolerance.beacon_m = 1.0;
+  input.plan.deployment.contradictions = {{ContradictionKind::kControlPoint, "B3", "at (1, 2, 3) m", "at (1, 2, 4) m", 12.0, "survey B3 again"}};
+  const Verdict v = verdict(input);
+  EXPECT_EQ(v.grade, Grade::kContradicted);
+  EXPECT_THAT(v.sentence, HasSubstr("Control point B3: stated at (1, 2, 3) m, found at (1, 2, 4) m (12 sigma)."));
+  EXPECT_EQ(next_steps(input).front(), "Survey B3 again.");
+  EXPECT_THAT(report_markdown(input), HasSubstr("Contradicted"));
+  input.outcome = Outcome::kRefused;
+  EXPECT_EQ(verdict(input).grade, Grade::kRefused);
+}
+
 TEST(Report, VerdictFollowsTheGates) {
   ReportInput input = full_report();
   input.evaluation.reset();

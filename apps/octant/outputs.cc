@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/outputs.h"
+
+#include <filesystem>
+#include <map>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "io/run_folder.h"
+
+namespace octant::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMostLinks = 40;  ///< as many as Linux follows
+
+/// Where a file that may not be there yet would be written: links followed, folders spelled one way.
+fs::path resolved(fs::path path) {
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(path, error); ++i) {
+    const fs::path target = fs::read_symlink(path, error);
+    if (error) break;
+    path = target.is_absolute() ? target : path.parent_path() / target;
+  }
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const fs::path canonical = fs::weakly_canonical(folder, error);
+  return (error ? folder : canonical) / path.filename();
+}
+
+bool is_no_file(const std::string& name) {
+  std::error_code error;
+  if (name.empty() || name == "-") return true;
+  const fs::file_status status = fs::status(name, error);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);  // pipes and devices keep nothing
+}
+
+/// Names by which a file is told apart: where it lies, and (through hard links) what lies there.
+std::vector<std::string> identities(const fs::path& file) {
+  std::vector<std::string> names = {resolved(file).string()};
+  struct stat status {};
+  if (::stat(file.c_str(), &status) == 0) names.push_back(fmt::format("{}:{}", status.st_dev, status.st_ino));
+  return names;
+}
+
+/// The files behind an input: itself, or all of a run folder, there or not.
+std::vector<fs::path> files_of(const std::string& input) {
+  std::error_code error;
+  if (!fs::is_directory(input, error)) return {input};
+  std::vector<fs::path> files;
+  for (const std::string_view name : io::kRunFiles) files.push_back(fs::path(input) / name);
+  return files;
+}
+
+tl::unexpected<Error> refused(const std::string& output, const std::string& what) {
+  return fail({.code = Errc::kUsage, .file = output, .found = what, .expected = "a file of its own for each output",
+               .advice = "nothing was read or written"});
+}
+
+}  // namespace
+
+Result<void> check_no_overwriting(const CommandFiles& files) {
+  std::map<std::string, std::string> taken;  // identity to what is said of it
+  for (const std::string& input : files.inputs) {
+    if (is_no_file(input)) continue;
+    for (const fs::path& file : files_of(input))
+      for (const std::string& identity : identities(file)) taken.emplace(identity, fmt::format("would be written over the input '{}'", file.string()));
+  }
+  const auto take = [&taken](const std::string& named, const fs::path& file) -> Result<void> {
+    const std::vector<std::string> names = identities(file);
+    for (const std::string& identity : names)
+      if (const auto found = taken.find(identity); found != taken.end()) return refused(named, found->second);
+    for (const std::string& identity : names) taken.emplace(identity, fmt::format("is the output '{}' too", file.string()));
+    return {};
+  };
+  for (const std::string& name : files.outputs)
+    if (auto free = is_no_file(name) ? Result<void>() : take(name, name); !free) return free;
+  for (const std::string& folder : files.run_outputs)
+    for (const std::string_view name : io::kRunFiles)
+      if (auto free = take(folder, fs::path(folder) / name); !free) return free;
+  return {};
+}
+
+}  // namespace octant::app

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: rows of tof.csv that stand there twice.
+
+#include <cstddef>
+#include <vector>
+
+#include "models/run.h"
+
+namespace octant::io {
+
+/// Drops arrivals that repeat another one of the same time in everything but their line: a row that is written twice is one
+/// measurement. Follows the rows in the order of the file, which is that of their times.
+class RepeatedRows {
+ public:
+  /// Looks at the arrivals from `first` on, which follow those of the call before, and removes the repeated ones.
+  /// @return  lines of those removed
+  [[nodiscard]] std::vector<int> drop(std::vector<Arrival>& all, std::size_t first);
+
+ private:
+  std::vector<Arrival> latest_;  ///< those seen so far at the latest time
+};
+
+}  // namespace octant::io

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+namespace octant {
+
+/// A vector of the plane turned by a quarter counter-clockwise.
+[[nodiscard]] inline Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+
+/// z component of the cross product: positive where b lies to the left of a.
+[[nodiscard]] inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+[[nodiscard]] inline double square(double x) { return x * x; }
+
+}  // namespace octant

@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// What the user stated against what the data say, and the recording against itself.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/calib/calib_support.h"
+
+namespace octant::test {
+namespace {
+
+using calib::SolveStatus;
+using testing::AnyOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Scenario sixty_stops() {
+  Scenario s = hall_scenario();
+  s.path.epochs = 60;
+  return s;
+}
+
+std::string all_in_words(const calib::Solution& solution) {
+  std::string text;
+  for (const Contradiction& c : solution.contradictions) text += in_words(c) + "\n";
+  return text;
+}
+
+/// The one contradiction that is to be found.
+Contradiction only(const calib::Solution& solution) {
+  EXPECT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
+  EXPECT_EQ(solution.contradictions.size(), 1U) << all_in_words(solution);
+  return solution.contradictions.empty() ? Contradiction{} : solution.contradictions.front();
+}
+
+TEST(Statements, TruthfulSitesAreNotContradicted) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Scenario s = sixty_stops();
+    s.echo_fraction = seed % 2 == 0 ? 0.1 : 0.0;
+    EXPECT_THAT(all_in_words(solution_of(must(simulate(s, seed)))), IsEmpty()) << "seed " << seed;
+  }
+}
+
+TEST(Statements, AControlPointThatIsOffIsNamed) {
+  for (const double off_m : {0.1, 1.0}) {
+    World world = must(simulate(sixty_stops(), 3));
+    *world.site.beacons[3].position_m[0] += off_m;
+    const Contradiction c = only(solution_of(world));
+    EXPECT_EQ(c.kind, ContradictionKind::kControlPoint);
+    EXPECT_EQ(c.subject, "B3");
+    EXPECT_GT(c.sigmas, 5.0);
+    EXPECT_THAT(c.remedy, HasSubstr("B3"));
+  }
+}
+
+TEST(Statements, ExchangedControlPointsAreNamed) {
+  Scenario s = sixty_stops();
+  s.site.beacons[1].sigma_m = {0.0, 0.0, 0.0};  // a fourth one: of three, two that are exchanged leave a single good one
+  World world = must(simulate(s, 4));
+  std::swap(world.site.beacons[0].position_m, world.site.beacons[6].position_m);
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.kind, ContradictionKind::kExchanged);
+  EXPECT_THAT(c.subject, AnyOf("B0, B6", "B6, B0"));
+}
+
+TEST(Statements, DegreesFahrenheitAreRecognised) {
+  World world = must(simulate(sixty_stops(), 5));
+  world.site.medium.temperature_degC = 1.8 * world.site.medium.temperature_degC + 32;
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.kind, ContradictionKind::kSpeed);
+  EXPECT_THAT(c.found, HasSubstr("Fahrenheit"));
+  EXPECT_THAT(c.remedy, HasSubstr("Celsius"));
+}
+
+TEST(Statements, AThermometerThatIsOffIsNotTakenForFahrenheit) {
+  Scenario s = sixty_stops();
+  s.site.speed_sigma_mps = 0.3;
+  s.true_temperature_offset_degC = -8.0;
+  const Contradiction c = only(solution_of(must(simulate(s, 6))));
+  EXPECT_EQ(c.kind, ContradictionKind::kSpeed);
+  EXPECT_THAT(c.found, testing::Not(HasSubstr("Fahrenheit")));
+  EXPECT_THAT(c.remedy, HasSubstr("thermometer"));
+}
+
+TEST(Statements, AReceiverOutOfItsPlaceIsNamed) {
+  World world = must(simulate(sixty_stops(), 7));
+  world.site.receivers[2].position_m.x() += 0.04;
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.kind, ContradictionKind::kReceiver);
+  EXPECT_EQ(c.subject, "robot/" + world.site.receivers[2].name);
+}
+
+TEST(Statements, ADelayBlockThatIsMissingIsNamed) {
+  World world = must(simulate(sixty_stops(), 8));
+  world.site.timing.delay_per = {};
+  world.site.timing.delay_s = world.site.timing.delay_sigma_s = 0.0;
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.kind, ContradictionKind::kDelay);
+  EXPECT_THAT(c.remedy, HasSubstr("delay_per"));
+}
+
+TEST(Statements, ADelayFarFromItsPriorIsNamed) {
+  Scenario s = sixty_stops();
+  s.true_delay_s = {9e-5, 1.1e-4};
+  World world = must(simulate(s, 9));
+  world.site.timing.delay_sigma_s = 2e-5;
+  for (Arrival& a : world.run.arrivals)
+    if (a.beacon.index() == 4) a.tof_s += 3e-4;
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.kind, ContradictionKind::kDelay);
+  EXPECT_EQ(c.subject, "B4");
+}
+
+TEST(Statements, ATapeThatIsOffIsNamed) {
+  World world = must(simulate(sixty_stops(), 10));
+  const double true_m = (world.truth.beacons[1].position_m - world.truth.beacons[5].position_m).norm();
+  world.site.distances.push_back({BeaconId(1), BeaconId(5), true_m + 0.3, 0.003});
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.kind, ContradictionKind::kDistance);
+  EXPECT_THAT(c.subject, HasSubstr("B5"));
+}
+
+TEST(Statements, NoiseThatIsLargerThanStatedIsNoContradiction) {
+  World world = must(simulate(sixty_stops(), 11));
+  world.site.noise.tof_sigma_s /= 4;
+  const calib::Solution solution = solution_of(world);
+  EXPECT_THAT(all_in_words(solution), IsEmpty());
+  EXPECT_THAT(solution.warnings, Contains(HasSubstr("noise")));
+}
+
+TEST(Statements, ErrorsThatAPairKeepsAreNoContradiction) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Scenario s = hall_scenario();
+    World world = must(simulate(s, seed));
+    std::mt19937_64 engine(seed);
+    std::normal_distribution<double> normal;
+    std::map<std::pair<std::size_t, std::size_t>, std::pair<double, std::int64_t>> bias;  // of each pair, and of which epoch
+    const double memory = std::exp(-1.0 / 20);
+    for (Arrival& a : world.run.arrivals) {
+      auto [at, is_new] = bias.try_emplace({a.beacon.index(), a.receiver.index()}, std::pair{normal(engine), a.epoch});
+      for (; at->second.second < a.epoch; ++at->second.second)
+        at->second.first = memory * at->second.first + std::sqrt(1 - memory * memory) * normal(engine);
+      a.tof_s += 3e-5 * at->second.first;
+    }
+    EXPECT_THAT(all_in_words(solution_of(world)), IsEmpty()) << "seed " << seed;
+  }
+}
+
+/// Arrivals of one world, and from some time on those of another one for which `other` holds.
+template <class Other>
+void take_over(const World& later, Other&& other, World& world) {
+  std::map<std::pair<double, std::pair<std::size_t, std::size_t>>, double> times;
+  for (const Arrival& a : later.run.arrivals) times[{std::round(a.time_s * 10), {a.beacon.index(), a.receiver.index()}}] = a.tof_s;
+  for (Arrival& a : world.run.arrivals) {
+    const auto found = times.find({std::round(a.time_s * 10), {a.beacon.index(), a.receiver.index()}});
+    if (other(a) && found != times.end()) a.tof_s = found->second;
+  }
+}
+
+TEST(Agreement, ABeaconThatMovedHalfWayIsNamed) {
+  Scenario s = without_noise(sixty_stops());
+  const World first = must(simulate(s, 12));
+  *s.site.beacons[4].position_m[1] += 0.1;  // along its rays: what is found of moves begins with arrivals that are left out
+  const World second = must(simulate(s, 12));
+  World world = first;
+  world.site.noise.tof_sigma_s = 1e-5;
+  const double half_s = 0.5 * (world.run.arrivals.front().time_s + world.run.arrivals.back().time_s);
+  take_over(second, [&](const Arrival& a) { return a.beacon.index() == 4 && a.time_s > half_s; }, world);
+  std::mt19937_64 engine(12);
+  std::normal_distribution<double> normal(0.0, 1e-5);
+  for (Arrival& a : world.run.arrivals) a.tof_s += normal(engine);
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.kind, ContradictionKind::kBeacon);
+  EXPECT_EQ(c.subject, "B4");
+  EXPECT_THAT(c.found, HasSubstr("move"));
+}
+
+TEST(Agreement, ABeaconThatIsLateBehindAnObstacleIsNamedAndHarmsNothing) {
+  World world = must(simulate(sixty_stops(), 13));
+  for (Arrival& a : world.run.arrivals)
+    if (a.beacon.index() == 5 && a.epoch % 2 == 0) a.tof_s += 0.3 / 343;
+  const calib::Solution solution = solution_of(world);
+  EXPECT_THAT(all_in_words(solution), IsEmpty());
+  EXPECT_THAT(solution.warnings, Contains(HasSubstr("beacon B5")));
+  EXPECT_LT(worst_beacon_m(world, solution), 0.02);
+}
+
+void expect_a_moved_stop_to_be_named(Ranging ranging) {
+  Scenario s = hall_scenario();
+  s.site.timing.ranging = ranging;
+  s.hearing_half_angle_rad = 3.2;
+  s.path.kind = PathKind::kStations;
+  s.path.epochs = 40;
+  for (int k = 0; k < 40; ++k) s.path.stations.emplace_back(3.0 + 0.35 * k, 6.0 + 4.0 * std::sin(0.7 * k), 0.5 * k);
+  const World still = must(simulate(s, 14));
+  s.path.stations[17].x() += 0.05;
+  const World moved = must(simulate(s, 14));
+  World world = still;
+  std::vector<double> times;
+  const std::int64_t epoch = world.run.arrivals.front().epoch + 17;
+  for (const Arrival& a : world.run.arrivals)
+    if (a.epoch == epoch) times.push_back(a.time_s);
+  ASSERT_FALSE(times.empty());
+  std::sort(times.begin(), times.end());
+  take_over(moved, [&](const Arrival& a) { return a.epoch == epoch && a.time_s > times[times.size() / 2]; }, world);
+  const calib::Solution solution = solution_of(world);
+  EXPECT_THAT(all_in_words(solution), IsEmpty());
+  EXPECT_THAT(solution.warnings, Contains(HasSubstr("stops: stops " + std::to_string(epoch) + " ")));
+}
+
+TEST(Agreement, AStopDuringWhichTheVehicleMovedIsNamed) { expect_a_moved_stop_to_be_named(Ranging::kOneWay); }
+TEST(Agreement, AStopOfTwoWayRangingDuringWhichTheVehicleMovedIsNamed) { expect_a_moved_stop_to_be_named(Ranging::kTwoWay); }
+
+}  // namespace
+}  // namespace octant::test
