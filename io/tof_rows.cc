@@ -68,6 +68,11 @@ void TofRefusals::add(Refusal refusal, int line, std::string_view text) {
   rows_.push_back({line, kReasons[kind]});
 }
 
+std::vector<RejectedRow> TofRefusals::take() {
+  std::stable_sort(rows_.begin(), rows_.end(), [](const RejectedRow& a, const RejectedRow& b) { return a.line < b.line; });
+  return std::exchange(rows_, {});
+}
+
 void TofRefusals::warn(const std::string& file, std::vector<std::string>& warnings) const {
   for (std::size_t kind = 1; kind < counts_.size(); ++kind) {
     const Count& c = counts_[kind];

@@ -55,8 +55,8 @@ enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive, kRepeated };
 class TofRefusals {
  public:
   void add(Refusal refusal, int line, std::string_view text);
-  /// Those since the last call.
-  [[nodiscard]] std::vector<RejectedRow> take() { return std::exchange(rows_, {}); }
+  /// Those since the last call, by line: repeated rows are found after the others of their piece.
+  [[nodiscard]] std::vector<RejectedRow> take();
   void warn(const std::string& file, std::vector<std::string>& warnings) const;
 
  private:
