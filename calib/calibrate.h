@@ -5,9 +5,9 @@
 #include <functional>
 #include <string>
 
-#include "calib/parameters.h"
-#include "calib/problem.h"
-#include "calib/ranks.h"
+#include "calib/problem/parameters.h"
+#include "calib/problem/problem.h"
+#include "calib/adjust/ranks.h"
 #include "calib/solution.h"
 
 namespace octant::calib {

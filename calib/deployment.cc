@@ -5,9 +5,9 @@
 
 #include "calib/calibrate.h"
 #include "calib/deployment_head.h"
-#include "calib/validity.h"
-#include "calib/variances.h"
-#include "models/linearise.h"
+#include "calib/verdict/validity.h"
+#include "calib/errors/variances.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 namespace {

@@ -9,11 +9,11 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-#include "calib/error_model.h"
-#include "calib/reliability.h"
+#include "calib/errors/error_model.h"
+#include "calib/errors/reliability.h"
 #include "models/deployment.h"
-#include "models/shared_state.h"
-#include "models/trajectory.h"
+#include "models/trajectory/shared_state.h"
+#include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
 

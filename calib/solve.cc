@@ -6,14 +6,14 @@
 #include <optional>
 #include <utility>
 
-#include "calib/adjust.h"
-#include "calib/approach.h"
+#include "calib/adjust/adjust.h"
+#include "calib/start/approach.h"
 #include "calib/calibrate.h"
-#include "calib/conclude.h"
-#include "calib/flips.h"
-#include "calib/long_log.h"
-#include "calib/reject.h"
-#include "calib/statistics.h"
+#include "calib/verdict/conclude.h"
+#include "calib/problem/flips.h"
+#include "calib/stream/long_log.h"
+#include "calib/adjust/reject.h"
+#include "calib/errors/statistics.h"
 
 namespace octant::calib {
 

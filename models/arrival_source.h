@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "models/result.h"
+#include "models/support/result.h"
 #include "models/run.h"
 
 namespace octant {

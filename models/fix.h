@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "models/ids.h"
-#include "models/pose.h"
+#include "models/physics/pose.h"
 #include "models/run.h"
 
 namespace octant {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "models/ids.h"
-#include "models/pose.h"
+#include "models/physics/pose.h"
 
 namespace octant {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "models/attenuation.h"
+#include "models/physics/attenuation.h"
 
 namespace octant {
 namespace {

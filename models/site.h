@@ -10,10 +10,10 @@
 
 #include <Eigen/Core>
 
-#include "models/attenuation.h"
+#include "models/physics/attenuation.h"
 #include "models/ids.h"
-#include "models/medium.h"
-#include "models/pose.h"
+#include "models/physics/medium.h"
+#include "models/physics/pose.h"
 
 namespace octant {
 

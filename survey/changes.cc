@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "models/decompositions.h"
+#include "models/trajectory/decompositions.h"
 
 
 namespace octant::survey {

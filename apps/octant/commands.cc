@@ -9,7 +9,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "apps/octant/steps.h"
+#include "apps/octant/steps/steps.h"
 
 namespace octant::app {
 

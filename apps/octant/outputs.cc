@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "io/run_folder.h"
+#include "io/run/run_folder.h"
 
 namespace octant::app {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "models/result.h"
+#include "models/support/result.h"
 
 namespace octant::app {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/ranks.h"
+#include "calib/adjust/ranks.h"
 
 namespace octant::app {
 

@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "models/result.h"
+#include "models/support/result.h"
 
 namespace octant::app {
 

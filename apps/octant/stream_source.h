@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/octant/session.h"
-#include "io/run_stream.h"
+#include "io/run/run_stream.h"
 #include "models/arrival_source.h"
 
 namespace octant::app {

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "io/atomic_file.h"
-#include "io/deployment_json.h"
-#include "io/scene_yaml.h"
-#include "io/site_yaml.h"
+#include "io/text/atomic_file.h"
+#include "io/deployment/deployment_json.h"
+#include "io/site/scene_yaml.h"
+#include "io/site/site_yaml.h"
 
 namespace octant::app {
 namespace {

@@ -9,7 +9,7 @@
 #include "models/deployment.h"
 #include "models/scene.h"
 #include "models/site.h"
-#include "survey/survey_model.h"
+#include "survey/geometry/survey_model.h"
 
 namespace octant::app {
 

@@ -7,15 +7,15 @@
 #include <memory>
 #include <string>
 
-#include "models/localizers/binaural.h"
-#include "models/localizers/epoch_fix.h"
-#include "models/localizers/head_tail.h"
-#include "models/localizers/kleeman.h"
-#include "models/localizers/localizer.h"
-#include "models/localizers/one_beacon.h"
-#include "models/localizers/rail.h"
-#include "models/localizers/reflectors.h"
-#include "models/localizers/tracker.h"
+#include "models/localizers/binaural/binaural.h"
+#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/head_tail/head_tail.h"
+#include "models/localizers/kleeman/kleeman.h"
+#include "models/localizers/common/localizer.h"
+#include "models/localizers/rail/one_beacon.h"
+#include "models/localizers/rail/rail.h"
+#include "models/localizers/reflectors/reflectors.h"
+#include "models/localizers/drive/tracker.h"
 
 namespace octant {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "models/deployment.h"
 #include "models/fix.h"
-#include "models/localizers/kleeman_heading.h"
-#include "models/localizers/line_map.h"
-#include "models/result.h"
+#include "models/localizers/kleeman/kleeman_heading.h"
+#include "models/localizers/line_map/line_map.h"
+#include "models/support/result.h"
 #include "models/run.h"
 
 namespace octant {

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/run_folder.h"
+#include "io/run/run_folder.h"
 #include "tests/apps/process.h"
 
 namespace octant::test {

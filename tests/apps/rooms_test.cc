@@ -84,6 +84,14 @@ TEST(Rooms, EverySourceNamesItsLicence) {
   }
 }
 
+TEST(Rooms, NoFolderHoldsMoreThanOneSeesAtAGlance) {
+  std::map<std::filesystem::path, int> sources;
+  for (const auto& [room, allowed] : kMayInclude)
+    for_each_source(room, [&](const std::filesystem::path& file) { ++sources[file.parent_path()]; });
+  EXPECT_GT(sources.size(), 30u);
+  for (const auto& [folder, count] : sources) EXPECT_LE(count, 25) << folder;
+}
+
 TEST(Rooms, EachHasAShortReadme) {
   for (const char* room : {"models", "io", "calib", "survey", "apps", "tests", "datasets"}) {
     const std::string path = std::string(OCTANT_SOURCE_DIR) + "/" + room + "/README.md";

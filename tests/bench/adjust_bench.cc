@@ -17,12 +17,12 @@
 #include <benchmark/benchmark.h>
 #include <ceres/ceres.h>
 
-#include "calib/adjust.h"
+#include "calib/adjust/adjust.h"
 #include "calib/calibrate.h"
-#include "calib/start.h"
-#include "calib/tile_sum.h"
-#include "io/run_folder.h"
-#include "io/site_yaml.h"
+#include "calib/start/start.h"
+#include "calib/adjust/tile_sum.h"
+#include "io/run/run_folder.h"
+#include "io/site/site_yaml.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {

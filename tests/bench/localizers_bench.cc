@@ -5,11 +5,11 @@
 
 #include <benchmark/benchmark.h>
 
-#include "io/scenario_yaml.h"
-#include "models/localizers/drive_tracker.h"
-#include "models/localizers/line_map.h"
+#include "io/site/scenario_yaml.h"
+#include "models/localizers/drive/drive_tracker.h"
+#include "models/localizers/line_map/line_map.h"
 #include "models/localizers/methods.h"
-#include "models/localizers/odometry_track.h"
+#include "models/localizers/drive/odometry_track.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {

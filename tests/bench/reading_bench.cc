@@ -11,10 +11,10 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "io/atomic_file.h"
-#include "io/run_folder.h"
-#include "io/run_stream.h"
-#include "models/random.h"
+#include "io/text/atomic_file.h"
+#include "io/run/run_folder.h"
+#include "io/run/run_stream.h"
+#include "models/simulator/random.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {

@@ -6,9 +6,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "models/random.h"
-#include "survey/plain_hdop.h"
-#include "survey/survey.h"
+#include "models/simulator/random.h"
+#include "survey/geometry/plain_hdop.h"
+#include "survey/map/survey.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {

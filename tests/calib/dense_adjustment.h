@@ -10,7 +10,7 @@
 #include <Eigen/QR>
 
 #include "calib/calibrate.h"
-#include "models/linearise.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant::test {
 

@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "models/linearise.h"
-#include "models/localizers/epoch_fix.h"
-#include "models/localizers/tracker.h"
+#include "models/trajectory/linearise.h"
+#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/drive/tracker.h"
 #include "tests/calib/calib_support.h"
 #include "tests/support/statistics.h"
 

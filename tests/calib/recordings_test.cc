@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "io/run_folder.h"
-#include "io/site_yaml.h"
-#include "models/localizers/epoch_fix.h"
-#include "models/localizers/tracker.h"
+#include "io/run/run_folder.h"
+#include "io/site/site_yaml.h"
+#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/drive/tracker.h"
 #include "survey/evaluate.h"
 #include "tests/calib/calib_support.h"
 

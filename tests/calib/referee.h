@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "calib/calibrate.h"
-#include "calib/problem.h"
+#include "calib/problem/problem.h"
 
 namespace octant::test {
 

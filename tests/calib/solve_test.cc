@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "models/localizers/epoch_fix.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "tests/calib/calib_support.h"
 #include "tests/support/statistics.h"
 

@@ -9,12 +9,12 @@
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 
-#include "calib/adjust.h"
-#include "calib/covariance.h"
-#include "calib/observability.h"
-#include "calib/sparse_factor.h"
-#include "calib/statistics.h"
-#include "calib/variances.h"
+#include "calib/adjust/adjust.h"
+#include "calib/adjust/covariance.h"
+#include "calib/verdict/observability.h"
+#include "calib/adjust/sparse_factor.h"
+#include "calib/errors/statistics.h"
+#include "calib/errors/variances.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "io/deployment_json.h"
-#include "io/run_folder.h"
-#include "io/scenario_yaml.h"
-#include "io/site_yaml.h"
+#include "io/deployment/deployment_json.h"
+#include "io/run/run_folder.h"
+#include "io/site/scenario_yaml.h"
+#include "io/site/site_yaml.h"
 #include "tests/support/worlds.h"
 
 namespace octant::io {

@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "models/result.h"
+#include "models/support/result.h"
 #include "models/site.h"
 
 namespace octant::io::test {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iostream>
 
-#include "io/scenario_yaml.h"
-#include "models/localizers/kleeman.h"
+#include "io/site/scenario_yaml.h"
+#include "models/localizers/kleeman/kleeman.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {

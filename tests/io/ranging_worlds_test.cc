@@ -3,10 +3,10 @@
 // The worlds of datasets/head_tail and datasets/greenhouse give the figures that their READMEs state.
 #include <cmath>
 
-#include "io/scenario_yaml.h"
-#include "models/localizers/head_tail.h"
-#include "models/localizers/one_beacon.h"
-#include "models/localizers/rail.h"
+#include "io/site/scenario_yaml.h"
+#include "models/localizers/head_tail/head_tail.h"
+#include "models/localizers/rail/one_beacon.h"
+#include "models/localizers/rail/rail.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {

@@ -5,13 +5,13 @@
 #include <set>
 #include <stdexcept>
 
-#include "io/atomic_file.h"
-#include "io/csv_marks.h"
-#include "io/mapped_file.h"
-#include "io/name_index.h"
-#include "io/order_watch.h"
-#include "io/ordered_work.h"
-#include "io/sha256.h"
+#include "io/text/atomic_file.h"
+#include "io/text/csv_marks.h"
+#include "io/text/mapped_file.h"
+#include "io/text/name_index.h"
+#include "io/tof/order_watch.h"
+#include "io/tof/ordered_work.h"
+#include "io/text/sha256.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "io/scenario_yaml.h"
-#include "models/synthetic.h"
+#include "io/site/scenario_yaml.h"
+#include "models/simulator/synthetic.h"
 #include "tests/support/worlds.h"
 
 namespace octant::io {

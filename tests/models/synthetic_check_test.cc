@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "models/synthetic.h"
+#include "models/simulator/synthetic.h"
 #include "tests/support/worlds.h"
 
 namespace octant {

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "models/measurement.h"
-#include "models/shared_state.h"
-#include "models/synthetic.h"
+#include "models/physics/measurement.h"
+#include "models/trajectory/shared_state.h"
+#include "models/simulator/synthetic.h"
 #include "tests/support/statistics.h"
 #include "tests/support/worlds.h"
 

@@ -11,8 +11,8 @@
 
 #include <Eigen/Core>
 
-#include "models/receiver_array.h"
-#include "models/synthetic.h"
+#include "models/physics/receiver_array.h"
+#include "models/simulator/synthetic.h"
 
 namespace octant::test {
 

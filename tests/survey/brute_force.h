@@ -9,7 +9,7 @@
 
 #include <Eigen/Dense>
 
-#include "survey/survey_model.h"
+#include "survey/geometry/survey_model.h"
 
 namespace octant::test {
 

@@ -9,7 +9,7 @@
 
 #include "models/scene.h"
 #include "models/site.h"
-#include "survey/survey_model.h"
+#include "survey/geometry/survey_model.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {

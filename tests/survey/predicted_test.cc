@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "models/localizers/epoch_fix.h"
-#include "models/random.h"
-#include "survey/calibration_map.h"
-#include "survey/map_tiles.h"
-#include "survey/survey.h"
+#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/simulator/random.h"
+#include "survey/map/calibration_map.h"
+#include "survey/geometry/map_tiles.h"
+#include "survey/map/survey.h"
 #include "tests/support/statistics.h"
 #include "tests/support/worlds.h"
 #include "tests/survey/brute_force.h"

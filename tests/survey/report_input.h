@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "survey/report.h"
+#include "survey/report/report.h"
 
 namespace octant::survey {
 

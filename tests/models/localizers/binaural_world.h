@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "models/deployment.h"
-#include "models/localizers/binaural.h"
-#include "models/localizers/pulse_trains.h"
-#include "models/random.h"
+#include "models/localizers/binaural/binaural.h"
+#include "models/localizers/head_tail/pulse_trains.h"
+#include "models/simulator/random.h"
 #include "models/run.h"
 
 namespace octant::test {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "models/deployment.h"
-#include "models/measurement.h"
-#include "models/receiver_array.h"
+#include "models/physics/measurement.h"
+#include "models/physics/receiver_array.h"
 #include "models/run.h"
 
 namespace octant::test {

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "models/localizers/kleeman.h"
-#include "models/measurement.h"
+#include "models/localizers/kleeman/kleeman.h"
+#include "models/physics/measurement.h"
 #include "tests/models/localizers/kleeman_room.h"
 
 namespace octant {

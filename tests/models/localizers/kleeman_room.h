@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "models/deployment.h"
-#include "models/localizers/kleeman.h"
+#include "models/localizers/kleeman/kleeman.h"
 #include "tests/models/localizers/hall.h"
 #include "tests/support/allocation_count.h"
 

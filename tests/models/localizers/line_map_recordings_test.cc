@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "io/run_folder.h"
-#include "io/site_yaml.h"
-#include "models/localizers/line_map.h"
+#include "io/run/run_folder.h"
+#include "io/site/site_yaml.h"
+#include "models/localizers/line_map/line_map.h"
 #include "tests/support/worlds.h"
 
 namespace octant {

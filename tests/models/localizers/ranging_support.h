@@ -10,7 +10,7 @@
 
 #include <Eigen/LU>
 
-#include "models/localizers/localizer.h"
+#include "models/localizers/common/localizer.h"
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "io/run_folder.h"
-#include "io/site_yaml.h"
-#include "models/localizers/reflectors.h"
+#include "io/run/run_folder.h"
+#include "io/site/site_yaml.h"
+#include "models/localizers/reflectors/reflectors.h"
 #include "tests/support/worlds.h"
 
 namespace octant {

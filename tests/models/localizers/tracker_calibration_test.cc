@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-#include "models/localizers/correlated_arrivals.h"
+#include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/methods.h"
-#include "models/localizers/tracker.h"
-#include "models/localizers/trajectory_model.h"
+#include "models/localizers/drive/tracker.h"
+#include "models/localizers/common/trajectory_model.h"
 #include "tests/models/localizers/hall.h"
 #include "tests/support/statistics.h"
 

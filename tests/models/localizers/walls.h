@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
-#include "models/pose.h"
-#include "models/random.h"
+#include "models/physics/pose.h"
+#include "models/simulator/random.h"
 #include "models/run.h"
 
 namespace octant::test {

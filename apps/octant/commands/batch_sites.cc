@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/commands/batch_sites.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "apps/octant/interrupt.h"
+#include "apps/octant/steps/reporting.h"
+
+namespace octant::app {
+namespace {
+
+void end_with(const Ending& end, SiteOutcome& outcome) {
+  outcome.exit = end.exit;
+  outcome.message = end.message;
+  outcome.object.update(end.object);
+}
+
+void calibrate_site(const io::BatchSite& site, bool strict, Session& session, SiteOutcome& outcome) {
+  ReportWords report;
+  if (!site.report.empty()) report.paths.push_back(site.report);
+  if (const auto fit = check_output(site.output); !fit) return end_with(ending(fit.error()), outcome);
+  if (const auto fit = check_report(report); !fit) return end_with(ending(fit.error()), outcome);
+  const auto calibration = calibrate_files(site.site, site.runs, {.strict = strict}, session);
+  if (!calibration) return end_with(ending(calibration.error()), outcome);
+  if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
+    return end_with({kInterrupted, interrupted_object(), "interrupted"}, outcome);
+  outcome.object.update(calibration_json(*calibration, session));
+  for (const char* of_arrivals : {"left_out", "reliability"}) outcome.object.erase(of_arrivals);
+  const auto input = calibration_report(*calibration, report, session);
+  if (!input) return end_with(ending(input.error()), outcome);
+  if (const auto written = write_calibration(site.output, report, *calibration, *input); !written)
+    return end_with(ending(written.error()), outcome);
+  outcome.object["verdict"] = verdict_json(*input);
+  if (const auto failure = failure_of(*calibration)) return end_with(ending(*failure), outcome);
+  outcome.object["status"] = "ok";
+}
+
+SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, bool strict, Session session) {
+  SiteOutcome outcome;
+  outcome.number = number;
+  outcome.object = {{"name", site.name}, {"site", site.site}, {"runs", site.runs}, {"output", site.output},
+                    {"report", site.report.empty() ? Json(nullptr) : Json(site.report)}, {"status", "ok"}, {"exit", 0}};
+  try {
+    if (interrupted()) {
+      end_with({kInterrupted, interrupted_object(), "interrupted"}, outcome);
+    } else {
+      calibrate_site(site, strict, session, outcome);
+    }
+  } catch (const std::exception& error) {
+    const std::string message = fmt::format("a fault of octant: {}", error.what());
+    end_with(ending(Failure{"error", "internal", kFault, message, "please report it with the site"}), outcome);
+  }
+  outcome.object["exit"] = static_cast<int>(outcome.exit);
+  outcome.object["seconds"] = session.seconds();
+  outcome.object["warnings"] = session.warnings();
+  return outcome;
+}
+
+}  // namespace
+
+std::vector<SiteOutcome> calibrate_sites(const io::Batch& batch, Shard shard, bool strict, const Session& session,
+                                         const std::function<void(const SiteOutcome&)>& on_done) {
+  // While one site is being written, the reading of another must not end the program.
+  const NoExitAtOnce others_may_write;
+  std::vector<SiteOutcome> outcomes;
+  for (std::size_t i = 0; i < batch.sites.size(); ++i)
+    if (shard.has(i)) outcomes.emplace_back().number = i;
+
+  const auto threads = static_cast<std::size_t>(session.threads());
+  const std::size_t workers = std::clamp<std::size_t>(threads, 1, std::max<std::size_t>(1, outcomes.size()));
+  std::atomic<std::size_t> next{0};
+  std::mutex one_at_a_time;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < outcomes.size(); i = next++) {
+      const std::size_t number = outcomes[i].number;
+      outcomes[i] = outcome_of(batch.sites[number], number, strict, session.part(static_cast<int>(threads / workers)));
+      const std::lock_guard lock(one_at_a_time);
+      on_done(outcomes[i]);
+    }
+  };
+  std::vector<std::thread> others;
+  for (std::size_t i = 1; i < workers; ++i) others.emplace_back(work);
+  work();
+  for (auto& other : others) other.join();
+  return outcomes;
+}
+
+}  // namespace octant::app

@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/steps/reporting.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "apps/octant/text/report_json.h"
+#include "io/deployment/deployment_json.h"
+
+namespace octant::app {
+namespace {
+
+enum class Form { kPage, kMarkdown, kSaved, kUnknown };
+
+Form form_of(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (path == "-" || ending == ".html" || ending == ".htm") return Form::kPage;
+  if (ending == ".md") return Form::kMarkdown;
+  return ending == ".json" ? Form::kSaved : Form::kUnknown;
+}
+
+}  // namespace
+
+void add_report_options(CLI::App& command, ReportWords& words, bool with_since) {
+  auto* report = command.add_option("--report", words.paths, "Report to write: a page (.html), Markdown (.md), or the content (.json) from which `octant report` "
+                                                             "makes the others later; may be given several times")
+                     ->type_name("R")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_flag("--report-static", words.still, "Pages without the interactive layer: no script, and small");
+  command.add_flag("--no-report", words.none, "None: verdict, table and next steps in the terminal only")->excludes(report);
+  if (with_since) command.add_option("--since", words.since, "Report what changed since this earlier deployment")->type_name("OLD.json");
+}
+
+int on_stdout(const ReportWords& words) { return static_cast<int>(std::count(words.paths.begin(), words.paths.end(), "-")); }
+
+Result<void> check_report(const ReportWords& words) {
+  for (const auto& path : words.paths) {
+    if (form_of(path) == Form::kUnknown) {
+      return fail({.code = Errc::kUsage, .found = fmt::format("--report {}", path), .expected = "a name that ends in .html, .md or .json"});
+    }
+    if (auto fit = check_output(path); !fit) return fit;
+  }
+  if (words.since.empty()) return {};
+  const auto earlier = io::read_deployment(words.since);
+  if (!earlier) return fail(earlier.error());
+  return {};
+}
+
+Result<void> add_changes(survey::ReportInput& input, const std::string& since) {
+  if (since.empty()) return {};
+  const auto earlier = io::read_deployment(since);
+  if (!earlier) return fail(earlier.error());
+  input.changes = survey::changes_between(*earlier, input.plan.deployment);
+  return {};
+}
+
+void add_verification(survey::ReportInput& input, const Localization& localization, const survey::Evaluation& evaluation) {
+  input.evaluation = evaluation;
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& run : localization.fixes)
+    for (const Fix& fix : run)
+      if (fix.ok()) places.push_back(fix.T_map_vehicle.translation_m);
+  input.plan.fixes_m = survey::thinned(places);
+}
+
+std::vector<io::FileContent> report_files(const ReportWords& words, const survey::ReportInput& input) {
+  std::vector<io::FileContent> files;
+  for (const auto& path : words.paths) {
+    switch (form_of(path)) {
+      case Form::kMarkdown: files.push_back({path, survey::report_markdown(input)}); break;
+      case Form::kSaved: files.push_back({path, report_to_json(input)}); break;
+      default: files.push_back({path, survey::report_html(input, {.interactive = !words.still})});
+    }
+  }
+  return files;
+}
+
+Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportWords& words, const Session& session) {
+  survey::ReportInput input = report_input(calibration, session);
+  if (!calibration.deployment) return input;
+  if (auto added = add_changes(input, words.since); !added) return fail(added.error());
+  if (words.paths.empty()) return input;
+  survey::add_geometry(input, session.threads());
+  return input;
+}
+
+Result<void> write_calibration(const std::string& output, const ReportWords& words, const Calibration& calibration, const survey::ReportInput& input) {
+  auto files = report_files(words, input);
+  if (calibration.exported()) {
+    auto deployment = io::checked_deployment_json(output, *calibration.deployment);
+    if (!deployment) return fail(deployment.error());
+    files.push_back({output, std::move(*deployment)});
+  }
+  return io::write_files(files);
+}
+
+std::string report_lines(const ReportWords& words) {
+  std::string text;
+  for (const auto& path : words.paths)
+    if (path != "-") text += fmt::format("{:<17}{}\n", "report", path);
+  return text;
+}
+
+std::string verdict_text(const survey::ReportInput& input) {
+  const survey::Verdict v = survey::verdict(input);
+  std::string text = fmt::format("{:<17}{}: {}\n", "verdict", survey::to_string(v.grade), v.sentence);
+  for (const auto& step : survey::next_steps(input)) text += fmt::format("{:<17}{}\n", "next", step);
+  return text;
+}
+
+Json verdict_json(const survey::ReportInput& input) {
+  const survey::Verdict v = survey::verdict(input);
+  Json gates = Json::array();
+  for (const auto& gate : v.gates) gates.push_back({{"name", gate.name}, {"value", gate.value}, {"limit", gate.limit}, {"pass", gate.pass}});
+  Json contradictions = Json::array();
+  for (const Contradiction& c : input.plan.deployment.contradictions) {
+    contradictions.push_back(
+        {{"kind", to_string(c.kind)}, {"subject", c.subject}, {"stated", c.stated}, {"found", c.found}, {"sigmas", c.sigmas}, {"remedy", c.remedy}});
+  }
+  return {{"grade", survey::to_string(v.grade)}, {"sentence", v.sentence}, {"contradictions", contradictions}, {"gates", gates},
+          {"next", survey::next_steps(input)}};
+}
+
+}  // namespace octant::app

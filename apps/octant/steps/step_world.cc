@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "apps/octant/interrupt.h"
+#include "apps/octant/steps/steps.h"
+#include "io/text/atomic_file.h"
+#include "io/deployment/deployment_json.h"
+#include "io/site/site_yaml.h"
+
+namespace octant::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error output_error(const fs::path& path, const std::string& found, const std::string& advice = {}) {
+  return {.code = Errc::kOutput, .file = path.string(), .found = found, .expected = {}, .advice = advice};
+}
+
+/// A folder of ours while it is being made; gone with its content unless it is kept.
+class Staging {
+ public:
+  explicit Staging(fs::path path) : path_(std::move(path)) {}
+  ~Staging() {
+    std::error_code ignored;  // nothing better can be done in a destructor
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  Staging(const Staging&) = delete;
+  Staging& operator=(const Staging&) = delete;
+  [[nodiscard]] const fs::path& path() const { return path_; }
+  void keep() { path_.clear(); }
+
+ private:
+  fs::path path_;
+};
+
+/// The first thing in the folder that no world has, if any.
+std::optional<fs::path> stranger_in(const fs::path& folder, const std::vector<std::string>& may_replace) {
+  std::set<std::string> known = {"site.yaml", "scenario.yaml", "deployment.true.json", "run", "heldout"};
+  known.insert(may_replace.begin(), may_replace.end());
+  const std::set<std::string> known_of_run(std::begin(io::kRunFiles), std::end(io::kRunFiles));
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const bool run_folder = it.depth() == 0 && (name == "run" || name == "heldout");
+    if (it->is_symlink() || it->is_directory() != run_folder || (it.depth() == 0 ? known : known_of_run).count(name) == 0) return it->path();
+  }
+  if (error) return folder;
+  return std::nullopt;
+}
+
+Result<void> check_world_folder(const fs::path& folder, const std::vector<std::string>& may_replace) {
+  std::error_code error;
+  const auto status = fs::status(folder, error);
+  if (!fs::exists(status)) return {};
+  if (!fs::is_directory(status)) return fail(output_error(folder, "is a file", "name a folder"));
+  if (const auto stranger = stranger_in(folder, may_replace)) {
+    return fail(output_error(folder, fmt::format("holds something that is not a simulated world ({})", stranger->lexically_relative(folder).string()),
+                             "name an empty or a new folder"));
+  }
+  return {};
+}
+
+Result<fs::path> make_sibling(const fs::path& folder) {
+  const fs::path parent = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
+  std::error_code error;
+  fs::create_directories(parent, error);
+  if (error) return fail(output_error(parent, error.message()));
+  std::string pattern = fmt::format("{}/.{}.XXXXXX", parent.string(), folder.filename().string());
+  if (mkdtemp(pattern.data()) == nullptr) return fail(output_error(parent, std::strerror(errno), "choose a folder that can be written"));
+  // mkdtemp makes it private; what is kept is an ordinary folder.
+  const mode_t mask = umask(0);
+  umask(mask);
+  chmod(pattern.c_str(), 0777 & ~mask);
+  return fs::path(pattern);
+}
+
+Result<void> write_content(const fs::path& at, const World& world, std::string_view scenario_text) {
+  const NameTable names = names_of(world.site);
+  Result<void> done;
+  const auto then = [&](auto&& write) {
+    if (interrupted()) done = fail({.code = Errc::kInterrupted, .file = {}, .found = "interrupted", .expected = {}, .advice = {}});
+    if (done) done = write();
+  };
+  then([&] { return io::write_file(at / "site.yaml", io::site_to_yaml(world.site)); });
+  then([&] { return io::write_file(at / "scenario.yaml", scenario_text); });
+  then([&] { return io::write_run(at / "run", world.run, names); });
+  then([&] { return io::write_run(at / "heldout", world.heldout, names); });
+  then([&] { return io::write_deployment(at / "deployment.true.json", world.truth); });
+  return done;
+}
+
+/// Moves every entry of `fresh` into `target`, what stood there before into `old`. The folder itself stays, as somebody may
+/// be standing in it.
+std::error_code exchange_content(const fs::path& fresh, const fs::path& target, const fs::path& old) {
+  std::error_code error;
+  std::vector<fs::path> names, before;
+  for (fs::directory_iterator it(fresh, error), end; !error && it != end; it.increment(error)) names.push_back(it->path().filename());
+  for (fs::directory_iterator it(target, error), end; !error && it != end; it.increment(error)) before.push_back(it->path().filename());
+  for (const auto& name : before)
+    if (!error) fs::rename(target / name, old / name, error);
+  for (const auto& name : names)
+    if (!error) fs::rename(fresh / name, target / name, error);
+  return error;
+}
+
+}  // namespace
+
+Result<void> check_output(const std::string& path) {
+  if (path == "-" || path.empty()) return {};
+  std::error_code error;
+  if (fs::is_directory(path, error)) return fail(output_error(path, "is a folder", "name a file"));
+  const fs::path parent = fs::path(path).parent_path();
+  if (!parent.empty() && !fs::is_directory(parent, error)) {
+    return fail(output_error(path, fmt::format("the folder '{}' does not exist", parent.string()), "create it first"));
+  }
+  return {};
+}
+
+Result<void> write_world(const std::string& folder, const World& world, std::string_view scenario_text, const std::vector<std::string>& may_replace) {
+  std::error_code error;
+  fs::path target = fs::weakly_canonical(folder, error);
+  if (error) return fail(output_error(folder, error.message()));
+  if (!target.has_filename()) target = target.parent_path();
+  if (auto fit = check_world_folder(target, may_replace); !fit) return fit;
+  auto made = make_sibling(target);
+  if (!made) return fail(made.error());
+  Staging fresh(*made);
+  if (auto written = write_content(fresh.path(), world, scenario_text); !written) return written;
+
+  if (fs::exists(target, error)) {
+    auto aside = make_sibling(target);
+    if (!aside) return fail(aside.error());
+    const Staging old(*aside);
+    error = exchange_content(fresh.path(), target, old.path());
+  } else {
+    fs::rename(fresh.path(), target, error);
+    if (!error) fresh.keep();
+  }
+  if (error) return fail(output_error(target, error.message()));
+  return {};
+}
+
+}  // namespace octant::app

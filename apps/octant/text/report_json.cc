@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/text/report_json.h"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "io/deployment/deployment_json.h"
+
+namespace nlohmann {
+
+template <class T>
+struct adl_serializer<std::optional<T>> {
+  static void to_json(json& j, const std::optional<T>& value) { j = value ? json(*value) : json(nullptr); }
+  static void from_json(const json& j, std::optional<T>& value) {
+    value = std::nullopt;
+    if (!j.is_null()) value = j.get<T>();
+  }
+};
+
+template <int N>
+struct adl_serializer<Eigen::Matrix<double, N, 1>> {
+  static void to_json(json& j, const Eigen::Matrix<double, N, 1>& v) { j = std::vector<double>(v.data(), v.data() + N); }
+  static void from_json(const json& j, Eigen::Matrix<double, N, 1>& v) { v = Eigen::Map<const Eigen::Matrix<double, N, 1>>(j.get<std::array<double, N>>().data()); }
+};
+
+}  // namespace nlohmann
+
+namespace octant::survey {
+
+using nlohmann::json;
+
+NLOHMANN_JSON_SERIALIZE_ENUM(Outcome, {{Outcome::kCalibrated, "calibrated"}, {Outcome::kRefused, "refused"}, {Outcome::kNotConverged, "not_converged"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Track, moving, points_m, thinned_from)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WeakNote, description, remedy, consequence_m, blocking)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LeftOutNote, reason, count)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconNote, name, used, rejected, redundancy, rms_s, variance_factor, mdb_s, influence_m, lateness_mdb_s,
+                                   lateness_influence_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResidualBin, name, from, to, count, mean_s, rms_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResidualChart, by, unit, bins)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Histogram, from, width, counts)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Gate, name, limit, value, pass)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Evaluation, fixes, no_fix, matched, position_rmse_m, position_p95_m, max_error_m, error_quantiles_m, heading_rmse_rad,
+                                   nees_mean, gates)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(BeaconChange, name, shift_m, sigma_m, p, delay_change_s, delay_sigma_s, delay_p, significant, delay_significant,
+                                                by_datum)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Changes, since, same_datum, beacons, gone, added, limit_p, doubted_control_points, speed_change_mps, speed_sigma_mps)
+
+/// Cells without a value are NaN in memory and null in JSON.
+void to_json(json& j, const NamedMap& map) {
+  j = {{"name", map.name}, {"unit", map.unit}, {"corner_m", map.corner_m}, {"cell_m", map.cell_m}, {"columns", map.columns}, {"values", map.values},
+       {"silent_beacon", map.silent_beacon}};
+}
+void from_json(const json& j, NamedMap& map) {
+  map.name = j.at("name");
+  map.unit = j.at("unit");
+  map.corner_m = j.at("corner_m").get<Eigen::Vector2d>();
+  map.cell_m = j.at("cell_m");
+  map.columns = j.at("columns");
+  map.silent_beacon = j.at("silent_beacon");
+  for (const auto& value : j.at("values")) map.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());
+}
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconLoss, beacon, covered_fraction, median, p95, map)
+
+/// All but the deployment, which has a format of its own.
+void to_json(json& j, const ReportInput& r) {
+  j = {{"kind", r.kind}, {"outcome", r.outcome}, {"message", r.message}, {"tracks", r.plan.tracks}, {"fixes_m", r.plan.fixes_m}, {"maps", r.plan.maps},
+       {"beacons", r.beacons}, {"weak", r.weak}, {"left_out", r.left_out}, {"residuals", r.residuals}, {"standardised", r.standardised},
+       {"looked_at", r.looked_at}, {"evaluation", r.evaluation}, {"no_loss", r.no_loss}, {"losses", r.losses}, {"loss_name", r.loss_name}, {"loss_unit", r.loss_unit},
+       {"changes", r.changes}, {"warnings", r.warnings}, {"command", r.command}, {"options", r.options}};
+}
+void from_json(const json& j, ReportInput& r) {
+  j.at("kind").get_to(r.kind);
+  j.at("outcome").get_to(r.outcome);
+  j.at("message").get_to(r.message);
+  j.at("tracks").get_to(r.plan.tracks);
+  j.at("fixes_m").get_to(r.plan.fixes_m);
+  j.at("maps").get_to(r.plan.maps);
+  j.at("beacons").get_to(r.beacons);
+  j.at("weak").get_to(r.weak);
+  j.at("left_out").get_to(r.left_out);
+  j.at("residuals").get_to(r.residuals);
+  j.at("standardised").get_to(r.standardised);
+  j.at("looked_at").get_to(r.looked_at);
+  j.at("evaluation").get_to(r.evaluation);
+  j.at("no_loss").get_to(r.no_loss);
+  j.at("losses").get_to(r.losses);
+  j.at("loss_name").get_to(r.loss_name);
+  j.at("loss_unit").get_to(r.loss_unit);
+  j.at("changes").get_to(r.changes);
+  j.at("warnings").get_to(r.warnings);
+  j.at("command").get_to(r.command);
+  j.at("options").get_to(r.options);
+}
+
+}  // namespace octant::survey
+
+namespace octant::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr auto kReplace = json::error_handler_t::replace;
+
+}  // namespace
+
+std::string report_to_json(const survey::ReportInput& input) {
+  json j = input;
+  j["type"] = "octant_report";
+  j["version"] = 1;
+  j["deployment"] = json::parse(io::deployment_to_json(input.plan.deployment));
+  return j.dump(-1, ' ', false, kReplace) + "\n";
+}
+
+bool is_saved_report(const std::string& text) {
+  const json j = json::parse(text, nullptr, false);
+  return j.is_object() && j.contains("type") && j["type"] == "octant_report";
+}
+
+Result<survey::ReportInput> report_from_json(const std::string& text, const std::string& file) {
+  try {
+    const json j = json::parse(text);
+    if (j.at("version") != 1) {
+      return fail({.code = Errc::kBadInput, .file = file, .found = fmt::format("version {}", j.at("version").dump()), .expected = "1",
+                   .advice = "make the report with the octant that saved it, or from the deployment file"});
+    }
+    auto input = j.get<survey::ReportInput>();
+    auto deployment = io::deployment_from_json(j.at("deployment").dump(-1, ' ', false, kReplace), file);
+    if (!deployment) return fail(deployment.error());
+    input.plan.deployment = std::move(*deployment);
+    return input;
+  } catch (const json::exception& e) {
+    return fail({.code = Errc::kBadInput, .file = file, .found = std::string("this is no saved report: ") + e.what(),
+                 .expected = "a file that octant wrote with --report R.json", .advice = "save it again, or name the deployment file"});
+  }
+}
+
+}  // namespace octant::app

@@ -1,0 +1,285 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/adjust/leverage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Cholesky>
+
+#include "models/trajectory/decompositions.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr std::size_t kNodesPerBlock = 256;
+/// A state direction below this eigenvalue of its block, scaled to a unit diagonal, is unobserved.
+constexpr double kUnobserved = 1e-11;
+/// Pivots of the scaled covariance below this are rounding.
+constexpr double kNoVariance = 1e-13;
+
+/// L with C = L L', one column for each direction of the covariance that is not zero.
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& C) {
+  if (C.rows() == 0) return C;
+  const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  const DenseLdlt ldlt((inverse.asDiagonal() * C * inverse.asDiagonal()).eval());
+  const Eigen::VectorXd d = ldlt.vectorD();
+  const Eigen::MatrixXd L = ldlt.matrixL();
+  Eigen::MatrixXd root = ldlt.transpositionsP().transpose() * L;
+  Eigen::Index rank = 0;
+  for (Eigen::Index i = 0; i < d.size(); ++i)
+    if (d[i] > kNoVariance) root.col(rank++) = (std::sqrt(d[i]) * scale.cwiseProduct(root.col(i))).eval();
+  return root.leftCols(rank);
+}
+
+/// Inverse in the directions that are observed, zero in the others; adds their number to `rank`.
+NodeBlock observed_inverse(const NodeBlock& D, std::size_t& rank) {
+  const NodeVector inverse_scale = D.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const NodeBlock scaled = inverse_scale.asDiagonal() * D * inverse_scale.asDiagonal();
+  const SymmetricEigen<NodeBlock> eigen(scaled);
+  NodeVector inverse_values = NodeVector::Zero(D.rows());
+  for (Eigen::Index i = 0; i < D.rows(); ++i) {
+    if (!(eigen.eigenvalues()[i] > kUnobserved)) continue;
+    inverse_values[i] = 1.0 / eigen.eigenvalues()[i];
+    ++rank;
+  }
+  const NodeBlock V = inverse_scale.asDiagonal() * eigen.eigenvectors();
+  return V * inverse_values.asDiagonal() * V.transpose();
+}
+
+/// The observations of nodes [first, last) in a list ordered by node.
+template <class Observation>
+void narrow(const std::vector<Observation>& list, std::size_t first_node, std::size_t last_node, std::size_t& first, std::size_t& last) {
+  const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first), end = list.begin() + static_cast<std::ptrdiff_t>(last);
+  const auto before = [](const Observation& o, std::size_t node) { return o.node < node; };
+  const auto from = std::lower_bound(begin, end, first_node, before), to = std::lower_bound(from, end, last_node, before);
+  first = static_cast<std::size_t>(from - list.begin());
+  last = static_cast<std::size_t>(to - list.begin());
+}
+
+}  // namespace
+
+LeverageSweep::LeverageSweep(const ParameterLayout& layout, const Covariance& C) : layout_(layout), C_(&C), place_(static_cast<std::size_t>(layout.size()), -1) {
+  if (C.matrix() == nullptr) return;
+  std::iota(place_.begin(), place_.end(), 0);
+  std::vector<int> coordinates;
+  for (const auto& columns : layout.beacon)
+    for (const int c : columns)
+      if (c >= 0) coordinates.push_back(c);
+  take_root(*C.matrix(), coordinates);
+  lateness_total_.assign(layout.beacon.size(), 0.0);
+  lateness_remaining_.assign(layout.beacon.size(), 0.0);
+  lateness_shared_.setZero(static_cast<Eigen::Index>(layout.beacon.size()), root_.cols());
+}
+
+/// @param coordinates  rows of C that are coordinates of beacons
+void LeverageSweep::take_root(const Eigen::MatrixXd& C, const std::vector<int>& coordinates) {
+  root_ = root_of(C);
+  beacon_root_.resize(static_cast<Eigen::Index>(coordinates.size()), root_.cols());
+  for (std::size_t i = 0; i < coordinates.size(); ++i) beacon_root_.row(static_cast<Eigen::Index>(i)) = root_.row(coordinates[i]);
+  beacon_C_ = beacon_root_ * root_.transpose();
+}
+
+/// L of the parameters that a segment sees.
+void LeverageSweep::focus(const Trajectory& t, const Segment& segment, const SharedState& state) {
+  for (const int column : seen_) place_[static_cast<std::size_t>(column)] = -1;
+  seen_.clear();
+  std::vector<int> coordinates;
+  const auto take = [&](int column) {
+    if (column < 0 || place_[static_cast<std::size_t>(column)] >= 0) return false;
+    place_[static_cast<std::size_t>(column)] = static_cast<int>(seen_.size());
+    seen_.push_back(column);
+    return true;
+  };
+  for_each_row(t, segment, state, [&](const ObservationRow& row) {
+    if (!row.has_shared) return;
+    for (const int column : layout_.beacon[row.beacon.index()])
+      if (take(column)) coordinates.push_back(place_[static_cast<std::size_t>(column)]);
+    const RowEntries entries = row_entries(row, t.run, layout_, state);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(entries.count); ++i) static_cast<void>(take(entries.column[i]));
+  });
+  take_root(C_->block(seen_), coordinates);
+}
+
+double LeverageSweep::leverage_of(const std::vector<std::pair<int, double>>& entries) const {
+  if (C_->matrix() == nullptr) {
+    double h = 0.0;
+    for (const auto& [i, a] : entries)
+      for (const auto& [j, b] : entries) h += a * b * (*C_)(i, j);
+    return h;
+  }
+  Eigen::RowVectorXd f = Eigen::RowVectorXd::Zero(root_.cols());
+  for (const auto& [column, value] : entries) f += value * root_.row(column);
+  return f.squaredNorm();
+}
+
+std::vector<LatenessInformation> LeverageSweep::lateness() const {
+  std::vector<LatenessInformation> out(lateness_total_.size());
+  for (std::size_t b = 0; b < out.size(); ++b) {
+    const Eigen::VectorXd q = lateness_shared_.row(static_cast<Eigen::Index>(b)).transpose();
+    out[b].total = lateness_total_[b];
+    out[b].remaining = std::max(0.0, lateness_remaining_[b] - q.squaredNorm());
+    if (beacon_root_.rows() > 0) out[b].shift_m_per_s = (beacon_root_ * q).lpNorm<Eigen::Infinity>();
+  }
+  return out;
+}
+
+Segment LeverageSweep::part(const Trajectory& t, const Segment& segment, std::size_t block) const {
+  if (block_count() == 1) return segment;
+  Segment s = segment;
+  s.first_node = segment.first_node + block * kNodesPerBlock;
+  s.last_node = std::min(segment.last_node, s.first_node + kNodesPerBlock);
+  narrow(t.arrivals, s.first_node, s.last_node, s.first_arrival, s.last_arrival);
+  narrow(t.bearings, s.first_node, s.last_node, s.first_bearing, s.last_bearing);
+  narrow(t.poses, s.first_node, s.last_node, s.first_pose, s.last_pose);
+  narrow(t.odometry, s.first_node, s.last_node, s.first_odometry, s.last_odometry);
+  narrow(t.motion_steps, s.first_node, s.last_node, s.first_motion, s.last_motion);
+  return s;
+}
+
+/// f_ = Js L of a row.
+void LeverageSweep::project(const ObservationRow& row, std::size_t run) {
+  entries_ = row_entries(row, run, layout_, *state_);
+  f_.setZero(root_.cols());
+  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i) f_.noalias() += entries_.value[i] * root_.row(place_[static_cast<std::size_t>(entries_.column[i])]);
+}
+
+void LeverageSweep::forward(const Trajectory& t, const Segment& segment, const SharedState& state) {
+  state_ = &state;
+  count_ = segment.last_node - segment.first_node;
+  n_ = t.block_size();
+  D_.assign(count_, NodeBlock::Zero(n_, n_));
+  U_.assign(count_, NodeBlock::Zero(n_, n_));
+  inverse_.resize(count_);
+  shifts_[0].known = shifts_[1].known = false;
+  carry_.assign((count_ + kNodesPerBlock - 1) / kNodesPerBlock, RowMatrix());
+  carry_[0].setZero(n_, root_.cols());
+  lateness_G_.setZero(n_, static_cast<Eigen::Index>(lateness_total_.size()));
+  for (std::size_t block = 0; block < block_count(); ++block) {
+    assemble(t, segment, state, block, true);
+    eliminate(true);
+    if (block + 1 < block_count()) carry_[block + 1] = G_.bottomRows(n_);
+  }
+}
+
+void LeverageSweep::assemble(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block, bool first_pass) {
+  first_ = block * kNodesPerBlock;
+  last_ = std::min(count_, first_ + kNodesPerBlock);
+  const auto rows = static_cast<Eigen::Index>(last_ - first_ + 1) * n_;
+  G_.setZero(rows, root_.cols());
+  G_.topRows(n_) = carry_[block];
+  if (first_pass) {
+    const RowMatrix passed_on = lateness_G_.bottomRows(n_);
+    lateness_G_.setZero(rows, static_cast<Eigen::Index>(lateness_total_.size()));
+    lateness_G_.topRows(n_) = passed_on;
+  }
+  for_each_row(t, part(t, segment, block), state, [&](const ObservationRow& row) {
+    const std::size_t k = row.node - segment.first_node;
+    const auto at = static_cast<Eigen::Index>(k - first_) * n_;
+    if (row.has_shared) {
+      project(row, t.run);
+      G_.middleRows(at, n_).noalias() += row.by_node.transpose() * f_;
+      if (row.has_next) G_.middleRows(at + n_, n_).noalias() += row.by_next.transpose() * f_;
+    }
+    if (!first_pass) return;
+    D_[k].noalias() += row.by_node.transpose() * row.by_node;
+    if (row.has_next) {
+      D_[k + 1].noalias() += row.by_next.transpose() * row.by_next;
+      U_[k].noalias() += row.by_node.transpose() * row.by_next;
+    }
+    if (row.kind != RowKind::kTof || lateness_total_.empty()) return;
+    const auto b = static_cast<Eigen::Index>(row.beacon.index());
+    const double c = row.by_delay;  // a lateness acts as a delay does
+    lateness_total_[row.beacon.index()] += c * c;
+    lateness_remaining_[row.beacon.index()] += c * c;
+    lateness_shared_.row(b) += c * f_;
+    lateness_G_.col(b).segment(at, n_) += c * row.by_node.transpose();
+    if (row.has_next) lateness_G_.col(b).segment(at + n_, n_) += c * row.by_next.transpose();
+  });
+}
+
+/// Front to back; the node beyond the block's end takes what is passed on to it.
+void LeverageSweep::eliminate(bool first_pass) {
+  for (std::size_t k = first_; k < last_; ++k) {
+    const auto at = static_cast<Eigen::Index>(k - first_) * n_;
+    if (first_pass) {
+      inverse_[k] = observed_inverse(D_[k], determined_states_);
+      for (Eigen::Index b = 0; b < lateness_G_.cols(); ++b) {
+        const NodeVector g = lateness_G_.col(b).segment(at, n_);
+        if (g.isZero(0.0)) continue;
+        const NodeVector solved = inverse_[k] * g;
+        lateness_remaining_[static_cast<std::size_t>(b)] -= g.dot(solved);
+        lateness_shared_.row(b).noalias() -= solved.transpose() * G_.middleRows(at, n_);
+        if (k + 1 < count_) lateness_G_.col(b).segment(at + n_, n_) -= U_[k].transpose() * solved;
+      }
+    }
+    if (k + 1 == count_) break;
+    const NodeBlock W = U_[k].transpose() * inverse_[k];
+    if (first_pass) D_[k + 1].noalias() -= W * U_[k];
+    G_.middleRows(at + n_, n_).noalias() -= W * G_.middleRows(at, n_);
+  }
+}
+
+/// States' answers X and covariances P of the block's nodes; what follows the block is known from the block behind it.
+void LeverageSweep::backward(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block) {
+  const bool at_end = block + 1 == block_count();
+  RowMatrix X_beyond = at_end ? RowMatrix() : RowMatrix(X_.topRows(n_));
+  const NodeBlock P_beyond = at_end ? NodeBlock() : P_[0];
+  if (!at_end) {
+    assemble(t, segment, state, block, false);
+    eliminate(false);
+  }
+  const std::size_t size = last_ - first_;
+  X_.resize(static_cast<Eigen::Index>(size + 1) * n_, root_.cols());
+  P_.resize(size + 1);
+  cross_.resize(size);
+  if (!at_end) {
+    X_.bottomRows(n_) = X_beyond;
+    P_[size] = P_beyond;
+  }
+  for (std::size_t i = size; i-- > 0;) {
+    const auto at = static_cast<Eigen::Index>(i) * n_;
+    const NodeBlock& inverse = inverse_[first_ + i];
+    X_.middleRows(at, n_).noalias() = -inverse * G_.middleRows(at, n_);
+    P_[i] = inverse;
+    if (first_ + i + 1 == count_) continue;
+    const NodeBlock gain = inverse * U_[first_ + i];
+    X_.middleRows(at, n_).noalias() -= gain * X_.middleRows(at + n_, n_);
+    cross_[i] = -gain * P_[i + 1];
+    P_[i].noalias() -= cross_[i] * gain.transpose();
+  }
+}
+
+/// Shift of the beacon coordinates by a push on the state of a node, beacon_root X_k'.
+const Eigen::MatrixXd& LeverageSweep::beacon_shift(std::size_t node) {
+  Shift& shift = shifts_[node % 2];
+  if (!shift.known || shift.node != node) {
+    shift.by_state.noalias() = beacon_root_ * X_.middleRows(static_cast<Eigen::Index>(node - first_) * n_, n_).transpose();
+    shift.node = node;
+    shift.known = true;
+  }
+  return shift.by_state;
+}
+
+RowLeverage LeverageSweep::leverage_of(const Trajectory& t, const Segment& segment, const ObservationRow& row) {
+  const std::size_t k = row.node - segment.first_node;
+  const auto at = static_cast<Eigen::Index>(k - first_) * n_;
+  project(row, t.run);
+  f_.noalias() += row.by_node * X_.middleRows(at, n_);
+  double h = (row.by_node * P_[k - first_]).dot(row.by_node);
+  if (row.has_next) {
+    f_.noalias() += row.by_next * X_.middleRows(at + n_, n_);
+    h += (row.by_next * P_[k - first_ + 1]).dot(row.by_next) + 2.0 * (row.by_node * cross_[k - first_]).dot(row.by_next);
+  }
+  RowLeverage out{t, row, std::clamp(h + f_.squaredNorm(), 0.0, 1.0), 0.0, f_};
+  if (row.kind != RowKind::kTof || beacon_root_.rows() == 0) return out;
+  Eigen::VectorXd shift = beacon_shift(k) * row.by_node.transpose();
+  if (row.has_next) shift.noalias() += beacon_shift(k + 1) * row.by_next.transpose();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i) shift += entries_.value[i] * beacon_C_.col(place_[static_cast<std::size_t>(entries_.column[i])]);
+  out.shift_m = shift.lpNorm<Eigen::Infinity>();
+  return out;
+}
+
+}  // namespace octant::calib

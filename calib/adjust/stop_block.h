@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calib/problem/parameters.h"
+#include "calib/adjust/stop_kernel.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant::calib {
+
+struct ReducedSystem;
+
+/// Floor under the information of a state's direction that nothing observes, of the largest diagonal element: above rounding,
+/// below any information. The same here and in the tile's general path.
+inline constexpr double kUnobservedFloor = 1e-14;
+
+/// Arrivals of a trajectory, as much of each as the kernel needs. The stops of a tile lie far apart in a long log, and fetching
+/// whole observations from there costs more than copying these in passing.
+class StopArrivals {
+ public:
+  /// Room for all arrivals of a trajectory, at least one; they are told one by one, by any threads, or not at all.
+  explicit StopArrivals(const Trajectory& trajectory);
+  void tell(std::size_t i, const ArrivalObservation& arrival);
+
+  /// Speed of the medium where it is the same for all arrivals.
+  [[nodiscard]] double speed_mps() const { return speed_mps_; }
+  [[nodiscard]] bool own_speeds() const { return own_speeds_; }
+
+  [[nodiscard]] double tof_s(std::size_t i) const { return tof_s_[i]; }
+  [[nodiscard]] bool used(std::size_t i) const { return path_[i] != kNotUsed; }
+  [[nodiscard]] std::size_t beacon(std::size_t i) const { return path_[i] >> kReceiverBits; }
+  [[nodiscard]] std::size_t receiver(std::size_t i) const { return path_[i] & (kMostReceivers - 1); }
+  void prefetch(std::size_t first, std::size_t last) const;
+
+  static constexpr std::size_t kReceiverBits = 12, kMostReceivers = 1U << kReceiverBits,
+                               kMostBeacons = 1U << (31 - kReceiverBits);
+
+ private:
+  static constexpr std::uint32_t kNotUsed = 0xffffffff;
+  std::unique_ptr<double[]> tof_s_;        // NOLINT(modernize-avoid-c-arrays): memory that is not touched before it is written
+  std::unique_ptr<std::uint32_t[]> path_;  // NOLINT(modernize-avoid-c-arrays)
+  double speed_mps_;
+  std::atomic<bool> own_speeds_{false};
+};
+
+/// The stops of a tile turned sideways for the vector kernel: stationary planar epochs of arrivals, which is what most of
+/// a long log is. Cost, gradient and Gauss-Newton matrix are those that the general path of the tile gives.
+class StopBlock {
+ public:
+  /// Whether the kernel knows the measurement equation of a trajectory: planar, one way, no time-walk, no bias of a pair, no
+  /// drift, no motion prior.
+  [[nodiscard]] static bool knows(const Trajectory& trajectory, const ParameterLayout& layout);
+  /// Whether it takes a segment: one placed node, arrivals of one sigma, at most one measured pose, nothing else.
+  [[nodiscard]] static bool takes(const Trajectory& trajectory, const Segment& segment);
+
+  /// @param trajectory  not owned; the nodes of the segments are written by `rewind`
+  /// @param segments    best in an order in which neighbours hear over the same paths
+  /// @param arrivals    those of the segments; not kept
+  StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const StopArrivals& arrivals,
+            const ParameterLayout* layout);
+
+  /// Settles the epochs from where they were committed and returns their cost.
+  double settle(const SharedState& state, const RobustLoss& loss);
+  /// Adds the reduced system at the states of the last `settle` to the gradient and the lower triangle; `place` tells where
+  /// each column of the layout stands in it (-1: nowhere).
+  void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
+  void commit() { committed_ = states_; }
+  /// Back to the states committed last, which the trajectory then shows too.
+  void rewind();
+  /// Marks the beacons and receivers of the arrivals in use.
+  void mark_heard(std::vector<char>& beacons, std::vector<char>& receivers) const;
+
+ private:
+  struct Epoch {
+    std::size_t segment = 0, node = 0, first_arrival = 0, last_arrival = 0;
+    std::size_t pose = 0;  ///< measured, if there is one
+  };
+  /// Packs [first, last) share a list of beacons.
+  struct Group {
+    std::size_t first = 0, last = 0;
+    std::vector<std::int32_t> beacons;
+  };
+  /// Where a column of a group goes: nowhere if it is held, to two places if they share it.
+  struct Targets {
+    int count = 0;
+    int column[2] = {};  ///< of the tile's system
+    double factor[2] = {};
+  };
+
+  /// Asks memory for what a pack needs.
+  void fetch(std::size_t p, const StopArrivals& arrivals) const;
+  void group(const StopArrivals& arrivals);
+  void pack(const StopArrivals& arrivals);
+  [[nodiscard]] StopTables tables_at(const SharedState& state, const RobustLoss& loss);
+  [[nodiscard]] StopPack pack_of(std::size_t p, const Group& group) const;
+  [[nodiscard]] std::size_t epochs_in(std::size_t p) const { return std::min(kLanes, epochs_.size() - p * kLanes); }
+  void put(std::size_t epoch, const Node& node);
+  void put(std::size_t epoch, const PoseObservation& pose);
+  void show(std::size_t epoch);
+  [[nodiscard]] std::vector<Targets> targets_of(const Group& group, const SharedState& state,
+                                                const std::vector<int>& place) const;
+  void add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place,
+                 ReducedSystem& system);
+
+  Trajectory* trajectory_;
+  const ParameterLayout* layout_;
+  std::size_t first_receiver_ = 0, receivers_ = 0;  ///< of the vehicle
+  double sigma_s_ = 1.0;
+  double speed_mps_ = 0.0;     ///< of the medium, where it is the same for all arrivals
+  bool own_speeds_ = false;    ///< else
+  std::vector<Epoch> epochs_;  ///< in the order of packing, eight a pack
+  std::vector<Group> groups_;
+  std::vector<std::size_t> pack_first_;  ///< first slot of each pack
+  std::vector<StopSlot> slots_;
+  std::vector<Lanes> tof_s_, model_speed_mps_;  ///< of each slot
+  std::vector<StopPoses> poses_;                ///< of each pack, or empty
+  std::vector<StopStates> states_, committed_;
+  std::vector<double> beacon_table_, receiver_table_;
+};
+
+}  // namespace octant::calib

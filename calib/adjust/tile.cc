@@ -1,0 +1,367 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/adjust/tile.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "calib/problem/shared_entries.h"
+#include "calib/adjust/stop_block.h"
+#include "models/trajectory/linearise.h"
+#include "models/support/parallel.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr std::size_t kNodesPerTile = 512;
+/// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the columns it touches.
+constexpr std::size_t kBeaconsPerSparseTile = 24;
+
+}  // namespace
+
+Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArrivals* arrivals, std::vector<std::size_t> general,
+           const ParameterLayout* layout)
+    : trajectory_(trajectory), layout_(layout), stop_segments_(std::move(stops)), general_(std::move(general)) {
+  if (!stop_segments_.empty()) stops_ = std::make_unique<StopBlock>(trajectory_, stop_segments_, *arrivals, layout_);
+  find_columns();
+  commit();
+}
+
+Tile::Tile(Tile&&) noexcept = default;
+Tile& Tile::operator=(Tile&&) noexcept = default;
+Tile::~Tile() = default;
+
+void Tile::find_columns() {
+  const ParameterLayout& layout = *layout_;
+  const Trajectory& t = *trajectory_;
+  std::vector<char> touched(static_cast<std::size_t>(layout.size()), 0), beacon(layout.beacon.size(), 0),
+      receiver(layout.receiver.size(), 0);
+  const auto touch = [&](int column) {
+    if (column >= 0) touched[static_cast<std::size_t>(column)] = 1;
+  };
+  bool arrivals = stops_ != nullptr;
+  if (stops_) stops_->mark_heard(beacon, receiver);
+  for (const std::size_t s : general_) {
+    const Segment& segment = t.segments[s];
+    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+      const ArrivalObservation& a = t.arrivals[i];
+      beacon[a.beacon.index()] = receiver[a.receiver.index()] = 1;
+      arrivals = true;
+      if (!layout.pair_bias.empty()) touch(layout.pair_bias[a.beacon.index() * layout.receiver.size() + a.receiver.index()]);
+    }
+    for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
+      if (t.bearings[i].reflector.valid())
+        for (const int c : layout.beacon[t.bearings[i].reflector.index()]) touch(c);
+  }
+  for (std::size_t b = 0; b < beacon.size(); ++b) {
+    if (beacon[b] == 0) continue;
+    for (const int c : layout.beacon[b]) touch(c);
+    touch(layout.beacon_delay[b]);
+  }
+  for (std::size_t r = 0; r < receiver.size(); ++r) {
+    if (receiver[r] == 0) continue;
+    for (const int c : layout.receiver[r]) touch(c);
+    touch(layout.receiver_delay[r]);
+  }
+  if (arrivals) {
+    touch(layout.clock_drift[t.vehicle.index()]);
+    for (const int c : layout.array[t.vehicle.index()]) touch(c);
+  }
+  touch(layout.site_delay);
+  touch(layout.speed_column(t.run));
+  for (const int c : layout.attenuation) touch(c);
+
+  local_of_.assign(touched.size(), -1);
+  for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
+    const ParameterBlock& block = layout.blocks[k];
+    bool any = false;
+    for (int c = block.first; c < block.first + block.size; ++c) any = any || touched[static_cast<std::size_t>(c)] != 0;
+    if (!any) continue;
+    blocks_.push_back(static_cast<int>(k));
+    for (int c = block.first; c < block.first + block.size; ++c) {
+      local_of_[static_cast<std::size_t>(c)] = static_cast<int>(columns_.size());
+      columns_.push_back(c);
+    }
+  }
+}
+
+void Tile::commit() {
+  if (stops_) stops_->commit();
+  committed_.clear();
+  for (const std::size_t s : general_) {
+    const Segment& segment = trajectory_->segments[s];
+    const auto begin = trajectory_->nodes.begin();
+    committed_.insert(committed_.end(), begin + static_cast<std::ptrdiff_t>(segment.first_node),
+                      begin + static_cast<std::ptrdiff_t>(segment.last_node));
+  }
+}
+
+void Tile::rewind() {
+  if (stops_) stops_->rewind();
+  rewind_general();
+}
+
+void Tile::rewind_general() {
+  auto from = committed_.begin();
+  for (const std::size_t s : general_) {
+    const Segment& segment = trajectory_->segments[s];
+    const auto count = static_cast<std::ptrdiff_t>(segment.last_node - segment.first_node);
+    std::copy(from, from + count, trajectory_->nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node));
+    from += count;
+  }
+}
+
+double Tile::settle(const SharedState& state, const RobustLoss& loss) {
+  rewind_general();
+  double cost = stops_ ? stops_->settle(state, loss) : 0.0;
+  for (const std::size_t s : general_) {
+    const Segment& segment = trajectory_->segments[s];
+    if (!trajectory_->nodes[segment.first_node].placed) continue;  // a segment that no start could place says nothing
+    cost += octant::settle(*trajectory_, segment, state, loss).cost;
+  }
+  return cost;
+}
+
+void Tile::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system) {
+  if (stops_) stops_->reduce(state, loss, place, system);
+  for (const std::size_t s : general_) {
+    const Segment& segment = trajectory_->segments[s];
+    if (trajectory_->nodes[segment.first_node].placed) reduce_segment(segment, state, loss, place, system);
+  }
+}
+
+double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system) {
+  const double cost = settle(state, loss);
+  if (system == nullptr) return cost;
+  const auto n = static_cast<Eigen::Index>(columns_.size());
+  system->cost = cost;
+  system->H.setZero(n, n);
+  system->gradient.setZero(n);
+  reduce(state, loss, local_of_, *system);
+  system->H = system->H.selfadjointView<Eigen::Lower>();
+  return cost;
+}
+
+void Tile::reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
+                          ReducedSystem& system) {
+  const Trajectory& t = *trajectory_;
+  const auto n = t.block_size();
+  const std::size_t count = segment.last_node - segment.first_node;
+  // Coupling of each state to the shared parameters it sees; the last column carries the states' own gradient.
+  struct NodeSystem {
+    NodeBlock D, U;
+    std::vector<int> active;  ///< local columns, in order of appearance
+    Eigen::Matrix<double, kMaxBlock, Eigen::Dynamic> G;
+  };
+  thread_local std::vector<NodeSystem> nodes;
+  thread_local std::vector<int> slot;  ///< local column -> position in the node's active list
+  if (nodes.size() < count) nodes.resize(count);
+  std::vector<NodeVector> g(count, NodeVector::Zero(n));
+  for (std::size_t k = 0; k < count; ++k) {
+    nodes[k].D.setZero(n, n);
+    nodes[k].U.setZero(n, n);
+    nodes[k].active.clear();
+  }
+  const auto couple = [&](std::size_t k, const NodeRow& by_state, const RowEntries& e, double w) {
+    NodeSystem& node = nodes[k];
+    for (int i = 0; i < e.count; ++i) {
+      const int local = e.column[static_cast<std::size_t>(i)];
+      const auto found = std::find(node.active.begin(), node.active.end(), local);
+      const auto at = static_cast<Eigen::Index>(found - node.active.begin());
+      if (found == node.active.end()) {
+        node.active.push_back(local);
+        if (node.G.cols() < at + 1) node.G.conservativeResize(Eigen::NoChange, 2 * at + 16);
+        node.G.col(at).setZero();
+      }
+      node.G.col(at).head(n) += w * e.value[static_cast<std::size_t>(i)] * by_state.transpose();
+    }
+  };
+  for_each_row(t, segment, state, [&](const ObservationRow& row) {
+    double rho = 0.0, w = 1.0;
+    if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
+    RowEntries e = row_entries(row, t.run, *layout_, state);
+    for (int i = 0; i < e.count; ++i)
+      e.column[static_cast<std::size_t>(i)] = place[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
+    for (int i = 0; i < e.count; ++i) {
+      const double wi = w * e.value[static_cast<std::size_t>(i)];
+      const int ci = e.column[static_cast<std::size_t>(i)];
+      system.gradient[ci] += wi * row.residual;
+      for (int j = 0; j <= i; ++j) {
+        const int cj = e.column[static_cast<std::size_t>(j)];
+        system.H(std::max(ci, cj), std::min(ci, cj)) += wi * e.value[static_cast<std::size_t>(j)];
+      }
+    }
+    const std::size_t k = row.node - segment.first_node;
+    nodes[k].D.noalias() += w * row.by_node.transpose() * row.by_node;
+    g[k].noalias() += w * row.residual * row.by_node.transpose();
+    couple(k, row.by_node, e, w);
+    if (!row.has_next) return;
+    nodes[k + 1].D.noalias() += w * row.by_next.transpose() * row.by_next;
+    g[k + 1].noalias() += w * row.residual * row.by_next.transpose();
+    nodes[k].U.noalias() += w * row.by_node.transpose() * row.by_next;
+    couple(k + 1, row.by_next, e, w);
+  });
+
+  // Eliminate front to back: what a state passes on to the next one touches all the columns seen so far.
+  if (slot.size() < static_cast<std::size_t>(system.H.cols())) slot.assign(static_cast<std::size_t>(system.H.cols()), -1);
+  Eigen::LLT<NodeBlock> factor;
+  for (std::size_t k = 0; k < count; ++k) {
+    NodeSystem& node = nodes[k];
+    // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing. Within a chain odometry
+    // observes all, and a floor there would act as a measured pose at every node.
+    if (k + 1 == count) node.D.diagonal().array() += kUnobservedFloor * (1.0 + node.D.diagonal().maxCoeff());
+    factor.compute(node.D);
+    if (factor.info() != Eigen::Success) {
+      node.D.diagonal().array() += 100 * kUnobservedFloor * (1.0 + node.D.diagonal().maxCoeff());
+      factor.compute(node.D);
+    }
+    const auto active = static_cast<Eigen::Index>(node.active.size());
+    Eigen::Matrix<double, kMaxBlock, Eigen::Dynamic> Y(kMaxBlock, active);
+    const NodeVector y = factor.matrixL().solve(g[k]);
+    for (Eigen::Index c = 0; c < active; ++c) {
+      NodeVector column = node.G.col(c).head(n);
+      factor.matrixL().solveInPlace(column);
+      Y.col(c).head(n) = column;
+    }
+    for (Eigen::Index i = 0; i < active; ++i) {
+      const int ci = node.active[static_cast<std::size_t>(i)];
+      system.gradient[ci] -= Y.col(i).head(n).dot(y);
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        const int cj = node.active[static_cast<std::size_t>(j)];
+        system.H(std::max(ci, cj), std::min(ci, cj)) -= Y.col(i).head(n).dot(Y.col(j).head(n));
+      }
+    }
+    if (k + 1 == count) break;
+    NodeBlock W = node.U;
+    factor.matrixL().solveInPlace(W);
+    NodeSystem& next = nodes[k + 1];
+    next.D.noalias() -= W.transpose() * W;
+    g[k + 1].noalias() -= W.transpose() * y;
+    for (std::size_t i = 0; i < next.active.size(); ++i) slot[static_cast<std::size_t>(next.active[i])] = static_cast<int>(i);
+    for (Eigen::Index c = 0; c < active; ++c) {
+      const int local = node.active[static_cast<std::size_t>(c)];
+      int& at = slot[static_cast<std::size_t>(local)];
+      if (at < 0) {
+        at = static_cast<int>(next.active.size());
+        next.active.push_back(local);
+        if (next.G.cols() < at + 1) next.G.conservativeResize(Eigen::NoChange, 2 * at + 16);
+        next.G.col(at).setZero();
+      }
+      next.G.col(at).head(n) -= W.transpose() * Y.col(c).head(n);
+    }
+    for (const int local : next.active) slot[static_cast<std::size_t>(local)] = -1;
+  }
+}
+
+namespace {
+
+/// What decides where a segment goes. Stops that hear the same beacons go together: what they have in common is then summed up
+/// before it goes anywhere, and at a site of very many beacons a tile touches few of them; among these, those that hear over the
+/// same paths, which then share slots of the vector kernel.
+struct SegmentKey {
+  std::uint32_t segment = 0, nodes = 0;
+  bool stop = false;                                                 ///< for the vector kernel
+  std::uint32_t lowest = std::numeric_limits<std::uint32_t>::max();  ///< beacon
+  std::uint64_t beacons = 0, paths = 0;  ///< a bit each, several sharing one where there are more than 64
+
+  friend bool operator<(const SegmentKey& a, const SegmentKey& b) {
+    return std::tie(a.lowest, a.beacons, a.paths, a.segment) < std::tie(b.lowest, b.beacons, b.paths, b.segment);
+  }
+};
+
+/// By their lowest beacons first, each beacon's for itself, so that threads may share the work.
+std::vector<SegmentKey> sorted(const std::vector<SegmentKey>& keys, std::size_t beacons, int threads) {
+  const auto bucket_of = [beacons](const SegmentKey& key) { return std::min<std::size_t>(key.lowest, beacons); };
+  std::vector<std::size_t> end(beacons + 2, 0);
+  for (const SegmentKey& key : keys) ++end[bucket_of(key) + 1];
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<SegmentKey> out(keys.size());
+  for (const SegmentKey& key : keys) out[end[bucket_of(key)]++] = key;  // now where the bucket ends
+  for_each_parallel(beacons + 1, threads, [&](std::size_t b) {
+    const auto at = [&](std::size_t i) { return out.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::sort(at(b == 0 ? 0 : end[b - 1]), at(end[b]));
+  });
+  return out;
+}
+
+/// Segments of a trajectory in the order in which tiles take them; what is told of the arrivals of stops.
+std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& layout, int threads, StopArrivals* arrivals) {
+  constexpr std::size_t kSegmentsAtOnce = 4096;
+  std::vector<SegmentKey> keys(t.segments.size());
+  const bool known = StopBlock::knows(t, layout);
+  const auto receivers = static_cast<std::uint32_t>(layout.receiver.size());
+  for_each_chunk(keys.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t s = first; s < last; ++s) {
+      SegmentKey& key = keys[s];
+      key.segment = static_cast<std::uint32_t>(s);
+      key.nodes = static_cast<std::uint32_t>(t.segments[s].last_node - t.segments[s].first_node);
+      key.stop = known && StopBlock::takes(t, t.segments[s]);
+      for (std::size_t i = t.segments[s].first_arrival; i < t.segments[s].last_arrival && (key.stop || !t.moving); ++i) {
+        const auto beacon = static_cast<std::uint32_t>(t.arrivals[i].beacon.value);
+        if (key.stop) arrivals->tell(i, t.arrivals[i]);
+        key.lowest = std::min(key.lowest, beacon);
+        key.beacons |= std::uint64_t{1} << (beacon % 64U);
+        if (t.arrivals[i].rejection == Rejection::kUsed)
+          key.paths |=
+              std::uint64_t{1} << ((beacon * receivers + static_cast<std::uint32_t>(t.arrivals[i].receiver.value)) % 64U);
+      }
+    }
+  });
+  return t.moving ? keys : sorted(keys, layout.beacon.size(), threads);
+}
+
+}  // namespace
+
+std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads) {
+  struct Part {
+    Trajectory* trajectory;
+    const StopArrivals* arrivals;
+    std::vector<std::size_t> stops{}, general{};
+  };
+  std::vector<std::unique_ptr<StopArrivals>> arrivals;
+  std::vector<Part> parts;
+  std::vector<std::size_t> heard_in(layout.beacon.size(), 0);  // the last part, counted from one, that heard each beacon
+  for (Trajectory& t : trajectories) {
+    std::size_t nodes = 0, beacons = 0;
+    StopArrivals* its = nullptr;
+    if (!t.arrivals.empty()) its = arrivals.emplace_back(std::make_unique<StopArrivals>(t)).get();
+    Part part{&t, its};
+    const auto close = [&] {
+      if (nodes > 0) parts.push_back(std::exchange(part, {&t, its}));
+      nodes = beacons = 0;
+    };
+    const auto new_beacons = [&](const Segment& s) {
+      std::size_t count = 0;
+      for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
+        if (std::size_t& last = heard_in[t.arrivals[i].beacon.index()]; last != parts.size() + 1) {
+          last = parts.size() + 1;
+          ++count;
+        }
+      return count;
+    };
+    for (const SegmentKey& key : tile_order(t, layout, threads, its)) {
+      if (!is_dense(layout)) beacons += new_beacons(t.segments[key.segment]);
+      (key.stop ? part.stops : part.general).push_back(key.segment);
+      nodes += key.nodes;
+      if (nodes >= kNodesPerTile || beacons > kBeaconsPerSparseTile) close();
+    }
+    close();
+  }
+  std::vector<std::optional<Tile>> made(parts.size());
+  for_each_parallel(parts.size(), threads, [&](std::size_t i) {
+    made[i].emplace(parts[i].trajectory, std::move(parts[i].stops), parts[i].arrivals, std::move(parts[i].general), &layout);
+  });
+  std::vector<Tile> tiles;
+  tiles.reserve(made.size());
+  for (auto& tile : made) tiles.push_back(std::move(*tile));
+  return tiles;
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/adjust/tile_sum.h"
+
+#include <numeric>
+
+#include "models/support/parallel.h"
+
+namespace octant::calib {
+namespace {
+
+/// Shares of the tiles: enough for the ranks and threads of one problem, few enough for a system each.
+constexpr std::size_t kShares = 16;
+constexpr std::size_t kDoublesPerNode = 11;
+
+void put(const Node& node, double* to) {
+  const auto& T = node.T_map_vehicle;
+  const double values[kDoublesPerNode] = {T.translation_m.x(), T.translation_m.y(), T.translation_m.z(), T.rotation.x(),
+                                          T.rotation.y(),      T.rotation.z(),      T.rotation.w(),      node.cycle_offset_s,
+                                          node.velocity.x(),   node.velocity.y(),   node.velocity.z()};
+  std::copy(values, values + kDoublesPerNode, to);
+}
+
+void take(const double* from, Node& node) {
+  node.T_map_vehicle.translation_m = {from[0], from[1], from[2]};
+  node.T_map_vehicle.rotation = Eigen::Quaterniond(from[6], from[3], from[4], from[5]);
+  node.cycle_offset_s = from[7];
+  node.velocity = {from[8], from[9], from[10]};
+}
+
+}  // namespace
+
+TileSum::TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const Workers& workers)
+    : trajectories_(trajectories),
+      layout_(layout),
+      workers_(workers),
+      tiles_(make_tiles(trajectories, layout, workers.threads)),
+      costs_(tiles_.size()),
+      all_columns_(static_cast<std::size_t>(layout.size())) {
+  std::iota(all_columns_.begin(), all_columns_.end(), 0);
+}
+
+bool TileSum::is_mine(std::size_t share) const {
+  if (workers_.ranks == nullptr) return true;
+  return share * static_cast<std::size_t>(workers_.ranks->count()) / kShares == static_cast<std::size_t>(workers_.ranks->index());
+}
+
+std::size_t TileSum::first_of(std::size_t share) const { return share * tiles_.size() / kShares; }
+
+/// Calls work(tile, index, share) for every tile of this rank; those of one share in order, on one thread.
+template <class Work>
+void TileSum::for_each_of_mine(Work&& work) {
+  for_each_parallel(kShares, workers_.threads, [&](std::size_t share) {
+    if (!is_mine(share)) return;
+    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) work(tiles_[i], i, share);
+  });
+}
+
+double TileSum::settle(const SharedState& state, const RobustLoss& loss) {
+  std::fill(costs_.begin(), costs_.end(), 0.0);
+  for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t) { costs_[i] = tile.settle(state, loss); });
+  if (workers_.ranks != nullptr) workers_.ranks->sum(costs_);
+  return std::accumulate(costs_.begin(), costs_.end(), 0.0);
+}
+
+void TileSum::reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) {
+  const auto n = static_cast<Eigen::Index>(layout_.size());
+  shares_.resize(kShares);
+  for (ReducedSystem& share : shares_) {
+    share.H.setZero(n, n);
+    share.gradient.setZero(n);
+  }
+  for_each_of_mine([&](Tile& tile, std::size_t, std::size_t share) {
+    tile.reduce(state, loss, all_columns_, shares_[share]);
+    tile.commit();
+  });
+  sum.H = shares_[0].H;
+  sum.gradient = shares_[0].gradient;
+  for (std::size_t share = 1; share < kShares; ++share) {
+    sum.H += shares_[share].H;
+    sum.gradient += shares_[share].gradient;
+  }
+  if (workers_.ranks != nullptr) {
+    workers_.ranks->sum({sum.H.data(), static_cast<std::size_t>(sum.H.size())});
+    workers_.ranks->sum({sum.gradient.data(), static_cast<std::size_t>(sum.gradient.size())});
+  }
+  sum.H = sum.H.selfadjointView<Eigen::Lower>();
+  sum.cost = std::accumulate(costs_.begin(), costs_.end(), 0.0);
+}
+
+void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems) {
+  systems.resize(tiles_.size());
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    const auto n = static_cast<Eigen::Index>(tiles_[i].columns().size());
+    systems[i].H.setZero(n, n);
+    systems[i].gradient.setZero(n);
+    systems[i].cost = costs_[i];
+  }
+  for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t) {
+    tile.reduce(state, loss, tile.local_of(), systems[i]);
+    tile.commit();
+  });
+  for (ReducedSystem& system : systems) {
+    if (workers_.ranks != nullptr) {
+      workers_.ranks->sum({system.H.data(), static_cast<std::size_t>(system.H.size())});
+      workers_.ranks->sum({system.gradient.data(), static_cast<std::size_t>(system.gradient.size())});
+    }
+    system.H = system.H.selfadjointView<Eigen::Lower>();
+  }
+}
+
+void TileSum::commit() {
+  for_each_of_mine([](Tile& tile, std::size_t, std::size_t) { tile.commit(); });
+}
+
+void TileSum::share_states() {
+  for_each_of_mine([](Tile& tile, std::size_t, std::size_t) { tile.rewind(); });
+  if (workers_.ranks == nullptr) return;
+  std::size_t nodes = 0;
+  for (const Trajectory& t : trajectories_) nodes += t.nodes.size();
+  // Of each node one rank tells what it is, all others nothing.
+  std::vector<double> values(nodes * kDoublesPerNode, 0.0);
+  std::vector<char> told(nodes, 0);
+  std::vector<std::size_t> first(trajectories_.size(), 0);
+  for (std::size_t i = 1; i < first.size(); ++i) first[i] = first[i - 1] + trajectories_[i - 1].nodes.size();
+  for (std::size_t share = 0; share < kShares; ++share)
+    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) {
+      const Trajectory& t = tiles_[i].trajectory();
+      const std::size_t base = first[static_cast<std::size_t>(&t - trajectories_.data())];
+      tiles_[i].for_each_segment([&](std::size_t s) {
+        for (std::size_t k = t.segments[s].first_node; k < t.segments[s].last_node; ++k) {
+          told[base + k] = 1;
+          if (is_mine(share)) put(t.nodes[k], values.data() + (base + k) * kDoublesPerNode);
+        }
+      });
+    }
+  workers_.ranks->sum(values);
+  for (std::size_t i = 0; i < trajectories_.size(); ++i)
+    for (std::size_t k = 0; k < trajectories_[i].nodes.size(); ++k)
+      if (told[first[i] + k] != 0) take(values.data() + (first[i] + k) * kDoublesPerNode, trajectories_[i].nodes[k]);
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "calib/problem/parameters.h"
+#include "calib/adjust/ranks.h"
+#include "calib/adjust/tile.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant::calib {
+
+/// What an adjustment asks of its observations: their cost, gradient and Gauss-Newton matrix, vehicle states settled.
+class SystemSum {
+ public:
+  virtual ~SystemSum() = default;
+  /// Settles all states; returns the cost.
+  virtual double settle(const SharedState& state, const RobustLoss& loss) = 0;
+  /// Reduced system in all the layout's parameters at the states of the last `settle`.
+  virtual void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) = 0;
+  /// Makes the states of the last `settle` those to begin from.
+  virtual void commit() {}
+
+ protected:
+  SystemSum() = default;
+  SystemSum(const SystemSum&) = default;
+  SystemSum& operator=(const SystemSum&) = default;
+};
+
+/// All tiles of an adjustment, evaluated together. Sums are formed in an order that depends on the problem alone: tiles are
+/// added up in a fixed number of shares, and the shares in their order (over ranks: to rounding).
+class TileSum : public SystemSum {
+ public:
+  TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const Workers& workers);
+
+  /// Settles all states from where they were committed; returns the cost. Where a tile belongs to another rank its states
+  /// here stay as they were until `share_states`.
+  double settle(const SharedState& state, const RobustLoss& loss) override;
+  /// Reduced system of everything in all the layout's parameters, at the states of the last `settle`; commits them.
+  void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) override;
+  /// The same as `reduce`, each tile's own (in Tile::columns), for sites whose parameters hardly see each other.
+  void reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems);
+  /// States as they were committed last, on every rank.
+  void share_states();
+
+  void commit() override;
+
+  [[nodiscard]] const std::vector<Tile>& tiles() const { return tiles_; }
+  /// Of each tile at the last `settle`.
+  [[nodiscard]] const std::vector<double>& costs() const { return costs_; }
+
+ private:
+  [[nodiscard]] bool is_mine(std::size_t share) const;
+  [[nodiscard]] std::size_t first_of(std::size_t share) const;
+  template <class Work>
+  void for_each_of_mine(Work&& work);
+
+  std::vector<Trajectory>& trajectories_;
+  const ParameterLayout& layout_;
+  Workers workers_;
+  std::vector<Tile> tiles_;
+  std::vector<double> costs_;
+  std::vector<ReducedSystem> shares_;
+  std::vector<int> all_columns_;
+};
+
+}  // namespace octant::calib

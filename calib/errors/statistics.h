@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "calib/adjust/adjust.h"
+#include "calib/problem/parameters.h"
+#include "models/deployment.h"
+
+namespace octant::calib {
+
+/// What a sum of squares is held against: counts that may be added up over the parts of a log.
+struct ObservationCounts {
+  std::size_t used = 0, rejected = 0;  ///< arrivals
+  double observations = 0.0;           ///< of all kinds, in use
+  std::size_t states = 0;              ///< unknowns of the vehicle's states, as far as anything observes them
+  double squares_s2 = 0.0;             ///< of the residuals of arrivals in use
+  void add(const ObservationCounts& other);
+};
+/// @param residuals  false: squares_s2 stays zero, which saves the time
+[[nodiscard]] ObservationCounts count_observations(const Trajectory& trajectory, const SharedState& state, int threads = 1, bool residuals = true);
+
+/// Statistics of trajectories that were counted.
+[[nodiscard]] CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout, ObservationCounts counts, double cost);
+
+/// Counts, redundancy, variance factor and its two-sided chi-square test, from settled trajectories.
+/// @param cost  1/2 the weighted sum of squares of everything, priors included
+[[nodiscard]] CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,
+                                                  const std::vector<Trajectory>& trajectories, const SharedState& state, double cost,
+                                                  int threads = 1);
+
+/// Two-sided p value of a sum of squares against chi-square with the given degrees of freedom.
+[[nodiscard]] double chi_square_p(double sum_of_squares, double degrees_of_freedom);
+
+}  // namespace octant::calib

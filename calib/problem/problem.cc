@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/problem/problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calib/problem/flips.h"
+#include "calib/problem/gates.h"
+#include "calib/problem/ranges.h"
+#include "calib/problem/site_units.h"
+
+namespace octant::calib {
+namespace {
+
+/// Largest distance that the site file speaks of: between beacons with positions, taped, or between measured poses and beacons;
+/// 0 where it speaks of none.
+double site_extent_m(const Site& site, const MeasurementLog& run) {
+  std::vector<Eigen::Vector3d> points;
+  for (const SiteBeacon& beacon : site.beacons)
+    if (beacon.position_m[0] && beacon.position_m[1])
+      points.emplace_back(*beacon.position_m[0], *beacon.position_m[1], beacon.position_m[2].value_or(0.0));
+  for (const TimedPose& pose : run.poses) points.push_back(pose.T_map_vehicle.translation_m);
+  if (points.size() < 2 && site.distances.empty()) return 0.0;  // one point is no site
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : points) box.extend(p);
+  double extent = points.empty() ? 0.0 : box.diagonal().norm();
+  for (const SiteBeacon& beacon : site.beacons)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (beacon.position_m[i] && beacon.sigma_m[i]) extent = std::max(extent, *beacon.sigma_m[i]);
+  for (const ControlDistance& d : site.distances) extent = std::max(extent, d.distance_m);
+  return extent;
+}
+
+/// Milliseconds for seconds: the median distance is beyond anything the site could hold.
+Result<void> check_unit(const Site& site, const MeasurementLog& run) {
+  constexpr std::size_t kEnough = 100000;  // evenly spread ones of a long log tell the median as well
+  std::vector<double> tof_s;
+  for (std::size_t i = 0; i < run.arrivals.size(); i += run.arrivals.size() / kEnough + 1) tof_s.push_back(std::abs(run.arrivals[i].tof_s));
+  if (tof_s.empty()) return {};
+  std::nth_element(tof_s.begin(), tof_s.begin() + static_cast<std::ptrdiff_t>(tof_s.size() / 2), tof_s.end());
+  const double median_s = tof_s[tof_s.size() / 2];
+  const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0;
+  const double distance_m = std::max(0.0, median_s - site.timing.turnaround_s) * speed_mps(site.medium) / legs;
+  const double extent_m = site_extent_m(site, run);
+  if (extent_m <= 0 || distance_m <= 20 * extent_m) return {};
+  return fail({.file = run.path + "/tof.csv",
+               .line = run.arrivals.front().line,
+               .found = fmt::format("a median time of flight of {:.6g} s, that is {:.6g} m, at a site {:.6g} m across", median_s, distance_m, extent_m),
+               .expected = "times of flight in seconds",
+               .advice = "check whether the log is in milliseconds or microseconds, or whether medium.speed_mps is right"});
+}
+
+/// What may be left out of a site file without arrivals may not with them.
+Result<void> check_complete(const Site& site, const MeasurementLog& run) {
+  if (run.arrivals.empty()) return {};
+  const char* missing = !site.medium_given ? "medium" : !site.timing_given ? "timing" : !site.tof_sigma_given ? "noise.tof_sigma_s" : nullptr;
+  if (missing == nullptr) return {};
+  return fail({.file = site.path,
+               .found = fmt::format("no {}, but {}/tof.csv has arrivals", missing, run.path),
+               .expected = fmt::format("{} in the site file", missing),
+               .advice = "state it: times of flight mean nothing without"});
+}
+
+/// A measured heading that is told worse says nothing.
+constexpr double kMeaninglessRad = 1.0;
+/// A lever arm below this share of what a fix has to reach may be held.
+constexpr double kShareOfTolerance = 0.2;
+constexpr double kUsualTolerance = 0.05;
+
+/// Whether nothing at all tells the headings of a vehicle: one place of its receivers on the origin, no bearings, no odometry, no
+/// measured headings.
+bool is_headless(const Site& site, const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
+  if (site.motion != Motion::kPlanar || has_heading(site, vehicle, true)) return false;
+  return std::none_of(trajectories.begin(), trajectories.end(), [&](const Trajectory& t) {
+    return t.vehicle == vehicle && (!t.bearings.empty() || !t.odometry.empty() || t.motion_prior ||
+                                    std::any_of(t.poses.begin(), t.poses.end(), [](const PoseObservation& p) { return p.heading_sigma_rad < kMeaninglessRad; }));
+  });
+}
+
+/// Without headings a lever arm of some millimetres is no parameter: each stop turns as it likes, and all turned together look the
+/// same, so that the arm would grow until it absorbs the errors of each stop, and no adjustment would come to rest on that circle.
+/// A receiver that is known well enough then stands where it is stated, and measured positions are off by its sigma as well.
+void hold_levers(Site& site, std::vector<Trajectory>& trajectories) {
+  for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
+    if (!is_headless(site, trajectories, VehicleId(v))) continue;
+    double sigma_m = 0.0;
+    for (SiteReceiver& r : site.receivers) {
+      if (r.vehicle.index() != v) continue;
+      sigma_m = std::max(sigma_m, r.sigma_m.head<2>().maxCoeff());
+    }
+    if (sigma_m > kShareOfTolerance * site.tolerance.fix_m.value_or(kUsualTolerance)) continue;
+    for (SiteReceiver& r : site.receivers)
+      if (r.vehicle.index() == v) r.sigma_m.head<2>().setZero();
+    for (Trajectory& t : trajectories) {
+      if (t.vehicle.index() != v) continue;
+      for (PoseObservation& p : t.poses) p.position_sigma_m = std::hypot(p.position_sigma_m, sigma_m);
+    }
+  }
+}
+
+}  // namespace
+
+TrajectoryModel trajectory_model(const Site& site) {
+  TrajectoryModel model{site.motion, site.medium, site.timing, site.noise, {}, {}};
+  if (site.attenuation) model.attenuation = site.attenuation->mean();
+  for (const SiteVehicle& vehicle : site.vehicles) model.motion_priors.push_back(vehicle.motion);
+  return model;
+}
+
+Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int threads) {
+  Problem problem;
+  std::size_t observations = 0;
+  const TrajectoryModel model = trajectory_model(site);
+  if (auto ok = check_site_units(site, runs); !ok) return fail(ok.error());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (auto ok = check_complete(site, runs[i]); !ok) return fail(ok.error());
+    if (auto ok = check_unit(site, runs[i]); !ok) return fail(ok.error());
+    for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
+      Trajectory t = make_trajectory(runs[i], i, VehicleId(v), model);
+      if (t.arrivals.empty() && t.bearings.empty() && t.stateless_arrivals.empty()) continue;
+      observations += t.arrivals.size() + t.bearings.size();
+      if (!t.stateless_arrivals.empty())
+        problem.warnings.push_back(fmt::format("{}/tof.csv:{}: {} arrivals have no vehicle state at their time (beyond odometry or in a gap of poses.tum) and are left out",
+                                               runs[i].path, runs[i].arrivals[t.stateless_arrivals.front()].line, t.stateless_arrivals.size()));
+      problem.trajectories.push_back(std::move(t));
+    }
+  }
+  if (observations == 0) {
+    return fail({.file = runs.empty() ? site.path : runs.front().path + "/tof.csv",
+                 .found = "no arrival or bearing to calibrate with",
+                 .expected = "rows of times of flight or bearings with a vehicle state at their time",
+                 .advice = "record a run while the beacons fire, or check poses.tum and odometry.csv against the times in tof.csv"});
+  }
+  hold_levers(site, problem.trajectories);
+  apply_gates(site, problem.trajectories, threads);
+  problem.typical_range_m = typical_range_m(site, problem.trajectories);
+  problem.site = std::move(site);
+  problem.runs = std::move(runs);
+  return problem;
+}
+
+}  // namespace octant::calib

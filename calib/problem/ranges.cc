@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/problem/ranges.h"
+
+#include <algorithm>
+
+#include "models/trajectory/linearise.h"
+
+namespace octant::calib {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
+  const double legs = a.two_way ? 2.0 : 1.0;
+  double tof_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? t.turnaround_s : 0.0);
+  if (t.has_cycle_offset && t.nodes[a.node].placed) tof_s -= t.nodes[a.node].cycle_offset_s;
+  if (state.attenuation) {
+    // One step of the fixed point is plenty for a start: the walk changes slowly with distance.
+    const double d = std::max(0.1, tof_s * a.model_speed_mps);
+    const auto measured = walk_amplitude(a, state);
+    const auto walk = time_walk_s(measured ? std::exp(*measured) : amplitude_v(d, *state.attenuation), *state.attenuation);
+    if (walk) tof_s -= *walk;
+  }
+  return std::max(0.0, tof_s * (a.model_speed_mps + state.speed_offset(t.run)) / legs);
+}
+
+std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, BeaconId beacon) {
+  std::vector<RangeFrom> ranges;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals)
+      if (a.beacon == beacon && t.nodes[a.node].placed && (a.alpha == 0.0 || t.nodes[a.node + 1].placed))
+        ranges.push_back({pose_at(t, a.node, a.alpha) * state.receiver_p_vehicle_m[a.receiver.index()], prior_range_m(t, a, state)});
+  return ranges;
+}
+
+namespace {
+
+/// A measured heading beyond this says nothing of a direction.
+constexpr double kVagueHeadingRad = 0.5;
+
+/// Whether anything but the bearings of one beacon tells the heading of a planar state.
+bool heading_is_told(const Trajectory& t, const Segment& segment, std::size_t node, BeaconId but, const std::vector<bool>& known) {
+  if (!t.odometry.empty() || t.motion_prior) return true;
+  for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
+    if (t.poses[i].node == node && t.poses[i].heading_sigma_rad < kVagueHeadingRad) return true;
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    const BeaconId reflector = t.bearings[i].reflector;
+    if (t.bearings[i].node == node && reflector.valid() && reflector != but && known[reflector.index()]) return true;
+  }
+  ReceiverId first;
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (a.node != node || a.beacon == but || !known[a.beacon.index()]) continue;
+    if (!first.valid()) first = a.receiver;
+    if (a.receiver != first) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, BeaconId beacon, const std::vector<bool>& known) {
+  std::vector<RayFrom> rays;
+  for (const Trajectory& t : trajectories) {
+    if (t.motion != Motion::kPlanar) continue;
+    for (const Segment& segment : t.segments)
+      for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+        const BearingObservation& b = t.bearings[i];
+        if (b.reflector != beacon || !t.nodes[b.node].placed || (b.alpha != 0.0 && !t.nodes[b.node + 1].placed)) continue;
+        if (!heading_is_told(t, segment, b.node, beacon, known)) continue;
+        const Pose T = pose_at(t, b.node, b.alpha);
+        rays.push_back({T.translation_m.head<2>(), wrap_angle(T.heading_rad() + b.bearing_rad), b.sigma_rad});
+      }
+  }
+  return rays;
+}
+
+double typical_range_m(const Site& site, const std::vector<Trajectory>& trajectories) {
+  constexpr std::size_t kEnough = 50000;
+  const SharedState prior = prior_state(site);
+  std::size_t arrivals = 0;
+  for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
+  const std::size_t every = arrivals / kEnough + 1;
+  std::vector<double> ranges;
+  for (const Trajectory& t : trajectories)
+    for (std::size_t i = 0; i < t.arrivals.size(); i += every) ranges.push_back(prior_range_m(t, t.arrivals[i], prior));
+  return ranges.empty() ? 1.0 : std::max(median(std::move(ranges)), 1e-3);
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "calib/problem/problem.h"
+#include "calib/problem/trilaterate.h"
+#include "models/trajectory/shared_state.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant::calib {
+
+/// Range of an arrival by the speed and delays of a state, the walk by the attenuation's prior taken out [m].
+[[nodiscard]] double prior_range_m(const Trajectory& trajectory, const ArrivalObservation& arrival, const SharedState& state);
+
+/// Ranges of a beacon from the vehicle states placed so far, rejected arrivals included.
+[[nodiscard]] std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, BeaconId beacon);
+
+/// Rays to a beacon by its bearings, from planar vehicle states placed so far whose heading something else tells: a measured pose,
+/// odometry, a bearing of another beacon that is known, or two receivers. Rejected bearings are included.
+/// @param known  beacons whose places are known, which tell headings
+[[nodiscard]] std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, BeaconId beacon, const std::vector<bool>& known);
+
+/// Median of the prior ranges of all arrivals, at least a millimetre; 1 m without arrivals.
+[[nodiscard]] double typical_range_m(const Site& site, const std::vector<Trajectory>& trajectories);
+[[nodiscard]] inline double typical_range_m(const Problem& problem) { return problem.typical_range_m; }
+
+/// Median; 0 for no values.
+[[nodiscard]] double median(std::vector<double> values);
+
+}  // namespace octant::calib

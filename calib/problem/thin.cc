@@ -1,0 +1,244 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/problem/thin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace octant::calib {
+namespace {
+
+/// Odometry between stretches is summed up to steps of this size: long enough to save, short enough for a straight chord.
+constexpr double kStepM = 0.5, kStepRad = 0.3;
+
+/// What is kept or left as a whole: an epoch, an instant or a stretch of a drive of one vehicle.
+struct Group {
+  std::vector<std::size_t> arrivals, bearings;  ///< indices into the log
+  double first_s = INFINITY, last_s = -INFINITY;
+};
+
+class Thinner {
+ public:
+  Thinner(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options)
+      : run_(run), beacons_(beacons), options_(options), drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())) {}
+
+  MeasurementLog thin() {
+    make_groups();
+    const std::size_t budget = budgeted();
+    if (groups_.size() <= budget && !crowded()) return run_;
+    chosen_ = evenly_chosen(groups_.size(), budget);
+    complete_beacons();
+    return assemble();
+  }
+
+ private:
+  void make_groups() {
+    std::map<std::pair<VehicleId, std::int64_t>, std::size_t> of_key;
+    auto latest = of_key.end();  // rows of a group mostly follow each other
+    const double begin_s = run_.arrivals.empty() ? 0.0 : run_.arrivals.front().time_s;
+    double last_time_s = NAN;
+    std::int64_t instant = 0;
+    const auto group = [&](VehicleId vehicle, std::int64_t epoch, double time_s) -> Group& {
+      std::int64_t key = epoch;
+      if (drive_) key = static_cast<std::int64_t>(std::floor((time_s - begin_s) / options_.stretch_s));
+      if (!drive_ && !run_.has_epochs) {
+        if (time_s != last_time_s) ++instant;
+        last_time_s = time_s;
+        key = instant;
+      }
+      if (latest == of_key.end() || latest->first != std::pair{vehicle, key}) {
+        const std::size_t before = of_key.size();
+        latest = of_key.try_emplace(of_key.end(), {vehicle, key}, groups_.size());
+        if (of_key.size() > before) groups_.emplace_back();
+      }
+      Group& g = groups_[latest->second];
+      g.first_s = std::min(g.first_s, time_s);
+      g.last_s = std::max(g.last_s, time_s);
+      return g;
+    };
+    // In the order of time, as without epochs the same time means the same instant.
+    std::size_t b = 0;
+    const auto take_bearings = [&](double until_s) {
+      for (; b < run_.bearings.size() && run_.bearings[b].time_s <= until_s; ++b)
+        group(run_.bearings[b].vehicle, run_.bearings[b].epoch, run_.bearings[b].time_s).bearings.push_back(b);
+    };
+    for (std::size_t a = 0; a < run_.arrivals.size(); ++a) {
+      group(run_.arrivals[a].vehicle, run_.arrivals[a].epoch, run_.arrivals[a].time_s).arrivals.push_back(a);
+      if (a + 1 == run_.arrivals.size() || run_.arrivals[a + 1].time_s != run_.arrivals[a].time_s) take_bearings(run_.arrivals[a].time_s);
+    }
+    take_bearings(INFINITY);
+  }
+
+  [[nodiscard]] std::size_t budgeted() const {
+    if (!drive_ || groups_.empty()) return options_.instants;
+    const double each = static_cast<double>(run_.arrivals.size()) / static_cast<double>(groups_.size());
+    return static_cast<std::size_t>(std::max(30.0, static_cast<double>(options_.drive_arrivals) / std::max(each, 1e-3)));
+  }
+
+  [[nodiscard]] static std::uint64_t pair_of(const Arrival& a) {
+    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a.beacon.value)) << 32U) | static_cast<std::uint32_t>(a.receiver.value);
+  }
+
+  /// A long stand: one epoch with more of the same than anybody needs.
+  [[nodiscard]] bool crowded() const {
+    return std::any_of(groups_.begin(), groups_.end(), [this](const Group& g) {
+      if (g.arrivals.size() <= options_.per_pair) return false;
+      std::map<std::uint64_t, std::size_t> count;
+      return std::any_of(g.arrivals.begin(), g.arrivals.end(),
+                         [&](std::size_t a) { return ++count[pair_of(run_.arrivals[a])] > options_.per_pair; });
+    });
+  }
+
+  /// Calls visit(beacon) for each observation of a group.
+  template <class Visit>
+  void for_each_heard(const Group& g, Visit&& visit) const {
+    for (const std::size_t a : g.arrivals) visit(run_.arrivals[a].beacon.index());
+    for (const std::size_t b : g.bearings)
+      if (run_.bearings[b].reflector.valid()) visit(run_.bearings[b].reflector.index());
+  }
+
+  void complete_beacons() {
+    GroupsHearing hearing;
+    hearing.kept.assign(beacons_, 0);
+    hearing.more.resize(beacons_);
+    hearing.for_each_heard = [this](std::size_t g, const auto& visit) { for_each_heard(groups_[g], visit); };
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      for_each_heard(groups_[g], [&](std::size_t beacon) {
+        if (chosen_[g]) ++hearing.kept[beacon];
+        else if (hearing.more[beacon].empty() || hearing.more[beacon].back() != g) hearing.more[beacon].push_back(g);
+      });
+    choose_more(hearing, options_.per_beacon, chosen_);
+  }
+
+  MeasurementLog assemble() const {
+    MeasurementLog few = without_lists(run_);
+    few.rejected = run_.rejected;
+    if (!drive_) few.odometry = run_.odometry;
+    std::vector<std::size_t> arrivals, bearings;
+    std::vector<std::pair<double, double>> spans;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      if (!chosen_[g]) continue;
+      take_some(groups_[g].arrivals, arrivals);
+      bearings.insert(bearings.end(), groups_[g].bearings.begin(), groups_[g].bearings.end());
+      spans.emplace_back(groups_[g].first_s, groups_[g].last_s);
+    }
+    std::sort(arrivals.begin(), arrivals.end());
+    std::sort(bearings.begin(), bearings.end());
+    for (const std::size_t a : arrivals) few.arrivals.push_back(run_.arrivals[a]);
+    for (const std::size_t b : bearings) few.bearings.push_back(run_.bearings[b]);
+    std::sort(spans.begin(), spans.end());
+    few.poses = near_spans(run_.poses, spans);
+    if (drive_) few.odometry = summed_up(spans);
+    return few;
+  }
+
+  void take_some(const std::vector<std::size_t>& from, std::vector<std::size_t>& to) const {
+    std::map<std::uint64_t, std::vector<std::size_t>> by_pair;
+    for (const std::size_t a : from) by_pair[pair_of(run_.arrivals[a])].push_back(a);
+    for (const auto& [pair, all] : by_pair) {
+      const std::size_t count = std::min(options_.per_pair, all.size());
+      for (std::size_t i = 0; i < count; ++i) to.push_back(all[i * all.size() / count]);
+    }
+  }
+
+  /// Rows within the spans and the next ones on either side.
+  template <class Row>
+  static std::vector<Row> near_spans(const std::vector<Row>& rows, const std::vector<std::pair<double, double>>& spans) {
+    const std::vector<bool> near = marked(rows, spans);
+    std::vector<Row> few;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (near[i]) few.push_back(rows[i]);
+    return few;
+  }
+  template <class Row>
+  static std::vector<bool> marked(const std::vector<Row>& rows, const std::vector<std::pair<double, double>>& spans) {
+    std::vector<bool> near(rows.size(), false);
+    const auto before = [](double t, const Row& row) { return t < row.time_s; };
+    for (const auto& [first_s, last_s] : spans) {
+      const auto after = std::upper_bound(rows.begin(), rows.end(), first_s, before) - rows.begin();
+      for (auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0)); i < rows.size(); ++i) {
+        near[i] = true;
+        if (rows[i].time_s > last_s) break;
+      }
+    }
+    return near;
+  }
+
+  /// Rows of the stretches as they are, what lies between summed up to longer steps.
+  [[nodiscard]] std::vector<OdometryStep> summed_up(const std::vector<std::pair<double, double>>& spans) const {
+    std::map<VehicleId, std::vector<OdometryStep>> by_vehicle;
+    for (const OdometryStep& s : run_.odometry) by_vehicle[s.vehicle].push_back(s);
+    std::vector<OdometryStep> few;
+    for (const auto& [vehicle, rows] : by_vehicle) {
+      const std::vector<bool> near = marked(rows, spans);
+      few.push_back(rows.front());
+      Pose sum;
+      double way_m = 0.0, turn_rad = 0.0;
+      for (std::size_t i = 1; i < rows.size(); ++i) {
+        sum = sum * Pose::planar(rows[i].dx_m, rows[i].dy_m, rows[i].dheading_rad);
+        way_m += std::hypot(rows[i].dx_m, rows[i].dy_m);
+        turn_rad += std::abs(rows[i].dheading_rad);
+        const bool open = !near[i] && i + 1 < rows.size() && way_m < kStepM && turn_rad < kStepRad;
+        if (open) continue;
+        few.push_back({rows[i].time_s, sum.translation_m.x(), sum.translation_m.y(), sum.heading_rad(), vehicle});
+        sum = Pose();
+        way_m = turn_rad = 0.0;
+      }
+    }
+    std::stable_sort(few.begin(), few.end(), [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
+    return few;
+  }
+
+  const MeasurementLog& run_;
+  std::size_t beacons_;
+  const ThinOptions& options_;
+  bool drive_;
+  std::vector<Group> groups_;
+  std::vector<bool> chosen_;
+};
+
+}  // namespace
+
+std::vector<bool> evenly_chosen(std::size_t groups, std::size_t budget) {
+  std::vector<bool> chosen(groups, false);
+  const std::size_t count = std::min(budget, groups);
+  for (std::size_t i = 0; i < count; ++i) chosen[i * groups / count] = true;
+  return chosen;
+}
+
+void choose_more(GroupsHearing& hearing, std::size_t per_beacon, std::vector<bool>& chosen) {
+  std::vector<std::size_t>& kept = hearing.kept;
+  for (std::size_t b = 0; b < kept.size(); ++b) {
+    const std::vector<std::size_t>& more = hearing.more[b];
+    // Evenly again: every 2nd, 4th, ... of what is left, halves first.
+    for (std::size_t step = std::max<std::size_t>(1, more.size() / 16); kept[b] < per_beacon; step /= 2) {
+      for (std::size_t i = 0; i < more.size() && kept[b] < per_beacon; i += step) {
+        if (chosen[more[i]]) continue;
+        chosen[more[i]] = true;
+        hearing.for_each_heard(more[i], [&](std::size_t beacon) { ++kept[beacon]; });
+      }
+      if (step == 1) break;
+    }
+  }
+}
+
+MeasurementLog without_lists(const MeasurementLog& run) {
+  MeasurementLog few;
+  few.path = run.path;
+  few.vehicle = run.vehicle;
+  few.temperature_degC = run.temperature_degC;
+  few.relative_humidity = run.relative_humidity;
+  few.pressure_pa = run.pressure_pa;
+  few.pose_accuracy = run.pose_accuracy;
+  few.truth_accuracy = run.truth_accuracy;
+  few.odometry_accuracy = run.odometry_accuracy;
+  few.has_epochs = run.has_epochs;
+  few.rows = run.rows;
+  few.warnings = run.warnings;
+  return few;
+}
+
+MeasurementLog thin(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options) { return Thinner(run, beacons, options).thin(); }
+
+}  // namespace octant::calib

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "calib/problem/log_health.h"
+
+namespace octant::calib {
+
+/// Range of an arrival by the site's medium, prior delay and ranging [m]; no time-walk, cycle offsets left in.
+[[nodiscard]] double stated_range_m(const Site& site, const MeasurementLog& run, const Arrival& arrival);
+
+/// Suspicions about the unit of tof_s: milliseconds, microseconds, nanoseconds or metres for seconds, by the median range against
+/// the site's extent; and there-and-back times taken for one way, or the reverse, by the triangle inequality between pairs
+/// of beacons whose places are known.
+[[nodiscard]] std::vector<Finding> check_units(const Site& site, const MeasurementLog& run);
+
+}  // namespace octant::calib

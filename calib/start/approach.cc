@@ -1,0 +1,340 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/start/approach.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calib/problem/flips.h"
+#include "calib/start/label_check.h"
+#include "calib/start/mirror_images.h"
+#include "calib/verdict/observability.h"
+#include "calib/adjust/reject.h"
+#include "calib/start/start.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr int kMaxStages = 12;
+/// An epoch with an arrival this far off (beside the robust scale) is searched again.
+constexpr double kSuspectSigmas = 2.0;
+/// Beacons at a stage of the graduated adjustment are off by about this share of its scale.
+constexpr double kSlackOfScale = 0.5;
+/// While the robust scale is beyond so many sigmas the headings of epochs are held near where the search found them.
+constexpr double kRoughScale = 10.0;
+/// Repeated searches, in sigmas by which beacons may be off; an improvement below two per cent counts as none.
+constexpr std::array<double, 5> kSearchSlacks = {0.0, 20.0, 8.0, 3.0, 0.0};
+constexpr double kMuchBetter = 0.98;
+/// A stated place is believed unless another one is better by this, half a square of four sigmas.
+constexpr double kAsGoodAsStated = 8.0;
+/// States are searched again once the robust scale is down to this, and once more at its end.
+constexpr double kSearchAgainScale = 30.0;
+
+class Approacher {
+ public:
+  Approacher(const Problem& problem, const SolveOptions& options, Course& course)
+      : problem_(problem), options_(options), course_(course) {}
+
+  Approach run(bool search_again) {
+    out_.ok = approach(search_again);
+    return std::move(out_);
+  }
+
+ private:
+  bool approach(bool search_again) {
+    if (!course_.report("initial values", 0.02)) return stop(interrupted_solution());
+    if (const auto missing = missing_scale(problem_)) return stop(refuse(*missing));
+    start_ = initial_values(problem_, options_.threads);
+    take_start();
+    if (!placed_any_) return stop(unplaced());
+    if (!graduated() || !mend_labels()) return stop(interrupted_solution());
+    if (search_again && (!search_and_adjust() || !compare_images())) return stop(interrupted_solution());
+    return true;
+  }
+
+  bool stop(Solution why) {
+    out_.why_not = std::move(why);
+    return false;
+  }
+
+  static Solution refuse(WeakDirection direction) {
+    Solution solution;
+    solution.status = SolveStatus::kUndetermined;
+    solution.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}", direction.description,
+                                   direction.remedy);
+    solution.undetermined = direction.parameters;
+    solution.weak.push_back(std::move(direction));
+    return solution;
+  }
+
+  Solution unplaced() {
+    WeakDirection direction;
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) {
+      if (it_.beacon_usable[b]) continue;
+      direction.parameters.push_back("beacon/" + problem_.site.beacons[b].name);
+      names.push_back(problem_.site.beacons[b].name);
+    }
+    if (names.empty()) {
+      // All beacons are known and still no pose came of them: too few are heard together.
+      for (const SiteBeacon& beacon : problem_.site.beacons) {
+        direction.parameters.push_back("beacon/" + beacon.name);
+        names.push_back(beacon.name);
+      }
+      direction.description =
+          fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once", fmt::join(names, ", "));
+    } else {
+      direction.description =
+          fmt::format("any pose of the vehicle, and with it the positions of beacons {}", fmt::join(names, ", "));
+    }
+    direction.remedy =
+        "give approximate positions of three beacons that do not stand in line with the path, or measured poses of the vehicle";
+    direction.blocking = true;
+    return refuse(std::move(direction));
+  }
+
+  void take_start() {
+    it_.beacon_usable = start_.beacon_found;
+    it_.beacon_mirrored.assign(it_.beacon_usable.size(), false);
+    out_.trajectories = std::move(start_.trajectories);
+    std::vector<bool> held(it_.beacon_usable.size());
+    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) held[b] = !it_.beacon_usable[b];
+    it_.layout = make_layout(problem_, start_.state, held);
+    it_.layout.dense_limit = options_.dense_limit;
+    it_.x = it_.layout.vector_of(start_.state);
+    readmit_all(out_.trajectories, it_.beacon_usable);
+    out_.start_headings_rad = epoch_headings_rad(out_.trajectories);
+    for (const Trajectory& t : out_.trajectories)
+      for (const Segment& s : t.segments) placed_any_ = placed_any_ || t.nodes[s.first_node].placed;
+    out_.warnings = start_.warnings;
+  }
+
+  [[nodiscard]] double sigma_m() const { return it_.sigma_m(problem_); }
+
+  bool adjust_with(double scale, double function_tolerance) {
+    it_.last = adjust(problem_, it_.layout, out_.trajectories, it_.x, course_.adjust_options(scale, function_tolerance));
+    return !it_.last.interrupted;
+  }
+
+  /// Graduated robustness: from the slack of the start down to the noise, placing states anew on the way.
+  bool graduated() {
+    double scale = std::max(start_.slack_m / sigma_m(), kCauchyScale);
+    bool searched_again = false;
+    for (int stage = 0;; ++stage) {
+      if (!course_.report(fmt::format("adjustment, robust scale {:.3g} sigma", scale), std::min(0.6, 0.1 + 0.1 * stage)))
+        return false;
+      const bool last = scale <= kCauchyScale;
+      const HeldHeadings held(scale > kRoughScale ? &out_.trajectories : nullptr);
+      if (!adjust_with(scale, last ? 1e-10 : 1e-4)) return false;
+      const bool lifted = keep_above();
+      if (last && (!lifted || stage > kMaxStages)) return true;
+      scale = std::max(scale / 5, kCauchyScale);
+      if (scale <= kSearchAgainScale && !searched_again) {
+        place_again(scale, kSlackOfScale * scale);
+        searched_again = true;
+      }
+    }
+  }
+
+  /// Receivers in one plane cannot tell above from below: a beacon of unknown height that slipped below is put back above.
+  bool keep_above() {
+    if (problem_.site.motion != Motion::kPlanar) return false;
+    const SharedState state = it_.layout.state_of(it_.x);
+    double plane_z_m = 0.0;
+    for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m)
+      plane_z_m += o.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
+    bool lifted = false;
+    for (const auto& columns : it_.layout.beacon) {
+      const int z = columns[2];
+      if (z < 0 || std::isfinite(it_.layout.parameters[static_cast<std::size_t>(z)].prior_sigma) || it_.x[z] >= plane_z_m)
+        continue;
+      it_.x[z] = 2 * plane_z_m - it_.x[z];
+      lifted = true;
+    }
+    return lifted;
+  }
+
+  /// A solution on the way, to come back to.
+  struct Kept {
+    ParameterLayout layout;
+    Eigen::VectorXd x;
+    std::vector<Trajectory> trajectories;
+    AdjustResult last;
+  };
+  [[nodiscard]] Kept keep() const { return {it_.layout, it_.x, out_.trajectories, it_.last}; }
+  void restore(Kept kept) {
+    it_.layout = std::move(kept.layout);
+    it_.x = std::move(kept.x);
+    out_.trajectories = std::move(kept.trajectories);
+    it_.last = std::move(kept.last);
+  }
+  [[nodiscard]] Consensus consensus() const {
+    return consensus_of(problem_, it_.layout, it_.x, out_.trajectories, options_.rejection_sigmas);
+  }
+
+  /// Exchanged or misplaced beacons, once the arrivals have told where they are.
+  bool mend_labels() {
+    const Kept before = keep();
+    LabelCheck check = check_labels(problem_, it_.layout, it_.x);
+    if (check.mended) {
+      if (!course_.report("adjustment with mended positions", 0.62)) return false;
+      place_again(kCauchyScale, 0.0);
+      if (!adjust_with(kCauchyScale, 1e-10)) return false;
+    }
+    if (!check.disregarded.empty() && !believe_stated(before, check)) return false;
+    out_.warnings.insert(out_.warnings.end(), check.warnings.begin(), check.warnings.end());
+    return true;
+  }
+
+  /// A beacon is not where the site file has it because a robust start ended elsewhere: it is adjusted from its stated place as
+  /// well, all such beacons at once, then one by one, and the stated place is disregarded only where that is clearly worse.
+  bool believe_stated(const Kept& before, LabelCheck& check) {
+    const auto better_than = [this](const Consensus& other) {
+      const double noise = agreeing_sigma(out_.trajectories, it_.layout.state_of(it_.x));
+      return consensus().total() < other.total() + kAsGoodAsStated * std::max(1.0, noise * noise);
+    };
+    std::vector<std::size_t> trusted;
+    const std::vector<std::size_t> doubted = check.disregarded;
+    Kept best = keep();
+    Consensus cost = consensus();
+    for (std::size_t trial = 0; trial <= doubted.size() && trusted.size() < doubted.size() && (trial == 0 || doubted.size() > 1); ++trial) {
+      std::vector<std::size_t> wanted = trusted;
+      if (trial == 0) {
+        wanted = doubted;
+        restore(before);
+      } else {
+        wanted.push_back(doubted[trial - 1]);
+        it_.layout = before.layout;
+      }
+      LabelCheck again = check_labels(problem_, it_.layout, before.x, wanted);
+      if (!adjust_from_stated(wanted)) return false;
+      if (better_than(cost)) {
+        trusted = wanted;
+        check = std::move(again);
+        best = keep();
+        cost = consensus();
+      } else {
+        restore(best);
+      }
+    }
+    return true;
+  }
+
+  /// With beacons back at their stated places.
+  bool adjust_from_stated(const std::vector<std::size_t>& beacons) {
+    if (!course_.report("adjustment from stated positions", 0.63)) return false;
+    double off_m = 0.0;
+    for (const std::size_t b : beacons)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const int column = it_.layout.beacon[b][i];
+        if (column < 0 || !problem_.site.beacons[b].position_m[i]) continue;
+        it_.x[column] = *problem_.site.beacons[b].position_m[i];
+        const double prior_m = it_.layout.parameters[static_cast<std::size_t>(column)].prior_sigma;
+        if (std::isfinite(prior_m)) off_m = std::max(off_m, prior_m);
+      }
+    place_again(kCauchyScale, off_m / sigma_m());
+    for (double scale = std::max(off_m / sigma_m(), kCauchyScale); scale > kCauchyScale; scale /= 5)
+      if (!adjust_with(scale, 1e-4)) return false;
+    place_again(kCauchyScale, 0.0);
+    return adjust_with(kCauchyScale, 1e-10);
+  }
+
+  /// Beacons, or the whole site, of which the ranges leave a mirror image: it is adjusted too, and the better one by all
+  /// observations is kept. Where both are equally good a beacon is undetermined.
+  bool compare_images() {
+    if (!course_.report("mirror images", 0.67)) return false;
+    const auto compare = [this](const Kept& here, Preference& preferred) {
+      const Consensus there = consensus();
+      const double noise = agreeing_sigma(here.trajectories, here.layout.state_of(here.x));
+      preferred = prefer(consensus_of(problem_, here.layout, here.x, here.trajectories, options_.rejection_sigmas), there, noise);
+      if (preferred != Preference::kSecond) restore(here);
+    };
+    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) {
+      const std::array<int, 3>& columns = it_.layout.beacon[b];
+      if (!it_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) continue;
+      const auto image = mirror_image(problem_, it_.layout.state_of(it_.x), out_.trajectories, b, 3 * sigma_m());
+      if (!image) continue;
+      const Kept here = keep();
+      for (std::size_t i = 0; i < 3; ++i)
+        if (columns[i] >= 0) it_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
+      if (!adjust_with(kCauchyScale, 1e-8)) return false;
+      Preference preferred;
+      compare(here, preferred);
+      const double apart_m = (*image - here.layout.state_of(here.x).beacon_p_map_m[b]).norm();
+      it_.beacon_mirrored[b] = preferred == Preference::kNeither && apart_m > tolerance_m(problem_);
+    }
+    const Kept here = keep();
+    if (!reflect_site(problem_, it_.layout, it_.x, out_.trajectories)) return true;
+    const Eigen::VectorXd image = it_.x;
+    if (!adjust_with(kCauchyScale, 1e-8)) return false;
+    Preference preferred;
+    compare(here, preferred);
+    if (preferred != Preference::kNeither) return true;
+    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b)
+      for (const int column : {it_.layout.beacon[b][0], it_.layout.beacon[b][1]})
+        if (column >= 0 && std::abs(image[column] - here.x[column]) > tolerance_m(problem_)) it_.beacon_mirrored[b] = true;
+    return true;
+  }
+
+  /// States that fell into a wrong place while the beacons were off, which they may still be by so many sigmas of an arrival.
+  void place_again(double scale, double slack_sigmas) {
+    const EpochFixModel model = search_model(problem_, it_.layout.state_of(it_.x), it_.beacon_usable);
+    for (Trajectory& t : out_.trajectories)
+      place_states(t, model, slack_sigmas * sigma_m(), true, kSuspectSigmas + scale, options_.threads);
+    readmit_all(out_.trajectories, it_.beacon_usable);
+  }
+
+  /// Beacons and states hold each other in wrong places: a few flipped headings keep the beacons off, and those keep the
+  /// headings. So the search is repeated with less and less trust in the beacons withdrawn, and the largest consensus is kept.
+  bool search_and_adjust() {
+    double best = consensus().total();
+    std::size_t failures = 0;
+    for (const double slack : kSearchSlacks) {
+      const Eigen::VectorXd x = it_.x;
+      const std::vector<Trajectory> trajectories = out_.trajectories;
+      const AdjustResult last = it_.last;
+      if (!course_.report(fmt::format("search again, beacons trusted to {:.3g} sigma", slack), 0.65)) return false;
+      place_again(kCauchyScale, slack);
+      for (const double scale : {std::max(slack, kCauchyScale), kCauchyScale})
+        if (!adjust_with(scale, scale > kCauchyScale ? 1e-4 : 1e-10)) return false;
+      const double cost = consensus().total();
+      const bool better = cost < best, much_better = cost < kMuchBetter * best;
+      if (better) {
+        best = cost;
+      } else {
+        it_.x = x;
+        out_.trajectories = trajectories;
+        it_.last = last;
+      }
+      if (!much_better && ++failures >= 2) break;
+    }
+    return true;
+  }
+
+  const Problem& problem_;
+  const SolveOptions& options_;
+  Course& course_;
+  Start start_;
+  Approach out_;
+  Estimate& it_ = out_.estimate;
+  bool placed_any_ = false;
+};
+
+}  // namespace
+
+Solution interrupted_solution() {
+  Solution solution;
+  solution.status = SolveStatus::kInterrupted;
+  solution.message = "interrupted";
+  return solution;
+}
+
+Approach approach(const Problem& problem, const SolveOptions& options, Course& course, bool search_again) {
+  return Approacher(problem, options, course).run(search_again);
+}
+
+}  // namespace octant::calib

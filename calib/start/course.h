@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "calib/adjust/adjust.h"
+#include "calib/calibrate.h"
+
+namespace octant::calib {
+
+/// How far a calibration has come: what it tells whoever listens, and whether he wants it to stop.
+class Course {
+ public:
+  explicit Course(const SolveOptions& options) : options_(options) {}
+
+  /// A new stage; false: stop.
+  bool report(const std::string& stage, double fraction) {
+    stage_ = stage;
+    fraction_ = fraction;
+    return go_on();
+  }
+  /// Within the stage.
+  [[nodiscard]] bool go_on(int iteration = 0, double cost = 0.0) const {
+    return !options_.on_progress || options_.on_progress({stage_, iteration, cost, fraction_});
+  }
+  /// Options of an adjustment that reports here and whose iterations are counted.
+  [[nodiscard]] AdjustOptions adjust_options(double robust_scale, double function_tolerance) {
+    AdjustOptions options;
+    options.loss = {robust_scale, robust_scale};
+    options.max_iterations = options_.max_iterations;
+    options.workers = options_.workers();
+    options.function_tolerance = function_tolerance;
+    options.on_iteration = [this](int iteration, double cost) {
+      ++iterations;
+      return go_on(iteration, cost);
+    };
+    return options;
+  }
+
+  int iterations = 0;
+
+ private:
+  const SolveOptions& options_;
+  std::string stage_;
+  double fraction_ = 0.0;
+};
+
+}  // namespace octant::calib

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/statements/hints.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calib/plan/check.h"
+#include "calib/statements/readings.h"
+#include "calib/problem/thin.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr std::size_t kRows = 20'000, kBlocks = 40;  ///< of a recording, looked at
+constexpr std::size_t kStops = 1000;
+
+/// Evenly spread blocks of rows, each as long as stops allow; a short recording as it is.
+MeasurementLog some_blocks(const MeasurementLog& run) {
+  MeasurementLog few = without_lists(run);
+  few.odometry = run.odometry;
+  few.poses = run.poses;
+  const std::size_t length = kRows / kBlocks, n = run.arrivals.size();
+  const auto is_seam = [&](std::size_t i) {
+    return i == n || !run.has_epochs || run.arrivals[i].epoch != run.arrivals[i - 1].epoch;
+  };
+  for (std::size_t block = 0; block < kBlocks; ++block) {
+    std::size_t begin = block * n / kBlocks, end = begin + length;
+    while (begin > 0 && begin < n && !is_seam(begin)) ++begin;
+    while (end < n && !is_seam(end) && end < begin + 2 * length) ++end;
+    const auto at = [&](std::size_t i) { return run.arrivals.begin() + static_cast<std::ptrdiff_t>(std::min(i, n)); };
+    if (begin < end) few.arrivals.insert(few.arrivals.end(), at(begin), at(end));
+  }
+  return few;
+}
+
+/// Said of blocks it would be of the pauses between them, or of what they happen not to hold.
+bool needs_all(const Finding& f) { return f.kind == "gap" || f.kind == "constant" || f.kind == "temperature"; }
+
+}  // namespace
+
+std::vector<Finding> site_hints(const Site& site) {
+  std::size_t placed = 0;
+  for (const SiteBeacon& b : site.beacons) {
+    for (const auto& sigma : b.sigma_m)
+      if (sigma) return {};
+    placed += b.position_m[0] && b.position_m[1];
+  }
+  if (placed == 0) return {};
+  return {{"no_sigma", fmt::format("{}: none of the {} beacons with a position_m has a sigma_m: their places serve as a start "
+                                   "only and hold nothing; state sigma_m: 0.0 for "
+                                   "those that were surveyed",
+                                   site.path, placed)}};
+}
+
+std::vector<Finding> log_hints(const Site& site, const std::vector<MeasurementLog>& runs) {
+  std::vector<Finding> findings = site_hints(site);
+  std::vector<RunHealth> health;
+  bool all = true;
+  for (const MeasurementLog& run : runs) {
+    const bool is_short = run.arrivals.size() <= 2 * kRows;
+    all = all && is_short;
+    health.push_back(log_health(site, is_short ? run : some_blocks(run)));
+    for (Finding& f : health.back().findings)
+      if (is_short || !needs_all(f)) findings.push_back(std::move(f));
+  }
+  if (all)
+    for (Finding& f : silent_links(site, health))
+      if (f.kind != "silent_beacon") findings.push_back(std::move(f));  // calibration says so itself
+  return findings;
+}
+
+std::vector<Finding> outcome_hints(const Problem& problem, const Solution& solution) {
+  if (solution.beacon_status.empty()) return {};
+  std::vector<RunHealth> runs(problem.runs.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) runs[i].path = problem.runs[i].path;
+  std::size_t stops = 0;
+  for (const Trajectory& t : solution.trajectories) stops += t.segments.size();
+  const std::size_t every = stops / kStops + 1;
+  if (every == 1) return suspicions(Adjusted{problem.site, solution.state, solution.trajectories, 1.0}, runs);
+  std::vector<Trajectory> few;
+  for (const Trajectory& t : solution.trajectories) few.push_back(some_segments(t, every));
+  return suspicions(Adjusted{problem.site, solution.state, few, static_cast<double>(every)}, runs);
+}
+
+void explain(const Problem& problem, const Problem& adjusted, Solution& solution, const SolveOptions& options) {
+  if (!seems_misread(adjusted, solution)) return;
+  std::vector<Contradiction> found = find_misreadings(problem, solution, options);
+  if (found.empty()) return;
+  solution.contradictions = std::move(found);
+  if (solution.status != SolveStatus::kUndetermined) return;
+  solution.message = "the recordings do not fit what was stated, and nothing is exported";
+  solution.weak.clear();
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,369 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/statements/readings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calib/adjust/adjust.h"
+#include "calib/start/approach.h"
+#include "calib/statements/pauses.h"
+#include "calib/statements/pose_frames.h"
+#include "calib/adjust/reject.h"
+#include "calib/problem/site_units.h"
+#include "calib/problem/thin.h"
+#include "calib/statements/wiring.h"
+
+namespace octant::calib {
+namespace {
+
+/// How an outcome looks that is worth a search.
+constexpr double kEarlyShare = 0.05, kLeftOutShare = 0.35, kNoiseRatio = 3.0, kDraggedSigmas = 6.0;
+constexpr std::size_t kEarlyAtLeast = 10;
+/// How much better a reading must be: by so much log likelihood an arrival, and by such a factor; and good by itself.
+constexpr double kGain = 0.5, kFactor = 0.6, kAgreeingShare = 0.6, kNoise = 5.0, kRedundant = 0.2;
+/// Readings within this much log likelihood an arrival are equally good.
+constexpr double kTie = 0.05;
+/// Parts of the recordings that are adjusted: a small one for each reading, a larger one for those few that explain it far
+/// better.
+struct Share {
+  std::size_t instants, per_beacon, drive_arrivals;
+};
+constexpr Share kFirstLook = {16, 12, 600}, kSecondLook = {40, 30, 1500};
+constexpr double kWorthASecondLook = 0.8;  ///< of the loss as stated
+constexpr std::size_t kSecondLooks = 2;    ///< of each kind
+constexpr std::size_t kInstantsAtLeast = 10, kDriveArrivalsAtLeast = 200;
+
+/// The statements as they might be meant: another site, or other recordings.
+struct Reading {
+  Contradiction what;
+  std::function<Site(const Site&)> site;
+  std::function<void(MeasurementLog&)> run;
+};
+
+/// What an adjustment makes of a reading.
+struct Score {
+  double loss = 0.0;        ///< negative log likelihood an arrival: Gauss where it agrees, a constant where it does not
+  double agreeing = 0.0;    ///< share of the arrivals
+  double noise = INFINITY;  ///< of those, over the stated one
+  double redundancy = 0.0;  ///< an arrival
+  double arrivals = 0.0;
+  std::vector<double> sizes = {};  ///< of the residuals, in stated sigmas
+};
+
+/// Observations that tie the states beside the arrivals.
+double ties_of(const Trajectory& t) {
+  return 3.0 * static_cast<double>(t.odometry.size() + t.poses.size()) + static_cast<double>(t.bearings.size());
+}
+
+/// Fills what the adjusted states say of the arrivals.
+void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajectories, double cap, double n, Score& score) {
+  const SharedState state = it.state();
+  double squares = 0.0, agreeing = 0.0, free = -static_cast<double>(it.layout.size());
+  for (const Trajectory& t : trajectories) {
+    free += ties_of(t);
+    for (const Node& node : t.nodes) free -= node.placed ? t.block_size() : 0;
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (!t.nodes[a.node].placed || a.rejection == Rejection::kBeaconUnusable) continue;
+      const double residual = arrival_residual(t, a, state);
+      score.sizes.push_back(std::abs(residual));
+      if (a.rejection != Rejection::kUsed) continue;
+      squares += residual * residual;
+      agreeing += 1;
+    }
+  }
+  const double others = std::max(0.0, it.last.cost - 0.5 * squares);  // priors, poses, odometry
+  score.loss = (0.5 * squares / (score.noise * score.noise) + cap * (n - agreeing) + others) / n + std::log(score.noise);
+  score.agreeing = agreeing / n;
+  score.redundancy = (agreeing + free) / n;
+}
+
+/// A quick calibration: approach, rejection at four sigmas, plain squares. An arrival that does not agree costs as much as one at
+/// the limit.
+Score score_of(const Site& site, const std::vector<MeasurementLog>& runs, const SolveOptions& options, bool search_again) {
+  const double limit = options.rejection_sigmas, cap = 0.5 * limit * limit;
+  Score score{.loss = cap};
+  for (const MeasurementLog& run : runs) score.arrivals += static_cast<double>(run.arrivals.size());
+  const double n = score.arrivals;
+  const auto problem = make_problem(site, runs, options.threads);
+  if (!problem || n == 0) return score;
+  Course course(options);
+  Approach found = approach(*problem, options, course, search_again);
+  if (!found.ok) return score;
+  Estimate& it = found.estimate;
+  score.noise = std::max(1.0, agreeing_sigma(found.trajectories, it.state()));
+  (void)mark_rejected(found.trajectories, it.state(), limit * score.noise, options.threads);
+  it.last = adjust(*problem, it.layout, found.trajectories, it.x, course.adjust_options(0.0, 1e-6));
+  judge_arrivals(it, found.trajectories, cap, n, score);
+  return score;
+}
+
+std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std::size_t beacons, const Share& share) {
+  ThinOptions thin_options;
+  const std::size_t count = std::max<std::size_t>(1, runs.size());
+  thin_options.instants = std::max(kInstantsAtLeast, share.instants / count);
+  thin_options.per_beacon = share.per_beacon;
+  thin_options.per_pair = 4;
+  thin_options.drive_arrivals = std::max(kDriveArrivalsAtLeast, share.drive_arrivals / count);
+  std::vector<MeasurementLog> few;
+  for (const MeasurementLog& run : runs) few.push_back(thin(run, beacons, thin_options));
+  return few;
+}
+
+class Search {
+ public:
+  Search(const Problem& problem, const Solution& solution, const SolveOptions& options)
+      : problem_(problem), solution_(solution), options_(options), site_(problem.site) {
+    for (SiteVehicle& v : site_.vehicles) v.array.reset();  // an array that is adjusted as a whole has one order of receivers
+    options_.ranks = nullptr;
+    const auto go_on = options.on_progress;
+    if (go_on)
+      options_.on_progress = [go_on](const Progress&) { return go_on({"other readings of the site file", 0, 0.0, 0.97}); };
+  }
+
+  std::vector<Contradiction> run() {
+    first_ = few_of(problem_.runs, site_.beacons.size(), kFirstLook);
+    second_ = few_of(problem_.runs, site_.beacons.size(), kSecondLook);
+    stated_first_ = score_of(site_, first_, options_, false);
+    stated_ = score_of(site_, second_, options_, true);
+    try_numbered_stops();
+    const bool scale_is_right = stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise;
+    if (found_.empty()) {
+      std::vector<Reading> scales = units(scale_is_right);
+      if (const auto reading = ranging(); reading && !scale_is_right) scales.push_back(*reading);
+      try_out(scales);
+    }
+    if (found_.empty()) {
+      std::vector<Reading> frames = poses();
+      for (Reading& reading : wired_otherwise()) frames.push_back(std::move(reading));
+      try_out(frames);
+    }
+    return best();
+  }
+
+ private:
+  struct Tried {
+    Contradiction what;
+    Score score;
+  };
+  static constexpr double kScaleAgrees = 0.5;  ///< a share of agreeing arrivals that no wrong scale of all leaves
+
+  [[nodiscard]] bool stopped() const { return options_.on_progress && !options_.on_progress({}); }
+
+  [[nodiscard]] bool explains(const Score& s) const {
+    return s.agreeing >= std::max(kAgreeingShare, stated_.agreeing) && s.noise <= kNoise && s.redundancy >= kRedundant && stated_.loss - s.loss >= kGain &&
+           s.loss <= kFactor * stated_.loss;
+  }
+
+  [[nodiscard]] Score score(const Reading& reading, const std::vector<MeasurementLog>& runs, bool search_again) const {
+    if (!reading.run) return score_of(reading.site(site_), runs, options_, search_again);
+    std::vector<MeasurementLog> others = runs;
+    for (MeasurementLog& run : others) reading.run(run);
+    return score_of(reading.site ? reading.site(site_) : site_, others, options_, search_again);
+  }
+
+  /// A first look at each, a second one at those that explain the log far better than the statements do.
+  void try_out(const std::vector<Reading>& readings) {
+    std::vector<std::pair<double, std::size_t>> ranking;
+    for (std::size_t i = 0; i < readings.size() && !stopped(); ++i) {
+      const double loss = score(readings[i], first_, false).loss;
+      if (loss < kWorthASecondLook * stated_first_.loss) ranking.emplace_back(loss, i);
+    }
+    std::stable_sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::map<ContradictionKind, std::size_t>
+        looked_at;  // of each kind: of poses in a mirrored frame and receivers wired so, each is to have its turn
+    std::erase_if(ranking, [&](const auto& r) { return ++looked_at[readings[r.second].what.kind] > kSecondLooks; });
+    std::sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    for (const auto& [loss, i] : ranking) {
+      if (stopped()) return;
+      const Score s = score(readings[i], second_, true);
+      if (explains(s)) found_.push_back({readings[i].what, s});
+    }
+  }
+
+  /// Stops that no epoch column tells apart, or all under one number. What is chosen of the runs depends on the epochs, so it is
+  /// chosen anew.
+  void try_numbered_stops() {
+    std::vector<MeasurementLog> runs = problem_.runs;
+    std::vector<std::string> names;
+    std::size_t stops = 0;
+    bool numbered = false;
+    for (MeasurementLog& run : runs) {
+      const bool had_epochs = run.has_epochs;
+      const std::size_t found = number_stops(run);
+      if (found == 0) continue;
+      stops += found;
+      numbered = numbered || had_epochs;
+      names.push_back(run.path + "/tof.csv");
+    }
+    if (stops == 0) return;
+    const std::string files = fmt::format("{}", fmt::join(names, ", "));
+    const Contradiction what{ContradictionKind::kEpochs,
+                             files,
+                             numbered ? "one epoch for all" : "no column epoch",
+                             fmt::format("that the times of its arrivals come in {} groups with pauses between, and in each of "
+                                         "them fit a vehicle that stands still",
+                                         stops),
+                             0.0,
+                             "add a column epoch that numbers the stops: rows with the same epoch share one pose of the vehicle"};
+    const Score s = score_of(site_, few_of(runs, site_.beacons.size(), kSecondLook), options_, true);
+    if (explains(s)) found_.push_back({what, s});
+  }
+
+  [[nodiscard]] std::optional<Reading> ranging() const {
+    if (site_.timing.clock == Clock::kCycleOffset) return {};
+    const bool one_way = site_.timing.ranging == Ranging::kOneWay;
+    const auto other = [one_way](Site site) {
+      site.timing.ranging = one_way ? Ranging::kTwoWay : Ranging::kOneWay;
+      return site;
+    };
+    return Reading{
+        {ContradictionKind::kRanging, "the arrivals", one_way ? "one_way" : "two_way",
+         one_way ? "that the times of flight are times there and back (two-way), though timing.ranging says one_way"
+                 : "that the times of flight are one-way times, though timing.ranging says two_way, the time there and back",
+         0.0, one_way ? "state timing.ranging: two_way, and turnaround_s" : "state timing.ranging: one_way"},
+        other,
+        {}};
+  }
+
+  static Reading unit(const LengthUnit& u, const ScaledParts& parts, const std::string& whose) {
+    return {{ContradictionKind::kUnits, "positions of " + whose, "metres", fmt::format("that they are in {}", u.name), 0.0,
+             fmt::format("multiply them (and their sigmas, where these are in {} too) by {:g}", u.name, u.metres)},
+            [u, parts](const Site& site) { return in_unit(site, u, parts); },
+            {}};
+  }
+
+  /// @param some_only  of beacons of another order of magnitude than the rest alone
+  [[nodiscard]] std::vector<Reading> units(bool some_only) const {
+    const std::vector<bool> none(site_.beacons.size(), false);
+    std::vector<bool> all = none;
+    for (std::size_t b = 0; b < all.size(); ++b)
+      all[b] = std::any_of(site_.beacons[b].position_m.begin(), site_.beacons[b].position_m.end(),
+                           [](const auto& x) { return x.has_value(); });
+    const bool placed = std::find(all.begin(), all.end(), true) != all.end();
+    std::vector<Reading> readings;
+    for (const LengthUnit& u : length_units()) {
+      if (placed && !some_only) readings.push_back(unit(u, {all, false}, "the beacons"));
+      if (placed && !some_only) readings.push_back(unit(u, {all, true}, "the beacons and receivers"));
+      if (!some_only) readings.push_back(unit(u, {none, true}, "the receivers"));
+      const std::vector<bool> some = beacons_in_unit(site_, u);
+      std::vector<std::string> names;
+      for (std::size_t b = 0; b < some.size(); ++b)
+        if (some[b]) names.push_back(site_.beacons[b].name);
+      if (!names.empty()) readings.push_back(unit(u, {some, false}, fmt::format("beacons {}", fmt::join(names, ", "))));
+    }
+    return readings;
+  }
+
+  [[nodiscard]] std::vector<Reading> poses() const {
+    std::vector<Reading> readings;
+    if (std::none_of(problem_.runs.begin(), problem_.runs.end(), [](const MeasurementLog& run) { return !run.poses.empty(); }))
+      return readings;
+    for (const Reflection& reflection : reflections())
+      readings.push_back({{ContradictionKind::kPoses, "in poses.tum", "in a right-handed frame",
+                           fmt::format("that their frame is left-handed (mirrored): {}", reflection.words), 0.0,
+                           "export the poses in a right-handed frame: z up, headings counter-clockwise from x"},
+                          {},
+                          [read = reflection.read](MeasurementLog& run) {
+                            for (TimedPose& pose : run.poses) pose.T_map_vehicle = read(pose.T_map_vehicle);
+                          }});
+    return readings;
+  }
+
+  /// The receivers whose arrivals are left out most; of an array so large that not all exchanges are looked at.
+  [[nodiscard]] std::vector<bool> doubtful_receivers() const {
+    std::vector<double> used(site_.receivers.size(), 0.0), all = used, share = used;
+    for (const Trajectory& t : solution_.trajectories)
+      for (const ArrivalObservation& a : t.arrivals) {
+        all[a.receiver.index()] += 1;
+        used[a.receiver.index()] += a.rejection == Rejection::kUsed;
+      }
+    for (std::size_t r = 0; r < share.size(); ++r) share[r] = all[r] > 0 ? used[r] / all[r] : 1.0;
+    std::vector<double> sorted = share;
+    std::sort(sorted.begin(), sorted.end());
+    constexpr std::size_t kMost = 6;
+    std::vector<bool> doubtful;
+    for (const double s : share) doubtful.push_back(sorted.size() <= kMost || s <= sorted[kMost - 1]);
+    return doubtful;
+  }
+
+  [[nodiscard]] std::vector<Reading> wired_otherwise() const {
+    std::vector<Reading> readings;
+    const std::vector<bool> doubtful = doubtful_receivers();
+    for (std::size_t v = 0; v < site_.vehicles.size(); ++v)
+      for (const Wiring& wiring : wirings(site_, VehicleId(v), doubtful))
+        readings.push_back({{ContradictionKind::kWiring, "of " + site_.vehicles[v].name, "wired as in the site file",
+                             "that " + wiring.words, 0.0, "check the cables, or exchange the places in the site file"},
+                            [v, wiring](const Site& site) { return rewired(site, VehicleId(v), wiring); },
+                            {}});
+    return readings;
+  }
+
+  /// The likeliest, and of other kinds those that are as likely; of one kind the first that is as good as any, which is the
+  /// likelier mistake.
+  std::vector<Contradiction> best() {
+    std::vector<Contradiction> told;
+    double least = INFINITY;
+    for (const Tried& t : found_) least = std::min(least, t.score.loss);
+    for (Tried& t : found_) {
+      const bool said = std::any_of(told.begin(), told.end(), [&](const Contradiction& m) { return m.kind == t.what.kind; });
+      if (said || t.score.loss > least + kTie) continue;
+      const double limit = options_.rejection_sigmas * t.score.noise;
+      const auto as_stated =
+          std::count_if(stated_.sizes.begin(), stated_.sizes.end(), [limit](double size) { return size <= limit; });
+      t.what.found += fmt::format(" (so read {:.0f} % of the arrivals agree, as stated {:.0f} %)", 100 * t.score.agreeing,
+                                  100 * static_cast<double>(as_stated) / std::max(1.0, stated_.arrivals));
+      t.what.sigmas = std::sqrt(2 * t.score.arrivals * (stated_.loss - t.score.loss));
+      told.push_back(std::move(t.what));
+    }
+    return told;
+  }
+
+  const Problem& problem_;
+  const Solution& solution_;
+  SolveOptions options_;
+  Site site_;
+  std::vector<MeasurementLog> first_, second_;  ///< evenly spread parts for a first and a second look
+  Score stated_first_, stated_;
+  std::vector<Tried> found_;
+};
+
+bool is_dragged(const Problem& problem, const Solution& solution) {
+  const Site& site = problem.site;
+  for (std::size_t r = 0; r < site.receivers.size() && r < solution.state.receiver_p_vehicle_m.size(); ++r)
+    for (int i = 0; i < 3; ++i) {
+      const double sigma = site.receivers[r].sigma_m[i];
+      if (sigma > 0 &&
+          std::abs(solution.state.receiver_p_vehicle_m[r][i] - site.receivers[r].position_m[i]) > kDraggedSigmas * sigma)
+        return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+bool seems_misread(const Problem& problem, const Solution& solution) {
+  std::size_t rows = 0, early = 0;
+  for (const MeasurementLog& run : problem.runs) rows += run.arrivals.size();
+  if (rows == 0 || solution.status == SolveStatus::kInterrupted) return false;
+  if (solution.status == SolveStatus::kNotConverged || solution.beacon_status.empty()) return true;  // nothing came of it
+  for (const LeftOut& l : solution.left_out) early += l.reason == Rejection::kEarly;
+  const double all = static_cast<double>(rows);
+  if (early >= kEarlyAtLeast && static_cast<double>(early) > kEarlyShare * all) return true;
+  if (static_cast<double>(solution.left_out.size()) > kLeftOutShare * all) return true;
+  if (problem.site.noise.tof_sigma_s > 0 && solution.tof_sigma_s > kNoiseRatio * problem.site.noise.tof_sigma_s) return true;
+  return is_dragged(problem, solution);
+}
+
+std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution, const SolveOptions& options) {
+  return Search(problem, solution, options).run();
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/statements/refit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "calib/adjust/reject.h"
+#include "calib/errors/statistics.h"
+#include "calib/errors/whiteness.h"
+#include "models/trajectory/linearise.h"
+
+namespace octant::calib {
+namespace {
+
+/// A false statement bends everything by tens of sigmas: the first loss of an adjustment without it.
+constexpr double kCoarseScale = 20.0;
+constexpr int kMarkingRounds = 5;
+
+AdjustOptions alone(const SolveOptions& options, double scale, double function_tolerance) {
+  AdjustOptions adjust;  // every rank for itself: they all hold the same, and it is little
+  adjust.loss = {scale, scale};
+  adjust.max_iterations = options.max_iterations;
+  adjust.workers.threads = options.threads;
+  adjust.function_tolerance = function_tolerance;
+  return adjust;
+}
+
+/// Left out though it might have been in use.
+bool is_outlier(Rejection r) { return r == Rejection::kLate || r == Rejection::kEarly; }
+
+std::size_t left_out_count(const std::vector<Trajectory>& trajectories) {
+  std::size_t count = 0;
+  for (const Trajectory& t : trajectories) {
+    for (const ArrivalObservation& a : t.arrivals) count += is_outlier(a.rejection);
+    for (const BearingObservation& b : t.bearings) count += is_outlier(b.rejection);
+  }
+  return count;
+}
+
+void judge_fit(const SolveOptions& options, Fit& fit) {
+  const SharedState state = fit.state();
+  fit.ok = fit.last.converged;
+  fit.cost = fit.last.cost + 0.5 * options.rejection_sigmas * options.rejection_sigmas * static_cast<double>(left_out_count(fit.trajectories));
+  const CalibrationStatistics s = statistics_of(fit.problem, fit.layout, fit.trajectories, state, fit.last.cost, options.threads);
+  const double squares = 2 * (fit.last.cost - prior_cost(fit.problem, fit.layout, fit.x));
+  fit.noise_factor = s.redundancy >= 30 && squares > 0 ? std::sqrt(squares / s.redundancy) : 1.0;
+}
+
+bool mark_and_adjust(const SolveOptions& options, Fit& fit) {
+  for (int round = 0; round < kMarkingRounds; ++round) {
+    const std::size_t changed = mark_rejected(fit.trajectories, fit.state(), options.rejection_sigmas, options.threads);
+    if (round > 0 && changed == 0) break;
+    fit.last = adjust(fit.problem, fit.layout, fit.trajectories, fit.x, alone(options, 0.0, 1e-10));
+    if (!fit.x.allFinite()) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate, const std::vector<Trajectory>& trajectories) {
+  Fit fit;
+  fit.problem.site = problem.site;
+  fit.problem.runs.resize(problem.runs.size());  // as many, for the offsets of the speed
+  fit.problem.typical_range_m = problem.typical_range_m;
+  fit.layout = estimate.layout;
+  fit.x = estimate.x;
+  fit.last = estimate.last;
+  fit.beacon_usable = estimate.beacon_usable;
+  std::size_t arrivals = 0;
+  for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
+  const std::size_t every = arrivals / kMostArrivals + 1;
+  for (const Trajectory& t : trajectories) fit.trajectories.push_back(every == 1 ? t : some_segments(t, every));
+  if (every > 1) mark_and_adjust(options, fit);
+  judge_fit(options, fit);
+  return fit;
+}
+
+void adjust_anew(const SolveOptions& options, Fit& fit) {
+  readmit_all(fit.trajectories, fit.beacon_usable);
+  fit.ok = false;
+  for (const double scale : {kCoarseScale, kCauchyScale}) {
+    fit.last = adjust(fit.problem, fit.layout, fit.trajectories, fit.x, alone(options, scale, scale > kCauchyScale ? 1e-4 : 1e-8));
+    if (!fit.x.allFinite()) return;
+  }
+  if (mark_and_adjust(options, fit)) judge_fit(options, fit);
+}
+
+double variance_inflation(const Fit& fit, int threads) {
+  const Whiteness w = whiteness_of(fit.trajectories, fit.state(), threads);
+  return w.white ? 1.0 : std::max({1.0, w.sigma_factor * w.sigma_factor, w.pair_ratio});
+}
+
+Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit) {
+  std::vector<Trajectory> trajectories = fit.trajectories;
+  Workers workers;
+  workers.threads = options.threads;
+  const Information information = information_at(fit.problem, fit.layout, trajectories, fit.x, {}, workers);
+  // Priors are no noise of the arrivals: only what the data say is worth less than their count.
+  const double inflation = fit.noise_factor * fit.noise_factor * variance_inflation(fit, options.threads);
+  const Eigen::MatrixXd total = information.data / inflation + information.prior;
+  const Eigen::VectorXd scale = total.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * total * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-12;
+  return scale.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(total.rows(), total.cols())) * scale.asDiagonal();
+}
+
+}  // namespace octant::calib

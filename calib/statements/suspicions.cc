@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calib/plan/check.h"
+#include "calib/problem/clock_check.h"
+#include "calib/problem/ranges.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr std::size_t kArrivalsNeeded = 20;
+/// A receiver is suspected when its ranges are off by this much more than the noise, and fit another place as well as this.
+constexpr double kOffSigmas = 4.0, kBetter = 0.3;
+constexpr double kMedianOfNormal = 0.6745;
+
+/// Median size of the residuals, in sigmas, that the ranges of receiver r would have if it stood at the place of s.
+double misfit(const Adjusted& f, const SharedState& state, ReceiverId r, ReceiverId s, std::size_t& count) {
+  std::vector<double> sizes;
+  for (const Trajectory& t : f.trajectories)
+    for (ArrivalObservation a : t.arrivals) {
+      if (a.receiver != r || a.rejection == Rejection::kBeaconUnusable || !t.nodes[a.node].placed) continue;
+      if (a.alpha > 0 && !t.nodes[a.node + 1].placed) continue;
+      a.receiver = s;
+      sizes.push_back(std::abs(arrival_residual(t, a, state)));
+    }
+  count = sizes.size();
+  return median(std::move(sizes)) / kMedianOfNormal;
+}
+
+/// Receivers at the places that the site file states, as an exchanged one may have been dragged along.
+SharedState with_stated_receivers(const Adjusted& f) {
+  SharedState state = f.state;
+  for (std::size_t r = 0; r < f.site.receivers.size(); ++r) state.receiver_p_vehicle_m[r] = f.site.receivers[r].position_m;
+  return state;
+}
+
+struct Suspect {
+  ReceiverId receiver, fits;  ///< fits: whose place its ranges fit; not valid(): nobody's
+  double sigmas = 0.0;
+};
+
+std::vector<Suspect> suspects(const Adjusted& f) {
+  const Site& site = f.site;
+  const SharedState stated = with_stated_receivers(f);
+  std::vector<double> own(site.receivers.size(), 0.0), heard;
+  std::vector<std::size_t> count(site.receivers.size(), 0);
+  for (std::size_t r = 0; r < own.size(); ++r) {
+    own[r] = misfit(f, stated, ReceiverId(r), ReceiverId(r), count[r]);
+    if (count[r] >= kArrivalsNeeded) heard.push_back(own[r]);
+  }
+  const double limit = std::max(kOffSigmas, 3 * median(heard));
+  std::vector<Suspect> found;
+  for (std::size_t r = 0; r < own.size(); ++r) {
+    if (count[r] < kArrivalsNeeded || own[r] < limit) continue;
+    Suspect suspect{ReceiverId(r), {}, own[r]};
+    double best = kBetter * own[r];
+    for (std::size_t s = 0; s < own.size(); ++s) {
+      if (s == r || site.receivers[s].vehicle != site.receivers[r].vehicle) continue;
+      const double as_other = misfit(f, stated, ReceiverId(r), ReceiverId(s), count[r]);
+      if (as_other >= best) continue;
+      best = as_other;
+      suspect.fits = ReceiverId(s);
+    }
+    found.push_back(suspect);
+  }
+  return found;
+}
+
+std::vector<Finding> receiver_labels(const Adjusted& f) {
+  const Site& site = f.site;
+  const std::vector<Suspect> found = suspects(f);
+  const auto name = [&](ReceiverId r) { return site.receivers[r.index()].name; };
+  std::vector<Finding> findings;
+  for (const Suspect& a : found) {
+    const std::string& vehicle = site.vehicles[site.receivers[a.receiver.index()].vehicle.index()].name;
+    const auto partner = std::find_if(found.begin(), found.end(), [&](const Suspect& b) { return a.fits.valid() && b.receiver == a.fits && b.fits == a.receiver; });
+    if (partner != found.end()) {
+      if (a.receiver < partner->receiver)
+        findings.push_back({"receiver_label", fmt::format("receivers {} and {} of {} are exchanged: the ranges of each fit the place of the other; check the cables and the site file",
+                                                          name(a.receiver), name(a.fits), vehicle)});
+    } else if (a.fits.valid()) {
+      findings.push_back({"receiver_label", fmt::format("the ranges of receiver {} of {} fit the place of {}; check its label", name(a.receiver), vehicle, name(a.fits))});
+    } else {
+      findings.push_back({"receiver_label", fmt::format("the ranges of receiver {} of {} contradict those of the others (off by {:.3g} sigma on the median); check its place and its label",
+                                                        name(a.receiver), vehicle, a.sigmas)});
+    }
+  }
+  return findings;
+}
+
+}  // namespace
+
+std::vector<Finding> suspicions(const Adjusted& f, std::vector<RunHealth>& runs) {
+  std::vector<Finding> findings = receiver_labels(f);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    for (const ClockStep& s : steps_between_stops(f.trajectories, i, f.state)) {
+      runs[i].clock_steps.push_back(s);
+      findings.push_back({"clock_step", fmt::format("{}: from {:.6g} s on times of flight are {:.4g} ms {}{}: a clock jumped there", runs[i].path, s.time_s, 1e3 * std::abs(s.step_s),
+                                                    s.step_s > 0 ? "longer" : "shorter", f.every > 1.5 ? fmt::format(" (looking at every {:.0f}th stop)", f.every) : "")});
+    }
+  }
+  return findings;
+}
+
+std::vector<Finding> suspicions(const Forecast& f, std::vector<RunHealth>& runs) {
+  if (f.solution.beacon_status.empty()) return {};  // nothing was solved
+  const double every = f.is_thinned() ? static_cast<double>(f.states) / static_cast<double>(std::max<std::size_t>(f.states_used, 1)) : 1.0;
+  return suspicions(Adjusted{f.thinned.site, f.solution.state, f.solution.trajectories, every}, runs);
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,252 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/stream/long_log.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Cholesky>
+
+#include "calib/adjust/reject.h"
+#include "calib/start/start.h"
+#include "calib/problem/thin.h"
+#include "calib/adjust/tile_sum.h"
+#include "models/localizers/least_squares/search_problem.h"
+#include "models/support/parallel.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr std::size_t kLongEpochs = 4000;
+constexpr ThinOptions kPart = {.instants = 600, .per_beacon = 200};
+constexpr double kInLine = 1e-4;  ///< of the largest pivot: beacons in line do not tell the side
+
+/// Mean range and place of each beacon that the epoch hears, in order of first appearance.
+struct Heard {
+  Eigen::Vector3d p_map_m;
+  double range_m = 0.0;
+  int count = 0;
+  BeaconId beacon;
+};
+
+constexpr std::size_t kMaxHeard = 64;
+
+}  // namespace
+
+bool is_long(const Problem& problem) {
+  std::size_t epochs = 0;
+  for (const Trajectory& t : problem.trajectories) {
+    if (t.moving || t.motion != Motion::kPlanar || t.has_cycle_offset || !t.odometry.empty() || !t.poses.empty()) return false;
+    epochs += t.nodes.size();
+  }
+  return epochs > kLongEpochs && problem.site.timing.ranging == Ranging::kOneWay;
+}
+
+Result<Problem> part_of(const Problem& problem, int threads) {
+  std::vector<MeasurementLog> runs;
+  for (const MeasurementLog& run : problem.runs) runs.push_back(thin(run, problem.site.beacons.size(), kPart));
+  return make_problem(problem.site, std::move(runs), threads);
+}
+
+namespace {
+
+/// Reads the epochs that begin in a block: visit(epoch's number, arrival).
+template <class Visit>
+Result<void> for_each_row_of_block(const ArrivalSource& source, const LogIndex& index, std::size_t run, std::size_t block, Visit&& visit) {
+  std::vector<Arrival> rows;
+  if (auto ok = index.read(source, run, block, block + 1, rows); !ok) return ok;
+  struct Current {
+    VehicleId vehicle;
+    std::int64_t epoch;
+    std::size_t number;
+  };
+  std::vector<Current> current;  // of each vehicle met
+  std::size_t next = index.first_epoch(run, block);
+  for (const Arrival& a : rows) {
+    auto at = std::find_if(current.begin(), current.end(), [&a](const Current& c) { return c.vehicle == a.vehicle; });
+    if (at == current.end()) at = current.insert(at, {a.vehicle, a.epoch, next++});
+    else if (at->epoch != a.epoch) *at = {a.vehicle, a.epoch, next++};
+    visit(at->number, a);
+  }
+  return {};
+}
+
+/// What each block of a list gives, read side by side.
+template <class Found, class Read>
+Result<std::vector<Found>> read_blocks(const std::vector<std::size_t>& blocks, int threads, Read&& read) {
+  std::vector<Found> found;
+  std::vector<std::vector<Found>> of_block(blocks.size());
+  std::vector<std::optional<Error>> wrong(blocks.size());
+  for_each_parallel(blocks.size(), threads, [&](std::size_t i) {
+    if (auto ok = read(blocks[i], of_block[i]); !ok) wrong[i] = ok.error();
+  });
+  for (const auto& error : wrong)
+    if (error) return fail(*error);
+  for (const auto& some : of_block) found.insert(found.end(), some.begin(), some.end());
+  return found;
+}
+
+/// Chooses more epochs for the beacons that the chosen ones hear too seldom, of those that hear them.
+Result<void> choose_for_rare_beacons(const ArrivalSource& source, const LogIndex& index, std::size_t run, int threads, GroupsHearing& hearing,
+                                     std::vector<bool>& chosen) {
+  struct Hears {
+    std::size_t epoch, beacon;
+  };
+  std::vector<bool> rare(hearing.kept.size());
+  for (std::size_t b = 0; b < rare.size(); ++b) rare[b] = hearing.kept[b] < kPart.per_beacon && hearing.kept[b] < index.heard(run)[b];
+  if (std::find(rare.begin(), rare.end(), true) == rare.end()) return {};
+  std::vector<std::size_t> blocks(index.blocks(run));
+  for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = b;
+  auto heard = read_blocks<Hears>(blocks, threads, [&](std::size_t block, std::vector<Hears>& out) {
+    return for_each_row_of_block(source, index, run, block, [&](std::size_t epoch, const Arrival& a) {
+      if (rare[a.beacon.index()] && !chosen[epoch]) out.push_back({epoch, a.beacon.index()});
+    });
+  });
+  if (!heard) return fail(heard.error());
+  std::stable_sort(heard->begin(), heard->end(), [](const Hears& a, const Hears& b) { return a.epoch < b.epoch; });
+  hearing.more.resize(rare.size());
+  for (const Hears& h : *heard)
+    if (hearing.more[h.beacon].empty() || hearing.more[h.beacon].back() != h.epoch) hearing.more[h.beacon].push_back(h.epoch);
+  // Only of rare beacons, as all others have enough.
+  hearing.for_each_heard = [&heard](std::size_t epoch, const auto& visit) {
+    const auto before = [](const Hears& h, std::size_t e) { return h.epoch < e; };
+    for (auto at = std::lower_bound(heard->begin(), heard->end(), epoch, before); at != heard->end() && at->epoch == epoch; ++at) visit(at->beacon);
+  };
+  choose_more(hearing, kPart.per_beacon, chosen);
+  return {};
+}
+
+/// Arrivals of the chosen epochs that are not yet in the log.
+Result<void> read_epochs(const ArrivalSource& source, const LogIndex& index, std::size_t run, const std::vector<bool>& chosen, int threads,
+                         std::vector<Arrival>& arrivals) {
+  std::vector<std::size_t> blocks;
+  for (std::size_t b = 0; b < index.blocks(run); ++b) {
+    const auto begin = chosen.begin() + static_cast<std::ptrdiff_t>(index.first_epoch(run, b));
+    const auto end = chosen.begin() + static_cast<std::ptrdiff_t>(index.first_epoch(run, b + 1));
+    if (std::find(begin, end, true) != end) blocks.push_back(b);
+  }
+  auto some = read_blocks<Arrival>(blocks, threads, [&](std::size_t block, std::vector<Arrival>& out) {
+    return for_each_row_of_block(source, index, run, block, [&](std::size_t epoch, const Arrival& a) {
+      if (chosen[epoch]) out.push_back(a);
+    });
+  });
+  if (!some) return fail(some.error());
+  arrivals.insert(arrivals.end(), some->begin(), some->end());
+  return {};
+}
+
+}  // namespace
+
+Result<Problem> part_of(const Site& site, const ArrivalSource& source, const LogIndex& index, int threads) {
+  std::vector<MeasurementLog> runs;
+  for (std::size_t run = 0; run < source.runs(); ++run) {
+    MeasurementLog few = without_lists(source.log(run));
+    few.rejected = source.log(run).rejected;
+    std::vector<bool> chosen = evenly_chosen(index.epochs(run), kPart.instants);
+    if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok) return fail(ok.error());
+    GroupsHearing hearing;
+    hearing.kept.assign(site.beacons.size(), 0);
+    for (const Arrival& a : few.arrivals) ++hearing.kept[a.beacon.index()];
+    std::vector<bool> more = chosen;
+    if (auto ok = choose_for_rare_beacons(source, index, run, threads, hearing, more); !ok) return fail(ok.error());
+    for (std::size_t e = 0; e < more.size(); ++e) more[e] = more[e] && !chosen[e];
+    if (auto ok = read_epochs(source, index, run, more, threads, few.arrivals); !ok) return fail(ok.error());
+    const auto sooner = [](const Arrival& a, const Arrival& b) { return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line; };
+    std::stable_sort(few.arrivals.begin(), few.arrivals.end(), sooner);
+    // All of these epochs, but not more of one pair within one than is good for anything.
+    ThinOptions all = kPart;
+    all.instants = index.epochs(run);
+    all.per_beacon = 0;
+    runs.push_back(thin(few, site.beacons.size(), all));
+  }
+  return make_problem(site, std::move(runs), threads);
+}
+
+bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& state, const std::vector<bool>& usable) {
+  std::array<Heard, kMaxHeard> heard;
+  std::size_t beacons = 0;
+  double receiver_z_m = 0.0;
+  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (!usable[a.beacon.index()]) continue;
+    std::size_t at = 0;
+    while (at < beacons && heard[at].beacon != a.beacon) ++at;
+    if (at == kMaxHeard) continue;
+    if (at == beacons) heard[beacons++] = {state.beacon_p_map_m[a.beacon.index()], 0.0, 0, a.beacon};
+    heard[at].range_m += range_of(a, t, state);
+    ++heard[at].count;
+    receiver_z_m = state.receiver_p_vehicle_m[a.receiver.index()].z();
+  }
+  if (beacons < 3) return false;
+  // About the first beacon, so that the squares do not cancel.
+  const Eigen::Vector2d origin = heard[0].p_map_m.head<2>();
+  Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d rhs = Eigen::Vector3d::Zero();
+  for (std::size_t b = 0; b < beacons; ++b) {
+    const Heard& h = heard[b];
+    const double range_m = h.range_m / h.count, dz = h.p_map_m.z() - receiver_z_m;
+    const Eigen::Vector2d p = h.p_map_m.head<2>() - origin;
+    const double weight = h.count / std::max(range_m * range_m, 1e-6);
+    const Eigen::Vector3d row(-2 * p.x(), -2 * p.y(), 1.0);
+    N.noalias() += weight * row * row.transpose();
+    rhs += weight * (range_m * range_m - dz * dz - p.squaredNorm()) * row;
+  }
+  const Eigen::Vector3d scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<Eigen::Matrix3d> ldlt((scale.asDiagonal() * N * scale.asDiagonal()).eval());
+  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kInLine)) return false;
+  const Eigen::Vector3d solution = scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * rhs);
+  const Eigen::Vector2d p_m = origin + solution.head<2>();
+  Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d m = Eigen::Vector4d::Zero();
+  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (!usable[a.beacon.index()]) continue;
+    const Eigen::Vector3d& o = state.receiver_p_vehicle_m[a.receiver.index()];
+    const Eigen::Vector3d v = Eigen::Vector3d(p_m.x(), p_m.y(), o.z()) - state.beacon_p_map_m[a.beacon.index()];
+    const double distance = std::max(v.norm(), 1e-3);
+    const Eigen::Vector2d u = v.head<2>() / distance;
+    const Eigen::Vector4d row(u.x(), u.y(), u.x() * o.x() + u.y() * o.y(), u.y() * o.x() - u.x() * o.y());
+    M.noalias() += row * row.transpose();
+    m += (range_of(a, t, state) - distance) * row;
+  }
+  M.diagonal().array() += 1e-9;
+  const Eigen::Vector4d fine = M.ldlt().solve(m);
+  if (!fine.allFinite()) return false;
+  Node& node = t.nodes[s.first_node];
+  node.T_map_vehicle = Pose::planar(p_m.x() + fine[0], p_m.y() + fine[1], std::atan2(fine[3], fine[2]));
+  node.placed = true;
+  return true;
+}
+
+void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const std::vector<bool>& usable,
+                     double suspect_sigmas, const Workers& workers, std::vector<Trajectory>& trajectories) {
+  constexpr std::size_t kSegmentsAtOnce = 1024;
+  for (Trajectory& t : trajectories)
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads, [&](std::size_t, std::size_t first, std::size_t last) {
+      for (std::size_t s = first; s < last; ++s) t.nodes[t.segments[s].first_node].placed = place_by_linear_ranges(t, t.segments[s], state, usable);
+    });
+  readmit_all(trajectories, usable);
+  {
+    TileSum tiles(trajectories, layout, workers);
+    static_cast<void>(tiles.settle(state, {kCauchyScale, kCauchyScale}));
+    tiles.commit();
+    tiles.share_states();
+  }
+  const EpochFixModel model = search_model(problem, state, usable);
+  for (Trajectory& t : trajectories) {
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads, [&](std::size_t, std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) {
+        const Segment& s = t.segments[k];
+        Node& node = t.nodes[s.first_node];
+        for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
+          if (t.arrivals[i].rejection == Rejection::kUsed && std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas) node.placed = false;
+      }
+    });
+    place_states(t, model, 0.0, false, 0.0, workers.threads);
+  }
+  readmit_all(trajectories, usable);
+}
+
+}  // namespace octant::calib

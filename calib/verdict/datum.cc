@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/verdict/datum.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace octant::calib {
+namespace {
+
+constexpr const char* kFreeNetwork = "inner constraints (free network)";
+
+void describe(Datum& datum) {
+  const std::string named = datum.position == "control points" ? fmt::format(" ({})", fmt::join(datum.control_points, ", ")) : "";
+  datum.description = fmt::format("position by {}{}, orientation by {}, scale by {}", datum.position, named, datum.orientation, datum.scale);
+}
+
+bool approximately_known(const SiteBeacon& b) {
+  return b.position_m[0] && b.position_m[1] && b.sigma_m[0] && b.sigma_m[1] && !b.is_control_point();
+}
+
+std::string scale_of(const Problem& problem, std::size_t control_points, bool poses) {
+  std::vector<std::string> sources;
+  const Site& site = problem.site;
+  if (control_points >= 2) sources.emplace_back("control points");
+  if (poses) sources.emplace_back("measured poses");
+  if (!site.distances.empty()) sources.emplace_back("taped distances");
+  for (const MeasurementLog& run : problem.runs)
+    if (!run.odometry.empty()) {
+      sources.emplace_back("odometry");
+      break;
+    }
+  if (site.receivers.size() > 1) sources.emplace_back("receiver array");
+  if (site.speed_sigma_mps == 0) {
+    sources.emplace_back("medium (speed held)");
+  } else if (site.speed_sigma_mps < 0.05 * speed_mps(site.medium)) {
+    sources.emplace_back("medium (speed prior)");
+  }
+  return sources.empty() ? "nothing" : fmt::format("{}", fmt::join(sources, ", "));
+}
+
+}  // namespace
+
+Datum datum_of(const Problem& problem) {
+  Datum datum;
+  const Site& site = problem.site;
+  std::size_t approximate = 0;
+  for (const SiteBeacon& b : site.beacons) {
+    if (b.is_control_point()) datum.control_points.push_back(b.name);
+    approximate += approximately_known(b);
+  }
+  const bool poses = std::any_of(problem.runs.begin(), problem.runs.end(), [](const MeasurementLog& r) { return !r.poses.empty(); });
+  const std::size_t fixed = datum.control_points.size();
+  const std::string priors = approximate > 0 ? "approximate beacon positions (priors)" : kFreeNetwork;
+  datum.position = fixed >= 1 ? "control points" : poses ? "measured poses" : priors;
+  datum.orientation = fixed >= 2 ? "control points" : poses ? "measured poses" : priors;
+  datum.scale = scale_of(problem, fixed, poses);
+  describe(datum);
+  return datum;
+}
+
+void set_free_network(Datum& datum) {
+  if (datum.position != "control points") datum.position = kFreeNetwork;
+  if (datum.orientation != "control points") datum.orientation = kFreeNetwork;
+  describe(datum);
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/verdict/left_out.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+#include "calib/problem/gates.h"
+#include "models/trajectory/linearise.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr double kMostly = 0.5;
+constexpr std::size_t kEnoughBearings = 5;  ///< fewer are too few to doubt a reflector
+
+std::vector<LeftOut> arrivals_of(const Trajectory& t, const SharedState& state) {
+  std::vector<LeftOut> out;
+  for (const std::size_t i : t.stateless_arrivals) out.push_back({t.run, i, Rejection::kNoPose, 0.0});
+  for (const ArrivalObservation& a : t.arrivals) {
+    if (a.rejection == Rejection::kUsed) continue;
+    const bool placed = a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection);
+    out.push_back({t.run, a.arrival, a.rejection, placed ? a.sigma_s * arrival_residual(t, a, state) : 0.0});
+  }
+  return out;
+}
+
+/// Those of one run; a bearing that no state carries stands in no trajectory.
+std::vector<LeftOutBearing> bearings_of(const MeasurementLog& log, std::size_t run, const std::vector<Trajectory>& trajectories,
+                                        const SharedState& state) {
+  std::vector<LeftOutBearing> out;
+  std::vector<std::uint8_t> carried(log.bearings.size(), 0);
+  for (const Trajectory& t : trajectories) {
+    if (t.run != run) continue;
+    for (std::size_t i = 0; i < t.bearings.size(); ++i) {
+      const BearingObservation& b = t.bearings[i];
+      carried[b.bearing] = 1;
+      if (b.rejection == Rejection::kUsed) continue;
+      ObservationRow row;
+      const bool placed = b.rejection == Rejection::kLate || b.rejection == Rejection::kEarly;
+      out.push_back({run, b.bearing, b.rejection, placed && bearing_rows(t, i, state, &row) > 0 ? row.residual * b.sigma_rad : 0.0});
+    }
+  }
+  for (std::size_t i = 0; i < carried.size(); ++i)
+    if (carried[i] == 0) out.push_back({run, i, Rejection::kNoPose, 0.0});
+  return out;
+}
+
+/// Measured poses of a run between which no arrival and no bearing lies, or across too long a gap.
+std::vector<LeftOutPose> poses_of(const MeasurementLog& log, std::size_t run, const std::vector<Trajectory>& trajectories) {
+  std::vector<std::uint8_t> needed(log.poses.size(), 0);
+  for (const Trajectory& t : trajectories) {
+    if (t.run != run || !t.moving || t.odometry.empty()) continue;
+    for (std::size_t i = 0; i < needed.size(); ++i)  // odometry carries each of them
+      if (log.poses[i].time_s >= t.nodes.front().time_s && log.poses[i].time_s <= t.nodes.back().time_s) needed[i] = 1;
+  }
+  const auto mark = [&](double time_s) {
+    const auto after = std::lower_bound(log.poses.begin(), log.poses.end(), time_s, [](const TimedPose& p, double t) { return p.time_s < t; });
+    if (after == log.poses.end()) return;
+    const auto k = static_cast<std::size_t>(after - log.poses.begin());
+    if (after->time_s == time_s) {
+      needed[k] = 1;
+    } else if (k > 0 && after->time_s - log.poses[k - 1].time_s <= log.pose_accuracy.max_gap_s) {
+      needed[k] = needed[k - 1] = 1;
+    }
+  };
+  for (const Arrival& a : log.arrivals) mark(a.time_s);
+  for (const Bearing& b : log.bearings) mark(b.time_s);
+  std::vector<LeftOutPose> out;
+  for (std::size_t i = 0; i < needed.size(); ++i)
+    if (needed[i] == 0) out.push_back({run, i, Rejection::kNotNeeded});
+  return out;
+}
+
+template <class List>
+void append(List& to, List&& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories, const SharedState& state) {
+  LeftOutOfAll out;
+  for (const Trajectory& t : trajectories) append(out.arrivals, arrivals_of(t, state));
+  for (std::size_t run = 0; run < problem.runs.size(); ++run) {
+    append(out.bearings, bearings_of(problem.runs[run], run, trajectories, state));
+    append(out.poses, poses_of(problem.runs[run], run, trajectories));
+  }
+  return out;
+}
+
+std::vector<std::string> bearings_in_doubt(const Problem& problem, const std::vector<LeftOutBearing>& left_out) {
+  std::vector<std::size_t> all(problem.site.beacons.size(), 0), out(all);
+  for (const MeasurementLog& run : problem.runs)
+    for (const Bearing& b : run.bearings)
+      if (b.reflector.valid()) ++all[b.reflector.index()];
+  for (const LeftOutBearing& b : left_out) {
+    const BeaconId reflector = problem.runs[b.run].bearings[b.bearing].reflector;
+    if (reflector.valid() && (b.reason == Rejection::kLate || b.reason == Rejection::kEarly)) ++out[reflector.index()];
+  }
+  std::vector<std::string> warnings;
+  for (std::size_t b = 0; b < all.size(); ++b)
+    if (all[b] >= kEnoughBearings && static_cast<double>(out[b]) > kMostly * static_cast<double>(all[b]))
+      warnings.push_back(fmt::format("beacon {}: {} of {} bearings do not fit its place and are left out; its place is in doubt, check its label and "
+                                     "from where it is heard",
+                                     problem.site.beacons[b].name, out[b], all[b]));
+  return warnings;
+}
+
+}  // namespace octant::calib

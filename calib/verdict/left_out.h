@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calib/problem/problem.h"
+#include "calib/solution.h"
+
+namespace octant::calib {
+
+/// What took no part in an adjustment, with its reason.
+struct LeftOutOfAll {
+  std::vector<LeftOut> arrivals;
+  std::vector<LeftOutBearing> bearings;
+  std::vector<LeftOutPose> poses;
+};
+
+/// @param trajectories  settled and marked at `state`
+[[nodiscard]] LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories, const SharedState& state);
+
+/// Warnings that name beacons of whose labelled bearings more than half do not fit all else.
+[[nodiscard]] std::vector<std::string> bearings_in_doubt(const Problem& problem, const std::vector<LeftOutBearing>& left_out);
+
+}  // namespace octant::calib

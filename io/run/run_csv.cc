@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// bearings.csv, odometry.csv and scans.csv.
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "io/tof/order_watch.h"
+#include "io/tof/run_parts.h"
+
+namespace octant::io {
+namespace {
+
+constexpr double kTurn = 2 * M_PI + 1e-6;
+
+bool check_angle(CsvReader& csv, int column, const char* name, double angle_rad) {
+  if (std::abs(angle_rad) <= kTurn) return true;
+  return csv.fail_at(column, fmt::format("{} is {}", name, exact(angle_rad)), "radians, at most one turn",
+                     "degrees? multiply by pi / 180");
+}
+
+Result<void> finish(const CsvReader& csv, MeasurementLog& log) {
+  if (csv.error()) return fail(*csv.error());
+  if (const auto warning = csv.unknown_columns()) log.warnings.push_back(*warning);
+  return {};
+}
+
+/// Number of a column "range17_m", -1 for other names.
+int range_number(const std::string& name) {
+  if (!name.starts_with("range") || !name.ends_with("_m") || name.size() < 8 || name.size() > 13) return -1;
+  int number = 0;
+  for (const char c : name.substr(5, name.size() - 7)) {
+    if (c < '0' || c > '9') return -1;
+    number = 10 * number + (c - '0');
+  }
+  return number;
+}
+
+/// Columns of range0_m, range1_m, ...; an error where the numbers are not 0, 1, 2, ...
+std::vector<int> range_columns(CsvReader& csv) {
+  std::vector<int> columns(csv.header().size(), -1);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < csv.header().size(); ++i) {
+    const int number = range_number(csv.header()[i]);
+    if (number < 0) continue;
+    csv.mark_known(i);
+    ++count;
+    if (static_cast<std::size_t>(number) < columns.size()) columns[static_cast<std::size_t>(number)] = static_cast<int>(i);
+  }
+  columns.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (columns[k] >= 0) continue;
+    csv.fail_at(-1, fmt::format("column 'range{}_m' is missing", k), "range0_m, range1_m, ... without a gap");
+    return {};
+  }
+  if (count == 0) csv.fail_at(-1, "there is no column 'range0_m'", "range0_m, range1_m, ...");
+  return columns;
+}
+
+}  // namespace
+
+Result<void> parse_bearings(std::string_view text, const std::string& file, const NameLookup& names, MeasurementLog& log) {
+  CsvReader csv(text, file);
+  csv.read_header();
+  if (csv.error()) return fail(*csv.error());
+  const int time = csv.require("time_s"), reflector = csv.require("reflector"), angle = csv.require("bearing_rad");
+  const int epoch = csv.find("epoch"), vehicle = csv.find("vehicle");
+  log.has_epochs = log.has_epochs || epoch >= 0;
+  OrderWatch order(names.names().vehicles.size(), time, epoch);
+  std::size_t skipped = 0;
+  std::string first;
+  while (csv.next_row()) {
+    Bearing row;
+    row.line = csv.line();
+    if (!csv.number(time, row.time_s) || !order.time(csv, row.time_s)) break;
+    if (!csv.number_or_nan(angle, row.bearing_rad)) break;
+    if (!csv.field(reflector).empty() && !names.beacon(csv, reflector, row.reflector)) break;
+    if (!names.vehicle(csv, vehicle, row.vehicle)) break;
+    if (epoch >= 0 && (!csv.integer(epoch, row.epoch) || !order.epoch(csv, row.vehicle, row.epoch))) break;
+    if (!std::isfinite(row.bearing_rad)) {
+      if (skipped++ == 0) first = csv.place();
+      continue;
+    }
+    if (!check_angle(csv, angle, "bearing_rad", row.bearing_rad)) break;
+    log.bearings.push_back(row);
+  }
+  if (skipped > 0)
+    log.warnings.push_back(
+        fmt::format("{}: bearing_rad is not a number; {} row{} left out", first, skipped, skipped == 1 ? "" : "s"));
+  return finish(csv, log);
+}
+
+Result<void> parse_odometry(std::string_view text, const std::string& file, const NameLookup& names, MeasurementLog& log) {
+  CsvReader csv(text, file);
+  csv.read_header();
+  if (csv.error()) return fail(*csv.error());
+  const int time = csv.require("time_s"), dx = csv.require("dx_m"), dy = csv.require("dy_m"), turn = csv.require("dheading_rad");
+  const int vehicle = csv.find("vehicle");
+  // Each vehicle has a time of its own here: its rows are a chain of their own.
+  std::vector<OrderWatch> order(names.names().vehicles.size(), OrderWatch(0, time, -1));
+  std::vector<bool> begun(names.names().vehicles.size(), false);
+  log.odometry.reserve(csv.rows_left_estimate());
+  while (csv.next_row()) {
+    OdometryStep row;
+    if (!csv.number(time, row.time_s) || !names.vehicle(csv, vehicle, row.vehicle)) break;
+    if (!order[row.vehicle.index()].time(csv, row.time_s)) break;
+    if (!csv.number(dx, row.dx_m) || !csv.number(dy, row.dy_m) || !csv.number(turn, row.dheading_rad)) break;
+    if (!check_angle(csv, turn, "dheading_rad", row.dheading_rad)) break;
+    if (!begun[row.vehicle.index()] && (row.dx_m != 0.0 || row.dy_m != 0.0 || row.dheading_rad != 0.0)) {
+      log.warnings.push_back(fmt::format("{}: the first row is the anchor, its motion is not used; expected zeros", csv.place()));
+    }
+    begun[row.vehicle.index()] = true;
+    log.odometry.push_back(row);
+  }
+  return finish(csv, log);
+}
+
+Result<void> parse_scans(std::string_view text, const std::string& file, double range_max_m, MeasurementLog& log) {
+  CsvReader csv(text, file);
+  csv.read_header();
+  if (csv.error()) return fail(*csv.error());
+  const int time = csv.require("time_s"), first = csv.require("angle_min_rad"), step = csv.require("angle_increment_rad");
+  const std::vector<int> ranges = range_columns(csv);
+  OrderWatch order(0, time, -1);
+  while (csv.next_row()) {
+    Scan scan;
+    if (!csv.number(time, scan.time_s) || !order.time(csv, scan.time_s)) break;
+    if (!csv.number(first, scan.angle_min_rad) || !check_angle(csv, first, "angle_min_rad", scan.angle_min_rad)) break;
+    if (!csv.number(step, scan.angle_increment_rad) || !check_angle(csv, step, "angle_increment_rad", scan.angle_increment_rad))
+      break;
+    scan.range_m.resize(ranges.size());
+    for (std::size_t k = 0; k < ranges.size(); ++k) {
+      if (!csv.number_or_nan(ranges[k], scan.range_m[k])) break;
+      const double range_m = scan.range_m[k];
+      if (!(range_m > 0.0) || range_m > range_max_m || std::isinf(range_m))
+        scan.range_m[k] = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (csv.error()) break;
+    log.scans.push_back(std::move(scan));
+  }
+  return finish(csv, log);
+}
+
+}  // namespace octant::io

@@ -1,0 +1,240 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/run/run_reader.h"
+
+#include <sys/mman.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "io/text/atomic_file.h"
+#include "io/run/tum.h"
+
+namespace octant::io {
+namespace {
+
+/// Asks the system for pages of megabytes where there are many of them to come: it hands them out a fifth of the reading time sooner.
+void prefer_large_pages(void* data, std::size_t bytes) {
+  constexpr std::size_t kLarge = std::size_t{1} << 21;
+  const auto begin = (reinterpret_cast<std::uintptr_t>(data) + kLarge - 1) / kLarge * kLarge;
+  const auto end = (reinterpret_cast<std::uintptr_t>(data) + bytes) / kLarge * kLarge;
+  if (end > begin) (void)::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+}
+
+}  // namespace
+
+RunReader::RunReader(const std::string& folder, const NameTable& names, const Timing& timing, const ReadRunOptions& options)
+    : lookup_(names), clock_(timing.clock), options_(options) {
+  log_.path = folder;
+  if (!(options.constant_speed_mps > 0.0)) return;
+  const bool two_way = timing.ranging == Ranging::kTwoWay;
+  distance_ = {(two_way ? 2.0 : 1.0) / options.constant_speed_mps, two_way ? timing.turnaround_s : 0.0};
+}
+
+Result<void> RunReader::begin() {
+  if (auto ok = check_folder(); !ok) return ok;
+  if (auto ok = read_header(); !ok) return ok;
+  return open_tof();
+}
+
+std::string RunReader::path(const char* name) const {
+  return log_.path.ends_with('/') ? log_.path + name : log_.path + "/" + name;
+}
+
+Result<void> RunReader::check_folder() const {
+  struct stat status {};
+  if (::stat(log_.path.c_str(), &status) != 0) {
+    return fail({.file = log_.path,
+                 .found = fmt::format("the run folder cannot be read: {}", std::strerror(errno)),
+                 .expected = "a folder with tof.csv, bearings.csv or scans.csv",
+                 .advice = "check the path"});
+  }
+  if (S_ISDIR(status.st_mode)) return {};
+  return fail({.file = log_.path,
+               .found = "this is a file",
+               .expected = "a run folder with tof.csv, bearings.csv or scans.csv",
+               .advice = "name the folder, not a file within it"});
+}
+
+/// Whether there is such a name. A link that leads nowhere is an error to come, not an absence.
+bool RunReader::is_there(const std::string& file) const {
+  struct stat status {};
+  return ::lstat(file.c_str(), &status) == 0 || errno != ENOENT;
+}
+
+/// Content of a file of the folder; nothing if there is none.
+Result<std::optional<std::string>> RunReader::load(const char* name) {
+  const std::string file = path(name);
+  if (!is_there(file)) return std::nullopt;
+  Result<std::string> text = read_file(file);
+  if (!text) return fail(text.error());
+  log_.sha256[file] = sha256_hex(*text);
+  return std::optional<std::string>(std::move(*text));
+}
+
+Result<void> RunReader::read_header() {
+  const auto text = load("run.yaml");
+  if (!text) return fail(text.error());
+  if (lookup_.names().vehicles.empty()) {
+    return fail({.file = log_.path, .found = "the site has no vehicle", .expected = "at least one"});
+  }
+  log_.vehicle = lookup_.default_vehicle;
+  if (!*text) return {};
+  const auto header = parse_run_yaml(**text, path("run.yaml"), log_);
+  if (!header) return fail(header.error());
+  range_max_m_ = header->range_max_m;
+  if (header->vehicle.empty()) return {};
+  log_.vehicle = lookup_.default_vehicle = lookup_.vehicle(header->vehicle);
+  if (log_.vehicle.valid()) return {};
+  return fail({.file = path("run.yaml"),
+               .found = fmt::format("vehicle {} is not in the site", in_quotes(header->vehicle)),
+               .expected = "a vehicle's id",
+               .advice = suggestion(header->vehicle, lookup_.names().vehicles)});
+}
+
+Result<void> RunReader::open_tof() {
+  const std::string file = path("tof.csv");
+  if (!is_there(file)) return {};
+  auto map = MappedFile::open(file);
+  if (!map) return fail(map.error());
+  tof_map_ = std::make_shared<const MappedFile>(std::move(*map));
+  tof_ = std::make_unique<TofReader>(tof_map_, file, lookup_, clock_, TofReaderOptions{.threads = options_.threads, .distance = distance_});
+  if (auto ok = tof_->read_header(); !ok) return ok;
+  has_tof_ = true;
+  log_.has_epochs = log_.has_epochs || tof_->has_epochs();
+  return {};
+}
+
+Result<bool> RunReader::next_arrivals(std::vector<Arrival>& block) {
+  block.clear();
+  return append_arrivals(block);
+}
+
+Result<bool> RunReader::append_arrivals(std::vector<Arrival>& all) {
+  if (!tof_) return false;
+  const std::size_t before = all.size();
+  const auto more = tof_->append(all);
+  if (!more) return more;
+  auto refused = tof_->refusals().take();
+  log_.rejected.insert(log_.rejected.end(), std::make_move_iterator(refused.begin()), std::make_move_iterator(refused.end()));
+  log_.rows = tof_->rows();
+  if (arrivals_ == 0 && all.size() > before) first_vehicle_ = all[before].vehicle;
+  arrivals_ += all.size() - before;
+  if (*more) return true;
+  const auto warnings = tof_->warnings();
+  log_.warnings.insert(log_.warnings.end(), warnings.begin(), warnings.end());
+  log_.sha256[path("tof.csv")] = tof_->sha256();
+  end_ = tof_->position();
+  tof_.reset();
+  return false;
+}
+
+Result<void> RunReader::read_again(TofPosition from, TofPosition to, std::vector<Arrival>& arrivals) const {
+  TofReader again(tof_map_, path("tof.csv"), lookup_, clock_, {.from = from, .to = to.offset, .distance = distance_});
+  if (auto ok = again.read_header(); !ok) return ok;
+  for (;;) {
+    const auto more = again.append(arrivals);
+    if (!more) return fail(more.error());
+    if (!*more) return {};
+  }
+}
+
+Result<void> RunReader::read_arrivals() {
+  if (tof_) {
+    log_.arrivals.reserve(tof_->rows_estimate());
+    prefer_large_pages(log_.arrivals.data(), log_.arrivals.capacity() * sizeof(Arrival));
+  }
+  for (;;) {
+    const auto more = append_arrivals(log_.arrivals);
+    if (!more) return fail(more.error());
+    if (!*more) return {};
+  }
+}
+
+Result<void> RunReader::read_others() {
+  for (const auto part : {&RunReader::read_bearings, &RunReader::read_scans, &RunReader::read_odometry}) {
+    if (auto ok = (this->*part)(); !ok) return ok;
+  }
+  if (options_.read_poses) {
+    if (auto ok = read_track("poses.tum", log_.poses); !ok) return ok;
+    if (auto ok = read_points("points.csv", "poses.tum", log_.poses, log_.pose_accuracy); !ok) return ok;
+  }
+  if (!options_.read_truth) return {};
+  if (auto ok = read_track("truth.tum", log_.truth); !ok) return ok;
+  return read_points("truth.csv", "truth.tum", log_.truth, log_.truth_accuracy);
+}
+
+Result<void> RunReader::read_points(const char* name, const char* instead_of, std::vector<TimedPose>& poses, PoseAccuracy& accuracy) {
+  const auto text = load(name);
+  if (!text) return fail(text.error());
+  if (!*text) return {};
+  if (tof_) {
+    // The arrivals are yet to come, as a stream's do: all that can be said is that there are measured poses.
+    poses.resize(1);
+    return {};
+  }
+  if (!poses.empty())
+    return fail({.file = path(name), .found = fmt::format("there is {} too", instead_of), .expected = "one of them: poses by time, or points by epoch"});
+  auto points = parse_points(**text, path(name), lookup_, log_, accuracy);
+  if (!points) return fail(points.error());
+  poses = std::move(*points);
+  return {};
+}
+
+Result<void> RunReader::read_bearings() {
+  const auto text = load("bearings.csv");
+  if (!text) return fail(text.error());
+  return *text ? parse_bearings(**text, path("bearings.csv"), lookup_, log_) : Result<void>{};
+}
+
+Result<void> RunReader::read_scans() {
+  const auto text = load("scans.csv");
+  if (!text) return fail(text.error());
+  return *text ? parse_scans(**text, path("scans.csv"), range_max_m_, log_) : Result<void>{};
+}
+
+Result<void> RunReader::read_odometry() {
+  const auto text = load("odometry.csv");
+  if (!text) return fail(text.error());
+  return *text ? parse_odometry(**text, path("odometry.csv"), lookup_, log_) : Result<void>{};
+}
+
+Result<void> RunReader::read_track(const char* name, std::vector<TimedPose>& poses) {
+  const auto text = load(name);
+  if (!text) return fail(text.error());
+  if (!*text) return {};
+  auto track = tum_from_text(**text, path(name));
+  if (!track) return fail(track.error());
+  poses = std::move(*track);
+  if (poses.empty() || log_.vehicle.valid()) return {};
+  return fail({.file = path(name),
+               .found = fmt::format("it is open whose poses these are: the site has {} vehicles", lookup_.names().vehicles.size()),
+               .expected = "'vehicle: ...' in run.yaml"});
+}
+
+Result<void> RunReader::finish() {
+  if (!log_.vehicle.valid()) {
+    log_.vehicle = arrivals_ > 0 ? first_vehicle_ : log_.bearings.empty() ? VehicleId(0) : log_.bearings.front().vehicle;
+  }
+  if (arrivals_ > 0 || !log_.bearings.empty() || !log_.scans.empty()) return {};
+  if (!log_.rejected.empty()) {
+    return fail({.file = path("tof.csv"),
+                 .line = log_.rejected.front().line,
+                 .found = fmt::format("no arrival is left: all {} were rejected, here because {}", log_.rejected.size(),
+                                      log_.rejected.front().reason),
+                 .expected = "times of flight in seconds"});
+  }
+  return fail({.file = has_tof_ ? path("tof.csv") : log_.path,
+               .found = has_tof_ ? "no arrivals: there are no rows under the header"
+                                 : "the folder holds none of tof.csv, bearings.csv, scans.csv",
+               .expected = has_tof_ ? "at least one row here, in bearings.csv or in scans.csv" : "at least one of them",
+               .advice = has_tof_ ? "" : "is this the run folder?"});
+}
+
+}  // namespace octant::io

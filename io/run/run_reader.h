@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: the files of one run folder, part by part, for read_run() and RunStream.
+
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/run/run_folder.h"
+#include "io/tof/run_parts.h"
+#include "io/tof/tof_reader.h"
+
+namespace octant::io {
+
+/// Fills a log; each file's digest goes into it.
+class RunReader {
+ public:
+  RunReader(const std::string& folder, const NameTable& names, const Timing& timing, const ReadRunOptions& options);
+
+  /// The folder, run.yaml (it names the vehicle that the rows of the other files leave out) and the header of tof.csv.
+  [[nodiscard]] Result<void> begin();
+  /// All of tof.csv into the log.
+  [[nodiscard]] Result<void> read_arrivals();
+  /// Or some of it at a time, in place of what `block` held; false at the end. There may be none in a block.
+  [[nodiscard]] Result<bool> next_arrivals(std::vector<Arrival>& block);
+  /// Bearings, scans, odometry, poses, truth. Points measured by hand belong to
+  /// epochs: where the arrivals have not been read yet, one pose stands for them.
+  [[nodiscard]] Result<void> read_others();
+  /// What can be said only when all has been read: whether there is anything to work with.
+  [[nodiscard]] Result<void> finish();
+
+  /// Of the first row that next_arrivals() has not given out.
+  [[nodiscard]] TofPosition position() const { return tof_ ? tof_->position() : end_; }
+  /// A guess at how many rows tof.csv has, rather too many.
+  [[nodiscard]] std::size_t rows_estimate() const { return tof_ ? tof_->rows_estimate() : 0; }
+  /// Puts the arrivals between two positions, at which next_arrivals() has been, behind what `arrivals` holds. Any thread.
+  [[nodiscard]] Result<void> read_again(TofPosition from, TofPosition to, std::vector<Arrival>& arrivals) const;
+
+  [[nodiscard]] const MeasurementLog& log() const { return log_; }
+  [[nodiscard]] MeasurementLog take_log() { return std::move(log_); }
+
+ private:
+  [[nodiscard]] std::string path(const char* name) const;
+  [[nodiscard]] bool is_there(const std::string& file) const;
+  [[nodiscard]] Result<void> check_folder() const;
+  Result<std::optional<std::string>> load(const char* name);
+  Result<bool> append_arrivals(std::vector<Arrival>& all);
+  Result<void> read_header();
+  Result<void> open_tof();
+  Result<void> read_bearings();
+  Result<void> read_scans();
+  Result<void> read_odometry();
+  Result<void> read_track(const char* name, std::vector<TimedPose>& poses);
+  Result<void> read_points(const char* name, const char* instead_of, std::vector<TimedPose>& poses, PoseAccuracy& accuracy);
+
+  NameLookup lookup_;
+  Clock clock_;
+  ReadRunOptions options_;
+  DistanceAsTime distance_;
+  double range_max_m_ = std::numeric_limits<double>::infinity();
+  MeasurementLog log_;
+  std::shared_ptr<const MappedFile> tof_map_;
+  std::unique_ptr<TofReader> tof_;  // null: there is none, or it has been read
+  TofPosition end_;                 // then, of the end
+  bool has_tof_ = false;
+  std::size_t arrivals_ = 0;
+  VehicleId first_vehicle_;  // of the first arrival
+};
+
+}  // namespace octant::io

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <iterator>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "io/tof/run_parts.h"
+#include "io/text/yaml_reader.h"
+#include "io/text/yaml_text.h"
+
+namespace octant::io {
+namespace {
+
+constexpr NumberRange kRunTemperature{.low = -100.0, .high = 100.0, .words = "degrees Celsius from -100 to 100 (20 degC are 293 K)"};
+constexpr NumberRange kRunHumidity{.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1 (50 % is 0.5)"};
+constexpr NumberRange kRunPressure{.low = 1.0e4, .high = 1.0e7, .words = "pascals, such as 101325 (1013 hPa are 101300)"};
+
+void read_accuracy(const YAML::Node& node, const char* name, bool observations, PoseAccuracy& accuracy, YamlLog& log) {
+  YamlMap map(node, name, log);
+  if (!map.present()) return;
+  accuracy.position_sigma_m = map.number("position_sigma_m", accuracy.position_sigma_m, kNotNegative);
+  if (map.has("heading")) {
+    map.choice<int>("heading", {{"unknown", 0}}, 0);
+    accuracy.heading_known = false;
+    if (map.has("heading_sigma_rad")) {
+      map.fail("heading", fmt::format("{} has both heading: unknown and heading_sigma_rad", name), "one of the two");
+    }
+  }
+  const bool has_heading = map.has("heading_sigma_rad");
+  accuracy.heading_sigma_rad = map.number("heading_sigma_rad", accuracy.heading_sigma_rad, kNotNegative);
+  const double attitude = has_heading ? accuracy.heading_sigma_rad : accuracy.attitude_sigma_rad;
+  accuracy.attitude_sigma_rad = map.number("attitude_sigma_rad", attitude, kNotNegative);
+  if (observations) accuracy.max_gap_s = map.number("max_gap_s", accuracy.max_gap_s, kNotNegative);
+  map.finish();
+}
+
+void read_odometry(const YAML::Node& node, OdometryAccuracy& accuracy, YamlLog& log) {
+  YamlMap map(node, "odometry", log);
+  const auto take = [&](const char* key, double& value) { value = map.number(key, value, kNotNegative); };
+  take("distance_sigma_m_per_sqrt_m", accuracy.distance_sigma_m_per_sqrt_m);
+  take("heading_sigma_rad_per_sqrt_m", accuracy.heading_sigma_rad_per_sqrt_m);
+  take("heading_sigma_per_rad", accuracy.heading_sigma_per_rad);
+  take("floor_m", accuracy.floor_m);
+  take("floor_rad", accuracy.floor_rad);
+  if (map.present()) map.finish();
+}
+
+void write_accuracy(const char* name, const PoseAccuracy& a, bool observations, std::string& text) {
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "{}:\n  position_sigma_m: {}\n", name, exact(a.position_sigma_m));
+  if (a.heading_known) {
+    fmt::format_to(out, "  heading_sigma_rad: {}\n", exact(a.heading_sigma_rad));
+  } else {
+    fmt::format_to(out, "  heading: unknown\n");
+  }
+  fmt::format_to(out, "  attitude_sigma_rad: {}\n", exact(a.attitude_sigma_rad));
+  if (observations) fmt::format_to(out, "  max_gap_s: {}\n", exact(a.max_gap_s));
+}
+
+}  // namespace
+
+Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file, MeasurementLog& log) {
+  const Result<YAML::Node> node = parse_yaml(text, file);
+  if (!node) return fail(node.error());
+  YamlLog yaml(file);
+  RunHeader header{"", std::numeric_limits<double>::infinity()};
+  try {
+    YamlMap root(*node, "", yaml);
+    check_version(root, "octant_run", yaml);
+    if (yaml.error) return fail(*yaml.error);
+    header.vehicle = root.text("vehicle", "");
+    log.temperature_degC = root.optional_number("temperature_degC", kRunTemperature);
+    log.relative_humidity = root.optional_number("relative_humidity", kRunHumidity);
+    log.pressure_pa = root.optional_number("pressure_pa", kRunPressure);
+    header.range_max_m = root.number("range_max_m", header.range_max_m, kPositive);
+    read_accuracy(root.block("poses"), "poses", true, log.pose_accuracy, yaml);
+    read_accuracy(root.block("truth"), "truth", false, log.truth_accuracy, yaml);
+    read_odometry(root.block("odometry"), log.odometry_accuracy, yaml);
+    root.finish();
+  } catch (const YAML::Exception& e) {
+    return fail({.file = file, .line = e.mark.line + 1, .column = e.mark.column + 1, .found = e.msg});
+  }
+  if (yaml.error) return fail(*yaml.error);
+  log.warnings.insert(log.warnings.end(), yaml.warnings.begin(), yaml.warnings.end());
+  return header;
+}
+
+std::string run_to_yaml(const MeasurementLog& log, const NameTable& names) {
+  std::string text = "octant_run: 1\n";
+  const auto out = std::back_inserter(text);
+  if (log.vehicle.valid()) fmt::format_to(out, "vehicle: {}\n", yaml_text(names.vehicles[log.vehicle.index()]));
+  if (log.temperature_degC) fmt::format_to(out, "temperature_degC: {}\n", exact(*log.temperature_degC));
+  if (log.relative_humidity) fmt::format_to(out, "relative_humidity: {}\n", exact(*log.relative_humidity));
+  if (log.pressure_pa) fmt::format_to(out, "pressure_pa: {}\n", exact(*log.pressure_pa));
+  if (!log.poses.empty()) write_accuracy("poses", log.pose_accuracy, true, text);
+  if (!log.truth.empty()) write_accuracy("truth", log.truth_accuracy, false, text);
+  if (!log.odometry.empty()) {
+    const OdometryAccuracy& a = log.odometry_accuracy;
+    fmt::format_to(out, "odometry:\n  distance_sigma_m_per_sqrt_m: {}\n", exact(a.distance_sigma_m_per_sqrt_m));
+    fmt::format_to(out, "  heading_sigma_rad_per_sqrt_m: {}\n", exact(a.heading_sigma_rad_per_sqrt_m));
+    fmt::format_to(out, "  heading_sigma_per_rad: {}\n", exact(a.heading_sigma_per_rad));
+    fmt::format_to(out, "  floor_m: {}\n  floor_rad: {}\n", exact(a.floor_m), exact(a.floor_rad));
+  }
+  return text;
+}
+
+}  // namespace octant::io

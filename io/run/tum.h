@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/fix.h"
+#include "models/support/result.h"
+#include "models/run.h"
+#include "models/site.h"
+
+namespace octant::io {
+
+/// Reads `time_s x y z qx qy qz qw` rows, strictly increasing in time; # starts a comment. Quaternions are normalised.
+/// Errors name line and column.
+[[nodiscard]] Result<std::vector<TimedPose>> read_tum(const std::string& path);
+/// The same of a text that is in memory; `file` is for the messages.
+[[nodiscard]] Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file);
+[[nodiscard]] std::string poses_to_tum(const std::vector<TimedPose>& poses);
+/// The fixes that are ok, as TUM.
+[[nodiscard]] std::string fixes_to_tum(const std::vector<Fix>& fixes);
+/// All fixes, as CSV with the contract's columns; fields of a missing fix are empty, status says why.
+[[nodiscard]] std::string fixes_to_csv(const std::vector<Fix>& fixes, const NameTable& names);
+
+}  // namespace octant::io

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/site/batch_yaml.h"
+
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "io/text/atomic_file.h"
+#include "io/text/yaml_reader.h"
+
+namespace octant::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BatchReader {
+ public:
+  BatchReader(const std::string& path, const std::string& output_folder) : log_(path) {
+    const fs::path parent = fs::path(path).parent_path();
+    inputs_ = parent.empty() ? fs::path(".") : parent;
+    outputs_ = output_folder.empty() ? inputs_ : fs::path(output_folder);
+  }
+
+  Result<Batch> read(const YAML::Node& node) {
+    Batch batch;
+    YamlMap root(node, "", log_);
+    check_version(root, "octant_batch", log_);
+    if (log_.error) return fail(*log_.error);
+    const std::vector<YAML::Node> items = root.list("sites");
+    if (items.empty()) root.fail_missing("sites", "a list of sites");
+    for (std::size_t i = 0; i < items.size() && !log_.error; ++i) batch.sites.push_back(site(items[i], i));
+    root.finish();
+    if (log_.error) return fail(*log_.error);
+    batch.warnings = std::move(log_.warnings);
+    return batch;
+  }
+
+ private:
+  BatchSite site(const YAML::Node& node, std::size_t number) {
+    YamlMap map(node, fmt::format("sites[{}]", number), log_);
+    BatchSite site;
+    const std::string file = map.required_text("site");
+    site.name = map.text("name", file);
+    site.site = below(inputs_, file);
+    const std::vector<YAML::Node> runs = map.list("runs");
+    if (runs.empty()) map.fail_missing("runs", "a list of run folders");
+    for (const YAML::Node& run : runs) site.runs.push_back(below(inputs_, text_of(run, map.path("runs"), log_)));
+    site.output = output(map, "output", map.required_text("output"));
+    if (map.has("report")) site.report = output(map, "report", map.required_text("report"));
+    map.finish();
+    return site;
+  }
+
+  /// A path to write; an error where it is none, or where another site writes there.
+  std::string output(YamlMap& map, const char* key, const std::string& text) {
+    if (log_.error) return {};
+    if (text.empty() || text == "-") map.fail(key, fmt::format("{} is {}", map.path(key), in_quotes(text)), "the name of a file");
+    std::string path = below(outputs_, text);
+    const auto [before, fresh] = written_.emplace(fs::path(path).lexically_normal().string(), map.path(key));
+    if (!fresh) map.fail(key, fmt::format("{} is the same file as {}", map.path(key), before->second), "a file for each site");
+    return path;
+  }
+
+  static std::string below(const fs::path& folder, const std::string& name) { return (folder / name).string(); }
+
+  YamlLog log_;
+  fs::path inputs_, outputs_;
+  std::map<std::string, std::string> written_;  // keys by the path they name
+};
+
+}  // namespace
+
+Result<Batch> read_batch(const std::string& path, const std::string& output_folder) {
+  const Result<std::string> text = read_file(path);
+  if (!text) return fail(text.error());
+  const Result<YAML::Node> node = parse_yaml(*text, path);
+  if (!node) return fail(node.error());
+  try {
+    return BatchReader(path, output_folder).read(*node);
+  } catch (const YAML::Exception& e) {
+    return fail({.file = path, .line = e.mark.line + 1, .column = e.mark.column + 1, .found = e.msg});
+  }
+}
+
+}  // namespace octant::io

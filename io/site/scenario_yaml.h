@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "models/support/result.h"
+#include "models/simulator/synthetic.h"
+
+namespace octant::io {
+
+/// Reads a scenario file: `octant_scenario: 1`, `site:` (a site file's content, true positions) and the keys of Scenario.
+/// Errors name file, line and column. Keys that nobody knows, and the site's warnings, are in Scenario::warnings.
+[[nodiscard]] Result<Scenario> read_scenario(const std::string& path);
+/// The same from its text; `file` is what errors call it.
+[[nodiscard]] Result<Scenario> scenario_from_yaml(std::string_view text, const std::string& file);
+
+/// Text of datasets/hall/scenario.yaml, the world that `octant demo` runs without any argument.
+[[nodiscard]] std::string_view bundled_scenario();
+
+}  // namespace octant::io

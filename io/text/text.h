@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/support/result.h"
+
+namespace octant::io {
+
+/// Text as it may stand in a message: in single quotes, control characters replaced, cut after some 40 characters.
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
+/// "; did you mean ..."-material: what of the candidates the name may have meant, as a sentence: "did you mean 'B9' or 'B10'?",
+/// otherwise "known: B0, B1, ... (12 in all)", otherwise empty.
+[[nodiscard]] std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
+
+/// "a, b, c" of at most `most` items, with "... (n in all)" behind.
+[[nodiscard]] std::string listed(const std::vector<std::string>& items, std::size_t most = 8);
+
+/// Shortest decimal text that reads back as the same double.
+[[nodiscard]] std::string exact(double value);
+
+enum class NumberText { kNumber, kEmpty, kNotNumber };
+/// Whole text as a decimal number ("nan" and "inf" are numbers too); a leading '+' is allowed, hexadecimal is not.
+[[nodiscard]] NumberText parse_number(std::string_view text, double& value);
+
+/// Whole text as a whole number; "7.0" counts as one. Beyond 2^53 only where there are digits alone.
+[[nodiscard]] bool parse_integer(std::string_view text, std::int64_t& value);
+
+struct TextPosition {
+  int line = 1;
+  int column = 1;
+};
+/// Line and column (in bytes), both from 1, of an offset.
+[[nodiscard]] TextPosition position_of(std::string_view text, std::size_t offset);
+
+/// The text without a leading byte-order mark.
+[[nodiscard]] std::string_view without_bom(std::string_view text);
+
+/// Whether all of it is UTF-8 without a NUL.
+[[nodiscard]] bool is_utf8(std::string_view text);
+
+/// Errors: kBadInput with line and column where the text is not UTF-8 or holds a NUL.
+[[nodiscard]] Result<void> check_utf8(std::string_view text, const std::string& file);
+
+}  // namespace octant::io

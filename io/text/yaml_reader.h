@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: a thin layer over yaml-cpp. Include it from .cc files only.
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+#include "io/text/text.h"
+#include "models/support/result.h"
+#include "models/site.h"
+
+namespace octant::io {
+
+/// What reading one YAML file has come to. The first error sticks: getters go on with fallback values, and the caller looks at
+/// `error` once, at the end. So readers stay a list of keys.
+struct YamlLog {
+  std::string file;
+  std::optional<Error> error;
+  std::vector<std::string> warnings;  ///< each "file:line: ..."
+
+  explicit YamlLog(std::string file_name) : file(std::move(file_name)) {}
+  void fail(const YAML::Node& where, std::string found, std::string expected, std::string advice = "");
+  void warn(const YAML::Node& where, const std::string& text);
+};
+
+/// Line of a node, from 1; 0 if it has none.
+[[nodiscard]] int line_of(const YAML::Node& node);
+
+/// One YAML document. Errors: not UTF-8, not YAML, nested too deeply, empty, more than one document; all with line and column.
+[[nodiscard]] Result<YAML::Node> parse_yaml(std::string_view text, const std::string& file);
+
+/// Values a number may take; `words` names them in messages ("a positive number").
+struct NumberRange {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool low_excluded = false;
+  const char* words = "a number";
+};
+inline constexpr NumberRange kAnyNumber{};
+inline constexpr NumberRange kPositive{.low = 0.0, .low_excluded = true, .words = "a positive number"};
+inline constexpr NumberRange kNotNegative{.low = 0.0, .words = "zero or a positive number"};
+inline constexpr NumberRange kHalfPowerAngle{.low = kLeastHalfPowerAngle_rad, .high = kMostHalfPowerAngle_rad,
+                                             .words = "an angle off the axis from 0.02 to 2.8 rad (half of the beam width at -3 dB)"};
+inline constexpr NumberRange kFraction{.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1"};
+
+// Values of a node. `name` is its path in messages, e.g. "medium.sigma_mps". On failure they log and return the fallback.
+[[nodiscard]] double number_of(const YAML::Node& node, const std::string& name, YamlLog& log, NumberRange range = kAnyNumber,
+                               double fallback = 0.0);
+[[nodiscard]] int integer_of(const YAML::Node& node, const std::string& name, YamlLog& log, int low, int high, int fallback = 0);
+[[nodiscard]] bool boolean_of(const YAML::Node& node, const std::string& name, YamlLog& log, bool fallback = false);
+/// Any scalar but null, as it is written.
+[[nodiscard]] std::string text_of(const YAML::Node& node, const std::string& name, YamlLog& log);
+/// Items of a list; size 0: any number of them.
+[[nodiscard]] std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+                                              std::size_t size = 0);
+[[nodiscard]] std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, YamlLog& log, std::size_t size = 0,
+                                             NumberRange range = kAnyNumber);
+
+/// A mapping and its keys. Each getter marks its key as known; finish() warns about the others.
+/// A key whose value is null counts as absent for blocks and lists; a scalar with a null value is an error.
+/// @code
+///   YamlMap path(root.block("path"), "path", log);       // undefined node where the block is absent: all getters fall back
+///   scenario.path.epochs = path.integer("epochs", 120, 1, 10'000'000);
+///   scenario.path.speed_mps = path.number("speed_mps", 0.6, kPositive);
+///   scenario.path.kind = path.choice<PathKind>("kind", {{"stops", PathKind::kStops}, ...}, PathKind::kStops);
+///   path.finish();
+///   if (log.error) return fail(*log.error);
+/// @endcode
+class YamlMap {
+ public:
+  YamlMap(const YAML::Node& node, std::string name, YamlLog& log);
+
+  [[nodiscard]] bool present() const { return present_; }  ///< false: there is no such block
+  [[nodiscard]] bool has(std::string_view key) const;      ///< key is there, with a value that is not null
+  [[nodiscard]] const YAML::Node& node() const { return node_; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::string path(std::string_view key) const;  ///< "medium.sigma_mps"
+
+  /// Value of a key, undefined node if absent; marks the key as known.
+  YAML::Node get(std::string_view key);
+  /// The same, undefined if null as well: for blocks and lists.
+  YAML::Node block(std::string_view key);
+
+  // Values; absent keys give the fallback, a null is an error.
+  double number(std::string_view key, double fallback, NumberRange range = kAnyNumber);
+  double required_number(std::string_view key, NumberRange range = kAnyNumber);
+  std::optional<double> optional_number(std::string_view key, NumberRange range = kAnyNumber);
+  int integer(std::string_view key, int fallback, int low, int high);
+  bool boolean(std::string_view key, bool fallback);
+  std::string text(std::string_view key, const std::string& fallback);
+  std::string required_text(std::string_view key);
+  /// Items of a list; empty where it is absent.
+  std::vector<YAML::Node> list(std::string_view key);
+  std::vector<double> numbers(std::string_view key, std::size_t size, NumberRange range = kAnyNumber);
+
+  template <class Enum>
+  Enum choice(std::string_view key, const std::vector<std::pair<std::string, Enum>>& choices, Enum fallback) {
+    const YAML::Node node = scalar(key, "a word");
+    if (!node.IsDefined()) return fallback;
+    return choice_of(node, path(key), choices, fallback, log_);
+  }
+  template <class Enum>
+  static Enum choice_of(const YAML::Node& node, const std::string& name, const std::vector<std::pair<std::string, Enum>>& choices,
+                        Enum fallback, YamlLog& log) {
+    const std::string word = text_of(node, name, log);
+    std::vector<std::string> words;
+    for (const auto& [spelling, value] : choices) {
+      if (spelling == word) return value;
+      words.push_back(spelling);
+    }
+    fail_choice(node, name, word, words, log);
+    return fallback;
+  }
+
+  void fail(std::string_view key, std::string found, std::string expected, std::string advice = "");
+  void fail_missing(std::string_view key, const std::string& expected);
+  /// Warns about keys nobody asked for, with what they may have meant.
+  void finish();
+
+ private:
+  struct Entry {
+    std::string key;
+    YAML::Node key_node, value;
+    bool known = false;
+  };
+  Entry* find(std::string_view key);
+  /// Value of a key, undefined node if absent; null is an error.
+  YAML::Node scalar(std::string_view key, const std::string& expected);
+  static void fail_choice(const YAML::Node& node, const std::string& name, const std::string& word,
+                          const std::vector<std::string>& words, YamlLog& log);
+
+  YAML::Node node_;
+  std::string name_;
+  YamlLog& log_;
+  bool present_ = false;
+  std::vector<Entry> entries_;
+  std::vector<std::string> asked_;  ///< keys that getters asked for: what an unknown key may have meant
+};
+
+/// The `version_key: 1` at the head of a file. Errors: missing, or another version, with the line.
+void check_version(YamlMap& root, std::string_view version_key, YamlLog& log);
+
+/// A site from the content of a site file, or from the `site:` block of another file (then octant_site may be left out).
+/// Warnings are in Site::warnings, lines are those of `file`.
+[[nodiscard]] Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, bool version_required = true);
+
+}  // namespace octant::io

@@ -1,0 +1,229 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/tof/tof_reader.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace octant::io {
+namespace {
+
+constexpr std::size_t kDigestBytes = std::size_t{1} << 20;  // at once
+constexpr std::size_t kBlockRows = 4096;                    // of the general way
+
+}  // namespace
+
+TofReader::TofReader(std::shared_ptr<const MappedFile> map, std::string file, const NameLookup& names, Clock clock, TofReaderOptions options)
+    : map_(std::move(map)),
+      text_(map_->text().substr(0, options.to)),
+      file_(std::move(file)),
+      names_(names),
+      clock_(clock),
+      options_(options),
+      csv_(text_, file_, true) {}
+
+TofReader::~TofReader() { abandoned_ = true; }
+
+Result<void> TofReader::read_header() {
+  csv_.read_header();
+  if (csv_.error()) return fail(text_error(*csv_.error()));
+  columns_.emplace(csv_, options_.distance);
+  if (csv_.error()) return fail(text_error(*csv_.error()));
+  order_.emplace(names_.names().vehicles.size(), columns_->time, columns_->epoch);
+  general_ = options_.general_way || !is_utf8(text_.substr(0, csv_.offset()));
+  if (options_.from) csv_.go_to(options_.from->offset, options_.from->line);
+  body_ = offset_ = given_back_ = csv_.offset();
+  line_ = csv_.next_line();
+  if (general_) {
+    if (auto ok = check_text(); !ok) return ok;
+  }
+  start();
+  return {};
+}
+
+/// That the text is UTF-8, without having all of it in memory at a time.
+Result<void> TofReader::check_text() const {
+  if (options_.from) return {};
+  for (std::size_t begin = 0, end = 0; begin < text_.size(); begin = end) {
+    end = seam(std::max(begin, body_) + kDigestBytes);
+    if (!is_utf8(text_.substr(begin, end - begin))) return check_utf8(text_, file_);
+    map_->release(begin, end);
+  }
+  return {};
+}
+
+/// That the text is none comes before all else that is wrong with it.
+Error TofReader::text_error(const Error& otherwise) const {
+  const auto ok = check_utf8(text_, file_);
+  return ok ? otherwise : ok.error();
+}
+
+/// The first line that begins at an offset of the body or behind it.
+std::size_t TofReader::seam(std::size_t offset) const {
+  if (offset <= body_) return body_;
+  if (offset >= text_.size()) return text_.size();
+  const std::size_t newline = text_.find('\n', offset - 1);
+  return newline == std::string_view::npos ? text_.size() : newline + 1;
+}
+
+void TofReader::start() {
+  const std::size_t tasks = general_ ? 0 : (text_.size() - body_ + options_.chunk_bytes - 1) / options_.chunk_bytes;
+  if (tasks <= 1) options_.threads = 1;
+  const std::size_t slots = OrderedWork::slots(options_.threads);
+  chunks_.resize(slots);
+  parsers_.assign(slots, TofChunkParser(csv_.header().size(), *columns_, names_, clock_));
+  work_.emplace(tasks, options_.threads, [this](std::size_t task, std::size_t slot) { parse(task, slot); },
+                options_.threads > 1 && !options_.from ? std::function<void()>([this] { digest_rest(); }) : std::function<void()>());
+}
+
+void TofReader::parse(std::size_t task, std::size_t slot) {
+  const std::size_t begin = seam(body_ + task * options_.chunk_bytes), end = seam(body_ + (task + 1) * options_.chunk_bytes);
+  if (options_.threads > 1) chunks_[slot].arrivals.clear();
+  parsers_[slot].parse(text_.substr(begin, end - begin), chunks_[slot]);
+}
+
+Result<bool> TofReader::next(std::vector<Arrival>& block) {
+  block.clear();
+  return append(block);
+}
+
+Result<bool> TofReader::append(std::vector<Arrival>& all) {
+  const std::size_t before = all.size();
+  auto more = append_as_written(all);
+  if (more && *more)
+    for (const int line : repeated_.drop(all, before)) refusals_.add(Refusal::kRepeated, line, "");
+  if (columns_->distance)
+    for (std::size_t i = before; i < all.size(); ++i) all[i].tof_s = options_.distance.per_m_s * all[i].tof_s + options_.distance.offset_s;
+  return more;
+}
+
+Result<bool> TofReader::append_as_written(std::vector<Arrival>& all) {
+  if (general_) return next_rows(all);
+  // The only thread puts the rows where they are to stay.
+  const bool alone = options_.threads <= 1;
+  const std::size_t first = alone ? all.size() : 0;
+  if (alone) chunks_[0].arrivals.swap(all);
+  const bool more = work_->wait();
+  TofChunk& chunk = chunks_[work_->slot()];
+  const bool taken = more && take(chunk, first);
+  if (alone) {
+    if (more && !taken) chunk.arrivals.resize(first);
+    chunk.arrivals.swap(all);
+  } else if (taken && all.empty() && all.capacity() <= chunk.arrivals.capacity()) {
+    chunk.arrivals.swap(all);  // unless there is room for more to come
+  } else if (taken) {
+    all.insert(all.end(), chunk.arrivals.begin(), chunk.arrivals.end());
+  }
+  if (!more) return false;
+  if (taken) {
+    offset_ = seam(body_ + ++task_ * options_.chunk_bytes);
+    if (alone && !options_.from) digest_to(offset_);
+    give_back(offset_);
+    work_->release();
+    return true;
+  }
+  work_->stop();
+  if (const auto ok = check_text(); !ok) return fail(ok.error());
+  if (out_of_order_) return fail(first_error());
+  general_ = true;
+  csv_.go_to(offset_, line_);
+  return next_rows(all);
+}
+
+/// Takes over what a piece holds, its arrivals from the first on; false where the general way must look at it.
+bool TofReader::take(TofChunk& chunk, std::size_t first) {
+  if (!chunk.regular) return false;
+  if (chunk.rows > 0 && !(order_->advance_time(chunk.first_time_s) && order_->advance_time(chunk.last_time_s))) return false;
+  for (const auto& [vehicle, epoch] : chunk.epochs) {
+    if (!order_->advance_epoch(vehicle, epoch)) {
+      out_of_order_ = true;
+      return false;
+    }
+  }
+  for (std::size_t i = first; i < chunk.arrivals.size(); ++i) chunk.arrivals[i].line += line_;
+  for (const auto& [line, refusal, text] : chunk.refused) refusals_.add(refusal, line_ + line, text);
+  line_ += chunk.lines;
+  rows_ += chunk.rows;
+  return true;
+}
+
+Result<bool> TofReader::next_rows(std::vector<Arrival>& block) {
+  const std::size_t first = block.size();
+  while (block.size() < first + kBlockRows && csv_.next_row()) {
+    Arrival arrival;
+    if (!read_tof_row(csv_, *columns_, names_, *order_, arrival)) break;
+    ++rows_;
+    const std::string_view text = csv_.field(columns_->tof);
+    const Refusal refusal = refusal_of(text, arrival.tof_s, clock_);
+    if (refusal == Refusal::kNone) {
+      block.push_back(arrival);
+    } else {
+      refusals_.add(refusal, arrival.line, text);
+    }
+  }
+  if (csv_.error()) return fail(*csv_.error());
+  give_back(csv_.offset());
+  return block.size() > first;
+}
+
+/// What is wrong with the order of the rows, by reading them from the beginning.
+Error TofReader::first_error() const {
+  CsvReader csv(text_, file_, true);
+  csv.read_header();
+  const TofColumns columns(csv, options_.distance);
+  OrderWatch order(names_.names().vehicles.size(), columns.time, columns.epoch);
+  Arrival arrival;
+  while (csv.next_row()) {
+    arrival = {};
+    if (!read_tof_row(csv, columns, names_, order, arrival)) break;
+  }
+  if (!csv.error()) throw std::logic_error("the two ways of reading tof.csv disagree");
+  return *csv.error();
+}
+
+std::vector<std::string> TofReader::warnings() const {
+  std::vector<std::string> warnings;
+  if (const auto unknown = csv_.unknown_columns()) warnings.push_back(*unknown);
+  refusals_.warn(file_, warnings);
+  return warnings;
+}
+
+std::string TofReader::sha256() {
+  work_->finish();
+  digest_rest();
+  return digest_.hex();
+}
+
+void TofReader::digest_rest() {
+  while (!abandoned_ && digested_ < text_.size()) {
+    const std::size_t begin = digested_;
+    digest_to(std::min(text_.size(), begin + kDigestBytes));
+    map_->release(begin, digested_);
+  }
+}
+
+void TofReader::digest_to(std::size_t offset) {
+  digest_.add(text_.substr(digested_, offset - digested_));
+  digested_ = offset;
+}
+
+void TofReader::give_back(std::size_t offset) {
+  map_->release(given_back_, offset);
+  given_back_ = offset;
+}
+
+std::size_t TofReader::rows_estimate() const {
+  constexpr std::size_t kSamples = 16, kSampleBytes = 8192;
+  const std::string_view body = text_.substr(body_);
+  std::size_t sampled = 0, lines = 0;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const std::string_view sample = body.substr(body.size() / kSamples * i, kSampleBytes);
+    sampled += sample.size();
+    lines += static_cast<std::size_t>(std::count(sample.begin(), sample.end(), '\n'));
+  }
+  const double density = sampled == 0 ? 0.0 : static_cast<double>(lines + kSamples) / static_cast<double>(sampled);
+  return static_cast<std::size_t>(1.02 * density * static_cast<double>(body.size())) + 1;
+}
+
+}  // namespace octant::io

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: tof.csv as a sequence of blocks of arrivals.
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/text/mapped_file.h"
+#include "io/tof/ordered_work.h"
+#include "io/tof/repeated_rows.h"
+#include "io/text/sha256.h"
+#include "io/tof/tof_chunk.h"
+#include "io/tof/tof_rows.h"
+
+namespace octant::io {
+
+/// Where a row begins.
+struct TofPosition {
+  std::size_t offset = 0;
+  int line = 1;
+};
+
+struct TofReaderOptions {
+  int threads = 1;
+  std::size_t chunk_bytes = std::size_t{1} << 17;  ///< a piece that a thread parses at once; with its rows it stays in its cache
+  bool general_way = false;                        ///< row by row from the beginning: what all else is measured against
+  /// Only the rows from here to an offset at which a row begins (or the end) of a file that has been read as a whole before: what
+  /// can be said of the file alone (text, digest) is not looked at again.
+  std::optional<TofPosition> from = {};
+  std::size_t to = std::string_view::npos;
+  DistanceAsTime distance = {};
+};
+
+/// Reads tof.csv piece by piece: TofChunkParser takes the pieces, on several threads, while what goes beyond a piece (time, epochs,
+/// lines, refusals, the digest) is followed here in the order of the file. The first piece that the parser cannot settle, and all
+/// behind it, are read row by row by read_tof_row(). What comes out does not depend on threads or pieces.
+class TofReader {
+ public:
+  /// @param file   as messages name it
+  /// @param names  must outlive the reader
+  TofReader(std::shared_ptr<const MappedFile> map, std::string file, const NameLookup& names, Clock clock, TofReaderOptions options = {});
+  ~TofReader();
+  TofReader(const TofReader&) = delete;
+  TofReader& operator=(const TofReader&) = delete;
+
+  /// To be called first. Errors: those of the header.
+  [[nodiscard]] Result<void> read_header();
+  [[nodiscard]] bool has_epochs() const { return columns_->epoch >= 0; }
+  /// A guess at how many rows there are, rather too many.
+  [[nodiscard]] std::size_t rows_estimate() const;
+
+  /// Puts the arrivals of some more rows, in the order of the file, in place of what `block` held: a piece's, or some thousands; there
+  /// may be none where rows were refused. False at the end. Errors: those of the rows; the rows before have been given out then.
+  [[nodiscard]] Result<bool> next(std::vector<Arrival>& block);
+  /// The same behind what `all` holds.
+  [[nodiscard]] Result<bool> append(std::vector<Arrival>& all);
+
+  /// Of the first row that has not been given out.
+  [[nodiscard]] TofPosition position() const { return general_ ? TofPosition{csv_.offset(), csv_.next_line()} : TofPosition{offset_, line_}; }
+  [[nodiscard]] std::size_t rows() const { return rows_; }  ///< so far, refused ones included
+  [[nodiscard]] TofRefusals& refusals() { return refusals_; }
+  /// Of the file as a whole; at the end.
+  [[nodiscard]] std::vector<std::string> warnings() const;
+  /// Digest of the file; at the end.
+  [[nodiscard]] std::string sha256();
+
+ private:
+  [[nodiscard]] std::size_t seam(std::size_t offset) const;
+  void start();
+  void parse(std::size_t task, std::size_t slot);
+  bool take(TofChunk& chunk, std::size_t first);
+  Result<bool> next_rows(std::vector<Arrival>& block);
+  Result<bool> append_as_written(std::vector<Arrival>& all);
+  [[nodiscard]] Result<void> check_text() const;
+  [[nodiscard]] Error first_error() const;
+  [[nodiscard]] Error text_error(const Error& otherwise) const;
+  void digest_to(std::size_t offset);
+  void digest_rest();
+  void give_back(std::size_t offset);
+
+  std::shared_ptr<const MappedFile> map_;
+  std::string_view text_;
+  std::string file_;
+  const NameLookup& names_;
+  Clock clock_;
+  TofReaderOptions options_;
+  CsvReader csv_;  // the header, and rows in the general way
+  std::optional<TofColumns> columns_;
+  std::optional<OrderWatch> order_;
+  TofRefusals refusals_;
+  RepeatedRows repeated_;
+  std::size_t rows_ = 0;
+  std::size_t body_ = 0, offset_ = 0;  // where the rows begin; where those begin that have not been given out
+  std::size_t task_ = 0;               // pieces given out
+  int line_ = 1;                       // of offset_
+  std::size_t given_back_ = 0;
+  bool general_ = false, out_of_order_ = false;
+
+  Sha256 digest_;
+  std::size_t digested_ = 0;
+  std::atomic<bool> abandoned_{false};
+  std::vector<TofChunk> chunks_;         // by slot
+  std::vector<TofChunkParser> parsers_;  // by slot
+  std::optional<OrderedWork> work_;      // last: its threads use the others
+};
+
+}  // namespace octant::io

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/binaural/binaural.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+namespace octant {
+namespace {
+
+constexpr double kLoudestShare = 0.995;  // of threshold to amplitude, for what the model does not hear
+constexpr double kRounding_m = 1e-9;     // of the geometry; stands in where the deployment states no noise
+constexpr int kWalkSteps = 20, kSteps = 20;
+
+double bearing(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
+
+Eigen::Matrix2d rotation(double angle_rad) {
+  return (Eigen::Matrix2d() << std::cos(angle_rad), -std::sin(angle_rad), std::sin(angle_rad), std::cos(angle_rad)).finished();
+}
+
+double walk_of_amplitude_s(double amplitude, const AttenuationModel& model) {
+  return -model.rise_time_s * std::log1p(-std::clamp(model.threshold_v / amplitude, 0.0, kLoudestShare));
+}
+
+}  // namespace
+
+double beam_gain(double off_axis_rad, const BeamLimits& beam) {
+  const double share = (std::abs(off_axis_rad) - beam.full_rad) / (beam.limit_rad - beam.full_rad);
+  return std::cos(std::clamp(share, 0.0, 1.0) * std::numbers::pi / 2);
+}
+
+std::optional<Eigen::Vector2d> intersect_circles(const Eigen::Vector2d& p1_m, double r1_m, const Eigen::Vector2d& p2_m,
+                                                 double r2_m, const Eigen::Vector2d& facing) noexcept {
+  // eq. 3-6 solve for y = M x + N, the circles' common chord, and divide by y2 - y1, which is zero for the paper's own
+  // receivers. The same chord in the receivers' frame: along them and square to them.
+  const Eigen::Vector2d chord = p2_m - p1_m;
+  const double b = chord.norm();
+  if (!(b > 1e-9)) return std::nullopt;
+  const Eigen::Vector2d along = chord / b;
+  Eigen::Vector2d ahead(-along.y(), along.x());
+  if (ahead.dot(facing) < 0) ahead = -ahead;  // the other intersection lies behind the receivers
+  const double x = (r1_m - r2_m) * (r1_m + r2_m) / (2 * b) + b / 2;
+  const double y_squared = (r1_m - x) * (r1_m + x);
+  if (!(y_squared > 0)) return std::nullopt;
+  return p1_m + x * along + std::sqrt(y_squared) * ahead;
+}
+
+std::optional<double> level_range_m(double range_m, double height_m) noexcept {
+  const double squared = (range_m - height_m) * (range_m + height_m);
+  if (!(range_m > 0 && squared > 0)) return std::nullopt;
+  return std::sqrt(squared);
+}
+
+Binaural::Binaural(const Deployment& deployment, const BinauralOptions& options) : deployment_(deployment), options_(options) {
+  const auto roles = binaural_roles(deployment, options);
+  if (!roles) return;
+  roles_ = *roles;
+  const BinauralRoles& r = *roles_;
+  const std::array<BeaconId, 4> beacons = {r.transmitter2, r.transmitter2, r.left2, r.right2};
+  const std::array<ReceiverId, 4> receivers = {r.left1, r.right1, r.transmitter1, r.transmitter1};
+  const Eigen::Matrix3d level = (Eigen::AngleAxisd(options.pitch_rad, Eigen::Vector3d::UnitY()) *
+                                 Eigen::AngleAxisd(options.roll_rad, Eigen::Vector3d::UnitX()))
+                                    .toRotationMatrix();
+  for (std::size_t i = 0; i < 4; ++i) {
+    links_[i].beacon = beacons[i];
+    links_[i].receiver = receivers[i];
+    links_[i].p_beacon_m = deployment.beacons[beacons[i].index()].position_m;
+    links_[i].p_receiver_m =
+        level * deployment.receivers[receivers[i].index()].position_m + Eigen::Vector3d(0, 0, options.height_difference_m);
+  }
+}
+
+void Binaural::locate(const Observations& observations, Fix& fix) noexcept {
+  collect(observations, fix);
+  for (const Link& link : links_)
+    if (link.arrivals == 0) return;  // kTooFewArrivals
+  PlanarPose pose;
+  fix.status = closed_form(pose);
+  if (fix.ok() && !within_beam(pose)) {
+    fix.status = FixStatus::kPoorGeometry;
+    for (Rejection& r : fix.rejections)
+      if (r == Rejection::kUsed) r = Rejection::kOutOfRange;
+  }
+  if (fix.ok()) fix.status = adjust(pose, fix);
+  if (!fix.ok()) return;
+  fix.T_map_vehicle = Pose::planar(pose.p_m.x(), pose.p_m.y(), pose.heading_rad);
+  for (const Rejection r : fix.rejections) ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+}
+
+/// Brings the arrivals to the four links, and the fix to its blank state.
+void Binaural::collect(const Observations& observations, Fix& fix) noexcept {
+  fix.status = FixStatus::kTooFewArrivals;
+  fix.T_map_vehicle = Pose();
+  fix.covariance.resize(3, 3);
+  fix.covariance.setZero();
+  fix.protection_level_m = fix.cost = 0.0;
+  fix.arrivals_used = fix.arrivals_rejected = 0;
+  fix.vehicle = options_.vehicle;
+  fix.epoch = kNoEpoch;
+  fix.time_s = 0.0;
+  fix.rejections.assign(observations.arrivals.size(), Rejection::kNotNeeded);
+  for (Link& link : links_) link.range_m = link.speed_mps = link.arrivals = 0;
+  if (!observations.arrivals.empty()) {
+    fix.time_s = observations.arrivals[observations.arrivals.size() / 2].time_s;
+    fix.epoch = observations.arrivals.front().epoch;
+  }
+  if (!roles_) return;
+  for (std::size_t i = 0; i < observations.arrivals.size(); ++i) {
+    const Arrival& arrival = observations.arrivals[i];
+    if (arrival.beacon.valid() && arrival.beacon.index() < deployment_.beacons.size() &&
+        deployment_.beacons[arrival.beacon.index()].status == BeaconStatus::kUndetermined)
+      fix.rejections[i] = Rejection::kBeaconUnusable;
+    for (Link& link : links_) {
+      if (arrival.beacon != link.beacon || arrival.receiver != link.receiver) continue;
+      double speed = 0.0;
+      const double range = range_m(arrival, speed);
+      if (!(range > 0) || !std::isfinite(range)) {
+        fix.rejections[i] = Rejection::kOutOfRange;
+        continue;
+      }
+      ++link.arrivals;
+      link.range_m += (range - link.range_m) / link.arrivals;
+      link.speed_mps += (speed - link.speed_mps) / link.arrivals;
+      fix.rejections[i] = Rejection::kUsed;
+    }
+  }
+}
+
+double Binaural::range_m(const Arrival& arrival, double& speed_mps) const noexcept {
+  const double temperature =
+      std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC : deployment_.medium.temperature_degC;
+  speed_mps = deployment_.speed_mps(temperature);
+  const double time_s = arrival.tof_s - deployment_.beacons[arrival.beacon.index()].delay_s -
+                        deployment_.receivers[arrival.receiver.index()].delay_s;
+  double range = speed_mps * time_s;
+  if (!deployment_.attenuation || !(range > 0)) return range;
+  const AttenuationModel& model = *deployment_.attenuation;
+  if (model.measures(arrival.amplitude_v)) return speed_mps * (time_s - walk_of_amplitude_s(arrival.amplitude_v, model));
+  for (int i = 0; i < kWalkSteps; ++i) range = speed_mps * (time_s - walk_of_amplitude_s(amplitude_v(std::max(range, 1e-3), model), model));
+  return range;
+}
+
+FixStatus Binaural::closed_form(PlanarPose& pose) const noexcept {
+  std::array<double, 4> r{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto level = level_range_m(links_[i].range_m, links_[i].p_beacon_m.z() - links_[i].p_receiver_m.z());
+    if (!level) return FixStatus::kPoorGeometry;
+    r[i] = *level;
+  }
+  // eq. 3-6 on each robot: the other's transmitter in its frame.
+  const auto p_t2_vehicle =
+      intersect_circles(links_[0].p_receiver_m.head<2>(), r[0], links_[1].p_receiver_m.head<2>(), r[1], roles_->facing1);
+  const auto p_t1_map =
+      intersect_circles(links_[2].p_beacon_m.head<2>(), r[2], links_[3].p_beacon_m.head<2>(), r[3], options_.facing_map);
+  if (!p_t2_vehicle || !p_t1_map) return FixStatus::kPoorGeometry;
+
+  // eq. 7, 8: the angles under which each transmitter sees the other. The paper takes one from the lateral axis and the
+  // other from the forward one (its special cases contradict each other otherwise); here both are bearings from x.
+  const double alpha1 = bearing(*p_t2_vehicle - links_[2].p_receiver_m.head<2>());
+  const double alpha2 = bearing(*p_t1_map - links_[0].p_beacon_m.head<2>());
+  // eq. 9: the same ray seen from its two ends differs by half a turn and by the orientation.
+  pose.heading_rad = wrap_angle(alpha2 + std::numbers::pi - alpha1);
+  pose.p_m = *p_t1_map - rotation(pose.heading_rad) * links_[2].p_receiver_m.head<2>();
+  return FixStatus::kOk;
+}
+
+bool Binaural::within_beam(const PlanarPose& pose) const noexcept {
+  const Eigen::Matrix2d R = rotation(pose.heading_rad);
+  const Eigen::Vector2d sight = pose.p_m + R * links_[2].p_receiver_m.head<2>() - links_[0].p_beacon_m.head<2>();
+  const double off2 = std::abs(wrap_angle(bearing(sight) - bearing(options_.facing_map)));
+  const double off1 = std::abs(wrap_angle(bearing(-sight) - bearing(R * roles_->facing1)));
+  return std::max(off1, off2) <= options_.beam.limit_rad && std::min(off1, off2) <= options_.beam.both_rad;
+}
+
+FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) const noexcept {
+  Eigen::Vector4d noise_m;
+  for (int i = 0; i < 4; ++i) {
+    const Link& link = links_[static_cast<std::size_t>(i)];
+    noise_m[i] = std::max(link.speed_mps * deployment_.noise.tof_sigma_s / std::sqrt(link.arrivals), kRounding_m);
+  }
+  const Eigen::Vector4d weight = noise_m.cwiseAbs2().cwiseInverse();
+  Eigen::Matrix<double, 4, 3> J, toward;
+  Eigen::Matrix<double, 3, 4> gain;
+  Eigen::Vector4d residual;
+  bool converged = false;
+  for (int step = 0; step < kSteps && !converged; ++step) {
+    for (int i = 0; i < 4; ++i) {
+      const Link& link = links_[static_cast<std::size_t>(i)];
+      const Eigen::Vector2d lever = rotation(pose.heading_rad) * link.p_receiver_m.head<2>();
+      Eigen::Vector3d v(pose.p_m.x() + lever.x(), pose.p_m.y() + lever.y(), link.p_receiver_m.z());
+      v -= link.p_beacon_m;
+      const double d = std::max(v.norm(), kRounding_m);
+      toward.row(i) = v.transpose() / d;
+      J.row(i) << v.x() / d, v.y() / d, (v.y() * lever.x() - v.x() * lever.y()) / d;
+      residual[i] = link.range_m - d;
+    }
+    const Eigen::Matrix3d N = J.transpose() * weight.asDiagonal() * J;
+    const Eigen::LDLT<Eigen::Matrix3d> ldlt(N);
+    if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-12 * ldlt.vectorD().maxCoeff()))
+      return FixStatus::kPoorGeometry;
+    gain = ldlt.solve(Eigen::Matrix<double, 3, 4>(J.transpose() * weight.asDiagonal()));
+    const Eigen::Vector3d change = gain * residual;
+    pose.p_m += change.head<2>();
+    pose.heading_rad = wrap_angle(pose.heading_rad + change.z());
+    residual -= J * change;
+    converged = change.cwiseAbs().maxCoeff() < 1e-10;
+  }
+  if (!converged) return FixStatus::kNotConverged;
+
+  const Covariance4 V = range_covariance(toward, pose.heading_rad);
+  const Eigen::Matrix4d Q = Eigen::Matrix4d::Identity() - J * gain;  // rank one: a single redundant range
+  const double misclosure_variance = (Q * V * Q.transpose()).trace() + kRounding_m * kRounding_m;
+  fix.cost = 0.5 * residual.cwiseAbs2().dot(weight);
+  if (residual.squaredNorm() > options_.consensus_sigmas * options_.consensus_sigmas * misclosure_variance) {
+    for (Rejection& r : fix.rejections)
+      if (r == Rejection::kUsed) r = Rejection::kOutvoted;
+    return FixStatus::kNoConsensus;
+  }
+  fix.covariance = gain * V * gain.transpose();
+  return FixStatus::kOk;
+}
+
+/// Of the four ranges: noise, and what calibration leaves uncertain, which several of them share.
+Binaural::Covariance4 Binaural::range_covariance(const Eigen::Matrix<double, 4, 3>& toward, double heading_rad) const noexcept {
+  Covariance4 V = Covariance4::Zero();
+  for (int i = 0; i < 4; ++i) {
+    const Link& a = links_[static_cast<std::size_t>(i)];
+    const double noise_m = a.speed_mps * deployment_.noise.tof_sigma_s;
+    V(i, i) += noise_m * noise_m / a.arrivals;
+    for (int j = 0; j < 4; ++j) {
+      const Link& b = links_[static_cast<std::size_t>(j)];
+      const double cc = a.speed_mps * b.speed_mps;
+      V(i, j) += a.range_m * b.range_m / cc * deployment_.speed_sigma_mps * deployment_.speed_sigma_mps;
+      if (a.beacon == b.beacon) {
+        const DeploymentBeacon& beacon = deployment_.beacons[a.beacon.index()];
+        V(i, j) += toward.row(i).dot(beacon.covariance_m2 * toward.row(j).transpose()) +
+                   cc * beacon.delay_sigma_s * beacon.delay_sigma_s;
+      }
+      if (a.receiver == b.receiver) {
+        const DeploymentReceiver& receiver = deployment_.receivers[a.receiver.index()];
+        Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+        R.topLeftCorner<2, 2>() = rotation(heading_rad);
+        const Eigen::Vector3d sigma_i = (R.transpose() * toward.row(i).transpose()).cwiseProduct(receiver.sigma_m);
+        const Eigen::Vector3d sigma_j = (R.transpose() * toward.row(j).transpose()).cwiseProduct(receiver.sigma_m);
+        V(i, j) += sigma_i.dot(sigma_j) + cc * receiver.delay_sigma_s * receiver.delay_sigma_s;
+      }
+    }
+  }
+  return V;
+}
+
+}  // namespace octant

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/common/calibration_part.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "models/support/scratch.h"
+
+namespace octant {
+
+CalibrationPart::CalibrationPart(const Deployment& deployment) : covariance_(deployment.covariance.matrix) {
+  const auto& names = deployment.covariance.parameters;
+  const auto column = [&names](const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  };
+  const auto columns_of = [&column](const std::string& prefix) {
+    return std::array<int, 4>{column(prefix + "/x_m"), column(prefix + "/y_m"), column(prefix + "/z_m"), column(prefix + "/delay_s")};
+  };
+  for (const DeploymentBeacon& b : deployment.beacons) beacon_.push_back(columns_of("beacon/" + b.name));
+  for (const DeploymentReceiver& r : deployment.receivers)
+    receiver_.push_back(columns_of("receiver/" + deployment.vehicles[r.vehicle.index()].name + "/" + r.name));
+  site_delay_ = column("site/delay_s");
+  speed_ = column("medium/speed_mps");
+  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"), column("attenuation/rise_time_s"),
+                  column("attenuation/half_power_angle_rad")};
+}
+
+void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, const Segment& segment, const SharedState& state) const {
+  const Eigen::MatrixXd& C = covariance_;
+  if (C.rows() == 0) return;
+  const int n = t.block_size(), dof = pose_dof(t.motion);
+  NodeBlock D = NodeBlock::Zero(n, n);
+  // Column by column of G, and only those that the segment touches: a fix hears a few beacons of many.
+  std::pmr::vector<NodeVector> G(scratch());
+  std::pmr::vector<int> touched(scratch()), place(static_cast<std::size_t>(C.cols()), -1, scratch());
+  for_each_row(t, segment, state, [&](const ObservationRow& row) {
+    D.noalias() += row.by_node.transpose() * row.by_node;
+    for_each_coupling(row, [&](int at, double derivative) {
+      int& where = place[static_cast<std::size_t>(at)];
+      if (where < 0) {
+        where = static_cast<int>(touched.size());
+        touched.push_back(at);
+        G.push_back(NodeVector::Zero(n));
+      }
+      G[static_cast<std::size_t>(where)] += derivative * row.by_node.transpose();
+    });
+  });
+  // Rotations that nothing observes are as unknown as an angle can be.
+  for (int i = t.motion == Motion::kPlanar ? 2 : 3; i < dof; ++i) D(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
+  const Eigen::LDLT<NodeBlock> ldlt(D);
+  if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() <= 0) return;
+  for (NodeVector& column : G) column = NodeVector(ldlt.solve(column));  // D^-1 G
+  NodeBlock sum = NodeBlock::Zero(n, n);
+  for (std::size_t j = 0; j < G.size(); ++j) {
+    NodeVector weighed = NodeVector::Zero(n);
+    for (std::size_t i = 0; i < G.size(); ++i) weighed += C(touched[i], touched[j]) * G[i];
+    sum.noalias() += weighed * G[j].transpose();
+  }
+  covariance += sum.topLeftCorner(dof, dof);
+}
+
+}  // namespace octant

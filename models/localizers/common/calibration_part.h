@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/deployment.h"
+#include "models/fix.h"
+#include "models/trajectory/linearise.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant {
+
+/// The part of a fix's uncertainty that comes from the calibration and does not average out: with C the joint covariance of the
+/// calibrated parameters, D the information of the state and G its coupling to them,
+///   P = D^-1 + D^-1 G C G' D^-1
+/// `chain_calibration.h` has the same for the states of a drive, `drive_filter.h` for a filter.
+class CalibrationPart {
+ public:
+  explicit CalibrationPart(const Deployment& deployment);
+
+  /// Adds the second term to the covariance of a fix whose state the segment holds; no change where nothing is stated.
+  void add_to(PoseCovariance& covariance, const Trajectory& trajectory, const Segment& segment, const SharedState& state) const;
+
+  /// C; empty where nothing is stated.
+  [[nodiscard]] const Eigen::MatrixXd& covariance() const { return covariance_; }
+
+  /// Calls visit(column of C, derivative) for every calibrated parameter on which an observation depends.
+  template <class Visitor>
+  void for_each_coupling(const ObservationRow& row, Visitor&& visit) const {
+    if (!row.has_shared) return;
+    const auto couple = [&visit](int at, double derivative) {
+      if (at >= 0 && derivative != 0.0) visit(at, derivative);
+    };
+    const auto& beacon = beacon_[row.beacon.index()];
+    for (std::size_t i = 0; i < 3; ++i) couple(beacon[i], row.by_beacon[static_cast<int>(i)]);
+    if (!row.receiver.valid()) return;
+    const auto& receiver = receiver_[row.receiver.index()];
+    for (std::size_t i = 0; i < 3; ++i) couple(receiver[i], row.by_receiver[static_cast<int>(i)]);
+    for (std::size_t i = 0; i < attenuation_.size(); ++i) couple(attenuation_[i], row.by_attenuation[static_cast<int>(i)]);
+    couple(beacon[3], row.by_delay);
+    couple(receiver[3], row.by_delay);
+    couple(site_delay_, row.by_delay);
+    couple(speed_, row.by_speed);
+  }
+
+ private:
+  Eigen::MatrixXd covariance_;
+  std::vector<std::array<int, 4>> beacon_, receiver_;  ///< columns of x, y, z, delay in the joint covariance; -1: not in it
+  int site_delay_ = -1, speed_ = -1;
+  std::array<int, kAttenuationUnknowns> attenuation_ = {-1, -1, -1, -1};
+};
+
+}  // namespace octant

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/drive/chain_covariance.h"
+
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+namespace octant {
+
+Eigen::MatrixXd ChainCovariance::planar_pose(std::size_t node, double alpha) const {
+  if (alpha == 0.0 || node + 1 >= marginal.size()) return marginal[node].topLeftCorner(3, 3);
+  const NodeBlock P = (1 - alpha) * (1 - alpha) * marginal[node] + alpha * alpha * marginal[node + 1] +
+                      alpha * (1 - alpha) * (cross[node] + cross[node].transpose());
+  return P.topLeftCorner(3, 3);
+}
+
+ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment, const SharedState& state) {
+  ChainFactor out;
+  ChainSystem system;
+  build_chain_system(trajectory, segment, state, RobustLoss{}, system);
+  const std::size_t count = system.D.size();
+  const int n = trajectory.block_size();
+  out.inverse.resize(count);
+  NodeBlock L;
+  for (std::size_t k = 0; k < count; ++k) {
+    L = system.D[k];
+    if (k > 0) L -= system.U[k - 1].transpose() * out.inverse[k - 1] * system.U[k - 1];
+    // Elements differ by the squares of metres and radians: judged with a unit diagonal.
+    const NodeVector scale = L.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const NodeBlock scaled = scale.asDiagonal() * L * scale.asDiagonal();
+    const Eigen::LDLT<NodeBlock> ldlt(scaled);
+    if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-12)) return out;
+    const NodeBlock unscaled = ldlt.solve(NodeBlock::Identity(n, n));
+    out.inverse[k] = scale.asDiagonal() * unscaled * scale.asDiagonal();
+  }
+  out.U = std::move(system.U);
+  out.ok = count > 0;
+  return out;
+}
+
+ChainCovariance chain_covariance(const ChainFactor& factor) {
+  ChainCovariance out;
+  if (!factor.ok) return out;
+  const std::size_t count = factor.inverse.size();
+  out.marginal.resize(count);
+  out.cross.resize(count - 1);
+  out.marginal[count - 1] = factor.inverse[count - 1];
+  for (std::size_t k = count - 1; k-- > 0;) {
+    const NodeBlock gain = factor.inverse[k] * factor.U[k];
+    out.cross[k] = -gain * out.marginal[k + 1];
+    out.marginal[k] = factor.inverse[k] + gain * out.marginal[k + 1] * gain.transpose();
+  }
+  out.ok = true;
+  return out;
+}
+
+ChainCovariance chain_covariance(const Trajectory& trajectory, const Segment& segment, const SharedState& state) {
+  return chain_covariance(factor_chain(trajectory, segment, state));
+}
+
+}  // namespace octant

@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/drive/drive_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/trajectory/linearise.h"
+
+namespace octant {
+namespace {
+
+constexpr double kForget = 1.0 / 30.0;
+constexpr int kIterations = 3;
+
+/// What calibration may be off by. It widens the gate only: it does not average out, so it must not count as noise.
+double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, const PathOutput& path) {
+  if (beacon.index() >= model.beacon_covariance.size()) return 0.0;
+  Eigen::Matrix<double, 5, 1> by;
+  by << path.tof_by_beacon.transpose(), 1.0, path.tof_by_speed;
+  return std::max(0.0, by.dot(model.beacon_covariance[beacon.index()] * by));
+}
+
+}  // namespace
+
+/// What an arrival's prediction follows besides the pose: by few of the parameters, and by the bias of its pair.
+struct DriveFilter::Considered {
+  bool any = false;
+  Eigen::Vector3d cross = Eigen::Vector3d::Zero();  ///< P_x,theta h' of all that is considered
+  double variance = 0.0;                            ///< h C h'
+  Eigen::Index pair = -1;
+};
+
+DriveFilter::DriveFilter(const EpochFixModel& model, double gate_sigmas, double range_slack_m, const CalibrationPart* calibration)
+    : model_(model), calibration_(calibration), gate_sigmas_(gate_sigmas), range_slack_m_(range_slack_m) {
+  const std::size_t pairs = model.state.beacon_p_map_m.size() * model.state.receiver_p_vehicle_m.size();
+  if (model.correlated.sigma_s > 0) recent_.resize(pairs);
+  if (calibration == nullptr) return;
+  const NodeCalibration none = node_calibration_room();
+  cross_ = none.by_parameter;
+  pair_cross_ = none.by_pair;
+  by_theta_ = Eigen::VectorXd::Zero(cross_.cols());
+}
+
+NodeCalibration DriveFilter::node_calibration_room() const {
+  NodeCalibration room;
+  const std::size_t pairs = model_.state.beacon_p_map_m.size() * model_.state.receiver_p_vehicle_m.size();
+  room.by_parameter.setZero(3, calibration_ ? calibration_->covariance().cols() : 0);
+  room.by_pair.setZero(3, calibration_ && model_.correlated.pair_sigma_s > 0 ? static_cast<Eigen::Index>(pairs) : 0);
+  return room;
+}
+
+void DriveFilter::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance, const NodeCalibration* by) {
+  T_map_vehicle_ = T_map_vehicle;
+  covariance_ = covariance;
+  acceptance_ = 1.0;
+  std::fill(recent_.begin(), recent_.end(), Recent{});
+  cross_.setZero();
+  pair_cross_.setZero();
+  if (by == nullptr || calibration_ == nullptr) return;
+  cross_.noalias() = by->by_parameter * calibration_->covariance();
+  covariance_.noalias() += cross_ * by->by_parameter.transpose();
+  pair_cross_ = model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * by->by_pair;
+  covariance_.noalias() += pair_cross_ * by->by_pair.transpose();
+}
+
+void DriveFilter::predict(const Pose& step, const OdometryObservation& whole, double share) {
+  const double heading = T_map_vehicle_.heading_rad(), c = std::cos(heading), s = std::sin(heading);
+  const double dx = step.translation_m.x(), dy = step.translation_m.y();
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+  F(0, 2) = -s * dx - c * dy;
+  F(1, 2) = c * dx - s * dy;
+  covariance_ = F * covariance_ * F.transpose();
+  for (Eigen::Index k = 0; k < cross_.cols(); ++k) cross_.col(k) = F * Eigen::Vector3d(cross_.col(k));
+  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) pair_cross_.col(k) = F * Eigen::Vector3d(pair_cross_.col(k));
+  const double distance2 = share * whole.distance_sigma_m * whole.distance_sigma_m;  // the same in all directions
+  covariance_.diagonal() += Eigen::Vector3d(distance2, distance2, share * whole.heading_sigma_rad * whole.heading_sigma_rad);
+  T_map_vehicle_ = T_map_vehicle_ * step;
+}
+
+DriveFilter::Considered DriveFilter::consider(const PathOutput& path, const ArrivalObservation& a) {
+  Considered out;
+  out.any = calibration_ != nullptr;
+  if (!out.any) return out;
+  if (cross_.cols() > 0) {
+    ObservationRow row;
+    row.has_shared = true;
+    row.beacon = a.beacon;
+    row.receiver = a.receiver;
+    row.by_beacon = path.tof_by_beacon;
+    row.by_receiver = path.tof_by_receiver;
+    row.by_attenuation = path.tof_by_attenuation;
+    row.by_delay = 1.0;
+    row.by_speed = path.tof_by_speed;
+    by_theta_.setZero();
+    calibration_->for_each_coupling(row, [&](int at, double h) { by_theta_ += h * calibration_->covariance().col(at); });
+    calibration_->for_each_coupling(row, [&](int at, double h) {
+      out.cross += h * cross_.col(at);
+      out.variance += h * by_theta_[at];
+    });
+  }
+  if (pair_cross_.cols() > 0) {
+    out.pair = static_cast<Eigen::Index>(a.beacon.index() * model_.state.receiver_p_vehicle_m.size() + a.receiver.index());
+    out.cross += pair_cross_.col(out.pair);
+    out.variance += model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s;
+  }
+  return out;
+}
+
+/// Variance by which an arrival is weighed as if errors were independent: its share of a pair's correlated error grows with the
+/// number of those before it that still remember it, and counts both ways: 1 + 2 sum rho.
+double DriveFilter::weight_variance_s2(const ArrivalObservation& a) {
+  if (recent_.empty()) return a.sigma_s * a.sigma_s;
+  const CorrelatedNoise& noise = model_.correlated;
+  Recent& pair = recent_[a.beacon.index() * model_.state.receiver_p_vehicle_m.size() + a.receiver.index()];
+  const double dt_s = std::abs(a.time_s - pair.time_s);
+  pair.sum *= noise.time_s > 0 ? std::exp(-dt_s / noise.time_s) : dt_s > 0 ? 0.0 : 1.0;
+  const double variance = a.sigma_s * a.sigma_s + 2.0 * pair.sum * noise.sigma_s * noise.sigma_s;
+  pair.sum += 1.0;
+  pair.time_s = a.time_s;
+  return variance;
+}
+
+/// Schmidt's update in Joseph's form, which keeps the covariance positive for any gain.
+void DriveFilter::correct(const Eigen::Vector3d& gain, const Eigen::RowVector3d& H, const Considered& considered, double noise2) {
+  const Eigen::Matrix3d A = Eigen::Matrix3d::Identity() - gain * H;
+  const Eigen::Matrix3d mixed = A * considered.cross * gain.transpose();
+  covariance_ = (A * covariance_ * A.transpose() - mixed - mixed.transpose() + (noise2 + considered.variance) * gain * gain.transpose()).eval();
+  for (Eigen::Index k = 0; k < cross_.cols(); ++k) cross_.col(k) = A * Eigen::Vector3d(cross_.col(k)) - by_theta_[k] * gain;
+  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) pair_cross_.col(k) = A * Eigen::Vector3d(pair_cross_.col(k));
+  if (considered.pair >= 0) pair_cross_.col(considered.pair) -= model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * gain;
+}
+
+Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObservation& a) {
+  if (!model_.beacon_usable[a.beacon.index()]) return Rejection::kBeaconUnusable;
+  PathInput in;
+  in.p_beacon_map_m = model_.state.beacon_p_map_m[a.beacon.index()];
+  in.p_receiver_vehicle_m = model_.state.receiver_p_vehicle_m[a.receiver.index()];
+  in.speed_mps = a.model_speed_mps + model_.state.speed_offset(trajectory.run);
+  in.delay_s = model_.state.delay_s(a.beacon, a.receiver) + (a.two_way ? trajectory.turnaround_s : 0.0);
+  in.attenuation = model_.state.attenuation ? &*model_.state.attenuation : nullptr;
+  in.axis_vehicle = model_.state.axis_of(a.receiver);
+  in.log_amplitude = walk_amplitude(a, model_.state);
+  in.T_hear_send = a.two_way ? &trajectory.T_hear_send[static_cast<std::size_t>(a.hear_send)] : nullptr;
+  const double slack_s = range_slack_m_ * (a.two_way ? 2.0 : 1.0) / in.speed_mps;
+  // A pair's lasting bias is considered beside the noise where there is a calibration.
+  const double pair_s = calibration_ ? model_.correlated.pair_sigma_s : 0.0;
+  const double single2 = a.sigma_s * a.sigma_s + slack_s * slack_s - pair_s * pair_s;
+  double noise2 = single2;
+
+  // Iterated: the measurement is linearised where it puts the pose; the misfit of the prior comes along in `moved`.
+  Pose T = T_map_vehicle_;
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero(), gain = Eigen::Vector3d::Zero();
+  Eigen::RowVector3d H = Eigen::RowVector3d::Zero();
+  Considered considered;
+  for (int k = 0; k < kIterations; ++k) {
+    in.T_map_vehicle = &T;
+    const PathOutput out = predict_arrival(in, Motion::kPlanar);
+    H = out.tof_by_pose.head<3>();
+    const double innovation = a.tof_s - out.tof_s + H.dot(moved);
+    const double predicted2 = H * covariance_ * H.transpose();
+    if (k == 0) {
+      considered = consider(out, a);
+      const double calibration2 = considered.any ? considered.variance + 2.0 * H.dot(considered.cross) : calibration_variance_s2(model_, a.beacon, out);
+      if (innovation * innovation > gate_sigmas_ * gate_sigmas_ * (predicted2 + single2 + calibration2)) {
+        acceptance_ -= kForget * acceptance_;
+        return innovation > 0 ? Rejection::kLate : Rejection::kEarly;
+      }
+      noise2 += weight_variance_s2(a) - a.sigma_s * a.sigma_s;
+    }
+    const double S = predicted2 + 2.0 * H.dot(considered.cross) + considered.variance + noise2;
+    gain = (covariance_ * H.transpose() + considered.cross) / S;
+    moved = gain * innovation;
+    T = retract(T_map_vehicle_, moved, Motion::kPlanar);
+  }
+  correct(gain, H, considered, noise2);
+  T_map_vehicle_ = T;
+  acceptance_ += kForget * (1.0 - acceptance_);
+  return Rejection::kUsed;
+}
+
+}  // namespace octant

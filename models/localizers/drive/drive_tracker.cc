@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/drive/drive_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/localizers/drive/drive_start.h"
+#include "models/localizers/common/trajectory_model.h"
+#include "models/trajectory/odometry_noise.h"
+
+namespace octant {
+namespace {
+
+constexpr std::size_t kDriveScratchBytes = 9u << 20;  ///< settling a window of all its nodes twice, and how it follows the calibration
+constexpr std::size_t kMaxNodes = 768, kMaxArrivals = 8192;  ///< of a window
+constexpr double kFilterWindowGrowth = 1.33;
+
+OdometryObservation observation(std::size_t node, const OdometryStep& step, double fraction, const OdometryAccuracy& a) {
+  const OdometryVariance variance = variance_of(step, a);
+  OdometryObservation o;
+  o.node = node;
+  o.T_before_after = interpolate(Pose{}, Pose::planar(step.dx_m, step.dy_m, step.dheading_rad), fraction);
+  o.distance_sigma_m = std::sqrt(fraction * variance.distance_m2);
+  o.heading_sigma_rad = std::sqrt(fraction * variance.heading_rad2);
+  return o;
+}
+
+}  // namespace
+
+DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry, const TrackerOptions& options)
+    : model_(epoch_fix_model(deployment)),
+      calibration_(deployment),
+      options_(options),
+      odometry_(odometry),
+      trajectory_model_(trajectory_model(deployment)),
+      filter_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_),
+      start_calibration_(filter_.node_calibration_room()),
+      scratch_(kDriveScratchBytes) {
+  t_.moving = true;
+  t_.turnaround_s = deployment.timing.turnaround_s;
+  t_.nominal_speed_mps = model_.nominal_speed_mps;
+  t_.nodes.reserve(kMaxNodes + 1);
+  t_.odometry.reserve(kMaxNodes);
+  t_.arrivals.reserve(kMaxArrivals);
+  t_.T_hear_send.reserve(kMaxArrivals);
+  begin_window(0.0);
+}
+
+void DriveTracker::begin_window(double time_s) {
+  Node node;
+  node.time_s = time_s;
+  t_.nodes.assign(1, node);
+  t_.odometry.clear();
+  t_.arrivals.clear();
+  t_.T_hear_send.clear();
+  next_search_s_ = options_.start_window_s;
+}
+
+/// Forgets the older half of the window.
+void DriveTracker::keep_recent_half() {
+  const std::size_t drop = t_.nodes.size() / 2;
+  const auto head = [](auto& list, auto until) { list.erase(list.begin(), until); };
+  head(t_.nodes, t_.nodes.begin() + static_cast<std::ptrdiff_t>(drop));
+  head(t_.odometry, t_.odometry.begin() + static_cast<std::ptrdiff_t>(drop));
+  head(t_.arrivals, std::partition_point(t_.arrivals.begin(), t_.arrivals.end(), [drop](const ArrivalObservation& a) { return a.node < drop; }));
+  const std::int32_t first = t_.arrivals.empty() || t_.arrivals.front().hear_send < 0 ? 0 : t_.arrivals.front().hear_send;
+  if (!t_.T_hear_send.empty()) head(t_.T_hear_send, t_.T_hear_send.begin() + first);
+  for (OdometryObservation& o : t_.odometry) o.node -= drop;
+  for (ArrivalObservation& a : t_.arrivals) {
+    a.node -= drop;
+    if (a.two_way) a.hear_send -= first;
+  }
+  next_search_s_ = std::min(next_search_s_, kFilterWindowGrowth * (t_.nodes.back().time_s - t_.nodes.front().time_s));
+}
+
+void DriveTracker::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance) noexcept {
+  filter_.start(T_map_vehicle, covariance);
+  filter_.set_range_slack(options_.range_slack_m);
+  placed_ = true;
+}
+
+void DriveTracker::move(const OdometryStep& step, double fraction) noexcept {
+  if (step.time_s != row_.time_s) {
+    row_s_ = step.time_s - row_.time_s;
+    row_ = step;
+  }
+  const OdometryObservation o = observation(t_.nodes.size() - 1, step, fraction, odometry_);
+  if (placed_) {
+    filter_.predict(o.T_before_after, o, 1.0);
+    return;
+  }
+  if (t_.nodes.size() >= kMaxNodes || t_.nodes.back().time_s - t_.nodes.front().time_s > options_.max_start_window_s) keep_recent_half();
+  t_.odometry.push_back(o);
+  t_.odometry.back().node = t_.nodes.size() - 1;
+  Node node;
+  node.time_s = t_.nodes.back().time_s + fraction * row_s_;
+  t_.nodes.push_back(node);
+}
+
+void DriveTracker::observe_all(std::span<const Arrival> arrivals) {
+  const Pose row = Pose::planar(row_.dx_m, row_.dy_m, row_.dheading_rad);
+  for (const Arrival& a : arrivals) {
+    if (t_.arrivals.size() == kMaxArrivals) keep_recent_half();
+    ArrivalObservation o = observe(a, trajectory_model_, speed_of(a, trajectory_model_));
+    o.node = t_.nodes.size() - 1;
+    if (o.two_way) {
+      // What it moved between asking and hearing, at the speed of the last row.
+      o.hear_send = static_cast<std::int32_t>(t_.T_hear_send.size());
+      t_.T_hear_send.push_back(row_s_ > 0 ? interpolate(Pose{}, row, std::min(a.tof_s / row_s_, 1.0)).inverse() : Pose());
+    }
+    o.rejection = model_.beacon_usable[a.beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+    t_.arrivals.push_back(o);
+  }
+}
+
+Segment DriveTracker::window() const {
+  Segment all;
+  all.last_node = t_.nodes.size();
+  all.last_arrival = t_.arrivals.size();
+  all.last_odometry = t_.odometry.size();
+  return all;
+}
+
+void DriveTracker::search() {
+  const double span_s = t_.nodes.back().time_s - t_.nodes.front().time_s;
+  if (span_s < next_search_s_ || t_.nodes.size() < 2) return;
+  next_search_s_ = kFilterWindowGrowth * span_s;
+  const ScratchScope scope(scratch_);
+  const Segment all = window();
+  if (!place_stretch(t_, all, model_, options_)) return;
+  const std::size_t now = t_.nodes.size() - 1;
+  const ChainFactor chain = factor_chain(t_, all, model_.state);
+  if (chain.ok) node_calibration(t_, all, model_.state, chain, calibration_, now, start_calibration_);
+  filter_.start(t_.nodes[now].T_map_vehicle, start_covariance(t_, all, model_, options_.range_slack_m, now), chain.ok ? &start_calibration_ : nullptr);
+  filter_.set_range_slack(independent_slack_m(t_, all, model_, options_.range_slack_m));
+  placed_ = true;
+}
+
+void DriveTracker::locate(const Observations& observations, Fix& fix) noexcept {
+  clear(fix);
+  const std::span<const Arrival> arrivals = observations.arrivals;
+  if (arrivals.empty()) return;
+  fix.time_s = arrivals.front().time_s;
+  fix.vehicle = arrivals.front().vehicle;
+  fix.status = FixStatus::kNoConsensus;
+  fix.rejections.assign(arrivals.size(), Rejection::kNoPose);
+  if (placed_) {
+    begin_window(arrivals.front().time_s);
+    observe_all(arrivals);
+    for (std::size_t i = 0; i < arrivals.size(); ++i) fix.rejections[i] = filter_.update(t_, t_.arrivals[i]);
+    placed_ = !filter_.is_lost();
+    if (!placed_) begin_window(arrivals.front().time_s);
+  } else {
+    // The window's clock is the arrivals': rows bring but how long they took.
+    const double late_s = arrivals.front().time_s - t_.nodes.back().time_s;
+    for (Node& node : t_.nodes) node.time_s += late_s;
+    observe_all(arrivals);
+    search();
+    for (std::size_t i = 0; placed_ && i < arrivals.size(); ++i)
+      fix.rejections[i] = model_.beacon_usable[arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+  }
+  fix.arrivals_used = static_cast<int>(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed));
+  fix.arrivals_rejected = static_cast<int>(fix.rejections.size()) - fix.arrivals_used;
+  if (!placed_) return;
+  fix.status = FixStatus::kOk;
+  fix.T_map_vehicle = filter_.pose();
+  fix.covariance = filter_.covariance();
+}
+
+}  // namespace octant

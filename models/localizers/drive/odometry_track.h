@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/physics/pose.h"
+#include "models/run.h"
+
+namespace octant {
+
+/// Speed and turn rate of a vehicle with two driven wheels, from their rim speeds and the distance between them.
+struct BodySpeed {
+  double speed_mps = 0.0;
+  double turn_rate_radps = 0.0;
+};
+[[nodiscard]] BodySpeed body_speed(double left_mps, double right_mps, double track_width_m);
+
+/// Pose one period later (Smieszek eq. 1). The step is straight, in the direction at its end: off an arc by half a turn of the
+/// step, v omega dt^2 / 2, which is why the period should be short.
+[[nodiscard]] Pose advance(const Pose& T_map_vehicle, const BodySpeed& body, double period_s);
+
+/// A planar pose that odometry carries on, and its covariance (x, y in the map, heading).
+struct OdometryState {
+  Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
+  double heading_rad = 0.0;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  [[nodiscard]] Pose pose() const { return Pose::planar(p_map_m.x(), p_map_m.y(), heading_rad); }
+};
+
+/// Moves on by a fraction (0 to 1) of an odometry row; noise as `OdometryAccuracy` says, its variance in proportion.
+void advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy, double fraction = 1.0);
+
+/// Odometry rows of a vehicle from an instant on, given out up to ever later ones.
+class OdometryCursor {
+ public:
+  OdometryCursor(std::span<const OdometryStep> steps, double from_s) : steps_(steps), now_s_(from_s) {
+    while (next_ < steps_.size() && steps_[next_].time_s <= now_s_) ++next_;
+  }
+  /// Calls move(step, fraction) for every row, or part of one, until then.
+  template <class Move>
+  void advance_to(double time_s, Move&& move) {
+    while (next_ < steps_.size() && now_s_ < time_s) {
+      const double start_s = next_ > 0 ? steps_[next_ - 1].time_s : now_s_, span_s = steps_[next_].time_s - start_s;
+      const double until_s = std::min(time_s, steps_[next_].time_s);
+      // The first row is the anchor: what it says is no motion.
+      if (next_ > 0 && span_s > 0) move(steps_[next_], (until_s - now_s_) / span_s);
+      now_s_ = until_s;
+      if (now_s_ >= steps_[next_].time_s) ++next_;
+    }
+  }
+
+ private:
+  std::span<const OdometryStep> steps_;
+  double now_s_;
+  std::size_t next_ = 0;
+};
+
+/// Poses at all rows from the anchor's pose on: odometry alone.
+[[nodiscard]] std::vector<TimedPose> odometry_track(std::span<const OdometryStep> steps, const Pose& T_map_anchor);
+
+}  // namespace octant

@@ -1,0 +1,282 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/drive/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/trajectory/linearise.h"
+#include "models/localizers/common/calibration_part.h"
+#include "models/localizers/drive/chain_calibration.h"
+#include "models/localizers/drive/chain_covariance.h"
+#include "models/localizers/common/correlated_arrivals.h"
+#include "models/localizers/drive/drive_filter.h"
+#include "models/localizers/drive/drive_start.h"
+#include "models/localizers/drive/drive_tracker.h"
+#include "models/localizers/drive/motion_start.h"
+#include "models/localizers/least_squares/node_adjustment.h"
+#include "models/localizers/drive/odometry_track.h"
+#include "models/localizers/common/trajectory_model.h"
+
+namespace octant {
+namespace {
+
+constexpr int kSegmentMarkRounds = 5;
+
+void reset_segment_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
+    t.arrivals[i].rejection = model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    BearingObservation& b = t.bearings[i];
+    b.rejection =
+        !b.reflector.valid() || model.beacon_usable[b.reflector.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+  }
+}
+
+/// First arrival of the segment at or after a node.
+std::size_t arrival_from(const Trajectory& t, const Segment& segment, std::size_t node) {
+  const auto begin = t.arrivals.begin();
+  return static_cast<std::size_t>(std::partition_point(begin + static_cast<std::ptrdiff_t>(segment.first_arrival),
+                                                       begin + static_cast<std::ptrdiff_t>(segment.last_arrival),
+                                                       [node](const ArrivalObservation& a) { return a.node < node; }) -
+                                  begin);
+}
+
+/// Part of an odometry step between two of its instants.
+Pose part_of(const Pose& step, double from, double to) {
+  return interpolate(Pose{}, step, from).inverse() * interpolate(Pose{}, step, to);
+}
+
+/// Forward from a node to the segment's end, or until lost; returns the node reached. Calls visit for the arrivals of each
+/// distinct time.
+template <class Visitor>
+std::size_t run_forward(Trajectory& t, const Segment& segment, DriveFilter& filter, std::size_t node, Visitor&& visit) {
+  std::size_t next = arrival_from(t, segment, node);
+  for (; node + 1 < segment.last_node; ++node) {
+    const OdometryObservation& step = t.odometry[segment.first_odometry + node - segment.first_node];
+    double done = 0.0;
+    while (next < segment.last_arrival && t.arrivals[next].node == node) {
+      const double alpha = t.arrivals[next].alpha;
+      filter.predict(part_of(step.T_before_after, done, alpha), step, alpha - done);
+      done = alpha;
+      const std::size_t first = next;
+      for (; next < segment.last_arrival && t.arrivals[next].node == node && t.arrivals[next].alpha == alpha; ++next)
+        t.arrivals[next].rejection = filter.update(t, t.arrivals[next]);
+      visit(first, next);
+    }
+    filter.predict(part_of(step.T_before_after, done, 1.0), step, 1.0 - done);
+    t.nodes[node + 1].T_map_vehicle = filter.pose();
+    t.nodes[node + 1].placed = true;
+    if (filter.is_lost()) return node + 1;
+  }
+  return node;
+}
+
+/// Backward from a node to the segment's first.
+void run_backward(Trajectory& t, const Segment& segment, DriveFilter& filter, std::size_t node) {
+  std::size_t next = arrival_from(t, segment, node);
+  for (; node > segment.first_node; --node) {
+    const OdometryObservation& step = t.odometry[segment.first_odometry + node - 1 - segment.first_node];
+    double done = 1.0;
+    while (next > segment.first_arrival && t.arrivals[next - 1].node == node - 1) {
+      const ArrivalObservation& a = t.arrivals[--next];
+      filter.predict(part_of(step.T_before_after, done, a.alpha), step, done - a.alpha);
+      done = a.alpha;
+      static_cast<void>(filter.update(t, a));
+    }
+    filter.predict(part_of(step.T_before_after, done, 0.0), step, done);
+    t.nodes[node - 1].T_map_vehicle = filter.pose();
+    t.nodes[node - 1].placed = true;
+  }
+}
+
+/// Initial states of a whole segment: a stretch that the arrivals settle, the filter from there both ways; where it gets
+/// lost, the next stretch that can be settled.
+bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
+  if (t.motion_prior) return place_by_motion(t, segment, model, options);
+  DriveFilter filter(model, options.rejection_sigmas, independent_slack_m(t, segment, model, options.range_slack_m));
+  std::size_t from = segment.first_node;
+  bool placed = false;
+  while (from + 2 <= segment.last_node) {
+    const DriveStart start = find_start(t, segment, model, options, from);
+    if (!start.found) break;
+    const Segment stretch = stretch_of(t, segment, start.first_node, start.last_node);
+    if (!placed) {
+      filter.start(t.nodes[start.first_node].T_map_vehicle,
+                   start_covariance(t, stretch, model, options.range_slack_m, start.first_node));
+      run_backward(t, segment, filter, start.first_node);
+      placed = true;
+    }
+    filter.start(t.nodes[start.last_node - 1].T_map_vehicle,
+                 start_covariance(t, stretch, model, options.range_slack_m, start.last_node - 1));
+    from = run_forward(t, segment, filter, start.last_node - 1, [](std::size_t, std::size_t) {});
+    if (from + 1 >= segment.last_node) return true;
+  }
+  // Whatever could not be placed follows the odometry, so that the adjustment has all states.
+  for (std::size_t k = from; placed && k + 1 < segment.last_node; ++k) {
+    const OdometryObservation& step = t.odometry[segment.first_odometry + k - segment.first_node];
+    t.nodes[k + 1].T_map_vehicle = t.nodes[k].T_map_vehicle * step.T_before_after;
+    t.nodes[k + 1].placed = true;
+  }
+  return placed;
+}
+
+/// Robust adjustment of a placed segment from coarse to fine, then by plain squares with the outliers left out. Arrivals are
+/// judged by their own sigmas and left with those that they are weighed by.
+bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
+  reset_segment_marks(t, segment, model);
+  const WidenedArrivals widened(t, segment, model, options.range_slack_m);
+  CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kChanging);
+  settle(t, segment, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 15);
+  SettleResult result = settle(t, segment, model.state, {.late_scale = 2.5, .early_scale = 4.0}, 25);
+  for (int round = 0; round < kSegmentMarkRounds; ++round) {
+    sigmas.restore();
+    if (!mark_arrivals(t, segment, model, 0.0, options.rejection_sigmas) && round > 0) break;
+    sigmas.weigh();
+    result = settle(t, segment, model.state, RobustLoss{}, 20);
+  }
+  sigmas.weigh();
+  return std::isfinite(result.cost);
+}
+
+Fix fix_at(const Trajectory& t, std::size_t first, std::size_t last) {
+  Fix fix;
+  fix.time_s = t.arrivals[first].time_s;
+  fix.vehicle = t.vehicle;
+  fix.epoch = t.nodes[t.arrivals[first].node].epoch;
+  for (std::size_t i = first; i < last; ++i) {
+    fix.rejections.push_back(t.arrivals[i].rejection);
+    ++(t.arrivals[i].rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  }
+  return fix;
+}
+
+/// Calls visit(first, last) for the arrivals of each distinct time, or of each epoch.
+template <class Visitor>
+void for_each_instant(const Trajectory& t, const Segment& segment, Visitor&& visit) {
+  const auto together = [&t](const ArrivalObservation& a, const ArrivalObservation& b) {
+    return t.moving ? a.time_s == b.time_s : a.node == b.node;
+  };
+  for (std::size_t first = segment.first_arrival; first < segment.last_arrival;) {
+    std::size_t last = first;
+    while (last < segment.last_arrival && together(t.arrivals[last], t.arrivals[first])) ++last;
+    visit(first, last);
+    first = last;
+  }
+}
+
+void unlocated(const Trajectory& t, const Segment& segment, std::vector<Fix>& fixes) {
+  for_each_instant(t, segment, [&](std::size_t first, std::size_t last) {
+    fixes.push_back(fix_at(t, first, last));
+    fixes.back().status = FixStatus::kNoConsensus;
+  });
+}
+
+/// Whether it was possible.
+bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model, const CalibrationPart& calibration,
+                  const TrackerOptions& options, std::vector<Fix>& fixes) {
+  if (!place_segment(t, segment, model, options) || !smooth_segment(t, segment, model, options)) return false;
+  const ChainFactor factor = factor_chain(t, segment, model.state);
+  const ChainCovariance chain = chain_covariance(factor);
+  std::vector<DriveInstant> instants;
+  std::vector<PoseCovariance> covariances;
+  const std::size_t before = fixes.size();
+  for_each_instant(t, segment, [&](std::size_t first, std::size_t last) {
+    Fix fix = fix_at(t, first, last);
+    const ArrivalObservation& a = t.arrivals[first];
+    fix.T_map_vehicle = pose_at(t, a.node, a.alpha);
+    fix.status = chain.ok ? FixStatus::kOk : FixStatus::kPoorGeometry;
+    instants.push_back({a.node, a.alpha});
+    if (chain.ok) covariances.emplace_back(chain.planar_pose(a.node - segment.first_node, a.alpha));
+    fixes.push_back(fix);
+  });
+  if (!chain.ok) return true;
+  add_drive_calibration(t, segment, model.state, factor, calibration, model.correlated.pair_sigma_s, instants, covariances);
+  for (std::size_t i = 0; i < covariances.size(); ++i) fixes[before + i].covariance = covariances[i];
+  return true;
+}
+
+/// Only what came before, as a robot sees it: odometry up to each instant, then its arrivals.
+void track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment& deployment, const TrackerOptions& options,
+                  std::vector<Fix>& fixes) {
+  std::vector<OdometryStep> steps;
+  for (const OdometryStep& step : log.odometry)
+    if (step.vehicle == vehicle) steps.push_back(step);
+  std::vector<Arrival> arrivals;
+  for (const Arrival& a : log.arrivals)
+    if (a.vehicle == vehicle && a.time_s >= steps.front().time_s && a.time_s <= steps.back().time_s) arrivals.push_back(a);
+  DriveTracker tracker(deployment, log.odometry_accuracy, options);
+  OdometryCursor cursor(steps, steps.front().time_s);
+  for (std::size_t first = 0; first < arrivals.size();) {
+    std::size_t last = first;
+    while (last < arrivals.size() && arrivals[last].time_s == arrivals[first].time_s) ++last;
+    cursor.advance_to(arrivals[first].time_s, [&](const OdometryStep& step, double fraction) { tracker.move(step, fraction); });
+    tracker.locate(Observations{std::span(arrivals).subspan(first, last - first), {}}, fixes.emplace_back());
+    first = last;
+  }
+}
+
+/// Whether odometry ties all states of a segment to their neighbours.
+bool is_chained(const Trajectory& t, const Segment& segment) {
+  return t.motion == Motion::kPlanar && !t.has_cycle_offset && segment.last_node - segment.first_node >= 2 &&
+         segment.last_odometry - segment.first_odometry + 1 == segment.last_node - segment.first_node;
+}
+
+bool needs_tracking(const Trajectory& t, const Segment& segment) {
+  if (t.motion_prior) return segment.last_node - segment.first_node >= 2;
+  return t.moving && is_chained(t, segment);
+}
+
+/// Each pose of a segment by what it hears alone.
+void fix_each_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model, const CalibrationPart& calibration,
+                    const TrackerOptions& options, std::vector<Fix>& fixes) {
+  EpochFixOptions epoch_options;
+  epoch_options.rejection_sigmas = options.rejection_sigmas;
+  epoch_options.range_slack_m = options.range_slack_m;
+  for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
+    const Segment epoch = node_segment(t, segment, node);
+    fixes.push_back(fix_epoch(t, epoch, model, epoch_options));
+    if (fixes.back().ok()) calibration.add_to(fixes.back().covariance, t, epoch, model.state);
+  }
+}
+
+}  // namespace
+
+bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions& options) {
+  bool any = false;
+  for (const Segment& segment : t.segments) {
+    if (!needs_tracking(t, segment)) continue;
+    if (!place_segment(t, segment, model, options)) continue;
+    any = smooth_segment(t, segment, model, options) || any;
+  }
+  return any;
+}
+
+std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, const TrackerOptions& options) {
+  std::vector<Fix> fixes;
+  const EpochFixModel model = epoch_fix_model(deployment);
+  const CalibrationPart calibration(deployment);
+  for (std::size_t v = 0; v < deployment.vehicles.size(); ++v) {
+    Trajectory t = make_trajectory(log, 0, VehicleId(v), trajectory_model(deployment));
+    for (const Segment& segment : t.segments) {
+      const bool drive = needs_tracking(t, segment), stops = !drive && is_chained(t, segment);
+      if (drive && !options.smooth && !t.motion_prior) {
+        track_causal(log, VehicleId(v), deployment, options, fixes);
+        continue;
+      }
+      TrackerOptions search = options;
+      // Between two stops there may be minutes: how many of them are needed is not a matter of time.
+      if (stops) search.max_start_window_s = std::max(options.max_start_window_s, t.nodes[segment.last_node - 1].time_s - t.nodes[segment.first_node].time_s);
+      if ((drive || stops) && track_smooth(t, segment, model, calibration, search, fixes)) continue;
+      if (drive) {
+        unlocated(t, segment, fixes);
+      } else {
+        fix_each_epoch(t, segment, model, calibration, options, fixes);
+      }
+    }
+  }
+  std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  return fixes;
+}
+
+}  // namespace octant

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "models/localizers/least_squares/consensus.h"
+#include "models/localizers/least_squares/search_problem.h"
+
+namespace octant {
+
+struct Candidate {
+  PlanarState state;
+  double score = 0.0;
+};
+
+/// The best few of many candidates, best first. Of those closer than apart only the best is kept.
+class TopList {
+ public:
+  TopList(std::size_t size, double apart_m, double apart_rad) : size_(size), apart_m_(apart_m), apart_rad_(apart_rad) {
+    list_.reserve(size + 1);
+  }
+  /// Scores beyond it need not be computed to the end.
+  [[nodiscard]] double worst() const;
+  void offer(const PlanarState& state, double score);
+  [[nodiscard]] const std::pmr::vector<Candidate>& list() const { return list_; }
+
+ private:
+  std::size_t size_;
+  double apart_m_, apart_rad_;
+  std::pmr::vector<Candidate> list_{scratch()};
+};
+
+struct SearchOptions {
+  int headings = 8;       ///< coarse headings over the full turn
+  int max_pairs = 40;     ///< pairs of arrivals whose circles are cut
+  int max_cells = 400;    ///< of the grid, where pairs do not do
+  std::size_t keep = 10;  ///< candidates that are refined
+};
+
+/// Poses that pairs of arrivals of different beacons allow: for each coarse heading the circles about beacon less lever arm
+/// are cut; circles that do not quite meet give their closest points.
+void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus, TopList& top);
+
+/// Poses on a grid over the area that the heard beacons' ranges allow; the cycle offset is a median. For cycle offsets, of
+/// which pairs of arrivals tell nothing, and for what is mostly bearings.
+void propose_from_grid(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus, TopList& top);
+
+/// What a search found: distinct poses, best first, scored without any widening.
+struct SearchResult {
+  std::pmr::vector<Candidate> poses{scratch()};
+  std::pmr::vector<Eigen::Matrix4d> information{scratch()};  ///< of each
+};
+
+/// The whole search for a planar pose from nothing.
+[[nodiscard]] SearchResult search_pose(const SearchProblem& problem, const SearchOptions& options = {});
+
+}  // namespace octant

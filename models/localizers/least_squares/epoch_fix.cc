@@ -1,0 +1,283 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/least_squares/epoch_fix.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "models/trajectory/decompositions.h"
+#include "models/localizers/least_squares/candidates.h"
+#include "models/localizers/common/correlated_arrivals.h"
+#include "models/localizers/common/localizer.h"
+#include "models/localizers/least_squares/node_adjustment.h"
+#include "models/localizers/least_squares/spatial_start.h"
+
+namespace octant {
+namespace {
+
+constexpr double kFirstGate = 1.5;  ///< the search ends near the optimum, not at it: the first gate is wider by this
+constexpr int kMarkRounds = 8;
+constexpr double kHeadingStepM = 0.05;
+constexpr int kMaxHeadings = 24;
+
+struct Count {
+  int heard = 0, used = 0;  ///< arrivals of usable beacons
+  int bearings = 0, bearings_seen = 0, poses = 0;  ///< labelled, of usable reflectors: in use, all
+  int beacons_heard = 0, beacons_used = 0;
+};
+
+Count count(const Trajectory& t, const Segment& segment, const EpochFixModel& model) {
+  Count c;
+  std::pmr::vector<char> heard(model.beacon_usable.size(), 0, scratch()), used(heard, scratch());
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (!model.beacon_usable[a.beacon.index()]) continue;
+    ++c.heard;
+    heard[a.beacon.index()] = 1;
+    if (a.rejection != Rejection::kUsed) continue;
+    ++c.used;
+    used[a.beacon.index()] = 1;
+  }
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    const BearingObservation& b = t.bearings[i];
+    if (!b.reflector.valid() || b.rejection == Rejection::kBeaconUnusable) continue;
+    ++c.bearings_seen;
+    if (b.rejection == Rejection::kUsed) ++c.bearings;
+  }
+  c.poses = static_cast<int>(segment.last_pose - segment.first_pose);
+  c.beacons_heard = static_cast<int>(std::count(heard.begin(), heard.end(), 1));
+  c.beacons_used = static_cast<int>(std::count(used.begin(), used.end(), 1));
+  return c;
+}
+
+void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
+    t.arrivals[i].rejection = model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    BearingObservation& b = t.bearings[i];
+    b.rejection =
+        !b.reflector.valid() || model.beacon_usable[b.reflector.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+  }
+}
+
+/// Bearings that contradict the pose; they are neither late nor early, so their reason is of the side they are off to.
+bool mark_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m, double sigmas) {
+  bool changed = false;
+  ObservationRow row;
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    BearingObservation& b = t.bearings[i];
+    if (b.rejection == Rejection::kBeaconUnusable || bearing_rows(t, i, model.state, &row) == 0) continue;
+    const double d =
+        (model.state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m).head<2>().norm();
+    double variance = b.sigma_rad * b.sigma_rad + std::pow(slack_m / std::max(d, 1e-3), 2);
+    if (b.reflector.index() < model.beacon_covariance.size())
+      variance += model.beacon_covariance[b.reflector.index()].topLeftCorner<2, 2>().trace() / std::max(d * d, 1e-6);
+    const double off = row.residual * b.sigma_rad / std::sqrt(variance);
+    const Rejection mark = std::abs(off) <= sigmas ? Rejection::kUsed : off > 0 ? Rejection::kLate : Rejection::kEarly;
+    changed = changed || mark != b.rejection;
+    b.rejection = mark;
+  }
+  return changed;
+}
+
+void set_node(const Trajectory& t, const SearchProblem& problem, Node& node, const PlanarState& s) {
+  node.T_map_vehicle = Pose::planar(s.x_m, s.y_m, s.heading_rad);
+  if (t.has_cycle_offset) node.cycle_offset_s = s.offset_m / problem.speed_mps;
+}
+
+/// Start of an epoch with a measured pose: only the heading and the offset may be open.
+PlanarState start_at_measured_pose(const PoseObservation& measured, const SearchProblem& problem) {
+  PlanarState best{measured.T_map_vehicle.translation_m.x(), measured.T_map_vehicle.translation_m.y(),
+                   measured.T_map_vehicle.heading_rad(), 0.0};
+  Consensus consensus(problem);
+  consensus.set_extra_sigma(0.3 * problem.lever_m + measured.position_sigma_m);
+  if (problem.has_offset) best.offset_m = consensus.best_offset(best);
+  if (std::isfinite(measured.heading_sigma_rad)) return best;
+  double lowest = std::numeric_limits<double>::infinity();
+  PlanarState state = best;
+  for (int k = 0; k < 24; ++k) {
+    state.heading_rad = wrap_angle(2 * std::numbers::pi * k / 24);
+    if (problem.has_offset) state.offset_m = consensus.best_offset(state);
+    const double score = consensus.score(state);
+    if (score < lowest) best = state;
+    lowest = std::min(lowest, score);
+  }
+  return best;
+}
+
+/// Adjusts and marks in turn until the marks rest. Each arrival is judged by its own sigma and weighed by what it adds to the
+/// others of its pair.
+NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                               const EpochFixOptions& options) {
+  CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kSame);
+  const auto adjust = [&] {
+    sigmas.weigh();
+    return adjust_node(t, segment, model.state, options.range_slack_m);
+  };
+  mark_arrivals(t, segment, model, options.range_slack_m, kFirstGate * options.rejection_sigmas);
+  mark_bearings(t, segment, model, options.range_slack_m, 2 * kFirstGate * options.rejection_sigmas);
+  NodeAdjustment adjustment = adjust();
+  for (int round = 0; round < kMarkRounds; ++round) {
+    sigmas.restore();
+    const bool arrivals = mark_arrivals(t, segment, model, options.range_slack_m, options.rejection_sigmas);
+    const bool bearings = mark_bearings(t, segment, model, options.range_slack_m, options.rejection_sigmas);
+    if (!arrivals && !bearings) break;
+    adjustment = adjust();
+  }
+  sigmas.weigh();
+  return adjustment;
+}
+
+/// Covariance of the pose; false where the position is not determined. A heading without information gets the sigma pi.
+bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCovariance& covariance) {
+  NodeBlock A = information;
+  const int dof = pose_dof(t.motion);
+  for (int i = dof / 3 * 3 - (dof == 3 ? 1 : 3); i < dof; ++i) A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
+  // Judged in units in which every diagonal element is one.
+  const NodeVector scale = A.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
+  const NodeBlock scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  const SymmetricEigen<NodeBlock> eigen(scaled);
+  if (eigen.info() != Eigen::Success || eigen.eigenvalues().minCoeff() < 1e-10) return false;
+  const NodeBlock inverse = Eigen::LDLT<NodeBlock>(scaled).solve(NodeBlock::Identity(A.rows(), A.cols()));
+  covariance = (scale.asDiagonal() * inverse * scale.asDiagonal()).topLeftCorner(dof, dof);
+  return covariance.allFinite();
+}
+
+double horizontal_sigma_m(const PoseCovariance& covariance) {
+  const SymmetricEigen<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
+  return std::sqrt(std::max(eigen.eigenvalues()[1], 0.0));
+}
+
+/// At the mirror image of a pose all ranges fit, and one bearing is met by the heading: most of them speak against it.
+bool bearings_speak_against(const Count& c) { return c.poses == 0 && c.bearings_seen >= 2 && 2 * c.bearings < c.bearings_seen; }
+
+/// Whether the arrivals used are more than chance can bring together.
+bool is_consensus(const Count& c, int unknowns) {
+  if (c.poses > 0) return true;
+  if (bearings_speak_against(c)) return false;
+  const int rejected = c.heard - c.used, spare = c.used + c.bearings - unknowns;
+  if (spare < 0) return false;
+  if (rejected == 0) return true;
+  // Any `unknowns` arrivals agree on something; and two beacons cannot tell which of three is in a shadow.
+  return spare >= 2 && 3 * c.used >= c.heard && (c.beacons_used >= 3 || c.beacons_used == c.beacons_heard || c.bearings >= 2);
+}
+
+void report_arrivals(const Trajectory& t, const Segment& segment, Fix& fix) {
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const Rejection r = t.arrivals[i].rejection;
+    fix.rejections.push_back(r);
+    ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  }
+}
+
+double instant_of(const Trajectory& t, const Segment& segment) {
+  if (segment.first_arrival == segment.last_arrival) return t.nodes[segment.first_node].time_s;
+  return t.arrivals[segment.first_arrival + (segment.last_arrival - segment.first_arrival) / 2].time_s;
+}
+
+/// Sets the node to the best pose of a planar search; returns whether another pose is as good.
+bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options,
+                  bool& found) {
+  const SearchProblem problem = make_search_problem(t, segment, model, options.range_slack_m);
+  Node& node = t.nodes[segment.first_node];
+  found = true;
+  if (segment.first_pose != segment.last_pose) {
+    set_node(t, problem, node, start_at_measured_pose(t.poses[segment.first_pose], problem));
+    return false;
+  }
+  SearchOptions search;
+  // Long lever arms need closer headings: half a step must not move a receiver by more than a few centimetres.
+  const int wanted = static_cast<int>(std::ceil(0.5 * std::numbers::pi * problem.lever_m / kHeadingStepM));
+  if (wanted > search.headings) {
+    search.headings = std::min(wanted, kMaxHeadings);
+    search.keep *= 2;
+  }
+  search.max_pairs = std::max(options.max_candidates / (2 * search.headings), 4);
+  search.max_cells = options.max_candidates;
+  const SearchResult result = search_pose(problem, search);
+  found = !result.poses.empty();
+  if (!found) return false;
+  set_node(t, problem, node, result.poses.front().state);
+  return result.poses.size() > 1 && result.poses[1].score < result.poses[0].score + options.ambiguity_margin;
+}
+
+}  // namespace
+
+Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t node) {
+  Segment out = segment;
+  out.first_node = node;
+  out.last_node = node + 1;
+  const auto narrow = [node](const auto& list, std::size_t& first, std::size_t& last) {
+    const auto begin = list.begin();
+    const auto from = std::partition_point(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last),
+                                           [node](const auto& o) { return o.node < node; });
+    const auto to =
+        std::partition_point(from, begin + static_cast<std::ptrdiff_t>(last), [node](const auto& o) { return o.node == node; });
+    first = static_cast<std::size_t>(from - begin);
+    last = static_cast<std::size_t>(to - begin);
+  };
+  narrow(t.arrivals, out.first_arrival, out.last_arrival);
+  narrow(t.bearings, out.first_bearing, out.last_bearing);
+  narrow(t.poses, out.first_pose, out.last_pose);
+  out.last_odometry = out.first_odometry;
+  out.last_motion = out.first_motion;
+  return out;
+}
+
+Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options) {
+  Fix fix;
+  fix_epoch(t, segment, model, options, fix);
+  return fix;
+}
+
+void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options, Fix& fix) {
+  clear(fix);
+  Node& node = t.nodes[segment.first_node];
+  node.placed = false;
+  fix.time_s = instant_of(t, segment);
+  fix.vehicle = t.vehicle;
+  fix.epoch = node.epoch;
+
+  reset_marks(t, segment, model);
+  Count c = count(t, segment, model);
+  // Position (and offset) at least; the heading may stay open.
+  const int least = (t.motion == Motion::kPlanar ? 2 : 6) + (t.has_cycle_offset ? 1 : 0);
+  const bool enough = c.poses > 0 || (c.heard + c.bearings >= least && c.beacons_heard + c.bearings >= 2);
+  bool found = false, ambiguous = false;
+  if (enough) {
+    if (t.motion == Motion::kPlanar) {
+      ambiguous = start_planar(t, segment, model, options, found);
+    } else {
+      ambiguous = start_spatial(t, segment, model, options, found);
+    }
+  }
+  if (!found) {
+    fix.status = FixStatus::kTooFewArrivals;
+    report_arrivals(t, segment, fix);
+    return;
+  }
+
+  const NodeAdjustment adjustment = adjust_and_mark(t, segment, model, options);
+  c = count(t, segment, model);
+  fix.T_map_vehicle = node.T_map_vehicle;
+  fix.cost = adjustment.cost;
+  report_arrivals(t, segment, fix);
+  const bool determined = pose_covariance(t, adjustment.information, fix.covariance);
+  const bool heading_open = t.motion == Motion::kPlanar && determined && fix.covariance(2, 2) > 1.0;
+  const int unknowns = pose_dof(t.motion) + (t.has_cycle_offset ? 1 : 0) - (heading_open ? 1 : 0);
+  if (!is_consensus(c, unknowns)) {
+    fix.status = c.heard == c.used && !bearings_speak_against(c) ? FixStatus::kTooFewArrivals : FixStatus::kNoConsensus;
+  } else if (!determined || horizontal_sigma_m(fix.covariance) > options.max_sigma_m) {
+    fix.status = FixStatus::kPoorGeometry;
+  } else if (ambiguous) {
+    fix.status = FixStatus::kAmbiguous;
+  } else {
+    fix.status = adjustment.converged ? FixStatus::kOk : FixStatus::kNotConverged;
+  }
+  node.placed = fix.ok();
+}
+
+}  // namespace octant

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/deployment.h"
+#include "models/fix.h"
+#include "models/localizers/common/calibration_part.h"
+#include "models/localizers/common/localizer.h"
+#include "models/run.h"
+#include "models/support/scratch.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant {
+
+/// Directional receivers hear some way past the side, hardly from behind; where calibration has seen no more of them.
+inline constexpr double kHearingCosine = -0.2;
+
+struct EpochFixOptions {
+  /// Extra standard deviation of every predicted range, for beacons known only roughly [m].
+  double range_slack_m = 0.0;
+  double rejection_sigmas = 4.0;
+  double max_sigma_m = 1.0;  ///< a horizontal sigma beyond this is poor geometry
+  int max_candidates = 640;  ///< poses tried in the coarse search
+  /// A second pose counts as equally good when its log likelihood is within this of the best (3: odds below twenty to one).
+  double ambiguity_margin = 2.0;
+};
+
+/// Everything the search has to know besides the arrivals.
+struct EpochFixModel {
+  SharedState state;
+  std::vector<bool> beacon_usable;
+  std::vector<std::optional<Eigen::Vector3d>> receiver_axis;
+  std::vector<double> hearing_cosine;  ///< of each receiver, beyond which it hardly hears; empty: kHearingCosine for all
+  double nominal_speed_mps = 343.0;
+  /// Of each beacon's x, y, z [m], delay [s] and the speed [m/s]: how far calibration itself may be off. Empty: not at all.
+  std::vector<Eigen::Matrix<double, 5, 5>> beacon_covariance;
+  /// What the arrivals of a pair have in common beside the calibration (correlated_arrivals.h). Zero: each has its own error.
+  CorrelatedNoise correlated{};
+};
+[[nodiscard]] EpochFixModel epoch_fix_model(const Deployment& deployment);
+
+/// The part of a segment that belongs to one of its nodes alone (epochs chained by odometry): its arrivals, bearings, poses.
+[[nodiscard]] Segment node_segment(const Trajectory& trajectory, const Segment& segment, std::size_t node);
+
+/// Robust least-squares fix of one segment (a stationary epoch: one node) from nothing: a coarse search over poses that
+/// pairs of arrivals allow, the largest consensus under a one-sided loss, then a plain adjustment of the arrivals that agree.
+/// The result is the least-squares estimate of the arrivals used; its covariance is that of their noise (and the slack), with
+/// the shared parameters held. Where nothing tells the heading (one receiver on the axis, no bearings) the position is still
+/// a fix, and the heading's sigma is pi.
+/// Sets the node, marks the arrivals of the segment used or rejected; where the model states correlated noise, they are left with
+/// the sigmas that they were weighed by. The node counts as placed only if the fix is kOk; it
+/// holds the best pose found in any case.
+[[nodiscard]] Fix fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                            const EpochFixOptions& options = {});
+/// The same into a fix whose memory is used again.
+void fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options, Fix& fix);
+
+/// Robust least-squares localizer: one fix an epoch, by the labelled bearings too where there are any.
+class LeastSquaresLocalizer final : public Localizer {
+ public:
+  explicit LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options = {});
+
+  void locate(const Observations& observations, Fix& fix) noexcept override;
+  using Localizer::locate;
+  /// Fix from the arrivals of one epoch of one vehicle.
+  [[nodiscard]] Fix locate(std::span<const Arrival> arrivals) { return locate(Observations{arrivals, {}}); }
+  /// All epochs of a run, in order; epochs without a fix included with their reason.
+  [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& log);
+
+ private:
+  void finish(const Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
+
+  Deployment deployment_;
+  EpochFixOptions options_;
+  EpochFixModel model_;
+  CalibrationPart calibration_;
+  TrajectoryModel trajectory_model_;
+  Trajectory epoch_;
+  Scratch scratch_;
+};
+
+}  // namespace octant

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "models/localizers/common/correlated_arrivals.h"
+#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/common/protection.h"
+#include "models/localizers/common/trajectory_model.h"
+
+namespace octant {
+namespace {
+
+using Matrix5d = Eigen::Matrix<double, 5, 5>;
+
+constexpr std::size_t kScratchBytes = 1u << 20;  ///< the search of a fix by sixteen beacons and eight receivers takes a quarter
+constexpr std::size_t kRowsEachPair = 2;         ///< an epoch may hold a few pings
+
+/// Rows of the joint covariance that move a beacon's arrivals: x, y, z, delay, speed; -1 where a parameter is held.
+std::array<int, 5> rows_of(const JointCovariance& joint, const std::string& beacon) {
+  const std::array<std::string, 5> names = {"beacon/" + beacon + "/x_m", "beacon/" + beacon + "/y_m", "beacon/" + beacon + "/z_m",
+                                            "beacon/" + beacon + "/delay_s", "medium/speed_mps"};
+  std::array<int, 5> rows{};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto at = std::find(joint.parameters.begin(), joint.parameters.end(), names[i]);
+    rows[i] = at == joint.parameters.end() ? -1 : static_cast<int>(at - joint.parameters.begin());
+  }
+  return rows;
+}
+
+Matrix5d covariance_of(const Deployment& deployment, const DeploymentBeacon& beacon) {
+  Matrix5d C = Matrix5d::Zero();
+  const JointCovariance& joint = deployment.covariance;
+  if (joint.matrix.rows() > 0 && joint.matrix.rows() == static_cast<Eigen::Index>(joint.parameters.size())) {
+    const std::array<int, 5> rows = rows_of(joint, beacon.name);
+    for (int i = 0; i < 5; ++i)
+      for (int j = 0; j < 5; ++j)
+        if (rows[static_cast<std::size_t>(i)] >= 0 && rows[static_cast<std::size_t>(j)] >= 0)
+          C(i, j) = joint.matrix(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+    return C;
+  }
+  C.topLeftCorner<3, 3>() = beacon.covariance_m2;
+  C(3, 3) = beacon.delay_sigma_s * beacon.delay_sigma_s;
+  C(4, 4) = deployment.speed_sigma_mps * deployment.speed_sigma_mps;
+  return C;
+}
+
+}  // namespace
+
+TrajectoryModel trajectory_model(const Deployment& deployment) {
+  TrajectoryModel model;
+  model.motion = deployment.motion;
+  model.medium = deployment.medium;
+  model.timing = deployment.timing;
+  model.noise = deployment.noise;
+  model.noise.tof_sigma_s = single_arrival_sigma_s(deployment);
+  model.attenuation = deployment.attenuation;
+  for (const SiteVehicle& vehicle : deployment.vehicles) model.motion_priors.push_back(vehicle.motion);
+  return model;
+}
+
+EpochFixModel epoch_fix_model(const Deployment& deployment) {
+  EpochFixModel model;
+  model.state = shared_state(deployment);
+  for (const DeploymentBeacon& beacon : deployment.beacons) {
+    model.beacon_usable.push_back(beacon.status != BeaconStatus::kUndetermined);
+    model.beacon_covariance.push_back(covariance_of(deployment, beacon));
+  }
+  for (const DeploymentReceiver& receiver : deployment.receivers) {
+    model.receiver_axis.push_back(receiver.axis);
+    model.hearing_cosine.push_back(receiver.hearing_cosine.value_or(kHearingCosine));
+  }
+  model.correlated = correlated_noise(deployment);
+  model.nominal_speed_mps = deployment.speed_mps(deployment.medium.temperature_degC);
+  return model;
+}
+
+LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options)
+    : deployment_(std::move(deployment)),
+      options_(options),
+      model_(epoch_fix_model(deployment_)),
+      calibration_(deployment_),
+      trajectory_model_(trajectory_model(deployment_)),
+      scratch_(kScratchBytes) {
+  const std::size_t arrivals = kRowsEachPair * deployment_.beacons.size() * std::max<std::size_t>(deployment_.receivers.size(), 1);
+  reserve_epoch(epoch_, arrivals, kRowsEachPair * deployment_.beacons.size());
+}
+
+/// What the arrivals' own noise does not tell: the calibration's part, and what a fault could do.
+void LeastSquaresLocalizer::finish(const Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
+  if (!fix.ok()) return;
+  calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
+  fix.protection_level_m = horizontal_protection_m(trajectory, epoch, model_.state, fix.covariance);
+}
+
+void LeastSquaresLocalizer::locate(const Observations& observations, Fix& fix) noexcept {
+  clear(fix);
+  if (observations.arrivals.empty() && observations.bearings.empty()) return;
+  const ScratchScope scope(scratch_);
+  set_epoch(epoch_, observations.arrivals, observations.bearings, trajectory_model_);
+  fix_epoch(epoch_, epoch_.segments.front(), model_, options_, fix);
+  finish(epoch_, epoch_.segments.front(), fix);
+}
+
+std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) {
+  std::vector<Fix> fixes;
+  for (std::size_t v = 0; v < deployment_.vehicles.size(); ++v) {
+    Trajectory trajectory = make_trajectory(log, 0, VehicleId(v), trajectory_model_);
+    for (const Segment& segment : trajectory.segments)
+      for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
+        const ScratchScope scope(scratch_);
+        const Segment epoch = node_segment(trajectory, segment, node);
+        fixes.push_back(fix_epoch(trajectory, epoch, model_, options_));
+        finish(trajectory, epoch, fixes.back());
+      }
+  }
+  std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  return fixes;
+}
+
+}  // namespace octant

@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/least_squares/node_adjustment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+namespace octant {
+namespace {
+
+constexpr double kReadmitShare = 0.85;  ///< hysteresis, so that the marks come to rest
+
+struct NormalEquations {
+  NodeBlock H;
+  NodeVector g;
+  double cost = 0.0;
+};
+
+/// The bias of one beacon while its arrivals are summed up.
+struct Bias {
+  BeaconId beacon;
+  NodeVector coupling;
+  double information = 0.0, gradient = 0.0;
+};
+
+void eliminate(const Bias& bias, NormalEquations& eq) {
+  if (!bias.beacon.valid()) return;
+  eq.H.noalias() -= bias.coupling * bias.coupling.transpose() / bias.information;
+  eq.g.noalias() -= bias.coupling * (bias.gradient / bias.information);
+  eq.cost -= 0.5 * bias.gradient * bias.gradient / bias.information;
+}
+
+/// Rows of one beacon are not neighbours in the log, so with biases the arrivals are visited beacon by beacon.
+void add_biased_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state, double slack_m,
+                         NormalEquations& eq) {
+  const int n = t.block_size();
+  ObservationRow rows[2];
+  for (std::size_t b = 0; b < state.beacon_p_map_m.size(); ++b) {
+    Bias bias{BeaconId(), NodeVector::Zero(n), 0.0, 0.0};
+    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+      const ArrivalObservation& a = t.arrivals[i];
+      if (a.beacon.index() != b || a.rejection != Rejection::kUsed) continue;
+      arrival_rows(t, i, state, rows);
+      const double slack_s = slack_m * (a.two_way ? 2.0 : 1.0) / (a.model_speed_mps + state.speed_offset(t.run));
+      if (!bias.beacon.valid()) {
+        bias.beacon = a.beacon;
+        bias.information = 1.0 / (slack_s * slack_s);
+      }
+      const double by_bias = rows[0].by_delay;
+      eq.H.noalias() += rows[0].by_node.transpose() * rows[0].by_node;
+      eq.g.noalias() += rows[0].residual * rows[0].by_node.transpose();
+      eq.cost += 0.5 * rows[0].residual * rows[0].residual;
+      bias.coupling.noalias() += by_bias * rows[0].by_node.transpose();
+      bias.information += by_bias * by_bias;
+      bias.gradient += by_bias * rows[0].residual;
+    }
+    eliminate(bias, eq);
+  }
+}
+
+/// Bearings of a beacon that is off by the slack are off by the slack over its distance.
+double bearing_weight(const Trajectory& t, const BearingObservation& b, const SharedState& state, double slack_m) {
+  if (slack_m == 0.0) return 1.0;
+  const double d2 =
+      (state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m).head<2>().squaredNorm();
+  return b.sigma_rad * b.sigma_rad / (b.sigma_rad * b.sigma_rad + slack_m * slack_m / std::max(d2, 1e-6));
+}
+
+NormalEquations normal_equations(const Trajectory& t, const Segment& segment, const SharedState& state, double slack_m) {
+  const int n = t.block_size();
+  NormalEquations eq{NodeBlock::Zero(n, n), NodeVector::Zero(n), 0.0};
+  const auto add = [&](const ObservationRow& row, double w) {
+    eq.H.noalias() += w * row.by_node.transpose() * row.by_node;
+    eq.g.noalias() += w * row.residual * row.by_node.transpose();
+    eq.cost += 0.5 * w * row.residual * row.residual;
+  };
+  const auto weigh = [&](const ObservationRow& row) {
+    add(row, row.kind == RowKind::kBearing ? bearing_weight(t, t.bearings[row.index], state, slack_m) : 1.0);
+  };
+  if (slack_m == 0.0) {
+    for_each_row(t, segment, state, weigh);
+    return eq;
+  }
+  Segment others = segment;
+  others.first_arrival = others.last_arrival;
+  for_each_row(t, others, state, weigh);
+  add_biased_arrivals(t, segment, state, slack_m, eq);
+  return eq;
+}
+
+void move_node(Trajectory& t, Node& node, const NodeVector& step) {
+  const int dof = pose_dof(t.motion);
+  node.T_map_vehicle = retract(node.T_map_vehicle, step.head(dof), t.motion);
+  if (t.has_cycle_offset) node.cycle_offset_s += step[dof] / t.nominal_speed_mps;
+}
+
+}  // namespace
+
+NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedState& state, double range_slack_m,
+                           int max_iterations) {
+  NodeAdjustment out;
+  Node& node = t.nodes[segment.first_node];
+  NormalEquations eq = normal_equations(t, segment, state, range_slack_m);
+  double lambda = 0.0;
+  for (int k = 0; k < max_iterations && !out.converged; ++k) {
+    NodeBlock A = eq.H;
+    A.diagonal() *= 1.0 + lambda;
+    // Rotations that nothing observes (a single antenna on the axis) stay where they are: 1/pi^2 is no knowledge at all.
+    const int rotation = t.motion == Motion::kPlanar ? 2 : 3;
+    for (int i = rotation; i < pose_dof(t.motion); ++i) A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
+    A.diagonal().array() += 1e-12 * (1.0 + A.diagonal().maxCoeff());
+    const NodeVector step = -Eigen::LDLT<NodeBlock>(A).solve(eq.g);
+    if (!step.allFinite()) break;
+    const Node before = node;
+    move_node(t, node, step);
+    const double gain = -0.5 * eq.g.dot(step);
+    const NormalEquations next = normal_equations(t, segment, state, range_slack_m);
+    if (next.cost <= eq.cost * (1.0 + 1e-12) + 1e-20) {
+      out.converged = gain <= 1e-10 * (1.0 + eq.cost) && lambda < 1e-3;
+      eq = next;
+      lambda = lambda < 1e-6 ? 0.0 : 0.1 * lambda;
+    } else {
+      node = before;
+      out.converged = gain <= 1e-8 * (1.0 + eq.cost);  // nothing to gain but rounding
+      lambda = std::max(10.0 * lambda, 1e-3);
+    }
+  }
+  out.cost = eq.cost;
+  out.information = eq.H;
+  return out;
+}
+
+double allowed_residual_m(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model, double range_slack_m,
+                          double sigmas) {
+  const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
+  const double noise_m = a.sigma_s * speed;
+  double variance = noise_m * noise_m + range_slack_m * range_slack_m;
+  if (a.beacon.index() < model.beacon_covariance.size()) {
+    const Pose T = pose_at(t, a.node, a.alpha);
+    const Eigen::Vector3d v =
+        T * model.state.receiver_p_vehicle_m[a.receiver.index()] - model.state.beacon_p_map_m[a.beacon.index()];
+    const double d = std::max(v.norm(), 1e-6);
+    Eigen::Matrix<double, 5, 1> by;
+    by << -v / d, speed, -d / (speed * (a.two_way ? 2.0 : 1.0));
+    variance += std::max(0.0, by.dot(model.beacon_covariance[a.beacon.index()] * by));
+  }
+  return sigmas * std::sqrt(variance);
+}
+
+namespace {
+
+/// Residual of each arrival in metres, and of its beacon the middle one (the lower of two: echoes are late).
+struct Residuals {
+  std::pmr::vector<double> own_m{scratch()}, beacon_m{scratch()};
+};
+
+Residuals residuals_of(const Trajectory& t, const Segment& segment, const SharedState& state) {
+  Residuals out;
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    const double speed = (a.model_speed_mps + state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
+    out.own_m.push_back(arrival_residual(t, a, state) * a.sigma_s * speed);
+  }
+  std::pmr::vector<double> same(scratch());
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    same.clear();
+    for (std::size_t j = segment.first_arrival; j < segment.last_arrival; ++j)
+      if (t.arrivals[j].beacon == t.arrivals[i].beacon) same.push_back(out.own_m[j - segment.first_arrival]);
+    const auto middle = same.begin() + static_cast<std::ptrdiff_t>((same.size() - 1) / 2);
+    std::nth_element(same.begin(), middle, same.end());
+    out.beacon_m.push_back(*middle);
+  }
+  return out;
+}
+
+/// Slack is a beacon's, so its arrivals may be off together by much and among themselves by little: the noise, and what
+/// the lever arm makes of a direction that is off.
+bool agrees_with_its_beacon(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model, double range_slack_m,
+                            double sigmas, double off_m) {
+  const Eigen::Vector3d& lever = model.state.receiver_p_vehicle_m[a.receiver.index()];
+  const double d = (t.nodes[a.node].T_map_vehicle * lever - model.state.beacon_p_map_m[a.beacon.index()]).norm();
+  const double turned_m = lever.norm() * range_slack_m / std::max(d, range_slack_m);
+  return std::abs(off_m) <= allowed_residual_m(t, a, model, 1.5 * turned_m, sigmas);
+}
+
+}  // namespace
+
+bool mark_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model, double range_slack_m, double sigmas) {
+  bool changed = false;
+  // Along a drive a beacon's error shows from ever other sides: nothing that its arrivals have in common.
+  const bool common = range_slack_m > 0 && segment.last_node - segment.first_node == 1;
+  const Residuals residuals = common ? residuals_of(t, segment, model.state) : Residuals{};
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    ArrivalObservation& a = t.arrivals[i];
+    if (a.rejection == Rejection::kBeaconUnusable) continue;
+    const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
+    const double residual_m = arrival_residual(t, a, model.state) * a.sigma_s * speed;
+    const bool was_used = a.rejection == Rejection::kUsed;
+    const double within = sigmas * (was_used ? 1.0 : kReadmitShare);
+    bool use = std::abs(residual_m) <= allowed_residual_m(t, a, model, range_slack_m, within);
+    if (use && common) {
+      const double off_m = residuals.own_m[i - segment.first_arrival] - residuals.beacon_m[i - segment.first_arrival];
+      use = agrees_with_its_beacon(t, a, model, range_slack_m, within, off_m);
+    }
+    a.rejection = use ? Rejection::kUsed : residual_m > 0 ? Rejection::kLate : Rejection::kEarly;
+    changed = changed || use != was_used;
+  }
+  return changed;
+}
+
+}  // namespace octant

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/physics/pose.h"
+#include "models/run.h"
+#include "models/support/scratch.h"
+
+namespace octant {
+
+struct ScanLineOptions {
+  double range_max_m = std::numeric_limits<double>::infinity();  ///< a beam this long or longer saw nothing
+  double gap_m = 0.3;                                            ///< eq. 2: neighbours farther apart are of different objects
+  double gap_beams = 4.0;  ///< the same as a multiple of the beams' spacing at that range; the larger one counts. 0: eq. 2 alone
+  double split_m = 0.06;   ///< eq. 3: a point farther off the line of an object's ends splits it
+  int min_points = 8;      ///< of a segment
+  double min_length_m = 0.3;
+  double hough_alpha_rad = 0.017453292519943295;  ///< cells of the Hough table, 1 degree
+  double hough_c_m = 0.1;
+  int hough_min_points = 15;  ///< a line with fewer is none
+  int hough_max_lines = 8;
+};
+
+/// A straight line in normal form, c = x cos(alpha) + y sin(alpha) (eq. 4), with c >= 0 and alpha in (-pi, pi].
+struct NormalLine {
+  double c_m = 0.0;
+  double alpha_rad = 0.0;
+  [[nodiscard]] Eigen::Vector2d normal() const;
+  [[nodiscard]] double distance_m(const Eigen::Vector2d& p) const { return normal().dot(p) - c_m; }
+};
+
+/// Points on a line, as sums that may be added: a segment seen again makes one with both.
+struct LineSegment {
+  NormalLine line;
+  Eigen::Vector2d from_m = Eigen::Vector2d::Zero(), to_m = Eigen::Vector2d::Zero();  ///< ends, on the line
+  double count = 0.0;                                                                ///< points
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();                                ///< their mean
+  Eigen::Matrix2d scatter_m2 = Eigen::Matrix2d::Zero();                              ///< sum of (p - centre)(p - centre)'
+  double rms_m = 0.0;                                                                ///< of the distances from the line
+  [[nodiscard]] double length_m() const { return (to_m - from_m).norm(); }
+};
+
+struct HoughLine {
+  NormalLine line;  ///< middle of its cell
+  int points = 0;   ///< in that cell
+};
+
+/// Ends of the beams in the sensor's frame, in the order of the scan; beams that saw nothing are left out.
+[[nodiscard]] std::pmr::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOptions& options = {});
+
+/// Division of the points into objects (Smieszek eq. 2): indices of the first point of each, and one past the last.
+[[nodiscard]] std::pmr::vector<std::size_t> cluster(std::span<const Eigen::Vector2d> points, double beam_rad,
+                                               const ScanLineOptions& options = {});
+
+/// Straight line through points by total least squares. @param points two or more, not all the same
+[[nodiscard]] LineSegment fit_segment(std::span<const Eigen::Vector2d> points);
+
+/// Segments of one object by iterative generation (Smieszek eq. 3): the line through its ends, split at the farthest point
+/// until all are within split_m; each then fitted.
+[[nodiscard]] std::pmr::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> object,
+                                                          const ScanLineOptions& options = {});
+
+/// All segments of a scan: points, objects, segments.
+[[nodiscard]] std::pmr::vector<LineSegment> scan_segments(const Scan& scan, const ScanLineOptions& options = {});
+
+/// Straight lines by the Hough transform (Smieszek eq. 4): the cell with most points is a line; its points are taken out,
+/// and so on. Not hindered by gaps and outliers, but as coarse as its cells.
+[[nodiscard]] std::vector<HoughLine> hough_lines(std::span<const Eigen::Vector2d> points, const ScanLineOptions& options = {});
+
+/// The segment in another frame.
+[[nodiscard]] LineSegment transformed(const LineSegment& segment, const Pose& T_to_from);
+
+struct LinkGate {
+  double angle_rad = 0.1;
+  double offset_m = 0.15;  ///< of either end from the other's line
+  double gap_m = 0.3;      ///< between them, along the line
+};
+
+/// Whether two segments of one frame may be parts of one.
+[[nodiscard]] bool may_join(const LineSegment& a, const LineSegment& b, const LinkGate& gate);
+/// Both together.
+[[nodiscard]] LineSegment joined(const LineSegment& a, const LineSegment& b);
+
+/// Matching of objects in successive scans: for each of the current segments the one of the scan before that it continues.
+[[nodiscard]] std::vector<std::optional<std::size_t>> link_segments(std::span<const LineSegment> before,
+                                                                    std::span<const LineSegment> current,
+                                                                    const Pose& T_before_current, const LinkGate& gate = {});
+
+}  // namespace octant

@@ -1,0 +1,299 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/reflectors/reflectors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "models/trajectory/decompositions.h"
+#include "models/physics/plane.h"
+#include "models/physics/pose.h"
+
+namespace octant {
+namespace {
+
+constexpr double kSmallestSigma_rad = 1e-9;  // stands in where no noise is stated
+constexpr double kSmallestSight_m = 1e-6;
+constexpr int kResectionSteps = 20, kRematches = 4;
+constexpr double kSameSigmas = 5.0;                 // hypotheses closer than this are one pose
+constexpr double kTight_m = 0.5, kTight_rad = 0.3;  // a prediction that may stand in for a search
+
+Eigen::Vector3d difference(const ResectedPose& a, const ResectedPose& b) {
+  return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(), wrap_angle(a.heading_rad - b.heading_rad)};
+}
+
+}  // namespace
+
+Result<void> reflectors_fits(const Deployment& deployment) {
+  const auto usable = std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
+                                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
+  if (usable >= 3 && deployment.motion == Motion::kPlanar) return {};
+  return fail(
+      {.code = Errc::kBadInput,
+       .found = usable < 3 ? "reflectors: " + std::to_string(usable) + " usable beacons" : "reflectors: the motion is spatial",
+       .expected = usable < 3 ? "three reflectors or more among the beacons" : "planar motion"});
+}
+
+Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& options)
+    : options_(options), index_(deployment.beacons.size(), -1) {
+  sigma_rad_ = std::max(options.bearing_sigma_rad.value_or(deployment.noise.bearing_sigma_rad), kSmallestSigma_rad);
+  for (std::size_t b = 0; b < deployment.beacons.size(); ++b) {
+    const DeploymentBeacon& beacon = deployment.beacons[b];
+    if (beacon.status == BeaconStatus::kUndetermined) continue;
+    index_[b] = static_cast<int>(reflectors_.size());
+    reflectors_.push_back({beacon.position_m.head<2>(), beacon.covariance_m2.topLeftCorner<2, 2>(), BeaconId(b)});
+  }
+  match_.resize(kMaxBearings);
+  direction_.resize(reflectors_.size());
+  used_.resize(reflectors_.size());
+}
+
+void Reflectors::predict(const Pose& T_map_vehicle, double sigma_m, double sigma_rad) noexcept {
+  told_ = Prediction{{T_map_vehicle.translation_m.head<2>(), T_map_vehicle.heading_rad()}, sigma_m, sigma_rad};
+}
+
+void Reflectors::locate(const Observations& observations, Fix& fix) noexcept {
+  begin(observations, fix);
+  const auto bearings = observations.bearings.first(std::min(observations.bearings.size(), kMaxBearings));
+  const auto usable = std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed);
+  Hypothesis best;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  if (usable >= 3) {
+    search(bearings);
+    fix.status = judge(bearings, best, information);
+  }
+  told_.reset();
+  if (!fix.ok()) return;
+  fix.covariance = information.ldlt().solve(Eigen::Matrix3d::Identity());
+  fix.T_map_vehicle = Pose::planar(best.pose.p_map_m.x(), best.pose.p_map_m.y(), best.pose.heading_rad);
+  for (std::size_t i = 0; i < bearings.size(); ++i) {
+    if (fix.rejections[i] != Rejection::kUsed) continue;
+    if (match_[i] < 0) {
+      fix.rejections[i] = Rejection::kOutvoted;
+      continue;
+    }
+    const Reflector& reflector = reflectors_[static_cast<std::size_t>(match_[i])];
+    const Eigen::Vector2d sight = reflector.p_map_m - best.pose.p_map_m;
+    const double off = wrap_angle(std::atan2(sight.y(), sight.x()) - best.pose.heading_rad - bearings[i].bearing_rad);
+    fix.cost += 0.5 * off * off / variance(reflector, sight);
+  }
+  for (const Rejection r : fix.rejections) ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  last_ = best.pose;
+  last_fix_s_ = fix.time_s;
+  last_sigma_ = {std::sqrt(fix.covariance(0, 0) + fix.covariance(1, 1)), std::sqrt(fix.covariance(2, 2))};
+}
+
+/// The fix's blank state, and what is known of the pose beforehand.
+void Reflectors::begin(const Observations& observations, Fix& fix) noexcept {
+  const auto& bearings = observations.bearings;
+  fix.status = FixStatus::kTooFewArrivals;
+  fix.T_map_vehicle = Pose();
+  fix.covariance.resize(3, 3);
+  fix.covariance.setZero();
+  fix.protection_level_m = fix.cost = 0.0;
+  fix.arrivals_used = fix.arrivals_rejected = 0;
+  fix.time_s = bearings.empty() ? 0.0 : bearings[bearings.size() / 2].time_s;
+  fix.vehicle = bearings.empty() ? VehicleId() : bearings.front().vehicle;
+  fix.epoch = bearings.empty() ? kNoEpoch : bearings.front().epoch;
+  fix.rejections.assign(bearings.size(), Rejection::kUsed);
+  for (std::size_t i = 0; i < bearings.size(); ++i) {
+    const BeaconId id = bearings[i].reflector;
+    if (i >= kMaxBearings || !std::isfinite(bearings[i].bearing_rad)) fix.rejections[i] = Rejection::kNotNeeded;
+    if (id.valid() && (id.index() >= index_.size() || index_[id.index()] < 0)) fix.rejections[i] = Rejection::kBeaconUnusable;
+    if (i < kMaxBearings) match_[i] = fix.rejections[i] == Rejection::kUsed ? -1 : -2;  // -2: never to be matched
+  }
+  prediction_ = told_;
+  if (!prediction_ && last_fix_s_ && options_.speed_mps > 0) {
+    const double gap_s = std::abs(fix.time_s - *last_fix_s_);
+    prediction_ = Prediction{last_, std::hypot(last_sigma_.x(), options_.speed_mps * gap_s),
+                             std::hypot(last_sigma_.y(), options_.turn_rate_radps * gap_s)};
+  }
+}
+
+double Reflectors::Prediction::cost(const ResectedPose& at, double gate_sigmas) const {
+  const double distance = (at.p_map_m - pose.p_map_m).norm() / std::max(sigma_m, kSmallestSight_m);
+  const double turn = wrap_angle(at.heading_rad - pose.heading_rad) / std::max(sigma_rad, kSmallestSigma_rad);
+  return 0.5 * std::min(square(distance) + square(turn), square(gate_sigmas));
+}
+
+double Reflectors::variance(const Reflector& reflector, const Eigen::Vector2d& sight_m) const noexcept {
+  const double distance = std::max(sight_m.norm(), kSmallestSight_m);
+  const Eigen::Vector2d across = Eigen::Vector2d(-sight_m.y(), sight_m.x()) / square(distance);
+  return square(sigma_rad_) + across.dot(reflector.covariance_m2 * across);
+}
+
+/// Matches every bearing to the reflector that explains it best, none twice; an unexplained bearing costs as much as one at
+/// the gate.
+double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> bearings) noexcept {
+  const double outlier = 0.5 * square(options_.gate_sigmas);
+  for (std::size_t k = 0; k < reflectors_.size(); ++k) {
+    const Eigen::Vector2d sight = reflectors_[k].p_map_m - pose.p_map_m;
+    direction_[k] = std::atan2(sight.y(), sight.x()) - pose.heading_rad;
+    used_[k] = sight.squaredNorm() > square(options_.range_m);
+  }
+  double cost = prediction_ ? prediction_->cost(pose, options_.gate_sigmas) : 0.0;
+  for (const bool labelled : {true, false}) {
+    for (std::size_t i = 0; i < bearings.size(); ++i) {
+      if (match_[i] == -2 || bearings[i].reflector.valid() != labelled) continue;
+      const std::size_t first = labelled ? static_cast<std::size_t>(index_[bearings[i].reflector.index()]) : 0;
+      const std::size_t last = labelled ? first + 1 : reflectors_.size();
+      double nearest = outlier;
+      match_[i] = -1;
+      for (std::size_t k = first; k < last; ++k) {
+        if (used_[k] != 0) continue;
+        const double off = wrap_angle(direction_[k] - bearings[i].bearing_rad);
+        // Cheap test first: the reflectors' own uncertainty seldom doubles the sigma.
+        const double off_cost = 0.5 * off * off / variance(reflectors_[k], reflectors_[k].p_map_m - pose.p_map_m);
+        if (off_cost >= nearest) continue;
+        nearest = off_cost;
+        match_[i] = static_cast<int>(k);
+      }
+      cost += nearest;
+      if (match_[i] >= 0) used_[static_cast<std::size_t>(match_[i])] = 1;
+    }
+  }
+  return cost;
+}
+
+void Reflectors::keep(const Hypothesis& hypothesis) noexcept {
+  if (!(hypothesis.cost < best_.back().cost)) return;
+  // Triples of one set of bearings give nearly one pose: keep the better of the two, and so room for others.
+  for (Hypothesis& other : best_) {
+    if (!std::isfinite(other.cost)) break;
+    const Eigen::Vector3d d = difference(hypothesis.pose, other.pose);
+    if (d.head<2>().norm() > 0.3 || std::abs(d.z()) > 0.1) continue;
+    if (hypothesis.cost < other.cost) other = hypothesis;
+    std::sort(best_.begin(), best_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
+    return;
+  }
+  best_.back() = hypothesis;
+  std::sort(best_.begin(), best_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
+}
+
+/// Fills `best_` with the poses that explain the bearings best.
+void Reflectors::search(std::span<const Bearing> bearings) noexcept {
+  best_.fill({});
+  tried_ = 0;
+  std::array<std::size_t, kSearched> order{};
+  std::size_t count = 0;
+  bool all_explained = false;
+  if (prediction_ && prediction_->sigma_m < kTight_m && prediction_->sigma_rad < kTight_rad) {
+    Hypothesis seed{prediction_->pose, 0.0};
+    Eigen::Matrix3d information;
+    // The gate would lose bearings at a pose that is only predicted: widen it for the start.
+    const double sigma = sigma_rad_;
+    sigma_rad_ = std::hypot(sigma, prediction_->sigma_rad);
+    explain(seed.pose, bearings);
+    sigma_rad_ = sigma;
+    if (refine(seed, bearings, information)) {
+      keep(seed);
+      all_explained = true;
+      for (std::size_t i = 0; i < bearings.size(); ++i) all_explained = all_explained && match_[i] != -1;
+      all_explained = all_explained && prediction_->cost(seed.pose, options_.gate_sigmas) < 0.5 * square(3.0);
+    }
+  }
+  if (all_explained) return;
+  for (const bool labelled : {true, false})
+    for (std::size_t i = 0; i < bearings.size() && count < kSearched; ++i)
+      if (match_[i] != -2 && bearings[i].reflector.valid() == labelled) order[count++] = i;
+  // Labelled bearings come first, and with them the triples that cost one hypothesis instead of many.
+  for (std::size_t k = 2; k < count; ++k)
+    for (std::size_t j = 1; j < k; ++j)
+      for (std::size_t i = 0; i < j; ++i) try_triple(bearings, {order[i], order[j], order[k]});
+}
+
+void Reflectors::try_triple(std::span<const Bearing> bearings, const std::array<std::size_t, 3>& triple) noexcept {
+  std::array<std::size_t, 3> first{}, last{};
+  std::array<double, 3> angle{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Bearing& b = bearings[triple[i]];
+    first[i] = b.reflector.valid() ? static_cast<std::size_t>(index_[b.reflector.index()]) : 0;
+    last[i] = b.reflector.valid() ? first[i] + 1 : reflectors_.size();
+    angle[i] = b.bearing_rad;
+  }
+  for (std::size_t a = first[0]; a < last[0]; ++a)
+    for (std::size_t b = first[1]; b < last[1]; ++b)
+      for (std::size_t c = first[2]; c < last[2]; ++c) {
+        if (a == b || b == c || a == c) continue;
+        if (tried_++ >= options_.max_hypotheses) return;
+        const auto pose = resect({reflectors_[a].p_map_m, reflectors_[b].p_map_m, reflectors_[c].p_map_m}, angle);
+        if (pose) keep({*pose, explain(*pose, bearings)});
+      }
+}
+
+/// Gauss-Newton on the bearings matched, matching anew in between. False where the geometry does not determine the pose.
+bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearings, Eigen::Matrix3d& information) noexcept {
+  ResectedPose& pose = hypothesis.pose;
+  for (int round = 0; round < kRematches; ++round) {
+    bool converged = false;
+    for (int step = 0; step < kResectionSteps && !converged; ++step) {
+      Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+      information.setZero();
+      for (std::size_t i = 0; i < bearings.size(); ++i) {
+        if (match_[i] < 0) continue;
+        const Reflector& reflector = reflectors_[static_cast<std::size_t>(match_[i])];
+        const Eigen::Vector2d sight = reflector.p_map_m - pose.p_map_m;
+        const double squared = std::max(sight.squaredNorm(), square(kSmallestSight_m));
+        const Eigen::Vector3d J(sight.y() / squared, -sight.x() / squared, -1.0);
+        const double off = wrap_angle(bearings[i].bearing_rad - std::atan2(sight.y(), sight.x()) + pose.heading_rad);
+        const double weight = 1 / variance(reflector, sight);
+        information += weight * J * J.transpose();
+        gradient += weight * off * J;
+      }
+      const Eigen::LDLT<Eigen::Matrix3d> ldlt(information);
+      if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-12 * ldlt.vectorD().maxCoeff())) return false;
+      const Eigen::Vector3d change = ldlt.solve(gradient);
+      if (!change.allFinite()) return false;
+      pose.p_map_m += change.head<2>();
+      pose.heading_rad = wrap_angle(pose.heading_rad + change.z());
+      converged = change.cwiseAbs().maxCoeff() < 1e-10;
+    }
+    if (!converged) return false;
+    const double before = hypothesis.cost;
+    hypothesis.cost = explain(pose, bearings);
+    if (round > 0 && hypothesis.cost == before) break;
+  }
+  return true;
+}
+
+/// Refines the best hypotheses; leaves `match_` at the best one's.
+FixStatus Reflectors::judge(std::span<const Bearing> bearings, Hypothesis& best, Eigen::Matrix3d& information) noexcept {
+  std::array<Eigen::Matrix3d, kBest> informations;
+  std::size_t winner = kBest;
+  for (std::size_t h = 0; h < kBest; ++h) {
+    if (!std::isfinite(best_[h].cost)) continue;
+    explain(best_[h].pose, bearings);
+    if (!refine(best_[h], bearings, informations[h])) {
+      best_[h].cost = std::numeric_limits<double>::infinity();
+    } else if (winner == kBest || best_[h].cost < best_[winner].cost) {
+      winner = h;
+    }
+  }
+  if (winner == kBest) return FixStatus::kPoorGeometry;
+  best = best_[winner];
+  information = informations[winner];
+  explain(best.pose, bearings);
+  int matched = 0, named = 0;
+  for (std::size_t i = 0; i < bearings.size(); ++i) {
+    matched += match_[i] >= 0;
+    named += match_[i] >= 0 && bearings[i].reflector.valid();
+  }
+  const bool is_predicted = prediction_ && prediction_->sigma_m < kTight_m && prediction_->sigma_rad < kTight_rad &&
+                            prediction_->cost(best.pose, options_.gate_sigmas) < 0.5 * square(3.0);
+  if (matched < 3 || (matched == 3 && named < 3 && !is_predicted)) return FixStatus::kNoConsensus;
+  const Eigen::Matrix3d covariance = information.ldlt().solve(Eigen::Matrix3d::Identity());
+  const SymmetricEigen<Eigen::Matrix2d> axes(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  if (!(axes.eigenvalues().minCoeff() >= 0) || !(axes.eigenvalues().maxCoeff() < square(options_.max_sigma_m)))
+    return FixStatus::kPoorGeometry;
+  for (const Hypothesis& other : best_) {
+    if (!(other.cost < best.cost + options_.ambiguity_margin)) continue;
+    const Eigen::Vector3d d = difference(other.pose, best.pose);
+    if (d.dot(information * d) > square(kSameSigmas)) return FixStatus::kAmbiguous;
+  }
+  return FixStatus::kOk;
+}
+
+}  // namespace octant

@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/deployment.h"
+#include "models/localizers/common/localizer.h"
+#include "models/localizers/reflectors/resection.h"
+#include "models/support/result.h"
+
+namespace octant {
+
+struct ReflectorsOptions {
+  std::optional<double> bearing_sigma_rad{};                 ///< not given: the deployment's
+  double range_m = std::numeric_limits<double>::infinity();  ///< beyond it a reflector is not seen
+  double gate_sigmas = 4.0;                                  ///< a bearing further off is not of that reflector
+  double max_sigma_m = 1.0;                                  ///< a horizontal sigma beyond this is poor geometry
+  /// A second pose counts as equally good when its log likelihood is within this of the best (2: odds of seven to one).
+  double ambiguity_margin = 2.0;
+  int max_hypotheses = 20000;  ///< poses tried in a search; bounds its time
+  /// What the last fix says of the next: how fast the vehicle moves and turns. 0: nothing.
+  double speed_mps = 1.0;
+  double turn_rate_radps = 1.0;
+};
+
+/// Which reflectors there must be: errors say what the deployment lacks.
+[[nodiscard]] Result<void> reflectors_fits(const Deployment& deployment);
+
+/// Pose from bearings to reflectors (Smieszek, Dobrzanska and Dobrzanski, "Laser navigation applications for automated guided
+/// vehicles", section 2: triangulation). The deployment's beacons are the reflectors; bearings are taken at the vehicle
+/// frame's origin; a bearing without a reflector's name may be of any.
+///
+/// Triples of bearings give poses in closed form (`resect`), for unlabelled bearings under every assignment, until
+/// max_hypotheses are tried. The poses that explain all bearings best, each bearing by its nearest reflector and at most at the
+/// price of an outlier, are adjusted by least squares; the best is the fix. The last fix, or `predict`, is one more pose to try
+/// and weighs in with what is known of the motion, so that it decides between poses that the bearings cannot tell apart.
+///
+/// No fix: kTooFewArrivals under three bearings; kPoorGeometry on the danger circle or with a sigma beyond max_sigma_m;
+/// kAmbiguous where another pose explains the bearings as well; kNoConsensus where fewer than three bearings agree, or three
+/// alone and not all of them labelled. The covariance is that of the bearings' noise and of the reflectors' own.
+class Reflectors : public Localizer {
+ public:
+  explicit Reflectors(const Deployment& deployment, const ReflectorsOptions& options = {});
+
+  using Localizer::locate;
+  /// Bearings beyond the first 64 are not used. Rejections are one for each bearing.
+  void locate(const Observations& observations, Fix& fix) noexcept override;
+
+  /// Where the vehicle is at the next `locate`, as odometry has it; instead of what follows from the last fix.
+  void predict(const Pose& T_map_vehicle, double sigma_m, double sigma_rad) noexcept;
+
+ private:
+  struct Reflector {
+    Eigen::Vector2d p_map_m;
+    Eigen::Matrix2d covariance_m2;
+    BeaconId beacon;
+  };
+  /// A pose, and how far it is from explaining the bearings (minus log likelihood, without constants).
+  struct Hypothesis {
+    ResectedPose pose;
+    double cost = std::numeric_limits<double>::infinity();
+  };
+  struct Prediction {
+    ResectedPose pose;
+    double sigma_m = 0.0, sigma_rad = 0.0;
+    [[nodiscard]] double cost(const ResectedPose& at, double gate_sigmas) const;
+  };
+  static constexpr std::size_t kBest = 8, kSearched = 12, kMaxBearings = 64;
+
+  void begin(const Observations& observations, Fix& fix) noexcept;
+  void search(std::span<const Bearing> bearings) noexcept;
+  void try_triple(std::span<const Bearing> bearings, const std::array<std::size_t, 3>& triple) noexcept;
+  void keep(const Hypothesis& hypothesis) noexcept;
+  double explain(const ResectedPose& pose, std::span<const Bearing> bearings) noexcept;
+  bool refine(Hypothesis& hypothesis, std::span<const Bearing> bearings, Eigen::Matrix3d& information) noexcept;
+  FixStatus judge(std::span<const Bearing> bearings, Hypothesis& best, Eigen::Matrix3d& information) noexcept;
+  [[nodiscard]] double variance(const Reflector& reflector, const Eigen::Vector2d& sight_m) const noexcept;
+
+  ReflectorsOptions options_;
+  std::vector<Reflector> reflectors_;
+  std::vector<int> index_;  ///< of each beacon in reflectors_; -1: unusable
+  double sigma_rad_ = 0.01;
+  std::optional<Prediction> prediction_, told_;
+  std::optional<double> last_fix_s_;
+  ResectedPose last_;
+  Eigen::Vector2d last_sigma_ = Eigen::Vector2d::Zero();  ///< m, rad
+  // Room for a search.
+  std::array<Hypothesis, kBest> best_;
+  int tried_ = 0;
+  std::vector<int> match_;         ///< of each bearing: reflector, or -1
+  std::vector<double> direction_;  ///< of each reflector from the pose under test
+  std::vector<char> used_;
+};
+
+}  // namespace octant

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include "models/trajectory/linearise.h"
+
+namespace octant {
+
+/// Eigen's decompositions, computed in one unit (decompositions.cc): each other unit that computed one would spend seconds on its
+/// templates. What they hold is read as Eigen has it.
+
+/// @param Matrix  MatrixXd, NodeBlock, or fixed up to 4 x 4
+template <class Matrix>
+class SymmetricEigen : public Eigen::SelfAdjointEigenSolver<Matrix> {
+ public:
+  explicit SymmetricEigen(const Matrix& symmetric, int options = Eigen::ComputeEigenvectors);
+};
+
+extern template class SymmetricEigen<Eigen::MatrixXd>;
+extern template class SymmetricEigen<NodeBlock>;
+extern template class SymmetricEigen<Eigen::Matrix2d>;
+extern template class SymmetricEigen<Eigen::Matrix3d>;
+extern template class SymmetricEigen<Eigen::Matrix4d>;
+
+class PivotedQr : public Eigen::ColPivHouseholderQR<Eigen::MatrixXd> {
+ public:
+  explicit PivotedQr(const Eigen::MatrixXd& matrix);
+  /// Orthonormal columns with the span of the matrix, as many as its rank.
+  [[nodiscard]] Eigen::MatrixXd basis() const;
+  /// Q' B.
+  [[nodiscard]] Eigen::MatrixXd transposed_times(Eigen::MatrixXd B) const;
+};
+
+class DenseLdlt : public Eigen::LDLT<Eigen::MatrixXd> {
+ public:
+  explicit DenseLdlt(const Eigen::MatrixXd& symmetric);
+};
+
+}  // namespace octant

@@ -1,0 +1,371 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/trajectory/linearise.h"
+
+#include <numbers>
+
+namespace octant {
+
+void RobustLoss::evaluate(double residual, double& rho, double& weight) const {
+  const double s2 = residual * residual;
+  const double scale = residual > 0 ? late_scale : early_scale;
+  if (scale <= 0) {
+    rho = s2;
+    weight = 1.0;
+    return;
+  }
+  const double c2 = scale * scale;
+  rho = c2 * std::log1p(s2 / c2);
+  weight = 1.0 / (1.0 + s2 / c2);
+}
+
+Pose pose_at(const Trajectory& t, std::size_t node, double alpha) {
+  return alpha == 0.0 ? t.nodes[node].T_map_vehicle : interpolate(t.nodes[node].T_map_vehicle, t.nodes[node + 1].T_map_vehicle, alpha);
+}
+
+InterpolationJacobian interpolation_jacobian(const Trajectory& t, std::size_t node, double alpha) {
+  InterpolationJacobian J;
+  J.by_node.setZero();
+  J.by_next.setZero();
+  const int dof = pose_dof(t.motion);
+  J.by_node.topLeftCorner(dof, dof).diagonal().setConstant(1.0 - alpha);
+  J.by_next.topLeftCorner(dof, dof).diagonal().setConstant(alpha);
+  if (t.motion == Motion::kPlanar || alpha == 0.0) return J;
+  // R(alpha) = Ra Exp(alpha phi), phi = Log(Ra' Rb); d phi = Jr^-1(phi) db - Jr^-1(-phi) da.
+  const Eigen::Vector3d phi =
+      log_rotation(t.nodes[node].T_map_vehicle.rotation.conjugate() * t.nodes[node + 1].T_map_vehicle.rotation);
+  const Eigen::Matrix3d part = alpha * right_jacobian(alpha * phi);
+  J.by_next.bottomRightCorner<3, 3>() = part * right_jacobian_inverse(phi);
+  J.by_node.bottomRightCorner<3, 3>() =
+      exp_rotation(-alpha * phi).toRotationMatrix() - part * right_jacobian_inverse(-phi);
+  return J;
+}
+
+namespace {
+
+/// Spreads a derivative by the interpolated pose over the two nodes.
+class PoseSpread {
+ public:
+  PoseSpread(const Trajectory& t, std::size_t node, double alpha) : dof_(pose_dof(t.motion)), block_(t.block_size()), alpha_(alpha) {
+    // Most arrivals are of stationary epochs, or of planar motion where interpolation is linear.
+    linear_ = t.motion == Motion::kPlanar || alpha == 0.0;
+    if (!linear_) J_ = interpolation_jacobian(t, node, alpha);
+  }
+  void set(const Eigen::Matrix<double, 1, 6>& by_pose, ObservationRow& row) const {
+    row.by_node.setZero(block_);
+    row.by_next.setZero(block_);
+    row.has_next = alpha_ != 0.0;
+    if (linear_) {
+      row.by_node.head(dof_) = (1.0 - alpha_) * by_pose.head(dof_);
+      if (row.has_next) row.by_next.head(dof_) = alpha_ * by_pose.head(dof_);
+    } else {
+      row.by_node.head(dof_) = (by_pose * J_.by_node).head(dof_);
+      row.by_next.head(dof_) = (by_pose * J_.by_next).head(dof_);
+    }
+  }
+
+ private:
+  int dof_, block_;
+  double alpha_;
+  bool linear_ = true;
+  InterpolationJacobian J_;
+};
+
+}  // namespace
+
+namespace {
+
+PathInput path_input(const Trajectory& t, const ArrivalObservation& a, const SharedState& state, const Pose& T) {
+  PathInput in;
+  in.T_map_vehicle = &T;
+  in.p_beacon_map_m = state.beacon_p_map_m[a.beacon.index()];
+  in.p_receiver_vehicle_m = state.receiver_p_vehicle_m[a.receiver.index()];
+  in.speed_mps = a.model_speed_mps + state.speed_offset(t.run);
+  in.delay_s = state.delay_s(a.beacon, a.receiver) + (a.two_way ? t.turnaround_s : 0.0);
+  if (t.has_cycle_offset) in.delay_s += t.nodes[a.node].cycle_offset_s + state.drift(t.vehicle) * (a.time_s - t.nodes[a.node].time_s);
+  in.attenuation = state.attenuation ? &*state.attenuation : nullptr;
+  in.axis_vehicle = state.axis_of(a.receiver);
+  in.log_amplitude = walk_amplitude(a, state);
+  in.T_hear_send = a.two_way ? &t.T_hear_send[static_cast<std::size_t>(a.hear_send)] : nullptr;
+  return in;
+}
+
+}  // namespace
+
+int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& state, ObservationRow* rows) {
+  const ArrivalObservation& a = t.arrivals[index];
+  const Pose T = pose_at(t, a.node, a.alpha);
+  const PathInput in = path_input(t, a, state, T);
+  const PathOutput out = predict_arrival(in, t.motion);
+  const PoseSpread spread(t, a.node, a.alpha);
+
+  ObservationRow& tof = rows[0];
+  const double k = -1.0 / a.sigma_s;
+  tof.kind = RowKind::kTof;
+  tof.index = index;
+  tof.node = a.node;
+  tof.residual = (a.tof_s - out.tof_s) / a.sigma_s;
+  spread.set(k * out.tof_by_pose, tof);
+  if (t.has_cycle_offset) tof.by_node[pose_dof(t.motion)] = k / t.nominal_speed_mps;
+  tof.has_shared = true;
+  tof.beacon = a.beacon;
+  tof.receiver = a.receiver;
+  tof.by_beacon = k * out.tof_by_beacon;
+  tof.by_receiver = k * out.tof_by_receiver;
+  tof.by_attenuation = k * out.tof_by_attenuation;
+  tof.by_delay = k;
+  tof.by_speed = k * out.tof_by_speed;
+  tof.by_drift = t.has_cycle_offset ? k * (a.time_s - t.nodes[a.node].time_s) : 0.0;
+  if (!(a.log_amplitude_sigma > 0) || !state.attenuation) return 1;
+
+  ObservationRow& amplitude = rows[1];
+  const double ka = -1.0 / a.log_amplitude_sigma;
+  amplitude = tof;
+  amplitude.kind = RowKind::kAmplitude;
+  amplitude.residual = (a.log_amplitude - out.log_amplitude) / a.log_amplitude_sigma;
+  spread.set(ka * out.log_amplitude_by_pose, amplitude);
+  amplitude.by_beacon = ka * out.log_amplitude_by_beacon;
+  amplitude.by_receiver = ka * out.log_amplitude_by_receiver;
+  amplitude.by_attenuation = ka * out.log_amplitude_by_attenuation;
+  amplitude.by_delay = 0.0;
+  amplitude.by_speed = 0.0;
+  amplitude.by_drift = 0.0;
+  return 2;
+}
+
+int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& state, ObservationRow* rows) {
+  const BearingObservation& b = t.bearings[index];
+  if (!b.reflector.valid() || t.motion != Motion::kPlanar) return 0;
+  const Pose T = pose_at(t, b.node, b.alpha);
+  const BearingOutput out = predict_bearing(T, state.beacon_p_map_m[b.reflector.index()], Eigen::Vector3d::Zero());
+  const double k = -1.0 / b.sigma_rad;
+  ObservationRow& row = rows[0];
+  row.kind = RowKind::kBearing;
+  row.index = index;
+  row.node = b.node;
+  row.residual = wrap_angle(b.bearing_rad - out.bearing_rad) / b.sigma_rad;
+  Eigen::Matrix<double, 1, 6> by_pose = Eigen::Matrix<double, 1, 6>::Zero();
+  by_pose.head<3>() = k * out.by_pose;
+  PoseSpread(t, b.node, b.alpha).set(by_pose, row);
+  row.has_shared = true;
+  row.beacon = b.reflector;
+  row.receiver = ReceiverId();
+  row.by_beacon = k * out.by_reflector;
+  row.by_receiver.setZero();
+  row.by_attenuation.setZero();
+  row.by_delay = row.by_speed = row.by_drift = 0.0;
+  return 1;
+}
+
+int pose_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
+  const PoseObservation& p = t.poses[index];
+  const Pose T = pose_at(t, p.node, p.alpha);
+  const PoseSpread spread(t, p.node, p.alpha);
+  int count = 0;
+  auto add = [&](double misfit, double sigma, const Eigen::Matrix<double, 1, 6>& by_pose) {
+    if (!std::isfinite(sigma)) return;
+    ObservationRow& row = rows[count++];
+    row.kind = RowKind::kPose;
+    row.index = index;
+    row.node = p.node;
+    row.has_shared = false;
+    row.residual = misfit / sigma;
+    spread.set(by_pose / sigma, row);
+  };
+  using Row6 = Eigen::Matrix<double, 1, 6>;
+  const Eigen::Vector3d off = p.T_map_vehicle.translation_m - T.translation_m;
+  if (t.motion == Motion::kPlanar) {
+    add(off.x(), p.position_sigma_m, -Row6::Unit(0));
+    add(off.y(), p.position_sigma_m, -Row6::Unit(1));
+    add(wrap_angle(p.T_map_vehicle.heading_rad() - T.heading_rad()), p.heading_sigma_rad, -Row6::Unit(2));
+    return count;
+  }
+  for (int i = 0; i < 3; ++i) add(off[i], p.position_sigma_m, -Row6::Unit(i));
+  const Eigen::Vector3d e = log_rotation(T.rotation.conjugate() * p.T_map_vehicle.rotation);
+  const Eigen::Matrix3d by_rotation = -right_jacobian_inverse(-e);
+  for (int i = 0; i < 3; ++i) {
+    Row6 row = Row6::Zero();
+    row.tail<3>() = by_rotation.row(i);
+    add(e[i], i == 2 ? p.heading_sigma_rad : p.attitude_sigma_rad, row);
+  }
+  return count;
+}
+
+int odometry_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
+  const OdometryObservation& o = t.odometry[index];
+  const Pose& A = t.nodes[o.node].T_map_vehicle;
+  const Pose& B = t.nodes[o.node + 1].T_map_vehicle;
+  const Eigen::Matrix3d Rt = A.rotation.toRotationMatrix().transpose();
+  const Eigen::Vector3d step = Rt * (B.translation_m - A.translation_m);
+  const int dof = pose_dof(t.motion);
+  const int block = t.block_size();
+  int count = 0;
+  auto add = [&](double misfit, double sigma) -> ObservationRow& {
+    ObservationRow& row = rows[count++];
+    row.kind = RowKind::kOdometry;
+    row.index = index;
+    row.node = o.node;
+    row.has_next = true;
+    row.has_shared = false;
+    row.residual = misfit / sigma;
+    row.by_node.setZero(block);
+    row.by_next.setZero(block);
+    return row;
+  };
+  const Eigen::Vector3d off = o.T_before_after.translation_m - step;
+  const double kd = 1.0 / o.distance_sigma_m, kh = 1.0 / o.heading_sigma_rad;
+  const Eigen::Matrix3d by_turn = skew(step);  // d(R' v) by a body rotation of A
+  const int dims = dof == 3 ? 2 : 3;
+  for (int i = 0; i < dims; ++i) {
+    ObservationRow& row = add(off[i], o.distance_sigma_m);
+    row.by_node.head(dims) = kd * Rt.row(i).head(dims);
+    row.by_next.head(dims) = -kd * Rt.row(i).head(dims);
+    if (dof == 3) {
+      row.by_node[2] = -kd * by_turn(i, 2);
+    } else {
+      row.by_node.segment(3, 3) = -kd * by_turn.row(i);
+    }
+  }
+  if (dof == 3) {
+    ObservationRow& row = add(wrap_angle(o.T_before_after.heading_rad() - wrap_angle(B.heading_rad() - A.heading_rad())), o.heading_sigma_rad);
+    row.by_node[2] = kh;
+    row.by_next[2] = -kh;
+    return count;
+  }
+  // E = (Ra' Rb)' Ro; e = Log E; by b: -Jr^-1(-e); by a: +Jr^-1(-e) (Ra' Rb)'.
+  const Eigen::Matrix3d Rab = Rt * B.rotation.toRotationMatrix();
+  const Eigen::Vector3d e = log_rotation(Eigen::Quaterniond(Rab.transpose() * o.T_before_after.rotation.toRotationMatrix()));
+  const Eigen::Matrix3d Jl = right_jacobian_inverse(-e);
+  const Eigen::Matrix3d by_a = Jl * Rab.transpose();
+  for (int i = 0; i < 3; ++i) {
+    ObservationRow& row = add(e[i], o.heading_sigma_rad);
+    row.by_node.segment(3, 3) = kh * by_a.row(i);
+    row.by_next.segment(3, 3) = -kh * Jl.row(i);
+  }
+  return count;
+}
+
+/// White-noise acceleration (Bar-Shalom, Li and Kirubarajan 2001, section 6.2): with q its density, over a step of length h
+///   Q = q [h^3/3 h^2/2; h^2/2 h]; rows are whitened by Q = L L', L = sqrt(q) [sqrt(h^3/3) 0; sqrt(3 h)/2 sqrt(h)/2].
+int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
+  const MotionObservation& m = t.motion_steps[index];
+  const MotionPrior& prior = *t.motion_prior;
+  const int dof = pose_dof(t.motion), block = t.block_size();
+  const Node& A = t.nodes[m.node];
+  int count = 0;
+  const auto add = [&](double residual) -> ObservationRow& {
+    ObservationRow& row = rows[count++];
+    row.kind = RowKind::kMotion;
+    row.index = index;
+    row.node = m.node;
+    row.has_next = m.step_s > 0;
+    row.has_shared = false;
+    row.residual = residual;
+    row.by_node.setZero(block);
+    row.by_next.setZero(block);
+    return row;
+  };
+  // Where nothing tells the heading it is somewhere on the circle; no residual: no direction is preferred.
+  if (m.step_s <= 0) add(0.0).by_node[2] = 1.0 / std::numbers::pi;
+  for (int i = 0; i < 3; ++i) {
+    const bool turn = i == 2;
+    if (m.step_s <= 0) {
+      const double k = 1.0 / (turn ? prior.turn_rate_rad_per_s : prior.speed_mps);
+      add(-k * A.velocity[i]).by_node[dof + i] = -k;
+      continue;
+    }
+    const Node& B = t.nodes[m.node + 1];
+    const double h = m.step_s;
+    const double root_q = turn ? prior.turn_acceleration_rad_per_s2 : prior.acceleration_mps2;
+    const double moved = turn ? wrap_angle(B.T_map_vehicle.heading_rad() - A.T_map_vehicle.heading_rad())
+                              : B.T_map_vehicle.translation_m[i] - A.T_map_vehicle.translation_m[i];
+    const double misfit = h * A.velocity[i] - moved;  // predicted less the state, so that the residual is observed - predicted
+    const double change = A.velocity[i] - B.velocity[i];
+    const double a = std::sqrt(3 / (h * h * h)) / root_q;  // L^-1 = [a 0; -b c]
+    const double c = 2 / (std::sqrt(h) * root_q), b = c * 3 / (2 * h);
+    ObservationRow& place = add(a * misfit);
+    place.by_node[i] = a;
+    place.by_node[dof + i] = a * h;
+    place.by_next[i] = -a;
+    ObservationRow& velocity = add(c * change - b * misfit);
+    velocity.by_node[i] = -b;
+    velocity.by_node[dof + i] = c - b * h;
+    velocity.by_next[i] = b;
+    velocity.by_next[dof + i] = -c;
+  }
+  return count;
+}
+
+void build_chain_system(const Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss, ChainSystem& system) {
+  const std::size_t count = segment.last_node - segment.first_node;
+  const int n = t.block_size();
+  system.cost = 0.0;
+  system.D.assign(count, NodeBlock::Zero(n, n));
+  system.U.assign(count, NodeBlock::Zero(n, n));
+  system.g.assign(count, NodeVector::Zero(n));
+  for_each_row(t, segment, state, [&](const ObservationRow& row) {
+    double rho = row.residual * row.residual, w = 1.0;
+    if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
+    system.cost += 0.5 * rho;
+    const std::size_t k = row.node - segment.first_node;
+    system.D[k].noalias() += w * row.by_node.transpose() * row.by_node;
+    system.g[k].noalias() += w * row.residual * row.by_node.transpose();
+    if (!row.has_next) return;
+    system.D[k + 1].noalias() += w * row.by_next.transpose() * row.by_next;
+    system.g[k + 1].noalias() += w * row.residual * row.by_next.transpose();
+    system.U[k].noalias() += w * row.by_node.transpose() * row.by_next;
+  });
+}
+
+/// Residual of an arrival's time of flight and, where it was logged, of its amplitude; no derivatives.
+int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const SharedState& state, double* residuals) {
+  const Pose interpolated = a.alpha == 0.0 ? Pose() : pose_at(t, a.node, a.alpha);
+  const PathInput in = path_input(t, a, state, a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated);
+  if (in.attenuation == nullptr && in.T_hear_send == nullptr) {
+    // One way and without time-walk, as nearly all arrivals are: the first term of the measurement equation, in line.
+    const double distance_m = (*in.T_map_vehicle * in.p_receiver_vehicle_m - in.p_beacon_map_m).norm();
+    residuals[0] = (a.tof_s - (distance_m / in.speed_mps + in.delay_s)) / a.sigma_s;
+    return 1;
+  }
+  const PathOutput out = predict_arrival_value(in);
+  residuals[0] = (a.tof_s - out.tof_s) / a.sigma_s;
+  if (!(a.log_amplitude_sigma > 0) || !state.attenuation) return 1;
+  residuals[1] = (a.log_amplitude - out.log_amplitude) / a.log_amplitude_sigma;
+  return 2;
+}
+
+double chain_cost(const Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss) {
+  double cost = 0.0, rho = 0.0, w = 0.0;
+  double residuals[2];
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (a.rejection != Rejection::kUsed) continue;
+    const int count = arrival_residuals(t, a, state, residuals);
+    for (int k = 0; k < count; ++k) {
+      loss.evaluate(residuals[k], rho, w);
+      cost += 0.5 * rho;
+    }
+  }
+  Segment others = segment;  // few beside the arrivals
+  others.first_arrival = others.last_arrival;
+  for_each_row(t, others, state, [&](const ObservationRow& row) {
+    rho = row.residual * row.residual;
+    if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
+    cost += 0.5 * rho;
+  });
+  return cost;
+}
+
+double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
+  if (a.alpha == 0.0 && !a.two_way && !t.has_cycle_offset && !state.attenuation) {
+    // What most arrivals are, of which long logs have many.
+    const Eigen::Vector3d path_m = t.nodes[a.node].T_map_vehicle * state.receiver_p_vehicle_m[a.receiver.index()] - state.beacon_p_map_m[a.beacon.index()];
+    const double tof_s = path_m.norm() / (a.model_speed_mps + state.speed_offset(t.run)) + state.delay_s(a.beacon, a.receiver);
+    return (a.tof_s - tof_s) / a.sigma_s;
+  }
+  double residuals[2];
+  arrival_residuals(t, a, state, residuals);
+  return residuals[0];
+}
+
+}  // namespace octant

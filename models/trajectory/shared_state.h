@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/physics/attenuation.h"
+#include "models/deployment.h"
+#include "models/site.h"
+
+namespace octant {
+
+/// The numbers that all arrivals share: what calibration solves for and localization holds fixed.
+struct SharedState {
+  std::vector<Eigen::Vector3d> beacon_p_map_m;
+  std::vector<double> beacon_delay_s;
+  std::vector<Eigen::Vector3d> receiver_p_vehicle_m;
+  std::vector<double> receiver_delay_s;
+  double site_delay_s = 0.0;
+  std::vector<double> speed_offset_mps = {0.0};  ///< added to the medium's model; one for all, or one for each run
+  std::optional<AttenuationModel> attenuation;
+  std::vector<Eigen::Vector3d> receiver_axis;    ///< unit vectors, zero: none; where the attenuation is directional, else empty
+  std::vector<double> pair_bias_s;               ///< beacon-major, empty: none
+  std::vector<double> clock_drift;               ///< of each vehicle, see Timing::drift; empty: none
+
+  [[nodiscard]] double delay_s(BeaconId beacon, ReceiverId receiver) const {
+    double sum = site_delay_s + beacon_delay_s[beacon.index()] + receiver_delay_s[receiver.index()];
+    if (!pair_bias_s.empty()) sum += pair_bias_s[beacon.index() * receiver_delay_s.size() + receiver.index()];
+    return sum;
+  }
+  /// As PathInput takes it.
+  [[nodiscard]] const Eigen::Vector3d* axis_of(ReceiverId receiver) const {
+    return receiver_axis.empty() ? nullptr : &receiver_axis[receiver.index()];
+  }
+  [[nodiscard]] double drift(VehicleId vehicle) const {
+    return vehicle.index() < clock_drift.size() ? clock_drift[vehicle.index()] : 0.0;
+  }
+  [[nodiscard]] double speed_offset(std::size_t run) const {
+    return speed_offset_mps.size() > 1 ? speed_offset_mps[run] : speed_offset_mps[0];
+  }
+};
+
+/// Prior means of a site; unknown coordinates are zero.
+[[nodiscard]] SharedState prior_state(const Site& site);
+/// The calibrated values of a deployment (a site's one delay is carried by the beacons).
+[[nodiscard]] SharedState shared_state(const Deployment& deployment);
+
+}  // namespace octant

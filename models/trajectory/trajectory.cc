@@ -1,0 +1,454 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/trajectory/trajectory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "models/trajectory/odometry_noise.h"
+
+namespace octant {
+namespace {
+
+/// Poses taken as exact still need a finite weight; a micrometre is far below any beacon system.
+constexpr double kExactPositionM = 1e-6;
+constexpr double kExactAngleRad = 1e-6;
+
+PoseObservation pose_observation(std::size_t node, double alpha, const Pose& T, const PoseAccuracy& accuracy) {
+  PoseObservation p;
+  p.node = node;
+  p.alpha = alpha;
+  p.T_map_vehicle = T;
+  p.position_sigma_m = std::max(accuracy.position_sigma_m, kExactPositionM);
+  p.heading_sigma_rad = accuracy.heading_known ? std::max(accuracy.heading_sigma_rad, kExactAngleRad) : INFINITY;
+  p.attitude_sigma_rad = std::max(accuracy.attitude_sigma_rad, kExactAngleRad);
+  return p;
+}
+
+/// Odometry of one vehicle summed up: the path from its anchor, with the variances along it.
+struct OdometryPath {
+  std::vector<double> time_s;
+  std::vector<Pose> T_anchor_vehicle;
+  std::vector<double> distance_variance_m2, heading_variance_rad2;  ///< of the step that ends at the row
+};
+
+OdometryPath odometry_path(const MeasurementLog& log, VehicleId vehicle) {
+  OdometryPath path;
+  Pose T;
+  bool first = true;
+  for (const OdometryStep& step : log.odometry) {
+    if (step.vehicle != vehicle) continue;
+    if (!first) T = T * Pose::planar(step.dx_m, step.dy_m, step.dheading_rad);
+    const OdometryVariance variance = variance_of(step, log.odometry_accuracy);
+    path.time_s.push_back(step.time_s);
+    path.T_anchor_vehicle.push_back(T);
+    path.distance_variance_m2.push_back(variance.distance_m2);
+    path.heading_variance_rad2.push_back(variance.heading_rad2);
+    first = false;
+  }
+  return path;
+}
+
+/// Path pose at a time; false outside.
+bool path_at(const OdometryPath& path, double time_s, Pose& T) {
+  if (path.time_s.size() < 2 || time_s < path.time_s.front() || time_s > path.time_s.back()) return false;
+  auto after = static_cast<std::size_t>(std::upper_bound(path.time_s.begin(), path.time_s.end(), time_s) - path.time_s.begin());
+  after = std::min(after, path.time_s.size() - 1);
+  const double span = path.time_s[after] - path.time_s[after - 1];
+  T = interpolate(path.T_anchor_vehicle[after - 1], path.T_anchor_vehicle[after], span > 0 ? (time_s - path.time_s[after - 1]) / span : 0.0);
+  return true;
+}
+
+/// Odometry between two instants as one observation.
+bool path_between(const OdometryPath& path, double from_s, double to_s, OdometryObservation& o) {
+  Pose A, B;
+  if (!path_at(path, from_s, A) || !path_at(path, to_s, B)) return false;
+  o.T_before_after = A.inverse() * B;
+  double distance = 0.0, heading = 0.0;
+  const auto first = std::upper_bound(path.time_s.begin(), path.time_s.end(), from_s) - path.time_s.begin();
+  for (auto k = static_cast<std::size_t>(first); k < path.time_s.size() && path.time_s[k - 1] < to_s; ++k) {
+    distance += path.distance_variance_m2[k];
+    heading += path.heading_variance_rad2[k];
+  }
+  // A turn that is off by h moves the end of the step by half of it across.
+  o.distance_sigma_m = std::sqrt(std::max(distance + heading * o.T_before_after.translation_m.squaredNorm() / 3, kExactPositionM * kExactPositionM));
+  o.heading_sigma_rad = std::sqrt(std::max(heading, kExactAngleRad * kExactAngleRad));
+  return true;
+}
+
+class Builder {
+ public:
+  Builder(const MeasurementLog& log, std::size_t run, VehicleId vehicle, const TrajectoryModel& model)
+      : log_(log), model_(model), path_(odometry_path(log, vehicle)) {
+    t_.run = run;
+    t_.vehicle = vehicle;
+    t_.motion = model.motion;
+    t_.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
+    t_.turnaround_s = model.timing.turnaround_s;
+    t_.nominal_speed_mps = speed_mps(run_medium(), run_temperature_degC());
+    arrivals_.reserve(log.arrivals.size());
+    for (std::size_t i = 0; i < log.arrivals.size(); ++i)
+      if (log.arrivals[i].vehicle == vehicle) arrivals_.push_back(i);
+    t_.arrivals.reserve(arrivals_.size());
+    for (std::size_t i = 0; i < log.bearings.size(); ++i)
+      if (log.bearings[i].vehicle == vehicle) bearings_.push_back(i);
+  }
+
+  Trajectory build() {
+    if (log_.has_epochs) {
+      build_epochs();
+    } else if (path_.time_s.size() >= 2) {
+      build_drive();
+    } else if (tied_by_motion()) {
+      build_motion();
+    } else {
+      build_instants();
+    }
+    return std::move(t_);
+  }
+
+ private:
+  [[nodiscard]] Medium run_medium() const {
+    Medium medium = model_.medium;
+    if (log_.relative_humidity) medium.relative_humidity = *log_.relative_humidity;
+    if (log_.pressure_pa) medium.pressure_pa = *log_.pressure_pa;
+    return medium;
+  }
+  [[nodiscard]] double run_temperature_degC() const { return log_.temperature_degC.value_or(model_.medium.temperature_degC); }
+
+  /// Speed of the medium; neighbouring arrivals have one temperature, and the models take their time.
+  [[nodiscard]] double speed_at(double temperature_degC) {
+    if (temperature_degC != speed_temperature_degC_) {
+      speed_temperature_degC_ = temperature_degC;
+      speed_mps_ = speed_mps(run_medium(), temperature_degC);
+    }
+    return speed_mps_;
+  }
+
+  /// Relative motion between asking and hearing, from odometry or measured poses; none: the vehicle stands.
+  [[nodiscard]] Pose two_way_motion(const Arrival& a) const {
+    Pose hear, send;
+    if (path_at(path_, a.time_s, hear) && path_at(path_, a.time_s - a.tof_s, send)) return hear.inverse() * send;
+    const double gap = log_.pose_accuracy.max_gap_s;
+    if (t_.moving && interpolate_poses(log_.poses, a.time_s, gap, hear) && interpolate_poses(log_.poses, a.time_s - a.tof_s, gap, send))
+      return hear.inverse() * send;
+    return {};
+  }
+
+  void add_arrival(std::size_t index, std::size_t node, double alpha) {
+    const Arrival& a = log_.arrivals[index];
+    ArrivalObservation o = observe(a, model_, speed_at(std::isfinite(a.temperature_degC) ? a.temperature_degC : run_temperature_degC()));
+    o.node = node;
+    o.alpha = alpha;
+    o.arrival = index;
+    if (o.two_way) {
+      o.hear_send = static_cast<std::int32_t>(t_.T_hear_send.size());
+      t_.T_hear_send.push_back(two_way_motion(a));
+    }
+    t_.arrivals.push_back(o);
+  }
+
+  void add_bearing(std::size_t index, std::size_t node, double alpha) {
+    const Bearing& b = log_.bearings[index];
+    t_.bearings.push_back({node, alpha, index, b.reflector, b.bearing_rad, model_.noise.bearing_sigma_rad, Rejection::kUsed});
+  }
+
+  /// Stationary epochs: a node each, in order of time; odometry between neighbours where the run has it.
+  void build_epochs() {
+    if (bearings_.empty() && epochs_rise()) return build_rising_epochs();
+    std::map<std::int64_t, std::size_t> node_of;
+    std::vector<std::vector<std::size_t>> arrivals, bearings;
+    auto node_for = [&](std::int64_t epoch, double time_s) {
+      const auto [it, added] = node_of.try_emplace(epoch, t_.nodes.size());
+      if (added) {
+        t_.nodes.push_back({.time_s = time_s, .epoch = epoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+        arrivals.emplace_back();
+        bearings.emplace_back();
+      }
+      return it->second;
+    };
+    for (const std::size_t i : arrivals_) arrivals[node_for(log_.arrivals[i].epoch, log_.arrivals[i].time_s)].push_back(i);
+    for (const std::size_t i : bearings_) {
+      // std::vector may have to grow before the element is chosen.
+      const std::size_t node = node_for(log_.bearings[i].epoch, log_.bearings[i].time_s);
+      bearings[node].push_back(i);
+    }
+    for (std::size_t k = 0; k < t_.nodes.size(); ++k) {
+      if (!chained(k)) open_segment(k);
+      for (const std::size_t i : arrivals[k]) add_arrival(i, k, 0.0);
+      for (const std::size_t i : bearings[k]) add_bearing(i, k, 0.0);
+      add_epoch_pose(k, arrivals[k], bearings[k]);
+      close_segment(k + 1);
+    }
+  }
+
+  /// The numbers of the epochs rise with time, so that an epoch is where its number is: most logs, and no look-up.
+  [[nodiscard]] bool epochs_rise() const {
+    return std::is_sorted(arrivals_.begin(), arrivals_.end(), [this](std::size_t a, std::size_t b) { return log_.arrivals[a].epoch < log_.arrivals[b].epoch; });
+  }
+
+  void build_rising_epochs() {
+    std::vector<std::size_t> arrivals;
+    for (std::size_t first = 0; first < arrivals_.size();) {
+      const Arrival& begin = log_.arrivals[arrivals_[first]];
+      const std::size_t k = t_.nodes.size();
+      t_.nodes.push_back({.time_s = begin.time_s, .epoch = begin.epoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+      if (!chained(k)) open_segment(k);
+      arrivals.clear();
+      for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].epoch == begin.epoch; ++first) arrivals.push_back(arrivals_[first]);
+      for (const std::size_t i : arrivals) add_arrival(i, k, 0.0);
+      if (!log_.poses.empty()) add_epoch_pose(k, arrivals, {});
+      close_segment(k + 1);
+    }
+  }
+
+  /// Adds the odometry that leads to epoch k; false where there is none.
+  bool chained(std::size_t k) {
+    if (k == 0 || path_.time_s.empty()) return false;
+    OdometryObservation o;
+    o.node = k - 1;
+    if (!path_between(path_, t_.nodes[k - 1].time_s, t_.nodes[k].time_s, o)) return false;
+    t_.odometry.push_back(o);
+    return true;
+  }
+
+  void add_epoch_pose(std::size_t k, const std::vector<std::size_t>& arrivals, const std::vector<std::size_t>& bearings) {
+    std::vector<double> times;
+    times.reserve(arrivals.size() + bearings.size());
+    for (const std::size_t i : arrivals) times.push_back(log_.arrivals[i].time_s);
+    for (const std::size_t i : bearings) times.push_back(log_.bearings[i].time_s);
+    Pose T;
+    for (const double time_s : times) {
+      if (!interpolate_poses(log_.poses, time_s, log_.pose_accuracy.max_gap_s, T)) continue;
+      t_.poses.push_back(pose_observation(k, 0.0, T, log_.pose_accuracy));
+      t_.nodes[k].T_map_vehicle = T;
+      t_.nodes[k].placed = true;
+      return;
+    }
+  }
+
+  /// Nodes at the odometry rows; what happens between two rows belongs to the earlier one, with alpha.
+  void build_drive() {
+    t_.moving = true;
+    for (const double time_s : path_.time_s)
+      t_.nodes.push_back({.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+    open_segment(0);
+    for (std::size_t k = 0; k + 1 < path_.time_s.size(); ++k) {
+      const Pose step = path_.T_anchor_vehicle[k].inverse() * path_.T_anchor_vehicle[k + 1];
+      t_.odometry.push_back({k, step, std::sqrt(path_.distance_variance_m2[k + 1]), std::sqrt(path_.heading_variance_rad2[k + 1])});
+    }
+    for (const std::size_t i : arrivals_) {
+      std::size_t node = 0;
+      double alpha = 0.0;
+      if (between_nodes(log_.arrivals[i].time_s, node, alpha)) {
+        add_arrival(i, node, alpha);
+      } else {
+        t_.stateless_arrivals.push_back(i);
+      }
+    }
+    for (const std::size_t i : bearings_) {
+      std::size_t node = 0;
+      double alpha = 0.0;
+      if (between_nodes(log_.bearings[i].time_s, node, alpha)) add_bearing(i, node, alpha);
+    }
+    std::stable_sort(t_.arrivals.begin(), t_.arrivals.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+    for (const TimedPose& pose : log_.poses) {
+      std::size_t node = 0;
+      double alpha = 0.0;
+      if (log_.vehicle != t_.vehicle || !between_nodes(pose.time_s, node, alpha)) continue;
+      t_.poses.push_back(pose_observation(node, alpha, pose.T_map_vehicle, log_.pose_accuracy));
+    }
+    close_segment(t_.nodes.size());
+  }
+
+  bool between_nodes(double time_s, std::size_t& node, double& alpha) const {
+    const auto& times = path_.time_s;
+    if (time_s < times.front() || time_s > times.back()) return false;
+    node = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time_s) - times.begin());
+    node = std::min(std::max<std::size_t>(node, 1), times.size() - 1) - 1;
+    const double span = times[node + 1] - times[node];
+    alpha = span > 0 ? (time_s - times[node]) / span : 0.0;
+    return true;
+  }
+
+  [[nodiscard]] bool tied_by_motion() const {
+    return t_.vehicle.index() < model_.motion_priors.size() && model_.motion_priors[t_.vehicle.index()] && log_.poses.empty() &&
+           t_.motion == Motion::kPlanar && !t_.has_cycle_offset && arrivals_.size() > 1;
+  }
+
+  /// Nothing but arrivals: a state with a velocity at each instant; after a long silence the prior says nothing any more.
+  void build_motion() {
+    constexpr double kSameInstant_s = 1e-3, kSilence_s = 10.0;
+    t_.moving = true;
+    t_.motion_prior = model_.motion_priors[t_.vehicle.index()];
+    for (std::size_t first = 0; first < arrivals_.size();) {
+      const double time_s = log_.arrivals[arrivals_[first]].time_s;
+      const std::size_t k = t_.nodes.size();
+      const double step_s = k > 0 ? time_s - t_.nodes[k - 1].time_s : INFINITY;
+      if (step_s > kSilence_s) {
+        if (k > 0) close_segment(k);
+        open_segment(k);
+        t_.motion_steps.push_back({k, 0.0});
+      } else {
+        t_.motion_steps.push_back({k - 1, step_s});
+      }
+      t_.nodes.push_back({.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+      for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].time_s <= time_s + kSameInstant_s; ++first)
+        add_arrival(arrivals_[first], k, 0.0);
+    }
+    close_segment(t_.nodes.size());
+    attach_bearings();
+  }
+
+  /// Bearings of the states made so far, by the nearest time.
+  void attach_bearings() {
+    constexpr double kNear_s = 0.05;
+    std::size_t k = 0;
+    for (const std::size_t i : bearings_) {
+      const double time_s = log_.bearings[i].time_s;
+      while (k + 1 < t_.nodes.size() && std::abs(t_.nodes[k + 1].time_s - time_s) <= std::abs(t_.nodes[k].time_s - time_s)) ++k;
+      if (k < t_.nodes.size() && std::abs(t_.nodes[k].time_s - time_s) <= kNear_s) add_bearing(i, k, 0.0);
+    }
+    std::size_t next = 0;
+    for (Segment& s : t_.segments) {
+      s.first_bearing = next;
+      while (next < t_.bearings.size() && t_.bearings[next].node < s.last_node) ++next;
+      s.last_bearing = next;
+    }
+  }
+
+  /// No epochs, no odometry: each distinct time is a state of its own, carried by the measured pose of that time.
+  void build_instants() {
+    t_.moving = true;
+    std::size_t next_bearing = 0;
+    for (std::size_t first = 0; first < arrivals_.size();) {
+      const double time_s = log_.arrivals[arrivals_[first]].time_s;
+      std::size_t last = first;
+      while (last < arrivals_.size() && log_.arrivals[arrivals_[last]].time_s == time_s) ++last;
+      Pose T;
+      const bool measured = log_.vehicle == t_.vehicle && interpolate_poses(log_.poses, time_s, log_.pose_accuracy.max_gap_s, T);
+      if (!measured && !log_.poses.empty()) {
+        for (std::size_t i = first; i < last; ++i) t_.stateless_arrivals.push_back(arrivals_[i]);
+      } else {
+        const std::size_t k = t_.nodes.size();
+        t_.nodes.push_back({.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = T, .cycle_offset_s = 0.0, .placed = measured});
+        open_segment(k);
+        for (std::size_t i = first; i < last; ++i) add_arrival(arrivals_[i], k, 0.0);
+        while (next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s < time_s) ++next_bearing;
+        for (; next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s == time_s; ++next_bearing)
+          add_bearing(bearings_[next_bearing], k, 0.0);
+        if (measured) t_.poses.push_back(pose_observation(k, 0.0, T, log_.pose_accuracy));
+        close_segment(k + 1);
+      }
+      first = last;
+    }
+  }
+
+  void open_segment(std::size_t node) {
+    // An odometry observation that leads to this node has not been added: it would have continued the segment.
+    const std::size_t a = t_.arrivals.size(), b = t_.bearings.size(), p = t_.poses.size(), o = t_.odometry.size(),
+                      m = t_.motion_steps.size();
+    t_.segments.push_back({node, node, a, a, b, b, p, p, o, o, m, m});
+  }
+  void close_segment(std::size_t last_node) {
+    Segment& s = t_.segments.back();
+    s.last_node = last_node;
+    s.last_arrival = t_.arrivals.size();
+    s.last_bearing = t_.bearings.size();
+    s.last_pose = t_.poses.size();
+    s.last_odometry = t_.odometry.size();
+    s.last_motion = t_.motion_steps.size();
+  }
+
+  const MeasurementLog& log_;
+  const TrajectoryModel& model_;
+  OdometryPath path_;
+  Trajectory t_;
+  std::vector<std::size_t> arrivals_, bearings_;
+  double speed_temperature_degC_ = NAN, speed_mps_ = NAN;
+};
+
+}  // namespace
+
+ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, double model_speed_mps) {
+  ArrivalObservation o;
+  o.beacon = a.beacon;
+  o.receiver = a.receiver;
+  o.time_s = a.time_s;
+  o.tof_s = a.tof_s;
+  o.sigma_s = model.noise.tof_sigma_s;
+  o.model_speed_mps = model_speed_mps;
+  if (model.attenuation && model.attenuation->measures(a.amplitude_v)) {
+    o.log_amplitude = std::log(a.amplitude_v);
+    o.log_amplitude_sigma = model.noise.amplitude_relative_sigma;
+    if (model.attenuation->directional()) {
+      // The walk is taken at this amplitude; near the threshold it bends, and one that was measured too loud must not seem exact.
+      const double least_v = a.amplitude_v * std::max(1 - o.log_amplitude_sigma, 0.5);
+      o.sigma_s = std::hypot(o.sigma_s, walk_by_log_amplitude_s(least_v, *model.attenuation) * o.log_amplitude_sigma);
+    }
+  }
+  o.two_way = model.timing.ranging == Ranging::kTwoWay;
+  return o;
+}
+
+double speed_of(const Arrival& a, const TrajectoryModel& model) {
+  return speed_mps(model.medium, std::isfinite(a.temperature_degC) ? a.temperature_degC : model.medium.temperature_degC);
+}
+
+void reserve_epoch(Trajectory& t, std::size_t arrivals, std::size_t bearings) {
+  t.nodes.reserve(1);
+  t.segments.reserve(1);
+  t.T_hear_send.reserve(1);
+  t.arrivals.reserve(arrivals);
+  t.bearings.reserve(bearings);
+}
+
+void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const Bearing> bearings, const TrajectoryModel& model) {
+  t.vehicle = arrivals.empty() ? bearings.front().vehicle : arrivals.front().vehicle;
+  t.motion = model.motion;
+  t.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
+  t.turnaround_s = model.timing.turnaround_s;
+  t.nominal_speed_mps = speed_mps(model.medium, model.medium.temperature_degC);
+  Node node;
+  node.time_s = arrivals.empty() ? bearings.front().time_s : arrivals.front().time_s;
+  node.epoch = arrivals.empty() ? bearings.front().epoch : arrivals.front().epoch;
+  t.nodes.assign(1, node);
+  t.T_hear_send.assign(1, Pose());
+  t.arrivals.clear();
+  t.bearings.clear();
+  for (const Arrival& a : arrivals) {
+    t.arrivals.push_back(observe(a, model, speed_of(a, model)));
+    t.arrivals.back().arrival = t.arrivals.size() - 1;
+    if (t.arrivals.back().two_way) t.arrivals.back().hear_send = 0;
+  }
+  for (const Bearing& b : bearings)
+    t.bearings.push_back({0, 0.0, t.bearings.size(), b.reflector, b.bearing_rad, model.noise.bearing_sigma_rad, Rejection::kUsed});
+  Segment whole;
+  whole.last_node = 1;
+  whole.last_arrival = t.arrivals.size();
+  whole.last_bearing = t.bearings.size();
+  t.segments.assign(1, whole);
+}
+
+bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s, Pose& T_map_vehicle) {
+  const auto after = std::lower_bound(poses.begin(), poses.end(), time_s, [](const TimedPose& p, double t) { return p.time_s < t; });
+  if (after == poses.end()) return false;
+  if (after->time_s == time_s) {
+    T_map_vehicle = after->T_map_vehicle;
+    return true;
+  }
+  if (after == poses.begin()) return false;
+  const auto before = after - 1;
+  const double span = after->time_s - before->time_s;
+  if (span > max_gap_s) return false;
+  T_map_vehicle = interpolate(before->T_map_vehicle, after->T_map_vehicle, (time_s - before->time_s) / span);
+  return true;
+}
+
+Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle, const TrajectoryModel& model) {
+  return Builder(log, run, vehicle, model).build();
+}
+
+}  // namespace octant

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+#include "survey/drawing/site_plan.h"
+
+namespace octant::survey {
+
+/// 1, 2 or 5 times a power of ten, not above x.
+[[nodiscard]] double round_down(double x);
+
+[[nodiscard]] bool is_drawn(const DeploymentBeacon& beacon);
+
+inline constexpr double kPlanWidth_px = 900.0, kPlanMargin_px = 46.0;
+
+/// Map metres to pixels, y up.
+struct PlanFrame {
+  Eigen::Vector2d low_m{0, 0}, high_m{1, 1};
+  double px_per_m = 1.0, height_px = 0.0;
+  [[nodiscard]] double x(double x_m) const { return kPlanMargin_px + (x_m - low_m.x()) * px_per_m; }
+  [[nodiscard]] double y(double y_m) const { return kPlanMargin_px + (high_m.y() - y_m) * px_per_m; }
+  [[nodiscard]] double extent_m() const { return (high_m - low_m).maxCoeff(); }
+};
+
+/// Around all that is drawn.
+[[nodiscard]] PlanFrame plan_frame(const PlanInput& input);
+
+/// One map as a layer, with the legend of its classes at height y.
+[[nodiscard]] std::string map_layer_svg(const NamedMap& map, std::size_t index, const PlanFrame& frame, double legend_y_px);
+
+}  // namespace octant::survey

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to survey/: the vector lanes under geometry_map.h.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "survey/geometry/survey_model.h"
+
+namespace octant::survey {
+
+inline constexpr std::size_t kMapLanes = 8;     ///< poses side by side; narrower machines take them in turns
+inline constexpr std::size_t kTilePoses = 512;  ///< at most, of one call
+inline constexpr std::size_t kGainSteps = 4096; ///< of a gain table over the cosine from -1 to 1
+
+/// A transducer in flat numbers: beacon in the map, receiver in the vehicle's frame.
+struct KernelTransducer {
+  double p_m[3] = {}, axis[3] = {};
+  double least_cosine = -2.0;    ///< below it nothing is heard; -2: all round
+  const double* gain = nullptr;  ///< kGainSteps + 1 values over the cosine; null: 1
+};
+
+/// A wall's piece from (x, y) on, by (wx, wy).
+struct KernelWall {
+  double x_m, y_m, wx_m, wy_m, bottom_m, top_m;
+  bool any_height;  ///< as high as every path that it could cross
+};
+
+struct KernelModel {
+  Unknowns unknowns;
+  std::vector<KernelTransducer> beacons, receivers;
+  std::vector<std::vector<double>> gains;  ///< one for each pattern that is not a cone
+  double reach_m = 0.0, amplitude_1m_v = 0.0, threshold_v = 0.0, absorption_np_per_m = 0.0;
+  double constant_m2 = 0.0, per_m2 = 0.0, per_sqrt_m2 = 0.0;  ///< of the ranges' variance
+};
+
+/// Poses of one call, padded to kMapLanes beyond `count`, and the walls that may stand between them and each beacon: those of
+/// beacon b are walls[wall_first[b]] to walls[wall_first[b + 1]]. A beacon that nobody here hears has `skip` set.
+struct KernelTile {
+  std::size_t count = 0;
+  alignas(64) double x_m[kTilePoses], y_m[kTilePoses], z_m[kTilePoses], cosine[kTilePoses], sine[kTilePoses];
+  std::vector<KernelWall> walls;
+  std::vector<std::uint32_t> wall_first;
+  std::vector<std::uint8_t> skip;
+};
+
+enum Figure : std::size_t {
+  kHdop, kVdop, kPdop, kTdop, kGdop, kHeadingDop, kSigma, kSigmaX, kSigmaY, kSigmaZ, kSigmaHeading, kShiftBySpeed, kCovarianceXy,
+  kDetectableBias, kFaultShift, kProtection, kBeacons, kArrivals, kFigures
+};
+struct KernelFigures {
+  alignas(64) double value[kFigures][kTilePoses];
+};
+
+struct KernelWork {
+  std::vector<double> of_beacon;          ///< scratch
+  std::vector<std::uint8_t> heard_bits;   ///< out: bit i % 8 of byte b * kTilePoses / 8 + i / 8: beacon b is heard at pose i
+};
+
+/// All figures of a tile. Integrity's stay untouched where it is not asked for.
+void map_tile(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work, KernelFigures& figures);
+
+/// Information of beacon `beacon` alone at a tile's poses: entry e of pose i at e * kTilePoses + i; heard: 0 or 1.
+void layer_tile(const KernelModel& model, const KernelTile& tile, std::size_t beacon, double* information, double* heard);
+
+/// Horizontal sigma of packed information (entry e of pose i at e * stride + i) less that of up to two layers; `count` poses.
+/// Singular by comparison with what was there before the layers were taken away: kNoFix.
+void sigma_of_packed(int unknowns, const double* information, const double* less, const double* less_too, std::size_t stride,
+                     std::size_t count, double* sigma_m);
+
+/// sum[i] += term[i]
+void add_to(const double* term, std::size_t count, double* sum);
+
+}  // namespace octant::survey

@@ -1,0 +1,346 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/placement/placement_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <nlopt.hpp>
+
+namespace octant::survey {
+namespace {
+
+constexpr std::size_t kGridPlaces = 160;
+constexpr int kSweeps = 20;                       ///< of exchanges, at most
+constexpr std::size_t kDescents = 5;              ///< of NLopt's local algorithm, from the best choices
+constexpr int kKicks = 8;                         ///< exchanges of a layout found, each with a descent after it
+constexpr double kGains = 1e-4;                   ///< an exchange has to gain more than this part
+constexpr std::size_t kEvaluationsPerNumber = 400; ///< of NLopt, for each unknown and algorithm
+
+/// A beacon of a layout with what it tells.
+struct Spot {
+  MountPoint point;
+  std::shared_ptr<const BeaconLayer> layer;
+};
+using Layout = std::vector<Spot>;
+
+std::vector<MountPoint> search_points_of(const Layout& layout) {
+  std::vector<MountPoint> points;
+  for (const Spot& s : layout) points.push_back(s.point);
+  return points;
+}
+
+/// Choices from a grid of places whose layers are made once.
+class GridSearch {
+ public:
+  GridSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, LayoutScore& score) : mounts_(mounts), score_(score), kept_(score.no_beacons()) {
+    for (const SurveyBeacon& b : kept) kept_.add(score.layer(b));
+    for (const MountPoint& p : mounts.grid(kGridPlaces)) places_.push_back(spot(p));
+  }
+
+  [[nodiscard]] Layout layout(const std::vector<MountPoint>& points) const {
+    Layout layout;
+    for (const MountPoint& p : points) layout.push_back(spot(p));
+    return layout;
+  }
+
+  /// One place after the other, each where it helps most.
+  [[nodiscard]] Layout greedy(std::size_t count) {
+    Layout layout;
+    LayoutScore::Sum sum = kept_;
+    while (layout.size() < count) {
+      layout.push_back(places_.front());
+      static_cast<void>(best_for(sum, layout.back(), INFINITY, /*soft=*/true));
+      sum.add(*layout.back().layer);
+    }
+    return layout;
+  }
+
+  /// The other way: from a beacon at every few places, taking away the one that is missed least.
+  [[nodiscard]] Layout stingy(std::size_t count) {
+    Layout layout;
+    const std::size_t every = std::max<std::size_t>(1, places_.size() / std::max<std::size_t>(4 * count, 1));
+    for (std::size_t i = 0; i < places_.size(); i += every) layout.push_back(places_[i]);
+    LayoutScore::Sum sum = total(layout, layout.size());
+    while (layout.size() > count) {
+      std::size_t least_missed = 0;
+      double least = INFINITY;
+      for (std::size_t k = 0; k < layout.size(); ++k) {
+        LayoutScore::Sum without = sum;
+        without.add(*layout[k].layer, -1);
+        ++evaluations_;
+        if (const double value = score_.value_with(without, nullptr, /*soft=*/true); value < least) least = value, least_missed = k;
+      }
+      layout.erase(layout.begin() + static_cast<std::ptrdiff_t>(least_missed));
+      sum = total(layout, layout.size());  // anew, so that differences leave no rounding
+    }
+    return layout;
+  }
+
+  /// Takes each beacon in turn to the place of the grid where it helps most, until none moves. Returns the value reached.
+  double exchange(Layout& layout, bool soft) {
+    double value = score_.value_with(total(layout, layout.size()), nullptr, soft);
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      const double before = value;
+      for (std::size_t k = 0; k < layout.size(); ++k) value = best_for(total(layout, k), layout[k], value, soft);
+      if (!(value < before * (1 - kGains))) break;
+    }
+    return value;
+  }
+
+  [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
+
+ private:
+  [[nodiscard]] Spot spot(const MountPoint& p) const { return {p, std::make_shared<BeaconLayer>(score_.layer(mounts_.beacon(p)))}; }
+
+  /// All but one (none: the layout's size).
+  [[nodiscard]] LayoutScore::Sum total(const Layout& layout, std::size_t but) const {
+    LayoutScore::Sum sum = kept_;
+    for (std::size_t k = 0; k < layout.size(); ++k)
+      if (k != but) sum.add(*layout[k].layer);
+    return sum;
+  }
+
+  /// The best place beside the others, where it is better than `value`; the value reached.
+  double best_for(const LayoutScore::Sum& others, Spot& spot, double value, bool soft) {
+    for (const Spot& place : places_) {
+      ++evaluations_;
+      const double v = score_.value_with(others, place.layer.get(), soft);
+      if (!(v < value * (1 - kGains))) continue;
+      value = v;
+      spot = place;
+    }
+    return value;
+  }
+
+  const MountSpace& mounts_;
+  LayoutScore& score_;
+  LayoutScore::Sum kept_;
+  std::vector<Spot> places_;
+  std::size_t evaluations_ = 0;
+};
+
+nlopt::algorithm algorithm_of(GlobalAlgorithm a) {
+  switch (a) {
+    case GlobalAlgorithm::kDirect: return nlopt::GN_DIRECT_L;
+    case GlobalAlgorithm::kIsres: return nlopt::GN_ISRES;
+    case GlobalAlgorithm::kEsch: return nlopt::GN_ESCH;
+    default: return nlopt::GN_CRS2_LM;
+  }
+}
+
+nlopt::algorithm algorithm_of(LocalAlgorithm a) {
+  switch (a) {
+    case LocalAlgorithm::kBobyqa: return nlopt::LN_BOBYQA;
+    case LocalAlgorithm::kCobyla: return nlopt::LN_COBYLA;
+    default: return nlopt::LN_SBPLX;
+  }
+}
+
+/// NLopt over the mounts themselves: one number for each beacon, two where heights or ceilings leave a choice.
+class ContinuousSearch {
+ public:
+  ContinuousSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, LayoutScore& score, const PlacementOptions& options, std::size_t count)
+      : mounts_(mounts), kept_(kept), score_(score), options_(options), count_(count) {}
+
+  /// The best point that was looked at from `start` on, `start` included.
+  /// @param soft  goes down on the soft value instead of the goal
+  [[nodiscard]] std::vector<MountPoint> run(nlopt::algorithm algorithm, const std::vector<MountPoint>& start, double first_step, bool soft) {
+    soft_ = soft;
+    const auto n = static_cast<unsigned>(count_ * numbers());
+    nlopt::opt opt(algorithm, n);
+    opt.set_lower_bounds(0.0);
+    opt.set_upper_bounds(1.0);
+    opt.set_min_objective(&ContinuousSearch::objective, this);
+    most_ = options_.evaluations > 0 ? options_.evaluations : kEvaluationsPerNumber * n;
+    opt.set_maxeval(static_cast<int>(most_));
+    opt.set_xtol_abs(1e-5);
+    opt.set_initial_step(first_step);
+    nlopt::srand(static_cast<unsigned long>(options_.seed));
+    std::vector<double> x = numbers_of(start);
+    least_ = value(x);
+    best_ = x;
+    asked_ = 0;
+    try {
+      double last = 0.0;
+      opt.optimize(x, last);
+    } catch (const nlopt::roundoff_limited&) {  // as far as it goes: the best point is kept here
+    } catch (const nlopt::forced_stop&) {
+      interrupted_ = true;
+    }
+    return search_points_of(best_);
+  }
+
+  [[nodiscard]] double value_of(const std::vector<MountPoint>& points) {
+    soft_ = false;
+    return value(numbers_of(points));
+  }
+  [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
+  [[nodiscard]] bool interrupted() const { return interrupted_; }
+  /// False: whoever waits has had enough.
+  bool report(double fraction) {
+    interrupted_ = interrupted_ || (options_.on_progress && !options_.on_progress(fraction));
+    return !interrupted_;
+  }
+  void set_stage(double from, double to) { from_ = from, to_ = to; }
+
+ private:
+  [[nodiscard]] std::size_t numbers() const { return mounts_.is_wide() ? 2 : 1; }
+
+  [[nodiscard]] std::vector<double> numbers_of(const std::vector<MountPoint>& points) const {
+    std::vector<double> x;
+    for (const MountPoint& p : points) {
+      x.push_back(p.along);
+      if (numbers() == 2) x.push_back(p.across);
+    }
+    return x;
+  }
+  [[nodiscard]] std::vector<MountPoint> search_points_of(const std::vector<double>& x) const {
+    std::vector<MountPoint> points;
+    for (std::size_t k = 0; k < count_; ++k) points.push_back({x[k * numbers()], numbers() == 2 ? x[2 * k + 1] : 0.5});
+    return points;
+  }
+
+  double value(const std::vector<double>& x) {
+    ++evaluations_;
+    std::vector<SurveyBeacon> beacons = kept_;
+    for (const MountPoint& p : search_points_of(x)) beacons.push_back(mounts_.beacon(p));
+    return soft_ ? score_.soft_value(beacons) : LayoutScore::value(score_.of(beacons));
+  }
+
+  static double objective(const std::vector<double>& x, std::vector<double>&, void* self) {
+    auto& search = *static_cast<ContinuousSearch*>(self);
+    constexpr std::size_t kAtOnce = 64;
+    const double part = std::min(1.0, static_cast<double>(search.asked_) / static_cast<double>(search.most_));
+    if (++search.asked_ % kAtOnce == 0 && !search.report(search.from_ + part * (search.to_ - search.from_))) throw nlopt::forced_stop();
+    const double value = search.value(x);
+    if (value < search.least_) {
+      search.least_ = value;
+      search.best_ = x;
+    }
+    return value;
+  }
+
+  const MountSpace& mounts_;
+  const std::vector<SurveyBeacon>& kept_;
+  LayoutScore& score_;
+  const PlacementOptions& options_;
+  std::size_t count_, evaluations_ = 0, asked_ = 0, most_ = 1;
+  double least_ = 0.0, from_ = 0.0, to_ = 1.0;
+  std::vector<double> best_;
+  bool interrupted_ = false, soft_ = false;
+};
+
+}  // namespace
+
+std::vector<MountPoint> greedy_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score) {
+  return search_points_of(GridSearch(mounts, kept, score).greedy(count));
+}
+
+namespace {
+
+/// The whole search, stage by stage.
+class LayoutSearch {
+ public:
+  LayoutSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score, const PlacementOptions& options)
+      : options_(options), grid_(mounts, kept, score), nlopt_(mounts, kept, score, options, count), count_(count) {}
+
+  SearchResult run(const std::vector<std::vector<MountPoint>>& starts) {
+    choose(starts);
+    descend_from_the_best();
+    global();
+    kick();
+    result_.evaluations = grid_.evaluations() + nlopt_.evaluations();
+    result_.interrupted = nlopt_.interrupted();
+    return std::move(result_);
+  }
+
+ private:
+  /// Exchanges on the grid, from greedy and stingy choices and from all starts.
+  void choose(const std::vector<std::vector<MountPoint>>& starts) {
+    std::vector<Layout> layouts = {grid_.greedy(count_), grid_.stingy(count_)};
+    result_.layouts.push_back(search_points_of(layouts.front()));
+    for (const auto& start : starts) {
+      keep(start);
+      layouts.push_back(grid_.layout(start));
+    }
+    for (std::size_t i = 0; i < layouts.size() && nlopt_.report(0.3 * static_cast<double>(i) / static_cast<double>(layouts.size())); ++i) {
+      static_cast<void>(grid_.exchange(layouts[i], /*soft=*/true));
+      keep(search_points_of(layouts[i]));
+      static_cast<void>(grid_.exchange(layouts[i], /*soft=*/false));
+      keep(search_points_of(layouts[i]));
+    }
+  }
+
+  /// Down on the soft value first, which shows the way from afar.
+  void descend_from_the_best() {
+    if (options_.local == LocalAlgorithm::kNone) return;
+    auto ranked = result_.layouts;
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < ranked.size(); ++i) order.emplace_back(nlopt_.value_of(ranked[i]), i);
+    std::sort(order.begin(), order.end());
+    const std::size_t most = std::min(kDescents, order.size());
+    for (std::size_t i = 0; i < most && !nlopt_.interrupted(); ++i) {
+      nlopt_.set_stage(0.3 + 0.3 * static_cast<double>(i) / static_cast<double>(most), 0.3 + 0.3 * static_cast<double>(i + 1) / static_cast<double>(most));
+      const auto& start = ranked[order[i].second];
+      if (i == 0) keep(nlopt_.run(algorithm_of(options_.local), start, 0.02, /*soft=*/false));
+      const auto near = nlopt_.run(algorithm_of(options_.local), start, 0.04, /*soft=*/true);
+      if (!nlopt_.interrupted()) keep(nlopt_.run(algorithm_of(options_.local), near, 0.02, /*soft=*/false));
+    }
+  }
+
+  void global() {
+    if (options_.global == GlobalAlgorithm::kNone || nlopt_.interrupted()) return;
+    nlopt_.set_stage(0.6, 0.85);
+    keep(nlopt_.run(algorithm_of(options_.global), best_, 0.1, /*soft=*/false));
+  }
+
+  /// Exchanges of the best layout against the grid, each with a descent after it, until none gains.
+  void kick() {
+    nlopt_.set_stage(0.85, 1.0);
+    for (int i = 0; i < kKicks && !nlopt_.interrupted(); ++i) {
+      const double before = best_value_;
+      Layout layout = grid_.layout(best_);
+      static_cast<void>(grid_.exchange(layout, /*soft=*/false));
+      keep(search_points_of(layout));
+      if (options_.local != LocalAlgorithm::kNone) keep(nlopt_.run(algorithm_of(options_.local), search_points_of(layout), 0.02, /*soft=*/false));
+      if (!(best_value_ < before * (1 - kGains))) return;
+    }
+  }
+
+  void keep(const std::vector<MountPoint>& layout) {
+    result_.layouts.push_back(layout);
+    const double value = nlopt_.value_of(layout);
+    if (!best_.empty() && !(value < best_value_)) return;
+    best_ = layout;
+    best_value_ = value;
+  }
+
+  const PlacementOptions& options_;
+  GridSearch grid_;
+  ContinuousSearch nlopt_;
+  std::size_t count_;
+  SearchResult result_;
+  std::vector<MountPoint> best_;
+  double best_value_ = 0.0;
+};
+
+}  // namespace
+
+SearchResult search_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score,
+                           const PlacementOptions& options, const std::vector<std::vector<MountPoint>>& starts) {
+  return LayoutSearch(mounts, kept, count, score, options).run(starts);
+}
+
+std::vector<MountPoint> refine_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, const std::vector<MountPoint>& start, LayoutScore& score,
+                                      const PlacementOptions& options, SearchResult& result) {
+  ContinuousSearch search(mounts, kept, score, options, start.size());
+  search.set_stage(1.0, 1.0);
+  const auto layout = search.run(algorithm_of(options.local), start, 0.01, /*soft=*/false);
+  result.evaluations += search.evaluations();
+  result.interrupted = result.interrupted || search.interrupted();
+  return layout;
+}
+
+}  // namespace octant::survey

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "survey/geometry/quantity.h"
+#include "survey/report/report_sections.h"
+
+namespace octant::survey {
+namespace {
+
+/// Below this mean redundancy number most of an arrival's error goes into the beacon and not into its residual.
+constexpr double kLittleRedundancy = 0.3;
+/// Beyond these the stated noise is wrong, whatever the test says of a small number of arrivals.
+constexpr double kNoisy = 2.0, kQuiet = 0.5;
+constexpr std::size_t kMostNames = 6;
+
+std::string names(const std::vector<std::string>& all) {
+  std::string text;
+  for (std::size_t i = 0; i < all.size() && i < kMostNames; ++i) text += (i == 0 ? "" : ", ") + all[i];
+  return all.size() > kMostNames ? text + fmt::format(" and {} more", all.size() - kMostNames) : text;
+}
+
+void add_weak(const ReportInput& input, std::vector<std::string>& steps) {
+  for (const bool blocking : {true, false}) {
+    for (const auto& weak : input.weak) {
+      if (weak.blocking != blocking || weak.remedy.empty()) continue;
+      const std::string step = as_sentence(fmt::format("To settle {}: {}", weak.description, weak.remedy));
+      if (std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
+    }
+  }
+}
+
+void add_beacons(const ReportInput& input, std::vector<std::string>& steps) {
+  std::vector<std::string> lost, bare, beyond;
+  const Deployment& d = input.plan.deployment;
+  for (const auto& beacon : d.beacons) {
+    if (beacon.status == BeaconStatus::kUndetermined) lost.push_back(beacon.name);
+    if (beacon.status == BeaconStatus::kCalibrated && d.tolerance.beacon_m && radius95_m(beacon) > *d.tolerance.beacon_m) beyond.push_back(beacon.name);
+  }
+  for (const auto& note : input.beacons) {
+    const bool counts = std::find(lost.begin(), lost.end(), note.name) == lost.end();
+    if (counts && note.used > 0 && note.redundancy < kLittleRedundancy) bare.push_back(note.name);
+  }
+  if (!lost.empty() && input.outcome == Outcome::kCalibrated)
+    steps.push_back(fmt::format("Hear {} from more places, well apart: not determined, localizers leave {} out.", names(lost), lost.size() > 1 ? "them" : "it"));
+  if (!beyond.empty()) steps.push_back(fmt::format("Record more stations around {}: beyond the tolerance for beacons.", names(beyond)));
+  if (!bare.empty())
+    steps.push_back(fmt::format("Record more stations that hear {}: with redundancy numbers below {} errors of single arrivals stay unseen.", names(bare),
+                                kLittleRedundancy));
+}
+
+void add_noise(const ReportInput& input, std::vector<std::string>& steps) {
+  const CalibrationStatistics& s = input.plan.deployment.statistics;
+  if (s.redundancy < 10 || s.variance_factor <= 0) return;
+  if (input.plan.deployment.contradictions.empty() && (s.variance_factor > kNoisy || s.variance_factor < kQuiet))
+    steps.push_back(fmt::format("State the noise as it is: residuals have {:.2g} times the variance of noise.tof_sigma_s in the site file.", s.variance_factor));
+  std::size_t left_out = s.rejected, all = s.arrivals + s.rejected;
+  if (all > 0 && left_out * 4 > all)
+    steps.push_back(fmt::format("Look for reflecting walls and swapped channels: {} of {} arrivals were left out.", left_out, all));
+}
+
+void add_verification(const ReportInput& input, std::vector<std::string>& steps) {
+  const Tolerance& tolerance = input.plan.deployment.tolerance;
+  if (!input.evaluation) {
+    steps.emplace_back("Verify with a run that took no part in the calibration and whose poses are known: octant verify.");
+  } else if (!input.evaluation->pass()) {
+    steps.emplace_back(input.evaluation->matched == 0 ? "Record a held-out run whose truth.tum covers the fixes in time."
+                                                      : "Fixes are outside their tolerance: look at the plan for where, and add a beacon or stations there.");
+  } else if (input.evaluation->nees_mean && *input.evaluation->nees_mean > 3.0) {
+    steps.push_back(fmt::format("Do not trust the stated sigmas of fixes: errors are {:.2g} times as large squared; look for reflections and unmodelled delays.",
+                                *input.evaluation->nees_mean));
+  }
+  if (!tolerance.beacon_m && !tolerance.fix_m) steps.emplace_back("State in the site file what the site must reach (tolerance: beacon_m, fix_m), so that it can be judged.");
+}
+
+}  // namespace
+
+std::vector<std::string> next_steps(const ReportInput& input) {
+  std::vector<std::string> steps;
+  for (const Contradiction& c : input.plan.deployment.contradictions) {
+    const std::string step = as_sentence(c.remedy);
+    if (!c.remedy.empty() && std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
+  }
+  if (!steps.empty()) {
+    steps.emplace_back("Then calibrate again: what else is to be measured shows when nothing is contradicted any more.");
+    return steps;
+  }
+  if (input.outcome == Outcome::kNotConverged)
+    steps.emplace_back("Check units, beacon ids and approximate positions: octant check looks at the log.");
+  add_weak(input, steps);
+  add_beacons(input, steps);
+  if (input.changes) {
+    std::vector<std::string> moved, delayed;
+    for (const auto& c : input.changes->beacons) {
+      if (c.moved()) moved.push_back(c.name);
+      if (c.delay_significant && !c.moved()) delayed.push_back(c.name);
+    }
+    const std::vector<std::string>& doubted = input.changes->doubted_control_points;
+    if (!doubted.empty()) steps.push_back(fmt::format("Measure {} again: held as a control point, with another delay than in the earlier deployment.", names(doubted)));
+    if (!moved.empty()) steps.push_back(fmt::format("Look at {} on site: moved since the earlier deployment.", names(moved)));
+    if (!delayed.empty()) steps.push_back(fmt::format("Look at {} on site: another delay than in the earlier deployment, as of another device.", names(delayed)));
+  }
+  if (input.outcome == Outcome::kCalibrated) {
+    add_noise(input, steps);
+    add_verification(input, steps);
+  }
+  if (steps.empty()) steps.emplace_back("Nothing needs to be measured; keep this report to compare the next calibration with it.");
+  return steps;
+}
+
+std::optional<ReportSection> next_section(const ReportInput& input) {
+  ReportSection section{"next", "What to measure next", {}};
+  section.blocks.emplace_back(ReportList{next_steps(input), true});
+  return section;
+}
+
+}  // namespace octant::survey

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// Where an adjustment stops: no later than it has to, and never before what it was asked for is there.
+#include "calib/adjust/adjust.h"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/calib/calib_support.h"
+
+namespace octant::test {
+namespace {
+
+struct Off {
+  calib::Problem problem;
+  calib::ParameterLayout layout;
+  std::vector<Trajectory> trajectories;
+  Eigen::VectorXd x;
+};
+
+/// A solved hall, its beacons off again.
+Off hall_off_by(double off_m, int epochs = 300) {
+  Scenario scenario = hall_scenario();
+  scenario.path.epochs = epochs;
+  const World world = must(simulate(scenario, 4));
+  Off off{problem_of(world), {}, {}, {}};
+  calib::Solution solution = calib::solve(off.problem, {});
+  EXPECT_EQ(solution.status, calib::SolveStatus::kConverged);
+  off.trajectories = std::move(solution.trajectories);
+  off.layout = calib::make_layout(off.problem, solution.state, std::vector<bool>(world.site.beacons.size(), false));
+  for (std::size_t b = 0; b < solution.state.beacon_p_map_m.size(); ++b)
+    solution.state.beacon_p_map_m[b] +=
+        off_m * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)), std::cos(3.0 * static_cast<double>(b)), 0.5);
+  off.x = off.layout.vector_of(solution.state);
+  return off;
+}
+
+calib::AdjustResult adjusted(const Off& off, double tolerance, Eigen::VectorXd& x, std::vector<Trajectory>& trajectories) {
+  trajectories = off.trajectories;
+  x = off.x;
+  calib::AdjustOptions options;
+  options.function_tolerance = tolerance;
+  return calib::adjust(off.problem, off.layout, trajectories, x, options);
+}
+
+TEST(Adjust, StopsWhereTheLastStepIsForetoldAndNotBefore) {
+  int foretold = 0;
+  for (const double off_m : {0.001, 0.003, 0.01, 0.03}) {
+    const Off off = hall_off_by(off_m);
+    Eigen::VectorXd x, best_x;
+    std::vector<Trajectory> there, best_there;
+    const double best = adjusted(off, 1e-14, best_x, best_there).cost;
+    for (const double tolerance : {1e-5, 1e-6, 1e-8, 1e-10}) {
+      SCOPED_TRACE(testing::Message() << off_m << " m, tolerance " << tolerance);
+      const calib::AdjustResult result = adjusted(off, tolerance, x, there);
+      EXPECT_TRUE(result.converged);
+      EXPECT_LE(result.cost - best, tolerance * best);
+      if (result.message.find("foretold") == std::string::npos) continue;
+      ++foretold;
+      // The matrix is that of the point before the last step, the states are those of x.
+      std::vector<Trajectory> settled = there;
+      const Eigen::MatrixXd H = calib::information_at(off.problem, off.layout, settled, x).data;
+      ASSERT_TRUE(result.data_information);
+      const Eigen::VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
+      EXPECT_LT((scale.asDiagonal() * (*result.data_information - H) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-3);
+      for (std::size_t k = 0; k < there[0].nodes.size(); ++k)
+        EXPECT_LT((there[0].nodes[k].T_map_vehicle.translation_m - settled[0].nodes[k].T_map_vehicle.translation_m).norm(), 2e-6)
+            << k;
+    }
+  }
+  EXPECT_GE(foretold, 2);
+}
+
+}  // namespace
+}  // namespace octant::test

@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/start/mirror_images.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/calib/calib_support.h"
+
+namespace octant::test {
+namespace {
+
+using calib::SolveStatus;
+using testing::Contains;
+using testing::HasSubstr;
+
+/// One receiver on the origin stops along a straight line through the hall; of the free beacons only the heights are known.
+Scenario straight_line(bool bearings) {
+  Scenario s = hall_scenario();
+  s.site.receivers.resize(1);
+  s.site.receivers[0].position_m = {0.0, 0.0, 0.4};
+  s.site.receivers[0].sigma_m.setZero();
+  s.site.receivers[0].axis.reset();
+  s.site.vehicles[0].receiver_count = 1;
+  s.site.vehicles[0].array.reset();
+  s.site.noise.bearing_sigma_rad = 0.01;
+  for (SiteBeacon& b : s.site.beacons)
+    if (!b.is_control_point()) b.sigma_m = {std::nullopt, std::nullopt, 0.01};
+  s.range_m = 40.0;
+  s.hearing_half_angle_rad = 3.2;
+  s.path.kind = PathKind::kWaypoints;
+  s.path.waypoints_m = {{1.0, 5.5}, {19.0, 6.5}};
+  s.path.epochs = 30;
+  if (bearings) s.bearings = Scenario::Bearings{};
+  return s;
+}
+
+TEST(MirrorImages, BearingsTellTheSidesOfALine) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const World world = must(simulate(straight_line(true), seed));
+    const calib::Solution solution = solution_of(world);
+    EXPECT_EQ(solution.status, SolveStatus::kConverged) << "seed " << seed << ": " << solution.message;
+    EXPECT_LT(worst_beacon_m(world, solution), 0.2) << "seed " << seed;
+    EXPECT_TRUE(solution.left_out_bearings.size() < 3) << "seed " << seed;
+  }
+}
+
+TEST(MirrorImages, WithoutBearingsNoSideIsGuessed) {
+  const World world = must(simulate(straight_line(false), 1));
+  const calib::Solution solution = solution_of(world);
+  EXPECT_EQ(solution.status, SolveStatus::kUndetermined);
+  EXPECT_EQ(std::count(solution.beacon_mirrored.begin(), solution.beacon_mirrored.end(), true), 5);
+  EXPECT_THAT(solution.message, HasSubstr("mirror image"));
+}
+
+TEST(MirrorImages, AnApproximatePlaceTellsTheSide) {
+  Scenario s = straight_line(false);
+  for (SiteBeacon& b : s.site.beacons)
+    if (!b.is_control_point()) b.sigma_m = {0.5, 0.5, 0.01};
+  const World world = must(simulate(s, 2));
+  const calib::Solution solution = solution_of(world);
+  EXPECT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
+  EXPECT_LT(worst_beacon_m(world, solution), 0.2);
+}
+
+/// Stops all over the hall, with two control points on one wall.
+Scenario two_control_points(bool bearings) {
+  Scenario s = straight_line(bearings);
+  s.path.kind = PathKind::kStops;
+  s.path.epochs = 60;
+  for (std::size_t b = 0; b < s.site.beacons.size(); ++b) {
+    if (b < 2) s.site.beacons[b].sigma_m.fill(0.0);
+    if (b >= 2) s.site.beacons[b].sigma_m = {std::nullopt, std::nullopt, 0.01};
+  }
+  return s;
+}
+
+TEST(MirrorImages, OfAWholeSiteNoSideIsGuessed) {
+  EXPECT_EQ(solution_of(must(simulate(two_control_points(false), 3))).status, SolveStatus::kUndetermined);
+  const World world = must(simulate(two_control_points(true), 3));  // counter-clockwise is no mirror image
+  EXPECT_LT(worst_beacon_m(world, solution_of(world)), 0.3);
+}
+
+TEST(MirrorImages, AWholeSiteIsReflectedInTheLineOfWhatIsKnown) {
+  const World world = must(simulate(two_control_points(true), 3));
+  const calib::Problem problem = problem_of(world);
+  const calib::Solution solution = calib::solve(problem);
+  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  const Eigen::VectorXd x = layout.vector_of(solution.state);
+  Eigen::VectorXd image = x;
+  std::vector<Trajectory> reflected = solution.trajectories;
+  ASSERT_TRUE(calib::reflect_site(problem, layout, image, reflected));
+  EXPECT_NEAR(layout.state_of(image).beacon_p_map_m[4].y(), 0.1 - solution.state.beacon_p_map_m[4].y(), 1e-6);
+  EXPECT_NEAR(layout.state_of(image).beacon_p_map_m[4].x(), solution.state.beacon_p_map_m[4].x(), 1e-6);
+  // Ranges see no difference, bearings do.
+  const calib::Consensus here = calib::consensus_of(problem, layout, x, solution.trajectories, 4.0);
+  const calib::Consensus there = calib::consensus_of(problem, layout, image, reflected, 4.0);
+  EXPECT_NEAR(there.arrivals, here.arrivals, 1e-3 * here.arrivals);
+  EXPECT_EQ(calib::prefer(here, there, 1.0), calib::Preference::kFirst);
+}
+
+TEST(MirrorImages, ASiteThatIsKnownOrHeardByAnArrayIsNotReflected) {
+  for (const Scenario& scenario : {straight_line(true), hall_scenario()}) {
+    const calib::Problem problem = problem_of(must(simulate(scenario, 1)));
+    const SharedState state = prior_state(problem.site);
+    const calib::ParameterLayout layout = calib::make_layout(problem, state, std::vector<bool>(8, false));
+    Eigen::VectorXd x = layout.vector_of(state);
+    std::vector<Trajectory> trajectories = problem.trajectories;
+    EXPECT_FALSE(calib::reflect_site(problem, layout, x, trajectories));
+  }
+}
+
+TEST(MirrorImages, BearingsThatDoNotFitAreListedAndTold) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 30;
+  s.site.noise.bearing_sigma_rad = 0.01;
+  s.bearings = Scenario::Bearings{};
+  World world = must(simulate(s, 4));
+  std::size_t seen = 0;
+  for (Bearing& b : world.run.bearings)
+    if (b.reflector == BeaconId(2)) {
+      b.bearing_rad = wrap_angle(b.bearing_rad + 1.0);
+      ++seen;
+    }
+  const calib::Solution solution = solution_of(world);
+  ASSERT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
+  EXPECT_EQ(solution.left_out_bearings.size(), seen);
+  for (const calib::LeftOutBearing& b : solution.left_out_bearings)
+    EXPECT_EQ(world.run.bearings[b.bearing].reflector, BeaconId(2));
+  EXPECT_THAT(solution.warnings, Contains(HasSubstr("beacon B2: ")));
+}
+
+TEST(MirrorImages, WhatIsPreferred) {
+  using calib::prefer;
+  using calib::Preference;
+  EXPECT_EQ(prefer({100, 50}, {101, 400}, 1.0), Preference::kFirst);
+  EXPECT_EQ(prefer({100, 400}, {101, 50}, 1.0), Preference::kSecond);
+  EXPECT_EQ(prefer({100, 50}, {130, 50}, 1.0), Preference::kNeither);   // ranges alone: errors common to a place do that
+  EXPECT_EQ(prefer({100, 50}, {400, 50}, 1.0), Preference::kFirst);
+  EXPECT_EQ(prefer({100, 50}, {400, 50}, 3.0), Preference::kNeither);   // of nine times the variance
+  EXPECT_EQ(prefer({100, 50}, {170, 30}, 1.0), Preference::kNeither);   // they contradict each other
+}
+
+/// A vehicle with its one receiver on the origin and measured positions: nothing hears its heading.
+Scenario without_heading() {
+  Scenario s = straight_line(false);
+  s.path.kind = PathKind::kStops;
+  s.path.epochs = 40;
+  s.log_poses = true;
+  s.site.receivers[0].sigma_m.fill(0.002);
+  return s;
+}
+
+TEST(Headings, ThatNothingHearsCostNoRedundancy) {
+  World world = must(simulate(without_heading(), 5));
+  world.run.pose_accuracy.heading_known = true;
+  world.run.pose_accuracy.heading_sigma_rad = 3.2;
+  const calib::Solution vague = solution_of(world);
+  world.run.pose_accuracy.heading_known = false;
+  const calib::Solution unknown = solution_of(world);
+  ASSERT_EQ(unknown.status, SolveStatus::kConverged) << unknown.message;
+  EXPECT_NEAR(unknown.statistics.redundancy, vague.statistics.redundancy, 1.0);
+  EXPECT_NEAR(unknown.statistics.variance_factor, 1.0, 0.25);
+}
+
+TEST(Headings, ThatNothingHearsAreNotTurned) {
+  World world = must(simulate(without_heading(), 6));
+  world.run.pose_accuracy.heading_known = false;
+  const calib::Solution solution = solution_of(world);
+  for (const std::string& warning : solution.warnings) EXPECT_THAT(warning, Not(HasSubstr("faced the wrong way")));
+}
+
+}  // namespace
+}  // namespace octant::test

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/stream/log_index.h"
+
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "calib/stream/long_log.h"
+#include "tests/calib/calib_support.h"
+#include "tests/calib/memory_source.h"
+
+namespace octant::test {
+namespace {
+
+using Key = std::pair<std::int32_t, std::int64_t>;  // vehicle, epoch
+
+/// Rows of three vehicles in turn, each with epochs of one to twenty rows; the third sleeps within an epoch.
+MeasurementLog interleaved(int rows, unsigned seed) {
+  std::mt19937 random(seed);
+  MeasurementLog log;
+  log.has_epochs = true;
+  std::int64_t epoch[3] = {100, 50, -7};
+  int left[3] = {3, 5, 4};
+  for (int i = 0; i < rows; ++i) {
+    auto v = static_cast<std::int32_t>(random() % 3);
+    if (v == 2 && i > rows / 5 && i < rows / 2) v = 0;
+    if (left[v]-- == 0) {
+      epoch[v] += v == 1 ? -1 : 1 + static_cast<std::int64_t>(random() % 3);
+      left[v] = static_cast<int>(random() % 20);
+    }
+    Arrival a;
+    a.time_s = i;
+    a.line = i + 2;
+    a.vehicle = VehicleId(v);
+    a.beacon = BeaconId(static_cast<std::int32_t>(random() % 5));
+    a.receiver = ReceiverId(v);
+    a.epoch = epoch[v];
+    log.arrivals.push_back(a);
+  }
+  return log;
+}
+
+TEST(LogIndex, EachEpochIsInOneStretchAndWhole) {
+  for (const unsigned seed : {1U, 2U, 3U})
+    for (const std::size_t block : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{5000}}) {
+      const MeasurementLog log = interleaved(2000, seed);
+      std::map<Key, std::vector<int>> lines;
+      for (const Arrival& a : log.arrivals) lines[{a.vehicle.value, a.epoch}].push_back(a.line);
+      MemorySource source({log, log}, block);
+      const calib::LogIndex index = must(calib::LogIndex::scan(source, 3, 5, 150));
+      EXPECT_EQ(index.arrivals(), 4000U);
+      EXPECT_EQ(index.epochs(1), lines.size());
+      std::size_t epochs = 0, arrivals = 0;
+      std::map<Key, std::vector<int>> found[2];
+      for (const calib::LogChunk& chunk : index.chunks()) {
+        std::vector<Arrival> rows;
+        must(index.read(source, chunk.run, chunk.first_block, chunk.last_block, rows).map([] { return 0; }));
+        std::map<Key, std::vector<int>> of_chunk;
+        for (const Arrival& a : rows) of_chunk[{a.vehicle.value, a.epoch}].push_back(a.line);
+        for (auto& [key, list] : of_chunk) EXPECT_TRUE(found[chunk.run].emplace(key, list).second) << "an epoch in two stretches";
+        EXPECT_EQ(rows.size(), chunk.all_arrivals());
+        for (std::size_t v = 0; v < 3; ++v) {
+          EXPECT_EQ(chunk.epochs[v], static_cast<std::size_t>(std::count_if(of_chunk.begin(), of_chunk.end(), [&](const auto& e) {
+                      return e.first.first == static_cast<std::int32_t>(v);
+                    })));
+          epochs += chunk.epochs[v];
+        }
+        arrivals += rows.size();
+      }
+      EXPECT_EQ(found[0], lines);
+      EXPECT_EQ(found[1], lines);
+      EXPECT_EQ(epochs, 2 * lines.size());
+      EXPECT_EQ(arrivals, 4000U);
+      if (block < 100) EXPECT_GT(index.chunks().size(), 8U);
+    }
+}
+
+/// A part of a long log as thin() chooses it, the log at hand or not.
+TEST(LogPart, IsThatOfTheWholeLog) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 1500;
+  s.heldout_path.epochs = 1;
+  const World world = must(simulate(s, 4));
+  MeasurementLog run = world.run;
+  // Beacon 5 is heard at every fortieth epoch, beacon 6 at two.
+  std::erase_if(run.arrivals, [](const Arrival& a) {
+    return (a.beacon.value == 5 && a.epoch % 40 != 3) || (a.beacon.value == 6 && a.epoch != 700 && a.epoch != 1201);
+  });
+  const calib::Problem whole = must(calib::make_problem(world.site, {run, world.heldout}));
+  const calib::Problem expected = must(calib::part_of(whole));
+  MemorySource source({run, world.heldout}, 100);
+  const calib::LogIndex index = must(calib::LogIndex::scan(source, world.site.vehicles.size(), world.site.beacons.size(), 1000));
+  const calib::Problem part = must(calib::part_of(world.site, source, index, 2));
+  for (std::size_t r = 0; r < 2; ++r) {
+    const auto &all = expected.runs[r].arrivals, &some = part.runs[r].arrivals;
+    ASSERT_EQ(some.size(), all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      EXPECT_EQ(some[i].time_s, all[i].time_s);
+      EXPECT_EQ(some[i].tof_s, all[i].tof_s);
+      EXPECT_EQ(some[i].receiver, all[i].receiver);
+    }
+  }
+  EXPECT_LT(part.runs[0].arrivals.size(), run.arrivals.size());
+}
+
+}  // namespace
+}  // namespace octant::test
