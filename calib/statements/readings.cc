@@ -157,8 +157,16 @@ class Search {
 
   [[nodiscard]] bool stopped() const { return options_.on_progress && !options_.on_progress({}); }
 
+  /// Share of the arrivals that agree with what was stated, to the noise that another reading finds: with a noise many times
+  /// larger everything agrees with anything.
+  [[nodiscard]] double agreeing_as_stated(double noise) const {
+    const double limit = options_.rejection_sigmas * noise;
+    const auto agreeing = std::count_if(stated_.sizes.begin(), stated_.sizes.end(), [limit](double size) { return size <= limit; });
+    return static_cast<double>(agreeing) / std::max(1.0, stated_.arrivals);
+  }
+
   [[nodiscard]] bool explains(const Score& s) const {
-    return s.agreeing >= std::max(kAgreeingShare, stated_.agreeing) && s.noise <= kNoise && s.redundancy >= kRedundant && stated_.loss - s.loss >= kGain &&
+    return s.agreeing >= std::max(kAgreeingShare, agreeing_as_stated(s.noise)) && s.noise <= kNoise && s.redundancy >= kRedundant && stated_.loss - s.loss >= kGain &&
            s.loss <= kFactor * stated_.loss;
   }
 
@@ -315,11 +323,8 @@ class Search {
     for (Tried& t : found_) {
       const bool said = std::any_of(told.begin(), told.end(), [&](const Contradiction& m) { return m.kind == t.what.kind; });
       if (said || t.score.loss > least + kTie) continue;
-      const double limit = options_.rejection_sigmas * t.score.noise;
-      const auto as_stated =
-          std::count_if(stated_.sizes.begin(), stated_.sizes.end(), [limit](double size) { return size <= limit; });
       t.what.found += fmt::format(" (so read {:.0f} % of the arrivals agree, as stated {:.0f} %)", 100 * t.score.agreeing,
-                                  100 * static_cast<double>(as_stated) / std::max(1.0, stated_.arrivals));
+                                  100 * agreeing_as_stated(t.score.noise));
       t.what.sigmas = std::sqrt(2 * t.score.arrivals * (stated_.loss - t.score.loss));
       told.push_back(std::move(t.what));
     }
