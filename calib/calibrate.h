@@ -5,9 +5,9 @@
 #include <functional>
 #include <string>
 
+#include "calib/adjust/ranks.h"
 #include "calib/problem/parameters.h"
 #include "calib/problem/problem.h"
-#include "calib/adjust/ranks.h"
 #include "calib/solution.h"
 
 namespace octant::calib {
@@ -22,8 +22,9 @@ struct Progress {
 
 struct SolveOptions {
   int threads = 1;
-  const Ranks* ranks = nullptr;   ///< processes that solve this together, all given the same problem; not owned
-  int max_iterations = 100;       ///< of each stage
+  const Ranks* ranks =
+      nullptr;               ///< processes that solve this together, all given the same problem; not owned
+  int max_iterations = 100;  ///< of each stage
   double rejection_sigmas = 4.0;  ///< arrivals beyond this many sigmas are left out in the end
   int dense_limit = kDenseLimit;  ///< beyond so many shared parameters matrices are sparse
   bool strict = false;            ///< a single undetermined beacon refuses the whole
@@ -40,13 +41,14 @@ struct SolveOptions {
 
 /// Where a deployment came from.
 struct Provenance {
-  std::string created;   ///< ISO 8601, UTC
+  std::string created;  ///< ISO 8601, UTC
   std::string version;
   std::string command;
   std::vector<InputDigest> inputs;
 };
 
 /// The deployment of a solution with status kConverged.
-[[nodiscard]] Deployment make_deployment(const Problem& problem, const Solution& solution, const Provenance& provenance);
+[[nodiscard]] Deployment make_deployment(const Problem& problem, const Solution& solution,
+                                         const Provenance& provenance);
 
 }  // namespace octant::calib

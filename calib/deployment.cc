@@ -5,8 +5,8 @@
 
 #include "calib/calibrate.h"
 #include "calib/deployment_head.h"
-#include "calib/verdict/validity.h"
 #include "calib/errors/variances.h"
+#include "calib/verdict/validity.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -14,7 +14,8 @@ namespace {
 
 constexpr const char* kAxisSuffix[3] = {"/x_m", "/y_m", "/z_m"};
 
-void add_beacons(const Problem& problem, const Solution& solution, const Variances& variances, Deployment& d) {
+void add_beacons(const Problem& problem, const Solution& solution, const Variances& variances,
+                 Deployment& d) {
   // A site's one delay stands on every beacon; pair biases are part of a pair and stay out.
   for (std::size_t b = 0; b < problem.site.beacons.size(); ++b) {
     DeploymentBeacon beacon;
@@ -22,7 +23,8 @@ void add_beacons(const Problem& problem, const Solution& solution, const Varianc
     const std::string prefix = "beacon/" + beacon.name;
     beacon.position_m = solution.state.beacon_p_map_m[b];
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) beacon.covariance_m2(i, j) = variances.covariance(prefix + kAxisSuffix[i], prefix + kAxisSuffix[j]);
+      for (int j = 0; j < 3; ++j)
+        beacon.covariance_m2(i, j) = variances.covariance(prefix + kAxisSuffix[i], prefix + kAxisSuffix[j]);
     beacon.delay_s = solution.state.beacon_delay_s[b] + solution.state.site_delay_s;
     beacon.delay_sigma_s = std::hypot(variances.sigma(prefix + "/delay_s"), variances.sigma("site/delay_s"));
     beacon.status = solution.beacon_status[b];
@@ -30,7 +32,8 @@ void add_beacons(const Problem& problem, const Solution& solution, const Varianc
   }
 }
 
-void add_receivers(const Problem& problem, const Solution& solution, const Variances& variances, Deployment& d) {
+void add_receivers(const Problem& problem, const Solution& solution, const Variances& variances,
+                   Deployment& d) {
   d.vehicles = problem.site.vehicles;
   for (std::size_t v = 0; v < d.vehicles.size() && v < solution.state.clock_drift.size(); ++v) {
     d.vehicles[v].clock_drift = solution.state.clock_drift[v];
@@ -43,7 +46,8 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
     receiver.vehicle = given.vehicle;
     receiver.axis = given.axis;
     receiver.position_m = solution.state.receiver_p_vehicle_m[r];
-    const std::string prefix = "receiver/" + problem.site.vehicles[given.vehicle.index()].name + "/" + given.name;
+    const std::string prefix =
+        "receiver/" + problem.site.vehicles[given.vehicle.index()].name + "/" + given.name;
     for (int i = 0; i < 3; ++i) receiver.sigma_m[i] = variances.sigma(prefix + kAxisSuffix[i]);
     const std::string& vehicle = problem.site.vehicles[given.vehicle.index()].name;
     const Eigen::Vector2d o = receiver.position_m.head<2>();
@@ -52,7 +56,8 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
       by_shape << o.x() / o.norm(), -o.y(), o.y() / o.norm(), o.x();
       const std::string radius = "array/" + vehicle + "/radius_m", turn = "array/" + vehicle + "/turn_rad";
       Eigen::Matrix2d C;
-      C << variances.covariance(radius, radius), variances.covariance(radius, turn), variances.covariance(turn, radius), variances.covariance(turn, turn);
+      C << variances.covariance(radius, radius), variances.covariance(radius, turn),
+          variances.covariance(turn, radius), variances.covariance(turn, turn);
       receiver.sigma_m.head<2>() = (by_shape * C * by_shape.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
     }
     receiver.delay_s = solution.state.receiver_delay_s[r];
@@ -61,7 +66,8 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
   }
 }
 
-/// How far off their axes the receivers heard: one cone for all of a vehicle, so that a few hundred arrivals tell it.
+/// How far off their axes the receivers heard: one cone for all of a vehicle, so that a few hundred arrivals
+/// tell it.
 void add_hearing(const Solution& solution, Deployment& d) {
   constexpr std::size_t kEnough = 200;
   constexpr double kOutliers = 0.005, kMargin = 0.03;
@@ -74,7 +80,8 @@ void add_hearing(const Solution& solution, Deployment& d) {
       const DeploymentReceiver& receiver = d.receivers[a.receiver.index()];
       if (a.rejection != Rejection::kUsed || !receiver.axis || !t.nodes[a.node].placed) continue;
       const Pose T = pose_at(t, a.node, a.alpha);
-      const Eigen::Vector2d towards = (d.beacons[a.beacon.index()].position_m - T * receiver.position_m).head<2>();
+      const Eigen::Vector2d towards =
+          (d.beacons[a.beacon.index()].position_m - T * receiver.position_m).head<2>();
       const Eigen::Vector2d axis = (T.rotation * *receiver.axis).head<2>();
       const double scale = towards.norm() * axis.norm();
       if (scale > 0) cosines[t.vehicle.index()].push_back(towards.dot(axis) / scale);
@@ -106,29 +113,35 @@ void add_validity(const Problem& problem, const Solution& solution, Deployment& 
       hottest = std::max(hottest, degC);
     }
   }
-  if (coldest <= hottest && problem.site.medium.model != MediumModel::kConstant) d.validity_temperature_degC = {coldest, hottest};
+  if (coldest <= hottest && problem.site.medium.model != MediumModel::kConstant)
+    d.validity_temperature_degC = {coldest, hottest};
   d.validity_area_m = convex_hull(std::move(places));
 }
 
-/// White and correlated parts of the noise; how long a vehicle that moves as in the log stays in a cell of the error model.
+/// White and correlated parts of the noise; how long a vehicle that moves as in the log stays in a cell of
+/// the error model.
 void add_noise(const Problem& problem, const Solution& solution, Deployment& d) {
   const ErrorModel& errors = solution.errors;
   d.noise.tof_sigma_s = solution.tof_sigma_s;
   if (!errors.correlated) return;
-  // White noise and errors of a short memory are hard to tell apart; no localizer should take arrivals for exact.
+  // White noise and errors of a short memory are hard to tell apart; no localizer should take arrivals for
+  // exact.
   constexpr double kLeastWhite = 0.1;
-  const double total = errors.white_tof + std::pow(errors.correlated_sigma(), 2) + std::pow(errors.pair_sigma(), 2);
+  const double total =
+      errors.white_tof + std::pow(errors.correlated_sigma(), 2) + std::pow(errors.pair_sigma(), 2);
   d.noise.tof_sigma_s *= std::sqrt(std::max(errors.white_tof, kLeastWhite * total));
   double path_m = 0.0, time_s = 0.0;
   for (const Trajectory& t : solution.trajectories)
     for (std::size_t k = 1; k < t.nodes.size(); ++k) {
-      if (!t.nodes[k - 1].placed || !t.nodes[k].placed || !(t.nodes[k].time_s > t.nodes[k - 1].time_s)) continue;
+      if (!t.nodes[k - 1].placed || !t.nodes[k].placed || !(t.nodes[k].time_s > t.nodes[k - 1].time_s))
+        continue;
       path_m += (t.nodes[k].T_map_vehicle.translation_m - t.nodes[k - 1].T_map_vehicle.translation_m).norm();
       time_s += t.nodes[k].time_s - t.nodes[k - 1].time_s;
     }
-  d.correlated_noise = {solution.tof_sigma_s * errors.correlated_sigma(),
-                        errors.correlation_time_s(time_s > 0 ? path_m / time_s : 0.0, problem.typical_range_m),
-                        solution.tof_sigma_s * errors.pair_sigma()};
+  d.correlated_noise = {
+      solution.tof_sigma_s * errors.correlated_sigma(),
+      errors.correlation_time_s(time_s > 0 ? path_m / time_s : 0.0, problem.typical_range_m),
+      solution.tof_sigma_s * errors.pair_sigma()};
 }
 
 }  // namespace
@@ -157,7 +170,8 @@ Deployment make_deployment(const Problem& problem, const Solution& solution, con
   const auto& offsets = solution.state.speed_offset_mps;
   // With one offset a run, the last run is the nearest to the present.
   d.speed_offset_mps = offsets.back();
-  d.speed_sigma_mps = variances.sigma(offsets.size() > 1 ? "medium/run" + std::to_string(offsets.size()) + "/speed_mps" : "medium/speed_mps");
+  d.speed_sigma_mps = variances.sigma(
+      offsets.size() > 1 ? "medium/run" + std::to_string(offsets.size()) + "/speed_mps" : "medium/speed_mps");
   add_noise(problem, solution, d);
   d.attenuation = solution.state.attenuation;
   d.covariance = solution.covariance;

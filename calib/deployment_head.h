@@ -6,7 +6,9 @@
 
 namespace octant::calib {
 
-/// What a deployment takes over from the site and from where it came, whatever the outcome: all but what was solved for.
-[[nodiscard]] Deployment deployment_head(const Site& site, const Solution& solution, const Provenance& provenance);
+/// What a deployment takes over from the site and from where it came, whatever the outcome: all but what was
+/// solved for.
+[[nodiscard]] Deployment deployment_head(const Site& site, const Solution& solution,
+                                         const Provenance& provenance);
 
 }  // namespace octant::calib

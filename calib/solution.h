@@ -19,25 +19,26 @@ namespace octant::calib {
 
 enum class SolveStatus {
   kConverged,
-  kNotConverged,   ///< the iteration did not settle (exit 4)
-  kUndetermined,   ///< the data cannot tell something that the rest hangs on (exit 5)
-  kInterrupted     ///< the user asked to stop (exit 130)
+  kNotConverged,  ///< the iteration did not settle (exit 4)
+  kUndetermined,  ///< the data cannot tell something that the rest hangs on (exit 5)
+  kInterrupted    ///< the user asked to stop (exit 130)
 };
 [[nodiscard]] const char* to_string(SolveStatus status);
 
 /// A combination of parameters about which data and priors say too little.
 struct WeakDirection {
-  std::string description;               ///< in words: "speed of sound and overall scale"
-  std::vector<std::string> parameters;   ///< largest parts first, names as in the joint covariance
-  double sigma_m = 0.0;                  ///< of the combination, in metres at the beacons; infinite: nothing is known
-  double consequence_m = 0.0;            ///< at the robot; 0 for a beacon that localizers leave out
-  std::string remedy;                    ///< the cheapest measurement that settles it
-  bool blocking = false;                 ///< singular for the purpose: nothing may be exported
-  bool lone_beacon = false;              ///< an undetermined beacon, which does not block the others
+  std::string description;              ///< in words: "speed of sound and overall scale"
+  std::vector<std::string> parameters;  ///< largest parts first, names as in the joint covariance
+  double sigma_m = 0.0;        ///< of the combination, in metres at the beacons; infinite: nothing is known
+  double consequence_m = 0.0;  ///< at the robot; 0 for a beacon that localizers leave out
+  std::string remedy;          ///< the cheapest measurement that settles it
+  bool blocking = false;       ///< singular for the purpose: nothing may be exported
+  bool lone_beacon = false;    ///< an undetermined beacon, which does not block the others
 };
 
-/// Of sites with so many parameters that their joint covariance is not formed: of each beacon's parameters among themselves, and of
-/// those that no one beacon has. SI units, order of `parameters`; pairs that are not told have no element.
+/// Of sites with so many parameters that their joint covariance is not formed: of each beacon's parameters
+/// among themselves, and of those that no one beacon has. SI units, order of `parameters`; pairs that are not
+/// told have no element.
 struct MarginalCovariance {
   std::vector<std::string> parameters;
   Eigen::SparseMatrix<double> matrix;
@@ -45,54 +46,55 @@ struct MarginalCovariance {
 
 /// An arrival that was left out.
 struct LeftOut {
-  std::size_t run = 0;       ///< index into Problem::runs
-  std::size_t arrival = 0;   ///< index into MeasurementLog::arrivals
+  std::size_t run = 0;      ///< index into Problem::runs
+  std::size_t arrival = 0;  ///< index into MeasurementLog::arrivals
   Rejection reason = Rejection::kUsed;
   double residual_s = 0.0;
 };
 
 /// A bearing that was left out.
 struct LeftOutBearing {
-  std::size_t run = 0;       ///< index into Problem::runs
-  std::size_t bearing = 0;   ///< index into MeasurementLog::bearings
+  std::size_t run = 0;                  ///< index into Problem::runs
+  std::size_t bearing = 0;              ///< index into MeasurementLog::bearings
   Rejection reason = Rejection::kUsed;  ///< kLate, kEarly: it does not fit, to the one side or the other
   double residual_rad = 0.0;
 };
 
 /// A measured pose that was left out.
 struct LeftOutPose {
-  std::size_t run = 0;       ///< index into Problem::runs
-  std::size_t pose = 0;      ///< index into MeasurementLog::poses
+  std::size_t run = 0;                       ///< index into Problem::runs
+  std::size_t pose = 0;                      ///< index into MeasurementLog::poses
   Rejection reason = Rejection::kNotNeeded;  ///< nothing was observed between it and its neighbours
 };
 
 /// Result of a calibration. Numerical trouble is data here, never an exception and never NaN.
 struct Solution {
   SolveStatus status = SolveStatus::kNotConverged;
-  std::string message;                       ///< one sentence on the outcome
+  std::string message;  ///< one sentence on the outcome
   int iterations = 0;
   double seconds = 0.0;
-  double final_cost = 0.0;                   ///< half the weighted sum of squares of arrivals, poses and priors
-  SharedState state;                         ///< beacons, delays, speed, receivers, attenuation
-  std::vector<Trajectory> trajectories;      ///< adjusted vehicle states, arrivals marked used or rejected
+  double final_cost = 0.0;               ///< half the weighted sum of squares of arrivals, poses and priors
+  SharedState state;                     ///< beacons, delays, speed, receivers, attenuation
+  std::vector<Trajectory> trajectories;  ///< adjusted vehicle states, arrivals marked used or rejected
   std::vector<BeaconStatus> beacon_status;
-  JointCovariance covariance;                ///< SI units; empty where it would be too large
-  MarginalCovariance marginals;              ///< then these
-  JointCovariance white_covariance;          ///< as if errors were white; empty where `covariance` is that
-  ErrorModel errors;                         ///< how the errors of arrivals hang together
+  JointCovariance covariance;        ///< SI units; empty where it would be too large
+  MarginalCovariance marginals;      ///< then these
+  JointCovariance white_covariance;  ///< as if errors were white; empty where `covariance` is that
+  ErrorModel errors;                 ///< how the errors of arrivals hang together
   Datum datum;
   CalibrationStatistics statistics;
-  Reliability reliability;                   ///< redundancy numbers, detectable biases, error ellipses, variance components
-  double tof_sigma_s = 0.0;                  ///< noise of the arrivals as found
-  std::vector<LeftOut> left_out;             ///< arrivals of the trajectories
+  Reliability reliability;   ///< redundancy numbers, detectable biases, error ellipses, variance components
+  double tof_sigma_s = 0.0;  ///< noise of the arrivals as found
+  std::vector<LeftOut> left_out;  ///< arrivals of the trajectories
   std::vector<LeftOutBearing> left_out_bearings;
   std::vector<LeftOutPose> left_out_poses;
-  std::vector<bool> beacon_mirrored;         ///< its mirror image is as good by all observations
+  std::vector<bool> beacon_mirrored;  ///< its mirror image is as good by all observations
   /// Of a log that was streamed: its trajectories are only a part of it, and this is of all.
   std::optional<WholeLog> whole;
   std::vector<WeakDirection> weak;
-  std::vector<std::string> undetermined;     ///< names of parameters
-  std::vector<Contradiction> contradictions; ///< of what was stated and what the data say; not empty: not to be exported as it is
+  std::vector<std::string> undetermined;  ///< names of parameters
+  std::vector<Contradiction>
+      contradictions;  ///< of what was stated and what the data say; not empty: not to be exported as it is
   std::vector<std::string> warnings;
 };
 

@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "calib/adjust/adjust.h"
-#include "calib/start/approach.h"
-#include "calib/calibrate.h"
-#include "calib/verdict/conclude.h"
-#include "calib/problem/flips.h"
-#include "calib/stream/long_log.h"
 #include "calib/adjust/reject.h"
+#include "calib/calibrate.h"
 #include "calib/errors/statistics.h"
+#include "calib/problem/flips.h"
+#include "calib/start/approach.h"
+#include "calib/stream/long_log.h"
+#include "calib/verdict/conclude.h"
 
 namespace octant::calib {
 
@@ -33,8 +33,13 @@ namespace {
 class Calibrator {
  public:
   /// @param own_trajectories  the problem's, if they may be taken
-  Calibrator(const Problem& problem, const SolveOptions& options, std::vector<Trajectory>* own_trajectories = nullptr)
-      : problem_(problem), options_(options), own_trajectories_(own_trajectories), began_(Clock::now()), course_(options) {
+  Calibrator(const Problem& problem, const SolveOptions& options,
+             std::vector<Trajectory>* own_trajectories = nullptr)
+      : problem_(problem),
+        options_(options),
+        own_trajectories_(own_trajectories),
+        began_(Clock::now()),
+        course_(options) {
     solution_.warnings = problem.warnings;
     solution_.contradictions = problem.contradictions;
   }
@@ -57,13 +62,14 @@ class Calibrator {
     start_headings_rad_ = std::move(all.start_headings_rad);
     if (all.ok) return true;
     all.why_not.warnings = std::move(solution_.warnings);
-    all.why_not.contradictions.insert(all.why_not.contradictions.begin(), solution_.contradictions.begin(), solution_.contradictions.end());
+    all.why_not.contradictions.insert(all.why_not.contradictions.begin(), solution_.contradictions.begin(),
+                                      solution_.contradictions.end());
     solution_ = std::move(all.why_not);
     return false;
   }
 
-  /// The same for a long log by way of an evenly spread part of it: the shared parameters then are good to a fraction of the
-  /// noise, and each state follows from them alone.
+  /// The same for a long log by way of an evenly spread part of it: the shared parameters then are good to a
+  /// fraction of the noise, and each state follows from them alone.
   bool approach_by_part() {
     if (!is_long(problem_)) return false;
     const Result<Problem> part = part_of(problem_, options_.threads);
@@ -78,8 +84,8 @@ class Calibrator {
     }
     const SharedState state = it_.state();
     const double noise = std::max(1.0, agreeing_sigma(of_part.trajectories, state));
-    place_all_stops(problem_, it_.layout, state, it_.beacon_usable, options_.rejection_sigmas * noise, options_.workers(),
-                    trajectories_);
+    place_all_stops(problem_, it_.layout, state, it_.beacon_usable, options_.rejection_sigmas * noise,
+                    options_.workers(), trajectories_);
     start_headings_rad_ = epoch_headings_rad(trajectories_);
     return true;
   }
@@ -100,9 +106,11 @@ class Calibrator {
     if (is_far_off(factor)) scale_noise(factor);  // small departures wait for the chi-square test
     for (int round = 0; round < kNoiseRounds; ++round) {
       if (!reject_and_adjust()) return false;
-      statistics_ = statistics_of(problem_, it_.layout, trajectories_, it_.state(), it_.last.cost, options_.threads);
+      statistics_ =
+          statistics_of(problem_, it_.layout, trajectories_, it_.state(), it_.last.cost, options_.threads);
       // A prior that is contradicted is no noise of the arrivals: only what the recordings say counts.
-      const double off = noise_off_by(it_.last.cost - prior_cost(problem_, it_.layout, it_.x), statistics_->redundancy);
+      const double off =
+          noise_off_by(it_.last.cost - prior_cost(problem_, it_.layout, it_.x), statistics_->redundancy);
       if (off == 1.0) break;
       scale_noise(off);
     }
@@ -115,14 +123,17 @@ class Calibrator {
     it_.last.data_information.reset();
     statistics_.reset();
     for (Trajectory& t : trajectories_)
-      for (ArrivalObservation& a : t.arrivals)  // what a measured amplitude leaves of the walk is no noise of the times, and stays
+      for (ArrivalObservation& a :
+           t.arrivals)  // what a measured amplitude leaves of the walk is no noise of the times, and stays
         a.sigma_s = std::hypot(now_s, std::sqrt(std::max(0.0, a.sigma_s * a.sigma_s - before_s * before_s)));
   }
 
   bool reject_and_adjust() {
     for (int round = 0; round < kRejectionRounds; ++round) {
-      if (!course_.report("adjustment of the arrivals that agree", std::min(0.9, 0.7 + 0.03 * round))) return false;
-      const std::size_t changed = mark_rejected(trajectories_, it_.state(), options_.rejection_sigmas, options_.threads);
+      if (!course_.report("adjustment of the arrivals that agree", std::min(0.9, 0.7 + 0.03 * round)))
+        return false;
+      const std::size_t changed =
+          mark_rejected(trajectories_, it_.state(), options_.rejection_sigmas, options_.threads);
       if (round > 0 && changed == 0) break;
       it_.last.data_information.reset();
       if (!adjust_again()) return false;
@@ -133,8 +144,9 @@ class Calibrator {
   Findings findings() {
     Findings f;
     const SharedState state = it_.state();
-    f.statistics =
-        statistics_ ? *statistics_ : statistics_of(problem_, it_.layout, trajectories_, state, it_.last.cost, options_.threads);
+    f.statistics = statistics_ ? *statistics_
+                               : statistics_of(problem_, it_.layout, trajectories_, state, it_.last.cost,
+                                               options_.threads);
     f.whiteness = whiteness_of(trajectories_, state, options_.threads);
     f.flips = report_flips(problem_, trajectories_, start_headings_rad_);
     f.left_out = left_out_of(problem_, trajectories_, state);
@@ -162,7 +174,9 @@ class Calibrator {
 
 }  // namespace
 
-Solution solve(const Problem& problem, const SolveOptions& options) { return Calibrator(problem, options).run(); }
+Solution solve(const Problem& problem, const SolveOptions& options) {
+  return Calibrator(problem, options).run();
+}
 
 Solution solve_in_place(Problem& problem, const SolveOptions& options) {
   return Calibrator(problem, options, &problem.trajectories).run();

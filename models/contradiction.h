@@ -32,14 +32,15 @@ enum class ContradictionKind {
 [[nodiscard]] const char* to_string(ContradictionKind kind);
 [[nodiscard]] std::optional<ContradictionKind> contradiction_kind(std::string_view name);
 
-/// One statement of the site file (or the log's form) that the data speak against beyond what its sigma and chance allow.
+/// One statement of the site file (or the log's form) that the data speak against beyond what its sigma and
+/// chance allow.
 struct Contradiction {
   ContradictionKind kind = ContradictionKind::kLog;
-  std::string subject;   ///< "B3", "robot/fl", "B1, B4", "medium", "stop 17", "run"
-  std::string stated;    ///< for people, with units: "at (1.00, 2.00, 3.00) m, held fixed"
-  std::string found;     ///< likewise: "at (1.52, 2.01, 3.00) m"
-  double sigmas = 0.0;   ///< size of the contradiction in standard deviations of its test
-  std::string remedy;    ///< what to do about it
+  std::string subject;  ///< "B3", "robot/fl", "B1, B4", "medium", "stop 17", "run"
+  std::string stated;   ///< for people, with units: "at (1.00, 2.00, 3.00) m, held fixed"
+  std::string found;    ///< likewise: "at (1.52, 2.01, 3.00) m"
+  double sigmas = 0.0;  ///< size of the contradiction in standard deviations of its test
+  std::string remedy;   ///< what to do about it
 };
 /// "Control point B3: stated at ..., found ... (12 sigma)."
 [[nodiscard]] std::string in_words(const Contradiction& contradiction);

@@ -16,8 +16,8 @@ namespace octant {
 
 enum class BeaconStatus {
   kCalibrated,
-  kControlPoint,   ///< held fixed
-  kUndetermined    ///< not heard, or not well enough; localizers leave it out
+  kControlPoint,  ///< held fixed
+  kUndetermined   ///< not heard, or not well enough; localizers leave it out
 };
 [[nodiscard]] const char* to_string(BeaconStatus status);
 
@@ -38,35 +38,39 @@ struct DeploymentReceiver {
   double delay_s = 0.0;
   double delay_sigma_s = 0.0;
   std::optional<Eigen::Vector3d> axis;
-  /// Cosine of the widest horizontal angle off the axis at which the calibration's arrivals were heard; with an axis only.
+  /// Cosine of the widest horizontal angle off the axis at which the calibration's arrivals were heard; with
+  /// an axis only.
   std::optional<double> hearing_cosine{};
 };
 
 /// How position, orientation and scale were fixed.
 struct Datum {
-  std::string description;                    ///< one sentence
-  std::string position, orientation, scale;   ///< each: "control points", "measured poses", "control distances", "medium", ...
+  std::string description;  ///< one sentence
+  std::string position, orientation,
+      scale;  ///< each: "control points", "measured poses", "control distances", "medium", ...
   std::vector<std::string> control_points;
 };
 
 struct CalibrationStatistics {
-  std::size_t arrivals = 0;   ///< used in the adjustment
+  std::size_t arrivals = 0;  ///< used in the adjustment
   std::size_t rejected = 0;
-  std::size_t unknowns = 0;   ///< shared parameters and poses
+  std::size_t unknowns = 0;  ///< shared parameters and poses
   double redundancy = 0.0;
   double variance_factor = 0.0;
-  double chi2_p = 0.0;        ///< two-sided p value of the variance factor's chi-square test
+  double chi2_p = 0.0;  ///< two-sided p value of the variance factor's chi-square test
   double rms_s = 0.0;
   bool converged = false;
 };
 
 /// Joint covariance of the calibrated parameters, SI units, order of `parameters`.
 struct JointCovariance {
-  std::vector<std::string> parameters;  ///< beacon/B1/x_m, beacon/B1/delay_s, receiver/robot/r0/x_m, medium/speed_mps, ...
+  std::vector<std::string>
+      parameters;  ///< beacon/B1/x_m, beacon/B1/delay_s, receiver/robot/r0/x_m, medium/speed_mps, ...
   Eigen::MatrixXd matrix;
 };
 
-/// The part of the errors of arrivals that is not white, as the calibration's residuals show it; zero: there is none.
+/// The part of the errors of arrivals that is not white, as the calibration's residuals show it; zero: there
+/// is none.
 struct CorrelatedNoise {
   double sigma_s = 0.0;       ///< of the part that a beacon-receiver pair keeps for about time_s [s]
   double time_s = 0.0;        ///< [s]
@@ -85,12 +89,12 @@ struct Deployment {
   std::string created;  ///< ISO 8601, UTC
   Motion motion = Motion::kPlanar;
   Datum datum;
-  Medium medium;                        ///< reference state; see speed_offset_mps
-  double speed_offset_mps = 0.0;        ///< added to the medium's model at any temperature
+  Medium medium;                  ///< reference state; see speed_offset_mps
+  double speed_offset_mps = 0.0;  ///< added to the medium's model at any temperature
   double speed_sigma_mps = 0.0;
   Timing timing;
   Noise noise;
-  CorrelatedNoise correlated_noise;     ///< beside noise.tof_sigma_s, which is white
+  CorrelatedNoise correlated_noise;  ///< beside noise.tof_sigma_s, which is white
   std::optional<AttenuationModel> attenuation;
   std::vector<DeploymentBeacon> beacons;
   std::vector<SiteVehicle> vehicles;
@@ -104,7 +108,8 @@ struct Deployment {
   std::string program_version;
   std::string program_command;
   std::vector<std::string> warnings;
-  /// What the data of the calibration say against its site file: exported against advice, and localizers say so. Empty: nothing.
+  /// What the data of the calibration say against its site file: exported against advice, and localizers say
+  /// so. Empty: nothing.
   std::vector<Contradiction> contradictions;
 
   /// Speed at a temperature: the model's and the calibrated offset [m/s].

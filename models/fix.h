@@ -16,10 +16,10 @@ namespace octant {
 
 enum class FixStatus {
   kOk,
-  kTooFewArrivals,   ///< fewer arrivals than unknowns
-  kPoorGeometry,     ///< the arrivals do not determine the pose
-  kAmbiguous,        ///< two poses explain the arrivals equally well
-  kNoConsensus,      ///< too many arrivals disagree
+  kTooFewArrivals,  ///< fewer arrivals than unknowns
+  kPoorGeometry,    ///< the arrivals do not determine the pose
+  kAmbiguous,       ///< two poses explain the arrivals equally well
+  kNoConsensus,     ///< too many arrivals disagree
   kNotConverged
 };
 [[nodiscard]] const char* to_string(FixStatus status);
@@ -34,28 +34,31 @@ enum class Rejection : std::uint8_t {
   kTriangle,        ///< farther than the triangle inequality with another beacon allows (Kleeman eq. 5-6)
   kOutOfRange,      ///< nearer or farther than is possible at the site (Chang's first rule)
   kReflection,      ///< a second arrival from the same beacon right behind the first (Chang's second rule)
-  kOutvoted,        ///< the fixes it takes part in disagree with the others (Kleeman's longsolve, Thamma's four times)
-  kNotNeeded,       ///< the method fixes the pose from others
+  kOutvoted,   ///< the fixes it takes part in disagree with the others (Kleeman's longsolve, Thamma's four
+               ///< times)
+  kNotNeeded,  ///< the method fixes the pose from others
 };
 [[nodiscard]] const char* to_string(Rejection rejection);
 
-/// Of a pose's tangent vector: planar (x, y, heading), 3x3; spatial (translation, rotation in the vehicle frame), 6x6. Its
-/// room is fixed, so that a fix takes no memory of its own.
+/// Of a pose's tangent vector: planar (x, y, heading), 3x3; spatial (translation, rotation in the vehicle
+/// frame), 6x6. Its room is fixed, so that a fix takes no memory of its own.
 using PoseCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
-/// Where the vehicle is, from the arrivals of one epoch or at one instant of a drive; or the reason why that is not known.
+/// Where the vehicle is, from the arrivals of one epoch or at one instant of a drive; or the reason why that
+/// is not known.
 struct Fix {
   FixStatus status = FixStatus::kTooFewArrivals;
   double time_s = 0.0;
   VehicleId vehicle;
   std::int64_t epoch = kNoEpoch;
-  Pose T_map_vehicle;                    ///< meaningful when status is kOk
+  Pose T_map_vehicle;  ///< meaningful when status is kOk
   PoseCovariance covariance;
-  double protection_level_m = 0.0;       ///< horizontal, see localizers/protection.h; 0: not computed, or not protected
+  double protection_level_m =
+      0.0;  ///< horizontal, see localizers/protection.h; 0: not computed, or not protected
   int arrivals_used = 0;
   int arrivals_rejected = 0;
-  double cost = 0.0;                     ///< half the weighted sum of squares of the arrivals used
-  std::vector<Rejection> rejections;     ///< one for each arrival given; empty if there is no fix
+  double cost = 0.0;                  ///< half the weighted sum of squares of the arrivals used
+  std::vector<Rejection> rejections;  ///< one for each arrival given; empty if there is no fix
 
   [[nodiscard]] bool ok() const { return status == FixStatus::kOk; }
 };

@@ -20,7 +20,8 @@ struct Id {
 
   [[nodiscard]] constexpr bool valid() const { return value >= 0; }
   [[nodiscard]] constexpr std::size_t index() const { return static_cast<std::size_t>(value); }
-  constexpr auto operator<=>(const Id&) const = default;  // NOLINT(modernize-use-nullptr): the zero is the compiler's
+  constexpr auto operator<=>(const Id&) const =
+      default;  // NOLINT(modernize-use-nullptr): the zero is the compiler's
 };
 
 using BeaconId = Id<struct BeaconTag>;      ///< index into Site::beacons and Deployment::beacons

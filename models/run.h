@@ -26,7 +26,7 @@ struct Arrival {
   std::int64_t epoch = kNoEpoch;
   double amplitude_v = std::numeric_limits<double>::quiet_NaN();       ///< NaN: not logged
   double temperature_degC = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the run's or the site's
-  int line = 0;                                                         ///< row in tof.csv
+  int line = 0;                                                        ///< row in tof.csv
 };
 
 /// Direction of a reflector in the vehicle frame, counter-clockwise from +x.
@@ -63,7 +63,7 @@ struct Scan {
 /// Accuracy of measured poses or of a reference trajectory; sigma 0 = exact.
 struct PoseAccuracy {
   double position_sigma_m = 0.01;
-  double heading_sigma_rad = 0.01;   ///< ignored when heading_known is false
+  double heading_sigma_rad = 0.01;  ///< ignored when heading_known is false
   bool heading_known = true;
   double attitude_sigma_rad = 0.01;  ///< roll and pitch; the heading's where it is not given
   double max_gap_s = 1.0;            ///< longest gap over which poses are interpolated
@@ -94,16 +94,17 @@ struct MeasurementLog {
   std::vector<TimedPose> poses;  ///< measured poses, observations
   std::vector<TimedPose> truth;  ///< reference; read only on request (verify)
   std::vector<Scan> scans;
-  VehicleId vehicle;             ///< of rows that name none, and of poses.tum
+  VehicleId vehicle;  ///< of rows that name none, and of poses.tum
   std::optional<double> temperature_degC;
   std::optional<double> relative_humidity;
   std::optional<double> pressure_pa;
   PoseAccuracy pose_accuracy;
   /// Exact where run.yaml says nothing of it: what is then blamed on the fixes is at most too much.
-  PoseAccuracy truth_accuracy = {.position_sigma_m = 0.0, .heading_sigma_rad = 0.0, .attitude_sigma_rad = 0.0};
+  PoseAccuracy truth_accuracy = {
+      .position_sigma_m = 0.0, .heading_sigma_rad = 0.0, .attitude_sigma_rad = 0.0};
   OdometryAccuracy odometry_accuracy;
-  bool has_epochs = false;       ///< tof.csv or bearings.csv has an epoch column
-  std::size_t rows = 0;          ///< data rows of tof.csv, rejected ones included
+  bool has_epochs = false;  ///< tof.csv or bearings.csv has an epoch column
+  std::size_t rows = 0;     ///< data rows of tof.csv, rejected ones included
   std::vector<RejectedRow> rejected;
   std::vector<std::string> warnings;
   std::map<std::string, std::string> sha256;  ///< of each file read, by its path

@@ -29,7 +29,8 @@ double beam_gain(const BeamPattern& pattern, double cosine) {
   if (pattern.kind == BeamPattern::Kind::kTable) return table_gain(pattern, std::acos(within));
   if (pattern.half_angle_rad < std::numbers::pi && within < std::cos(pattern.half_angle_rad)) return 0.0;
   if (pattern.kind == BeamPattern::Kind::kCone) return 1.0;
-  if (pattern.kind == BeamPattern::Kind::kHalfPower) return std::exp(log_directivity(within, pattern.half_power_angle_rad).value);
+  if (pattern.kind == BeamPattern::Kind::kHalfPower)
+    return std::exp(log_directivity(within, pattern.half_power_angle_rad).value);
   return within > 0 ? std::pow(within, pattern.exponent) : 0.0;
 }
 

@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
-#include "models/physics/attenuation.h"
 #include "models/ids.h"
+#include "models/physics/attenuation.h"
 #include "models/physics/medium.h"
 #include "models/physics/pose.h"
 
@@ -39,22 +39,22 @@ struct DelayPer {
 struct Timing {
   Clock clock = Clock::kSynchronised;
   Ranging ranging = Ranging::kOneWay;
-  double turnaround_s = 0.0;      ///< two-way ranging only
+  double turnaround_s = 0.0;  ///< two-way ranging only
   DelayPer delay_per;
-  double delay_s = 0.0;           ///< prior mean of each delay
-  double delay_sigma_s = 0.0;     ///< prior sigma of each delay; 0: held fixed
-  /// Clock::kCycleOffset: rate of a vehicle's oscillator against the beacons', less one, by which arrivals late in a cycle are
-  /// off; prior mean and sigma (0: held fixed).
+  double delay_s = 0.0;        ///< prior mean of each delay
+  double delay_sigma_s = 0.0;  ///< prior sigma of each delay; 0: held fixed
+  /// Clock::kCycleOffset: rate of a vehicle's oscillator against the beacons', less one, by which arrivals
+  /// late in a cycle are off; prior mean and sigma (0: held fixed).
   double drift = 0.0;
   double drift_sigma = 0.0;
 };
 
 struct Noise {
   double tof_sigma_s = 1.0e-5;
-  double amplitude_relative_sigma = 0.05;   ///< of the amplitude column
-  std::optional<double> pair_sigma_s;       ///< bias that a beacon-receiver pair keeps
+  double amplitude_relative_sigma = 0.05;  ///< of the amplitude column
+  std::optional<double> pair_sigma_s;      ///< bias that a beacon-receiver pair keeps
   double bearing_sigma_rad = 0.01;
-  double range_sigma_m = 0.02;              ///< of scan beams
+  double range_sigma_m = 0.02;  ///< of scan beams
 };
 
 /// A number with its prior sigma; 0 holds it fixed.
@@ -69,7 +69,8 @@ struct AttenuationPrior {
   Prior half_power_angle_rad{};  ///< value 0: receivers hear all round alike
   double saturation_v = std::numeric_limits<double>::infinity();
   [[nodiscard]] AttenuationModel mean() const {
-    return {amplitude_1m_v.value, absorption_np_per_m.value, threshold_v, rise_time_s.value, half_power_angle_rad.value, saturation_v};
+    return {amplitude_1m_v.value, absorption_np_per_m.value,  threshold_v,
+            rise_time_s.value,    half_power_angle_rad.value, saturation_v};
   }
 };
 
@@ -99,20 +100,22 @@ struct SiteReceiver {
 struct Rail {
   enum class Shape { kStraight, kArc };
   Shape shape = Shape::kStraight;
-  Eigen::Vector2d from_m = Eigen::Vector2d::Zero(), to_m = Eigen::Vector2d::Zero();  ///< ends of a straight rail; heading from -> to
-  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();                                ///< of an arc, run counter-clockwise
+  Eigen::Vector2d from_m = Eigen::Vector2d::Zero(),
+                  to_m = Eigen::Vector2d::Zero();      ///< ends of a straight rail; heading from -> to
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< of an arc, run counter-clockwise
   double radius_m = 0.0;
 };
 
-/// Octagon that is adjusted as a whole, by its circumradius and its turn about the vehicle's z axis, instead of receiver by
-/// receiver. Prior means are those of the receivers' positions.
+/// Octagon that is adjusted as a whole, by its circumradius and its turn about the vehicle's z axis, instead
+/// of receiver by receiver. Prior means are those of the receivers' positions.
 struct ArrayShape {
   double radius_sigma_m = 0.0;  ///< 0: held fixed
   double turn_sigma_rad = 0.0;  ///< 0: held fixed
 };
 
-/// How a vehicle usually moves: what ties its states together where there is neither odometry nor a measured pose. Velocities
-/// wander as white-noise acceleration makes them, by about the stated amounts within a second.
+/// How a vehicle usually moves: what ties its states together where there is neither odometry nor a measured
+/// pose. Velocities wander as white-noise acceleration makes them, by about the stated amounts within a
+/// second.
 struct MotionPrior {
   double speed_mps = 1.0;
   double acceleration_mps2 = 0.5;
@@ -127,7 +130,8 @@ struct SiteVehicle {
   std::optional<Rail> rail{};
   std::optional<ArrayShape> array{};
   std::optional<MotionPrior> motion{};
-  double clock_drift = 0.0;        ///< of a deployment: calibrated rate of its oscillator against the beacons', less one
+  double clock_drift =
+      0.0;  ///< of a deployment: calibrated rate of its oscillator against the beacons', less one
   double clock_drift_sigma = 0.0;
 };
 
@@ -167,8 +171,9 @@ struct Site {
   std::vector<ControlDistance> distances;
   Tolerance tolerance;
   Gates gates;
-  std::vector<std::string> warnings;    ///< of reading: ignored keys, assumptions made
-  /// Blocks that the site file states; they may be left out only where there are no arrivals (bearings or scans alone).
+  std::vector<std::string> warnings;  ///< of reading: ignored keys, assumptions made
+  /// Blocks that the site file states; they may be left out only where there are no arrivals (bearings or
+  /// scans alone).
   bool medium_given = true, timing_given = true, tof_sigma_given = true;
 };
 

@@ -8,7 +8,6 @@
 
 #include "models/trajectory/decompositions.h"
 
-
 namespace octant::survey {
 namespace {
 
@@ -19,7 +18,8 @@ std::optional<double> chance_of(const Eigen::Vector3d& shift_m, const Eigen::Mat
   int dof = 0;
   for (int i = 0; i < 3; ++i) {
     const double variance = eigen.eigenvalues()[i];
-    if (!(variance > 1e-6 * eigen.eigenvalues()[2]) || !(variance > 0.0)) continue;  // held fixed, or rounding of that
+    if (!(variance > 1e-6 * eigen.eigenvalues()[2]) || !(variance > 0.0))
+      continue;  // held fixed, or rounding of that
     sum += std::pow(eigen.eigenvectors().col(i).dot(shift_m), 2) / variance;
     ++dof;
   }
@@ -28,11 +28,13 @@ std::optional<double> chance_of(const Eigen::Vector3d& shift_m, const Eigen::Mat
 }
 
 const DeploymentBeacon* find(const Deployment& d, const std::string& name) {
-  const auto at = std::find_if(d.beacons.begin(), d.beacons.end(), [&](const auto& b) { return b.name == name; });
+  const auto at =
+      std::find_if(d.beacons.begin(), d.beacons.end(), [&](const auto& b) { return b.name == name; });
   return at == d.beacons.end() ? nullptr : &*at;
 }
 
-/// A list of words such as "control points, medium, odometry" without odometry, which fixes no frame and no datum of a site.
+/// A list of words such as "control points, medium, odometry" without odometry, which fixes no frame and no
+/// datum of a site.
 std::string without_odometry(const std::string& words) {
   std::string kept;
   for (std::size_t from = 0; from <= words.size();) {
@@ -46,30 +48,37 @@ std::string without_odometry(const std::string& words) {
 
 /// The same points hold the frame; what else says something of the scale does not move it.
 bool same_frame(const Datum& a, const Datum& b) {
-  const std::set<std::string> points_a(a.control_points.begin(), a.control_points.end()), points_b(b.control_points.begin(), b.control_points.end());
+  const std::set<std::string> points_a(a.control_points.begin(), a.control_points.end()),
+      points_b(b.control_points.begin(), b.control_points.end());
   return points_a == points_b && without_odometry(a.position) == without_odometry(b.position) &&
-         without_odometry(a.orientation) == without_odometry(b.orientation) && without_odometry(a.scale) == without_odometry(b.scale);
+         without_odometry(a.orientation) == without_odometry(b.orientation) &&
+         without_odometry(a.scale) == without_odometry(b.scale);
 }
 
 /// A delay that the deployments have each of a beacon's own.
-std::optional<double> chance_of_delay(const Deployment& before, const Deployment& now, const BeaconChange& c) {
+std::optional<double> chance_of_delay(const Deployment& before, const Deployment& now,
+                                      const BeaconChange& c) {
   if (!before.timing.delay_per.beacon || !now.timing.delay_per.beacon || !(c.delay_sigma_s > 0)) return {};
   return std::erfc(std::abs(c.delay_change_s) / c.delay_sigma_s / std::sqrt(2.0));
 }
 
-/// What is more than chance, with the number of comparisons in mind; and what a control point that was knocked may explain. It is
-/// held, so that its own delay takes up a part of what it moved, and the others' places the rest.
+/// What is more than chance, with the number of comparisons in mind; and what a control point that was
+/// knocked may explain. It is held, so that its own delay takes up a part of what it moved, and the others'
+/// places the rest.
 void judge(const Deployment& before, const Deployment& now, Changes& changes) {
   std::size_t tests = 0;
-  for (const BeaconChange& c : changes.beacons) tests += static_cast<std::size_t>(c.p.has_value()) + static_cast<std::size_t>(c.delay_p.has_value());
-  changes.limit_p = std::min(kSignificance, kChangesByChance / static_cast<double>(std::max<std::size_t>(tests, 1)));
+  for (const BeaconChange& c : changes.beacons)
+    tests += static_cast<std::size_t>(c.p.has_value()) + static_cast<std::size_t>(c.delay_p.has_value());
+  changes.limit_p =
+      std::min(kSignificance, kChangesByChance / static_cast<double>(std::max<std::size_t>(tests, 1)));
   for (BeaconChange& c : changes.beacons) {
     // Two control points that disagree are not a matter of chance.
     c.significant = c.p ? *c.p < changes.limit_p : c.shift_m.norm() > 0.0;
     c.delay_significant = c.delay_p && *c.delay_p < changes.limit_p;
     const DeploymentBeacon* a = find(before, c.name);
     const DeploymentBeacon* b = find(now, c.name);
-    const bool held = a->status == BeaconStatus::kControlPoint && b->status == BeaconStatus::kControlPoint && !c.significant;
+    const bool held = a->status == BeaconStatus::kControlPoint && b->status == BeaconStatus::kControlPoint &&
+                      !c.significant;
     if (held && c.delay_significant) changes.doubted_control_points.push_back(c.name);
   }
   if (changes.doubted_control_points.empty()) return;

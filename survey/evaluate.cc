@@ -10,13 +10,16 @@
 namespace octant::survey {
 namespace {
 
-/// Fix times are often means of equal times: rounding must not push one off its sample, or beyond the reference's end.
+/// Fix times are often means of equal times: rounding must not push one off its sample, or beyond the
+/// reference's end.
 constexpr double kSameInstant_s = 1.0e-6;
 
-/// A vehicle that stands where it stood has not been elsewhere: a reading as a stop begins and one as it ends.
+/// A vehicle that stands where it stood has not been elsewhere: a reading as a stop begins and one as it
+/// ends.
 bool at_rest(const Pose& a, const Pose& b) {
   constexpr double kMoved_m = 1.0e-3, kTurned_rad = 1.0e-3;
-  return (a.translation_m - b.translation_m).norm() < kMoved_m && a.rotation.angularDistance(b.rotation) < kTurned_rad;
+  return (a.translation_m - b.translation_m).norm() < kMoved_m &&
+         a.rotation.angularDistance(b.rotation) < kTurned_rad;
 }
 
 std::optional<Pose> reference_at(const std::vector<TimedPose>& truth, double time_s, double max_gap_s) {
@@ -45,8 +48,10 @@ ErrorOfFix error_of(const Pose& fix, const Pose& truth, const PoseAccuracy& accu
   error.heading_rad = wrap_angle(fix.heading_rad() - truth.heading_rad());
   if (motion == Motion::kPlanar) {
     error.tangent = Eigen::Vector3d(offset_m.x(), offset_m.y(), error.heading_rad);
-    error.truth_covariance = Eigen::Vector3d(square(accuracy.position_sigma_m), square(accuracy.position_sigma_m),
-                                             square(accuracy.heading_sigma_rad)).asDiagonal();
+    error.truth_covariance =
+        Eigen::Vector3d(square(accuracy.position_sigma_m), square(accuracy.position_sigma_m),
+                        square(accuracy.heading_sigma_rad))
+            .asDiagonal();
     error.position_m = offset_m.head<2>().norm();
     return error;
   }
@@ -54,7 +59,8 @@ ErrorOfFix error_of(const Pose& fix, const Pose& truth, const PoseAccuracy& accu
   error.tangent << offset_m, log_rotation(truth.rotation.conjugate() * fix.rotation);
   // Heading and attitude are about the map's axes, the tangent is in the vehicle frame.
   const Eigen::Matrix3d R = truth.rotation.toRotationMatrix();
-  const Eigen::Vector3d about_map_rad2(square(accuracy.attitude_sigma_rad), square(accuracy.attitude_sigma_rad),
+  const Eigen::Vector3d about_map_rad2(square(accuracy.attitude_sigma_rad),
+                                       square(accuracy.attitude_sigma_rad),
                                        square(accuracy.heading_sigma_rad));
   error.truth_covariance = Eigen::MatrixXd::Zero(6, 6);
   error.truth_covariance.topLeftCorner<3, 3>().diagonal().setConstant(square(accuracy.position_sigma_m));
@@ -63,9 +69,12 @@ ErrorOfFix error_of(const Pose& fix, const Pose& truth, const PoseAccuracy& accu
   return error;
 }
 
-/// Squared Mahalanobis distance over its degrees of freedom; the position's alone where the reference has no heading.
-std::optional<double> nees_over_dof(const Fix& fix, const ErrorOfFix& error, bool heading_known, Motion motion) {
-  if (fix.covariance.rows() < error.tangent.size() || fix.covariance.cols() < error.tangent.size()) return std::nullopt;
+/// Squared Mahalanobis distance over its degrees of freedom; the position's alone where the reference has no
+/// heading.
+std::optional<double> nees_over_dof(const Fix& fix, const ErrorOfFix& error, bool heading_known,
+                                    Motion motion) {
+  if (fix.covariance.rows() < error.tangent.size() || fix.covariance.cols() < error.tangent.size())
+    return std::nullopt;
   const Eigen::Index n = heading_known ? error.tangent.size() : (motion == Motion::kPlanar ? 2 : 3);
   const Eigen::MatrixXd C = fix.covariance.topLeftCorner(n, n) + error.truth_covariance.topLeftCorner(n, n);
   if (!C.allFinite()) return std::nullopt;
@@ -117,8 +126,8 @@ bool Evaluation::pass() const {
   return std::all_of(gates.begin(), gates.end(), [](const Gate& gate) { return gate.pass; });
 }
 
-Evaluation evaluate(const std::vector<Fix>& fixes, const std::vector<TimedPose>& truth, const PoseAccuracy& truth_accuracy,
-                    Motion motion, const Tolerance& tolerance) {
+Evaluation evaluate(const std::vector<Fix>& fixes, const std::vector<TimedPose>& truth,
+                    const PoseAccuracy& truth_accuracy, Motion motion, const Tolerance& tolerance) {
   return evaluate({ReferencedRun{fixes, truth, truth_accuracy}}, motion, tolerance);
 }
 
@@ -137,13 +146,16 @@ Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion, const
   std::sort(sums.position_m.begin(), sums.position_m.end());
   const std::size_t quantiles = std::min(kErrorQuantiles, result.matched);
   for (std::size_t i = 0; i < quantiles; ++i)
-    result.error_quantiles_m.push_back(quantile(sums.position_m, quantiles > 1 ? static_cast<double>(i) / static_cast<double>(quantiles - 1) : 1.0));
+    result.error_quantiles_m.push_back(quantile(
+        sums.position_m, quantiles > 1 ? static_cast<double>(i) / static_cast<double>(quantiles - 1) : 1.0));
   result.position_p95_m = quantile(sums.position_m, 0.95);
   result.max_error_m = sums.position_m.back();
-  if (sums.headings > 0) result.heading_rmse_rad = std::sqrt(sums.heading_rad2 / static_cast<double>(sums.headings));
+  if (sums.headings > 0)
+    result.heading_rmse_rad = std::sqrt(sums.heading_rad2 / static_cast<double>(sums.headings));
   if (sums.nees_count > 0) result.nees_mean = sums.nees / static_cast<double>(sums.nees_count);
   if (tolerance.fix_m) {
-    result.gates.push_back({"fix_m", *tolerance.fix_m, result.position_rmse_m, result.position_rmse_m <= *tolerance.fix_m});
+    result.gates.push_back(
+        {"fix_m", *tolerance.fix_m, result.position_rmse_m, result.position_rmse_m <= *tolerance.fix_m});
   }
   return result;
 }
@@ -154,7 +166,8 @@ std::vector<BeaconError> beacon_errors(const Deployment& deployment, const Deplo
     if (beacon.status != BeaconStatus::kCalibrated) continue;
     const auto same = std::find_if(reference.beacons.begin(), reference.beacons.end(),
                                    [&](const DeploymentBeacon& other) { return other.name == beacon.name; });
-    if (same != reference.beacons.end()) errors.push_back({beacon.name, (beacon.position_m - same->position_m).norm()});
+    if (same != reference.beacons.end())
+      errors.push_back({beacon.name, (beacon.position_m - same->position_m).norm()});
   }
   return errors;
 }

@@ -27,13 +27,14 @@ inline constexpr std::size_t kErrorQuantiles = 101;
 
 /// Fixes against a reference trajectory.
 struct Evaluation {
-  std::size_t fixes = 0;      ///< with status ok
+  std::size_t fixes = 0;  ///< with status ok
   std::size_t no_fix = 0;
-  std::size_t matched = 0;    ///< fixes for which truth.tum has a pose
+  std::size_t matched = 0;       ///< fixes for which truth.tum has a pose
   double position_rmse_m = 0.0;  ///< horizontal for planar motion, in space otherwise
   double position_p95_m = 0.0;
   double max_error_m = 0.0;
-  std::vector<double> error_quantiles_m;   ///< of the position errors, from the least to the largest, at most kErrorQuantiles
+  std::vector<double>
+      error_quantiles_m;  ///< of the position errors, from the least to the largest, at most kErrorQuantiles
   std::optional<double> heading_rmse_rad;  ///< where the reference has a heading
   std::optional<double> nees_mean;         ///< over its degrees of freedom: 1 for honest covariances
   std::vector<Gate> gates;
@@ -47,21 +48,26 @@ struct ReferencedRun {
   PoseAccuracy truth_accuracy;
 };
 
-/// Error of each fix against the reference interpolated at its time (never beyond its ends, nor over gaps longer than
-/// truth_accuracy.max_gap_s), summarised, held against the site's tolerance. The reference's own accuracy is added to the
-/// fix's covariance in the NEES.
-/// Where no fix has a reference the figures are zero and the gate "matched" fails, so that silence never passes.
-[[nodiscard]] Evaluation evaluate(const std::vector<Fix>& fixes, const std::vector<TimedPose>& truth, const PoseAccuracy& truth_accuracy,
-                                  Motion motion, const Tolerance& tolerance);
+/// Error of each fix against the reference interpolated at its time (never beyond its ends, nor over gaps
+/// longer than truth_accuracy.max_gap_s), summarised, held against the site's tolerance. The reference's own
+/// accuracy is added to the fix's covariance in the NEES. Where no fix has a reference the figures are zero
+/// and the gate "matched" fails, so that silence never passes.
+[[nodiscard]] Evaluation evaluate(const std::vector<Fix>& fixes, const std::vector<TimedPose>& truth,
+                                  const PoseAccuracy& truth_accuracy, Motion motion,
+                                  const Tolerance& tolerance);
 /// The same over several recordings together.
-[[nodiscard]] Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion, const Tolerance& tolerance);
+[[nodiscard]] Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion,
+                                  const Tolerance& tolerance);
 
-/// How far a calibrated beacon stands from a reference deployment's beacon of the same name, in the same frame.
+/// How far a calibrated beacon stands from a reference deployment's beacon of the same name, in the same
+/// frame.
 struct BeaconError {
   std::string name;
   double error_m = 0.0;
 };
-/// Beacons that were solved for; control points, undetermined ones and those that the reference does not name are left out.
-[[nodiscard]] std::vector<BeaconError> beacon_errors(const Deployment& deployment, const Deployment& reference);
+/// Beacons that were solved for; control points, undetermined ones and those that the reference does not name
+/// are left out.
+[[nodiscard]] std::vector<BeaconError> beacon_errors(const Deployment& deployment,
+                                                     const Deployment& reference);
 
 }  // namespace octant::survey

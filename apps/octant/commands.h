@@ -32,8 +32,8 @@ void add_report(CLI::App& app, CommonOptions& common, Action& action);
 void add_schema(CLI::App& app, CommonOptions& common, Action& action);
 
 /// A command with the options that all have. @param example  shown by --help
-[[nodiscard]] CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name, const std::string& purpose,
-                                    const std::string& example);
+[[nodiscard]] CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name,
+                                    const std::string& purpose, const std::string& example);
 void add_common_options(CLI::App& app, CommonOptions& common);
 /// --method and what some of them take, of the commands that localize.
 void add_method_options(CLI::App& command, MethodWords& words);

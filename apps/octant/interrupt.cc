@@ -25,7 +25,9 @@ extern "C" void on_signal(int) {
   if (may_exit_at_once == 0 || must_not_exit != 0) return;
   constexpr char talk[] = "\noctant: interrupted, nothing was written\n";
   // Nothing can be done about a failed write here.
-  if (write(STDERR_FILENO, talk, sizeof talk - 1) < 0 || write(STDOUT_FILENO, last_words, last_words_size) < 0) _exit(130);
+  if (write(STDERR_FILENO, talk, sizeof talk - 1) < 0 ||
+      write(STDOUT_FILENO, last_words, last_words_size) < 0)
+    _exit(130);
   _exit(130);
 }
 

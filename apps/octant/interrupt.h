@@ -6,15 +6,15 @@
 
 namespace octant::app {
 
-/// Takes over SIGINT and SIGTERM. A first signal asks politely (interrupted() becomes true); a second one kills.
-/// A SIGINT that the parent ignores (background jobs) stays ignored.
+/// Takes over SIGINT and SIGTERM. A first signal asks politely (interrupted() becomes true); a second one
+/// kills. A SIGINT that the parent ignores (background jobs) stays ignored.
 /// @param last_words  what goes to standard output where a signal ends the program at once; may be empty
 void install_interrupt_handlers(const std::string& last_words);
 
 [[nodiscard]] bool interrupted();
 
-/// While one lives, nothing of ours is half on disk, and a signal may end the program at once with exit 130: for long
-/// computations that cannot be asked to stop. They may be nested.
+/// While one lives, nothing of ours is half on disk, and a signal may end the program at once with exit 130:
+/// for long computations that cannot be asked to stop. They may be nested.
 class ExitAtOnce {
  public:
   ExitAtOnce();

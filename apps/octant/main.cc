@@ -10,9 +10,9 @@
 #include <malloc.h>
 #endif
 
+#include <fmt/format.h>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <fmt/format.h>
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
@@ -38,11 +38,13 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
     const bool version = error.get_name() == "CallForVersion";
     const std::string text = version ? "octant " OCTANT_VERSION "\n" : command.help();
     session.result(text);
-    return session.finish(version ? Json{{"program", "octant"}, {"version", OCTANT_VERSION}} : Json{{"help", text}});
+    return session.finish(version ? Json{{"program", "octant"}, {"version", OCTANT_VERSION}}
+                                  : Json{{"help", text}});
   }
   std::string message = error.what();
   const auto strange = app.remaining(true);
-  if (chosen.empty()) message = strange.empty() ? "a command is missing" : fmt::format("unknown command '{}'", strange.front());
+  if (chosen.empty())
+    message = strange.empty() ? "a command is missing" : fmt::format("unknown command '{}'", strange.front());
   const std::string name = chosen.empty() ? "octant" : "octant " + command.get_name();
   return session.fail({"error", "usage", kUsage, message, fmt::format("{} --help explains", name)});
 }
@@ -64,11 +66,16 @@ int run(int argc, const char* const* argv, Session& session) {
   session.options.json = wants_json(argc, argv);
   install_interrupt_handlers(session.options.json ? dump(interrupted_object()) + "\n" : "");
 
-  CLI::App app("Octant calibrates time-of-flight beacon positioning: beacons, delays and the speed of sound from a recording,\n"
-               "and tells a robot where it is.", "octant");
+  CLI::App app(
+      "Octant calibrates time-of-flight beacon positioning: beacons, delays and the speed of sound from a "
+      "recording,\n"
+      "and tells a robot where it is.",
+      "octant");
   add_common_options(app, session.options);
-  app.footer("Example:\n  octant demo\n\nExit codes: 0 done, 1 fault of the program, 2 wrong usage, 3 bad input, 4 not converged,\n"
-             "5 undetermined, 6 a quality gate failed or the data contradict the site file, 130 interrupted.");
+  app.footer(
+      "Example:\n  octant demo\n\nExit codes: 0 done, 1 fault of the program, 2 wrong usage, 3 bad input, 4 "
+      "not converged,\n"
+      "5 undetermined, 6 a quality gate failed or the data contradict the site file, 130 interrupted.");
   app.require_subcommand(1);
   Action action;
   add_demo(app, session.options, action);
@@ -101,9 +108,12 @@ int run_guarded(int argc, char** argv, octant::app::Session& session) {
   try {
     return octant::app::run(argc, argv, session);
   } catch (const std::bad_alloc&) {
-    return session.fail({"error", "internal", octant::app::kFault, "out of memory", "use a machine with more, or fewer arrivals"});
+    return session.fail({"error", "internal", octant::app::kFault, "out of memory",
+                         "use a machine with more, or fewer arrivals"});
   } catch (const std::exception& error) {
-    return session.fail({"error", "internal", octant::app::kFault, fmt::format("a fault of octant: {}", error.what()), "please report it with the command"});
+    return session.fail({"error", "internal", octant::app::kFault,
+                         fmt::format("a fault of octant: {}", error.what()),
+                         "please report it with the command"});
   }
 }
 
@@ -111,8 +121,8 @@ int run_guarded(int argc, char** argv, octant::app::Session& session) {
 
 int main(int argc, char** argv) {
 #ifdef __GLIBC__
-  // Lists of millions of rows come and go. Memory that goes back to the system has to be cleared before it can be used again,
-  // which on a virtual machine costs more than filling it.
+  // Lists of millions of rows come and go. Memory that goes back to the system has to be cleared before it
+  // can be used again, which on a virtual machine costs more than filling it.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
 #endif

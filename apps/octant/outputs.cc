@@ -35,7 +35,8 @@ bool is_no_file(const std::string& name) {
   std::error_code error;
   if (name.empty() || name == "-") return true;
   const fs::file_status status = fs::status(name, error);
-  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);  // pipes and devices keep nothing
+  return fs::exists(status) && !fs::is_regular_file(status) &&
+         !fs::is_directory(status);  // pipes and devices keep nothing
 }
 
 /// Names by which a file is told apart: where it lies, and (through hard links) what lies there.
@@ -56,7 +57,10 @@ std::vector<fs::path> files_of(const std::string& input) {
 }
 
 tl::unexpected<Error> refused(const std::string& output, const std::string& what) {
-  return fail({.code = Errc::kUsage, .file = output, .found = what, .expected = "a file of its own for each output",
+  return fail({.code = Errc::kUsage,
+               .file = output,
+               .found = what,
+               .expected = "a file of its own for each output",
                .advice = "nothing was read or written"});
 }
 
@@ -67,13 +71,15 @@ Result<void> check_no_overwriting(const CommandFiles& files) {
   for (const std::string& input : files.inputs) {
     if (is_no_file(input)) continue;
     for (const fs::path& file : files_of(input))
-      for (const std::string& identity : identities(file)) taken.emplace(identity, fmt::format("would be written over the input '{}'", file.string()));
+      for (const std::string& identity : identities(file))
+        taken.emplace(identity, fmt::format("would be written over the input '{}'", file.string()));
   }
   const auto take = [&taken](const std::string& named, const fs::path& file) -> Result<void> {
     const std::vector<std::string> names = identities(file);
     for (const std::string& identity : names)
       if (const auto found = taken.find(identity); found != taken.end()) return refused(named, found->second);
-    for (const std::string& identity : names) taken.emplace(identity, fmt::format("is the output '{}' too", file.string()));
+    for (const std::string& identity : names)
+      taken.emplace(identity, fmt::format("is the output '{}' too", file.string()));
     return {};
   };
   for (const std::string& name : files.outputs)

@@ -16,9 +16,10 @@ struct CommandFiles {
   std::vector<std::string> run_outputs;  ///< folders that become runs
 };
 
-/// Before anything is read: no output may be one of the inputs or another output. Files are told apart by what they are on the
-/// disk, through links and under whatever name; an output into an input's run folder under a name that a run gives meaning to is
-/// one of its files whether it lies there or not. Errors: kUsage, both names.
+/// Before anything is read: no output may be one of the inputs or another output. Files are told apart by
+/// what they are on the disk, through links and under whatever name; an output into an input's run folder
+/// under a name that a run gives meaning to is one of its files whether it lies there or not. Errors: kUsage,
+/// both names.
 [[nodiscard]] Result<void> check_no_overwriting(const CommandFiles& files);
 
 }  // namespace octant::app

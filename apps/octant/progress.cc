@@ -45,13 +45,16 @@ void ProgressReporter::show(const std::string& stage, int iteration, double cost
   fraction = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
   if (style_ == ProgressStyle::kBar) {
     const int full = static_cast<int>(std::lround(24 * fraction));
-    put_progress(fmt::format("\r\033[K[{:#<{}}{:.<{}}] {:3.0f} % {}", "", full, "", 24 - full, 100 * fraction, stage));
+    put_progress(
+        fmt::format("\r\033[K[{:#<{}}{:.<{}}] {:3.0f} % {}", "", full, "", 24 - full, 100 * fraction, stage));
     drawn_ = true;
   } else if (style_ == ProgressStyle::kPlain) {
     if (new_stage) put_progress(fmt::format("{:3.0f} % {}\n", 100 * fraction, stage));
   } else {
-    const nlohmann::ordered_json line = {{"stage", stage}, {"iteration", iteration}, {"cost", cost}, {"fraction", fraction}};
-    put_progress(fmt::format("{}\n", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
+    const nlohmann::ordered_json line = {
+        {"stage", stage}, {"iteration", iteration}, {"cost", cost}, {"fraction", fraction}};
+    put_progress(
+        fmt::format("{}\n", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
   }
   std::fflush(stderr);
 }

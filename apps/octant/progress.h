@@ -10,10 +10,12 @@ namespace octant::app {
 
 enum class ProgressStyle { kNone, kBar, kPlain, kJson };
 
-/// What --progress, --quiet and the terminal come to: "auto" is a bar on a terminal and plain lines elsewhere.
+/// What --progress, --quiet and the terminal come to: "auto" is a bar on a terminal and plain lines
+/// elsewhere.
 [[nodiscard]] ProgressStyle progress_style(std::string_view wanted, bool quiet);
 
-/// Shows on standard error how far a computation is: a bar that is drawn over, a line for each new stage, or JSON lines.
+/// Shows on standard error how far a computation is: a bar that is drawn over, a line for each new stage, or
+/// JSON lines.
 class ProgressReporter {
  public:
   explicit ProgressReporter(ProgressStyle style) : style_(style) {}

@@ -31,7 +31,8 @@ int Job::finish(int code) { return code; }
 namespace octant::app {
 namespace {
 
-/// Initialising MPI in a process that nobody launched costs a moment and may fail: so only where a launcher left its mark.
+/// Initialising MPI in a process that nobody launched costs a moment and may fail: so only where a launcher
+/// left its mark.
 bool was_launched() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"})
     if (std::getenv(name) != nullptr) return true;
@@ -67,7 +68,8 @@ class Job::Mpi : public calib::Ranks {
   [[nodiscard]] int count() const override { return count_; }
   [[nodiscard]] int index() const override { return index_; }
   void sum(std::span<double> values) const override {
-    // MPI counts in int. It does not promise that all ranks get the same last bit, but they must decide alike: the first's holds.
+    // MPI counts in int. It does not promise that all ranks get the same last bit, but they must decide
+    // alike: the first's holds.
     constexpr std::size_t kMost = std::numeric_limits<int>::max() / 2;
     for (std::size_t first = 0; first < values.size(); first += kMost) {
       const int count = static_cast<int>(std::min(kMost, values.size() - first));
@@ -85,7 +87,8 @@ class Job::Mpi : public calib::Ranks {
       for (std::size_t i = 1; i < sizes.size(); ++i) first[i] = first[i - 1] + sizes[i - 1];
       all.resize(static_cast<std::size_t>(first.back() + sizes.back()));
     }
-    MPI_Gatherv(text.data(), mine, MPI_CHAR, all.data(), sizes.data(), first.data(), MPI_CHAR, 0, MPI_COMM_WORLD);
+    MPI_Gatherv(text.data(), mine, MPI_CHAR, all.data(), sizes.data(), first.data(), MPI_CHAR, 0,
+                MPI_COMM_WORLD);
     std::vector<std::string> texts;
     for (std::size_t i = 0; index_ == 0 && i < sizes.size(); ++i)
       texts.push_back(all.substr(static_cast<std::size_t>(first[i]), static_cast<std::size_t>(sizes[i])));
@@ -102,7 +105,10 @@ class Job::Mpi : public calib::Ranks {
       if (here != 0) break;
       // Who is done well waits for the slower ones; who failed would leave them waiting for him.
       if (code != 0 && std::chrono::steady_clock::now() > until) {
-        if (stderr_ >= 0) dprintf(stderr_, "octant: rank %d of %d failed with exit code %d; the job is ended, nothing was written\n", index_, count_, code);
+        if (stderr_ >= 0)
+          dprintf(stderr_,
+                  "octant: rank %d of %d failed with exit code %d; the job is ended, nothing was written\n",
+                  index_, count_, code);
         MPI_Abort(MPI_COMM_WORLD, code);
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -120,7 +126,9 @@ Job::Job(int* argc, char*** argv) {
 }
 Job::~Job() = default;
 const calib::Ranks* Job::ranks() const { return mpi_ && mpi_->count() > 1 ? mpi_.get() : nullptr; }
-std::vector<std::string> Job::gather(const std::string& text) const { return mpi_ ? mpi_->gather(text) : std::vector<std::string>{text}; }
+std::vector<std::string> Job::gather(const std::string& text) const {
+  return mpi_ ? mpi_->gather(text) : std::vector<std::string>{text};
+}
 int Job::finish(int code) { return mpi_ ? mpi_->finish(code) : code; }
 
 }  // namespace octant::app

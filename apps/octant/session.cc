@@ -20,20 +20,26 @@ constexpr std::size_t kMaxWarningLines = 50, kMaxWarningBytes = 12'000;
 std::string painted(const char* colour, std::string_view text) {
   const char* no_color = std::getenv("NO_COLOR");
   const char* term = std::getenv("TERM");
-  const bool plain = (no_color != nullptr && *no_color != '\0') || term == nullptr || std::string_view(term) == "dumb" || isatty(STDERR_FILENO) != 1;
+  const bool plain = (no_color != nullptr && *no_color != '\0') || term == nullptr ||
+                     std::string_view(term) == "dumb" || isatty(STDERR_FILENO) != 1;
   return plain ? std::string(text) : fmt::format("\033[{}m{}\033[0m", colour, text);
 }
 
-/// Not fmt::print, which throws where a disk is full or a reader is gone; print() looks at the stream's state in the end.
+/// Not fmt::print, which throws where a disk is full or a reader is gone; print() looks at the stream's state
+/// in the end.
 void put(std::FILE* stream, std::string_view text) { (void)std::fwrite(text.data(), 1, text.size(), stream); }
 
 Json error_object(const std::string& code, int exit, const std::string& message, const Error& error) {
   const auto number = [](int n) { return n > 0 ? Json(n) : Json(nullptr); };
   const auto text = [](const std::string& s) { return s.empty() ? Json(nullptr) : Json(s); };
-  return {{"code", code},          {"exit", exit},
-          {"message", message},    {"file", text(error.file)},
-          {"line", number(error.line)}, {"column", number(error.column)},
-          {"found", text(error.found)}, {"expected", text(error.expected)},
+  return {{"code", code},
+          {"exit", exit},
+          {"message", message},
+          {"file", text(error.file)},
+          {"line", number(error.line)},
+          {"column", number(error.column)},
+          {"found", text(error.found)},
+          {"expected", text(error.expected)},
           {"advice", text(error.advice)}};
 }
 
@@ -57,14 +63,17 @@ Ending ending(const Failure& failure) {
   Error error;
   error.advice = failure.advice;
   return {failure.exit,
-          {{"status", failure.status}, {"error", error_object(failure.code, failure.exit, failure.message, error)}},
+          {{"status", failure.status},
+           {"error", error_object(failure.code, failure.exit, failure.message, error)}},
           failure.message + (failure.advice.empty() ? "" : "; " + failure.advice)};
 }
 
 Ending ending(const Error& error) {
   const Mapping map = mapping(error.code);
   if (map.exit == kInterrupted) return {map.exit, interrupted_object(), "interrupted"};
-  return {map.exit, {{"status", "error"}, {"error", error_object(map.code, map.exit, error.message(), error)}}, error.message()};
+  return {map.exit,
+          {{"status", "error"}, {"error", error_object(map.code, map.exit, error.message(), error)}},
+          error.message()};
 }
 
 std::string dump(const Json& object) { return object.dump(-1, ' ', false, Json::error_handler_t::replace); }
@@ -92,7 +101,9 @@ void Session::warn(const std::vector<std::string>& warnings) {
   }
 }
 
-void Session::complain(const std::string& message) { put(stderr, fmt::format("{} {}\n", painted("1;31", "error:"), message)); }
+void Session::complain(const std::string& message) {
+  put(stderr, fmt::format("{} {}\n", painted("1;31", "error:"), message));
+}
 
 int Session::flush(Exit exit) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit;
@@ -102,7 +113,8 @@ int Session::flush(Exit exit) {
 
 int Session::print(const Json& object, Exit exit) {
   if (warnings_.size() > warning_lines_) {
-    put(stderr, fmt::format("{} {} more; --json lists them all\n", painted("1;33", "warning:"), warnings_.size() - warning_lines_));
+    put(stderr, fmt::format("{} {} more; --json lists them all\n", painted("1;33", "warning:"),
+                            warnings_.size() - warning_lines_));
     warning_lines_ = warnings_.size();
   }
   if (options.json) put(stdout, dump(object) + "\n");
@@ -157,20 +169,25 @@ Session Session::part(int threads) const {
 }
 
 int Session::threads() const {
-  return options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return options.threads > 0 ? options.threads
+                             : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-double Session::seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count(); }
+double Session::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+}
 
 Json interrupted_object() {
-  return {{"status", "interrupted"}, {"error", error_object("interrupted", kInterrupted, "interrupted, nothing was written", {})}};
+  return {{"status", "interrupted"},
+          {"error", error_object("interrupted", kInterrupted, "interrupted, nothing was written", {})}};
 }
 
 std::string quote_command(int argc, const char* const* argv) {
   std::string line = "octant";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;~#!") == std::string::npos;
+    const bool plain =
+        !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;~#!") == std::string::npos;
     line += ' ';
     if (plain) {
       line += word;
@@ -189,7 +206,8 @@ std::string created_now() {
   if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
     char* end = nullptr;
     const long long seconds = std::strtoll(epoch, &end, 10);
-    if (end != epoch && *end == '\0' && seconds >= 0 && seconds < 253402300800LL) now = static_cast<std::time_t>(seconds);
+    if (end != epoch && *end == '\0' && seconds >= 0 && seconds < 253402300800LL)
+      now = static_cast<std::time_t>(seconds);
   }
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
 }

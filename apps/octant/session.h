@@ -60,15 +60,16 @@ struct Ending {
 [[nodiscard]] Ending ending(const Error& error);
 
 /// One invocation of the program: its options, and the only way to standard output and standard error.
-/// With --json exactly one object goes to standard output, at the end; otherwise text for people goes there. Talk goes to
-/// standard error.
+/// With --json exactly one object goes to standard output, at the end; otherwise text for people goes there.
+/// Talk goes to standard error.
 class Session {
  public:
   CommonOptions options;
   const Job* job = nullptr;  ///< whom the work is shared with; null: nobody
   std::string command_line;  ///< as typed, quoted where needed
 
-  /// Text of a result: standard output, or standard error where standard output carries a file (`-o -`); none with --json.
+  /// Text of a result: standard output, or standard error where standard output carries a file (`-o -`); none
+  /// with --json.
   void result(std::string_view text);
   void result_to_stderr() { results_ = stderr; }
   /// Talk, unless --quiet.
@@ -77,7 +78,8 @@ class Session {
   void detail(std::string_view text);
   /// Warnings are kept for the JSON object and go to standard error, each once, the first fifty of them.
   void warn(const std::vector<std::string>& warnings);
-  /// A session of the same options and words that keeps its warnings and says nothing: for one of several things done at once.
+  /// A session of the same options and words that keeps its warnings and says nothing: for one of several
+  /// things done at once.
   [[nodiscard]] Session part(int threads) const;
   void warn(const std::string& warning) { warn(std::vector<std::string>{warning}); }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }

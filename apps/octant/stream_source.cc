@@ -13,13 +13,15 @@
 
 namespace octant::app {
 
-Result<std::unique_ptr<StreamSource>> StreamSource::open(const std::vector<std::string>& folders, const NameTable& names,
-                                                         const Timing& timing, Session& session, double constant_speed_mps) {
+Result<std::unique_ptr<StreamSource>> StreamSource::open(const std::vector<std::string>& folders,
+                                                         const NameTable& names, const Timing& timing,
+                                                         Session& session, double constant_speed_mps) {
   std::unique_ptr<StreamSource> source(new StreamSource(folders, names, timing, session));
   source->constant_speed_mps_ = constant_speed_mps;
   for (const auto& folder : folders) {
     // One thread each, so that none of them begins before it is its turn.
-    auto stream = io::RunStream::open(folder, source->names_, timing, {.constant_speed_mps = constant_speed_mps, .threads = 1});
+    auto stream = io::RunStream::open(folder, source->names_, timing,
+                                      {.constant_speed_mps = constant_speed_mps, .threads = 1});
     if (!stream) return fail(stream.error());
     source->streams_.push_back(std::move(*stream));
   }
@@ -35,7 +37,9 @@ std::vector<const MeasurementLog*> StreamSource::logs() const {
 Result<void> StreamSource::scan(const Visit& visit) {
   const ExitAtOnce nothing_written_yet;
   for (std::size_t run = 0; run < streams_.size(); ++run) {
-    auto stream = io::RunStream::open(folders_[run], names_, timing_, {.constant_speed_mps = constant_speed_mps_, .threads = session_.threads()});
+    auto stream =
+        io::RunStream::open(folders_[run], names_, timing_,
+                            {.constant_speed_mps = constant_speed_mps_, .threads = session_.threads()});
     if (!stream) return fail(stream.error());
     streams_[run] = std::move(*stream);
     std::vector<Arrival> block;
@@ -49,7 +53,8 @@ Result<void> StreamSource::scan(const Visit& visit) {
     }
     const MeasurementLog& log = streams_[run].log();
     session_.warn(log.warnings);
-    session_.detail(fmt::format("{}: {} arrivals, {} rows that are none", folders_[run], arrivals, log.rejected.size()));
+    session_.detail(
+        fmt::format("{}: {} arrivals, {} rows that are none", folders_[run], arrivals, log.rejected.size()));
   }
   return {};
 }

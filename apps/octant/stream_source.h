@@ -17,21 +17,25 @@ class StreamSource : public ArrivalSource {
  public:
   /// Errors: those of read_run() but for the rows of tof.csv, which scan() finds.
   /// @param session  hears the warnings of reading
-  [[nodiscard]] static Result<std::unique_ptr<StreamSource>> open(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
-                                                                  Session& session, double constant_speed_mps = 0.0);
+  [[nodiscard]] static Result<std::unique_ptr<StreamSource>> open(const std::vector<std::string>& folders,
+                                                                  const NameTable& names,
+                                                                  const Timing& timing, Session& session,
+                                                                  double constant_speed_mps = 0.0);
 
   [[nodiscard]] std::size_t runs() const override { return streams_.size(); }
   [[nodiscard]] const MeasurementLog& log(std::size_t run) const override { return streams_[run].log(); }
   [[nodiscard]] std::vector<const MeasurementLog*> logs() const;
   [[nodiscard]] Result<void> scan(const Visit& visit) override;
-  [[nodiscard]] Result<void> read(std::size_t run, std::size_t first, std::size_t last, std::vector<Arrival>& arrivals) const override {
+  [[nodiscard]] Result<void> read(std::size_t run, std::size_t first, std::size_t last,
+                                  std::vector<Arrival>& arrivals) const override {
     return streams_[run].read_pieces(first, last, arrivals);
   }
   /// A guess at the number of arrivals, rather too many; before scan().
   [[nodiscard]] std::size_t rows_estimate() const;
 
  private:
-  StreamSource(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing, Session& session)
+  StreamSource(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
+               Session& session)
       : folders_(folders), names_(names), timing_(timing), session_(session) {}
 
   std::vector<std::string> folders_;

@@ -4,22 +4,24 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
 #include "io/deployment/deployment_json.h"
 #include "io/site/scene_yaml.h"
 #include "io/site/site_yaml.h"
+#include "io/text/atomic_file.h"
 
 namespace octant::app {
 namespace {
 
-Result<std::size_t> vehicle_index(const std::vector<SiteVehicle>& vehicles, const std::string& name, const std::string& path) {
+Result<std::size_t> vehicle_index(const std::vector<SiteVehicle>& vehicles, const std::string& name,
+                                  const std::string& path) {
   if (name.empty()) return std::size_t{0};
   std::string known;
   for (std::size_t v = 0; v < vehicles.size(); ++v) {
     if (vehicles[v].name == name) return v;
     known += (known.empty() ? "" : ", ") + vehicles[v].name;
   }
-  return fail({.file = path, .found = fmt::format("vehicle '{}' is not in the file", name), .expected = known});
+  return fail(
+      {.file = path, .found = fmt::format("vehicle '{}' is not in the file", name), .expected = known});
 }
 
 Result<void> read_scene_of(const std::string& path, const std::string& scene_path, SurveyInput& input) {
@@ -37,7 +39,8 @@ Result<void> read_scene_of(const std::string& path, const std::string& scene_pat
 
 }  // namespace
 
-Result<SurveyInput> read_survey_input(const std::string& path, const std::string& scene_path, const std::string& vehicle, std::optional<double> cell_m,
+Result<SurveyInput> read_survey_input(const std::string& path, const std::string& scene_path,
+                                      const std::string& vehicle, std::optional<double> cell_m,
                                       Session& session, bool without_beacons) {
   const auto text = io::read_file(path);
   if (!text) return fail(text.error());
@@ -57,9 +60,10 @@ Result<SurveyInput> read_survey_input(const std::string& path, const std::string
   session.warn(input.scene.warnings);
   if (input.scene.path.empty()) input.scene.path = path;
   if (cell_m) input.scene.cell_m = *cell_m;
-  const auto index = vehicle_index(input.site ? input.site->vehicles : input.deployment->vehicles, vehicle, path);
+  const auto index =
+      vehicle_index(input.site ? input.site->vehicles : input.deployment->vehicles, vehicle, path);
   if (!index) return fail(index.error());
-  auto model = !input.site        ? survey::make_survey_model(*input.deployment, input.scene, *index)
+  auto model = !input.site       ? survey::make_survey_model(*input.deployment, input.scene, *index)
                : without_beacons ? survey::make_empty_survey_model(*input.site, input.scene, *index)
                                  : survey::make_survey_model(*input.site, input.scene, *index);
   if (!model) {

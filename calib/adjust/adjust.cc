@@ -14,8 +14,8 @@
 #include <Eigen/SparseCore>
 
 #include "calib/adjust/tile_sum.h"
-#include "models/trajectory/decompositions.h"
 #include "models/support/parallel.h"
+#include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
 namespace {
@@ -50,11 +50,11 @@ Residuals residuals_of(const ReducedSystem& system) {
   return out;
 }
 
-/// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate is settled, and
-/// where it is taken only its reduction is added.
+/// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate
+/// is settled, and where it is taken only its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
-  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout, const Eigen::VectorXd* its_x,
-                  const AdjustOptions& its_options)
+  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout,
+                  const Eigen::VectorXd* its_x, const AdjustOptions& its_options)
       : observations(all),
         tiles(all_tiles),
         layout(its_layout),
@@ -108,15 +108,17 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     residuals.assign(1, residuals_of(sum));
   }
 
-  /// A step gains half of its square in the matrix. Steps of Gauss and Newton leave a few hundredths of the way behind where
-  /// lever arms are as short as an octagon's, a tenth at most, and the square of that of the gain. The matrix changes by some
-  /// times what the foretold gain was off, and as rays turn: both have to stay below what anybody reads in a covariance.
+  /// A step gains half of its square in the matrix. Steps of Gauss and Newton leave a few hundredths of the
+  /// way behind where lever arms are as short as an octagon's, a tenth at most, and the square of that of the
+  /// gain. The matrix changes by some times what the foretold gain was off, and as rays turn: both have to
+  /// stay below what anybody reads in a covariance.
   [[nodiscard]] bool nothing_left_to_gain() const {
     constexpr double kAlike = 3e-4, kLeftBehind = 0.01;
     const Eigen::VectorXd step = *x - reduced_at;
     const double gain = 0.5 * step.dot(sum.H * step);
     const double off = std::abs(cost - sum.cost - step.dot(sum.gradient) - gain);
-    return off < kAlike * gain && rays_are_the_same() && kLeftBehind * gain < options->function_tolerance * cost;
+    return off < kAlike * gain && rays_are_the_same() &&
+           kLeftBehind * gain < options->function_tolerance * cost;
   }
 
   /// Whether rays of some metres and lever arms of some centimetres point where they did, to a thousandth.
@@ -124,7 +126,8 @@ struct EvaluationPoint : ceres::EvaluationCallback {
     constexpr double kBeaconM = 1e-3, kReceiverM = 5e-5;
     const auto moved = [&](const std::vector<std::array<int, 3>>& columns, double by_m) {
       return std::any_of(columns.begin(), columns.end(), [&](const std::array<int, 3>& place) {
-        return std::any_of(place.begin(), place.end(), [&](int c) { return c >= 0 && std::abs((*x)[c] - reduced_at[c]) > by_m; });
+        return std::any_of(place.begin(), place.end(),
+                           [&](int c) { return c >= 0 && std::abs((*x)[c] - reduced_at[c]) > by_m; });
       });
     };
     return !moved(layout->beacon, kBeaconM) && !moved(layout->receiver, kReceiverM);
@@ -140,8 +143,8 @@ struct EvaluationPoint : ceres::EvaluationCallback {
 };
 
 /// Residuals as Ceres wants them, over parameter blocks that cover their columns in order.
-void hand_over(const Residuals& from, const ParameterLayout& layout, const std::vector<int>& blocks, double* residuals,
-               double** jacobians) {
+void hand_over(const Residuals& from, const ParameterLayout& layout, const std::vector<int>& blocks,
+               double* residuals, double** jacobians) {
   const Eigen::Index n = from.z.size();
   Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
   out.head(n) = from.z;
@@ -150,7 +153,8 @@ void hand_over(const Residuals& from, const ParameterLayout& layout, const std::
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const int size = layout.blocks[static_cast<std::size_t>(blocks[i])].size;
     if (jacobians[i] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(jacobians[i], n + 1, size);
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(jacobians[i],
+                                                                                           n + 1, size);
       J.topRows(n) = from.R.middleCols(column, size);
       J.row(n).setZero();
     }
@@ -179,7 +183,8 @@ class TileCost : public ceres::CostFunction {
       std::fill(residuals, residuals + num_residuals() - 1, 0.0);
       residuals[num_residuals() - 1] = std::sqrt(2.0 * cost);
     } else {
-      hand_over(point_->residuals[static_cast<std::size_t>(std::max(tile_, 0))], *point_->layout, blocks_, residuals, jacobians);
+      hand_over(point_->residuals[static_cast<std::size_t>(std::max(tile_, 0))], *point_->layout, blocks_,
+                residuals, jacobians);
     }
     return std::isfinite(cost);
   }
@@ -199,7 +204,8 @@ class PriorCost : public ceres::CostFunction {
   }
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     for (int i = 0; i < block_.size; ++i) {
-      const Parameter& p = layout_->parameters[static_cast<std::size_t>(block_.first) + static_cast<std::size_t>(i)];
+      const Parameter& p =
+          layout_->parameters[static_cast<std::size_t>(block_.first) + static_cast<std::size_t>(i)];
       const double weight = std::isfinite(p.prior_sigma) ? 1.0 / p.prior_sigma : 0.0;
       residuals[i] = weight * (parameters[0][i] - p.prior_mean);
       if (jacobians != nullptr && jacobians[0] != nullptr)
@@ -213,7 +219,8 @@ class PriorCost : public ceres::CostFunction {
   ParameterBlock block_;
 };
 
-/// Weighted misfit of a taped distance and its derivative by the free coordinates of both beacons, in layout order.
+/// Weighted misfit of a taped distance and its derivative by the free coordinates of both beacons, in layout
+/// order.
 struct DistanceRow {
   double residual = 0.0;
   std::vector<std::pair<int, double>> entries;  ///< (column, derivative)
@@ -234,15 +241,18 @@ DistanceRow distance_row(const ControlDistance& d, const ParameterLayout& layout
 
 int block_of(const ParameterLayout& layout, int column) {
   for (std::size_t k = 0; k < layout.blocks.size(); ++k)
-    if (column >= layout.blocks[k].first && column < layout.blocks[k].first + layout.blocks[k].size) return static_cast<int>(k);
+    if (column >= layout.blocks[k].first && column < layout.blocks[k].first + layout.blocks[k].size)
+      return static_cast<int>(k);
   return -1;
 }
 
 class DistanceCost : public ceres::CostFunction {
  public:
-  DistanceCost(const ControlDistance& d, const EvaluationPoint* point, const ParameterLayout* layout, std::vector<int> blocks)
+  DistanceCost(const ControlDistance& d, const EvaluationPoint* point, const ParameterLayout* layout,
+               std::vector<int> blocks)
       : distance_(d), point_(point), layout_(layout), blocks_(std::move(blocks)) {
-    for (const int b : blocks_) mutable_parameter_block_sizes()->push_back(layout->blocks[static_cast<std::size_t>(b)].size);
+    for (const int b : blocks_)
+      mutable_parameter_block_sizes()->push_back(layout->blocks[static_cast<std::size_t>(b)].size);
     set_num_residuals(1);
   }
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
@@ -254,7 +264,8 @@ class DistanceCost : public ceres::CostFunction {
       const ParameterBlock& block = layout_->blocks[static_cast<std::size_t>(blocks_[i])];
       std::fill(jacobians[i], jacobians[i] + block.size, 0.0);
       for (const auto& [column, value] : row.entries)
-        if (column >= block.first && column < block.first + block.size) jacobians[i][column - block.first] += value;
+        if (column >= block.first && column < block.first + block.size)
+          jacobians[i][column - block.first] += value;
     }
     return true;
   }
@@ -284,7 +295,8 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
   ceres_options.minimizer_progress_to_stdout = false;
   ceres_options.logging_type = ceres::SILENT;
   ceres_options.max_num_iterations = options.max_iterations;
-  // The work is in EvaluationPoint. With more threads Ceres adds costs up in the order in which these come to them.
+  // The work is in EvaluationPoint. With more threads Ceres adds costs up in the order in which these come to
+  // them.
   ceres_options.num_threads = 1;
   ceres_options.function_tolerance = options.function_tolerance;
   ceres_options.gradient_tolerance = 1e-9;
@@ -295,16 +307,17 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
   return ceres_options;
 }
 
-/// Whether an adjustment that came to the end of its iterations gained nothing in their second half that anybody could see: a
-/// hundredth of the square of one sigma. It creeps along a valley that is bent, but is as good as at rest.
+/// Whether an adjustment that came to the end of its iterations gained nothing in their second half that
+/// anybody could see: a hundredth of the square of one sigma. It creeps along a valley that is bent, but is
+/// as good as at rest.
 bool crawls(const ceres::Solver::Summary& summary) {
   constexpr double kUnseen = 0.005;
   if (summary.termination_type != ceres::NO_CONVERGENCE || summary.iterations.size() < 20) return false;
   return summary.iterations[summary.iterations.size() / 2].cost - summary.final_cost < kUnseen;
 }
 
-AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, TileSum* tiles,
-                        Eigen::VectorXd& x, const AdjustOptions& options) {
+AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
+                        TileSum* tiles, Eigen::VectorXd& x, const AdjustOptions& options) {
   AdjustResult result;
   EvaluationPoint point(&observations, tiles, &layout, &x, options);
   point.state = layout.state_of(x);
@@ -316,15 +329,21 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   ceres::Problem::Options problem_options;
   problem_options.evaluation_callback = &point;
   ceres::Problem ceres_problem(problem_options);
-  const auto address = [&](int block) { return x.data() + layout.blocks[static_cast<std::size_t>(block)].first; };
+  const auto address = [&](int block) {
+    return x.data() + layout.blocks[static_cast<std::size_t>(block)].first;
+  };
   for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
     ceres_problem.AddParameterBlock(address(static_cast<int>(k)), layout.blocks[k].size);
     for (int i = 0; i < layout.blocks[k].size; ++i) {
-      const Parameter& parameter = layout.parameters[static_cast<std::size_t>(layout.blocks[k].first) + static_cast<std::size_t>(i)];
-      if (std::isfinite(parameter.lower)) ceres_problem.SetParameterLowerBound(address(static_cast<int>(k)), i, parameter.lower);
-      if (std::isfinite(parameter.upper)) ceres_problem.SetParameterUpperBound(address(static_cast<int>(k)), i, parameter.upper);
+      const Parameter& parameter =
+          layout.parameters[static_cast<std::size_t>(layout.blocks[k].first) + static_cast<std::size_t>(i)];
+      if (std::isfinite(parameter.lower))
+        ceres_problem.SetParameterLowerBound(address(static_cast<int>(k)), i, parameter.lower);
+      if (std::isfinite(parameter.upper))
+        ceres_problem.SetParameterUpperBound(address(static_cast<int>(k)), i, parameter.upper);
     }
-    ceres_problem.AddResidualBlock(new PriorCost(&layout, layout.blocks[k]), nullptr, address(static_cast<int>(k)));
+    ceres_problem.AddResidualBlock(new PriorCost(&layout, layout.blocks[k]), nullptr,
+                                   address(static_cast<int>(k)));
   }
   const auto add = [&](ceres::CostFunction* cost, const std::vector<int>& blocks) {
     std::vector<double*> addresses;
@@ -361,16 +380,18 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   result.interrupted = watch.interrupted;
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cost = summary.final_cost;
-  result.message =
-      point.at_rest ? "the cost came out as foretold, and what is left to gain is below the tolerance" : summary.message;
-  if (point.dense && point.reduced_at.size() == layout.size()) result.data_information = std::move(point.sum.H);
+  result.message = point.at_rest
+                       ? "the cost came out as foretold, and what is left to gain is below the tolerance"
+                       : summary.message;
+  if (point.dense && point.reduced_at.size() == layout.size())
+    result.data_information = std::move(point.sum.H);
   return result;
 }
 
 }  // namespace
 
-AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-                    Eigen::VectorXd& x, const AdjustOptions& options) {
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout,
+                    std::vector<Trajectory>& trajectories, Eigen::VectorXd& x, const AdjustOptions& options) {
   TileSum tiles(trajectories, layout, options.workers);
   AdjustResult result = adjust_all(problem, layout, tiles, &tiles, x, options);
   if (layout.size() == 0) tiles.commit();  // else every accepted point was reduced, and so committed
@@ -378,8 +399,8 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::
   return result;
 }
 
-AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, Eigen::VectorXd& x,
-                    const AdjustOptions& options) {
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
+                    Eigen::VectorXd& x, const AdjustOptions& options) {
   return adjust_all(problem, layout, observations, nullptr, x, options);
 }
 
@@ -390,7 +411,8 @@ double prior_cost(const Problem& problem, const ParameterLayout& layout, const E
     if (std::isfinite(p.prior_sigma)) cost += 0.5 * std::pow((x[i] - p.prior_mean) / p.prior_sigma, 2);
   }
   const SharedState state = layout.state_of(x);
-  for (const ControlDistance& d : problem.site.distances) cost += 0.5 * std::pow(distance_row(d, layout, state).residual, 2);
+  for (const ControlDistance& d : problem.site.distances)
+    cost += 0.5 * std::pow(distance_row(d, layout, state).residual, 2);
   return cost;
 }
 
@@ -398,7 +420,8 @@ namespace {
 
 /// Visits the elements of the information of priors and control distances, some of them several times.
 template <class Visit>
-void for_each_of_prior(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, Visit&& visit) {
+void for_each_of_prior(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
+                       Visit&& visit) {
   for (int i = 0; i < layout.size(); ++i) {
     const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
     if (std::isfinite(p.prior_sigma)) visit(i, i, 1.0 / (p.prior_sigma * p.prior_sigma));
@@ -441,15 +464,17 @@ class SparseSum {
 
 }  // namespace
 
-Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x) {
+Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout,
+                                  const Eigen::VectorXd& x) {
   Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(layout.size(), layout.size());
   for_each_of_prior(problem, layout, x, [&](int i, int j, double value) { prior(i, j) += value; });
   return prior;
 }
 
 Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout,
-                                                  std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
-                                                  const RobustLoss& loss, const Workers& workers) {
+                                                  std::vector<Trajectory>& trajectories,
+                                                  const Eigen::VectorXd& x, const RobustLoss& loss,
+                                                  const Workers& workers) {
   const SharedState state = layout.state_of(x);
   TileSum tiles(trajectories, layout, workers);
   static_cast<void>(tiles.settle(state, loss));
@@ -461,7 +486,8 @@ Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const 
     const std::vector<int>& columns = tiles.tiles()[t].columns();
     for (std::size_t j = 0; j < columns.size(); ++j)
       for (std::size_t i = 0; i < columns.size(); ++i)
-        if (const double h = systems[t].H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)); h != 0.0)
+        if (const double h = systems[t].H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+            h != 0.0)
           sum.add(columns[i], columns[j], h);
     systems[t] = {};
   }
@@ -471,8 +497,9 @@ Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const 
   return sum.result();
 }
 
-Information information_at(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-                           const Eigen::VectorXd& x, const RobustLoss& loss, const Workers& workers) {
+Information information_at(const Problem& problem, const ParameterLayout& layout,
+                           std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
+                           const RobustLoss& loss, const Workers& workers) {
   Information info;
   const SharedState state = layout.state_of(x);
   TileSum tiles(trajectories, layout, workers);

@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-#include "calib/problem/parameters.h"
 #include "calib/adjust/ranks.h"
+#include "calib/problem/parameters.h"
 
 namespace octant::calib {
 
@@ -30,41 +30,45 @@ struct AdjustResult {
   int iterations = 0;
   double cost = 0.0;    ///< 1/2 sum of rho, priors and control distances included
   std::string message;  ///< why it stopped, Ceres's own words where it was Ceres that found so
-  /// Gauss-Newton matrix of all arrivals and bearings under the loss of the adjustment, where it was formed as a whole: at x, or
-  /// before a last step that changes it by less than a part in a thousand.
+  /// Gauss-Newton matrix of all arrivals and bearings under the loss of the adjustment, where it was formed
+  /// as a whole: at x, or before a last step that changes it by less than a part in a thousand.
   std::optional<Eigen::MatrixXd> data_information;
 };
 
-/// One adjustment of all shared parameters by Ceres: the sum of all tiles is one cost function (at sites of very many
-/// parameters each tile is one, over the parameter blocks it touches, and the linear system is sparse).
-/// With H = R'R its residual is z = R^-T g and one more row sqrt(2 cost - z'z); its Jacobian is R and a row of zeros, so
-/// that Ceres sees the cost, gradient and Gauss-Newton matrix of the full bundle adjustment.
+/// One adjustment of all shared parameters by Ceres: the sum of all tiles is one cost function (at sites of
+/// very many parameters each tile is one, over the parameter blocks it touches, and the linear system is
+/// sparse). With H = R'R its residual is z = R^-T g and one more row sqrt(2 cost - z'z); its Jacobian is R
+/// and a row of zeros, so that Ceres sees the cost, gradient and Gauss-Newton matrix of the full bundle
+/// adjustment.
 /// @param x  start and result, order of the layout
 /// @param trajectories  states and rejection marks; the states are left as settled at x
-AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-                    Eigen::VectorXd& x, const AdjustOptions& options);
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout,
+                    std::vector<Trajectory>& trajectories, Eigen::VectorXd& x, const AdjustOptions& options);
 
 /// The same of observations that are no tiles, on a layout that is dense.
-AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations, Eigen::VectorXd& x,
-                    const AdjustOptions& options);
+AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
+                    Eigen::VectorXd& x, const AdjustOptions& options);
 
 /// 1/2 the weighted squares of priors and control distances at x.
-[[nodiscard]] double prior_cost(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x);
+[[nodiscard]] double prior_cost(const Problem& problem, const ParameterLayout& layout,
+                                const Eigen::VectorXd& x);
 
-/// Gauss-Newton matrix of arrivals and bearings alone (data) and of priors and control distances (prior) at x, states settled.
+/// Gauss-Newton matrix of arrivals and bearings alone (data) and of priors and control distances (prior) at
+/// x, states settled.
 struct Information {
   Eigen::MatrixXd data, prior;
   double data_cost = 0.0;
 };
 /// The part of priors and control distances.
-[[nodiscard]] Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x);
+[[nodiscard]] Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout,
+                                                const Eigen::VectorXd& x);
 [[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout,
                                          std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
                                          const RobustLoss& loss = {}, const Workers& workers = {});
-/// Of everything together, for sites where the matrix would be too large: all elements of parameters that some stop, prior or
-/// tape connects, both triangles.
-[[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout,
-                                                                std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
-                                                                const RobustLoss& loss = {}, const Workers& workers = {});
+/// Of everything together, for sites where the matrix would be too large: all elements of parameters that
+/// some stop, prior or tape connects, both triangles.
+[[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(
+    const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
+    const Eigen::VectorXd& x, const RobustLoss& loss = {}, const Workers& workers = {});
 
 }  // namespace octant::calib

@@ -55,7 +55,8 @@ class Covariance::Sparse {
       Eigen::SparseMatrix<double> floor(N.rows(), N.cols());
       floor.setIdentity();
       factor_.reset();
-      for (double unseen = kUnseen; !factor_ && unseen < 1.0; unseen *= 10) factor_ = SparseFactor::of(N + unseen * floor);
+      for (double unseen = kUnseen; !factor_ && unseen < 1.0; unseen *= 10)
+        factor_ = SparseFactor::of(N + unseen * floor);
     }
     if (datum.cols() == 0 || !factor_) return;
     pinned_ = solve(datum);
@@ -76,7 +77,8 @@ class Covariance::Sparse {
   [[nodiscard]] double shifted(Eigen::Index i, Eigen::Index j, double element) const {
     const double c = inverse_scale_[i] * element * inverse_scale_[j];
     if (datum_.cols() == 0) return c;
-    return c - datum_.row(i).dot(pinned_.row(j)) - pinned_.row(i).dot(datum_.row(j)) + (datum_.row(i) * inner_).dot(datum_.row(j));
+    return c - datum_.row(i).dot(pinned_.row(j)) - pinned_.row(i).dot(datum_.row(j)) +
+           (datum_.row(i) * inner_).dot(datum_.row(j));
   }
   [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& v) const {
     if (!factor_) return Eigen::MatrixXd::Constant(v.rows(), v.cols(), NAN);
@@ -103,12 +105,13 @@ class Covariance::Sparse {
   Eigen::MatrixXd datum_, pinned_, inner_;  ///< F, C F, F' C F
   Eigen::VectorXd inverse_scale_;
   std::unique_ptr<SparseFactor> factor_;
-  mutable std::mutex mutex_;                ///< the factor solves for one at a time
+  mutable std::mutex mutex_;  ///< the factor solves for one at a time
 };
 
 Covariance::Covariance() = default;
 Covariance::Covariance(Eigen::MatrixXd matrix) : matrix_(std::move(matrix)) {}
-Covariance::Covariance(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum) : matrix_(dense_inverse(information, datum)) {}
+Covariance::Covariance(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum)
+    : matrix_(dense_inverse(information, datum)) {}
 Covariance::Covariance(const Eigen::SparseMatrix<double>& information, const Eigen::MatrixXd& datum)
     : sparse_(std::make_shared<const Sparse>(information, datum)) {}
 
@@ -121,13 +124,16 @@ bool Covariance::all_finite() const {
   return sparse_ || matrix_.allFinite();
 }
 
-double Covariance::operator()(Eigen::Index i, Eigen::Index j) const { return sparse_ ? sparse_->at(i, j) : matrix_(i, j); }
+double Covariance::operator()(Eigen::Index i, Eigen::Index j) const {
+  return sparse_ ? sparse_->at(i, j) : matrix_(i, j);
+}
 
 Eigen::MatrixXd Covariance::block(const std::vector<int>& columns) const {
   const auto n = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd C(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) C(i, j) = C(j, i) = (*this)(columns[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(j)]);
+    for (Eigen::Index j = 0; j <= i; ++j)
+      C(i, j) = C(j, i) = (*this)(columns[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(j)]);
   return C;
 }
 
@@ -140,14 +146,17 @@ Eigen::VectorXd Covariance::times(const Eigen::VectorXd& v) const {
 Eigen::MatrixXd Covariance::columns(const std::vector<int>& columns) const {
   Eigen::MatrixXd which = Eigen::MatrixXd::Zero(size(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k)
-    if (sparse_) which(columns[k], static_cast<Eigen::Index>(k)) = 1.0;
-    else which.col(static_cast<Eigen::Index>(k)) = matrix_.col(columns[k]);
+    if (sparse_)
+      which(columns[k], static_cast<Eigen::Index>(k)) = 1.0;
+    else
+      which.col(static_cast<Eigen::Index>(k)) = matrix_.col(columns[k]);
   if (!sparse_) return which;
   const std::lock_guard lock(sparse_->mutex());
   return sparse_->times(which);
 }
 
-std::vector<Covariance::Direction> Covariance::largest(const Eigen::VectorXd& weights, std::size_t most, double least) const {
+std::vector<Covariance::Direction> Covariance::largest(const Eigen::VectorXd& weights, std::size_t most,
+                                                       double least) const {
   std::vector<Direction> directions;
   const Eigen::Index n = size();
   if (!sparse_) {
@@ -163,22 +172,26 @@ std::vector<Covariance::Direction> Covariance::largest(const Eigen::VectorXd& we
   for (Eigen::Index m = 0; m < steps; ++m) {
     Eigen::VectorXd w = weights.cwiseProduct(times(weights.cwiseProduct(Q.col(m))));
     diagonal[m] = Q.col(m).dot(w);
-    for (int again = 0; again < 2; ++again) w -= (Q.leftCols(m + 1) * (Q.leftCols(m + 1).transpose() * w)).eval();
+    for (int again = 0; again < 2; ++again)
+      w -= (Q.leftCols(m + 1) * (Q.leftCols(m + 1).transpose() * w)).eval();
     beside[m] = w.norm();
     const bool last = m + 1 == steps || !(beside[m] > 0);
     if (!last) Q.col(m + 1) = w / beside[m];
     if (!last && m % 10 != 9) continue;
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
     eigen.computeFromTridiagonal(diagonal.head(m + 1), beside.head(m));
-    // |W C W y - theta y| of a Ritz vector y = Q s is beside_m |s_m|; what is left of theta is of its second order.
+    // |W C W y - theta y| of a Ritz vector y = Q s is beside_m |s_m|; what is left of theta is of its second
+    // order.
     bool settled = true;
     for (Eigen::Index k = m; k >= 0 && m - k < static_cast<Eigen::Index>(most); --k) {
-      settled = settled && beside[m] * std::abs(eigen.eigenvectors()(m, k)) <= kConverged * eigen.eigenvalues()[k];
+      settled =
+          settled && beside[m] * std::abs(eigen.eigenvectors()(m, k)) <= kConverged * eigen.eigenvalues()[k];
       if (eigen.eigenvalues()[k] < least) break;
     }
     if (!last && !settled) continue;
     for (Eigen::Index k = m; k >= 0 && directions.size() < most && eigen.eigenvalues()[k] >= least; --k)
-      directions.push_back({eigen.eigenvalues()[k], (Q.leftCols(m + 1) * eigen.eigenvectors().col(k)).normalized()});
+      directions.push_back(
+          {eigen.eigenvalues()[k], (Q.leftCols(m + 1) * eigen.eigenvectors().col(k)).normalized()});
     break;
   }
   return directions;

@@ -10,19 +10,21 @@
 
 namespace octant::calib {
 
-/// Joint covariance of the shared parameters in internal units: the inverse of their information, directions that nothing tells
-/// with a huge but finite variance, those of a free datum (inner constraints: F'x = 0) with none.
+/// Joint covariance of the shared parameters in internal units: the inverse of their information, directions
+/// that nothing tells with a huge but finite variance, those of a free datum (inner constraints: F'x = 0)
+/// with none.
 ///
-/// Of some hundred parameters it is a matrix. Of thousands it is the sparse Cholesky factor of the information (CHOLMOD) and the
-/// part of the inverse that stands in the factor's pattern, by Takahashi's recursion (Takahashi, Fagan and Chen 1973; Erisman and
-/// Tinney 1975), supernode by supernode: all pairs of parameters that an observation connects are in it. Any other pair costs a
-/// solve. A free datum is then held by pins, and what is asked is transformed (Baarda's S-transformation,
-/// C = (I - F F') C_pinned (I - F F')).
+/// Of some hundred parameters it is a matrix. Of thousands it is the sparse Cholesky factor of the
+/// information (CHOLMOD) and the part of the inverse that stands in the factor's pattern, by Takahashi's
+/// recursion (Takahashi, Fagan and Chen 1973; Erisman and Tinney 1975), supernode by supernode: all pairs of
+/// parameters that an observation connects are in it. Any other pair costs a solve. A free datum is then held
+/// by pins, and what is asked is transformed (Baarda's S-transformation, C = (I - F F') C_pinned (I - F F')).
 class Covariance {
  public:
   Covariance();
   explicit Covariance(Eigen::MatrixXd matrix);
-  /// @param information  symmetric, both triangles stored  @param datum  orthonormal columns, none where the datum is fixed
+  /// @param information  symmetric, both triangles stored  @param datum  orthonormal columns, none where the
+  /// datum is fixed
   Covariance(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum);
   Covariance(const Eigen::SparseMatrix<double>& information, const Eigen::MatrixXd& datum);
 
@@ -41,9 +43,11 @@ class Covariance {
     double variance = 0.0;
     Eigen::VectorXd v;  ///< unit length
   };
-  /// Eigenvectors of W C W with the largest variances, largest first, at most so many and none with a variance below `least`.
-  /// Beyond a matrix by Lanczos's method with full orthogonalisation (Golub and Van Loan, section 10.1).
-  [[nodiscard]] std::vector<Direction> largest(const Eigen::VectorXd& weights, std::size_t most, double least) const;
+  /// Eigenvectors of W C W with the largest variances, largest first, at most so many and none with a
+  /// variance below `least`. Beyond a matrix by Lanczos's method with full orthogonalisation (Golub and Van
+  /// Loan, section 10.1).
+  [[nodiscard]] std::vector<Direction> largest(const Eigen::VectorXd& weights, std::size_t most,
+                                               double least) const;
 
  private:
   class Sparse;

@@ -51,17 +51,21 @@ NodeBlock observed_inverse(const NodeBlock& D, std::size_t& rank) {
 
 /// The observations of nodes [first, last) in a list ordered by node.
 template <class Observation>
-void narrow(const std::vector<Observation>& list, std::size_t first_node, std::size_t last_node, std::size_t& first, std::size_t& last) {
-  const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first), end = list.begin() + static_cast<std::ptrdiff_t>(last);
+void narrow(const std::vector<Observation>& list, std::size_t first_node, std::size_t last_node,
+            std::size_t& first, std::size_t& last) {
+  const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first),
+             end = list.begin() + static_cast<std::ptrdiff_t>(last);
   const auto before = [](const Observation& o, std::size_t node) { return o.node < node; };
-  const auto from = std::lower_bound(begin, end, first_node, before), to = std::lower_bound(from, end, last_node, before);
+  const auto from = std::lower_bound(begin, end, first_node, before),
+             to = std::lower_bound(from, end, last_node, before);
   first = static_cast<std::size_t>(from - list.begin());
   last = static_cast<std::size_t>(to - list.begin());
 }
 
 }  // namespace
 
-LeverageSweep::LeverageSweep(const ParameterLayout& layout, const Covariance& C) : layout_(layout), C_(&C), place_(static_cast<std::size_t>(layout.size()), -1) {
+LeverageSweep::LeverageSweep(const ParameterLayout& layout, const Covariance& C)
+    : layout_(layout), C_(&C), place_(static_cast<std::size_t>(layout.size()), -1) {
   if (C.matrix() == nullptr) return;
   std::iota(place_.begin(), place_.end(), 0);
   std::vector<int> coordinates;
@@ -78,7 +82,8 @@ LeverageSweep::LeverageSweep(const ParameterLayout& layout, const Covariance& C)
 void LeverageSweep::take_root(const Eigen::MatrixXd& C, const std::vector<int>& coordinates) {
   root_ = root_of(C);
   beacon_root_.resize(static_cast<Eigen::Index>(coordinates.size()), root_.cols());
-  for (std::size_t i = 0; i < coordinates.size(); ++i) beacon_root_.row(static_cast<Eigen::Index>(i)) = root_.row(coordinates[i]);
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    beacon_root_.row(static_cast<Eigen::Index>(i)) = root_.row(coordinates[i]);
   beacon_C_ = beacon_root_ * root_.transpose();
 }
 
@@ -98,7 +103,8 @@ void LeverageSweep::focus(const Trajectory& t, const Segment& segment, const Sha
     for (const int column : layout_.beacon[row.beacon.index()])
       if (take(column)) coordinates.push_back(place_[static_cast<std::size_t>(column)]);
     const RowEntries entries = row_entries(row, t.run, layout_, state);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(entries.count); ++i) static_cast<void>(take(entries.column[i]));
+    for (std::size_t i = 0; i < static_cast<std::size_t>(entries.count); ++i)
+      static_cast<void>(take(entries.column[i]));
   });
   take_root(C_->block(seen_), coordinates);
 }
@@ -143,7 +149,8 @@ Segment LeverageSweep::part(const Trajectory& t, const Segment& segment, std::si
 void LeverageSweep::project(const ObservationRow& row, std::size_t run) {
   entries_ = row_entries(row, run, layout_, *state_);
   f_.setZero(root_.cols());
-  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i) f_.noalias() += entries_.value[i] * root_.row(place_[static_cast<std::size_t>(entries_.column[i])]);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i)
+    f_.noalias() += entries_.value[i] * root_.row(place_[static_cast<std::size_t>(entries_.column[i])]);
 }
 
 void LeverageSweep::forward(const Trajectory& t, const Segment& segment, const SharedState& state) {
@@ -164,7 +171,8 @@ void LeverageSweep::forward(const Trajectory& t, const Segment& segment, const S
   }
 }
 
-void LeverageSweep::assemble(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block, bool first_pass) {
+void LeverageSweep::assemble(const Trajectory& t, const Segment& segment, const SharedState& state,
+                             std::size_t block, bool first_pass) {
   first_ = block * kNodesPerBlock;
   last_ = std::min(count_, first_ + kNodesPerBlock);
   const auto rows = static_cast<Eigen::Index>(last_ - first_ + 1) * n_;
@@ -222,8 +230,10 @@ void LeverageSweep::eliminate(bool first_pass) {
   }
 }
 
-/// States' answers X and covariances P of the block's nodes; what follows the block is known from the block behind it.
-void LeverageSweep::backward(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block) {
+/// States' answers X and covariances P of the block's nodes; what follows the block is known from the block
+/// behind it.
+void LeverageSweep::backward(const Trajectory& t, const Segment& segment, const SharedState& state,
+                             std::size_t block) {
   const bool at_end = block + 1 == block_count();
   RowMatrix X_beyond = at_end ? RowMatrix() : RowMatrix(X_.topRows(n_));
   const NodeBlock P_beyond = at_end ? NodeBlock() : P_[0];
@@ -256,14 +266,16 @@ void LeverageSweep::backward(const Trajectory& t, const Segment& segment, const 
 const Eigen::MatrixXd& LeverageSweep::beacon_shift(std::size_t node) {
   Shift& shift = shifts_[node % 2];
   if (!shift.known || shift.node != node) {
-    shift.by_state.noalias() = beacon_root_ * X_.middleRows(static_cast<Eigen::Index>(node - first_) * n_, n_).transpose();
+    shift.by_state.noalias() =
+        beacon_root_ * X_.middleRows(static_cast<Eigen::Index>(node - first_) * n_, n_).transpose();
     shift.node = node;
     shift.known = true;
   }
   return shift.by_state;
 }
 
-RowLeverage LeverageSweep::leverage_of(const Trajectory& t, const Segment& segment, const ObservationRow& row) {
+RowLeverage LeverageSweep::leverage_of(const Trajectory& t, const Segment& segment,
+                                       const ObservationRow& row) {
   const std::size_t k = row.node - segment.first_node;
   const auto at = static_cast<Eigen::Index>(k - first_) * n_;
   project(row, t.run);
@@ -271,13 +283,15 @@ RowLeverage LeverageSweep::leverage_of(const Trajectory& t, const Segment& segme
   double h = (row.by_node * P_[k - first_]).dot(row.by_node);
   if (row.has_next) {
     f_.noalias() += row.by_next * X_.middleRows(at + n_, n_);
-    h += (row.by_next * P_[k - first_ + 1]).dot(row.by_next) + 2.0 * (row.by_node * cross_[k - first_]).dot(row.by_next);
+    h += (row.by_next * P_[k - first_ + 1]).dot(row.by_next) +
+         2.0 * (row.by_node * cross_[k - first_]).dot(row.by_next);
   }
   RowLeverage out{t, row, std::clamp(h + f_.squaredNorm(), 0.0, 1.0), 0.0, f_};
   if (row.kind != RowKind::kTof || beacon_root_.rows() == 0) return out;
   Eigen::VectorXd shift = beacon_shift(k) * row.by_node.transpose();
   if (row.has_next) shift.noalias() += beacon_shift(k + 1) * row.by_next.transpose();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i) shift += entries_.value[i] * beacon_C_.col(place_[static_cast<std::size_t>(entries_.column[i])]);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(entries_.count); ++i)
+    shift += entries_.value[i] * beacon_C_.col(place_[static_cast<std::size_t>(entries_.column[i])]);
   out.shift_m = shift.lpNorm<Eigen::Infinity>();
   return out;
 }

@@ -19,31 +19,34 @@ namespace octant::calib {
 /// One observation of a settled adjustment and its pull on the result.
 struct RowLeverage {
   const Trajectory& trajectory;
-  const ObservationRow& row;   ///< whitened
-  double leverage = 0.0;       ///< h = d(adjusted) / d(observed), 0..1; the redundancy number is 1 - h
-  double shift_m = 0.0;        ///< time-of-flight rows: largest shift of a free beacon coordinate by an error of one sigma
-  const Eigen::RowVectorXd& f; ///< influence: d theta = -L f' per sigma of error
+  const ObservationRow& row;  ///< whitened
+  double leverage = 0.0;      ///< h = d(adjusted) / d(observed), 0..1; the redundancy number is 1 - h
+  double shift_m =
+      0.0;  ///< time-of-flight rows: largest shift of a free beacon coordinate by an error of one sigma
+  const Eigen::RowVectorXd& f;  ///< influence: d theta = -L f' per sigma of error
 };
 
 /// A lateness that all arrivals of one beacon share, as one more unknown c of the adjustment (not estimated).
 struct LatenessInformation {
-  double total = 0.0;           ///< c'c: if all else were known [1/s^2]
-  double remaining = 0.0;       ///< c'(I - H)c: what the residuals show of it [1/s^2]
-  double shift_m_per_s = 0.0;   ///< largest shift of a free beacon coordinate by it
+  double total = 0.0;          ///< c'c: if all else were known [1/s^2]
+  double remaining = 0.0;      ///< c'(I - H)c: what the residuals show of it [1/s^2]
+  double shift_m_per_s = 0.0;  ///< largest shift of a free beacon coordinate by it
 };
 
-/// Diagonal of the hat matrix of the whole bundle adjustment, segment by segment, in time linear in the observations.
+/// Diagonal of the hat matrix of the whole bundle adjustment, segment by segment, in time linear in the
+/// observations.
 ///
-/// The joint covariance of the shared parameters is C = L L'; in coordinates theta = L xi their information is the unit matrix.
-/// With Jx, Js the rows' derivatives by states and by shared parameters, A = Jx'Jx of a segment (block-tridiagonal) and
-/// X = -A^-1 Jx'Js L the states' own answer to xi,
+/// The joint covariance of the shared parameters is C = L L'; in coordinates theta = L xi their information
+/// is the unit matrix. With Jx, Js the rows' derivatives by states and by shared parameters, A = Jx'Jx of a
+/// segment (block-tridiagonal) and X = -A^-1 Jx'Js L the states' own answer to xi,
 ///   h = Jx A^-1 Jx' + |f|^2,   f = Js L + Jx X,   d theta = L f' per sigma of error.
-/// A^-1 is needed on the diagonal and beside it only: the smoother's recursions of models/localizers/drive/chain_covariance.h; X_k
-/// by back-substitution. Chains are swept in blocks, so that memory does not grow with (nodes x parameters).
-/// State directions that nothing observes (heading of a lone antenna) are held and count as no unknowns.
+/// A^-1 is needed on the diagonal and beside it only: the smoother's recursions of
+/// models/localizers/drive/chain_covariance.h; X_k by back-substitution. Chains are swept in blocks, so that
+/// memory does not grow with (nodes x parameters). State directions that nothing observes (heading of a lone
+/// antenna) are held and count as no unknowns.
 ///
-/// Where the covariance is not formed as a whole, L is that of the parameters that a segment sees: leverages are the same; shifts
-/// are those of the beacons heard there, and a lateness is not told.
+/// Where the covariance is not formed as a whole, L is that of the parameters that a segment sees: leverages
+/// are the same; shifts are those of the beacons heard there, and a lateness is not told.
 class LeverageSweep {
  public:
   /// @param C  joint covariance of the layout's parameters, not owned
@@ -52,7 +55,8 @@ class LeverageSweep {
   /// Calls visit(RowLeverage) for every row in use of the placed segments, plain squares, at settled states.
   /// @param every  of long logs: only the first of so many of the segments [first, last)
   template <class Visitor>
-  void sweep(const Trajectory& trajectory, const SharedState& state, std::size_t first, std::size_t last, std::size_t every, Visitor&& visit) {
+  void sweep(const Trajectory& trajectory, const SharedState& state, std::size_t first, std::size_t last,
+             std::size_t every, Visitor&& visit) {
     for (std::size_t s = first; s < last; s += every) {
       const Segment& segment = trajectory.segments[s];
       if (!trajectory.nodes[segment.first_node].placed) continue;
@@ -73,7 +77,9 @@ class LeverageSweep {
   /// Dimensions of the states swept that observations determine.
   [[nodiscard]] std::size_t determined_states() const { return determined_states_; }
   /// L of the covariance as a whole (of the segment at hand, where that is not formed).
-  [[nodiscard]] const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& root() const { return root_; }
+  [[nodiscard]] const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& root() const {
+    return root_;
+  }
 
  private:
   using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -84,7 +90,8 @@ class LeverageSweep {
   void take_root(const Eigen::MatrixXd& C, const std::vector<int>& coordinates);
   void forward(const Trajectory& t, const Segment& segment, const SharedState& state);
   void backward(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block);
-  void assemble(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block, bool first_pass);
+  void assemble(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block,
+                bool first_pass);
   void eliminate(bool first_pass);
   void project(const ObservationRow& row, std::size_t run);
   RowLeverage leverage_of(const Trajectory& t, const Segment& segment, const ObservationRow& row);
@@ -93,20 +100,20 @@ class LeverageSweep {
   const ParameterLayout& layout_;
   const SharedState* state_ = nullptr;  ///< of the sweep at hand
   const Covariance* C_;
-  std::vector<int> place_;           ///< of each parameter in L; -1: the segment at hand does not see it
-  std::vector<int> seen_;            ///< parameters that stand in L
-  RowMatrix root_;                   ///< L, parameters x rank
-  Eigen::MatrixXd beacon_C_;         ///< beacon coordinates x parameters
-  RowMatrix beacon_root_;            ///< rows of L of the beacon coordinates
+  std::vector<int> place_;    ///< of each parameter in L; -1: the segment at hand does not see it
+  std::vector<int> seen_;     ///< parameters that stand in L
+  RowMatrix root_;            ///< L, parameters x rank
+  Eigen::MatrixXd beacon_C_;  ///< beacon coordinates x parameters
+  RowMatrix beacon_root_;     ///< rows of L of the beacon coordinates
   std::vector<double> lateness_total_, lateness_remaining_;
-  RowMatrix lateness_shared_;        ///< beacons x rank
+  RowMatrix lateness_shared_;  ///< beacons x rank
   std::size_t determined_states_ = 0;
 
   // Of the segment at hand, by node.
   std::size_t count_ = 0;
   int n_ = 0;
   std::vector<NodeBlock> D_, U_, inverse_;
-  std::vector<RowMatrix> carry_;     ///< what the nodes before a block pass on to its coupling
+  std::vector<RowMatrix> carry_;  ///< what the nodes before a block pass on to its coupling
   // Of the block at hand, its first node first, one node beyond its end.
   std::size_t first_ = 0, last_ = 0;
   RowMatrix G_, lateness_G_, X_;
@@ -115,10 +122,10 @@ class LeverageSweep {
   struct Shift {
     std::size_t node = 0;
     bool known = false;
-    Eigen::MatrixXd by_state;        ///< beacon coordinates x state
+    Eigen::MatrixXd by_state;  ///< beacon coordinates x state
   };
   std::array<Shift, 2> shifts_;
-  RowEntries entries_;               ///< of the row projected last
+  RowEntries entries_;  ///< of the row projected last
 };
 
 }  // namespace octant::calib

@@ -8,14 +8,15 @@
 
 namespace octant::calib {
 
-/// Observations as they look from a point: their cost, gradient and Gauss-Newton matrix there are all that is known of them. What
-/// a log leaves of itself when its arrivals are gone.
+/// Observations as they look from a point: their cost, gradient and Gauss-Newton matrix there are all that is
+/// known of them. What a log leaves of itself when its arrivals are gone.
 class QuadraticSum : public SystemSum {
  public:
   /// @param system   at `at`
   /// @param damping  added to the matrix, of its diagonal
   /// @param x        where it is asked for, always the present one; not owned
-  QuadraticSum(const ReducedSystem& system, Eigen::VectorXd at, double damping, const Eigen::VectorXd* x) : system_(system), at_(std::move(at)), x_(x) {
+  QuadraticSum(const ReducedSystem& system, Eigen::VectorXd at, double damping, const Eigen::VectorXd* x)
+      : system_(system), at_(std::move(at)), x_(x) {
     system_.H.diagonal() *= 1.0 + damping;
   }
   double settle(const SharedState& /*state*/, const RobustLoss& /*loss*/) override {

@@ -6,14 +6,16 @@
 
 namespace octant::calib {
 
-/// Processes that solve one problem together: all hold the same recordings, each settles and reduces its share of the tiles,
-/// and what they found is added up. Whoever starts them (MPI) implements it; without it a process is alone.
+/// Processes that solve one problem together: all hold the same recordings, each settles and reduces its
+/// share of the tiles, and what they found is added up. Whoever starts them (MPI) implements it; without it a
+/// process is alone.
 class Ranks {
  public:
   virtual ~Ranks() = default;
   [[nodiscard]] virtual int count() const = 0;
   [[nodiscard]] virtual int index() const = 0;
-  /// Every element becomes its sum over all ranks, the same on each to the last bit. All ranks call it in the same order.
+  /// Every element becomes its sum over all ranks, the same on each to the last bit. All ranks call it in the
+  /// same order.
   virtual void sum(std::span<double> values) const = 0;
 
  protected:

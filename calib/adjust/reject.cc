@@ -8,13 +8,14 @@
 #include <utility>
 
 #include "calib/problem/gates.h"
-#include "models/trajectory/linearise.h"
 #include "models/support/parallel.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 namespace {
 
-/// Variance of a standard normal variable given that it lies within +-2.5: 1 - 2 * 2.5 phi(2.5) / (2 Phi(2.5) - 1).
+/// Variance of a standard normal variable given that it lies within +-2.5: 1 - 2 * 2.5 phi(2.5) / (2 Phi(2.5)
+/// - 1).
 constexpr double kTruncation = 2.5;
 constexpr double kTruncatedVariance = 0.91125;
 constexpr double kReadmit = 0.9;
@@ -31,7 +32,9 @@ double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedS
   for (const Trajectory& t : trajectories)
     for (std::size_t i = 0; i < t.arrivals.size(); i += every)
       if (const ArrivalObservation& a = t.arrivals[i];
-          (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly) && t.nodes[a.node].placed)
+          (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate ||
+           a.rejection == Rejection::kEarly) &&
+          t.nodes[a.node].placed)
         magnitude.push_back(std::abs(arrival_residual(t, a, state)));
   return agreeing_sigma(std::move(magnitude));
 }
@@ -43,7 +46,8 @@ double agreeing_sigma(std::vector<double> magnitude) {
   for (int round = 0; round < 50; ++round) {
     double sum = 0.0;
     std::size_t count = 0;
-    for (; count < magnitude.size() && magnitude[count] < kTruncation * sigma; ++count) sum += magnitude[count] * magnitude[count];
+    for (; count < magnitude.size() && magnitude[count] < kTruncation * sigma; ++count)
+      sum += magnitude[count] * magnitude[count];
     if (count == 0) return 1.0;
     const double next = std::sqrt(sum / static_cast<double>(count) / kTruncatedVariance);
     const bool still = std::abs(next - sigma) < 1e-3 * sigma;
@@ -53,29 +57,37 @@ double agreeing_sigma(std::vector<double> magnitude) {
   return sigma;
 }
 
-std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit, int threads) {
+std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit,
+                          int threads) {
   std::atomic<std::size_t> changes{0};
   const auto decide = [&](double residual, Rejection now, std::size_t& changed) {
     const bool out = std::abs(residual) > (now == Rejection::kUsed ? limit : kReadmit * limit);
-    const Rejection next = !out ? Rejection::kUsed : is_gated(now) ? now : residual > 0 ? Rejection::kLate : Rejection::kEarly;
+    const Rejection next = !out            ? Rejection::kUsed
+                           : is_gated(now) ? now
+                           : residual > 0  ? Rejection::kLate
+                                           : Rejection::kEarly;
     changed += (next == Rejection::kUsed) != (now == Rejection::kUsed);
     return next;
   };
   for (Trajectory& t : trajectories) {
-    for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
-      std::size_t changed = 0;
-      for (std::size_t i = first; i < last; ++i) {
-        ArrivalObservation& a = t.arrivals[i];
-        if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection))
-          a.rejection = decide(arrival_residual(t, a, state), a.rejection, changed);
-      }
-      changes += changed;
-    });
+    for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                     std::size_t changed = 0;
+                     for (std::size_t i = first; i < last; ++i) {
+                       ArrivalObservation& a = t.arrivals[i];
+                       if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate ||
+                           a.rejection == Rejection::kEarly || is_gated(a.rejection))
+                         a.rejection = decide(arrival_residual(t, a, state), a.rejection, changed);
+                     }
+                     changes += changed;
+                   });
     std::size_t changed = 0;
     for (std::size_t i = 0; i < t.bearings.size(); ++i) {
       BearingObservation& b = t.bearings[i];
       ObservationRow row;
-      if (b.rejection == Rejection::kNoPose || b.rejection == Rejection::kBeaconUnusable || bearing_rows(t, i, state, &row) == 0) continue;
+      if (b.rejection == Rejection::kNoPose || b.rejection == Rejection::kBeaconUnusable ||
+          bearing_rows(t, i, state, &row) == 0)
+        continue;
       b.rejection = decide(row.residual, b.rejection, changed);
     }
     changes += changed;
@@ -86,10 +98,10 @@ std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedSta
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable) {
   for (Trajectory& t : trajectories) {
     for (ArrivalObservation& a : t.arrivals)
-      a.rejection = !beacon_usable[a.beacon.index()]  ? Rejection::kBeaconUnusable
-                    : !t.nodes[a.node].placed         ? Rejection::kNoPose
-                    : is_gated(a.rejection)           ? a.rejection
-                                                      : Rejection::kUsed;
+      a.rejection = !beacon_usable[a.beacon.index()] ? Rejection::kBeaconUnusable
+                    : !t.nodes[a.node].placed        ? Rejection::kNoPose
+                    : is_gated(a.rejection)          ? a.rejection
+                                                     : Rejection::kUsed;
     for (BearingObservation& b : t.bearings)
       b.rejection = !b.reflector.valid() || !beacon_usable[b.reflector.index()] ? Rejection::kBeaconUnusable
                     : !t.nodes[b.node].placed                                   ? Rejection::kNoPose

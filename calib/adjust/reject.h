@@ -12,16 +12,18 @@ namespace octant::calib {
 /// Cauchy's scale at which the loss costs 5 % of efficiency on clean data.
 inline constexpr double kCauchyScale = 2.385;
 
-/// Standard deviation of the arrivals' whitened residuals by those that agree: the truncated variance of what lies within
-/// 2.5 of it, iterated from the median. Echoes, however many, lie outside and do not widen it. 1 where there are too few.
+/// Standard deviation of the arrivals' whitened residuals by those that agree: the truncated variance of what
+/// lies within 2.5 of it, iterated from the median. Echoes, however many, lie outside and do not widen it. 1
+/// where there are too few.
 [[nodiscard]] double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedState& state);
 
 /// The same of magnitudes of whitened residuals.
 [[nodiscard]] double agreeing_sigma(std::vector<double> magnitudes);
 
-/// Marks arrivals and bearings beyond `limit` sigmas as rejected, late or early, and readmits those within 0.9 of it.
-/// Returns how many marks changed.
-std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit, int threads = 1);
+/// Marks arrivals and bearings beyond `limit` sigmas as rejected, late or early, and readmits those within
+/// 0.9 of it. Returns how many marks changed.
+std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit,
+                          int threads = 1);
 
 /// All arrivals and bearings in use again, but those of unusable beacons and of states without a place.
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable);

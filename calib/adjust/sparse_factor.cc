@@ -28,17 +28,25 @@ struct SparseFactor::Parts {
 
   mutable cholmod_common common{};
   cholmod_factor* L = nullptr;
-  std::vector<int> place;        ///< of each row in the elimination order
-  std::vector<int> supernode;    ///< of each column in that order
-  std::vector<double> inverse;   ///< laid out as L
+  std::vector<int> place;       ///< of each row in the elimination order
+  std::vector<int> supernode;   ///< of each column in that order
+  std::vector<double> inverse;  ///< laid out as L
 
   [[nodiscard]] std::size_t supernodes() const { return L->nsuper; }
   [[nodiscard]] int first(std::size_t k) const { return static_cast<const int*>(L->super)[k]; }
   [[nodiscard]] int columns(std::size_t k) const { return first(k + 1) - first(k); }
-  [[nodiscard]] const int* rows(std::size_t k) const { return static_cast<const int*>(L->s) + static_cast<const int*>(L->pi)[k]; }
-  [[nodiscard]] int row_count(std::size_t k) const { return static_cast<const int*>(L->pi)[k + 1] - static_cast<const int*>(L->pi)[k]; }
-  [[nodiscard]] std::size_t values_at(std::size_t k) const { return static_cast<std::size_t>(static_cast<const int*>(L->px)[k]); }
-  [[nodiscard]] const double* values(std::size_t k) const { return static_cast<const double*>(L->x) + values_at(k); }
+  [[nodiscard]] const int* rows(std::size_t k) const {
+    return static_cast<const int*>(L->s) + static_cast<const int*>(L->pi)[k];
+  }
+  [[nodiscard]] int row_count(std::size_t k) const {
+    return static_cast<const int*>(L->pi)[k + 1] - static_cast<const int*>(L->pi)[k];
+  }
+  [[nodiscard]] std::size_t values_at(std::size_t k) const {
+    return static_cast<std::size_t>(static_cast<const int*>(L->px)[k]);
+  }
+  [[nodiscard]] const double* values(std::size_t k) const {
+    return static_cast<const double*>(L->x) + values_at(k);
+  }
 };
 
 std::unique_ptr<SparseFactor> SparseFactor::of(const Eigen::SparseMatrix<double>& matrix) {
@@ -62,18 +70,20 @@ std::unique_ptr<SparseFactor> SparseFactor::of(const Eigen::SparseMatrix<double>
   if (parts->common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
   if (parts->common.status != CHOLMOD_OK || parts->L->minor < n || parts->L->is_super == 0) return nullptr;
   parts->place.resize(n);
-  for (std::size_t i = 0; i < n; ++i) parts->place[static_cast<std::size_t>(static_cast<const int*>(parts->L->Perm)[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < n; ++i)
+    parts->place[static_cast<std::size_t>(static_cast<const int*>(parts->L->Perm)[i])] = static_cast<int>(i);
   parts->supernode.resize(n);
   for (std::size_t k = 0; k < parts->supernodes(); ++k)
-    std::fill(parts->supernode.begin() + parts->first(k), parts->supernode.begin() + parts->first(k + 1), static_cast<int>(k));
+    std::fill(parts->supernode.begin() + parts->first(k), parts->supernode.begin() + parts->first(k + 1),
+              static_cast<int>(k));
   return std::unique_ptr<SparseFactor>(new SparseFactor(std::move(parts)));
 }
 
 SparseFactor::SparseFactor(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) { invert(); }
 SparseFactor::~SparseFactor() = default;
 
-/// Z_PP, lower triangle, of the rows below a supernode's diagonal block. They are ascending, and those behind one of them stand
-/// among the rows of its own supernode.
+/// Z_PP, lower triangle, of the rows below a supernode's diagonal block. They are ascending, and those behind
+/// one of them stand among the rows of its own supernode.
 Eigen::MatrixXd SparseFactor::gather(const std::vector<int>& P) const {
   const auto p = static_cast<Eigen::Index>(P.size());
   Eigen::MatrixXd Z(p, p);
@@ -87,8 +97,11 @@ Eigen::MatrixXd SparseFactor::gather(const std::vector<int>& P) const {
       at[u] = r;
     }
     for (; t < P.size() && P[t] < parts_->first(k + 1); ++t) {
-      const double* column = parts_->inverse.data() + parts_->values_at(k) + static_cast<std::size_t>(P[t] - parts_->first(k)) * static_cast<std::size_t>(parts_->row_count(k));
-      for (std::size_t u = t; u < P.size(); ++u) Z(static_cast<Eigen::Index>(u), static_cast<Eigen::Index>(t)) = column[at[u]];
+      const double* column =
+          parts_->inverse.data() + parts_->values_at(k) +
+          static_cast<std::size_t>(P[t] - parts_->first(k)) * static_cast<std::size_t>(parts_->row_count(k));
+      for (std::size_t u = t; u < P.size(); ++u)
+        Z(static_cast<Eigen::Index>(u), static_cast<Eigen::Index>(t)) = column[at[u]];
     }
   }
   return Z;
@@ -116,7 +129,8 @@ double SparseFactor::condition() const {
   double least = INFINITY, most = 0.0;
   for (std::size_t k = 0; k < parts_->supernodes(); ++k)
     for (int c = 0; c < parts_->columns(k); ++c) {
-      const double pivot = parts_->values(k)[static_cast<std::size_t>(c) * static_cast<std::size_t>(parts_->row_count(k) + 1)];
+      const double pivot =
+          parts_->values(k)[static_cast<std::size_t>(c) * static_cast<std::size_t>(parts_->row_count(k) + 1)];
       least = std::min(least, pivot * pivot);
       most = std::max(most, pivot * pivot);
     }
@@ -133,7 +147,8 @@ Eigen::MatrixXd SparseFactor::solve(const Eigen::MatrixXd& rhs) const {
   view.dtype = CHOLMOD_DOUBLE;
   cholmod_dense* x = cholmod_solve(CHOLMOD_A, parts_->L, &view, &parts_->common);
   if (x == nullptr) throw std::bad_alloc();
-  Eigen::MatrixXd out = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), rhs.rows(), rhs.cols());
+  Eigen::MatrixXd out =
+      Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), rhs.rows(), rhs.cols());
   cholmod_free_dense(&x, &parts_->common);
   return out;
 }
@@ -142,9 +157,12 @@ std::optional<double> SparseFactor::inverse(Eigen::Index i, Eigen::Index j) cons
   const int a = parts_->place[static_cast<std::size_t>(i)], b = parts_->place[static_cast<std::size_t>(j)];
   const int column = std::min(a, b), row = std::max(a, b);
   const auto k = static_cast<std::size_t>(parts_->supernode[static_cast<std::size_t>(column)]);
-  const int *begin = parts_->rows(k), *end = begin + parts_->row_count(k), *at = std::lower_bound(begin, end, row);
+  const int *begin = parts_->rows(k), *end = begin + parts_->row_count(k),
+            *at = std::lower_bound(begin, end, row);
   if (at == end || *at != row) return {};
-  return parts_->inverse[parts_->values_at(k) + static_cast<std::size_t>(column - parts_->first(k)) * static_cast<std::size_t>(parts_->row_count(k)) +
+  return parts_->inverse[parts_->values_at(k) +
+                         static_cast<std::size_t>(column - parts_->first(k)) *
+                             static_cast<std::size_t>(parts_->row_count(k)) +
                          static_cast<std::size_t>(at - begin)];
 }
 

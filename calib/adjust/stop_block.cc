@@ -11,7 +11,8 @@
 namespace octant::calib {
 namespace {
 
-/// A group is closed where new beacons come once it has so many packs: adding it to the tile's system is then a small part.
+/// A group is closed where new beacons come once it has so many packs: adding it to the tile's system is then
+/// a small part.
 constexpr std::size_t kEnoughPacks = 4;
 /// Nor does it take in many more beacons than the epochs hear: all pairs of columns are worked on.
 constexpr double kMostBeacons = 1.5;
@@ -32,15 +33,18 @@ struct Count {
 }  // namespace
 
 StopArrivals::StopArrivals(const Trajectory& t)
-    : tof_s_(std::make_unique_for_overwrite<double[]>(t.arrivals.size())),        // NOLINT(modernize-avoid-c-arrays)
-      path_(std::make_unique_for_overwrite<std::uint32_t[]>(t.arrivals.size())),  // NOLINT(modernize-avoid-c-arrays)
+    : tof_s_(
+          std::make_unique_for_overwrite<double[]>(t.arrivals.size())),  // NOLINT(modernize-avoid-c-arrays)
+      path_(std::make_unique_for_overwrite<std::uint32_t[]>(
+          t.arrivals.size())),  // NOLINT(modernize-avoid-c-arrays)
       speed_mps_(t.arrivals.front().model_speed_mps) {}
 
 void StopArrivals::tell(std::size_t i, const ArrivalObservation& a) {
   if (a.model_speed_mps != speed_mps_) own_speeds_ = true;
   tof_s_[i] = a.tof_s;
-  path_[i] = a.rejection == Rejection::kUsed ? static_cast<std::uint32_t>(a.beacon.index() << kReceiverBits | a.receiver.index())
-                                             : kNotUsed;
+  path_[i] = a.rejection == Rejection::kUsed
+                 ? static_cast<std::uint32_t>(a.beacon.index() << kReceiverBits | a.receiver.index())
+                 : kNotUsed;
 }
 
 void StopArrivals::prefetch(std::size_t first, std::size_t last) const {
@@ -50,16 +54,17 @@ void StopArrivals::prefetch(std::size_t first, std::size_t last) const {
 
 bool StopBlock::knows(const Trajectory& t, const ParameterLayout& layout) {
   const std::size_t vehicle = t.vehicle.index();
-  const bool drifts =
-      vehicle < layout.clock_drift.size() && (layout.clock_drift[vehicle] >= 0 || layout.fixed.drift(t.vehicle) != 0.0);
-  return t.motion == Motion::kPlanar && !t.motion_prior && !layout.fixed.attenuation && layout.fixed.pair_bias_s.empty() &&
-         !drifts && layout.vehicle_of_receiver.size() <= StopArrivals::kMostReceivers &&
+  const bool drifts = vehicle < layout.clock_drift.size() &&
+                      (layout.clock_drift[vehicle] >= 0 || layout.fixed.drift(t.vehicle) != 0.0);
+  return t.motion == Motion::kPlanar && !t.motion_prior && !layout.fixed.attenuation &&
+         layout.fixed.pair_bias_s.empty() && !drifts &&
+         layout.vehicle_of_receiver.size() <= StopArrivals::kMostReceivers &&
          layout.beacon.size() <= StopArrivals::kMostBeacons;
 }
 
 bool StopBlock::takes(const Trajectory& t, const Segment& s) {
-  if (s.last_node - s.first_node != 1 || s.first_bearing != s.last_bearing || s.last_pose - s.first_pose > 1 ||
-      s.first_arrival == s.last_arrival || !t.nodes[s.first_node].placed)
+  if (s.last_node - s.first_node != 1 || s.first_bearing != s.last_bearing ||
+      s.last_pose - s.first_pose > 1 || s.first_arrival == s.last_arrival || !t.nodes[s.first_node].placed)
     return false;
   if (s.first_pose != s.last_pose && t.poses[s.first_pose].alpha != 0.0) return false;
   const double sigma_s = t.arrivals.front().sigma_s;
@@ -68,8 +73,8 @@ bool StopBlock::takes(const Trajectory& t, const Segment& s) {
   return true;
 }
 
-StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const StopArrivals& arrivals,
-                     const ParameterLayout* layout)
+StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments,
+                     const StopArrivals& arrivals, const ParameterLayout* layout)
     : trajectory_(trajectory),
       layout_(layout),
       sigma_s_(trajectory->arrivals.front().sigma_s),
@@ -79,14 +84,15 @@ StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& seg
   const auto mine = std::find(vehicles.begin(), vehicles.end(), trajectory->vehicle);
   first_receiver_ = static_cast<std::size_t>(mine - vehicles.begin());
   receivers_ = static_cast<std::size_t>(std::count(vehicles.begin(), vehicles.end(), trajectory->vehicle));
-  // Epochs that hear the same lie far apart in a long log, so memory is asked for what they need some time before it is needed.
+  // Epochs that hear the same lie far apart in a long log, so memory is asked for what they need some time
+  // before it is needed.
   constexpr std::size_t kAhead = 24;
   epochs_.reserve(segments.size());
   for (std::size_t i = 0; i < segments.size(); ++i) {
     if (i + kAhead < segments.size()) prefetch(&trajectory->segments[segments[i + kAhead]], sizeof(Segment));
     const Segment& s = trajectory->segments[segments[i]];
-    epochs_.push_back(
-        {segments[i], s.first_node, s.first_arrival, s.last_arrival, s.first_pose != s.last_pose ? s.first_pose : kNoPose});
+    epochs_.push_back({segments[i], s.first_node, s.first_arrival, s.last_arrival,
+                       s.first_pose != s.last_pose ? s.first_pose : kNoPose});
   }
   group(arrivals);
   pack(arrivals);
@@ -102,7 +108,8 @@ void StopBlock::fetch(std::size_t p, const StopArrivals& arrivals) const {
 }
 
 void StopBlock::group(const StopArrivals& arrivals) {
-  const std::size_t packs = (epochs_.size() + kLanes - 1) / kLanes, none = std::numeric_limits<std::size_t>::max();
+  const std::size_t packs = (epochs_.size() + kLanes - 1) / kLanes,
+                    none = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> group_of(layout_->beacon.size(), none),
       pack_of(layout_->beacon.size(), none);  // of each beacon, the last that heard it
   std::size_t heard_by_first = 0;
@@ -168,7 +175,8 @@ void StopBlock::pack(const StopArrivals& arrivals) {
     for (std::size_t p = g.first; p < g.last; ++p) {
       for (Count& path : count) path.most = 0;
       for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e)
-        for_each_used(e, [](std::size_t /*arrival*/, Count& path) { path.most = std::max(path.most, path.here + 1); });
+        for_each_used(
+            e, [](std::size_t /*arrival*/, Count& path) { path.most = std::max(path.most, path.here + 1); });
       pack_first_.push_back(slots_.size());
       for (std::size_t r = 0; r < receivers_; ++r)
         for (std::size_t b = 0; b < g.beacons.size(); ++b)
@@ -239,7 +247,8 @@ StopTables StopBlock::tables_at(const SharedState& state, const RobustLoss& loss
   beacon_table_.clear();
   for (std::size_t b = 0; b < state.beacon_p_map_m.size(); ++b) {
     const Eigen::Vector3d& p = state.beacon_p_map_m[b];
-    beacon_table_.insert(beacon_table_.end(), {p.x(), p.y(), p.z(), state.beacon_delay_s[b] + state.site_delay_s});
+    beacon_table_.insert(beacon_table_.end(),
+                         {p.x(), p.y(), p.z(), state.beacon_delay_s[b] + state.site_delay_s});
   }
   receiver_table_.clear();
   for (std::size_t r = first_receiver_; r < first_receiver_ + receivers_; ++r) {
@@ -324,8 +333,8 @@ std::vector<StopBlock::Targets> StopBlock::targets_of(const Group& group, const 
   return targets;
 }
 
-void StopBlock::add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place,
-                          ReducedSystem& system) {
+void StopBlock::add_group(const Group& group, const StopTables& tables, const SharedState& state,
+                          const std::vector<int>& place, ReducedSystem& system) {
   const std::vector<Targets> targets = targets_of(group, state, place);
   StopLayout local{group.beacons.size(), receivers_, false, {}};
   for (std::size_t c = 0; c < targets.size(); ++c) {
@@ -348,12 +357,14 @@ void StopBlock::add_group(const Group& group, const StopTables& tables, const Sh
       const double h = i <= j ? H[i * stride + j] : H[j * stride + i];
       for (int m = 0; m < ti.count; ++m)
         for (int n = 0; n < tj.count; ++n)
-          if (ti.column[m] >= tj.column[n]) system.H(ti.column[m], tj.column[n]) += ti.factor[m] * tj.factor[n] * h;
+          if (ti.column[m] >= tj.column[n])
+            system.H(ti.column[m], tj.column[n]) += ti.factor[m] * tj.factor[n] * h;
     }
   }
 }
 
-void StopBlock::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system) {
+void StopBlock::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
+                       ReducedSystem& system) {
   const StopTables tables = tables_at(state, loss);
   for (const Group& group : groups_) add_group(group, tables, state, place, system);
 }

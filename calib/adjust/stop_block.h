@@ -10,23 +10,24 @@
 
 #include <Eigen/Core>
 
-#include "calib/problem/parameters.h"
 #include "calib/adjust/stop_kernel.h"
+#include "calib/problem/parameters.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
 
 struct ReducedSystem;
 
-/// Floor under the information of a state's direction that nothing observes, of the largest diagonal element: above rounding,
-/// below any information. The same here and in the tile's general path.
+/// Floor under the information of a state's direction that nothing observes, of the largest diagonal element:
+/// above rounding, below any information. The same here and in the tile's general path.
 inline constexpr double kUnobservedFloor = 1e-14;
 
-/// Arrivals of a trajectory, as much of each as the kernel needs. The stops of a tile lie far apart in a long log, and fetching
-/// whole observations from there costs more than copying these in passing.
+/// Arrivals of a trajectory, as much of each as the kernel needs. The stops of a tile lie far apart in a long
+/// log, and fetching whole observations from there costs more than copying these in passing.
 class StopArrivals {
  public:
-  /// Room for all arrivals of a trajectory, at least one; they are told one by one, by any threads, or not at all.
+  /// Room for all arrivals of a trajectory, at least one; they are told one by one, by any threads, or not at
+  /// all.
   explicit StopArrivals(const Trajectory& trajectory);
   void tell(std::size_t i, const ArrivalObservation& arrival);
 
@@ -45,20 +46,23 @@ class StopArrivals {
 
  private:
   static constexpr std::uint32_t kNotUsed = 0xffffffff;
-  std::unique_ptr<double[]> tof_s_;        // NOLINT(modernize-avoid-c-arrays): memory that is not touched before it is written
+  std::unique_ptr<double[]>
+      tof_s_;  // NOLINT(modernize-avoid-c-arrays): memory that is not touched before it is written
   std::unique_ptr<std::uint32_t[]> path_;  // NOLINT(modernize-avoid-c-arrays)
   double speed_mps_;
   std::atomic<bool> own_speeds_{false};
 };
 
-/// The stops of a tile turned sideways for the vector kernel: stationary planar epochs of arrivals, which is what most of
-/// a long log is. Cost, gradient and Gauss-Newton matrix are those that the general path of the tile gives.
+/// The stops of a tile turned sideways for the vector kernel: stationary planar epochs of arrivals, which is
+/// what most of a long log is. Cost, gradient and Gauss-Newton matrix are those that the general path of the
+/// tile gives.
 class StopBlock {
  public:
-  /// Whether the kernel knows the measurement equation of a trajectory: planar, one way, no time-walk, no bias of a pair, no
-  /// drift, no motion prior.
+  /// Whether the kernel knows the measurement equation of a trajectory: planar, one way, no time-walk, no
+  /// bias of a pair, no drift, no motion prior.
   [[nodiscard]] static bool knows(const Trajectory& trajectory, const ParameterLayout& layout);
-  /// Whether it takes a segment: one placed node, arrivals of one sigma, at most one measured pose, nothing else.
+  /// Whether it takes a segment: one placed node, arrivals of one sigma, at most one measured pose, nothing
+  /// else.
   [[nodiscard]] static bool takes(const Trajectory& trajectory, const Segment& segment);
 
   /// @param trajectory  not owned; the nodes of the segments are written by `rewind`
@@ -69,9 +73,10 @@ class StopBlock {
 
   /// Settles the epochs from where they were committed and returns their cost.
   double settle(const SharedState& state, const RobustLoss& loss);
-  /// Adds the reduced system at the states of the last `settle` to the gradient and the lower triangle; `place` tells where
-  /// each column of the layout stands in it (-1: nowhere).
-  void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
+  /// Adds the reduced system at the states of the last `settle` to the gradient and the lower triangle;
+  /// `place` tells where each column of the layout stands in it (-1: nowhere).
+  void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
+              ReducedSystem& system);
   void commit() { committed_ = states_; }
   /// Back to the states committed last, which the trajectory then shows too.
   void rewind();
@@ -101,14 +106,16 @@ class StopBlock {
   void pack(const StopArrivals& arrivals);
   [[nodiscard]] StopTables tables_at(const SharedState& state, const RobustLoss& loss);
   [[nodiscard]] StopPack pack_of(std::size_t p, const Group& group) const;
-  [[nodiscard]] std::size_t epochs_in(std::size_t p) const { return std::min(kLanes, epochs_.size() - p * kLanes); }
+  [[nodiscard]] std::size_t epochs_in(std::size_t p) const {
+    return std::min(kLanes, epochs_.size() - p * kLanes);
+  }
   void put(std::size_t epoch, const Node& node);
   void put(std::size_t epoch, const PoseObservation& pose);
   void show(std::size_t epoch);
   [[nodiscard]] std::vector<Targets> targets_of(const Group& group, const SharedState& state,
                                                 const std::vector<int>& place) const;
-  void add_group(const Group& group, const StopTables& tables, const SharedState& state, const std::vector<int>& place,
-                 ReducedSystem& system);
+  void add_group(const Group& group, const StopTables& tables, const SharedState& state,
+                 const std::vector<int>& place, ReducedSystem& system);
 
   Trajectory* trajectory_;
   const ParameterLayout* layout_;

@@ -24,8 +24,8 @@ using V = hn::Vec<D>;
 /// Steps and limits of `settle` in models/settle.cc.
 constexpr int kMaxIterations = 30;
 constexpr double kAtRest = 1e-13;
-/// With plain squares a step that gains less than this share of the cost is taken without looking again: what would be left to
-/// gain after it is smaller by the square of residual over distance.
+/// With plain squares a step that gains less than this share of the cost is taken without looking again: what
+/// would be left to gain after it is smaller by the square of residual over distance.
 constexpr double kLastStep = 1e-6;
 constexpr double kMinDistanceM = 1e-6;
 
@@ -79,7 +79,8 @@ struct View {
 
 /// Where a receiver is, in all lanes.
 struct Antenna {
-  HWY_INLINE Antenna(const StopTables& tables, std::size_t receiver, const View& view, const Constants& constants) {
+  HWY_INLINE Antenna(const StopTables& tables, std::size_t receiver, const View& view,
+                     const Constants& constants) {
     const D d;
     const double* o = tables.receiver + 4 * receiver;
     const V ox = hn::Set(d, o[0]), oy = hn::Set(d, o[1]);
@@ -89,7 +90,8 @@ struct Antenna {
     y = hn::Add(view.state[1], ry);
     z_m = o[2];
     delay_s = hn::Set(d, o[3]);
-    if (tables.has_offset) delay_s = hn::MulAdd(view.state[3], hn::Set(d, 1.0 / tables.nominal_speed_mps), delay_s);
+    if (tables.has_offset)
+      delay_s = hn::MulAdd(view.state[3], hn::Set(d, 1.0 / tables.nominal_speed_mps), delay_s);
     k = constants.k;
   }
   V rx, ry;  ///< lever arm, turned
@@ -104,8 +106,8 @@ struct Sight {
 };
 
 template <bool kRobust>
-HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_t slot, std::size_t part, const Antenna& antenna,
-                      const Constants& constants) {
+HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_t slot, std::size_t part,
+                      const Antenna& antenna, const Constants& constants) {
   const D d;
   const double* b = tables.beacon + std::ptrdiff_t{4} * pack.beacons[pack.slot[slot].beacon];
   const V tof_s = load(pack.tof_s[slot], part);
@@ -113,13 +115,15 @@ HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_
   Sight s;
   s.inverse_speed = constants.inverse_speed;
   if (pack.model_speed_mps != nullptr)
-    s.inverse_speed =
-        hn::Div(hn::Set(d, 1.0), hn::Add(load(pack.model_speed_mps[slot], part), hn::Set(d, tables.speed_offset_mps)));
+    s.inverse_speed = hn::Div(hn::Set(d, 1.0), hn::Add(load(pack.model_speed_mps[slot], part),
+                                                       hn::Set(d, tables.speed_offset_mps)));
   const V dx = hn::Sub(antenna.x, hn::Set(d, b[0])), dy = hn::Sub(antenna.y, hn::Set(d, b[1])),
           dz = hn::Set(d, antenna.z_m - b[2]);
-  s.distance = hn::Max(hn::Sqrt(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)))), hn::Set(d, kMinDistanceM));
+  s.distance =
+      hn::Max(hn::Sqrt(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)))), hn::Set(d, kMinDistanceM));
   const V delay_s = hn::Add(antenna.delay_s, hn::Set(d, b[3]));
-  s.residual = hn::IfThenElseZero(heard, hn::Mul(antenna.k, hn::NegMulAdd(s.distance, s.inverse_speed, hn::Sub(tof_s, delay_s))));
+  s.residual = hn::IfThenElseZero(
+      heard, hn::Mul(antenna.k, hn::NegMulAdd(s.distance, s.inverse_speed, hn::Sub(tof_s, delay_s))));
   const V square = hn::Mul(s.residual, s.residual);
   if constexpr (kRobust) {  // Cauchy's loss on either side: rho and its derivative by the square
     const auto late = hn::Gt(s.residual, hn::Zero(d));
@@ -153,11 +157,13 @@ struct Normal {
   }
 };
 
-/// Adds a receiver's paths from their moments. The derivative by the state is (v0, v1, rx v1 - ry v0, offset).
+/// Adds a receiver's paths from their moments. The derivative by the state is (v0, v1, rx v1 - ry v0,
+/// offset).
 template <bool kOffset>
-HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, V v00, V v01, V v11, V r0, V r1, V w0, V w1, V w, V r,
-                             Normal& out) {
-  const V h0 = hn::NegMulAdd(a.ry, v00, hn::Mul(a.rx, v01)), h1 = hn::NegMulAdd(a.ry, v01, hn::Mul(a.rx, v11));
+HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, V v00, V v01, V v11, V r0, V r1,
+                             V w0, V w1, V w, V r, Normal& out) {
+  const V h0 = hn::NegMulAdd(a.ry, v00, hn::Mul(a.rx, v01)),
+          h1 = hn::NegMulAdd(a.ry, v01, hn::Mul(a.rx, v11));
   out.A[0][0] = hn::Add(out.A[0][0], v00);
   out.A[1][0] = hn::Add(out.A[1][0], v01);
   out.A[1][1] = hn::Add(out.A[1][1], v11);
@@ -225,11 +231,12 @@ HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_
   out.cost = hn::Mul(out.cost, hn::Set(D(), 0.5));
 }
 
-/// Solves (A + lambda diag A + floor) s = -g by Cholesky; lanes where it is not positive definite come out with `sound` off.
-/// A is that of Gauss and Newton but for the heading: a lever arm is hardly longer than the residuals while the beacons are off,
-/// and steps without its bend then close in slowly. The bend counts down to half of the diagonal, and not where it would turn it
-/// about: a state that far off is no case for Newton. A bend that is more than the diagonal only makes steps shorter and counts
-/// in `stiff` lanes; in the others the longer steps get out of a place that the loss makes up.
+/// Solves (A + lambda diag A + floor) s = -g by Cholesky; lanes where it is not positive definite come out
+/// with `sound` off. A is that of Gauss and Newton but for the heading: a lever arm is hardly longer than the
+/// residuals while the beacons are off, and steps without its bend then close in slowly. The bend counts down
+/// to half of the diagonal, and not where it would turn it about: a state that far off is no case for Newton.
+/// A bend that is more than the diagonal only makes steps shorter and counts in `stiff` lanes; in the others
+/// the longer steps get out of a place that the loss makes up.
 template <bool kOffset>
 HWY_INLINE void solve(const Normal& normal, V lambda, hn::Mask<D> stiff, V* step, hn::Mask<D>& sound) {
   const D d;
@@ -246,7 +253,8 @@ HWY_INLINE void solve(const Normal& normal, V lambda, hn::Mask<D> stiff, V* step
     V diagonal = A[p][p];
     if (p == 2) {
       const V bent = hn::Max(hn::Add(diagonal, normal.bend), hn::Mul(hn::Set(d, 0.5), diagonal));
-      const auto counts = hn::And(hn::Ge(normal.bend, hn::Neg(diagonal)), hn::Or(stiff, hn::Le(normal.bend, diagonal)));
+      const auto counts =
+          hn::And(hn::Ge(normal.bend, hn::Neg(diagonal)), hn::Or(stiff, hn::Le(normal.bend, diagonal)));
       diagonal = hn::IfThenElse(counts, bent, diagonal);
     }
     V pivot = hn::Add(hn::MulAdd(lambda, diagonal, diagonal), floor);
@@ -271,8 +279,8 @@ HWY_INLINE void solve(const Normal& normal, V lambda, hn::Mask<D> stiff, V* step
 }
 
 template <bool kOffset, bool kRobust>
-HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::size_t part, StopStates& states,
-                            StopOutcome& outcome) {
+HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::size_t part,
+                            StopStates& states, StopOutcome& outcome) {
   const D d;
   constexpr int n = kOffset ? 4 : 3;
   const Constants constants(tables);
@@ -283,7 +291,9 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
   build<kOffset, kRobust>(tables, pack, part, view, constants, now);
   V lambda = hn::Set(d, 1e-8), rest = hn::Zero(d);  // rest: 1 where nothing is left to gain
   const V one = hn::Set(d, 1.0);
-  auto stiff = hn::Eq(one, kRobust ? hn::Zero(d) : one);  // squares have one place to go, and a measured heading is near its own
+  auto stiff =
+      hn::Eq(one, kRobust ? hn::Zero(d)
+                          : one);  // squares have one place to go, and a measured heading is near its own
   if (pack.poses != nullptr) stiff = hn::Or(stiff, hn::Gt(load(pack.poses->weight[2], part), hn::Zero(d)));
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     V step[4];
@@ -293,12 +303,14 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
     for (int p = 0; p < n; ++p) gain = hn::NegMulAdd(now.g[p], step[p], gain);
     gain = hn::Mul(hn::Set(d, 0.5), gain);
     const auto moving = hn::Lt(rest, one);
-    rest = hn::IfThenElse(hn::And(sound, hn::Le(gain, hn::Mul(hn::Set(d, kAtRest), hn::Add(one, now.cost)))), one, rest);
+    rest = hn::IfThenElse(hn::And(sound, hn::Le(gain, hn::Mul(hn::Set(d, kAtRest), hn::Add(one, now.cost)))),
+                          one, rest);
     if constexpr (!kRobust) {
-      const auto last =
-          hn::And(moving, hn::And(sound, hn::And(hn::Le(gain, hn::Mul(hn::Set(d, kLastStep), hn::Add(one, now.cost))),
-                                                 hn::Lt(lambda, hn::Set(d, 1e-7)))));
-      for (int p = 0; p < n; ++p) view.state[p] = hn::IfThenElse(last, hn::Add(view.state[p], step[p]), view.state[p]);
+      const auto last = hn::And(
+          moving, hn::And(sound, hn::And(hn::Le(gain, hn::Mul(hn::Set(d, kLastStep), hn::Add(one, now.cost))),
+                                         hn::Lt(lambda, hn::Set(d, 1e-7)))));
+      for (int p = 0; p < n; ++p)
+        view.state[p] = hn::IfThenElse(last, hn::Add(view.state[p], step[p]), view.state[p]);
       now.cost = hn::IfThenElse(last, hn::Sub(now.cost, gain), now.cost);
       rest = hn::IfThenElse(last, one, rest);
     }
@@ -308,10 +320,11 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
       moved.state[p] = hn::IfThenElse(hn::Eq(rest, one), view.state[p], hn::Add(view.state[p], step[p]));
     moved.turn();
     build<kOffset, kRobust>(tables, pack, part, moved, constants, trial);
-    const auto better =
-        hn::And(hn::Lt(rest, one), hn::And(sound, hn::Le(trial.cost, hn::Mul(now.cost, hn::Set(d, 1.0 + 1e-14)))));
+    const auto better = hn::And(
+        hn::Lt(rest, one), hn::And(sound, hn::Le(trial.cost, hn::Mul(now.cost, hn::Set(d, 1.0 + 1e-14)))));
     // Neither better nor much left to gain: at rest to rounding.
-    const auto rounding = hn::AndNot(better, hn::Lt(gain, hn::Mul(hn::Set(d, 1e-12), hn::Add(one, now.cost))));
+    const auto rounding =
+        hn::AndNot(better, hn::Lt(gain, hn::Mul(hn::Set(d, 1e-12), hn::Add(one, now.cost))));
     rest = hn::IfThenElse(rounding, one, rest);
     for (int p = 0; p < 4; ++p) view.state[p] = hn::IfThenElse(better, moved.state[p], view.state[p]);
     for (int p = 0; p < n; ++p) {
@@ -320,7 +333,8 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
     }
     now.bend = hn::IfThenElse(better, trial.bend, now.bend);
     now.cost = hn::IfThenElse(better, trial.cost, now.cost);
-    const V calmer = hn::IfThenElse(hn::Lt(lambda, hn::Set(d, 1e-7)), hn::Set(d, 1e-8), hn::Mul(lambda, hn::Set(d, 0.1)));
+    const V calmer =
+        hn::IfThenElse(hn::Lt(lambda, hn::Set(d, 1e-7)), hn::Set(d, 1e-8), hn::Mul(lambda, hn::Set(d, 0.1)));
     lambda = hn::IfThenElse(better, calmer, hn::Max(hn::Mul(lambda, hn::Set(d, 10.0)), hn::Set(d, 1e-5)));
   }
   for (int i = 0; i < 4; ++i) store(view.state[i], states.value[i], part);
@@ -329,7 +343,8 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
   store(hn::IfThenElseZero(finite, rest), outcome.converged, part);
 }
 
-void settle_stops_in_lanes(const StopTables& tables, const StopPack& pack, StopStates& states, StopOutcome& outcome) {
+void settle_stops_in_lanes(const StopTables& tables, const StopPack& pack, StopStates& states,
+                           StopOutcome& outcome) {
   const bool robust = tables.late_scale > 0 && tables.early_scale > 0;
   for (std::size_t part = 0; part < kLanes; part += hn::Lanes(D())) {
     if (tables.has_offset) {
@@ -351,8 +366,8 @@ HWY_INLINE V by_speed_of(const Sight& s, const Constants& constants) {
 struct Moments {
   V w, v[3], vv[6], s, sv[3], r, rv[3];
   HWY_INLINE void clear() {
-    w = s = r = v[0] = v[1] = v[2] = sv[0] = sv[1] = sv[2] = rv[0] = rv[1] = rv[2] = vv[0] = vv[1] = vv[2] = vv[3] = vv[4] =
-        vv[5] = hn::Zero(D());
+    w = s = r = v[0] = v[1] = v[2] = sv[0] = sv[1] = sv[2] = rv[0] = rv[1] = rv[2] = vv[0] = vv[1] = vv[2] =
+        vv[3] = vv[4] = vv[5] = hn::Zero(D());
   }
   HWY_INLINE void add(const Moments& m) {
     w = hn::Add(w, m.w);
@@ -396,7 +411,8 @@ HWY_INLINE Moments moments_of(const Sight& s, V by_speed) {
 
 /// Couples a path to its beacon, whose derivatives are -(v, k).
 template <bool kOffset>
-HWY_INLINE void couple_beacon(const Moments& m, const Antenna& a, const Constants& constants, std::size_t part, Lanes* coupling) {
+HWY_INLINE void couple_beacon(const Moments& m, const Antenna& a, const Constants& constants,
+                              std::size_t part, Lanes* coupling) {
   const V row0[4] = {m.vv[0], m.vv[1], m.vv[2], hn::Mul(constants.k, m.v[0])};
   const V row1[4] = {m.vv[1], m.vv[3], m.vv[4], hn::Mul(constants.k, m.v[1])};
   for (std::size_t c = 0; c < 4; ++c) {
@@ -412,21 +428,22 @@ HWY_INLINE void couple_beacon(const Moments& m, const Antenna& a, const Constant
 }
 
 /// Products of the derivatives by beacon, -(v, k), and by receiver, (R'v, -k).
-HWY_INLINE void add_pair(const Moments& m, const Sight& s, const View& view, const Constants& constants, double* pair) {
+HWY_INLINE void add_pair(const Moments& m, const Sight& s, const View& view, const Constants& constants,
+                         double* pair) {
   const V by_receiver[3] = {hn::MulAdd(view.cosine, s.v[0], hn::Mul(view.sine, s.v[1])),
                             hn::NegMulAdd(view.sine, s.v[0], hn::Mul(view.cosine, s.v[1])), s.v[2]};
   const V left[4] = {hn::Neg(m.v[0]), hn::Neg(m.v[1]), hn::Neg(m.v[2]), hn::Neg(hn::Mul(constants.k, m.w))};
   const V last = hn::Neg(constants.k);
   for (std::size_t i = 0; i < 4; ++i)
-    add_lanes(hn::Mul(left[i], by_receiver[0]), hn::Mul(left[i], by_receiver[1]), hn::Mul(left[i], by_receiver[2]),
-              hn::Mul(left[i], last), pair + 4 * i);
+    add_lanes(hn::Mul(left[i], by_receiver[0]), hn::Mul(left[i], by_receiver[1]),
+              hn::Mul(left[i], by_receiver[2]), hn::Mul(left[i], last), pair + 4 * i);
 }
 
-/// A receiver's own elements and its coupling to the state, from the moments of its paths. Derivatives by the receiver: (R'v,
-/// -k).
+/// A receiver's own elements and its coupling to the state, from the moments of its paths. Derivatives by the
+/// receiver: (R'v, -k).
 template <bool kOffset>
-HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& view, const Constants& constants,
-                                std::size_t part, Lanes* coupling, double* own) {
+HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& view,
+                                const Constants& constants, std::size_t part, Lanes* coupling, double* own) {
   const V c = view.cosine, s = view.sine, k = constants.k;
   const auto turn0 = [&](V x, V y) { return hn::MulAdd(c, x, hn::Mul(s, y)); };
   const auto turn1 = [&](V x, V y) { return hn::NegMulAdd(s, x, hn::Mul(c, y)); };
@@ -441,9 +458,11 @@ HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& 
     if constexpr (kOffset) store(hn::Mul(constants.by_offset, sums[i]), G[3], part);
   }
   const V minus = hn::Neg(k), none = hn::Zero(D());
-  add_lanes(turn0(row0[0], row1[0]), turn0(row0[1], row1[1]), turn0(m.vv[2], m.vv[4]), hn::Mul(minus, sums[0]), own);
+  add_lanes(turn0(row0[0], row1[0]), turn0(row0[1], row1[1]), turn0(m.vv[2], m.vv[4]),
+            hn::Mul(minus, sums[0]), own);
   add_lanes(turn1(row0[1], row1[1]), turn1(m.vv[2], m.vv[4]), hn::Mul(minus, sums[1]), m.vv[5], own + 4);
-  add_lanes(hn::Mul(minus, m.v[2]), hn::Mul(hn::Mul(k, k), m.w), turn0(m.sv[0], m.sv[1]), turn1(m.sv[0], m.sv[1]), own + 8);
+  add_lanes(hn::Mul(minus, m.v[2]), hn::Mul(hn::Mul(k, k), m.w), turn0(m.sv[0], m.sv[1]),
+            turn1(m.sv[0], m.sv[1]), own + 8);
   add_lanes(m.sv[2], hn::Mul(minus, m.s), turn0(m.rv[0], m.rv[1]), turn1(m.rv[0], m.rv[1]), own + 12);
   add_lanes(m.rv[2], hn::Mul(minus, m.r), none, none, own + 16);
 }
@@ -461,7 +480,8 @@ HWY_INLINE void factorise(const Normal& normal, double unobserved, V L[4][4], V*
   for (int p = 0; p < n; ++p) {
     V pivot = hn::Add(normal.A[p][p], floor);
     for (int m = 0; m < p; ++m) pivot = hn::NegMulAdd(L[p][m], L[p][m], pivot);
-    pivot = hn::IfThenElse(hn::Gt(pivot, hn::Mul(hn::Set(d, 0.5), floor)), pivot, hn::Mul(hn::Set(d, 100.0), floor));
+    pivot = hn::IfThenElse(hn::Gt(pivot, hn::Mul(hn::Set(d, 0.5), floor)), pivot,
+                           hn::Mul(hn::Set(d, 100.0), floor));
     const V inverse = hn::Div(one, hn::Sqrt(pivot));
     L[p][p] = inverse;
     V v = normal.g[p];
@@ -477,8 +497,8 @@ HWY_INLINE void factorise(const Normal& normal, double unobserved, V L[4][4], V*
 
 /// Some rows of a block of taken += Y'Y, for the rows of Y that wait.
 template <std::size_t kHeld>
-HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t stride, std::size_t waiting, std::size_t part,
-                           double* block) {
+HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t stride, std::size_t waiting,
+                           std::size_t part, double* block) {
   constexpr std::size_t kColumns = StopSums::kBlock;
   V sum[kHeld][kColumns];
   for (auto& row : sum)
@@ -491,13 +511,15 @@ HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t st
       for (std::size_t q = 0; q < kColumns; ++q) sum[p][q] = hn::MulAdd(l, r[q], sum[p][q]);
     }
   }
-  for (std::size_t p = 0; p < kHeld; ++p) add_lanes(sum[p][0], sum[p][1], sum[p][2], sum[p][3], block + p * kColumns);
+  for (std::size_t p = 0; p < kHeld; ++p)
+    add_lanes(sum[p][0], sum[p][1], sum[p][2], sum[p][3], block + p * kColumns);
 }
 
 void take_in_lanes(StopSums& sums) {
   // As many rows as the registers hold: 32 of them with AVX-512, else 16.
   constexpr std::size_t kHeld = HWY_TARGET <= HWY_AVX3 ? 4 : 2, kBlock = StopSums::kBlock;
-  const std::size_t states = sums.has_offset ? 4 : 3, stride = StopSums::kPacksAtOnce * states, waiting = sums.waiting * states;
+  const std::size_t states = sums.has_offset ? 4 : 3, stride = StopSums::kPacksAtOnce * states,
+                    waiting = sums.waiting * states;
   const std::size_t active = sums.active.size();
   const Lanes* rows = sums.rows.data();
   for (std::size_t part = 0; part < kLanes; part += hn::Lanes(D())) {
@@ -505,18 +527,20 @@ void take_in_lanes(StopSums& sums) {
     for (std::size_t i = 0; i < active; i += kBlock)
       for (std::size_t j = i; j < active; j += kBlock, block += kBlock * kBlock)
         for (std::size_t r = 0; r < kBlock; r += kHeld)
-          take_block<kHeld>(rows + (i + r) * stride, rows + j * stride, stride, waiting, part, block + r * kBlock);
+          take_block<kHeld>(rows + (i + r) * stride, rows + j * stride, stride, waiting, part,
+                            block + r * kBlock);
   }
 }
 
 template <bool kOffset, bool kRobust>
-HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const StopStates& states, const StopLayout& layout,
-                            double unobserved, std::size_t part, StopSums& sums) {
+HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const StopStates& states,
+                            const StopLayout& layout, double unobserved, std::size_t part, StopSums& sums) {
   const D d;
-  // Copies, as a vector may be stored anywhere: what is reached through a reference would be read again after every store.
+  // Copies, as a vector may be stored anywhere: what is reached through a reference would be read again after
+  // every store.
   const bool receivers_free = layout.receivers_free;
-  const std::size_t receivers = layout.receivers, columns = layout.columns() + 1, speed_column = layout.speed(),
-                    receiver_column = layout.of_receiver(0);
+  const std::size_t receivers = layout.receivers, columns = layout.columns() + 1,
+                    speed_column = layout.speed(), receiver_column = layout.of_receiver(0);
   double *const beacon_sums = sums.beacon.data(), *const receiver_sums = sums.receiver.data(),
                 *const pair_sums = sums.pair.data();
   constexpr int n = kOffset ? 4 : 3;
@@ -545,21 +569,26 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
       all.add(m);
       m.add_to_sums(beacon_sums + StopSums::kMoments * beacon);
       couple_beacon<kOffset>(m, antenna, constants, part, coupling + 16 * beacon);
-      if (receivers_free) add_pair(m, s, view, constants, pair_sums + StopSums::kPair * (beacon * receivers + receiver));
+      if (receivers_free)
+        add_pair(m, s, view, constants, pair_sums + StopSums::kPair * (beacon * receivers + receiver));
     }
-    add_receiver<kOffset>(antenna, constants, all.vv[0], all.vv[1], all.vv[3], all.rv[0], all.rv[1], all.v[0], all.v[1], all.w,
-                          all.r, normal);
+    add_receiver<kOffset>(antenna, constants, all.vv[0], all.vv[1], all.vv[3], all.rv[0], all.rv[1], all.v[0],
+                          all.v[1], all.w, all.r, normal);
     by_speed_of_state[0] = hn::Add(by_speed_of_state[0], all.sv[0]);
     by_speed_of_state[1] = hn::Add(by_speed_of_state[1], all.sv[1]);
-    by_speed_of_state[2] = hn::Add(by_speed_of_state[2], hn::NegMulAdd(antenna.ry, all.sv[0], hn::Mul(antenna.rx, all.sv[1])));
-    if constexpr (kOffset) by_speed_of_state[3] = hn::MulAdd(constants.by_offset, all.s, by_speed_of_state[3]);
+    by_speed_of_state[2] =
+        hn::Add(by_speed_of_state[2], hn::NegMulAdd(antenna.ry, all.sv[0], hn::Mul(antenna.rx, all.sv[1])));
+    if constexpr (kOffset)
+      by_speed_of_state[3] = hn::MulAdd(constants.by_offset, all.s, by_speed_of_state[3]);
     if (receivers_free)
-      finish_receiver<kOffset>(all, antenna, view, constants, part, coupling + 4 * (receiver_column + 4 * receiver),
+      finish_receiver<kOffset>(all, antenna, view, constants, part,
+                               coupling + 4 * (receiver_column + 4 * receiver),
                                receiver_sums + StopSums::kReceiver * receiver);
   }
   sums.speed_curvature += hn::GetLane(hn::SumOfLanes(d, speed_curvature));
   sums.speed_gradient += hn::GetLane(hn::SumOfLanes(d, speed_gradient));
-  for (int p = 0; p < n; ++p) store(by_speed_of_state[p], coupling[4 * speed_column + static_cast<std::size_t>(p)], part);
+  for (int p = 0; p < n; ++p)
+    store(by_speed_of_state[p], coupling[4 * speed_column + static_cast<std::size_t>(p)], part);
 
   if (pack.poses != nullptr) add_poses(pack, part, view, normal);
   V L[4][4], y[4];
@@ -586,8 +615,8 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
   }
 }
 
-void reduce_stops_in_lanes(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout,
-                           double unobserved, StopSums& sums) {
+void reduce_stops_in_lanes(const StopTables& tables, const StopPack& pack, const StopStates& states,
+                           const StopLayout& layout, double unobserved, StopSums& sums) {
   const bool robust = tables.late_scale > 0 && tables.early_scale > 0;
   for (std::size_t part = 0; part < kLanes; part += hn::Lanes(D())) {
     if (tables.has_offset) {
@@ -627,8 +656,8 @@ void take_waiting(StopSums& sums) {
 
 }  // namespace
 
-void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states, const StopLayout& layout,
-                  double unobserved, StopSums& sums) {
+void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states,
+                  const StopLayout& layout, double unobserved, StopSums& sums) {
   HWY_DYNAMIC_DISPATCH(reduce_stops_in_lanes)(tables, pack, states, layout, unobserved, sums);
   if (++sums.waiting == StopSums::kPacksAtOnce) take_waiting(sums);
 }
@@ -652,7 +681,8 @@ void StopSums::clear(const StopLayout& layout, bool offset) {
   waiting = 0;
 }
 
-void StopSums::finish(const StopLayout& layout, double sigma_s, std::vector<double>& H, std::vector<double>& gradient) {
+void StopSums::finish(const StopLayout& layout, double sigma_s, std::vector<double>& H,
+                      std::vector<double>& gradient) {
   if (waiting > 0) take_waiting(*this);
   const std::size_t columns = layout.columns(), at_speed = layout.speed();
   const double k = 1.0 / sigma_s;
@@ -682,7 +712,8 @@ void StopSums::finish(const StopLayout& layout, double sigma_s, std::vector<doub
     }
     for (std::size_t b = 0; b < layout.beacons; ++b)
       for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < 4; ++j) element(4 * b + i, at + j) = pair[kPair * (b * layout.receivers + r) + 4 * i + j];
+        for (std::size_t j = 0; j < 4; ++j)
+          element(4 * b + i, at + j) = pair[kPair * (b * layout.receivers + r) + 4 * i + j];
   }
   element(at_speed, at_speed) = speed_curvature;
   gradient[at_speed] = speed_gradient;

@@ -12,24 +12,29 @@
 
 #include <Eigen/Cholesky>
 
-#include "calib/problem/shared_entries.h"
 #include "calib/adjust/stop_block.h"
-#include "models/trajectory/linearise.h"
+#include "calib/problem/shared_entries.h"
 #include "models/support/parallel.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 namespace {
 
 constexpr std::size_t kNodesPerTile = 512;
-/// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the columns it touches.
+/// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the
+/// columns it touches.
 constexpr std::size_t kBeaconsPerSparseTile = 24;
 
 }  // namespace
 
-Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArrivals* arrivals, std::vector<std::size_t> general,
-           const ParameterLayout* layout)
-    : trajectory_(trajectory), layout_(layout), stop_segments_(std::move(stops)), general_(std::move(general)) {
-  if (!stop_segments_.empty()) stops_ = std::make_unique<StopBlock>(trajectory_, stop_segments_, *arrivals, layout_);
+Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArrivals* arrivals,
+           std::vector<std::size_t> general, const ParameterLayout* layout)
+    : trajectory_(trajectory),
+      layout_(layout),
+      stop_segments_(std::move(stops)),
+      general_(std::move(general)) {
+  if (!stop_segments_.empty())
+    stops_ = std::make_unique<StopBlock>(trajectory_, stop_segments_, *arrivals, layout_);
   find_columns();
   commit();
 }
@@ -54,7 +59,8 @@ void Tile::find_columns() {
       const ArrivalObservation& a = t.arrivals[i];
       beacon[a.beacon.index()] = receiver[a.receiver.index()] = 1;
       arrivals = true;
-      if (!layout.pair_bias.empty()) touch(layout.pair_bias[a.beacon.index() * layout.receiver.size() + a.receiver.index()]);
+      if (!layout.pair_bias.empty())
+        touch(layout.pair_bias[a.beacon.index() * layout.receiver.size() + a.receiver.index()]);
     }
     for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
       if (t.bearings[i].reflector.valid())
@@ -82,7 +88,8 @@ void Tile::find_columns() {
   for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
     const ParameterBlock& block = layout.blocks[k];
     bool any = false;
-    for (int c = block.first; c < block.first + block.size; ++c) any = any || touched[static_cast<std::size_t>(c)] != 0;
+    for (int c = block.first; c < block.first + block.size; ++c)
+      any = any || touched[static_cast<std::size_t>(c)] != 0;
     if (!any) continue;
     blocks_.push_back(static_cast<int>(k));
     for (int c = block.first; c < block.first + block.size; ++c) {
@@ -113,7 +120,8 @@ void Tile::rewind_general() {
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
     const auto count = static_cast<std::ptrdiff_t>(segment.last_node - segment.first_node);
-    std::copy(from, from + count, trajectory_->nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node));
+    std::copy(from, from + count,
+              trajectory_->nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node));
     from += count;
   }
 }
@@ -123,13 +131,15 @@ double Tile::settle(const SharedState& state, const RobustLoss& loss) {
   double cost = stops_ ? stops_->settle(state, loss) : 0.0;
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
-    if (!trajectory_->nodes[segment.first_node].placed) continue;  // a segment that no start could place says nothing
+    if (!trajectory_->nodes[segment.first_node].placed)
+      continue;  // a segment that no start could place says nothing
     cost += octant::settle(*trajectory_, segment, state, loss).cost;
   }
   return cost;
 }
 
-void Tile::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system) {
+void Tile::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
+                  ReducedSystem& system) {
   if (stops_) stops_->reduce(state, loss, place, system);
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
@@ -149,12 +159,13 @@ double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedS
   return cost;
 }
 
-void Tile::reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
-                          ReducedSystem& system) {
+void Tile::reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss,
+                          const std::vector<int>& place, ReducedSystem& system) {
   const Trajectory& t = *trajectory_;
   const auto n = t.block_size();
   const std::size_t count = segment.last_node - segment.first_node;
-  // Coupling of each state to the shared parameters it sees; the last column carries the states' own gradient.
+  // Coupling of each state to the shared parameters it sees; the last column carries the states' own
+  // gradient.
   struct NodeSystem {
     NodeBlock D, U;
     std::vector<int> active;  ///< local columns, in order of appearance
@@ -188,7 +199,8 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
     if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
     RowEntries e = row_entries(row, t.run, *layout_, state);
     for (int i = 0; i < e.count; ++i)
-      e.column[static_cast<std::size_t>(i)] = place[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
+      e.column[static_cast<std::size_t>(i)] =
+          place[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
     for (int i = 0; i < e.count; ++i) {
       const double wi = w * e.value[static_cast<std::size_t>(i)];
       const int ci = e.column[static_cast<std::size_t>(i)];
@@ -210,12 +222,13 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
   });
 
   // Eliminate front to back: what a state passes on to the next one touches all the columns seen so far.
-  if (slot.size() < static_cast<std::size_t>(system.H.cols())) slot.assign(static_cast<std::size_t>(system.H.cols()), -1);
+  if (slot.size() < static_cast<std::size_t>(system.H.cols()))
+    slot.assign(static_cast<std::size_t>(system.H.cols()), -1);
   Eigen::LLT<NodeBlock> factor;
   for (std::size_t k = 0; k < count; ++k) {
     NodeSystem& node = nodes[k];
-    // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing. Within a chain odometry
-    // observes all, and a floor there would act as a measured pose at every node.
+    // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing. Within a
+    // chain odometry observes all, and a floor there would act as a measured pose at every node.
     if (k + 1 == count) node.D.diagonal().array() += kUnobservedFloor * (1.0 + node.D.diagonal().maxCoeff());
     factor.compute(node.D);
     if (factor.info() != Eigen::Success) {
@@ -244,7 +257,8 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
     NodeSystem& next = nodes[k + 1];
     next.D.noalias() -= W.transpose() * W;
     g[k + 1].noalias() -= W.transpose() * y;
-    for (std::size_t i = 0; i < next.active.size(); ++i) slot[static_cast<std::size_t>(next.active[i])] = static_cast<int>(i);
+    for (std::size_t i = 0; i < next.active.size(); ++i)
+      slot[static_cast<std::size_t>(next.active[i])] = static_cast<int>(i);
     for (Eigen::Index c = 0; c < active; ++c) {
       const int local = node.active[static_cast<std::size_t>(c)];
       int& at = slot[static_cast<std::size_t>(local)];
@@ -262,9 +276,9 @@ void Tile::reduce_segment(const Segment& segment, const SharedState& state, cons
 
 namespace {
 
-/// What decides where a segment goes. Stops that hear the same beacons go together: what they have in common is then summed up
-/// before it goes anywhere, and at a site of very many beacons a tile touches few of them; among these, those that hear over the
-/// same paths, which then share slots of the vector kernel.
+/// What decides where a segment goes. Stops that hear the same beacons go together: what they have in common
+/// is then summed up before it goes anywhere, and at a site of very many beacons a tile touches few of them;
+/// among these, those that hear over the same paths, which then share slots of the vector kernel.
 struct SegmentKey {
   std::uint32_t segment = 0, nodes = 0;
   bool stop = false;                                                 ///< for the vector kernel
@@ -272,13 +286,16 @@ struct SegmentKey {
   std::uint64_t beacons = 0, paths = 0;  ///< a bit each, several sharing one where there are more than 64
 
   friend bool operator<(const SegmentKey& a, const SegmentKey& b) {
-    return std::tie(a.lowest, a.beacons, a.paths, a.segment) < std::tie(b.lowest, b.beacons, b.paths, b.segment);
+    return std::tie(a.lowest, a.beacons, a.paths, a.segment) <
+           std::tie(b.lowest, b.beacons, b.paths, b.segment);
   }
 };
 
 /// By their lowest beacons first, each beacon's for itself, so that threads may share the work.
 std::vector<SegmentKey> sorted(const std::vector<SegmentKey>& keys, std::size_t beacons, int threads) {
-  const auto bucket_of = [beacons](const SegmentKey& key) { return std::min<std::size_t>(key.lowest, beacons); };
+  const auto bucket_of = [beacons](const SegmentKey& key) {
+    return std::min<std::size_t>(key.lowest, beacons);
+  };
   std::vector<std::size_t> end(beacons + 2, 0);
   for (const SegmentKey& key : keys) ++end[bucket_of(key) + 1];
   std::partial_sum(end.begin(), end.end(), end.begin());
@@ -292,34 +309,39 @@ std::vector<SegmentKey> sorted(const std::vector<SegmentKey>& keys, std::size_t 
 }
 
 /// Segments of a trajectory in the order in which tiles take them; what is told of the arrivals of stops.
-std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& layout, int threads, StopArrivals* arrivals) {
+std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& layout, int threads,
+                                   StopArrivals* arrivals) {
   constexpr std::size_t kSegmentsAtOnce = 4096;
   std::vector<SegmentKey> keys(t.segments.size());
   const bool known = StopBlock::knows(t, layout);
   const auto receivers = static_cast<std::uint32_t>(layout.receiver.size());
-  for_each_chunk(keys.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
-    for (std::size_t s = first; s < last; ++s) {
-      SegmentKey& key = keys[s];
-      key.segment = static_cast<std::uint32_t>(s);
-      key.nodes = static_cast<std::uint32_t>(t.segments[s].last_node - t.segments[s].first_node);
-      key.stop = known && StopBlock::takes(t, t.segments[s]);
-      for (std::size_t i = t.segments[s].first_arrival; i < t.segments[s].last_arrival && (key.stop || !t.moving); ++i) {
-        const auto beacon = static_cast<std::uint32_t>(t.arrivals[i].beacon.value);
-        if (key.stop) arrivals->tell(i, t.arrivals[i]);
-        key.lowest = std::min(key.lowest, beacon);
-        key.beacons |= std::uint64_t{1} << (beacon % 64U);
-        if (t.arrivals[i].rejection == Rejection::kUsed)
-          key.paths |=
-              std::uint64_t{1} << ((beacon * receivers + static_cast<std::uint32_t>(t.arrivals[i].receiver.value)) % 64U);
-      }
-    }
-  });
+  for_each_chunk(
+      keys.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+        for (std::size_t s = first; s < last; ++s) {
+          SegmentKey& key = keys[s];
+          key.segment = static_cast<std::uint32_t>(s);
+          key.nodes = static_cast<std::uint32_t>(t.segments[s].last_node - t.segments[s].first_node);
+          key.stop = known && StopBlock::takes(t, t.segments[s]);
+          for (std::size_t i = t.segments[s].first_arrival;
+               i < t.segments[s].last_arrival && (key.stop || !t.moving); ++i) {
+            const auto beacon = static_cast<std::uint32_t>(t.arrivals[i].beacon.value);
+            if (key.stop) arrivals->tell(i, t.arrivals[i]);
+            key.lowest = std::min(key.lowest, beacon);
+            key.beacons |= std::uint64_t{1} << (beacon % 64U);
+            if (t.arrivals[i].rejection == Rejection::kUsed)
+              key.paths |= std::uint64_t{1} << ((beacon * receivers +
+                                                 static_cast<std::uint32_t>(t.arrivals[i].receiver.value)) %
+                                                64U);
+          }
+        }
+      });
   return t.moving ? keys : sorted(keys, layout.beacon.size(), threads);
 }
 
 }  // namespace
 
-std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads) {
+std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout,
+                             int threads) {
   struct Part {
     Trajectory* trajectory;
     const StopArrivals* arrivals;
@@ -327,7 +349,8 @@ std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const Parame
   };
   std::vector<std::unique_ptr<StopArrivals>> arrivals;
   std::vector<Part> parts;
-  std::vector<std::size_t> heard_in(layout.beacon.size(), 0);  // the last part, counted from one, that heard each beacon
+  std::vector<std::size_t> heard_in(layout.beacon.size(),
+                                    0);  // the last part, counted from one, that heard each beacon
   for (Trajectory& t : trajectories) {
     std::size_t nodes = 0, beacons = 0;
     StopArrivals* its = nullptr;
@@ -356,7 +379,8 @@ std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const Parame
   }
   std::vector<std::optional<Tile>> made(parts.size());
   for_each_parallel(parts.size(), threads, [&](std::size_t i) {
-    made[i].emplace(parts[i].trajectory, std::move(parts[i].stops), parts[i].arrivals, std::move(parts[i].general), &layout);
+    made[i].emplace(parts[i].trajectory, std::move(parts[i].stops), parts[i].arrivals,
+                    std::move(parts[i].general), &layout);
   });
   std::vector<Tile> tiles;
   tiles.reserve(made.size());

@@ -15,26 +15,28 @@ namespace octant::calib {
 class StopArrivals;
 class StopBlock;
 
-/// Cost, gradient and Gauss-Newton matrix of some observations in the shared parameters they touch, vehicle states eliminated.
+/// Cost, gradient and Gauss-Newton matrix of some observations in the shared parameters they touch, vehicle
+/// states eliminated.
 struct ReducedSystem {
   double cost = 0.0;  ///< 1/2 sum of rho
   Eigen::VectorXd gradient;
   Eigen::MatrixXd H;
 };
 
-/// A tile: some segments of one trajectory. For given shared parameters it first settles its own vehicle states (variable
-/// projection), then eliminates them:
+/// A tile: some segments of one trajectory. For given shared parameters it first settles its own vehicle
+/// states (variable projection), then eliminates them:
 ///   H = sum Js'Js - Js'Jx (Jx'Jx)^-1 Jx'Js,   g = Js'r - Js'Jx (Jx'Jx)^-1 Jx'r
-/// Settled states make cost, gradient and Gauss-Newton matrix those of the full bundle adjustment; what is left of Jx'r is
-/// corrected to first order. Not safe to evaluate one tile from two threads; different tiles are independent.
+/// Settled states make cost, gradient and Gauss-Newton matrix those of the full bundle adjustment; what is
+/// left of Jx'r is corrected to first order. Not safe to evaluate one tile from two threads; different tiles
+/// are independent.
 class Tile {
  public:
   /// @param trajectory  not owned; this tile writes the nodes of its segments and nothing else
   /// @param stops     segments for the vector kernel, which StopBlock takes
   /// @param arrivals  those of the stops; not kept, null without stops
   /// @param general   all others
-  Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArrivals* arrivals, std::vector<std::size_t> general,
-       const ParameterLayout* layout);
+  Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArrivals* arrivals,
+       std::vector<std::size_t> general, const ParameterLayout* layout);
   Tile(Tile&&) noexcept;
   Tile& operator=(Tile&&) noexcept;
   ~Tile();
@@ -55,12 +57,13 @@ class Tile {
   /// Where each column of the layout stands in columns(); -1: nowhere.
   [[nodiscard]] const std::vector<int>& local_of() const { return local_of_; }
 
-  /// Settles the states from where they were committed and returns the cost. The trajectory shows them once they are committed
-  /// and `rewind` was called.
+  /// Settles the states from where they were committed and returns the cost. The trajectory shows them once
+  /// they are committed and `rewind` was called.
   double settle(const SharedState& state, const RobustLoss& loss);
-  /// Adds gradient and lower triangle of H at the states of the last `settle`; `place` tells where each column of the layout
-  /// stands in the system.
-  void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place, ReducedSystem& system);
+  /// Adds gradient and lower triangle of H at the states of the last `settle`; `place` tells where each
+  /// column of the layout stands in the system.
+  void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
+              ReducedSystem& system);
   /// Both, in the tile's own columns.
   double evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system);
   /// Makes the states of the last evaluation the start of the next ones (a step was accepted).
@@ -71,8 +74,8 @@ class Tile {
  private:
   void find_columns();
   void rewind_general();
-  void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
-                      ReducedSystem& system);
+  void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss,
+                      const std::vector<int>& place, ReducedSystem& system);
 
   Trajectory* trajectory_;
   const ParameterLayout* layout_;
@@ -84,6 +87,7 @@ class Tile {
 };
 
 /// Tiles of all trajectories; their number does not depend on the number of threads, so neither does any sum.
-[[nodiscard]] std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, int threads = 1);
+[[nodiscard]] std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories,
+                                           const ParameterLayout& layout, int threads = 1);
 
 }  // namespace octant::calib

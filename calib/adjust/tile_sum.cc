@@ -15,9 +15,10 @@ constexpr std::size_t kDoublesPerNode = 11;
 
 void put(const Node& node, double* to) {
   const auto& T = node.T_map_vehicle;
-  const double values[kDoublesPerNode] = {T.translation_m.x(), T.translation_m.y(), T.translation_m.z(), T.rotation.x(),
-                                          T.rotation.y(),      T.rotation.z(),      T.rotation.w(),      node.cycle_offset_s,
-                                          node.velocity.x(),   node.velocity.y(),   node.velocity.z()};
+  const double values[kDoublesPerNode] = {T.translation_m.x(), T.translation_m.y(), T.translation_m.z(),
+                                          T.rotation.x(),      T.rotation.y(),      T.rotation.z(),
+                                          T.rotation.w(),      node.cycle_offset_s, node.velocity.x(),
+                                          node.velocity.y(),   node.velocity.z()};
   std::copy(values, values + kDoublesPerNode, to);
 }
 
@@ -42,7 +43,8 @@ TileSum::TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& l
 
 bool TileSum::is_mine(std::size_t share) const {
   if (workers_.ranks == nullptr) return true;
-  return share * static_cast<std::size_t>(workers_.ranks->count()) / kShares == static_cast<std::size_t>(workers_.ranks->index());
+  return share * static_cast<std::size_t>(workers_.ranks->count()) / kShares ==
+         static_cast<std::size_t>(workers_.ranks->index());
 }
 
 std::size_t TileSum::first_of(std::size_t share) const { return share * tiles_.size() / kShares; }
@@ -88,7 +90,8 @@ void TileSum::reduce(const SharedState& state, const RobustLoss& loss, ReducedSy
   sum.cost = std::accumulate(costs_.begin(), costs_.end(), 0.0);
 }
 
-void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems) {
+void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss,
+                          std::vector<ReducedSystem>& systems) {
   systems.resize(tiles_.size());
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     const auto n = static_cast<Eigen::Index>(tiles_[i].columns().size());
@@ -137,7 +140,8 @@ void TileSum::share_states() {
   workers_.ranks->sum(values);
   for (std::size_t i = 0; i < trajectories_.size(); ++i)
     for (std::size_t k = 0; k < trajectories_[i].nodes.size(); ++k)
-      if (told[first[i] + k] != 0) take(values.data() + (first[i] + k) * kDoublesPerNode, trajectories_[i].nodes[k]);
+      if (told[first[i] + k] != 0)
+        take(values.data() + (first[i] + k) * kDoublesPerNode, trajectories_[i].nodes[k]);
 }
 
 }  // namespace octant::calib

@@ -5,14 +5,15 @@
 #include <cstddef>
 #include <vector>
 
-#include "calib/problem/parameters.h"
 #include "calib/adjust/ranks.h"
 #include "calib/adjust/tile.h"
+#include "calib/problem/parameters.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
 
-/// What an adjustment asks of its observations: their cost, gradient and Gauss-Newton matrix, vehicle states settled.
+/// What an adjustment asks of its observations: their cost, gradient and Gauss-Newton matrix, vehicle states
+/// settled.
 class SystemSum {
  public:
   virtual ~SystemSum() = default;
@@ -29,18 +30,21 @@ class SystemSum {
   SystemSum& operator=(const SystemSum&) = default;
 };
 
-/// All tiles of an adjustment, evaluated together. Sums are formed in an order that depends on the problem alone: tiles are
-/// added up in a fixed number of shares, and the shares in their order (over ranks: to rounding).
+/// All tiles of an adjustment, evaluated together. Sums are formed in an order that depends on the problem
+/// alone: tiles are added up in a fixed number of shares, and the shares in their order (over ranks: to
+/// rounding).
 class TileSum : public SystemSum {
  public:
   TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const Workers& workers);
 
-  /// Settles all states from where they were committed; returns the cost. Where a tile belongs to another rank its states
-  /// here stay as they were until `share_states`.
+  /// Settles all states from where they were committed; returns the cost. Where a tile belongs to another
+  /// rank its states here stay as they were until `share_states`.
   double settle(const SharedState& state, const RobustLoss& loss) override;
-  /// Reduced system of everything in all the layout's parameters, at the states of the last `settle`; commits them.
+  /// Reduced system of everything in all the layout's parameters, at the states of the last `settle`; commits
+  /// them.
   void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) override;
-  /// The same as `reduce`, each tile's own (in Tile::columns), for sites whose parameters hardly see each other.
+  /// The same as `reduce`, each tile's own (in Tile::columns), for sites whose parameters hardly see each
+  /// other.
   void reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems);
   /// States as they were committed last, on every rank.
   void share_states();

@@ -10,28 +10,31 @@
 #include <Eigen/QR>
 
 #include "calib/errors/error_sample.h"
-#include "calib/problem/ranges.h"
 #include "calib/errors/statistics.h"
-#include "models/support/parallel.h"
+#include "calib/problem/ranges.h"
 #include "models/simulator/random.h"
+#include "models/support/parallel.h"
 
 namespace octant::calib {
 namespace {
 
 constexpr std::size_t kTestedRows = 6'000;  ///< of a long log of stops, to see whether it is white at all
 constexpr std::size_t kMostRows = 40'000;
-constexpr std::size_t kFewestObservations = 30;       ///< observations of a kind below which nothing is told of its errors
-constexpr double kWhitenessSignificance = 1e-4;  ///< of the test whether residuals are white, all sums together
-constexpr Eigen::Index kDraws = 48;         ///< of white noise in the test
-constexpr Eigen::Index kModelDraws = 120;   ///< of the fitted errors
+constexpr std::size_t kFewestObservations =
+    30;  ///< observations of a kind below which nothing is told of its errors
+constexpr double kWhitenessSignificance =
+    1e-4;                                  ///< of the test whether residuals are white, all sums together
+constexpr Eigen::Index kDraws = 48;        ///< of white noise in the test
+constexpr Eigen::Index kModelDraws = 120;  ///< of the fitted errors
 constexpr int kReweightings = 2;
-constexpr double kRidge = 0.05;             ///< of the correlation of the sums, which some hundred draws tell
-constexpr double kLeastShare = 0.02;         ///< share of a component that residuals must show
+constexpr double kRidge = 0.05;       ///< of the correlation of the sums, which some hundred draws tell
+constexpr double kLeastShare = 0.02;  ///< share of a component that residuals must show
 constexpr double kFewestFreedoms = 3.0;
 constexpr std::uint64_t kSeed = 20261122;
 
 /// Sums of values over the cells of a partition, one column each.
-Eigen::MatrixXd cell_sums(const std::vector<std::int32_t>& cell, std::int32_t count, const Eigen::MatrixXd& values) {
+Eigen::MatrixXd cell_sums(const std::vector<std::int32_t>& cell, std::int32_t count,
+                          const Eigen::MatrixXd& values) {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, values.cols());
   for (std::size_t i = 0; i < cell.size(); ++i)
     if (cell[i] >= 0) sums.row(cell[i]) += values.row(static_cast<Eigen::Index>(i));
@@ -41,7 +44,8 @@ Eigen::MatrixXd cell_sums(const std::vector<std::int32_t>& cell, std::int32_t co
 /// |Z'r|^2 averaged over the partitions of a component, of each column of r.
 Eigen::RowVectorXd squares_of(const ErrorCells& c, const Eigen::MatrixXd& r) {
   Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(r.cols());
-  for (std::size_t k = 0; k < c.partitions.size(); ++k) sum += cell_sums(c.partitions[k], c.counts[k], r).colwise().squaredNorm();
+  for (std::size_t k = 0; k < c.partitions.size(); ++k)
+    sum += cell_sums(c.partitions[k], c.counts[k], r).colwise().squaredNorm();
   return sum / static_cast<double>(c.partitions.size());
 }
 
@@ -53,7 +57,8 @@ struct Component {
 
 class Estimator {
  public:
-  Estimator(const ErrorSample& sample, int threads) : sample_(sample), cells_(error_cells(sample)), threads_(threads) {
+  Estimator(const ErrorSample& sample, int threads)
+      : sample_(sample), cells_(error_cells(sample)), threads_(threads) {
     for (const bool bearings : {false, true})
       if (count(bearings) > 0) components_.push_back({nullptr, bearings});
     whites_ = components_.size();
@@ -70,14 +75,18 @@ class Estimator {
     const Eigen::MatrixXd drawn = statistics_of(residuals_drawn(white_noise, kDraws, 0, true));
     const Eigen::VectorXd found = statistics_of(sample_.residual);
     for (Eigen::Index m = static_cast<Eigen::Index>(whites_); m < size(); ++m) {
-      // A sum of squares is about a gamma variable of its simulated mean and variance; as chi-square: x / scale on nu degrees.
+      // A sum of squares is about a gamma variable of its simulated mean and variance; as chi-square: x /
+      // scale on nu degrees.
       const double mean = drawn.row(m).mean(), variance = (drawn.row(m).array() - mean).square().mean();
       const bool bearings = components_[static_cast<std::size_t>(m)].bearings;
-      if (!(variance > 0) || mean < kLeastShare * static_cast<double>(count(bearings))) continue;  // absorbed by the parameters
+      if (!(variance > 0) || mean < kLeastShare * static_cast<double>(count(bearings)))
+        continue;  // absorbed by the parameters
       const Eigen::Index white = white_of(bearings);
       const double level = found[white] / drawn.row(white).mean();  // the noise as it is
       const double nu = 2 * mean * mean / variance;
-      if (found[m] > level * mean && chi_square_p(nu * found[m] / (level * mean), nu) < kWhitenessSignificance / static_cast<double>(tests)) return true;
+      if (found[m] > level * mean && chi_square_p(nu * found[m] / (level * mean), nu) <
+                                         kWhitenessSignificance / static_cast<double>(tests))
+        return true;
     }
     return false;
   }
@@ -86,7 +95,8 @@ class Estimator {
   void fit() {
     expect();
     // What priors, poses and odometry leave in the residuals is taken at its word.
-    const Eigen::VectorXd word = statistics_of(residuals_drawn(Eigen::VectorXd::Zero(size()), kModelDraws, 1, true)).rowwise().mean();
+    const Eigen::VectorXd word =
+        statistics_of(residuals_drawn(Eigen::VectorXd::Zero(size()), kModelDraws, 1, true)).rowwise().mean();
     const Eigen::VectorXd found = statistics_of(sample_.residual) - word;
     theta_ = Eigen::VectorXd::Zero(size());
     for (std::size_t w = 0; w < whites_; ++w) {
@@ -95,7 +105,9 @@ class Estimator {
     }
     Eigen::MatrixXd weighted, drawn;
     for (int round = 0; round < kReweightings; ++round) {
-      drawn = statistics_of(residuals_drawn(theta_, kModelDraws, 2 + static_cast<std::uint64_t>(round), true)).colwise() - word;
+      drawn = statistics_of(residuals_drawn(theta_, kModelDraws, 2 + static_cast<std::uint64_t>(round), true))
+                  .colwise() -
+              word;
       const Eigen::MatrixXd W = weights_of(drawn);
       weighted = W * expected_;
       theta_ = non_negative_least_squares(weighted, W * found);
@@ -111,7 +123,8 @@ class Estimator {
   [[nodiscard]] ErrorModel model() const {
     ErrorModel out;
     out.correlated = true;
-    for (std::size_t w = 0; w < whites_; ++w) (components_[w].bearings ? out.white_bearing : out.white_tof) = theta_[static_cast<Eigen::Index>(w)];
+    for (std::size_t w = 0; w < whites_; ++w)
+      (components_[w].bearings ? out.white_bearing : out.white_tof) = theta_[static_cast<Eigen::Index>(w)];
     for (std::size_t m = whites_; m < components_.size(); ++m)
       if (const double variance = theta_[static_cast<Eigen::Index>(m)]; variance > 0) {
         out.parts.push_back(components_[m].cells->part);
@@ -123,14 +136,18 @@ class Estimator {
 
  private:
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(components_.size()); }
-  static ErrorSample::Kind kind_of(bool bearings) { return bearings ? ErrorSample::Kind::kBearing : ErrorSample::Kind::kArrival; }
+  static ErrorSample::Kind kind_of(bool bearings) {
+    return bearings ? ErrorSample::Kind::kBearing : ErrorSample::Kind::kArrival;
+  }
   [[nodiscard]] std::size_t count(bool bearings) const {
     return static_cast<std::size_t>(
-        std::count_if(sample_.rows.begin(), sample_.rows.end(), [&](const ErrorSample::Row& r) { return r.kind == kind_of(bearings); }));
+        std::count_if(sample_.rows.begin(), sample_.rows.end(),
+                      [&](const ErrorSample::Row& r) { return r.kind == kind_of(bearings); }));
   }
   [[nodiscard]] Eigen::Index white_of(bool bearings) const { return whites_ > 1 && bearings ? 1 : 0; }
   /// Adds draws of one component of unit variance times sigma.
-  void add_draws(const Component& component, double sigma, std::uint64_t stream, Eigen::MatrixXd& errors) const {
+  void add_draws(const Component& component, double sigma, std::uint64_t stream,
+                 Eigen::MatrixXd& errors) const {
     Random random(kSeed, stream);
     if (component.cells == nullptr) {
       add_white(kind_of(component.bearings), sigma, random, errors);
@@ -156,11 +173,14 @@ class Estimator {
 
   /// Residuals of simulated errors.
   /// @param stated  priors, poses and odometry err too, as stated
-  [[nodiscard]] Eigen::MatrixXd residuals_drawn(const Eigen::VectorXd& theta, Eigen::Index draws, std::uint64_t stream, bool stated) const {
+  [[nodiscard]] Eigen::MatrixXd residuals_drawn(const Eigen::VectorXd& theta, Eigen::Index draws,
+                                                std::uint64_t stream, bool stated) const {
     Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(sample_.residual.size(), draws);
     Eigen::MatrixXd of_priors = Eigen::MatrixXd::Zero(sample_.F.cols(), draws);
     for (Eigen::Index m = 0; m < size(); ++m)
-      if (theta[m] > 0) add_draws(components_[static_cast<std::size_t>(m)], std::sqrt(theta[m]), 1000 * stream + static_cast<std::uint64_t>(m), errors);
+      if (theta[m] > 0)
+        add_draws(components_[static_cast<std::size_t>(m)], std::sqrt(theta[m]),
+                  1000 * stream + static_cast<std::uint64_t>(m), errors);
     if (stated) {
       Random random(kSeed, 1000 * stream + 999);
       add_white(ErrorSample::Kind::kOther, 1.0, random, errors);
@@ -183,16 +203,19 @@ class Estimator {
       }
       Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(r.cols());
       for (std::size_t i = 0; i < sample_.rows.size(); ++i)
-        if (sample_.rows[i].kind == kind_of(component.bearings)) sum += r.row(static_cast<Eigen::Index>(i)).cwiseAbs2();
+        if (sample_.rows[i].kind == kind_of(component.bearings))
+          sum += r.row(static_cast<Eigen::Index>(i)).cwiseAbs2();
       q.row(static_cast<Eigen::Index>(m)) = sum;
     });
     return q;
   }
 
-  /// Mean sums of squares under each component of unit variance; components that residuals do not show are dropped.
+  /// Mean sums of squares under each component of unit variance; components that residuals do not show are
+  /// dropped.
   void expect() {
     constexpr Eigen::Index kMostDraws = 48, kFewestDraws = 9;
-    const Eigen::Index draws = std::clamp<Eigen::Index>(300'000 / std::max<Eigen::Index>(sample_.residual.size(), 1), kFewestDraws, kMostDraws);
+    const Eigen::Index draws = std::clamp<Eigen::Index>(
+        300'000 / std::max<Eigen::Index>(sample_.residual.size(), 1), kFewestDraws, kMostDraws);
     std::vector<Component> told;
     std::vector<Eigen::VectorXd> columns;
     std::vector<Eigen::Index> kept;
@@ -200,7 +223,8 @@ class Estimator {
       const Component& component = components_[static_cast<std::size_t>(m)];
       const Eigen::MatrixXd residuals = residuals_drawn(Eigen::VectorXd::Unit(size(), m), draws, 10, false);
       const double put_in = static_cast<double>(count(component.bearings)) * static_cast<double>(draws);
-      if (component.cells != nullptr && residuals.squaredNorm() < kLeastShare * put_in) continue;  // absorbed by the parameters
+      if (component.cells != nullptr && residuals.squaredNorm() < kLeastShare * put_in)
+        continue;  // absorbed by the parameters
       kept.push_back(m);
       columns.push_back(statistics_of(residuals).rowwise().mean());
       told.push_back(component);
@@ -229,14 +253,16 @@ class Estimator {
     const Eigen::Index rank = sample_.F.cols(), p = sample_.L.rows();
     const double per_sample = 1.0 / std::max(sample_.share, 1e-9);
     Eigen::MatrixXd S = Eigen::MatrixXd::Identity(rank, rank);
-    Eigen::MatrixXd told = Eigen::MatrixXd::Zero(p, size());  // what a unit of each variance adds to those of the parameters
+    Eigen::MatrixXd told =
+        Eigen::MatrixXd::Zero(p, size());  // what a unit of each variance adds to those of the parameters
     for (Eigen::Index m = 0; m < size(); ++m) {
       const Component& component = components_[static_cast<std::size_t>(m)];
       Eigen::MatrixXd part = Eigen::MatrixXd::Zero(rank, rank);
       if (component.cells == nullptr) {
         for (std::size_t i = 0; i < sample_.rows.size(); ++i)
           if (sample_.rows[i].kind == kind_of(component.bearings))
-            part.selfadjointView<Eigen::Lower>().rankUpdate(sample_.F.row(static_cast<Eigen::Index>(i)).transpose());
+            part.selfadjointView<Eigen::Lower>().rankUpdate(
+                sample_.F.row(static_cast<Eigen::Index>(i)).transpose());
         part = Eigen::MatrixXd(part.selfadjointView<Eigen::Lower>());
       } else {
         const ErrorCells& c = *component.cells;
@@ -250,7 +276,8 @@ class Estimator {
       S += (component.cells == nullptr ? theta_[m] - 1.0 : theta_[m]) * part;
     }
     Eigen::MatrixXd C = sample_.L * S * sample_.L.transpose();
-    const Eigen::VectorXd held = sample_.L.rowwise().squaredNorm() - told.leftCols(static_cast<Eigen::Index>(whites_)).rowwise().sum();
+    const Eigen::VectorXd held =
+        sample_.L.rowwise().squaredNorm() - told.leftCols(static_cast<Eigen::Index>(whites_)).rowwise().sum();
     Eigen::VectorXd growth = Eigen::VectorXd::Ones(p);
     std::vector<double> behind;
     for (Eigen::Index i = 0; i < p; ++i) {
@@ -273,7 +300,7 @@ class Estimator {
   std::size_t whites_ = 0;
   Eigen::MatrixXd expected_;  ///< sums x components
   Eigen::VectorXd theta_;
-  Eigen::MatrixXd scatter_;   ///< theta of draws of the model
+  Eigen::MatrixXd scatter_;  ///< theta of draws of the model
 };
 
 }  // namespace
@@ -302,8 +329,10 @@ Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& A, const Eigen
       const Eigen::VectorXd z = columns.colPivHouseholderQr().solve(b);
       double step = 1.0;
       for (std::size_t k = 0; k < in.size(); ++k)
-        if (const double to = z[static_cast<Eigen::Index>(k)]; to <= 0) step = std::min(step, x[in[k]] / std::max(x[in[k]] - to, 1e-300));
-      for (std::size_t k = 0; k < in.size(); ++k) x[in[k]] += step * (z[static_cast<Eigen::Index>(k)] - x[in[k]]);
+        if (const double to = z[static_cast<Eigen::Index>(k)]; to <= 0)
+          step = std::min(step, x[in[k]] / std::max(x[in[k]] - to, 1e-300));
+      for (std::size_t k = 0; k < in.size(); ++k)
+        x[in[k]] += step * (z[static_cast<Eigen::Index>(k)] - x[in[k]]);
       if (step >= 1.0) break;
       for (const Eigen::Index i : in)
         if (x[i] <= 1e-14 * std::max(1e-300, x.maxCoeff())) {
@@ -342,8 +371,8 @@ double ErrorModel::pair_sigma() const {
   return std::sqrt(variance);
 }
 
-ErrorModel error_model_of(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories, const SharedState& state,
-                          const Covariance& C, double share_of_log, int threads) {
+ErrorModel error_model_of(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
+                          const SharedState& state, const Covariance& C, double share_of_log, int threads) {
   if (C.matrix() == nullptr || C.size() == 0 || !C.all_finite()) return {};
   ErrorSample sample = error_sample(layout, trajectories, state, C, kTestedRows);
   if (sample.rows.size() < kFewestObservations || !Estimator(sample, threads).beyond_white()) return {};

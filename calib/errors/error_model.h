@@ -25,32 +25,36 @@ enum class ErrorAxis {
 
 /// Who shares a part of the errors.
 enum class ErrorGroup {
-  kPair,      ///< each beacon-receiver pair has its own
-  kBeacon,    ///< all receivers of a beacon share it
-  kReceiver   ///< all beacons of a receiver share it
+  kPair,     ///< each beacon-receiver pair has its own
+  kBeacon,   ///< all receivers of a beacon share it
+  kReceiver  ///< all beacons of a receiver share it
 };
 
 /// A random part of the errors of arrivals (or bearings): one value for each group and cell.
 struct ErrorPart {
-  bool bearings = false;     ///< of bearings; else of times of flight
+  bool bearings = false;  ///< of bearings; else of times of flight
   ErrorGroup group = ErrorGroup::kPair;
   ErrorAxis axis = ErrorAxis::kConstant;
-  double extent = 0.0;       ///< of a cell, unit of the axis
-  double variance = 0.0;     ///< in units of the white noise of the adjustment
+  double extent = 0.0;    ///< of a cell, unit of the axis
+  double variance = 0.0;  ///< in units of the white noise of the adjustment
 };
 
 /// Errors as the residuals show them, where these are not white.
 struct ErrorModel {
-  bool correlated = false;        ///< white noise does not explain the residuals; else nothing below holds anything
-  double white_tof = 1.0;         ///< variance of the part that is white, in units of the adjustment's noise
+  bool correlated = false;  ///< white noise does not explain the residuals; else nothing below holds anything
+  double white_tof = 1.0;   ///< variance of the part that is white, in units of the adjustment's noise
   double white_bearing = 1.0;
-  std::vector<ErrorPart> parts;   ///< those with a variance
-  double freedoms = INFINITY;     ///< median degrees of freedom behind the parameters' variances: how well the log tells them
-  Eigen::MatrixXd covariance;     ///< of the shared parameters under these errors, internal units; empty where not formed
+  std::vector<ErrorPart> parts;  ///< those with a variance
+  double freedoms =
+      INFINITY;  ///< median degrees of freedom behind the parameters' variances: how well the log tells them
+  Eigen::MatrixXd
+      covariance;  ///< of the shared parameters under these errors, internal units; empty where not formed
 
-  /// Standard deviation of the part of a time of flight that keeps its value for a while, in units of the adjustment's noise.
+  /// Standard deviation of the part of a time of flight that keeps its value for a while, in units of the
+  /// adjustment's noise.
   [[nodiscard]] double correlated_sigma() const;
-  /// How long it does [s]; places, directions and ranges last as long as a vehicle of that speed stays in a cell.
+  /// How long it does [s]; places, directions and ranges last as long as a vehicle of that speed stays in a
+  /// cell.
   [[nodiscard]] double correlation_time_s(double speed_mps, double typical_range_m) const;
   /// Standard deviation of the part that a pair keeps for good, in units of the adjustment's noise.
   [[nodiscard]] double pair_sigma() const;
@@ -58,21 +62,25 @@ struct ErrorModel {
 
 /// Estimates how the errors of arrivals and bearings hang together, and what that makes of the covariance.
 ///
-/// Errors are modelled as white noise plus variance components: random values that are constant over cells of time, place,
-/// direction and range, at several scales each, of a pair or of a beacon. With F the influence of each observation on the
-/// parameters (LeverageSweep) and Z_l the cells of component l, residuals r = M e have E |Z_m'r|^2 = sum_l theta_l tr(Z_m'M Z_l Z_l'M Z_m),
-/// which is linear in the variances theta; the traces come from simulated errors (Hutchinson), and theta from non-negative least
-/// squares weighted by the covariance of the sums |Z_m'r|^2: quadratic estimation of variance components (Rao 1971; Searle,
-/// Casella and McCulloch 1992, chapter 11), as REML does by likelihood. What estimates have absorbed of the errors is accounted for by M.
-/// The covariance is the model-based sandwich C + sum_l theta_l (F'Z_l)(F'Z_l)', each parameter's scaled up by nu / (nu - 2)
-/// (Student), nu the degrees of freedom that the scatter of theta leaves it.
+/// Errors are modelled as white noise plus variance components: random values that are constant over cells of
+/// time, place, direction and range, at several scales each, of a pair or of a beacon. With F the influence
+/// of each observation on the parameters (LeverageSweep) and Z_l the cells of component l, residuals r = M e
+/// have E |Z_m'r|^2 = sum_l theta_l tr(Z_m'M Z_l Z_l'M Z_m), which is linear in the variances theta; the
+/// traces come from simulated errors (Hutchinson), and theta from non-negative least squares weighted by the
+/// covariance of the sums |Z_m'r|^2: quadratic estimation of variance components (Rao 1971; Searle, Casella
+/// and McCulloch 1992, chapter 11), as REML does by likelihood. What estimates have absorbed of the errors is
+/// accounted for by M. The covariance is the model-based sandwich C + sum_l theta_l (F'Z_l)(F'Z_l)', each
+/// parameter's scaled up by nu / (nu - 2) (Student), nu the degrees of freedom that the scatter of theta
+/// leaves it.
 ///
-/// Residuals that pass as white (each sum against its simulated distribution, Bonferroni over all, one in ten thousand) leave all as it is.
+/// Residuals that pass as white (each sum against its simulated distribution, Bonferroni over all, one in ten
+/// thousand) leave all as it is.
 /// @param C  covariance under white noise; a site so large that it is no matrix is not modelled
 /// @param trajectories  settled, marked
 /// @param share_of_log  where they hold only a part of what C is of
-[[nodiscard]] ErrorModel error_model_of(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
-                                        const SharedState& state, const Covariance& C, double share_of_log = 1.0, int threads = 1);
+[[nodiscard]] ErrorModel error_model_of(const ParameterLayout& layout,
+                                        const std::vector<Trajectory>& trajectories, const SharedState& state,
+                                        const Covariance& C, double share_of_log = 1.0, int threads = 1);
 
 /// Least squares with non-negative unknowns, |A x - b| (Lawson and Hanson 1974, algorithm NNLS).
 /// @param A  rows x unknowns

@@ -16,10 +16,11 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kStretches = 8;       ///< of a long log
-constexpr double kStateFloor = 1e-9;        ///< of a state's block: directions that nothing observes stay where they are
-constexpr std::size_t kShifts = 3;          ///< partitions of a component
-constexpr double kLadder = 3.0;             ///< from one extent to the next
+constexpr std::size_t kStretches = 8;  ///< of a long log
+constexpr double kStateFloor =
+    1e-9;  ///< of a state's block: directions that nothing observes stay where they are
+constexpr std::size_t kShifts = 3;  ///< partitions of a component
+constexpr double kLadder = 3.0;     ///< from one extent to the next
 
 /// Factors the states of a segment, plain squares.
 ErrorSample::Chain factor_chain(const Trajectory& t, const Segment& segment, const SharedState& state) {
@@ -40,8 +41,8 @@ ErrorSample::Chain factor_chain(const Trajectory& t, const Segment& segment, con
 
 class SampleBuilder {
  public:
-  SampleBuilder(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories, const SharedState& state, const Covariance& C,
-                std::size_t most)
+  SampleBuilder(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
+                const SharedState& state, const Covariance& C, std::size_t most)
       : trajectories_(trajectories), state_(state), sweep_(layout, C), most_(most) {}
 
   ErrorSample build() {
@@ -49,17 +50,20 @@ class SampleBuilder {
     for (const Trajectory& t : trajectories_) all += t.arrivals.size() + t.bearings.size();
     for (const Trajectory& t : trajectories_) {
       const auto mine = static_cast<double>(t.arrivals.size() + t.bearings.size());
-      take(t, std::min(1.0, static_cast<double>(most_) / static_cast<double>(std::max<std::size_t>(all, 1))), mine);
+      take(t, std::min(1.0, static_cast<double>(most_) / static_cast<double>(std::max<std::size_t>(all, 1))),
+           mine);
     }
     sample_.L = sweep_.root();
     const auto n = static_cast<Eigen::Index>(sample_.rows.size());
     sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), n);
     const Eigen::Index rank = sample_.L.cols();
-    sample_.F = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(influence_.data(), n, rank);
+    sample_.F = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        influence_.data(), n, rank);
     const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(rank, rank) - sample_.F.transpose() * sample_.F;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest);
     sample_.prior_root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-    sample_.share = seen_ > 0 ? static_cast<double>(seen_) / static_cast<double>(std::max<std::size_t>(all, 1)) : 1.0;
+    sample_.share =
+        seen_ > 0 ? static_cast<double>(seen_) / static_cast<double>(std::max<std::size_t>(all, 1)) : 1.0;
     return std::move(sample_);
   }
 
@@ -72,7 +76,8 @@ class SampleBuilder {
       return;
     }
     const std::size_t pitch = segments / kStretches;
-    const auto length = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(pitch)));
+    const auto length =
+        std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(pitch)));
     for (std::size_t i = 0; i < kStretches; ++i) take(t, i * pitch, i * pitch + length);
   }
 
@@ -112,7 +117,8 @@ class SampleBuilder {
     if (row.kind != Kind::kOther) {
       const Pose& T = t.nodes[l.row.node].T_map_vehicle;
       row.p_map_m = T.translation_m;
-      if (row.kind == Kind::kArrival) row.p_map_m = T * state_.receiver_p_vehicle_m[static_cast<std::size_t>(row.receiver)];
+      if (row.kind == Kind::kArrival)
+        row.p_map_m = T * state_.receiver_p_vehicle_m[static_cast<std::size_t>(row.receiver)];
       const Eigen::Vector3d v = state_.beacon_p_map_m[static_cast<std::size_t>(row.beacon)] - row.p_map_m;
       row.direction_rad = wrap_angle(std::atan2(v.y(), v.x()) - T.heading_rad());
       row.aspect_rad = std::atan2(-v.y(), -v.x());
@@ -132,8 +138,10 @@ class SampleBuilder {
 };
 
 /// What the states of a chain take of errors, Jx A^-1 Jx' e, by forward elimination and back-substitution.
-void subtract_states(const ErrorSample& sample, const ErrorSample::Chain& chain, const Eigen::MatrixXd& errors, Eigen::MatrixXd& residuals) {
-  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxBlock, Eigen::Dynamic>;
+void subtract_states(const ErrorSample& sample, const ErrorSample::Chain& chain,
+                     const Eigen::MatrixXd& errors, Eigen::MatrixXd& residuals) {
+  using Block =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxBlock, Eigen::Dynamic>;
   const Eigen::Index draws = errors.cols();
   std::vector<Block> x(chain.factor.size());
   for (std::size_t k = 0; k < x.size(); ++k) x[k].setZero(chain.factor[k].rows(), draws);
@@ -157,7 +165,8 @@ void subtract_states(const ErrorSample& sample, const ErrorSample::Chain& chain,
 }
 
 /// Numbers keys from 0 in ascending order.
-std::vector<std::int32_t> numbered(const std::vector<std::uint64_t>& keys, const std::vector<bool>& in, std::int32_t& count) {
+std::vector<std::int32_t> numbered(const std::vector<std::uint64_t>& keys, const std::vector<bool>& in,
+                                   std::int32_t& count) {
   std::vector<std::uint64_t> distinct;
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (in[i]) distinct.push_back(keys[i]);
@@ -165,14 +174,17 @@ std::vector<std::int32_t> numbered(const std::vector<std::uint64_t>& keys, const
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   std::vector<std::int32_t> number(keys.size(), -1);
   for (std::size_t i = 0; i < keys.size(); ++i)
-    if (in[i]) number[i] = static_cast<std::int32_t>(std::lower_bound(distinct.begin(), distinct.end(), keys[i]) - distinct.begin());
+    if (in[i])
+      number[i] = static_cast<std::int32_t>(std::lower_bound(distinct.begin(), distinct.end(), keys[i]) -
+                                            distinct.begin());
   count = static_cast<std::int32_t>(distinct.size());
   return number;
 }
 
 class CellBuilder {
  public:
-  CellBuilder(const ErrorSample& sample, bool bearings) : rows_(sample.rows), bearings_(bearings), in_(rows_.size()) {
+  CellBuilder(const ErrorSample& sample, bool bearings)
+      : rows_(sample.rows), bearings_(bearings), in_(rows_.size()) {
     const auto kind = bearings ? ErrorSample::Kind::kBearing : ErrorSample::Kind::kArrival;
     for (std::size_t i = 0; i < rows_.size(); ++i) in_[i] = rows_[i].kind == kind;
   }
@@ -218,20 +230,25 @@ class CellBuilder {
     return z ^ (z >> 31U);
   }
 
-  static std::int64_t cell(double value, double extent, double shift) { return static_cast<std::int64_t>(std::floor(value / extent + shift)); }
+  static std::int64_t cell(double value, double extent, double shift) {
+    return static_cast<std::int64_t>(std::floor(value / extent + shift));
+  }
 
   static std::int64_t sector(double angle_rad, double extent_rad, double shift) {
     const auto sectors = static_cast<std::int64_t>(std::lround(2 * M_PI / extent_rad));
     return ((cell(angle_rad + M_PI, extent_rad, shift) % sectors) + sectors) % sectors;
   }
 
-  static std::uint64_t key_of(const ErrorSample::Row& row, std::uint64_t group, ErrorAxis axis, double extent, double shift) {
+  static std::uint64_t key_of(const ErrorSample::Row& row, std::uint64_t group, ErrorAxis axis, double extent,
+                              double shift) {
     switch (axis) {
       case ErrorAxis::kConstant: return group;
-      case ErrorAxis::kTime: return mixed(mixed(group, static_cast<std::int64_t>(row.run)), cell(row.time_s, extent, shift));
+      case ErrorAxis::kTime:
+        return mixed(mixed(group, static_cast<std::int64_t>(row.run)), cell(row.time_s, extent, shift));
       case ErrorAxis::kPlace:
-        return mixed(mixed(mixed(group, cell(row.p_map_m.x(), extent, shift)), cell(row.p_map_m.y(), extent, shift)),
-                     cell(row.p_map_m.z(), extent, shift));
+        return mixed(
+            mixed(mixed(group, cell(row.p_map_m.x(), extent, shift)), cell(row.p_map_m.y(), extent, shift)),
+            cell(row.p_map_m.z(), extent, shift));
       case ErrorAxis::kDirection: return mixed(group, sector(row.direction_rad, extent, shift));
       case ErrorAxis::kAspect: return mixed(group, sector(row.aspect_rad, extent, shift));
       case ErrorAxis::kRange: return mixed(group, cell(row.range_m, extent, shift));
@@ -246,7 +263,9 @@ class CellBuilder {
     for (std::size_t k = 0; k < shifts; ++k) {
       std::vector<std::uint64_t> keys(rows_.size());
       for (std::size_t i = 0; i < rows_.size(); ++i)
-        if (in_[i]) keys[i] = key_of(rows_[i], key_of(rows_[i], group), axis, extent, static_cast<double>(k) / static_cast<double>(shifts));
+        if (in_[i])
+          keys[i] = key_of(rows_[i], key_of(rows_[i], group), axis, extent,
+                           static_cast<double>(k) / static_cast<double>(shifts));
       std::int32_t count = 0;
       c.partitions.push_back(numbered(keys, in_, count));
       c.counts.push_back(count);
@@ -269,9 +288,12 @@ class CellBuilder {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < rows_.size(); ++i)
       if (in_[i]) order.push_back(i);
-    const auto pair = [&](std::size_t i) { return std::tuple(rows_[i].run, rows_[i].beacon, rows_[i].receiver); };
+    const auto pair = [&](std::size_t i) {
+      return std::tuple(rows_[i].run, rows_[i].beacon, rows_[i].receiver);
+    };
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return std::tuple_cat(pair(a), std::tuple(rows_[a].time_s)) < std::tuple_cat(pair(b), std::tuple(rows_[b].time_s));
+      return std::tuple_cat(pair(a), std::tuple(rows_[a].time_s)) <
+             std::tuple_cat(pair(b), std::tuple(rows_[b].time_s));
     });
     std::vector<double> steps;
     for (std::size_t k = 1; k < order.size(); ++k)
@@ -297,7 +319,9 @@ class CellBuilder {
   [[nodiscard]] double path_size_m() const {
     Eigen::Array2d low = Eigen::Array2d::Constant(INFINITY), high = Eigen::Array2d::Constant(-INFINITY);
     for (std::size_t i = 0; i < rows_.size(); ++i)
-      if (in_[i]) low = low.min(rows_[i].p_map_m.head<2>().array()), high = high.max(rows_[i].p_map_m.head<2>().array());
+      if (in_[i])
+        low = low.min(rows_[i].p_map_m.head<2>().array()),
+        high = high.max(rows_[i].p_map_m.head<2>().array());
     return (high - low).maxCoeff();
   }
 
@@ -315,12 +339,13 @@ class CellBuilder {
 
 }  // namespace
 
-ErrorSample error_sample(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories, const SharedState& state,
-                         const Covariance& C, std::size_t most) {
+ErrorSample error_sample(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
+                         const SharedState& state, const Covariance& C, std::size_t most) {
   return SampleBuilder(layout, trajectories, state, C, most).build();
 }
 
-Eigen::MatrixXd ErrorSample::residuals_of(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& of_priors) const {
+Eigen::MatrixXd ErrorSample::residuals_of(const Eigen::MatrixXd& errors,
+                                          const Eigen::MatrixXd& of_priors) const {
   Eigen::MatrixXd residuals = errors;
   for (const Chain& chain : chains)
     if (chain.last_row > chain.first_row) subtract_states(*this, chain, errors, residuals);

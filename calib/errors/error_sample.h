@@ -17,34 +17,41 @@
 
 namespace octant::calib {
 
-/// Observations in use as an error model sees them: residuals, influences, and where and when they were taken.
+/// Observations in use as an error model sees them: residuals, influences, and where and when they were
+/// taken.
 struct ErrorSample {
-  enum class Kind { kArrival, kBearing, kOther };  ///< other: amplitudes, poses, odometry, motion; they are taken at their word
+  enum class Kind {
+    kArrival,
+    kBearing,
+    kOther
+  };  ///< other: amplitudes, poses, odometry, motion; they are taken at their word
   struct Row {
     Kind kind = Kind::kArrival;
-    std::size_t chain = 0, node = 0;     ///< its chain, and its node therein
+    std::size_t chain = 0, node = 0;  ///< its chain, and its node therein
     bool has_next = false;
     NodeRow by_node, by_next;
     std::size_t run = 0;
     int beacon = 0, receiver = 0;
     double time_s = 0.0;
     Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();  ///< of the receiver; of bearings the vehicle's
-    double direction_rad = 0.0;          ///< to the beacon, in the vehicle frame
-    double aspect_rad = 0.0;             ///< from the beacon to the receiver, in the map
+    double direction_rad = 0.0;                         ///< to the beacon, in the vehicle frame
+    double aspect_rad = 0.0;                            ///< from the beacon to the receiver, in the map
     double range_m = 0.0;
   };
-  std::vector<Row> rows;                 ///< by chain
-  Eigen::VectorXd residual;              ///< whitened
-  Eigen::MatrixXd F;                     ///< rows x rank: d theta = -L f' e
-  Eigen::MatrixXd L;                     ///< root of the white covariance
-  double share = 1.0;                    ///< of all arrivals and bearings that the sample holds
+  std::vector<Row> rows;     ///< by chain
+  Eigen::VectorXd residual;  ///< whitened
+  Eigen::MatrixXd F;         ///< rows x rank: d theta = -L f' e
+  Eigen::MatrixXd L;         ///< root of the white covariance
+  double share = 1.0;        ///< of all arrivals and bearings that the sample holds
 
-  Eigen::MatrixXd prior_root;            ///< K K' = I - F'F: covariance of what priors, tapes and all that is no row add to F'e
+  Eigen::MatrixXd
+      prior_root;  ///< K K' = I - F'F: covariance of what priors, tapes and all that is no row add to F'e
 
   /// Residuals that errors leave when parameters and states have been adjusted to them, M e.
   /// @param errors  rows x any number of draws
   /// @param of_priors  rank x draws: what the errors of priors add to F'e
-  [[nodiscard]] Eigen::MatrixXd residuals_of(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& of_priors) const;
+  [[nodiscard]] Eigen::MatrixXd residuals_of(const Eigen::MatrixXd& errors,
+                                             const Eigen::MatrixXd& of_priors) const;
 
   /// Factored information of the states of one segment: block-tridiagonal.
   struct Chain {
@@ -56,15 +63,16 @@ struct ErrorSample {
 };
 
 /// @param most  arrivals; of longer logs of stops evenly spread stretches are taken
-[[nodiscard]] ErrorSample error_sample(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
-                                       const SharedState& state, const Covariance& C, std::size_t most);
+[[nodiscard]] ErrorSample error_sample(const ParameterLayout& layout,
+                                       const std::vector<Trajectory>& trajectories, const SharedState& state,
+                                       const Covariance& C, std::size_t most);
 
-/// Cells of one component: for each row a number from 0, -1 where it has no part in it. Several partitions, shifted against each
-/// other, together make a kernel that falls linearly with distance.
+/// Cells of one component: for each row a number from 0, -1 where it has no part in it. Several partitions,
+/// shifted against each other, together make a kernel that falls linearly with distance.
 struct ErrorCells {
   ErrorPart part;
   std::vector<std::vector<std::int32_t>> partitions;
-  std::vector<std::int32_t> counts;      ///< of each partition
+  std::vector<std::int32_t> counts;  ///< of each partition
 };
 /// The components that a sample can tell, from short to long extents.
 [[nodiscard]] std::vector<ErrorCells> error_cells(const ErrorSample& sample);

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <numeric>
 
-
 #include "calib/adjust/leverage.h"
-#include "calib/problem/ranges.h"
 #include "calib/errors/residual_groups.h"
 #include "calib/errors/statistics.h"
-#include "models/trajectory/decompositions.h"
+#include "calib/problem/ranges.h"
 #include "models/support/parallel.h"
+#include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
 namespace {
@@ -22,7 +21,8 @@ constexpr double kUnnoticed = 1e-9;
 constexpr std::size_t kTimeBins = 16;  // drifts are slow, but a door that opens is not
 
 enum Kind : std::size_t { kTof, kAmplitude, kBearing, kOdometry, kPose, kMotion, kPrior, kDistance, kKinds };
-constexpr const char* kKindName[kKinds] = {"tof", "amplitude", "bearing", "odometry", "pose", "motion", "prior", "control_distance"};
+constexpr const char* kKindName[kKinds] = {"tof",  "amplitude", "bearing", "odometry",
+                                           "pose", "motion",    "prior",   "control_distance"};
 
 Kind kind_of(RowKind kind) {
   switch (kind) {
@@ -65,10 +65,19 @@ std::optional<double> largest_of(const std::vector<double>& values) {
 
 class Collector {
  public:
-  Collector(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories, const SharedState& state,
-            const Covariance& C, double noise_factor, int threads, std::size_t all_epochs, const WholeLog* whole)
-      : threads_(threads), problem_(problem), layout_(layout), trajectories_(trajectories), state_(state), C_(C), whole_(whole), sweep_(layout, C),
-        variance_scale_(noise_factor * noise_factor), beacons_(problem.site.beacons.size()) {
+  Collector(const Problem& problem, const ParameterLayout& layout,
+            const std::vector<Trajectory>& trajectories, const SharedState& state, const Covariance& C,
+            double noise_factor, int threads, std::size_t all_epochs, const WholeLog* whole)
+      : threads_(threads),
+        problem_(problem),
+        layout_(layout),
+        trajectories_(trajectories),
+        state_(state),
+        C_(C),
+        whole_(whole),
+        sweep_(layout, C),
+        variance_scale_(noise_factor * noise_factor),
+        beacons_(problem.site.beacons.size()) {
     std::size_t epochs = 0;
     for (const Trajectory& t : trajectories) {
       if (!t.moving && t.segments.size() == t.nodes.size()) epochs += t.segments.size();
@@ -82,7 +91,8 @@ class Collector {
       if (out_.every > 1 && t.segments.size() == t.nodes.size()) {
         sweep_spread_stops(t);
       } else {
-        sweep_.sweep(t, state_, 0, t.segments.size(), 1, [&](const RowLeverage& l) { observation(t, seen_of(l)); });
+        sweep_.sweep(t, state_, 0, t.segments.size(), 1,
+                     [&](const RowLeverage& l) { observation(t, seen_of(l)); });
       }
     }
     shared_observations();
@@ -91,7 +101,8 @@ class Collector {
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
       const bool sampled = kind != kPrior && kind != kDistance;
       out_.redundancy_sum += kinds_[kind].redundancy * (sampled ? share : 1.0);
-      if (kinds_[kind].observations > 0) out_.kinds.push_back(kinds_[kind].component(kKindName[kind], kind == kTof ? variance_scale_ : 1.0));
+      if (kinds_[kind].observations > 0)
+        out_.kinds.push_back(kinds_[kind].component(kKindName[kind], kind == kTof ? variance_scale_ : 1.0));
     }
     for (std::size_t b = 0; b < beacons_.size(); ++b) beacon(b);
     left_out();
@@ -113,15 +124,17 @@ class Collector {
     std::vector<double> mdb_s, influence_m;
   };
 
-  /// Stops of a long log hang together by the shared parameters alone: stretches of them are swept side by side, and what they
-  /// gave is taken up in their order.
+  /// Stops of a long log hang together by the shared parameters alone: stretches of them are swept side by
+  /// side, and what they gave is taken up in their order.
   void sweep_spread_stops(const Trajectory& t) {
     const std::size_t stretch = 256 * step_;
     std::vector<std::vector<Seen>> seen(chunk_count(t.segments.size(), stretch));
-    for_each_chunk(t.segments.size(), stretch, threads_, [&](std::size_t chunk, std::size_t first, std::size_t last) {
-      LeverageSweep sweep = sweep_;
-      sweep.sweep(t, state_, first, last, step_, [&](const RowLeverage& l) { seen[chunk].push_back(seen_of(l)); });
-    });
+    for_each_chunk(t.segments.size(), stretch, threads_,
+                   [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                     LeverageSweep sweep = sweep_;
+                     sweep.sweep(t, state_, first, last, step_,
+                                 [&](const RowLeverage& l) { seen[chunk].push_back(seen_of(l)); });
+                   });
     for (const auto& chunk : seen)
       for (const Seen& s : chunk) observation(t, s);
   }
@@ -132,7 +145,9 @@ class Collector {
     std::size_t index;
     double residual, leverage, shift_m;
   };
-  static Seen seen_of(const RowLeverage& l) { return {l.row.kind, l.row.index, l.row.residual, l.leverage, l.shift_m}; }
+  static Seen seen_of(const RowLeverage& l) {
+    return {l.row.kind, l.row.index, l.row.residual, l.leverage, l.shift_m};
+  }
 
   void observation(const Trajectory& t, const Seen& l) {
     const double r = 1.0 - l.leverage;
@@ -142,7 +157,8 @@ class Collector {
 
   void arrival(const Trajectory& t, const Seen& l, double r) {
     const ArrivalObservation& a = t.arrivals[l.index];
-    const double speed = a.model_speed_mps + state_.speed_offset(t.run), range_per_s = a.two_way ? 0.5 * speed : speed;
+    const double speed = a.model_speed_mps + state_.speed_offset(t.run),
+                 range_per_s = a.two_way ? 0.5 * speed : speed;
     ArrivalReliability s;
     s.run = t.run;
     s.arrival = a.arrival;
@@ -170,7 +186,8 @@ class Collector {
     by_beacon_.push_back(grouped(static_cast<double>(a.beacon.index())));
     by_receiver_.push_back(grouped(static_cast<double>(a.receiver.index())));
     const Pose T = pose_at(t, a.node, a.alpha);
-    const Eigen::Vector3d path = state_.beacon_p_map_m[a.beacon.index()] - T * state_.receiver_p_vehicle_m[a.receiver.index()];
+    const Eigen::Vector3d path =
+        state_.beacon_p_map_m[a.beacon.index()] - T * state_.receiver_p_vehicle_m[a.receiver.index()];
     by_distance_.push_back(grouped(path.norm()));
     by_incidence_.push_back(grouped(incidence_rad(path, T, a.receiver)));
     by_time_.push_back(grouped(a.time_s - problem_.runs[t.run].arrivals.front().time_s));
@@ -180,7 +197,8 @@ class Collector {
   }
 
   /// @param path  from receiver to beacon, in the map
-  [[nodiscard]] double incidence_rad(const Eigen::Vector3d& path, const Pose& T_map_vehicle, ReceiverId receiver) const {
+  [[nodiscard]] double incidence_rad(const Eigen::Vector3d& path, const Pose& T_map_vehicle,
+                                     ReceiverId receiver) const {
     const auto& axis = problem_.site.receivers[receiver.index()].axis;
     if (!axis) return std::atan2(path.head<2>().norm(), std::abs(path.z()));
     const Eigen::Vector3d a = T_map_vehicle.rotation * *axis;
@@ -192,13 +210,14 @@ class Collector {
     if (out_.every == 1 || kinds_[kTof].observations == 0) return 1.0;
     std::size_t used = whole_ == nullptr ? 0 : whole_->used();
     for (const Trajectory& t : trajectories_)
-      for (std::size_t i = 0; whole_ == nullptr && i < t.arrivals.size(); ++i) used += t.arrivals[i].rejection == Rejection::kUsed;
+      for (std::size_t i = 0; whole_ == nullptr && i < t.arrivals.size(); ++i)
+        used += t.arrivals[i].rejection == Rejection::kUsed;
     return static_cast<double>(used) / static_cast<double>(kinds_[kTof].observations);
   }
 
-  /// A lateness acts as the beacon's delay does, of which data and priors together hold N e = N_data e + p e, p of its prior.
-  /// With C N e = e it moves the parameters by C N_data e = e - p C e, and of N_data the residuals keep p - p^2 C_dd: what the
-  /// prior contradicts.
+  /// A lateness acts as the beacon's delay does, of which data and priors together hold N e = N_data e + p e,
+  /// p of its prior. With C N e = e it moves the parameters by C N_data e = e - p C e, and of N_data the
+  /// residuals keep p - p^2 C_dd: what the prior contradicts.
   [[nodiscard]] std::vector<LatenessInformation> lateness_by_delays() const {
     constexpr std::size_t kAtOnce = 64;
     std::vector<LatenessInformation> late(layout_.beacon.size());
@@ -206,15 +225,18 @@ class Collector {
     const auto take = [&] {
       const Eigen::MatrixXd moved = C_.columns(delays);
       for (std::size_t k = 0; k < delays.size(); ++k) {
-        const double p = prior_weight(delays[k]), per_s = 1.0 / layout_.parameters[static_cast<std::size_t>(delays[k])].si_per_unit;
+        const double p = prior_weight(delays[k]),
+                     per_s = 1.0 / layout_.parameters[static_cast<std::size_t>(delays[k])].si_per_unit;
         const auto by_delay = moved.col(static_cast<Eigen::Index>(k));
         const double share = std::clamp(p * by_delay[delays[k]], 0.0, 1.0);
         LatenessInformation& of_beacon = late[static_cast<std::size_t>(beacons[k])];
         of_beacon.remaining = per_s * per_s * p * (1.0 - share);
-        of_beacon.total = share > 0 ? per_s * per_s * p / share : 0.0;  // data and prior together, all else eliminated
+        of_beacon.total =
+            share > 0 ? per_s * per_s * p / share : 0.0;  // data and prior together, all else eliminated
         for (const auto& columns : layout_.beacon)
           for (const int c : columns)
-            if (c >= 0) of_beacon.shift_m_per_s = std::max(of_beacon.shift_m_per_s, per_s * p * std::abs(by_delay[c]));
+            if (c >= 0)
+              of_beacon.shift_m_per_s = std::max(of_beacon.shift_m_per_s, per_s * p * std::abs(by_delay[c]));
       }
       delays.clear();
       beacons.clear();
@@ -248,10 +270,12 @@ class Collector {
       std::vector<std::pair<int, double>> entries;
       for (std::size_t i = 0; i < 3; ++i) {
         const double k = v[static_cast<int>(i)] / (length * d.sigma_m);
-        if (layout_.beacon[d.from.index()][i] >= 0) entries.emplace_back(layout_.beacon[d.from.index()][i], k);
+        if (layout_.beacon[d.from.index()][i] >= 0)
+          entries.emplace_back(layout_.beacon[d.from.index()][i], k);
         if (layout_.beacon[d.to.index()][i] >= 0) entries.emplace_back(layout_.beacon[d.to.index()][i], -k);
       }
-      kinds_[kDistance].add((length - d.distance_m) / d.sigma_m, 1.0 - std::min(1.0, sweep_.leverage_of(entries)));
+      kinds_[kDistance].add((length - d.distance_m) / d.sigma_m,
+                            1.0 - std::min(1.0, sweep_.leverage_of(entries)));
     }
   }
 
@@ -259,9 +283,10 @@ class Collector {
     std::vector<std::size_t> order(out_.arrivals.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const std::size_t few = std::min(kWorst, order.size());
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(few), order.end(), [this](std::size_t a, std::size_t b) {
-      return std::abs(out_.arrivals[a].w) > std::abs(out_.arrivals[b].w);
-    });
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(few), order.end(),
+                      [this](std::size_t a, std::size_t b) {
+                        return std::abs(out_.arrivals[a].w) > std::abs(out_.arrivals[b].w);
+                      });
     order.resize(few);
     out_.worst = std::move(order);
     for (const ArrivalReliability& a : out_.arrivals) out_.beyond_critical += std::abs(a.w) > kCriticalW;
@@ -286,7 +311,8 @@ class Collector {
     b.mdb_worst_s = largest_of(sums.mdb_s);
     b.influence_median_m = median_of(sums.influence_m);
     b.influence_worst_m = largest_of(sums.influence_m);
-    if (lateness_.empty()) lateness_ = out_.every > 1 || C_.matrix() == nullptr ? lateness_by_delays() : sweep_.lateness();
+    if (lateness_.empty())
+      lateness_ = out_.every > 1 || C_.matrix() == nullptr ? lateness_by_delays() : sweep_.lateness();
     const LatenessInformation& late = lateness_[index];
     if (late.total > 0 && late.remaining > kUnnoticed * late.total) {
       b.lateness_mdb_s = kDelta0 / std::sqrt(late.remaining);
@@ -302,7 +328,9 @@ class Collector {
         beacon.used = whole_->count(b, Rejection::kUsed);
         beacon.late = whole_->count(b, Rejection::kLate);
         beacon.early = whole_->count(b, Rejection::kEarly);
-        beacon.other = std::accumulate(whole_->of_beacon[b].begin(), whole_->of_beacon[b].end(), std::size_t{0}) - beacon.used - beacon.late - beacon.early;
+        beacon.other =
+            std::accumulate(whole_->of_beacon[b].begin(), whole_->of_beacon[b].end(), std::size_t{0}) -
+            beacon.used - beacon.late - beacon.early;
       }
       return;
     }
@@ -316,14 +344,16 @@ class Collector {
         BeaconReliability& b = out_.beacons[a.beacon.index()];
         ++(a.rejection == Rejection::kLate ? b.late : a.rejection == Rejection::kEarly ? b.early : b.other);
       }
-      for (const std::size_t i : t.stateless_arrivals) ++out_.beacons[problem_.runs[t.run].arrivals[i].beacon.index()].other;
+      for (const std::size_t i : t.stateless_arrivals)
+        ++out_.beacons[problem_.runs[t.run].arrivals[i].beacon.index()].other;
     }
     for (std::size_t b = 0; b < used.size(); ++b) out_.beacons[b].used = used[b];
   }
 
   [[nodiscard]] std::vector<std::string> receiver_names() const {
     std::vector<std::string> names;
-    for (const SiteReceiver& r : problem_.site.receivers) names.push_back(problem_.site.vehicles[r.vehicle.index()].name + "/" + r.name);
+    for (const SiteReceiver& r : problem_.site.receivers)
+      names.push_back(problem_.site.vehicles[r.vehicle.index()].name + "/" + r.name);
     return names;
   }
 
@@ -340,7 +370,8 @@ class Collector {
   std::array<Part, kKinds> kinds_;
   std::vector<OfBeacon> beacons_;
   std::vector<LatenessInformation> lateness_;
-  std::vector<GroupedResidual> by_beacon_, by_receiver_, by_distance_, by_temperature_, by_incidence_, by_time_;
+  std::vector<GroupedResidual> by_beacon_, by_receiver_, by_distance_, by_temperature_, by_incidence_,
+      by_time_;
   Reliability out_;
 };
 
@@ -352,17 +383,22 @@ ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2) {
   e.semi_major_m = kEllipse95 * std::sqrt(std::max(0.0, flat.eigenvalues()[1]));
   e.semi_minor_m = kEllipse95 * std::sqrt(std::max(0.0, flat.eigenvalues()[0]));
   const Eigen::Vector2d axis = flat.eigenvectors().col(1);
-  e.azimuth_rad = axis.x() < 0 || (axis.x() == 0 && axis.y() < 0) ? std::atan2(-axis.y(), -axis.x()) : std::atan2(axis.y(), axis.x());
+  e.azimuth_rad = axis.x() < 0 || (axis.x() == 0 && axis.y() < 0) ? std::atan2(-axis.y(), -axis.x())
+                                                                  : std::atan2(axis.y(), axis.x());
   const SymmetricEigen<Eigen::Matrix3d> space(covariance_m2, Eigen::EigenvaluesOnly);
-  for (int i = 0; i < 3; ++i) e.semi_axes_m[static_cast<std::size_t>(i)] = kEllipsoid95 * std::sqrt(std::max(0.0, space.eigenvalues()[2 - i]));
+  for (int i = 0; i < 3; ++i)
+    e.semi_axes_m[static_cast<std::size_t>(i)] =
+        kEllipsoid95 * std::sqrt(std::max(0.0, space.eigenvalues()[2 - i]));
   return e;
 }
 
-Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
-                           const SharedState& state, const Covariance& C, const std::vector<BeaconStatus>& beacon_status,
+Reliability reliability_of(const Problem& problem, const ParameterLayout& layout,
+                           const std::vector<Trajectory>& trajectories, const SharedState& state,
+                           const Covariance& C, const std::vector<BeaconStatus>& beacon_status,
                            double noise_factor, int threads, std::size_t all_epochs, const WholeLog* whole) {
   if (C.size() != layout.size() || !C.all_finite()) return {};
-  Reliability out = Collector(problem, layout, trajectories, state, C, noise_factor, threads, all_epochs, whole).run();
+  Reliability out =
+      Collector(problem, layout, trajectories, state, C, noise_factor, threads, all_epochs, whole).run();
   for (std::size_t b = 0; b < out.beacons.size() && b < beacon_status.size(); ++b) {
     if (beacon_status[b] != BeaconStatus::kCalibrated) continue;
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();

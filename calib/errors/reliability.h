@@ -17,43 +17,47 @@ namespace octant::calib {
 
 /// Critical value of Baarda's w at a significance of 0.1 %, two-sided.
 inline constexpr double kCriticalW = 3.29;
-/// Non-centrality at which a bias in one observation is found at that significance with a power of 80 %: 3.29 + 0.84.
+/// Non-centrality at which a bias in one observation is found at that significance with a power of 80 %: 3.29
+/// + 0.84.
 inline constexpr double kDelta0 = 4.13;
-/// Observations with a smaller redundancy number are not controlled by the others: nothing would show their bias.
+/// Observations with a smaller redundancy number are not controlled by the others: nothing would show their
+/// bias.
 inline constexpr double kUncontrolled = 1e-6;
 /// Factors of 95 % regions: sqrt of chi-square quantiles of 2 and 3 degrees of freedom.
 inline constexpr double kEllipse95 = 2.4477;
 inline constexpr double kEllipsoid95 = 2.7955;
 
-/// One used arrival in the eyes of the others (Baarda 1968, A testing procedure for use in geodetic networks).
+/// One used arrival in the eyes of the others (Baarda 1968, A testing procedure for use in geodetic
+/// networks).
 struct ArrivalReliability {
-  std::size_t run = 0;        ///< index into Problem::runs
-  std::size_t arrival = 0;    ///< index into MeasurementLog::arrivals
+  std::size_t run = 0;      ///< index into Problem::runs
+  std::size_t arrival = 0;  ///< index into MeasurementLog::arrivals
   BeaconId beacon;
   ReceiverId receiver;
-  double residual_s = 0.0;    ///< observed less adjusted; positive: late
-  double redundancy = 0.0;    ///< r: share of its error that shows in its own residual, 0..1
-  bool controlled = false;    ///< r above kUncontrolled; what follows is zero otherwise
-  double w = 0.0;             ///< residual / (sigma sqrt(r)), standard normal without biases
-  double mdb_s = 0.0;         ///< minimal detectable bias sigma kDelta0 / sqrt(r)
-  double mdb_m = 0.0;         ///< the same as a range
-  double influence_m = 0.0;   ///< largest shift of a beacon coordinate by an undetected bias of that size
+  double residual_s = 0.0;   ///< observed less adjusted; positive: late
+  double redundancy = 0.0;   ///< r: share of its error that shows in its own residual, 0..1
+  bool controlled = false;   ///< r above kUncontrolled; what follows is zero otherwise
+  double w = 0.0;            ///< residual / (sigma sqrt(r)), standard normal without biases
+  double mdb_s = 0.0;        ///< minimal detectable bias sigma kDelta0 / sqrt(r)
+  double mdb_m = 0.0;        ///< the same as a range
+  double influence_m = 0.0;  ///< largest shift of a beacon coordinate by an undetected bias of that size
 };
 
-/// Sum of squares against its redundancy: a variance factor of a part of the observations, one-step estimate after Foerstner
-/// (1979): v'Pv / sum of r. A part that is noisier than stated in the company of others that are not comes out somewhat too small.
+/// Sum of squares against its redundancy: a variance factor of a part of the observations, one-step estimate
+/// after Foerstner (1979): v'Pv / sum of r. A part that is noisier than stated in the company of others that
+/// are not comes out somewhat too small.
 struct VarianceComponent {
   std::string name;
   std::size_t observations = 0;
-  double redundancy = 0.0;             ///< sum of r
-  std::optional<double> factor;        ///< of the stated variance; none where the redundancy is below 1
-  std::optional<double> chi2_p;        ///< two-sided
+  double redundancy = 0.0;       ///< sum of r
+  std::optional<double> factor;  ///< of the stated variance; none where the redundancy is below 1
+  std::optional<double> chi2_p;  ///< two-sided
 };
 
 /// Half axes that hold the true place in 95 of 100 cases.
 struct ErrorEllipse {
   double semi_major_m = 0.0, semi_minor_m = 0.0;  ///< horizontal, factor 2.45
-  double azimuth_rad = 0.0;                       ///< of the major axis, counter-clockwise from map +x, (-pi/2, pi/2]
+  double azimuth_rad = 0.0;  ///< of the major axis, counter-clockwise from map +x, (-pi/2, pi/2]
   std::array<double, 3> semi_axes_m = {0, 0, 0};  ///< in space, largest first, factor 2.80
 };
 
@@ -62,44 +66,47 @@ struct BeaconReliability {
   std::size_t used = 0, late = 0, early = 0, other = 0;  ///< arrivals; late, early, other: left out
   std::size_t uncontrolled = 0;
   double mean_redundancy = 0.0;
-  double rms_s = 0.0, mean_s = 0.0;                      ///< of the residuals of used arrivals
+  double rms_s = 0.0, mean_s = 0.0;  ///< of the residuals of used arrivals
   VarianceComponent component;
-  std::optional<double> mdb_median_s, mdb_worst_s;       ///< of single arrivals that are controlled
+  std::optional<double> mdb_median_s, mdb_worst_s;  ///< of single arrivals that are controlled
   std::optional<double> influence_median_m, influence_worst_m;
-  /// All its arrivals late by the same: smallest lateness that the adjustment would notice (a free delay takes it up: then it is
-  /// the delay's prior that notices), and the largest shift of a beacon coordinate by it. None: nothing would notice.
+  /// All its arrivals late by the same: smallest lateness that the adjustment would notice (a free delay
+  /// takes it up: then it is the delay's prior that notices), and the largest shift of a beacon coordinate by
+  /// it. None: nothing would notice.
   std::optional<double> lateness_mdb_s, lateness_influence_m;
-  std::optional<ErrorEllipse> ellipse;                   ///< none for control points and undetermined beacons
+  std::optional<ErrorEllipse> ellipse;  ///< none for control points and undetermined beacons
 };
 
 /// Residuals of the used arrivals of one group.
 struct ResidualGroup {
-  std::string name;              ///< of beacon or receiver; empty for a bin
-  double from = 0.0, to = 0.0;   ///< of a bin: metres, radians, degrees Celsius or seconds
+  std::string name;             ///< of beacon or receiver; empty for a bin
+  double from = 0.0, to = 0.0;  ///< of a bin: metres, radians, degrees Celsius or seconds
   std::size_t count = 0;
   double mean_s = 0.0, rms_s = 0.0;
   double mean_m = 0.0, rms_m = 0.0;
 };
 
-/// What a surveyor expects of an adjustment, beside the variance factor. Sigmas are the noise as found (Solution::tof_sigma_s);
-/// variance components are told against the noise that the site file states.
+/// What a surveyor expects of an adjustment, beside the variance factor. Sigmas are the noise as found
+/// (Solution::tof_sigma_s); variance components are told against the noise that the site file states.
 struct Reliability {
-  bool ok = false;                         ///< false: there is no covariance to judge by
-  /// Of a long log only one epoch in so many was looked at for what concerns single arrivals (redundancy numbers, w, minimal
-  /// detectable biases, residual groups, variance components); 1: all were.
+  bool ok = false;  ///< false: there is no covariance to judge by
+  /// Of a long log only one epoch in so many was looked at for what concerns single arrivals (redundancy
+  /// numbers, w, minimal detectable biases, residual groups, variance components); 1: all were.
   std::size_t every = 1;
   std::vector<ArrivalReliability> arrivals;
-  std::vector<std::size_t> worst;          ///< indices into arrivals, largest |w| first, at most kWorst
-  std::size_t beyond_critical = 0;         ///< |w| > kCriticalW
-  double mean_redundancy = 0.0;            ///< of arrivals
-  /// Sum of all redundancy numbers, priors and control distances included: observations less the unknowns that they determine.
+  std::vector<std::size_t> worst;   ///< indices into arrivals, largest |w| first, at most kWorst
+  std::size_t beyond_critical = 0;  ///< |w| > kCriticalW
+  double mean_redundancy = 0.0;     ///< of arrivals
+  /// Sum of all redundancy numbers, priors and control distances included: observations less the unknowns
+  /// that they determine.
   double redundancy_sum = 0.0;
   std::vector<BeaconReliability> beacons;  ///< order of the site
-  std::vector<VarianceComponent> kinds;    ///< tof, amplitude, bearing, odometry, pose, prior, control_distance; those present
+  std::vector<VarianceComponent>
+      kinds;  ///< tof, amplitude, bearing, odometry, pose, prior, control_distance; those present
   std::vector<ResidualGroup> by_beacon, by_receiver, by_distance, by_temperature;
   /// Angle at the receiver, off its axis where the site gives one; else of the path off the vertical.
   std::vector<ResidualGroup> by_incidence;
-  std::vector<ResidualGroup> by_time;      ///< since the start of the recording
+  std::vector<ResidualGroup> by_time;  ///< since the start of the recording
 };
 inline constexpr std::size_t kWorst = 10;
 /// Enough for any mean, and the time is then the adjustment's.
@@ -111,9 +118,11 @@ inline constexpr std::size_t kAllEpochs = 6000;
 /// @param state         adjusted shared parameters
 /// @param C             joint covariance of the layout's parameters
 /// @param noise_factor  noise of the arrivals as found over the stated one
-[[nodiscard]] Reliability reliability_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
-                                         const SharedState& state, const Covariance& C, const std::vector<BeaconStatus>& beacon_status,
-                                         double noise_factor, int threads = 1, std::size_t all_epochs = kAllEpochs,
+[[nodiscard]] Reliability reliability_of(const Problem& problem, const ParameterLayout& layout,
+                                         const std::vector<Trajectory>& trajectories,
+                                         const SharedState& state, const Covariance& C,
+                                         const std::vector<BeaconStatus>& beacon_status, double noise_factor,
+                                         int threads = 1, std::size_t all_epochs = kAllEpochs,
                                          const WholeLog* whole = nullptr);
 /// One in so many epochs is looked at.
 [[nodiscard]] inline std::size_t looked_at_every(std::size_t epochs, std::size_t all_epochs = kAllEpochs) {

@@ -11,8 +11,8 @@
 #include <Eigen/QR>
 #include <boost/math/distributions/chi_squared.hpp>
 
-#include "models/trajectory/linearise.h"
 #include "models/support/parallel.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 
@@ -39,7 +39,8 @@ constexpr double kBlindRad = 2 * std::numbers::pi;
 /// Relative to the scaled diagonal: below it a direction of a state is observed by nothing.
 constexpr double kUnobservedShare = 1e-9;
 
-/// Whether a state may have directions that nothing observes: it stands alone, hears with one receiver or little, and sees nothing.
+/// Whether a state may have directions that nothing observes: it stands alone, hears with one receiver or
+/// little, and sees nothing.
 bool may_be_blind(const Trajectory& t, const Segment& s) {
   if (s.last_node - s.first_node != 1 || t.motion_prior) return false;
   std::size_t used = 0;
@@ -57,47 +58,56 @@ bool may_be_blind(const Trajectory& t, const Segment& s) {
 std::size_t rank_of(const Eigen::MatrixXd& A) {
   if (A.rows() == 0) return 0;
   const Eigen::VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * A * scale.asDiagonal(), Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
+                                     scale.asDiagonal() * A * scale.asDiagonal(), Eigen::EigenvaluesOnly)
+                                     .eigenvalues();
   return static_cast<std::size_t>((values.array() > kUnobservedShare).count());
 }
 
-/// Directions of a lone state that are observed. Angles are counted by what is left of their information when all else is open.
+/// Directions of a lone state that are observed. Angles are counted by what is left of their information when
+/// all else is open.
 std::size_t observed_directions(const Trajectory& t, const Segment& segment, const SharedState& state) {
   ChainSystem system;
   build_chain_system(t, segment, state, RobustLoss{}, system);
   const Eigen::MatrixXd D = system.D.front();
-  const Eigen::Index first = t.motion == Motion::kPlanar ? 2 : 3, count = t.motion == Motion::kPlanar ? 1 : 3, size = D.rows();
+  const Eigen::Index first = t.motion == Motion::kPlanar ? 2 : 3, count = t.motion == Motion::kPlanar ? 1 : 3,
+                     size = D.rows();
   std::vector<Eigen::Index> angles, others;
   for (Eigen::Index i = 0; i < size; ++i) (i >= first && i < first + count ? angles : others).push_back(i);
   const Eigen::MatrixXd open = D(others, others);
   const Eigen::MatrixXd angular =
-      D(angles, angles) - D(angles, others) * Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(open).solve(D(others, angles));
-  const Eigen::VectorXd told = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(angular, Eigen::EigenvaluesOnly).eigenvalues();
+      D(angles, angles) -
+      D(angles, others) *
+          Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(open).solve(D(others, angles));
+  const Eigen::VectorXd told =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(angular, Eigen::EigenvaluesOnly).eigenvalues();
   return rank_of(open) + static_cast<std::size_t>((told.array() > 1.0 / (kBlindRad * kBlindRad)).count());
 }
 
 }  // namespace
 
-ObservationCounts count_observations(const Trajectory& t, const SharedState& state, int threads, bool residuals) {
+ObservationCounts count_observations(const Trajectory& t, const SharedState& state, int threads,
+                                     bool residuals) {
   ObservationCounts counts;
   counts.rejected = t.stateless_arrivals.size();
-  std::vector<ObservationCounts> parts(chunk_count(t.arrivals.size(), kArrivalsAtOnce));  // added up in their order
-  for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads, [&](std::size_t chunk, std::size_t first, std::size_t last) {
-    ObservationCounts& part = parts[chunk];
-    std::size_t amplitudes = 0;
-    for (std::size_t i = first; i < last; ++i) {
-      const ArrivalObservation& a = t.arrivals[i];
-      if (a.rejection != Rejection::kUsed) {
-        ++part.rejected;
-        continue;
-      }
-      ++part.used;
-      amplitudes += a.log_amplitude_sigma > 0 && state.attenuation ? 1 : 0;
-      if (residuals) part.squares_s2 += std::pow(a.sigma_s * arrival_residual(t, a, state), 2);
-    }
-    part.observations = static_cast<double>(part.used + amplitudes);
-  });
+  std::vector<ObservationCounts> parts(
+      chunk_count(t.arrivals.size(), kArrivalsAtOnce));  // added up in their order
+  for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads,
+                 [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                   ObservationCounts& part = parts[chunk];
+                   std::size_t amplitudes = 0;
+                   for (std::size_t i = first; i < last; ++i) {
+                     const ArrivalObservation& a = t.arrivals[i];
+                     if (a.rejection != Rejection::kUsed) {
+                       ++part.rejected;
+                       continue;
+                     }
+                     ++part.used;
+                     amplitudes += a.log_amplitude_sigma > 0 && state.attenuation ? 1 : 0;
+                     if (residuals) part.squares_s2 += std::pow(a.sigma_s * arrival_residual(t, a, state), 2);
+                   }
+                   part.observations = static_cast<double>(part.used + amplitudes);
+                 });
   for (const ObservationCounts& part : parts) counts.add(part);
   ObservationRow rows[6];
   for (std::size_t i = 0; i < t.bearings.size(); ++i)
@@ -105,18 +115,24 @@ ObservationCounts count_observations(const Trajectory& t, const SharedState& sta
   for (const Segment& segment : t.segments) {
     if (!t.nodes[segment.first_node].placed) continue;
     counts.states += may_be_blind(t, segment) ? observed_directions(t, segment, state)
-                                              : (segment.last_node - segment.first_node) * static_cast<std::size_t>(t.block_size());
-    for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i) counts.observations += pose_rows(t, i, rows);
-    for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i) counts.observations += odometry_rows(t, i, rows);
-    for (std::size_t i = segment.first_motion; i < segment.last_motion; ++i) counts.observations += motion_rows(t, i, rows);
+                                              : (segment.last_node - segment.first_node) *
+                                                    static_cast<std::size_t>(t.block_size());
+    for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
+      counts.observations += pose_rows(t, i, rows);
+    for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
+      counts.observations += odometry_rows(t, i, rows);
+    for (std::size_t i = segment.first_motion; i < segment.last_motion; ++i)
+      counts.observations += motion_rows(t, i, rows);
   }
   return counts;
 }
 
-CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout, ObservationCounts counts, double cost) {
+CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,
+                                    ObservationCounts counts, double cost) {
   CalibrationStatistics s;
   for (const MeasurementLog& run : problem.runs) counts.rejected += run.rejected.size();
-  for (const Parameter& p : layout.parameters) counts.observations += std::isfinite(p.prior_sigma) ? 1.0 : 0.0;
+  for (const Parameter& p : layout.parameters)
+    counts.observations += std::isfinite(p.prior_sigma) ? 1.0 : 0.0;
   counts.observations += static_cast<double>(problem.site.distances.size());
   s.arrivals = counts.used;
   s.rejected = counts.rejected;
@@ -128,8 +144,9 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
   return s;
 }
 
-CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
-                                    const SharedState& state, double cost, int threads) {
+CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,
+                                    const std::vector<Trajectory>& trajectories, const SharedState& state,
+                                    double cost, int threads) {
   ObservationCounts counts;
   for (const Trajectory& t : trajectories) counts.add(count_observations(t, state, threads));
   return statistics_of(problem, layout, counts, cost);

@@ -17,16 +17,18 @@ struct ObservationCounts {
   void add(const ObservationCounts& other);
 };
 /// @param residuals  false: squares_s2 stays zero, which saves the time
-[[nodiscard]] ObservationCounts count_observations(const Trajectory& trajectory, const SharedState& state, int threads = 1, bool residuals = true);
+[[nodiscard]] ObservationCounts count_observations(const Trajectory& trajectory, const SharedState& state,
+                                                   int threads = 1, bool residuals = true);
 
 /// Statistics of trajectories that were counted.
-[[nodiscard]] CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout, ObservationCounts counts, double cost);
+[[nodiscard]] CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,
+                                                  ObservationCounts counts, double cost);
 
 /// Counts, redundancy, variance factor and its two-sided chi-square test, from settled trajectories.
 /// @param cost  1/2 the weighted sum of squares of everything, priors included
 [[nodiscard]] CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,
-                                                  const std::vector<Trajectory>& trajectories, const SharedState& state, double cost,
-                                                  int threads = 1);
+                                                  const std::vector<Trajectory>& trajectories,
+                                                  const SharedState& state, double cost, int threads = 1);
 
 /// Two-sided p value of a sum of squares against chi-square with the given degrees of freedom.
 [[nodiscard]] double chi_square_p(double sum_of_squares, double degrees_of_freedom);

@@ -12,7 +12,8 @@
 
 namespace octant::calib {
 
-/// Look-up in a solution's joint covariance, or in its marginals where there is none, by names of parameters; SI units.
+/// Look-up in a solution's joint covariance, or in its marginals where there is none, by names of parameters;
+/// SI units.
 class Variances {
  public:
   /// @param solution  not owned
@@ -24,7 +25,9 @@ class Variances {
   [[nodiscard]] bool has(const std::string& name) const { return index_.contains(name); }
   /// 0 where one was held, or the pair is not told.
   [[nodiscard]] double covariance(const std::string& a, const std::string& b) const;
-  [[nodiscard]] double sigma(const std::string& a) const { return std::sqrt(std::max(0.0, covariance(a, a))); }
+  [[nodiscard]] double sigma(const std::string& a) const {
+    return std::sqrt(std::max(0.0, covariance(a, a)));
+  }
 
  private:
   const JointCovariance* joint_;
@@ -33,6 +36,7 @@ class Variances {
 };
 
 /// Sigmas of a beacon's coordinates as if errors were white; none where the stated ones are that.
-[[nodiscard]] std::optional<Eigen::Vector3d> white_sigma_m(const Solution& solution, const std::string& beacon);
+[[nodiscard]] std::optional<Eigen::Vector3d> white_sigma_m(const Solution& solution,
+                                                           const std::string& beacon);
 
 }  // namespace octant::calib

@@ -11,9 +11,9 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kEnough = 8;          ///< arrivals of a pair
+constexpr std::size_t kEnough = 8;  ///< arrivals of a pair
 constexpr double kSignificance = 1e-6;
-constexpr double kPairMatters = 2.0;        ///< twice the variance of white noise
+constexpr double kPairMatters = 2.0;  ///< twice the variance of white noise
 constexpr double kCorrelationMatters = 0.2;
 
 }  // namespace
@@ -34,12 +34,15 @@ void PairSeries::append(const PairSeries& later) {
 std::vector<PairSeries> pair_series(const Trajectory& t, const SharedState& state, int threads) {
   const std::size_t receivers = state.receiver_p_vehicle_m.size();
   std::vector<PairSeries> series(state.beacon_p_map_m.size() * receivers);
-  const auto counts = [&t](const ArrivalObservation& a) { return a.rejection == Rejection::kUsed && t.nodes[a.node].placed; };
+  const auto counts = [&t](const ArrivalObservation& a) {
+    return a.rejection == Rejection::kUsed && t.nodes[a.node].placed;
+  };
   std::vector<double> residual(t.arrivals.size());
-  for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i)
-      if (counts(t.arrivals[i])) residual[i] = arrival_residual(t, t.arrivals[i], state);
-  });
+  for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads,
+                 [&](std::size_t, std::size_t first, std::size_t last) {
+                   for (std::size_t i = first; i < last; ++i)
+                     if (counts(t.arrivals[i])) residual[i] = arrival_residual(t, t.arrivals[i], state);
+                 });
   for (std::size_t i = 0; i < residual.size(); ++i) {
     const ArrivalObservation& a = t.arrivals[i];
     if (counts(a)) series[a.beacon.index() * receivers + a.receiver.index()].add(residual[i]);
@@ -72,9 +75,12 @@ Whiteness whiteness_of(const std::vector<std::vector<PairSeries>>& trajectories)
   const double variance = squares / static_cast<double>(count);
   if (w.pairs > 0) w.pair_ratio = pair_sum / variance / static_cast<double>(w.pairs);
   if (w.neighbours > 0) w.autocorrelation = products / variance / static_cast<double>(w.neighbours);
-  const bool by_pair = w.pair_ratio > kPairMatters && chi_square_p(w.pair_ratio * static_cast<double>(w.pairs), static_cast<double>(w.pairs)) < kSignificance;
+  const bool by_pair =
+      w.pair_ratio > kPairMatters &&
+      chi_square_p(w.pair_ratio * static_cast<double>(w.pairs), static_cast<double>(w.pairs)) < kSignificance;
   // The sample autocorrelation of white noise has the variance 1 / n.
-  const bool in_time = w.autocorrelation > kCorrelationMatters && w.autocorrelation * std::sqrt(static_cast<double>(w.neighbours)) > 5.0;
+  const bool in_time = w.autocorrelation > kCorrelationMatters &&
+                       w.autocorrelation * std::sqrt(static_cast<double>(w.neighbours)) > 5.0;
   if (in_time) {
     const double rho = std::min(w.autocorrelation, 0.99);
     w.sigma_factor = std::sqrt((1 + rho) / (1 - rho));

@@ -8,16 +8,18 @@
 
 namespace octant::calib {
 
-/// Whether residuals are the white noise that formal sigmas assume, or errors that stay the same for a pair or a place
-/// (reflections, antennas), which do not average out however many arrivals there are.
+/// Whether residuals are the white noise that formal sigmas assume, or errors that stay the same for a pair
+/// or a place (reflections, antennas), which do not average out however many arrivals there are.
 struct Whiteness {
-  std::size_t pairs = 0;          ///< beacon-receiver pairs with enough arrivals
-  double pair_ratio = 1.0;        ///< mean of n m^2 / s^2 over the pairs, m the pair's mean residual: 1 for white noise
-  double autocorrelation = 0.0;   ///< of residuals next to each other in time within a pair, pooled
-  std::size_t neighbours = 0;     ///< how many such neighbours
-  /// Factor by which formal sigmas of what is averaged over a drive are too small: sqrt((1 + rho) / (1 - rho)), at least 1.
+  std::size_t pairs = 0;  ///< beacon-receiver pairs with enough arrivals
+  double pair_ratio =
+      1.0;  ///< mean of n m^2 / s^2 over the pairs, m the pair's mean residual: 1 for white noise
+  double autocorrelation = 0.0;  ///< of residuals next to each other in time within a pair, pooled
+  std::size_t neighbours = 0;    ///< how many such neighbours
+  /// Factor by which formal sigmas of what is averaged over a drive are too small: sqrt((1 + rho) / (1 -
+  /// rho)), at least 1.
   double sigma_factor = 1.0;
-  bool white = true;              ///< neither is significant (beyond one in a million) and of consequence
+  bool white = true;  ///< neither is significant (beyond one in a million) and of consequence
 };
 
 /// Sums over the residuals of one pair of a trajectory, in the order of time.
@@ -29,10 +31,12 @@ struct PairSeries {
   void append(const PairSeries& later);
 };
 /// Of the arrivals in use of each pair, beacon-major.
-[[nodiscard]] std::vector<PairSeries> pair_series(const Trajectory& trajectory, const SharedState& state, int threads = 1);
+[[nodiscard]] std::vector<PairSeries> pair_series(const Trajectory& trajectory, const SharedState& state,
+                                                  int threads = 1);
 /// @param trajectories  their series
 [[nodiscard]] Whiteness whiteness_of(const std::vector<std::vector<PairSeries>>& trajectories);
 
-[[nodiscard]] Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state, int threads = 1);
+[[nodiscard]] Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state,
+                                     int threads = 1);
 
 }  // namespace octant::calib

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "calib/errors/variances.h"
+#include "calib/problem/ranges.h"
 #include "calib/start/label_check.h"
 #include "calib/verdict/observability.h"
-#include "calib/problem/ranges.h"
-#include "calib/errors/variances.h"
 
 namespace octant::calib {
 namespace {
@@ -36,11 +36,16 @@ Counts count(const std::vector<Trajectory>& trajectories, std::size_t beacons) {
   return c;
 }
 
-double sigma_factor(double whole, double few) { return whole > few && few > 0 ? std::sqrt(few / whole) : 1.0; }
+double sigma_factor(double whole, double few) {
+  return whole > few && few > 0 ? std::sqrt(few / whole) : 1.0;
+}
 
-/// Odometry of a drive's stretches stands for that of stretches left out; what was summed up between them is told by its length.
+/// Odometry of a drive's stretches stands for that of stretches left out; what was summed up between them is
+/// told by its length.
 void weigh_odometry(Trajectory& t, double factor) {
-  const auto duration_s = [&t](const OdometryObservation& o) { return t.nodes[o.node + 1].time_s - t.nodes[o.node].time_s; };
+  const auto duration_s = [&t](const OdometryObservation& o) {
+    return t.nodes[o.node + 1].time_s - t.nodes[o.node].time_s;
+  };
   std::vector<double> durations;
   for (const OdometryObservation& o : t.odometry) durations.push_back(duration_s(o));
   const double usual_s = median(std::move(durations));
@@ -51,7 +56,8 @@ void weigh_odometry(Trajectory& t, double factor) {
   }
 }
 
-/// Each observation as accurate as all those together that it stands for. Odometry between stops is complete as it is.
+/// Each observation as accurate as all those together that it stands for. Odometry between stops is complete
+/// as it is.
 void weigh_as_whole(std::vector<Trajectory>& trajectories, const Counts& whole, const Counts& few) {
   const double pose = sigma_factor(whole.poses, few.poses);
   const auto sum = [](const std::vector<double>& n) { return std::accumulate(n.begin(), n.end(), 0.0); };
@@ -64,7 +70,8 @@ void weigh_as_whole(std::vector<Trajectory>& trajectories, const Counts& whole, 
       a.log_amplitude_sigma *= f;
     }
     for (BearingObservation& b : t.bearings)
-      if (b.reflector.valid()) b.sigma_rad *= sigma_factor(whole.bearings[b.reflector.index()], few.bearings[b.reflector.index()]);
+      if (b.reflector.valid())
+        b.sigma_rad *= sigma_factor(whole.bearings[b.reflector.index()], few.bearings[b.reflector.index()]);
     for (PoseObservation& p : t.poses) {
       p.position_sigma_m *= pose;
       p.heading_sigma_rad *= pose;
@@ -78,14 +85,16 @@ std::vector<bool> usable_beacons(const Site& site, const Variances& variances) {
   std::vector<bool> usable;
   for (const SiteBeacon& b : site.beacons) {
     const std::string prefix = "beacon/" + b.name;
-    usable.push_back(b.is_control_point() || variances.has(prefix + "/x_m") || variances.has(prefix + "/y_m") || variances.has(prefix + "/z_m") ||
+    usable.push_back(b.is_control_point() || variances.has(prefix + "/x_m") ||
+                     variances.has(prefix + "/y_m") || variances.has(prefix + "/z_m") ||
                      variances.has(prefix + "/delay_s"));
   }
   return usable;
 }
 
 /// The verdict of judge() once more, from the weights of all the data.
-void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& few, const SolveOptions& options, Solution& solution) {
+void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& few,
+                    const SolveOptions& options, Solution& solution) {
   const std::vector<bool> usable = usable_beacons(thinned.site, Variances(solution));
   std::vector<bool> held(usable.size()), mirrored(usable.size(), false);
   for (std::size_t b = 0; b < usable.size(); ++b) {
@@ -99,14 +108,16 @@ void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& f
   (void)check_labels(thinned, layout, x);  // mends the priors as solve() did; it has warned already
 
   Solution whole_solution = solution;
-  whole_solution.status = solution.statistics.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
+  whole_solution.status =
+      solution.statistics.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
   whole_solution.message = solution.statistics.converged ? "converged" : solution.message;
   whole_solution.covariance = {};
   whole_solution.marginals = {};
   whole_solution.beacon_status.clear();
   whole_solution.weak.clear();
   whole_solution.undetermined.clear();
-  std::erase_if(whole_solution.warnings, [](const std::string& w) { return w.find(" is undetermined: ") != std::string::npos; });
+  std::erase_if(whole_solution.warnings,
+                [](const std::string& w) { return w.find(" is undetermined: ") != std::string::npos; });
   std::vector<Trajectory> weighed = solution.trajectories;
   weigh_as_whole(weighed, whole, few);
   static_cast<void>(judge(thinned, layout, x, usable, mirrored, options.strict, weighed, whole_solution));
@@ -116,7 +127,8 @@ void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& f
 
 constexpr double kUnseenM = 1e4;  ///< as calibrate's words have it: beyond it nothing is known
 
-BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& s, const Variances& variances, bool usable, double arrivals) {
+BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& s, const Variances& variances,
+                               bool usable, double arrivals) {
   BeaconForecast f;
   f.name = site.beacons[b].name;
   f.arrivals = static_cast<std::size_t>(arrivals);
@@ -128,7 +140,8 @@ BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& 
   const char* axis[3] = {"/x_m", "/y_m", "/z_m"};
   for (int i = 0; i < 3; ++i) sigma[i] = variances.sigma("beacon/" + f.name + axis[i]);
   if (sigma.maxCoeff() < kUnseenM) f.sigma_m = sigma;
-  if (variances.has("beacon/" + f.name + "/delay_s")) f.delay_sigma_s = variances.sigma("beacon/" + f.name + "/delay_s");
+  if (variances.has("beacon/" + f.name + "/delay_s"))
+    f.delay_sigma_s = variances.sigma("beacon/" + f.name + "/delay_s");
   return f;
 }
 
@@ -144,7 +157,8 @@ void speed_forecast(Forecast& f) {
 
 ThinOptions share_of(const ThinOptions& options, std::size_t rows, std::size_t all) {
   constexpr double kLeast = 0.05;
-  const double share = std::max(kLeast, static_cast<double>(rows) / static_cast<double>(std::max<std::size_t>(all, 1)));
+  const double share =
+      std::max(kLeast, static_cast<double>(rows) / static_cast<double>(std::max<std::size_t>(all, 1)));
   ThinOptions o = options;
   o.instants = static_cast<std::size_t>(std::ceil(share * static_cast<double>(options.instants)));
   o.drive_arrivals = static_cast<std::size_t>(std::ceil(share * static_cast<double>(options.drive_arrivals)));
@@ -159,12 +173,15 @@ Forecast forecast(const Problem& whole, const SolveOptions& options, const ThinO
   for (const MeasurementLog& run : whole.runs) rows += run.arrivals.size() + run.bearings.size();
   std::vector<MeasurementLog> few;
   for (const MeasurementLog& run : whole.runs)
-    few.push_back(thin(run, whole.site.beacons.size(), share_of(thin_options, run.arrivals.size() + run.bearings.size(), rows)));
+    few.push_back(thin(run, whole.site.beacons.size(),
+                       share_of(thin_options, run.arrivals.size() + run.bearings.size(), rows)));
   auto thinned = make_problem(whole.site, std::move(few));
-  // The whole had observations and kept its unit; what is left of it may still have lost its states by bad luck.
+  // The whole had observations and kept its unit; what is left of it may still have lost its states by bad
+  // luck.
   f.thinned = thinned ? *thinned : whole;
   f.thinned.warnings = whole.warnings;
-  const Counts all = count(whole.trajectories, whole.site.beacons.size()), used = count(f.thinned.trajectories, whole.site.beacons.size());
+  const Counts all = count(whole.trajectories, whole.site.beacons.size()),
+               used = count(f.thinned.trajectories, whole.site.beacons.size());
   for (const double n : all.arrivals) f.arrivals += static_cast<std::size_t>(n);
   for (const double n : used.arrivals) f.arrivals_used += static_cast<std::size_t>(n);
   f.states = all.states;

@@ -9,39 +9,47 @@
 #include <fmt/format.h>
 
 #include "calib/adjust/adjust.h"
-#include "calib/verdict/observability.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/shared_entries.h"
+#include "calib/verdict/observability.h"
 #include "models/trajectory/decompositions.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 namespace {
 
-/// Coordinates without a stated accuracy are known to the site's extent times this: vague, but not so vague that rounding shows.
+/// Coordinates without a stated accuracy are known to the site's extent times this: vague, but not so vague
+/// that rounding shows.
 constexpr double kVagueExtents = 4.0;
 /// Audible with so much in hand over the threshold: a crossing at the very threshold comes infinitely late.
 constexpr double kAudible = 1.05;
-constexpr double kSure = 2.0;         ///< sigmas of a beacon's place by which it has to lie within hearing
-constexpr double kMostMargin = 0.1;   ///< of range and angle
+constexpr double kSure = 2.0;            ///< sigmas of a beacon's place by which it has to lie within hearing
+constexpr double kMostMargin = 0.1;      ///< of range and angle
 constexpr double kUnseenByStop = 1e-12;  ///< of a covariance scaled to a unit diagonal
-constexpr double kPoseRank = 1e-9; ///< of the rows' largest, below which a direction of the pose is unseen
+constexpr double kPoseRank = 1e-9;  ///< of the rows' largest, below which a direction of the pose is unseen
 
-tl::unexpected<Error> bad(const std::string& file, std::string found, std::string expected, std::string advice = {}) {
-  return fail({.code = Errc::kBadInput, .file = file, .found = std::move(found), .expected = std::move(expected), .advice = std::move(advice)});
+tl::unexpected<Error> bad(const std::string& file, std::string found, std::string expected,
+                          std::string advice = {}) {
+  return fail({.code = Errc::kBadInput,
+               .file = file,
+               .found = std::move(found),
+               .expected = std::move(expected),
+               .advice = std::move(advice)});
 }
 
 Result<void> check(const Site& site) {
   if (site.receivers.empty() || site.vehicles.empty())
-    return bad(site.path, "no vehicle has receivers", "vehicles with receivers, which hear the beacons at a stop");
+    return bad(site.path, "no vehicle has receivers",
+               "vehicles with receivers, which hear the beacons at a stop");
   if (!site.tof_sigma_given || !(site.noise.tof_sigma_s > 0))
     return bad(site.path, "the site does not say how accurate an arrival is", "noise.tof_sigma_s above zero");
   return {};
 }
 
 Result<void> check_places(const Site& site) {
-  const bool any = std::any_of(site.beacons.begin(), site.beacons.end(),
-                               [](const SiteBeacon& b) { return b.position_m[0] && b.position_m[1] && b.position_m[2]; });
+  const bool any = std::any_of(site.beacons.begin(), site.beacons.end(), [](const SiteBeacon& b) {
+    return b.position_m[0] && b.position_m[1] && b.position_m[2];
+  });
   if (!any)
     return bad(site.path, "no beacon has a position", "position_m of the beacons, approximate ones will do",
                "give approximate positions, or recordings from which they follow");
@@ -51,15 +59,19 @@ Result<void> check_places(const Site& site) {
 double extent_of_placed_m(const Site& site, const std::vector<bool>& placed) {
   Eigen::AlignedBox3d box;
   for (std::size_t b = 0; b < site.beacons.size(); ++b)
-    if (placed[b]) box.extend(Eigen::Vector3d(*site.beacons[b].position_m[0], *site.beacons[b].position_m[1], *site.beacons[b].position_m[2]));
+    if (placed[b])
+      box.extend(Eigen::Vector3d(*site.beacons[b].position_m[0], *site.beacons[b].position_m[1],
+                                 *site.beacons[b].position_m[2]));
   return std::max(1.0, box.diagonal().norm());
 }
 
 /// Information of priors alone; what has none gets the vague one.
-Eigen::MatrixXd with_vague_priors(const Problem& problem, const ParameterLayout& layout, const SharedState& state, double vague_m) {
+Eigen::MatrixXd with_vague_priors(const Problem& problem, const ParameterLayout& layout,
+                                  const SharedState& state, double vague_m) {
   Eigen::MatrixXd N = prior_information(problem, layout, layout.vector_of(state));
   for (int i = 0; i < layout.size(); ++i)
-    if (!std::isfinite(layout.parameters[static_cast<std::size_t>(i)].prior_sigma)) N(i, i) += 1.0 / (vague_m * vague_m);
+    if (!std::isfinite(layout.parameters[static_cast<std::size_t>(i)].prior_sigma))
+      N(i, i) += 1.0 / (vague_m * vague_m);
   return N;
 }
 
@@ -67,14 +79,19 @@ Eigen::MatrixXd with_vague_priors(const Problem& problem, const ParameterLayout&
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& C) {
   const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const SymmetricEigen<Eigen::MatrixXd> eigen(scale.asDiagonal() * C * scale.asDiagonal());
-  const Eigen::VectorXd inverse = eigen.eigenvalues().unaryExpr([](double v) { return v > kUnseenByStop ? 1.0 / v : 0.0; });
-  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+  const Eigen::VectorXd inverse =
+      eigen.eigenvalues().unaryExpr([](double v) { return v > kUnseenByStop ? 1.0 / v : 0.0; });
+  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
+         scale.asDiagonal();
 }
 
-/// The site that a deployment describes, its sigmas as priors, so that the parameters of its covariance are free again.
+/// The site that a deployment describes, its sigmas as priors, so that the parameters of its covariance are
+/// free again.
 Site site_of(const Deployment& d) {
   const std::set<std::string> free(d.covariance.parameters.begin(), d.covariance.parameters.end());
-  const auto prior = [&](const std::string& name, double value) { return Prior{value, free.contains(name) ? std::max(1e-6, std::abs(value)) : 0.0}; };
+  const auto prior = [&](const std::string& name, double value) {
+    return Prior{value, free.contains(name) ? std::max(1e-6, std::abs(value)) : 0.0};
+  };
   Site site;
   site.name = d.site;
   site.motion = d.motion;
@@ -86,12 +103,14 @@ Site site_of(const Deployment& d) {
   site.noise.pair_sigma_s.reset();
   site.tolerance = d.tolerance;
   if (d.attenuation)
-    site.attenuation = AttenuationPrior{.amplitude_1m_v = prior("attenuation/amplitude_1m_v", d.attenuation->amplitude_1m_v),
-                                        .absorption_np_per_m = prior("attenuation/absorption_np_per_m", d.attenuation->absorption_np_per_m),
-                                        .rise_time_s = prior("attenuation/rise_time_s", d.attenuation->rise_time_s),
-                                        .threshold_v = d.attenuation->threshold_v,
-                                        .half_power_angle_rad = prior("attenuation/half_power_angle_rad", d.attenuation->half_power_angle_rad),
-                                        .saturation_v = d.attenuation->saturation_v};
+    site.attenuation = AttenuationPrior{
+        .amplitude_1m_v = prior("attenuation/amplitude_1m_v", d.attenuation->amplitude_1m_v),
+        .absorption_np_per_m = prior("attenuation/absorption_np_per_m", d.attenuation->absorption_np_per_m),
+        .rise_time_s = prior("attenuation/rise_time_s", d.attenuation->rise_time_s),
+        .threshold_v = d.attenuation->threshold_v,
+        .half_power_angle_rad =
+            prior("attenuation/half_power_angle_rad", d.attenuation->half_power_angle_rad),
+        .saturation_v = d.attenuation->saturation_v};
   const char* axis[3] = {"/x_m", "/y_m", "/z_m"};
   for (const DeploymentBeacon& b : d.beacons) {
     SiteBeacon beacon;
@@ -99,7 +118,9 @@ Site site_of(const Deployment& d) {
     for (std::size_t i = 0; i < 3 && b.status != BeaconStatus::kUndetermined; ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       beacon.position_m[i] = b.position_m[k];
-      beacon.sigma_m[i] = free.contains("beacon/" + b.name + axis[i]) ? std::sqrt(std::max(1e-18, b.covariance_m2(k, k))) : 0.0;
+      beacon.sigma_m[i] = free.contains("beacon/" + b.name + axis[i])
+                              ? std::sqrt(std::max(1e-18, b.covariance_m2(k, k)))
+                              : 0.0;
     }
     site.beacons.push_back(std::move(beacon));
   }
@@ -115,11 +136,13 @@ Site site_of(const Deployment& d) {
 }
 
 /// A covariance of names in SI units, where the layout has its columns.
-Eigen::MatrixXd information_of(const JointCovariance& joint, const ParameterLayout& layout, Eigen::MatrixXd information) {
+Eigen::MatrixXd information_of(const JointCovariance& joint, const ParameterLayout& layout,
+                               Eigen::MatrixXd information) {
   std::vector<Eigen::Index> from;
   std::vector<int> to;
   for (int i = 0; i < layout.size(); ++i) {
-    const auto at = std::find(joint.parameters.begin(), joint.parameters.end(), layout.parameters[static_cast<std::size_t>(i)].name);
+    const auto at = std::find(joint.parameters.begin(), joint.parameters.end(),
+                              layout.parameters[static_cast<std::size_t>(i)].name);
     if (at == joint.parameters.end()) continue;
     from.push_back(at - joint.parameters.begin());
     to.push_back(i);
@@ -127,15 +150,17 @@ Eigen::MatrixXd information_of(const JointCovariance& joint, const ParameterLayo
   Eigen::MatrixXd C(from.size(), from.size());
   for (std::size_t i = 0; i < from.size(); ++i)
     for (std::size_t j = 0; j < from.size(); ++j)
-      C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = joint.matrix(from[i], from[j]) / layout.parameters[static_cast<std::size_t>(to[i])].si_per_unit /
-                                                                      layout.parameters[static_cast<std::size_t>(to[j])].si_per_unit;
+      C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          joint.matrix(from[i], from[j]) / layout.parameters[static_cast<std::size_t>(to[i])].si_per_unit /
+          layout.parameters[static_cast<std::size_t>(to[j])].si_per_unit;
   const Eigen::MatrixXd N = pseudo_inverse(C);
   for (std::size_t i = 0; i < to.size(); ++i) {
     information.row(to[i]).setZero();
     information.col(to[i]).setZero();
   }
   for (std::size_t i = 0; i < to.size(); ++i)
-    for (std::size_t j = 0; j < to.size(); ++j) information(to[i], to[j]) = N(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    for (std::size_t j = 0; j < to.size(); ++j)
+      information(to[i], to[j]) = N(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
   return information;
 }
 
@@ -146,7 +171,11 @@ void fill_from_site(Knowledge& k, const SharedState& state) {
     const bool has_place = b.position_m[0] && b.position_m[1] && b.position_m[2];
     k.placed.push_back(has_place);
     held.push_back(!has_place);
-    if (!has_place) k.warnings.push_back(fmt::format("beacon {} has no position: the plan leaves it out; give an approximate one, or a recording that hears it", b.name));
+    if (!has_place)
+      k.warnings.push_back(
+          fmt::format("beacon {} has no position: the plan leaves it out; give an approximate one, or a "
+                      "recording that hears it",
+                      b.name));
   }
   const double extent = extent_of_placed_m(site, k.placed);
   k.problem.typical_range_m = 0.5 * extent;
@@ -157,30 +186,35 @@ void fill_from_site(Knowledge& k, const SharedState& state) {
   k.tof_sigma_s = site.noise.tof_sigma_s;
 }
 
-bool hears(const Knowledge& k, std::size_t beacon, std::size_t receiver_index, const Eigen::Vector3d& p_receiver_map_m, const Pose& T_map_vehicle,
-           const HearingModel& hearing) {
+bool hears(const Knowledge& k, std::size_t beacon, std::size_t receiver_index,
+           const Eigen::Vector3d& p_receiver_map_m, const Pose& T_map_vehicle, const HearingModel& hearing) {
   const SiteReceiver& receiver = k.problem.site.receivers[receiver_index];
   const Eigen::Vector3d towards = k.state.beacon_p_map_m[beacon] - p_receiver_map_m;
   const double distance_m = towards.norm();
   if (distance_m < 1e-6) return false;
-  const double margin_m = std::min(kSure * k.place_sigma_m[beacon], kMostMargin * std::min(hearing.range_m, distance_m));
+  const double margin_m =
+      std::min(kSure * k.place_sigma_m[beacon], kMostMargin * std::min(hearing.range_m, distance_m));
   if (distance_m + margin_m > hearing.range_m) return false;
   if (const auto& model = k.state.attenuation) {
     const Eigen::Vector3d* axis = k.state.axis_of(ReceiverId(receiver_index));
     double gain = 1.0;
     if (axis != nullptr && !axis->isZero())
-      gain = std::exp(log_directivity((T_map_vehicle.rotation * *axis).dot(towards) / distance_m, model->half_power_angle_rad).value);
+      gain = std::exp(log_directivity((T_map_vehicle.rotation * *axis).dot(towards) / distance_m,
+                                      model->half_power_angle_rad)
+                          .value);
     if (!(gain * amplitude_v(distance_m + margin_m, *model) > kAudible * model->threshold_v)) return false;
   }
   if (receiver.axis && hearing.half_angle_rad < M_PI &&
-      (T_map_vehicle.rotation * receiver.axis->normalized()).dot(towards) < std::cos(hearing.half_angle_rad - margin_m / distance_m) * distance_m)
+      (T_map_vehicle.rotation * receiver.axis->normalized()).dot(towards) <
+          std::cos(hearing.half_angle_rad - margin_m / distance_m) * distance_m)
     return false;
   return !hearing.also || hearing.also(BeaconId(beacon), ReceiverId(receiver_index), T_map_vehicle);
 }
 
 /// From priors, or from what a calibration knows, whichever the layout's columns carry.
 void fill_place_sigmas(Knowledge& k) {
-  const Eigen::MatrixXd C = *Covariance(k.information, free_datum(k.problem, k.layout, k.state, k.information)).matrix();
+  const Eigen::MatrixXd C =
+      *Covariance(k.information, free_datum(k.problem, k.layout, k.state, k.information)).matrix();
   for (const auto& beacon : k.layout.beacon) {
     double variance = 0.0;
     for (const int c : beacon)
@@ -190,7 +224,8 @@ void fill_place_sigmas(Knowledge& k) {
 }
 
 /// The stop as a trajectory of one state with every arrival that is expected there.
-Trajectory stop_trajectory(const Knowledge& k, const Pose& T_map_vehicle, const StopModel& model, StopRows& out) {
+Trajectory stop_trajectory(const Knowledge& k, const Pose& T_map_vehicle, const StopModel& model,
+                           StopRows& out) {
   const Site& site = k.problem.site;
   Trajectory t;
   t.vehicle = model.vehicle;
@@ -207,17 +242,22 @@ Trajectory stop_trajectory(const Knowledge& k, const Pose& T_map_vehicle, const 
     const Eigen::Vector3d p = T_map_vehicle * k.state.receiver_p_vehicle_m[r];
     for (std::size_t b = 0; b < site.beacons.size(); ++b) {
       if (!k.placed[b] || !hears(k, b, r, p, T_map_vehicle, model.hearing)) continue;
-      t.arrivals.push_back({.beacon = BeaconId(b), .receiver = ReceiverId(r), .sigma_s = k.tof_sigma_s / std::sqrt(model.firings),
-                            .model_speed_mps = t.nominal_speed_mps, .two_way = two_way, .hear_send = two_way ? 0 : -1});
+      t.arrivals.push_back({.beacon = BeaconId(b),
+                            .receiver = ReceiverId(r),
+                            .sigma_s = k.tof_sigma_s / std::sqrt(model.firings),
+                            .model_speed_mps = t.nominal_speed_mps,
+                            .two_way = two_way,
+                            .hear_send = two_way ? 0 : -1});
       out.arrivals[b] += static_cast<std::size_t>(model.firings);
     }
   }
   out.arrival_count = t.arrivals.size() * static_cast<std::size_t>(model.firings);
   if (const auto& poses = model.measured_poses)
-    t.poses.push_back({.T_map_vehicle = T_map_vehicle,
-                       .position_sigma_m = std::max(poses->position_sigma_m, 1e-6),
-                       .heading_sigma_rad = poses->heading_known ? std::max(poses->heading_sigma_rad, 1e-6) : INFINITY,
-                       .attitude_sigma_rad = std::max(poses->attitude_sigma_rad, 1e-6)});
+    t.poses.push_back(
+        {.T_map_vehicle = T_map_vehicle,
+         .position_sigma_m = std::max(poses->position_sigma_m, 1e-6),
+         .heading_sigma_rad = poses->heading_known ? std::max(poses->heading_sigma_rad, 1e-6) : INFINITY,
+         .attitude_sigma_rad = std::max(poses->attitude_sigma_rad, 1e-6)});
   t.segments.push_back({.last_node = 1, .last_arrival = t.arrivals.size(), .last_pose = t.poses.size()});
   return t;
 }
@@ -237,8 +277,9 @@ Result<Knowledge> knowledge_of(const Site& site) {
 Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution, int threads) {
   if (auto sound = check(problem.site); !sound) return fail(sound.error());
   if (solution.beacon_status.empty())
-    return bad(problem.site.path, "the recordings do not determine where the vehicle was: " + solution.message, "recordings that can be calibrated",
-               "plan from the site file alone");
+    return bad(problem.site.path,
+               "the recordings do not determine where the vehicle was: " + solution.message,
+               "recordings that can be calibrated", "plan from the site file alone");
   Knowledge k;
   k.problem.site = problem.site;
   k.problem.typical_range_m = problem.typical_range_m;
@@ -246,17 +287,21 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
   k.state = solution.state;
   k.tof_sigma_s = solution.tof_sigma_s > 0 ? solution.tof_sigma_s : problem.site.noise.tof_sigma_s;
   std::vector<bool> held;
-  const auto& names = solution.covariance.parameters.empty() ? solution.marginals.parameters : solution.covariance.parameters;
+  const auto& names =
+      solution.covariance.parameters.empty() ? solution.marginals.parameters : solution.covariance.parameters;
   for (const SiteBeacon& b : problem.site.beacons) {
     const std::string prefix = "beacon/" + b.name + "/";
-    const bool found = b.is_control_point() || std::any_of(names.begin(), names.end(), [&](const std::string& n) { return n.starts_with(prefix); });
+    const bool found =
+        b.is_control_point() ||
+        std::any_of(names.begin(), names.end(), [&](const std::string& n) { return n.starts_with(prefix); });
     k.placed.push_back(found);
     held.push_back(!found);
     if (!found) k.warnings.push_back(fmt::format("beacon {} was not found: the plan leaves it out", b.name));
   }
   k.layout = make_layout(problem, k.state, held);
   std::vector<Trajectory> trajectories = solution.trajectories;
-  const Information information = information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state), {}, {.threads = threads});
+  const Information information =
+      information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state), {}, {.threads = threads});
   k.information = information.data + information.prior;
   fill_place_sigmas(k);
   return k;
@@ -264,7 +309,8 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
 
 Result<Knowledge> knowledge_of(const Deployment& deployment) {
   if (deployment.covariance.parameters.empty())
-    return bad("", "the deployment has no joint covariance", "a deployment that calibrate wrote", "plan from the site file");
+    return bad("", "the deployment has no joint covariance", "a deployment that calibrate wrote",
+               "plan from the site file");
   Knowledge k;
   k.problem.site = site_of(deployment);
   if (auto sound = check(k.problem.site); !sound) return fail(sound.error());
@@ -282,14 +328,17 @@ HearingModel hearing_of(const Solution& solution, const Site& site) {
     for (const ArrivalObservation& a : t.arrivals) {
       if (a.rejection != Rejection::kUsed || !t.nodes[a.node].placed) continue;
       const Pose T = pose_at(t, a.node, a.alpha);
-      const Eigen::Vector3d towards = solution.state.beacon_p_map_m[a.beacon.index()] - T * solution.state.receiver_p_vehicle_m[a.receiver.index()];
+      const Eigen::Vector3d towards = solution.state.beacon_p_map_m[a.beacon.index()] -
+                                      T * solution.state.receiver_p_vehicle_m[a.receiver.index()];
       ranges_m.push_back(towards.norm());
       if (const auto& axis = site.receivers[a.receiver.index()].axis)
-        angles_rad.push_back(std::acos(std::clamp((T.rotation * axis->normalized()).dot(towards.normalized()), -1.0, 1.0)));
+        angles_rad.push_back(
+            std::acos(std::clamp((T.rotation * axis->normalized()).dot(towards.normalized()), -1.0, 1.0)));
     }
   const auto most = [](std::vector<double>& values, double otherwise) {
     if (values.empty()) return otherwise;
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(values.size() - 1));
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(values.size() - 1));
     std::nth_element(values.begin(), at, values.end());
     return *at;
   };
@@ -299,7 +348,8 @@ HearingModel hearing_of(const Solution& solution, const Site& site) {
   return hearing;
 }
 
-StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double heading_rad, const StopModel& model) {
+StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double heading_rad,
+                   const StopModel& model) {
   StopRows out;
   Pose T = Pose::planar(position_m.x(), position_m.y(), heading_rad);
   if (k.problem.site.motion == Motion::kSpatial) T.translation_m.z() = model.height_m;
@@ -312,7 +362,8 @@ StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double
   for_each_row(t, t.segments[0], k.state, [&](const ObservationRow& row) {
     Jx.row(static_cast<Eigen::Index>(entries.size())) = row.by_node;
     entries.push_back(row_entries(row, run, k.layout, k.state));
-    for (int i = 0; i < entries.back().count; ++i) columns.push_back(entries.back().column[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < entries.back().count; ++i)
+      columns.push_back(entries.back().column[static_cast<std::size_t>(i)]);
   });
   const auto rows = static_cast<Eigen::Index>(entries.size());
   if (rows <= t.block_size()) return out;
@@ -326,7 +377,8 @@ StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double
     for (int i = 0; i < entries[static_cast<std::size_t>(r)].count; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const int column = entries[static_cast<std::size_t>(r)].column[at];
-      Js(r, std::lower_bound(columns.begin(), columns.end(), column) - columns.begin()) += entries[static_cast<std::size_t>(r)].value[at];
+      Js(r, std::lower_bound(columns.begin(), columns.end(), column) - columns.begin()) +=
+          entries[static_cast<std::size_t>(r)].value[at];
     }
   // Rows of Q' Js below those that the pose takes up: what is left when it is eliminated.
   out.A = qr.transposed_times(std::move(Js)).bottomRows(rows - t.block_size());
@@ -338,7 +390,8 @@ void add_information(const StopRows& rows, Eigen::MatrixXd& information, double 
   const Eigen::MatrixXd H = rows.A.transpose() * rows.A;
   for (std::size_t i = 0; i < rows.columns.size(); ++i)
     for (std::size_t j = 0; j < rows.columns.size(); ++j)
-      information(rows.columns[i], rows.columns[j]) += factor * H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      information(rows.columns[i], rows.columns[j]) +=
+          factor * H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
 }
 
 }  // namespace octant::calib

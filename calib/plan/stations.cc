@@ -8,17 +8,18 @@
 #include <Eigen/Cholesky>
 
 #include "calib/verdict/observability.h"
-#include "models/trajectory/decompositions.h"
-#include "models/support/parallel.h"
 #include "models/simulator/random.h"
+#include "models/support/parallel.h"
+#include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
 namespace {
 
-constexpr double kGains = 1.0 + 1e-4;       ///< an exchange has to gain more than rounding
-constexpr double kFinestShare = 0.1;        ///< of the grid, at which the search around a stop ends
-constexpr double kUnseenByStations = 1e-10;           ///< of the largest: a combination of beacons that the datum holds
-constexpr std::size_t kAtOnce = 16;         ///< candidates that a thread takes
+constexpr double kGains = 1.0 + 1e-4;  ///< an exchange has to gain more than rounding
+constexpr double kFinestShare = 0.1;   ///< of the grid, at which the search around a stop ends
+constexpr double kUnseenByStations =
+    1e-10;                           ///< of the largest: a combination of beacons that the datum holds
+constexpr std::size_t kAtOnce = 16;  ///< candidates that a thread takes
 
 struct Stop {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
@@ -76,7 +77,8 @@ class Gain {
     const SymmetricEigen<Eigen::MatrixXd> eigen(C_(beacons_, beacons_).eval());
     const Eigen::VectorXd& values = eigen.eigenvalues();
     const auto seen = (values.array() > kUnseenByStations * values.maxCoeff()).count();
-    whitener_ = values.tail(seen).cwiseSqrt().cwiseInverse().asDiagonal() * eigen.eigenvectors().rightCols(seen).transpose();
+    whitener_ = values.tail(seen).cwiseSqrt().cwiseInverse().asDiagonal() *
+                eigen.eigenvectors().rightCols(seen).transpose();
     volume_ = true;
   }
 
@@ -102,9 +104,11 @@ class Gain {
 
 class Planner {
  public:
-  Planner(const Knowledge& k, const StationOptions& options) : k_(k), options_(options), information_(k.information) {
+  Planner(const Knowledge& k, const StationOptions& options)
+      : k_(k), options_(options), information_(k.information) {
     for (const Eigen::Vector2d& p : options.places_m)
-      for (int h = 0; h < options.headings; ++h) candidates_.push_back({p, wrap_angle(2 * M_PI * h / options.headings)});
+      for (int h = 0; h < options.headings; ++h)
+        candidates_.push_back({p, wrap_angle(2 * M_PI * h / options.headings)});
   }
 
   Result<StationPlan> run() {
@@ -128,7 +132,9 @@ class Planner {
   }
 
  private:
-  [[nodiscard]] StopRows rows_of(const Stop& s) const { return stop_rows(k_, s.position_m, s.heading_rad, options_.stop); }
+  [[nodiscard]] StopRows rows_of(const Stop& s) const {
+    return stop_rows(k_, s.position_m, s.heading_rad, options_.stop);
+  }
 
   void add(const Stop& s) {
     stops_.push_back(s);
@@ -136,7 +142,8 @@ class Planner {
     add_information(rows_.back(), information_);
   }
 
-  /// Not where another stop is already: what is wrong with one place (an echo, a shadow) would be measured twice.
+  /// Not where another stop is already: what is wrong with one place (an echo, a shadow) would be measured
+  /// twice.
   [[nodiscard]] bool is_apart(const Stop& s, std::size_t but) const {
     for (std::size_t i = 0; i < stops_.size(); ++i)
       if (i != but && (stops_[i].position_m - s.position_m).norm() < 0.5 * options_.spacing_m) return false;
@@ -151,10 +158,11 @@ class Planner {
   /// Best of all candidates beside the stops but one.
   [[nodiscard]] std::pair<Stop, double> best_candidate(const Gain& gain, std::size_t but) const {
     std::vector<double> gains(candidates_.size(), 0.0);
-    for_each_chunk(candidates_.size(), kAtOnce, options_.threads, [&](std::size_t, std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i)
-        if (is_apart(candidates_[i], but)) gains[i] = gain.of(rows_of(candidates_[i]));
-    });
+    for_each_chunk(candidates_.size(), kAtOnce, options_.threads,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                     for (std::size_t i = first; i < last; ++i)
+                       if (is_apart(candidates_[i], but)) gains[i] = gain.of(rows_of(candidates_[i]));
+                   });
     const auto best = std::max_element(gains.begin(), gains.end());
     if (best == gains.end()) return {};
     return {candidates_[static_cast<std::size_t>(best - gains.begin())], *best};
@@ -178,8 +186,10 @@ class Planner {
       for (int way = 0; way < 6; ++way) {
         Stop s = stop;
         const double sign = way % 2 == 0 ? 1.0 : -1.0;
-        if (way < 4) s.position_m[way / 2] += sign * step_m;
-        else s.heading_rad = wrap_angle(s.heading_rad + sign * turn);
+        if (way < 4)
+          s.position_m[way / 2] += sign * step_m;
+        else
+          s.heading_rad = wrap_angle(s.heading_rad + sign * turn);
         if ((way < 4 && !options_.may_stop(s.position_m)) || !is_apart(s, but)) continue;
         if (const double g = gain.of(rows_of(s)); g > most) {
           most = g;
@@ -251,9 +261,13 @@ class Planner {
     return std::move(plan_);
   }
 
-  [[nodiscard]] Station describe(std::size_t s, const BeaconKnowledge& before, const Eigen::MatrixXd& information) const {
-    Station station{.position_m = stops_[s].position_m, .heading_rad = stops_[s].heading_rad, .arrivals = rows_[s].arrivals,
-                    .arrival_count = rows_[s].arrival_count, .after = beacon_knowledge(k_, information)};
+  [[nodiscard]] Station describe(std::size_t s, const BeaconKnowledge& before,
+                                 const Eigen::MatrixXd& information) const {
+    Station station{.position_m = stops_[s].position_m,
+                    .heading_rad = stops_[s].heading_rad,
+                    .arrivals = rows_[s].arrivals,
+                    .arrival_count = rows_[s].arrival_count,
+                    .after = beacon_knowledge(k_, information)};
     double most = -INFINITY;
     for (std::size_t b = 0; b < before.sigma_m.size(); ++b) {
       const double gained = before.sigma_m[b] - station.after.sigma_m[b];
@@ -280,9 +294,12 @@ BeaconKnowledge beacon_knowledge(const Knowledge& knowledge, const Eigen::Matrix
   return knowledge_from(knowledge, covariance_of_stations(knowledge, information));
 }
 
-Result<StationPlan> plan_stations(const Knowledge& knowledge, const StationOptions& options) { return Planner(knowledge, options).run(); }
+Result<StationPlan> plan_stations(const Knowledge& knowledge, const StationOptions& options) {
+  return Planner(knowledge, options).run();
+}
 
-StationPlan assess_stations(const Knowledge& knowledge, const std::vector<Eigen::Vector3d>& stops, const StationOptions& options) {
+StationPlan assess_stations(const Knowledge& knowledge, const std::vector<Eigen::Vector3d>& stops,
+                            const StationOptions& options) {
   return Planner(knowledge, options).assess(stops);
 }
 
@@ -293,7 +310,8 @@ double random_stations_mean_m(const Knowledge& knowledge, const StationOptions& 
   for (std::size_t plan = 0; plan < kPlans; ++plan) {
     std::vector<Eigen::Vector3d> stops;
     for (int i = 0; i < options.stations; ++i) {
-      const Eigen::Vector2d& p = options.places_m[static_cast<std::size_t>(draws.uniform() * static_cast<double>(options.places_m.size()))];
+      const Eigen::Vector2d& p = options.places_m[static_cast<std::size_t>(
+          draws.uniform() * static_cast<double>(options.places_m.size()))];
       stops.emplace_back(p.x(), p.y(), draws.uniform(-M_PI, M_PI));
     }
     means.push_back(assess_stations(knowledge, stops, options).after.mean_m);

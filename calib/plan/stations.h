@@ -13,7 +13,8 @@
 
 namespace octant::calib {
 
-/// What "most" means in "so that the calibration improves most"; of the beacons' coordinates, all other parameters marginalised.
+/// What "most" means in "so that the calibration improves most"; of the beacons' coordinates, all other
+/// parameters marginalised.
 enum class StationCriterion {
   kA,  ///< the sum of their variances
   kD   ///< the determinant of their covariance: the volume of the error ellipsoid
@@ -21,25 +22,28 @@ enum class StationCriterion {
 
 struct StationOptions {
   int stations = 5;
-  int headings = 8;                ///< tried at each place, evenly round the circle
+  int headings = 8;  ///< tried at each place, evenly round the circle
   StationCriterion criterion = StationCriterion::kA;
   StopModel stop;
   std::vector<Eigen::Vector2d> places_m;  ///< where the vehicle may stop: a grid over the floor
-  double spacing_m = 1.0;                 ///< of that grid: stops are shifted by fractions of it, and never come closer to each other than half of it
-  /// Whether the vehicle may stop at a place that is none of places_m; empty: it may not, and stops stay on the grid.
+  double spacing_m = 1.0;  ///< of that grid: stops are shifted by fractions of it, and never come closer to
+                           ///< each other than half of it
+  /// Whether the vehicle may stop at a place that is none of places_m; empty: it may not, and stops stay on
+  /// the grid.
   std::function<bool(const Eigen::Vector2d&)> may_stop;
-  int sweeps = 6;                  ///< exchanges of each stop against all candidates, at most
+  int sweeps = 6;  ///< exchanges of each stop against all candidates, at most
   int threads = 1;
   std::function<bool(double fraction)> on_progress;  ///< false stops with what there is
 };
 
 /// How well beacons are known: sqrt of the trace of a beacon's covariance, as the calibration states it.
 struct BeaconKnowledge {
-  std::vector<double> sigma_m;  ///< by beacon; 0: control point; negative: it has no place
+  std::vector<double> sigma_m;         ///< by beacon; 0: control point; negative: it has no place
   double mean_m = 0.0, worst_m = 0.0;  ///< of the beacons that are asked for
   std::size_t worst_beacon = 0;
 };
-[[nodiscard]] BeaconKnowledge beacon_knowledge(const Knowledge& knowledge, const Eigen::MatrixXd& information);
+[[nodiscard]] BeaconKnowledge beacon_knowledge(const Knowledge& knowledge,
+                                               const Eigen::MatrixXd& information);
 
 /// One suggested stop.
 struct Station {
@@ -47,29 +51,33 @@ struct Station {
   double heading_rad = 0.0;
   std::vector<std::size_t> arrivals;  ///< expected, by beacon
   std::size_t arrival_count = 0;
-  std::size_t most_improved = 0;      ///< beacon whose sigma falls most in metres by this stop
+  std::size_t most_improved = 0;  ///< beacon whose sigma falls most in metres by this stop
   double improved_from_m = 0.0, improved_to_m = 0.0;
-  BeaconKnowledge after;              ///< this stop and all before it
+  BeaconKnowledge after;  ///< this stop and all before it
 };
 
 struct StationPlan {
   BeaconKnowledge before, after;
-  std::vector<Station> stations;      ///< in the order of their gain
-  BeaconKnowledge greedy;             ///< of the greedy choice, before exchanges
+  std::vector<Station> stations;  ///< in the order of their gain
+  BeaconKnowledge greedy;         ///< of the greedy choice, before exchanges
   std::size_t candidates = 0, exchanges = 0;
   bool interrupted = false;
 };
 
-/// Where to stop next so that the calibration improves most. Greedy choice from places_m and headings, then exchanges: each stop in
-/// turn is taken out and put where it serves best now (V. V. Fedorov, "Theory of Optimal Experiments", 1972, ch. 3), on the grid and
-/// by a pattern search around it, until nothing gains. Sigmas are predicted at what is known now: the linear theory's.
-/// Errors (kBadInput): no place at which a stop would tell anything.
+/// Where to stop next so that the calibration improves most. Greedy choice from places_m and headings, then
+/// exchanges: each stop in turn is taken out and put where it serves best now (V. V. Fedorov, "Theory of
+/// Optimal Experiments", 1972, ch. 3), on the grid and by a pattern search around it, until nothing gains.
+/// Sigmas are predicted at what is known now: the linear theory's. Errors (kBadInput): no place at which a
+/// stop would tell anything.
 [[nodiscard]] Result<StationPlan> plan_stations(const Knowledge& knowledge, const StationOptions& options);
 
 /// What given stops would make of it, in the order given: for comparison with other plans.
-[[nodiscard]] StationPlan assess_stations(const Knowledge& knowledge, const std::vector<Eigen::Vector3d>& stops, const StationOptions& options);
+[[nodiscard]] StationPlan assess_stations(const Knowledge& knowledge,
+                                          const std::vector<Eigen::Vector3d>& stops,
+                                          const StationOptions& options);
 
 /// Mean sigma that so many stops at random places and headings leave: the median of 25 plans.
-[[nodiscard]] double random_stations_mean_m(const Knowledge& knowledge, const StationOptions& options, std::uint64_t seed);
+[[nodiscard]] double random_stations_mean_m(const Knowledge& knowledge, const StationOptions& options,
+                                            std::uint64_t seed);
 
 }  // namespace octant::calib

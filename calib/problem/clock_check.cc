@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "calib/problem/ranges.h"
 #include "calib/adjust/reject.h"
+#include "calib/problem/ranges.h"
 #include "calib/problem/unit_check.h"
 
 namespace octant::calib {
@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kFastestVehicleMps = 5.0;
 constexpr std::size_t kAtLeastBeacons = 3;
-constexpr double kMost = 0.7;         ///< of the pairs of beacon and receiver that span a jump
-constexpr double kAgreeing = 0.25;    ///< of the step, by which they may differ beside their motion
+constexpr double kMost = 0.7;       ///< of the pairs of beacon and receiver that span a jump
+constexpr double kAgreeing = 0.25;  ///< of the step, by which they may differ beside their motion
 constexpr std::size_t kSide = 8, kAtLeastSide = 5;  ///< stops before and after a step that are compared
-constexpr double kOnTheirSide = 0.8;  ///< of the stops
+constexpr double kOnTheirSide = 0.8;                ///< of the stops
 constexpr double kStepSigmas = 8.0;
 /// Where the fit of a stop is rough (echoes), steps below a tenth of a metre of sound's way say nothing.
 constexpr double kSmallestStepM = 0.1;
@@ -28,8 +28,8 @@ constexpr double kSmallestStepM = 0.1;
 struct Change {
   double from_s, to_s, range_m;  ///< by which the later range is longer
   BeaconId beacon;
-  double moved_m;                ///< the most that the vehicle can have moved, noise included
-  bool returns = false;          ///< the next change of the pair undoes this one: an echo, not a jump
+  double moved_m;        ///< the most that the vehicle can have moved, noise included
+  bool returns = false;  ///< the next change of the pair undoes this one: an echo, not a jump
   [[nodiscard]] bool beyond() const { return std::abs(range_m) > moved_m; }
 };
 
@@ -49,8 +49,10 @@ class Travelled {
     const double fastest = kFastestVehicleMps * (to_s - from_s);
     if (time_.size() < 2 || from_s < time_.front() || to_s > time_.back()) return fastest;
     const auto first = std::upper_bound(time_.begin(), time_.end(), from_s) - time_.begin() - 1;
-    const auto last = std::min<std::ptrdiff_t>(std::lower_bound(time_.begin(), time_.end(), to_s) - time_.begin(), std::ssize(time_) - 1);
-    return std::min(fastest, 1.1 * (way_[static_cast<std::size_t>(last)] - way_[static_cast<std::size_t>(first)]) + 0.02);
+    const auto last = std::min<std::ptrdiff_t>(
+        std::lower_bound(time_.begin(), time_.end(), to_s) - time_.begin(), std::ssize(time_) - 1);
+    return std::min(
+        fastest, 1.1 * (way_[static_cast<std::size_t>(last)] - way_[static_cast<std::size_t>(first)]) + 0.02);
   }
 
  private:
@@ -75,7 +77,8 @@ std::vector<Change> changes_of(const Site& site, const MeasurementLog& run, Vehi
     if (a.vehicle != vehicle) continue;
     Last& before = last[{a.beacon, a.receiver}];
     if (before.arrival != nullptr && a.time_s > before.arrival->time_s) {
-      const double from_s = before.arrival->time_s, change_m = stated_range_m(site, run, a) - stated_range_m(site, run, *before.arrival);
+      const double from_s = before.arrival->time_s,
+                   change_m = stated_range_m(site, run, a) - stated_range_m(site, run, *before.arrival);
       const Change change{from_s, a.time_s, change_m, a.beacon, travelled.most_m(from_s, a.time_s) + noise_m};
       if (before.has_change) {
         Change& earlier = changes[before.change];
@@ -103,11 +106,14 @@ bool step_at(const std::vector<Change>& changes, double time_s, double sign, Clo
     by_m.push_back(c.range_m);
     moved_m.push_back(c.moved_m);
   }
-  if (beacons.size() < kAtLeastBeacons || static_cast<double>(by_m.size()) < kMost * static_cast<double>(across)) return false;
+  if (beacons.size() < kAtLeastBeacons ||
+      static_cast<double>(by_m.size()) < kMost * static_cast<double>(across))
+    return false;
   // One clock: the jumps agree.
   const double step_m = median(by_m);
   std::size_t agree = 0;
-  for (std::size_t i = 0; i < by_m.size(); ++i) agree += std::abs(by_m[i] - step_m) < moved_m[i] + kAgreeing * std::abs(step_m);
+  for (std::size_t i = 0; i < by_m.size(); ++i)
+    agree += std::abs(by_m[i] - step_m) < moved_m[i] + kAgreeing * std::abs(step_m);
   step = {time_s, step_m, beacons.size()};
   return static_cast<double>(agree) >= kMost * static_cast<double>(by_m.size());
 }
@@ -128,23 +134,27 @@ std::vector<Offset> offsets_of(const Trajectory& original, const SharedState& st
     if (!t.nodes[s.first_node].placed) continue;
     std::map<std::size_t, std::set<BeaconId>> beacons;
     for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
-      if (t.arrivals[i].rejection == Rejection::kUsed) beacons[t.arrivals[i].node].insert(t.arrivals[i].beacon);
+      if (t.arrivals[i].rejection == Rejection::kUsed)
+        beacons[t.arrivals[i].node].insert(t.arrivals[i].beacon);
     (void)settle(t, s, state, RobustLoss{});
     (void)settle(t, s, state, RobustLoss{kCauchyScale, kCauchyScale});
     for (const auto& [node, heard] : beacons) {
       if (heard.size() < needed) continue;
       const Eigen::MatrixXd C = node_covariance(t, s, node, state);
       if (C.rows() == 0) continue;
-      offsets.push_back({t.nodes[node].time_s, t.nodes[node].cycle_offset_s, std::sqrt(C(C.rows() - 1, C.rows() - 1)) / t.nominal_speed_mps});
+      offsets.push_back({t.nodes[node].time_s, t.nodes[node].cycle_offset_s,
+                         std::sqrt(C(C.rows() - 1, C.rows() - 1)) / t.nominal_speed_mps});
     }
   }
-  std::sort(offsets.begin(), offsets.end(), [](const Offset& a, const Offset& b) { return a.time_s < b.time_s; });
+  std::sort(offsets.begin(), offsets.end(),
+            [](const Offset& a, const Offset& b) { return a.time_s < b.time_s; });
   return offsets;
 }
 
-/// Difference of the medians after and before i, and its standard deviation from the scatter about them; false where there are too
-/// few stops or they do not keep to their sides.
-bool difference_at(const std::vector<Offset>& o, std::size_t i, double usual_scatter_s, double& difference_s, double& sigma_s) {
+/// Difference of the medians after and before i, and its standard deviation from the scatter about them;
+/// false where there are too few stops or they do not keep to their sides.
+bool difference_at(const std::vector<Offset>& o, std::size_t i, double usual_scatter_s, double& difference_s,
+                   double& sigma_s) {
   const std::size_t first = i > kSide ? i - kSide : 0, last = std::min(o.size(), i + kSide);
   if (i - first < kAtLeastSide || last - i < kAtLeastSide) return false;
   std::vector<double> before, after, off;
@@ -154,7 +164,8 @@ bool difference_at(const std::vector<Offset>& o, std::size_t i, double usual_sca
   double variance = 0.0;
   for (const double x : before) off.push_back(std::abs(x - low));
   for (const double x : after) off.push_back(std::abs(x - high));
-  for (std::size_t k = first; k < last; ++k) variance += o[k].sigma_s * o[k].sigma_s / static_cast<double>(last - first);
+  for (std::size_t k = first; k < last; ++k)
+    variance += o[k].sigma_s * o[k].sigma_s / static_cast<double>(last - first);
   difference_s = high - low;
   // Nearly every stop is on the side of its own median.
   const double middle = 0.5 * (low + high);
@@ -163,12 +174,13 @@ bool difference_at(const std::vector<Offset>& o, std::size_t i, double usual_sca
   for (const double x : after) on_side += (x > middle) == (low < high);
   if (static_cast<double>(on_side) < kOnTheirSide * static_cast<double>(off.size())) return false;
   const double scatter = std::max({1.4826 * median(off), std::sqrt(variance), usual_scatter_s});
-  sigma_s = 1.25 * scatter * std::sqrt(1.0 / static_cast<double>(before.size()) + 1.0 / static_cast<double>(after.size()));
+  sigma_s = 1.25 * scatter *
+            std::sqrt(1.0 / static_cast<double>(before.size()) + 1.0 / static_cast<double>(after.size()));
   return true;
 }
 
-/// Medians hardly feel on which side a stop or two stand, so the split found by them is flat; the one that leaves the least absolute
-/// deviation from the medians on either side is sharp.
+/// Medians hardly feel on which side a stop or two stand, so the split found by them is flat; the one that
+/// leaves the least absolute deviation from the medians on either side is sharp.
 std::size_t sharpened(const std::vector<Offset>& o, std::size_t i) {
   const std::size_t first = i > kSide ? i - kSide : 0, last = std::min(o.size(), i + kSide);
   std::vector<double> before, after;
@@ -203,7 +215,8 @@ std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& r
       // The jump lies within (from, to]; the changes are in the order of their ends.
       while (first < changes.size() && changes[first].to_s < c.to_s) ++first;
       near.clear();
-      for (std::size_t k = first; k < changes.size() && changes[k].to_s <= c.to_s + longest_s; ++k) near.push_back(changes[k]);
+      for (std::size_t k = first; k < changes.size() && changes[k].to_s <= c.to_s + longest_s; ++k)
+        near.push_back(changes[k]);
       ClockStep step;
       if (!step_at(near, c.to_s, c.range_m > 0 ? 1.0 : -1.0, step)) continue;
       step.step_s /= speed_mps(site.medium) / (site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0);
@@ -214,7 +227,8 @@ std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& r
   return steps;
 }
 
-std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajectories, std::size_t run, const SharedState& state) {
+std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajectories, std::size_t run,
+                                           const SharedState& state) {
   std::vector<ClockStep> steps;
   for (const Trajectory& t : trajectories) {
     if (t.run != run || t.moving || t.has_cycle_offset) continue;
@@ -226,22 +240,27 @@ std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajec
     for (std::size_t i = 1; i < o.size(); ++i) {
       double difference = 0.0, sigma = 0.0;
       if (!difference_at(o, i, usual_s, difference, sigma)) continue;
-      if (std::abs(difference) > kStepSigmas * sigma && std::abs(difference) * t.nominal_speed_mps > kSmallestStepM)
+      if (std::abs(difference) > kStepSigmas * sigma &&
+          std::abs(difference) * t.nominal_speed_mps > kSmallestStepM)
         candidates.emplace_back(std::abs(difference) / sigma, i);
     }
     std::sort(candidates.rbegin(), candidates.rend());
     std::vector<std::size_t> taken;
     for (const auto& [significance, i] : candidates) {
       const auto at = i;
-      if (std::any_of(taken.begin(), taken.end(), [at](std::size_t k) { return std::max(k, at) - std::min(k, at) < kSide; })) continue;
+      if (std::any_of(taken.begin(), taken.end(),
+                      [at](std::size_t k) { return std::max(k, at) - std::min(k, at) < kSide; }))
+        continue;
       taken.push_back(i);
       const std::size_t sharp = sharpened(o, i);
       double difference = 0.0, sigma = 0.0;
-      if (!difference_at(o, sharp, usual_s, difference, sigma)) (void)difference_at(o, i, usual_s, difference, sigma);
+      if (!difference_at(o, sharp, usual_s, difference, sigma))
+        (void)difference_at(o, i, usual_s, difference, sigma);
       steps.push_back({o[sharp].time_s, difference, state.beacon_p_map_m.size()});
     }
   }
-  std::sort(steps.begin(), steps.end(), [](const ClockStep& a, const ClockStep& b) { return a.time_s < b.time_s; });
+  std::sort(steps.begin(), steps.end(),
+            [](const ClockStep& a, const ClockStep& b) { return a.time_s < b.time_s; });
   return steps;
 }
 

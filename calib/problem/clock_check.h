@@ -10,13 +10,16 @@
 
 namespace octant::calib {
 
-/// Jumps that the log alone shows: the ranges of most beacons change together, in the same sense, by more than the vehicle can
-/// have moved in between: 5 m/s, or what its odometry says and a tenth. Small jumps between stops far apart in time are beyond it.
+/// Jumps that the log alone shows: the ranges of most beacons change together, in the same sense, by more
+/// than the vehicle can have moved in between: 5 m/s, or what its odometry says and a tenth. Small jumps
+/// between stops far apart in time are beyond it.
 [[nodiscard]] std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& run);
 
-/// Jumps that the beacons' geometry shows: each stop is settled with a clock offset of its own (four beacons or more), and the
-/// offsets of stops in a row are compared before and after.
-/// @param trajectories  with states near the truth; rejected arrivals take part, as a jump may be why they were
-[[nodiscard]] std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajectories, std::size_t run, const SharedState& state);
+/// Jumps that the beacons' geometry shows: each stop is settled with a clock offset of its own (four beacons
+/// or more), and the offsets of stops in a row are compared before and after.
+/// @param trajectories  with states near the truth; rejected arrivals take part, as a jump may be why they
+/// were
+[[nodiscard]] std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajectories,
+                                                         std::size_t run, const SharedState& state);
 
 }  // namespace octant::calib

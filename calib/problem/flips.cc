@@ -11,13 +11,14 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kNamed = 8;   ///< epochs named before "and so many more"
+constexpr std::size_t kNamed = 8;  ///< epochs named before "and so many more"
 
 bool has_stops(const Trajectory& t) { return !t.moving && t.motion == Motion::kPlanar; }
 
 std::string epochs_text(const std::vector<std::int64_t>& epochs) {
   const std::size_t shown = std::min(kNamed, epochs.size());
-  std::string text = fmt::format("{}", fmt::join(epochs.begin(), epochs.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
+  std::string text =
+      fmt::format("{}", fmt::join(epochs.begin(), epochs.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
   if (shown < epochs.size()) text += fmt::format(" and {} more", epochs.size() - shown);
   return text;
 }
@@ -28,7 +29,8 @@ std::vector<std::vector<double>> epoch_headings_rad(const std::vector<Trajectory
   std::vector<std::vector<double>> headings(trajectories.size());
   for (std::size_t i = 0; i < trajectories.size(); ++i)
     if (has_stops(trajectories[i]))
-      for (const Node& node : trajectories[i].nodes) headings[i].push_back(node.placed ? node.T_map_vehicle.heading_rad() : NAN);
+      for (const Node& node : trajectories[i].nodes)
+        headings[i].push_back(node.placed ? node.T_map_vehicle.heading_rad() : NAN);
   return headings;
 }
 
@@ -42,26 +44,35 @@ bool has_heading(const Site& site, VehicleId vehicle, bool measured) {
     ends.emplace_back(r.position_m.head<2>());
     sigma_m = std::max(sigma_m, r.sigma_m.head<2>().maxCoeff());
   }
-  return std::any_of(ends.begin(), ends.end(), [&](const Eigen::Vector2d& end) { return (end - ends.front()).norm() > kSigmas * sigma_m; });
+  return std::any_of(ends.begin(), ends.end(), [&](const Eigen::Vector2d& end) {
+    return (end - ends.front()).norm() > kSigmas * sigma_m;
+  });
 }
 
-bool is_flipped(const Node& node, double before_rad) { return node.placed && std::cos(node.T_map_vehicle.heading_rad() - before_rad) < 0; }
+bool is_flipped(const Node& node, double before_rad) {
+  return node.placed && std::cos(node.T_map_vehicle.heading_rad() - before_rad) < 0;
+}
 
 std::vector<std::string> flips_in_words(const MeasurementLog& run, const std::vector<std::int64_t>& epochs) {
   if (epochs.empty()) return {};
-  return {fmt::format("{}: {} epochs faced the wrong way at the start and were turned: {}", run.path, epochs.size(), epochs_text(epochs))};
+  return {fmt::format("{}: {} epochs faced the wrong way at the start and were turned: {}", run.path,
+                      epochs.size(), epochs_text(epochs))};
 }
 
-std::vector<std::string> report_flips(const Problem& problem, const std::vector<Trajectory>& trajectories, const std::vector<std::vector<double>>& before) {
+std::vector<std::string> report_flips(const Problem& problem, const std::vector<Trajectory>& trajectories,
+                                      const std::vector<std::vector<double>>& before) {
   std::vector<std::string> told;
   for (std::size_t i = 0; i < trajectories.size(); ++i) {
     const Trajectory& t = trajectories[i];
-    if (t.bearings.empty() && !has_heading(problem.site, t.vehicle, !t.poses.empty() || !t.odometry.empty())) continue;
+    if (t.bearings.empty() && !has_heading(problem.site, t.vehicle, !t.poses.empty() || !t.odometry.empty()))
+      continue;
     if (!has_stops(t) || before[i].size() != trajectories[i].nodes.size()) continue;
     std::vector<std::int64_t> flipped;
     for (std::size_t k = 0; k < before[i].size(); ++k)
-      if (is_flipped(trajectories[i].nodes[k], before[i][k])) flipped.push_back(trajectories[i].nodes[k].epoch);
-    for (std::string& words : flips_in_words(problem.runs[trajectories[i].run], flipped)) told.push_back(std::move(words));
+      if (is_flipped(trajectories[i].nodes[k], before[i][k]))
+        flipped.push_back(trajectories[i].nodes[k].epoch);
+    for (std::string& words : flips_in_words(problem.runs[trajectories[i].run], flipped))
+      told.push_back(std::move(words));
   }
   return told;
 }

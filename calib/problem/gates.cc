@@ -30,14 +30,15 @@ void gate_ranges(const Site& site, const SharedState& prior, Trajectory& t) {
   for (std::size_t i = 0; i < marks.size(); ++i) t.arrivals[i].rejection = marks[i];
 }
 
-/// Kleeman's inequality between all pairs of arrivals of an epoch at one receiver; the longer of a pair that breaks it is out,
-/// and still compared with the others (it can only make their differences smaller).
+/// Kleeman's inequality between all pairs of arrivals of an epoch at one receiver; the longer of a pair that
+/// breaks it is out, and still compared with the others (it can only make their differences smaller).
 class TriangleGate {
  public:
   TriangleGate(const Site& site, const SharedState& prior) : prior_(prior) {
     for (const SiteBeacon& b : site.beacons) {
       double sigma_m = 0.0;
-      for (std::size_t i = 0; i < 3; ++i) sigma_m = std::max(sigma_m, b.position_m[i] ? b.sigma_m[i].value_or(INFINITY) : INFINITY);
+      for (std::size_t i = 0; i < 3; ++i)
+        sigma_m = std::max(sigma_m, b.position_m[i] ? b.sigma_m[i].value_or(INFINITY) : INFINITY);
       sigma_m_.push_back(sigma_m);
       placed_ += std::isfinite(sigma_m);
     }
@@ -51,27 +52,35 @@ class TriangleGate {
   void gate(Trajectory& t, const Segment& s) const {
     thread_local std::vector<double> range_m;
     range_m.clear();
-    for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) range_m.push_back(range_of(t, t.arrivals[i]));
+    for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
+      range_m.push_back(range_of(t, t.arrivals[i]));
     for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
       ArrivalObservation& a = t.arrivals[i];
       for (std::size_t j = s.first_arrival; j < s.last_arrival && a.rejection == Rejection::kUsed; ++j)
-        if (a.receiver == t.arrivals[j].receiver && too_long(a, t.arrivals[j], range_m[i - s.first_arrival], range_m[j - s.first_arrival]))
+        if (a.receiver == t.arrivals[j].receiver &&
+            too_long(a, t.arrivals[j], range_m[i - s.first_arrival], range_m[j - s.first_arrival]))
           a.rejection = Rejection::kTriangle;
     }
   }
 
  private:
-  [[nodiscard]] bool too_long(const ArrivalObservation& a, const ArrivalObservation& b, double ra, double rb) const {
+  [[nodiscard]] bool too_long(const ArrivalObservation& a, const ArrivalObservation& b, double ra,
+                              double rb) const {
     if (!(ra > rb) || a.beacon == b.beacon) return false;
-    const double apart_m = (prior_.beacon_p_map_m[a.beacon.index()] - prior_.beacon_p_map_m[b.beacon.index()]).norm();
-    const double beyond_m = ra - rb - apart_m, sa = sigma_m_[a.beacon.index()], sb = sigma_m_[b.beacon.index()];
+    const double apart_m =
+        (prior_.beacon_p_map_m[a.beacon.index()] - prior_.beacon_p_map_m[b.beacon.index()]).norm();
+    const double beyond_m = ra - rb - apart_m, sa = sigma_m_[a.beacon.index()],
+                 sb = sigma_m_[b.beacon.index()];
     if (!(beyond_m > 0) || std::max(sa, sb) > kKnownShare * apart_m) return false;
-    const double c = a.model_speed_mps, delay_m = c * delay_sigma_s_, speed_m = speed_sigma_mps_ / c * (ra - rb), noise_m = c * a.sigma_s;
-    return beyond_m > kSigmas * std::sqrt(2 * noise_m * noise_m + 2 * delay_m * delay_m + speed_m * speed_m + sa * sa + sb * sb);
+    const double c = a.model_speed_mps, delay_m = c * delay_sigma_s_,
+                 speed_m = speed_sigma_mps_ / c * (ra - rb), noise_m = c * a.sigma_s;
+    return beyond_m > kSigmas * std::sqrt(2 * noise_m * noise_m + 2 * delay_m * delay_m + speed_m * speed_m +
+                                          sa * sa + sb * sb);
   }
   /// Differences are free of a cycle offset, so the range may be taken with it.
   [[nodiscard]] double range_of(const Trajectory& t, const ArrivalObservation& a) const {
-    return (a.tof_s - prior_.delay_s(a.beacon, a.receiver)) * (a.model_speed_mps + prior_.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
+    return (a.tof_s - prior_.delay_s(a.beacon, a.receiver)) *
+           (a.model_speed_mps + prior_.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
   }
 
   const SharedState& prior_;
@@ -87,12 +96,14 @@ void apply_gates(const Site& site, std::vector<Trajectory>& trajectories, int th
   const TriangleGate triangle(site, prior);
   for (Trajectory& t : trajectories) {
     gate_ranges(site, prior, t);
-    // A vehicle that moves between two firings is at two places; time-walk makes weak signals late by more than noise.
+    // A vehicle that moves between two firings is at two places; time-walk makes weak signals late by more
+    // than noise.
     if (t.moving || site.attenuation || !site.gates.triangle || !triangle.any()) continue;
     constexpr std::size_t kSegmentsAtOnce = 1024;
-    for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
-      for (std::size_t s = first; s < last; ++s) triangle.gate(t, t.segments[s]);
-    });
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                     for (std::size_t s = first; s < last; ++s) triangle.gate(t, t.segments[s]);
+                   });
   }
 }
 

@@ -6,15 +6,17 @@
 
 namespace octant::calib {
 
-/// Marks arrivals that cannot be direct before anything is known of the vehicle, so that the start need not doubt the rest:
-/// Chang's two range rules (Site::gates), and Kleeman's triangle inequality (eq. 5-6) between arrivals of one epoch at one
-/// receiver, for beacons whose places are known well enough. Tolerances cover noise, delays, speed and places at four sigmas.
-/// A mark is no sentence: an arrival that fits the final adjustment is used after all (mark_rejected).
+/// Marks arrivals that cannot be direct before anything is known of the vehicle, so that the start need not
+/// doubt the rest: Chang's two range rules (Site::gates), and Kleeman's triangle inequality (eq. 5-6) between
+/// arrivals of one epoch at one receiver, for beacons whose places are known well enough. Tolerances cover
+/// noise, delays, speed and places at four sigmas. A mark is no sentence: an arrival that fits the final
+/// adjustment is used after all (mark_rejected).
 void apply_gates(const Site& site, std::vector<Trajectory>& trajectories, int threads = 1);
 
 /// Whether a rejection is a gate's, and so stands until the residual says otherwise.
 [[nodiscard]] constexpr bool is_gated(Rejection rejection) {
-  return rejection == Rejection::kTriangle || rejection == Rejection::kOutOfRange || rejection == Rejection::kReflection;
+  return rejection == Rejection::kTriangle || rejection == Rejection::kOutOfRange ||
+         rejection == Rejection::kReflection;
 }
 
 }  // namespace octant::calib

@@ -24,7 +24,6 @@ constexpr double kSpeedPerDegree = 0.0018;  ///< share of the speed of sound tha
 /// A quantum q has a standard deviation of q / sqrt 12; from half of the stated noise on it matters.
 constexpr double kQuantumOfSigma = 0.5 * 3.4641016;
 
-
 class Examiner {
  public:
   Examiner(const Site& site, const MeasurementLog& run) : site_(site), run_(run) {}
@@ -47,14 +46,17 @@ class Examiner {
     coverage();
     h_.clock_steps = steps_in_ranges(site_, run_);
     for (const ClockStep& s : h_.clock_steps)
-      find("clock_step", fmt::format("the times of {} beacons change together by {:.4g} ms at {:.6g} s, more than the vehicle can have moved: a clock jumped there",
+      find("clock_step", fmt::format("the times of {} beacons change together by {:.4g} ms at {:.6g} s, more "
+                                     "than the vehicle can have moved: a clock jumped there",
                                      s.beacons, 1e3 * s.step_s, s.time_s));
     for (Finding& f : check_units(site_, run_)) find(f.kind, f.text);
     return std::move(h_);
   }
 
  private:
-  void find(const std::string& kind, const std::string& text) { h_.findings.push_back({kind, run_.path + ": " + text}); }
+  void find(const std::string& kind, const std::string& text) {
+    h_.findings.push_back({kind, run_.path + ": " + text});
+  }
 
   void extent_in_time() {
     first_s_ = INFINITY;
@@ -78,22 +80,26 @@ class Examiner {
     }
     for (const Bearing& b : run_.bearings)
       if (b.reflector.valid()) by_beacon[b.reflector.index()].push_back(b.time_s);
-    for (std::size_t b = 0; b < by_beacon.size(); ++b) h_.beacons.push_back(link(site_.beacons[b].name, std::move(by_beacon[b])));
+    for (std::size_t b = 0; b < by_beacon.size(); ++b)
+      h_.beacons.push_back(link(site_.beacons[b].name, std::move(by_beacon[b])));
     for (std::size_t r = 0; r < by_receiver.size(); ++r) {
       const SiteReceiver& receiver = site_.receivers[r];
       if (!appears[receiver.vehicle.index()]) continue;
-      h_.receivers.push_back(link(site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name, std::move(by_receiver[r])));
+      h_.receivers.push_back(link(site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name,
+                                  std::move(by_receiver[r])));
     }
   }
 
   [[nodiscard]] LinkHealth link(std::string name, std::vector<double> times) const {
-    LinkHealth l{std::move(name), times.size(), h_.duration_s > 0 ? static_cast<double>(times.size()) / h_.duration_s : 0.0, h_.duration_s};
+    LinkHealth l{std::move(name), times.size(),
+                 h_.duration_s > 0 ? static_cast<double>(times.size()) / h_.duration_s : 0.0, h_.duration_s};
     if (times.empty()) return l;
     times.push_back(first_s_);
     times.push_back(last_s_);
     std::sort(times.begin(), times.end());
     l.longest_silence_s = 0.0;
-    for (std::size_t i = 1; i < times.size(); ++i) l.longest_silence_s = std::max(l.longest_silence_s, times[i] - times[i - 1]);
+    for (std::size_t i = 1; i < times.size(); ++i)
+      l.longest_silence_s = std::max(l.longest_silence_s, times[i] - times[i - 1]);
     return l;
   }
 
@@ -106,20 +112,26 @@ class Examiner {
       const Arrival& before = run_.arrivals[i - 1];
       const Arrival& now = run_.arrivals[i];
       h_.backwards += now.time_s < before.time_s;
-      const bool same = run_.has_epochs ? now.epoch == before.epoch && now.vehicle == before.vehicle : now.time_s == before.time_s;
+      const bool same = run_.has_epochs ? now.epoch == before.epoch && now.vehicle == before.vehicle
+                                        : now.time_s == before.time_s;
       if (same) continue;
       ++h_.instants;
       spacing.push_back(now.time_s - before.time_s);
       between.push_back({before.time_s, now.time_s});
     }
-    if (h_.backwards > 0) find("time_backwards", fmt::format("time_s runs backwards in {} rows", h_.backwards));
+    if (h_.backwards > 0)
+      find("time_backwards", fmt::format("time_s runs backwards in {} rows", h_.backwards));
     const double usual_s = median(spacing);
     for (const Gap& g : between)
       if (g.to_s - g.from_s > std::max(kGapRatio * usual_s, usual_s + kGapAtLeastS)) h_.gaps.push_back(g);
-    std::sort(h_.gaps.begin(), h_.gaps.end(), [](const Gap& a, const Gap& b) { return a.to_s - a.from_s > b.to_s - b.from_s; });
+    std::sort(h_.gaps.begin(), h_.gaps.end(),
+              [](const Gap& a, const Gap& b) { return a.to_s - a.from_s > b.to_s - b.from_s; });
     if (h_.gaps.empty()) return;
-    find("gap", fmt::format("{} {} without any arrival, the longest {:.3g} s from {:.6g} s on (usual spacing {:.3g} s)", h_.gaps.size(),
-                            h_.gaps.size() == 1 ? "pause" : "pauses", h_.gaps[0].to_s - h_.gaps[0].from_s, h_.gaps[0].from_s, usual_s));
+    find("gap",
+         fmt::format(
+             "{} {} without any arrival, the longest {:.3g} s from {:.6g} s on (usual spacing {:.3g} s)",
+             h_.gaps.size(), h_.gaps.size() == 1 ? "pause" : "pauses", h_.gaps[0].to_s - h_.gaps[0].from_s,
+             h_.gaps[0].from_s, usual_s));
   }
 
   void duplicates() {
@@ -135,7 +147,8 @@ class Examiner {
     }
     h_.duplicates += counted;
     if (counted > 0)
-      find("duplicate", fmt::format("{} rows repeat another one, the first is line {}; they count twice", counted, first_line));
+      find("duplicate", fmt::format("{} rows repeat another one, the first is line {}; they count twice",
+                                    counted, first_line));
   }
 
   void values() {
@@ -150,12 +163,17 @@ class Examiner {
     }
     h_.median_range_m = median(std::move(ranges));
     for (std::size_t b = 0; b < limits.size(); ++b)
-      if (h_.beacons[b].arrivals >= kConstantNeeds && limits[b].first == limits[b].second) h_.constant.push_back(site_.beacons[b].name);
-    for (const std::string& name : h_.constant) find("constant", fmt::format("the time of flight of beacon {} never changes: is it a default value?", name));
+      if (h_.beacons[b].arrivals >= kConstantNeeds && limits[b].first == limits[b].second)
+        h_.constant.push_back(site_.beacons[b].name);
+    for (const std::string& name : h_.constant)
+      find("constant",
+           fmt::format("the time of flight of beacon {} never changes: is it a default value?", name));
     h_.resolution_s = h_.constant.empty() ? counter_resolution_s(std::move(tof)) : 0.0;
     if (h_.resolution_s > kQuantumOfSigma * site_.noise.tof_sigma_s)
-      find("quantised", fmt::format("times of flight come in steps of {:.4g} us, that alone is a noise of {:.3g} us where the site states {:.3g} us", 1e6 * h_.resolution_s,
-                                    1e6 * h_.resolution_s / std::sqrt(12.0), 1e6 * site_.noise.tof_sigma_s));
+      find("quantised", fmt::format("times of flight come in steps of {:.4g} us, that alone is a noise of "
+                                    "{:.3g} us where the site states {:.3g} us",
+                                    1e6 * h_.resolution_s, 1e6 * h_.resolution_s / std::sqrt(12.0),
+                                    1e6 * site_.noise.tof_sigma_s));
   }
 
   void temperature() {
@@ -166,11 +184,14 @@ class Examiner {
     h_.temperature_share = static_cast<double>(with) / static_cast<double>(h_.arrivals);
     if (site_.medium.model == MediumModel::kConstant || h_.temperature_of_run || with == h_.arrivals) return;
     if (with > 0) {
-      find("temperature", fmt::format("{} of {} arrivals have no temperature; the site's {:.4g} degC is taken for them", h_.arrivals - with, h_.arrivals,
-                                      site_.medium.temperature_degC));
+      find("temperature",
+           fmt::format("{} of {} arrivals have no temperature; the site's {:.4g} degC is taken for them",
+                       h_.arrivals - with, h_.arrivals, site_.medium.temperature_degC));
     } else if (site_.speed_sigma_mps < kSpeedPerDegree * speed_mps(site_.medium)) {
-      find("temperature", fmt::format("no temperature is logged and medium.sigma_mps is {:.3g}: each degree off the site's {:.4g} degC makes all ranges {:.2g} % wrong",
-                                      site_.speed_sigma_mps, site_.medium.temperature_degC, 100 * kSpeedPerDegree));
+      find("temperature",
+           fmt::format("no temperature is logged and medium.sigma_mps is {:.3g}: each degree off the site's "
+                       "{:.4g} degC makes all ranges {:.2g} % wrong",
+                       site_.speed_sigma_mps, site_.medium.temperature_degC, 100 * kSpeedPerDegree));
     }
   }
 
@@ -180,25 +201,31 @@ class Examiner {
     std::vector<double> last(site_.vehicles.size(), NAN);
     for (const OdometryStep& s : run_.odometry) {
       const std::size_t v = s.vehicle.index();
-      if (std::isfinite(last[v])) h_.odometry.longest_gap_s = std::max(h_.odometry.longest_gap_s, s.time_s - last[v]);
+      if (std::isfinite(last[v]))
+        h_.odometry.longest_gap_s = std::max(h_.odometry.longest_gap_s, s.time_s - last[v]);
       last[v] = s.time_s;
       span[v] = {std::min(span[v].first, s.time_s), std::max(span[v].second, s.time_s)};
     }
     for (std::size_t i = 1; i < run_.poses.size(); ++i)
-      h_.poses.longest_gap_s = std::max(h_.poses.longest_gap_s, run_.poses[i].time_s - run_.poses[i - 1].time_s);
+      h_.poses.longest_gap_s =
+          std::max(h_.poses.longest_gap_s, run_.poses[i].time_s - run_.poses[i - 1].time_s);
     Pose unused;
     for (const Arrival& a : run_.arrivals) {
       on_odometry += a.time_s >= span[a.vehicle.index()].first && a.time_s <= span[a.vehicle.index()].second;
-      on_poses += a.vehicle == run_.vehicle && interpolate_poses(run_.poses, a.time_s, run_.pose_accuracy.max_gap_s, unused);
+      on_poses += a.vehicle == run_.vehicle &&
+                  interpolate_poses(run_.poses, a.time_s, run_.pose_accuracy.max_gap_s, unused);
     }
     const double all = std::max<double>(1.0, static_cast<double>(h_.arrivals));
     h_.odometry.rows = run_.odometry.size();
     h_.odometry.share = static_cast<double>(on_odometry) / all;
     h_.poses.rows = run_.poses.size();
     h_.poses.share = static_cast<double>(on_poses) / all;
-    for (const auto& [name, c] : {std::pair<const char*, const Coverage&>{"odometry.csv", h_.odometry}, {"poses.tum", h_.poses}})
+    for (const auto& [name, c] :
+         {std::pair<const char*, const Coverage&>{"odometry.csv", h_.odometry}, {"poses.tum", h_.poses}})
       if (c.rows > 0 && h_.arrivals > 0 && c.share < 0.9)
-        find("coverage", fmt::format("{} accompanies {:.0f} % of the arrivals only (longest gap {:.3g} s): do both run on the same clock?", name, 100 * c.share, c.longest_gap_s));
+        find("coverage", fmt::format("{} accompanies {:.0f} % of the arrivals only (longest gap {:.3g} s): "
+                                     "do both run on the same clock?",
+                                     name, 100 * c.share, c.longest_gap_s));
   }
 
   const Site& site_;
@@ -214,14 +241,18 @@ RunHealth log_health(const Site& site, const MeasurementLog& run) { return Exami
 std::vector<Finding> silent_links(const Site& site, const std::vector<RunHealth>& runs) {
   std::vector<Finding> findings;
   for (std::size_t b = 0; b < site.beacons.size(); ++b) {
-    const bool heard = std::any_of(runs.begin(), runs.end(), [b](const RunHealth& h) { return h.beacons[b].arrivals > 0; });
-    if (!heard) findings.push_back({"silent_beacon", fmt::format("beacon {} is in the site but was never heard", site.beacons[b].name)});
+    const bool heard =
+        std::any_of(runs.begin(), runs.end(), [b](const RunHealth& h) { return h.beacons[b].arrivals > 0; });
+    if (!heard)
+      findings.push_back({"silent_beacon",
+                          fmt::format("beacon {} is in the site but was never heard", site.beacons[b].name)});
   }
   std::map<std::string, std::size_t> heard;
   for (const RunHealth& h : runs)
     for (const LinkHealth& r : h.receivers) heard[r.name] += r.arrivals;
   for (const auto& [name, count] : heard)
-    if (count == 0) findings.push_back({"deaf_receiver", fmt::format("receiver {} never hears anything", name)});
+    if (count == 0)
+      findings.push_back({"deaf_receiver", fmt::format("receiver {} never hears anything", name)});
   return findings;
 }
 

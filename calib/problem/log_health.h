@@ -13,7 +13,8 @@ namespace octant::calib {
 
 /// Something about a log or a site that a person should look at.
 struct Finding {
-  std::string kind;  ///< for machines: "silent_beacon", "unit", "two_way", "receiver_label", "clock_step", "gap", ...
+  std::string
+      kind;  ///< for machines: "silent_beacon", "unit", "two_way", "receiver_label", "clock_step", "gap", ...
   std::string text;  ///< for people, one sentence
 };
 
@@ -48,12 +49,12 @@ struct RunHealth {
   std::string path;
   double duration_s = 0.0;
   std::size_t rows = 0, arrivals = 0, bearings = 0, instants = 0;  ///< instants: epochs, or distinct times
-  std::vector<LinkHealth> beacons;    ///< order of the site
-  std::vector<LinkHealth> receivers;  ///< of vehicles that appear in the run
+  std::vector<LinkHealth> beacons;                                 ///< order of the site
+  std::vector<LinkHealth> receivers;                               ///< of vehicles that appear in the run
   std::map<std::string, std::size_t> rejected;  ///< rows that are no measurement, by reason
-  std::size_t duplicates = 0;         ///< rows that repeat another one
-  std::size_t backwards = 0;          ///< rows earlier than the row before
-  std::vector<Gap> gaps;              ///< pauses beyond ten times the usual, longest first
+  std::size_t duplicates = 0;                   ///< rows that repeat another one
+  std::size_t backwards = 0;                    ///< rows earlier than the row before
+  std::vector<Gap> gaps;                        ///< pauses beyond ten times the usual, longest first
   std::vector<ClockStep> clock_steps;
   double median_range_m = 0.0;        ///< by the medium's speed and the prior delay
   double resolution_s = 0.0;          ///< of the counter, as the values show it; 0: none seen
@@ -67,11 +68,12 @@ struct RunHealth {
 /// Examines one recording by counting and sorting; no adjustment. Linear in the rows but for sorting.
 [[nodiscard]] RunHealth log_health(const Site& site, const MeasurementLog& run);
 
-/// Beacons of the site that no run hears, receivers that hear nothing in any run in which their vehicle appears.
+/// Beacons of the site that no run hears, receivers that hear nothing in any run in which their vehicle
+/// appears.
 [[nodiscard]] std::vector<Finding> silent_links(const Site& site, const std::vector<RunHealth>& runs);
 
-/// Resolution of a counter: the step of which all values are whole multiples (to a hundredth of it, one phase). Needs values that
-/// repeat; 0 where there is none.
+/// Resolution of a counter: the step of which all values are whole multiples (to a hundredth of it, one
+/// phase). Needs values that repeat; 0 where there is none.
 /// @param values_s  times of flight [s], any order
 [[nodiscard]] double counter_resolution_s(std::vector<double> values_s);
 

@@ -28,7 +28,8 @@ class LayoutBuilder {
   }
 
  private:
-  int add(std::string name, double mean, double sigma, double si_per_unit, double lower = -INFINITY, double upper = INFINITY) {
+  int add(std::string name, double mean, double sigma, double si_per_unit, double lower = -INFINITY,
+          double upper = INFINITY) {
     layout_.parameters.push_back({std::move(name), mean, sigma, si_per_unit, lower, upper});
     return layout_.size() - 1;
   }
@@ -45,8 +46,9 @@ class LayoutBuilder {
       for (std::size_t i = 0; i < 3; ++i) {
         const bool prior = beacon.position_m[i] && beacon.sigma_m[i];
         if (prior && *beacon.sigma_m[i] == 0.0) continue;
-        layout_.beacon[b][i] = add("beacon/" + beacon.name + "/" + kAxis[i], prior ? *beacon.position_m[i] : 0.0,
-                                   prior ? *beacon.sigma_m[i] : INFINITY, 1.0);
+        layout_.beacon[b][i] =
+            add("beacon/" + beacon.name + "/" + kAxis[i], prior ? *beacon.position_m[i] : 0.0,
+                prior ? *beacon.sigma_m[i] : INFINITY, 1.0);
       }
       block_from(first);
     }
@@ -67,7 +69,9 @@ class LayoutBuilder {
     };
     if (timing.delay_per.beacon)
       for (std::size_t b = 0; b < site_.beacons.size(); ++b)
-        if (!held_[b]) layout_.beacon_delay[b] = single("beacon/" + site_.beacons[b].name + "/delay_s", prior.beacon_delay_s[b]);
+        if (!held_[b])
+          layout_.beacon_delay[b] =
+              single("beacon/" + site_.beacons[b].name + "/delay_s", prior.beacon_delay_s[b]);
     if (timing.delay_per.receiver)
       for (std::size_t r = 0; r < site_.receivers.size(); ++r)
         layout_.receiver_delay[r] = single(receiver_name(r) + "delay_s", prior.receiver_delay_s[r]);
@@ -80,7 +84,8 @@ class LayoutBuilder {
     const std::size_t count = site_.speed_offset_per_run ? problem_.runs.size() : 1;
     for (std::size_t i = 0; i < count; ++i) {
       const int first = layout_.size();
-      const std::string name = count > 1 ? "medium/run" + std::to_string(i + 1) + "/speed_mps" : "medium/speed_mps";
+      const std::string name =
+          count > 1 ? "medium/run" + std::to_string(i + 1) + "/speed_mps" : "medium/speed_mps";
       layout_.speed.push_back(add(name, 0.0, site_.speed_sigma_mps / c, c));
       block_from(first);
     }
@@ -93,7 +98,8 @@ class LayoutBuilder {
 
   void add_receivers() {
     layout_.receiver.assign(site_.receivers.size(), {-1, -1, -1});
-    for (const SiteReceiver& receiver : site_.receivers) layout_.vehicle_of_receiver.push_back(receiver.vehicle);
+    for (const SiteReceiver& receiver : site_.receivers)
+      layout_.vehicle_of_receiver.push_back(receiver.vehicle);
     add_arrays();
     for (std::size_t r = 0; r < site_.receivers.size(); ++r) {
       if (layout_.has_array(site_.receivers[r].vehicle)) continue;
@@ -101,7 +107,8 @@ class LayoutBuilder {
       for (int i = 0; i < 3; ++i)
         if (site_.receivers[r].sigma_m[i] > 0)
           layout_.receiver[r][static_cast<std::size_t>(i)] =
-              add(receiver_name(r) + kAxis[i], site_.receivers[r].position_m[i], site_.receivers[r].sigma_m[i], 1.0);
+              add(receiver_name(r) + kAxis[i], site_.receivers[r].position_m[i],
+                  site_.receivers[r].sigma_m[i], 1.0);
       block_from(first);
     }
   }
@@ -116,10 +123,12 @@ class LayoutBuilder {
       const double radius_m = corner_m.head<2>().norm();
       const int first = layout_.size();
       if (vehicle.array->radius_sigma_m > 0)
-        layout_.array[v][0] = add("array/" + vehicle.name + "/radius_m", radius_m, vehicle.array->radius_sigma_m, 1.0, 1e-3 * radius_m);
+        layout_.array[v][0] = add("array/" + vehicle.name + "/radius_m", radius_m,
+                                  vehicle.array->radius_sigma_m, 1.0, 1e-3 * radius_m);
       if (vehicle.array->turn_sigma_rad > 0)
-        layout_.array[v][1] = add("array/" + vehicle.name + "/turn_rad", radius_m * std::atan2(corner_m.y(), corner_m.x()),
-                                  radius_m * vehicle.array->turn_sigma_rad, 1.0 / radius_m);
+        layout_.array[v][1] =
+            add("array/" + vehicle.name + "/turn_rad", radius_m * std::atan2(corner_m.y(), corner_m.x()),
+                radius_m * vehicle.array->turn_sigma_rad, 1.0 / radius_m);
       block_from(first);
     }
   }
@@ -132,7 +141,8 @@ class LayoutBuilder {
     const double c = layout_.nominal_speed_mps;
     for (std::size_t v = 0; v < site_.vehicles.size(); ++v) {
       const int first = layout_.size();
-      layout_.clock_drift[v] = add("vehicle/" + site_.vehicles[v].name + "/clock_drift", c * timing.drift, c * timing.drift_sigma, 1.0 / c);
+      layout_.clock_drift[v] = add("vehicle/" + site_.vehicles[v].name + "/clock_drift", c * timing.drift,
+                                   c * timing.drift_sigma, 1.0 / c);
       block_from(first);
     }
   }
@@ -144,14 +154,19 @@ class LayoutBuilder {
     layout_.nominal_amplitude_v = a.amplitude_1m_v.value;
     const int first = layout_.size();
     if (a.amplitude_1m_v.sigma > 0)
-      layout_.attenuation[0] = add("attenuation/amplitude_1m_v", 1.0, a.amplitude_1m_v.sigma / a.amplitude_1m_v.value, a.amplitude_1m_v.value, 1e-3);
+      layout_.attenuation[0] =
+          add("attenuation/amplitude_1m_v", 1.0, a.amplitude_1m_v.sigma / a.amplitude_1m_v.value,
+              a.amplitude_1m_v.value, 1e-3);
     if (a.absorption_np_per_m.sigma > 0)
-      layout_.attenuation[1] = add("attenuation/absorption_np_per_m", a.absorption_np_per_m.value, a.absorption_np_per_m.sigma, 1.0);
+      layout_.attenuation[1] = add("attenuation/absorption_np_per_m", a.absorption_np_per_m.value,
+                                   a.absorption_np_per_m.sigma, 1.0);
     if (a.rise_time_s.sigma > 0)
-      layout_.attenuation[2] = add("attenuation/rise_time_s", c * a.rise_time_s.value, c * a.rise_time_s.sigma, 1.0 / c, 0.0);
+      layout_.attenuation[2] =
+          add("attenuation/rise_time_s", c * a.rise_time_s.value, c * a.rise_time_s.sigma, 1.0 / c, 0.0);
     if (a.half_power_angle_rad.sigma > 0)
-      layout_.attenuation[3] = add("attenuation/half_power_angle_rad", a.half_power_angle_rad.value, a.half_power_angle_rad.sigma, 1.0,
-                                   kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
+      layout_.attenuation[3] =
+          add("attenuation/half_power_angle_rad", a.half_power_angle_rad.value, a.half_power_angle_rad.sigma,
+              1.0, kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
     block_from(first);
   }
 
@@ -161,8 +176,10 @@ class LayoutBuilder {
     for (std::size_t b = 0; b < site_.beacons.size(); ++b)
       for (std::size_t r = 0; r < site_.receivers.size(); ++r) {
         const int first = layout_.size();
-        layout_.pair_bias.push_back(held_[b] ? -1 : add("pair/" + site_.beacons[b].name + "/" + site_.receivers[r].name + "/bias_s", 0.0,
-                                                        c * *site_.noise.pair_sigma_s, 1.0 / c));
+        layout_.pair_bias.push_back(
+            held_[b] ? -1
+                     : add("pair/" + site_.beacons[b].name + "/" + site_.receivers[r].name + "/bias_s", 0.0,
+                           c * *site_.noise.pair_sigma_s, 1.0 / c));
         block_from(first);
       }
   }
@@ -192,7 +209,9 @@ void shape_arrays(const ParameterLayout& layout, const Eigen::VectorXd& x, Share
     const auto value = [&](int column, double held) {
       return column < 0 ? held : x[column] * layout.parameters[static_cast<std::size_t>(column)].si_per_unit;
     };
-    const Eigen::Matrix2d shape = value(layout.array[v][0], now[0]) / now[0] * Eigen::Rotation2Dd(value(layout.array[v][1], now[1]) - now[1]).toRotationMatrix();
+    const Eigen::Matrix2d shape =
+        value(layout.array[v][0], now[0]) / now[0] *
+        Eigen::Rotation2Dd(value(layout.array[v][1], now[1]) - now[1]).toRotationMatrix();
     for (std::size_t r = 0; r < layout.vehicle_of_receiver.size(); ++r)
       if (layout.vehicle_of_receiver[r].index() == v)
         state.receiver_p_vehicle_m[r].head<2>() = (shape * state.receiver_p_vehicle_m[r].head<2>()).eval();
@@ -203,13 +222,17 @@ void shape_arrays(const ParameterLayout& layout, const Eigen::VectorXd& x, Share
 template <class State, class Visit>
 void for_each_free(const ParameterLayout& layout, State& state, Visit&& visit) {
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)
-    for (std::size_t i = 0; i < 3; ++i) visit(layout.beacon[b][i], state.beacon_p_map_m[b][static_cast<int>(i)]);
-  for (std::size_t b = 0; b < layout.beacon_delay.size(); ++b) visit(layout.beacon_delay[b], state.beacon_delay_s[b]);
-  for (std::size_t r = 0; r < layout.receiver_delay.size(); ++r) visit(layout.receiver_delay[r], state.receiver_delay_s[r]);
+    for (std::size_t i = 0; i < 3; ++i)
+      visit(layout.beacon[b][i], state.beacon_p_map_m[b][static_cast<int>(i)]);
+  for (std::size_t b = 0; b < layout.beacon_delay.size(); ++b)
+    visit(layout.beacon_delay[b], state.beacon_delay_s[b]);
+  for (std::size_t r = 0; r < layout.receiver_delay.size(); ++r)
+    visit(layout.receiver_delay[r], state.receiver_delay_s[r]);
   visit(layout.site_delay, state.site_delay_s);
   for (std::size_t i = 0; i < layout.speed.size(); ++i) visit(layout.speed[i], state.speed_offset_mps[i]);
   for (std::size_t r = 0; r < layout.receiver.size(); ++r)
-    for (std::size_t i = 0; i < 3; ++i) visit(layout.receiver[r][i], state.receiver_p_vehicle_m[r][static_cast<int>(i)]);
+    for (std::size_t i = 0; i < 3; ++i)
+      visit(layout.receiver[r][i], state.receiver_p_vehicle_m[r][static_cast<int>(i)]);
   if (state.attenuation) {
     visit(layout.attenuation[0], state.attenuation->amplitude_1m_v);
     visit(layout.attenuation[1], state.attenuation->absorption_np_per_m);
@@ -217,14 +240,16 @@ void for_each_free(const ParameterLayout& layout, State& state, Visit&& visit) {
     visit(layout.attenuation[3], state.attenuation->half_power_angle_rad);
   }
   for (std::size_t i = 0; i < layout.pair_bias.size(); ++i) visit(layout.pair_bias[i], state.pair_bias_s[i]);
-  for (std::size_t v = 0; v < layout.clock_drift.size() && v < state.clock_drift.size(); ++v) visit(layout.clock_drift[v], state.clock_drift[v]);
+  for (std::size_t v = 0; v < layout.clock_drift.size() && v < state.clock_drift.size(); ++v)
+    visit(layout.clock_drift[v], state.clock_drift[v]);
 }
 
 }  // namespace
 
 SharedState ParameterLayout::state_of(const Eigen::VectorXd& x) const {
   SharedState state = fixed;
-  if (state.speed_offset_mps.size() < speed.size()) state.speed_offset_mps.resize(speed.size(), state.speed_offset_mps[0]);
+  if (state.speed_offset_mps.size() < speed.size())
+    state.speed_offset_mps.resize(speed.size(), state.speed_offset_mps[0]);
   for_each_free(*this, state, [&](int column, double& value) {
     if (column >= 0) value = x[column] * parameters[static_cast<std::size_t>(column)].si_per_unit;
   });
@@ -234,7 +259,8 @@ SharedState ParameterLayout::state_of(const Eigen::VectorXd& x) const {
 
 Eigen::VectorXd ParameterLayout::vector_of(const SharedState& state) const {
   SharedState copy = state;
-  if (copy.speed_offset_mps.size() < speed.size()) copy.speed_offset_mps.resize(speed.size(), copy.speed_offset_mps[0]);
+  if (copy.speed_offset_mps.size() < speed.size())
+    copy.speed_offset_mps.resize(speed.size(), copy.speed_offset_mps[0]);
   Eigen::VectorXd x(size());
   for_each_free(*this, copy, [&](int column, double& value) {
     if (column >= 0) x[column] = value / parameters[static_cast<std::size_t>(column)].si_per_unit;

@@ -12,12 +12,13 @@
 
 namespace octant::calib {
 
-/// One shared unknown. Inside the adjustment all are metres or pure numbers, so that radio and sound scale alike.
+/// One shared unknown. Inside the adjustment all are metres or pure numbers, so that radio and sound scale
+/// alike.
 struct Parameter {
-  std::string name;           ///< beacon/B1/x_m, beacon/B1/delay_s, receiver/robot/r0/x_m, medium/speed_mps, ...
-  double prior_mean = 0.0;    ///< internal unit
-  double prior_sigma = 0.0;   ///< internal unit; infinite: no prior
-  double si_per_unit = 1.0;   ///< SI value = internal value times this
+  std::string name;  ///< beacon/B1/x_m, beacon/B1/delay_s, receiver/robot/r0/x_m, medium/speed_mps, ...
+  double prior_mean = 0.0;                     ///< internal unit
+  double prior_sigma = 0.0;                    ///< internal unit; infinite: no prior
+  double si_per_unit = 1.0;                    ///< SI value = internal value times this
   double lower = -INFINITY, upper = INFINITY;  ///< bounds, internal unit
 };
 
@@ -37,16 +38,17 @@ struct ParameterLayout {
   std::vector<std::array<int, 3>> beacon, receiver;
   std::vector<int> beacon_delay, receiver_delay;
   int site_delay = -1;
-  std::vector<int> speed;               ///< one for all, or one for each run
+  std::vector<int> speed;                                                ///< one for all, or one for each run
   std::array<int, kAttenuationUnknowns> attenuation = {-1, -1, -1, -1};  ///< in the order of AttenuationRow
-  std::vector<int> pair_bias;           ///< beacon-major; empty: none
-  std::vector<int> clock_drift;         ///< of each vehicle
-  std::vector<std::array<int, 2>> array;  ///< of each vehicle: circumradius and turn of an octagon that is adjusted as a whole
+  std::vector<int> pair_bias;                                            ///< beacon-major; empty: none
+  std::vector<int> clock_drift;                                          ///< of each vehicle
+  std::vector<std::array<int, 2>>
+      array;  ///< of each vehicle: circumradius and turn of an octagon that is adjusted as a whole
   std::vector<VehicleId> vehicle_of_receiver;
-  double nominal_speed_mps = 343.0;     ///< turns delays into metres
+  double nominal_speed_mps = 343.0;  ///< turns delays into metres
   double nominal_amplitude_v = 1.0;
-  int dense_limit = kDenseLimit;        ///< up to so many parameters all matrices are dense
-  SharedState fixed;                    ///< values of what is held fixed
+  int dense_limit = kDenseLimit;  ///< up to so many parameters all matrices are dense
+  SharedState fixed;              ///< values of what is held fixed
 
   [[nodiscard]] int size() const { return static_cast<int>(parameters.size()); }
   [[nodiscard]] int speed_column(std::size_t run) const {
@@ -55,13 +57,17 @@ struct ParameterLayout {
   [[nodiscard]] SharedState state_of(const Eigen::VectorXd& x) const;
   [[nodiscard]] Eigen::VectorXd vector_of(const SharedState& state) const;
   [[nodiscard]] bool has_array(VehicleId vehicle) const {
-    return vehicle.index() < array.size() && (array[vehicle.index()][0] >= 0 || array[vehicle.index()][1] >= 0);
+    return vehicle.index() < array.size() &&
+           (array[vehicle.index()][0] >= 0 || array[vehicle.index()][1] >= 0);
   }
 };
 
-[[nodiscard]] inline bool is_dense(const ParameterLayout& layout) { return layout.size() <= layout.dense_limit; }
+[[nodiscard]] inline bool is_dense(const ParameterLayout& layout) {
+  return layout.size() <= layout.dense_limit;
+}
 
 /// Free parameters of a problem. Beacons in `held` keep the position and delay they have in `state`.
-[[nodiscard]] ParameterLayout make_layout(const Problem& problem, const SharedState& state, const std::vector<bool>& held);
+[[nodiscard]] ParameterLayout make_layout(const Problem& problem, const SharedState& state,
+                                          const std::vector<bool>& held);
 
 }  // namespace octant::calib

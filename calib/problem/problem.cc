@@ -15,8 +15,8 @@
 namespace octant::calib {
 namespace {
 
-/// Largest distance that the site file speaks of: between beacons with positions, taped, or between measured poses and beacons;
-/// 0 where it speaks of none.
+/// Largest distance that the site file speaks of: between beacons with positions, taped, or between measured
+/// poses and beacons; 0 where it speaks of none.
 double site_extent_m(const Site& site, const MeasurementLog& run) {
   std::vector<Eigen::Vector3d> points;
   for (const SiteBeacon& beacon : site.beacons)
@@ -38,25 +38,34 @@ double site_extent_m(const Site& site, const MeasurementLog& run) {
 Result<void> check_unit(const Site& site, const MeasurementLog& run) {
   constexpr std::size_t kEnough = 100000;  // evenly spread ones of a long log tell the median as well
   std::vector<double> tof_s;
-  for (std::size_t i = 0; i < run.arrivals.size(); i += run.arrivals.size() / kEnough + 1) tof_s.push_back(std::abs(run.arrivals[i].tof_s));
+  for (std::size_t i = 0; i < run.arrivals.size(); i += run.arrivals.size() / kEnough + 1)
+    tof_s.push_back(std::abs(run.arrivals[i].tof_s));
   if (tof_s.empty()) return {};
   std::nth_element(tof_s.begin(), tof_s.begin() + static_cast<std::ptrdiff_t>(tof_s.size() / 2), tof_s.end());
   const double median_s = tof_s[tof_s.size() / 2];
   const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0;
-  const double distance_m = std::max(0.0, median_s - site.timing.turnaround_s) * speed_mps(site.medium) / legs;
+  const double distance_m =
+      std::max(0.0, median_s - site.timing.turnaround_s) * speed_mps(site.medium) / legs;
   const double extent_m = site_extent_m(site, run);
   if (extent_m <= 0 || distance_m <= 20 * extent_m) return {};
-  return fail({.file = run.path + "/tof.csv",
-               .line = run.arrivals.front().line,
-               .found = fmt::format("a median time of flight of {:.6g} s, that is {:.6g} m, at a site {:.6g} m across", median_s, distance_m, extent_m),
-               .expected = "times of flight in seconds",
-               .advice = "check whether the log is in milliseconds or microseconds, or whether medium.speed_mps is right"});
+  return fail(
+      {.file = run.path + "/tof.csv",
+       .line = run.arrivals.front().line,
+       .found =
+           fmt::format("a median time of flight of {:.6g} s, that is {:.6g} m, at a site {:.6g} m across",
+                       median_s, distance_m, extent_m),
+       .expected = "times of flight in seconds",
+       .advice =
+           "check whether the log is in milliseconds or microseconds, or whether medium.speed_mps is right"});
 }
 
 /// What may be left out of a site file without arrivals may not with them.
 Result<void> check_complete(const Site& site, const MeasurementLog& run) {
   if (run.arrivals.empty()) return {};
-  const char* missing = !site.medium_given ? "medium" : !site.timing_given ? "timing" : !site.tof_sigma_given ? "noise.tof_sigma_s" : nullptr;
+  const char* missing = !site.medium_given      ? "medium"
+                        : !site.timing_given    ? "timing"
+                        : !site.tof_sigma_given ? "noise.tof_sigma_s"
+                                                : nullptr;
   if (missing == nullptr) return {};
   return fail({.file = site.path,
                .found = fmt::format("no {}, but {}/tof.csv has arrivals", missing, run.path),
@@ -70,19 +79,22 @@ constexpr double kMeaninglessRad = 1.0;
 constexpr double kShareOfTolerance = 0.2;
 constexpr double kUsualTolerance = 0.05;
 
-/// Whether nothing at all tells the headings of a vehicle: one place of its receivers on the origin, no bearings, no odometry, no
-/// measured headings.
+/// Whether nothing at all tells the headings of a vehicle: one place of its receivers on the origin, no
+/// bearings, no odometry, no measured headings.
 bool is_headless(const Site& site, const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
   if (site.motion != Motion::kPlanar || has_heading(site, vehicle, true)) return false;
   return std::none_of(trajectories.begin(), trajectories.end(), [&](const Trajectory& t) {
     return t.vehicle == vehicle && (!t.bearings.empty() || !t.odometry.empty() || t.motion_prior ||
-                                    std::any_of(t.poses.begin(), t.poses.end(), [](const PoseObservation& p) { return p.heading_sigma_rad < kMeaninglessRad; }));
+                                    std::any_of(t.poses.begin(), t.poses.end(), [](const PoseObservation& p) {
+                                      return p.heading_sigma_rad < kMeaninglessRad;
+                                    }));
   });
 }
 
-/// Without headings a lever arm of some millimetres is no parameter: each stop turns as it likes, and all turned together look the
-/// same, so that the arm would grow until it absorbs the errors of each stop, and no adjustment would come to rest on that circle.
-/// A receiver that is known well enough then stands where it is stated, and measured positions are off by its sigma as well.
+/// Without headings a lever arm of some millimetres is no parameter: each stop turns as it likes, and all
+/// turned together look the same, so that the arm would grow until it absorbs the errors of each stop, and no
+/// adjustment would come to rest on that circle. A receiver that is known well enough then stands where it is
+/// stated, and measured positions are off by its sigma as well.
 void hold_levers(Site& site, std::vector<Trajectory>& trajectories) {
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
     if (!is_headless(site, trajectories, VehicleId(v))) continue;
@@ -123,8 +135,10 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int th
       if (t.arrivals.empty() && t.bearings.empty() && t.stateless_arrivals.empty()) continue;
       observations += t.arrivals.size() + t.bearings.size();
       if (!t.stateless_arrivals.empty())
-        problem.warnings.push_back(fmt::format("{}/tof.csv:{}: {} arrivals have no vehicle state at their time (beyond odometry or in a gap of poses.tum) and are left out",
-                                               runs[i].path, runs[i].arrivals[t.stateless_arrivals.front()].line, t.stateless_arrivals.size()));
+        problem.warnings.push_back(fmt::format(
+            "{}/tof.csv:{}: {} arrivals have no vehicle state at their time (beyond odometry or in a gap of "
+            "poses.tum) and are left out",
+            runs[i].path, runs[i].arrivals[t.stateless_arrivals.front()].line, t.stateless_arrivals.size()));
       problem.trajectories.push_back(std::move(t));
     }
   }
@@ -132,7 +146,8 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int th
     return fail({.file = runs.empty() ? site.path : runs.front().path + "/tof.csv",
                  .found = "no arrival or bearing to calibrate with",
                  .expected = "rows of times of flight or bearings with a vehicle state at their time",
-                 .advice = "record a run while the beacons fire, or check poses.tum and odometry.csv against the times in tof.csv"});
+                 .advice = "record a run while the beacons fire, or check poses.tum and odometry.csv against "
+                           "the times in tof.csv"});
   }
   hold_levers(site, problem.trajectories);
   apply_gates(site, problem.trajectories, threads);

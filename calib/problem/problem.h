@@ -5,29 +5,30 @@
 #include <vector>
 
 #include "models/contradiction.h"
-#include "models/support/result.h"
 #include "models/run.h"
 #include "models/site.h"
+#include "models/support/result.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
 
-/// What is to be adjusted: the site's prior knowledge and the recordings, turned into trajectories of vehicle states with
-/// their observations. A plain value; nobody downstream changes it.
+/// What is to be adjusted: the site's prior knowledge and the recordings, turned into trajectories of vehicle
+/// states with their observations. A plain value; nobody downstream changes it.
 struct Problem {
   Site site;
   std::vector<MeasurementLog> runs;
   std::vector<Trajectory> trajectories;  ///< one for each run and vehicle that has arrivals or bearings
   std::vector<std::string> warnings;
   std::vector<Contradiction> contradictions;  ///< that show before any adjustment
-  double typical_range_m = 1.0;          ///< median range of the arrivals by the site's priors
+  double typical_range_m = 1.0;               ///< median range of the arrivals by the site's priors
 };
 
 /// What the trajectories of a site need to know of it.
 [[nodiscard]] TrajectoryModel trajectory_model(const Site& site);
 
 /// Checks the recordings against the site and builds the trajectories.
-/// Errors (kBadInput): no arrival at all; times of flight in the wrong unit (median distance beyond 20 times the site's extent).
+/// Errors (kBadInput): no arrival at all; times of flight in the wrong unit (median distance beyond 20 times
+/// the site's extent).
 [[nodiscard]] Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int threads = 1);
 
 }  // namespace octant::calib

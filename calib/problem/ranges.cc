@@ -23,18 +23,21 @@ double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const Sha
     // One step of the fixed point is plenty for a start: the walk changes slowly with distance.
     const double d = std::max(0.1, tof_s * a.model_speed_mps);
     const auto measured = walk_amplitude(a, state);
-    const auto walk = time_walk_s(measured ? std::exp(*measured) : amplitude_v(d, *state.attenuation), *state.attenuation);
+    const auto walk =
+        time_walk_s(measured ? std::exp(*measured) : amplitude_v(d, *state.attenuation), *state.attenuation);
     if (walk) tof_s -= *walk;
   }
   return std::max(0.0, tof_s * (a.model_speed_mps + state.speed_offset(t.run)) / legs);
 }
 
-std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, BeaconId beacon) {
+std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state,
+                                 BeaconId beacon) {
   std::vector<RangeFrom> ranges;
   for (const Trajectory& t : trajectories)
     for (const ArrivalObservation& a : t.arrivals)
       if (a.beacon == beacon && t.nodes[a.node].placed && (a.alpha == 0.0 || t.nodes[a.node + 1].placed))
-        ranges.push_back({pose_at(t, a.node, a.alpha) * state.receiver_p_vehicle_m[a.receiver.index()], prior_range_m(t, a, state)});
+        ranges.push_back({pose_at(t, a.node, a.alpha) * state.receiver_p_vehicle_m[a.receiver.index()],
+                          prior_range_m(t, a, state)});
   return ranges;
 }
 
@@ -44,13 +47,15 @@ namespace {
 constexpr double kVagueHeadingRad = 0.5;
 
 /// Whether anything but the bearings of one beacon tells the heading of a planar state.
-bool heading_is_told(const Trajectory& t, const Segment& segment, std::size_t node, BeaconId but, const std::vector<bool>& known) {
+bool heading_is_told(const Trajectory& t, const Segment& segment, std::size_t node, BeaconId but,
+                     const std::vector<bool>& known) {
   if (!t.odometry.empty() || t.motion_prior) return true;
   for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
     if (t.poses[i].node == node && t.poses[i].heading_sigma_rad < kVagueHeadingRad) return true;
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
     const BeaconId reflector = t.bearings[i].reflector;
-    if (t.bearings[i].node == node && reflector.valid() && reflector != but && known[reflector.index()]) return true;
+    if (t.bearings[i].node == node && reflector.valid() && reflector != but && known[reflector.index()])
+      return true;
   }
   ReceiverId first;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
@@ -64,14 +69,17 @@ bool heading_is_told(const Trajectory& t, const Segment& segment, std::size_t no
 
 }  // namespace
 
-std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, BeaconId beacon, const std::vector<bool>& known) {
+std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, BeaconId beacon,
+                             const std::vector<bool>& known) {
   std::vector<RayFrom> rays;
   for (const Trajectory& t : trajectories) {
     if (t.motion != Motion::kPlanar) continue;
     for (const Segment& segment : t.segments)
       for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
         const BearingObservation& b = t.bearings[i];
-        if (b.reflector != beacon || !t.nodes[b.node].placed || (b.alpha != 0.0 && !t.nodes[b.node + 1].placed)) continue;
+        if (b.reflector != beacon || !t.nodes[b.node].placed ||
+            (b.alpha != 0.0 && !t.nodes[b.node + 1].placed))
+          continue;
         if (!heading_is_told(t, segment, b.node, beacon, known)) continue;
         const Pose T = pose_at(t, b.node, b.alpha);
         rays.push_back({T.translation_m.head<2>(), wrap_angle(T.heading_rad() + b.bearing_rad), b.sigma_rad});
@@ -88,7 +96,8 @@ double typical_range_m(const Site& site, const std::vector<Trajectory>& trajecto
   const std::size_t every = arrivals / kEnough + 1;
   std::vector<double> ranges;
   for (const Trajectory& t : trajectories)
-    for (std::size_t i = 0; i < t.arrivals.size(); i += every) ranges.push_back(prior_range_m(t, t.arrivals[i], prior));
+    for (std::size_t i = 0; i < t.arrivals.size(); i += every)
+      ranges.push_back(prior_range_m(t, t.arrivals[i], prior));
   return ranges.empty() ? 1.0 : std::max(median(std::move(ranges)), 1e-3);
 }
 

@@ -12,15 +12,19 @@
 namespace octant::calib {
 
 /// Range of an arrival by the speed and delays of a state, the walk by the attenuation's prior taken out [m].
-[[nodiscard]] double prior_range_m(const Trajectory& trajectory, const ArrivalObservation& arrival, const SharedState& state);
+[[nodiscard]] double prior_range_m(const Trajectory& trajectory, const ArrivalObservation& arrival,
+                                   const SharedState& state);
 
 /// Ranges of a beacon from the vehicle states placed so far, rejected arrivals included.
-[[nodiscard]] std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state, BeaconId beacon);
+[[nodiscard]] std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories,
+                                               const SharedState& state, BeaconId beacon);
 
-/// Rays to a beacon by its bearings, from planar vehicle states placed so far whose heading something else tells: a measured pose,
-/// odometry, a bearing of another beacon that is known, or two receivers. Rejected bearings are included.
+/// Rays to a beacon by its bearings, from planar vehicle states placed so far whose heading something else
+/// tells: a measured pose, odometry, a bearing of another beacon that is known, or two receivers. Rejected
+/// bearings are included.
 /// @param known  beacons whose places are known, which tell headings
-[[nodiscard]] std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, BeaconId beacon, const std::vector<bool>& known);
+[[nodiscard]] std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, BeaconId beacon,
+                                           const std::vector<bool>& known);
 
 /// Median of the prior ranges of all arrivals, at least a millimetre; 1 m without arrivals.
 [[nodiscard]] double typical_range_m(const Site& site, const std::vector<Trajectory>& trajectories);

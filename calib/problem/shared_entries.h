@@ -9,7 +9,8 @@
 
 namespace octant::calib {
 
-/// Derivatives of one whitened row by the free shared parameters that it touches (internal units), as (column, value) pairs.
+/// Derivatives of one whitened row by the free shared parameters that it touches (internal units), as
+/// (column, value) pairs.
 struct RowEntries {
   int count = 0;
   std::array<int, 16> column;
@@ -23,26 +24,33 @@ struct RowEntries {
 
 /// @param run  of the trajectory the row belongs to
 /// @param state  at which the row was made
-[[nodiscard]] inline RowEntries row_entries(const ObservationRow& row, std::size_t run, const ParameterLayout& layout, const SharedState& state) {
+[[nodiscard]] inline RowEntries row_entries(const ObservationRow& row, std::size_t run,
+                                            const ParameterLayout& layout, const SharedState& state) {
   RowEntries e;
   if (!row.has_shared) return e;
-  const auto scale = [&](int column) { return column < 0 ? 0.0 : layout.parameters[static_cast<std::size_t>(column)].si_per_unit; };
-  for (std::size_t i = 0; i < 3; ++i) e.add(layout.beacon[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
+  const auto scale = [&](int column) {
+    return column < 0 ? 0.0 : layout.parameters[static_cast<std::size_t>(column)].si_per_unit;
+  };
+  for (std::size_t i = 0; i < 3; ++i)
+    e.add(layout.beacon[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
   if (!row.receiver.valid()) return e;
   const VehicleId vehicle = layout.vehicle_of_receiver[row.receiver.index()];
   if (layout.has_array(vehicle)) {
     // An octagon as a whole: along the receiver's radius, and across it by its turn.
-    const Eigen::Vector2d o = state.receiver_p_vehicle_m[row.receiver.index()].head<2>(), outward = o.normalized();
+    const Eigen::Vector2d o = state.receiver_p_vehicle_m[row.receiver.index()].head<2>(),
+                          outward = o.normalized();
     const auto& columns = layout.array[vehicle.index()];
     e.add(columns[0], row.by_receiver.head<2>() * outward);
     e.add(columns[1], (row.by_receiver[1] * o.x() - row.by_receiver[0] * o.y()) * scale(columns[1]));
   } else {
-    for (std::size_t i = 0; i < 3; ++i) e.add(layout.receiver[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
+    for (std::size_t i = 0; i < 3; ++i)
+      e.add(layout.receiver[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
   }
   for (std::size_t i = 0; i < layout.attenuation.size(); ++i)
     e.add(layout.attenuation[i], row.by_attenuation[static_cast<int>(i)] * scale(layout.attenuation[i]));
   if (row.kind != RowKind::kTof) return e;
-  for (const int column : {layout.beacon_delay[row.beacon.index()], layout.receiver_delay[row.receiver.index()], layout.site_delay})
+  for (const int column : {layout.beacon_delay[row.beacon.index()],
+                           layout.receiver_delay[row.receiver.index()], layout.site_delay})
     e.add(column, row.by_delay * scale(column));
   if (!layout.pair_bias.empty()) {
     const int column = layout.pair_bias[row.beacon.index() * layout.receiver.size() + row.receiver.index()];

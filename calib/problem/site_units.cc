@@ -11,7 +11,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr double kOtherOrder = 8.0;      ///< ratio beyond which two coordinates of a site are of different orders
+constexpr double kOtherOrder = 8.0;  ///< ratio beyond which two coordinates of a site are of different orders
 constexpr double kSigmaOfExtent = 0.05;  ///< sigmas beyond this share of the site are taken to be in its unit
 
 bool is_placed(const SiteBeacon& b) { return b.position_m[0] && b.position_m[1]; }
@@ -26,7 +26,8 @@ double size_m(const SiteBeacon& b) {
 double extent_of(const Site& site) {
   Eigen::AlignedBox3d box;
   for (const SiteBeacon& b : site.beacons)
-    if (is_placed(b)) box.extend(Eigen::Vector3d(*b.position_m[0], *b.position_m[1], b.position_m[2].value_or(0.0)));
+    if (is_placed(b))
+      box.extend(Eigen::Vector3d(*b.position_m[0], *b.position_m[1], b.position_m[2].value_or(0.0)));
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
@@ -51,7 +52,8 @@ const std::vector<LengthUnit>& length_units() {
   return units;
 }
 
-std::optional<LengthUnit> unit_of_place(const Eigen::Vector3d& stated, const Eigen::Vector3d& found_m, double sigma_m) {
+std::optional<LengthUnit> unit_of_place(const Eigen::Vector3d& stated, const Eigen::Vector3d& found_m,
+                                        double sigma_m) {
   constexpr double kShare = 0.01;
   for (const LengthUnit& unit : length_units()) {
     const double off = (unit.metres * stated - found_m).norm();
@@ -75,7 +77,8 @@ std::vector<bool> beacons_in_unit(const Site& site, const LengthUnit& unit) {
       split = i;
     }
   if (split == 0 || unit.metres * sizes.back() > 3 * sizes[split - 1]) return large;
-  for (std::size_t b = 0; b < large.size(); ++b) large[b] = is_placed(site.beacons[b]) && size_m(site.beacons[b]) >= sizes[split];
+  for (std::size_t b = 0; b < large.size(); ++b)
+    large[b] = is_placed(site.beacons[b]) && size_m(site.beacons[b]) >= sizes[split];
   return large;
 }
 
@@ -111,7 +114,8 @@ Result<void> check_site_units(const Site& site, const std::vector<MeasurementLog
       guess = fmt::format("is it in {}? Then write {:g}", name, factor * delay_s);
   return fail(
       {.file = site.path,
-       .found = fmt::format("timing.delay_s is {:g} s, longer than nine of ten times of flight ({:.4g} s)", delay_s, longest_s),
+       .found = fmt::format("timing.delay_s is {:g} s, longer than nine of ten times of flight ({:.4g} s)",
+                            delay_s, longest_s),
        .expected = "a delay in seconds, the unit of tof_s",
        .advice = guess.empty() ? "check the unit" : guess});
 }

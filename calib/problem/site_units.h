@@ -8,9 +8,9 @@
 
 #include <Eigen/Core>
 
-#include "models/support/result.h"
 #include "models/run.h"
 #include "models/site.h"
+#include "models/support/result.h"
 
 namespace octant::calib {
 
@@ -22,13 +22,13 @@ struct LengthUnit {
 /// Centimetres, millimetres, feet, inches.
 [[nodiscard]] const std::vector<LengthUnit>& length_units();
 
-/// The unit in which a place seems to be stated that is found elsewhere: its distance from the origin is that many times too
-/// large in every direction, to a hundredth and three sigmas. None where no unit explains it.
-[[nodiscard]] std::optional<LengthUnit> unit_of_place(const Eigen::Vector3d& stated, const Eigen::Vector3d& found_m,
-                                                      double sigma_m);
+/// The unit in which a place seems to be stated that is found elsewhere: its distance from the origin is that
+/// many times too large in every direction, to a hundredth and three sigmas. None where no unit explains it.
+[[nodiscard]] std::optional<LengthUnit> unit_of_place(const Eigen::Vector3d& stated,
+                                                      const Eigen::Vector3d& found_m, double sigma_m);
 
-/// Beacons whose stated coordinates are of another order of magnitude than the others', as centimetres among metres are, and back
-/// among them when read in that unit; all false where there are none.
+/// Beacons whose stated coordinates are of another order of magnitude than the others', as centimetres among
+/// metres are, and back among them when read in that unit; all false where there are none.
 [[nodiscard]] std::vector<bool> beacons_in_unit(const Site& site, const LengthUnit& unit);
 
 /// What is scaled when a site is read in another unit.
@@ -36,11 +36,12 @@ struct ScaledParts {
   std::vector<bool> beacons;  ///< by beacon
   bool receivers = false;
 };
-/// The site with these positions read in a unit. Sigmas are read in it too where they would be large beside the site.
+/// The site with these positions read in a unit. Sigmas are read in it too where they would be large beside
+/// the site.
 [[nodiscard]] Site in_unit(const Site& site, const LengthUnit& unit, const ScaledParts& parts);
 
-/// Numbers of the site file that no recording can agree with: a delay longer than every time of flight (microseconds for
-/// seconds). Errors (kBadInput): value, what it should be, the unit it looks like.
+/// Numbers of the site file that no recording can agree with: a delay longer than every time of flight
+/// (microseconds for seconds). Errors (kBadInput): value, what it should be, the unit it looks like.
 [[nodiscard]] Result<void> check_site_units(const Site& site, const std::vector<MeasurementLog>& runs);
 
 }  // namespace octant::calib

@@ -9,7 +9,8 @@
 namespace octant::calib {
 namespace {
 
-/// Odometry between stretches is summed up to steps of this size: long enough to save, short enough for a straight chord.
+/// Odometry between stretches is summed up to steps of this size: long enough to save, short enough for a
+/// straight chord.
 constexpr double kStepM = 0.5, kStepRad = 0.3;
 
 /// What is kept or left as a whole: an epoch, an instant or a stretch of a drive of one vehicle.
@@ -21,7 +22,10 @@ struct Group {
 class Thinner {
  public:
   Thinner(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options)
-      : run_(run), beacons_(beacons), options_(options), drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())) {}
+      : run_(run),
+        beacons_(beacons),
+        options_(options),
+        drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())) {}
 
   MeasurementLog thin() {
     make_groups();
@@ -61,11 +65,13 @@ class Thinner {
     std::size_t b = 0;
     const auto take_bearings = [&](double until_s) {
       for (; b < run_.bearings.size() && run_.bearings[b].time_s <= until_s; ++b)
-        group(run_.bearings[b].vehicle, run_.bearings[b].epoch, run_.bearings[b].time_s).bearings.push_back(b);
+        group(run_.bearings[b].vehicle, run_.bearings[b].epoch, run_.bearings[b].time_s)
+            .bearings.push_back(b);
     };
     for (std::size_t a = 0; a < run_.arrivals.size(); ++a) {
       group(run_.arrivals[a].vehicle, run_.arrivals[a].epoch, run_.arrivals[a].time_s).arrivals.push_back(a);
-      if (a + 1 == run_.arrivals.size() || run_.arrivals[a + 1].time_s != run_.arrivals[a].time_s) take_bearings(run_.arrivals[a].time_s);
+      if (a + 1 == run_.arrivals.size() || run_.arrivals[a + 1].time_s != run_.arrivals[a].time_s)
+        take_bearings(run_.arrivals[a].time_s);
     }
     take_bearings(INFINITY);
   }
@@ -73,11 +79,13 @@ class Thinner {
   [[nodiscard]] std::size_t budgeted() const {
     if (!drive_ || groups_.empty()) return options_.instants;
     const double each = static_cast<double>(run_.arrivals.size()) / static_cast<double>(groups_.size());
-    return static_cast<std::size_t>(std::max(30.0, static_cast<double>(options_.drive_arrivals) / std::max(each, 1e-3)));
+    return static_cast<std::size_t>(
+        std::max(30.0, static_cast<double>(options_.drive_arrivals) / std::max(each, 1e-3)));
   }
 
   [[nodiscard]] static std::uint64_t pair_of(const Arrival& a) {
-    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a.beacon.value)) << 32U) | static_cast<std::uint32_t>(a.receiver.value);
+    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a.beacon.value)) << 32U) |
+           static_cast<std::uint32_t>(a.receiver.value);
   }
 
   /// A long stand: one epoch with more of the same than anybody needs.
@@ -85,8 +93,9 @@ class Thinner {
     return std::any_of(groups_.begin(), groups_.end(), [this](const Group& g) {
       if (g.arrivals.size() <= options_.per_pair) return false;
       std::map<std::uint64_t, std::size_t> count;
-      return std::any_of(g.arrivals.begin(), g.arrivals.end(),
-                         [&](std::size_t a) { return ++count[pair_of(run_.arrivals[a])] > options_.per_pair; });
+      return std::any_of(g.arrivals.begin(), g.arrivals.end(), [&](std::size_t a) {
+        return ++count[pair_of(run_.arrivals[a])] > options_.per_pair;
+      });
     });
   }
 
@@ -105,8 +114,10 @@ class Thinner {
     hearing.for_each_heard = [this](std::size_t g, const auto& visit) { for_each_heard(groups_[g], visit); };
     for (std::size_t g = 0; g < groups_.size(); ++g)
       for_each_heard(groups_[g], [&](std::size_t beacon) {
-        if (chosen_[g]) ++hearing.kept[beacon];
-        else if (hearing.more[beacon].empty() || hearing.more[beacon].back() != g) hearing.more[beacon].push_back(g);
+        if (chosen_[g])
+          ++hearing.kept[beacon];
+        else if (hearing.more[beacon].empty() || hearing.more[beacon].back() != g)
+          hearing.more[beacon].push_back(g);
       });
     choose_more(hearing, options_.per_beacon, chosen_);
   }
@@ -144,7 +155,8 @@ class Thinner {
 
   /// Rows within the spans and the next ones on either side.
   template <class Row>
-  static std::vector<Row> near_spans(const std::vector<Row>& rows, const std::vector<std::pair<double, double>>& spans) {
+  static std::vector<Row> near_spans(const std::vector<Row>& rows,
+                                     const std::vector<std::pair<double, double>>& spans) {
     const std::vector<bool> near = marked(rows, spans);
     std::vector<Row> few;
     for (std::size_t i = 0; i < rows.size(); ++i)
@@ -152,7 +164,8 @@ class Thinner {
     return few;
   }
   template <class Row>
-  static std::vector<bool> marked(const std::vector<Row>& rows, const std::vector<std::pair<double, double>>& spans) {
+  static std::vector<bool> marked(const std::vector<Row>& rows,
+                                  const std::vector<std::pair<double, double>>& spans) {
     std::vector<bool> near(rows.size(), false);
     const auto before = [](double t, const Row& row) { return t < row.time_s; };
     for (const auto& [first_s, last_s] : spans) {
@@ -166,7 +179,8 @@ class Thinner {
   }
 
   /// Rows of the stretches as they are, what lies between summed up to longer steps.
-  [[nodiscard]] std::vector<OdometryStep> summed_up(const std::vector<std::pair<double, double>>& spans) const {
+  [[nodiscard]] std::vector<OdometryStep> summed_up(
+      const std::vector<std::pair<double, double>>& spans) const {
     std::map<VehicleId, std::vector<OdometryStep>> by_vehicle;
     for (const OdometryStep& s : run_.odometry) by_vehicle[s.vehicle].push_back(s);
     std::vector<OdometryStep> few;
@@ -181,12 +195,14 @@ class Thinner {
         turn_rad += std::abs(rows[i].dheading_rad);
         const bool open = !near[i] && i + 1 < rows.size() && way_m < kStepM && turn_rad < kStepRad;
         if (open) continue;
-        few.push_back({rows[i].time_s, sum.translation_m.x(), sum.translation_m.y(), sum.heading_rad(), vehicle});
+        few.push_back(
+            {rows[i].time_s, sum.translation_m.x(), sum.translation_m.y(), sum.heading_rad(), vehicle});
         sum = Pose();
         way_m = turn_rad = 0.0;
       }
     }
-    std::stable_sort(few.begin(), few.end(), [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
+    std::stable_sort(few.begin(), few.end(),
+                     [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
     return few;
   }
 
@@ -239,6 +255,8 @@ MeasurementLog without_lists(const MeasurementLog& run) {
   return few;
 }
 
-MeasurementLog thin(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options) { return Thinner(run, beacons, options).thin(); }
+MeasurementLog thin(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options) {
+  return Thinner(run, beacons, options).thin();
+}
 
 }  // namespace octant::calib

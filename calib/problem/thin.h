@@ -12,25 +12,28 @@ namespace octant::calib {
 
 /// How much of a recording a forecast looks at.
 struct ThinOptions {
-  std::size_t instants = 300;      ///< epochs or distinct times, evenly spread
-  std::size_t per_beacon = 40;     ///< arrivals that each beacon keeps, if it has as many
-  std::size_t per_pair = 16;       ///< arrivals of one beacon at one receiver within one epoch or stretch
+  std::size_t instants = 300;         ///< epochs or distinct times, evenly spread
+  std::size_t per_beacon = 40;        ///< arrivals that each beacon keeps, if it has as many
+  std::size_t per_pair = 16;          ///< arrivals of one beacon at one receiver within one epoch or stretch
   std::size_t drive_arrivals = 6000;  ///< of all stretches of a drive together, about
-  double stretch_s = 3.0;          ///< long against the time over which odometry ties states together
+  double stretch_s = 3.0;             ///< long against the time over which odometry ties states together
 };
 
-/// A smaller recording that tells the same: evenly spread epochs (or stretches of a drive, with their odometry row for row and the
-/// odometry between them summed up), and more of them where a beacon would have too little. Measured poses stay where arrivals
-/// do. A recording that is small already comes back as it is.
+/// A smaller recording that tells the same: evenly spread epochs (or stretches of a drive, with their
+/// odometry row for row and the odometry between them summed up), and more of them where a beacon would have
+/// too little. Measured poses stay where arrivals do. A recording that is small already comes back as it is.
 /// @param beacons  number of beacons of the site
-[[nodiscard]] MeasurementLog thin(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options = {});
+[[nodiscard]] MeasurementLog thin(const MeasurementLog& run, std::size_t beacons,
+                                  const ThinOptions& options = {});
 
-/// The choice of groups (epochs, instants, stretches) that thin() makes, by their numbers in the order of time. Evenly spread ones first:
+/// The choice of groups (epochs, instants, stretches) that thin() makes, by their numbers in the order of
+/// time. Evenly spread ones first:
 [[nodiscard]] std::vector<bool> evenly_chosen(std::size_t groups, std::size_t budget);
 /// and then more for each beacon that the chosen ones hear too seldom, evenly again.
 struct GroupsHearing {
-  std::vector<std::size_t> kept;               ///< of each beacon, its arrivals in the groups chosen
-  std::vector<std::vector<std::size_t>> more;  ///< of each beacon, the groups left out that hear it, ascending
+  std::vector<std::size_t> kept;  ///< of each beacon, its arrivals in the groups chosen
+  std::vector<std::vector<std::size_t>>
+      more;  ///< of each beacon, the groups left out that hear it, ascending
   /// Calls visit(beacon) for each arrival of a group of `more`.
   std::function<void(std::size_t group, const std::function<void(std::size_t beacon)>& visit)> for_each_heard;
 };

@@ -18,7 +18,8 @@ namespace {
 constexpr int kSubsets = 200;
 constexpr int kSubsetSize = 6;
 
-/// An image may explain the ranges worse by this in robust cost (four sigmas of one range) and still be as good.
+/// An image may explain the ranges worse by this in robust cost (four sigmas of one range) and still be as
+/// good.
 constexpr double kAsGood = 8.0;
 
 /// Misfit of a ray over its standard deviation, that of the place it is seen from included, and what that is.
@@ -37,7 +38,8 @@ RayMisfit misfit_of(const RayFrom& ray, const Eigen::Vector3d& p, double scale_m
   return m;
 }
 
-double robust_cost(const std::vector<RangeFrom>& ranges, const std::vector<RayFrom>& rays, const Eigen::Vector3d& p, double scale_m) {
+double robust_cost(const std::vector<RangeFrom>& ranges, const std::vector<RayFrom>& rays,
+                   const Eigen::Vector3d& p, double scale_m) {
   double cost = 0.0;
   for (const RangeFrom& r : ranges) {
     const double e = ((r.p_map_m - p).norm() - r.range_m) / scale_m;
@@ -49,7 +51,8 @@ double robust_cost(const std::vector<RangeFrom>& ranges, const std::vector<RayFr
 
 /// Spread of the places along their weakest direction, and that direction.
 struct Spread {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero(), weakest = Eigen::Vector3d::UnitZ(), second = Eigen::Vector3d::UnitY();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero(), weakest = Eigen::Vector3d::UnitZ(),
+                  second = Eigen::Vector3d::UnitY();
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< ascending
 };
 
@@ -57,7 +60,8 @@ Spread spread_of(const std::vector<RangeFrom>& ranges) {
   Spread s;
   for (const RangeFrom& r : ranges) s.mean += r.p_map_m / static_cast<double>(ranges.size());
   Eigen::Matrix3d C = Eigen::Matrix3d::Zero();
-  for (const RangeFrom& r : ranges) C += (r.p_map_m - s.mean) * (r.p_map_m - s.mean).transpose() / static_cast<double>(ranges.size());
+  for (const RangeFrom& r : ranges)
+    C += (r.p_map_m - s.mean) * (r.p_map_m - s.mean).transpose() / static_cast<double>(ranges.size());
   const SymmetricEigen<Eigen::Matrix3d> eigen(C);
   s.sigma = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
   s.weakest = eigen.eigenvectors().col(0);
@@ -67,13 +71,15 @@ Spread spread_of(const std::vector<RangeFrom>& ranges) {
 
 class Solver {
  public:
-  Solver(const std::vector<RangeFrom>& ranges, const std::vector<RayFrom>& rays, const TrilaterationOptions& options)
+  Solver(const std::vector<RangeFrom>& ranges, const std::vector<RayFrom>& rays,
+         const TrilaterationOptions& options)
       : ranges_(ranges), rays_(rays), options_(options), spread_(spread_of(ranges)) {
     for (int i = 0; i < 3; ++i)
       if (!options.held[static_cast<std::size_t>(i)]) free_.push_back(i);
   }
 
-  /// Solutions of the linearised system on a subset; directions in which its places do not spread are found from the range.
+  /// Solutions of the linearised system on a subset; directions in which its places do not spread are found
+  /// from the range.
   void candidates_of(const std::vector<std::size_t>& subset, std::vector<Eigen::Vector3d>& out) const {
     const auto n = static_cast<Eigen::Index>(subset.size());
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -99,10 +105,12 @@ class Solver {
         open.push_back(svd.matrixV().col(i));
       }
     }
-    // The mean equation gives |p|^2 = mean(r^2 - |q|^2), and so how far the solution lies along the open directions.
+    // The mean equation gives |p|^2 = mean(r^2 - |q|^2), and so how far the solution lies along the open
+    // directions.
     double squares = 0.0;
     for (const std::size_t i : subset)
-      squares += (std::pow(ranges_[i].range_m, 2) - (ranges_[i].p_map_m - mean).squaredNorm()) / static_cast<double>(n);
+      squares += (std::pow(ranges_[i].range_m, 2) - (ranges_[i].p_map_m - mean).squaredNorm()) /
+                 static_cast<double>(n);
     const double rest = std::sqrt(std::max(0.0, squares - y.squaredNorm()));
     if (open.empty()) {
       out.push_back(mean + y);
@@ -122,8 +130,9 @@ class Solver {
   }
 
   /// Levenberg-Marquardt under Cauchy's loss, the scale shrinking to options.scale_m.
-  Eigen::Vector3d refine(Eigen::Vector3d p, double start_scale_m, Eigen::Matrix3d* information = nullptr) const {
-    for (double scale = start_scale_m; ; scale = std::max(scale / 3, options_.scale_m)) {
+  Eigen::Vector3d refine(Eigen::Vector3d p, double start_scale_m,
+                         Eigen::Matrix3d* information = nullptr) const {
+    for (double scale = start_scale_m;; scale = std::max(scale / 3, options_.scale_m)) {
       double lambda = 1e-4, cost = robust_cost(ranges_, rays_, p, scale);
       for (int iteration = 0; iteration < 30; ++iteration) {
         Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
@@ -135,7 +144,8 @@ class Solver {
           g += w * e * v / (d * scale);
         }
         for (const RayFrom& ray : rays_) add_ray(misfit_of(ray, p, scale), H, g);
-        if (information != nullptr) *information = 4 * H * scale * scale / (options_.scale_m * options_.scale_m);
+        if (information != nullptr)
+          *information = 4 * H * scale * scale / (options_.scale_m * options_.scale_m);
         H.diagonal() *= 1 + lambda;
         H.diagonal().array() += 1e-9 * (1.0 + H.trace());
         for (int i = 0; i < 3; ++i)
@@ -177,7 +187,8 @@ class Solver {
     for (std::size_t i = 0; i < subset.size(); ++i) subset[i] = i;
     if (!ranges_.empty()) candidates_of(subset, candidates);
     for (int k = 0; k < kSubsets && rays_.size() > 1; ++k) {
-      const std::size_t first = random() % rays_.size(), second = random() % rays_.size();  // in this order, whatever the compiler
+      const std::size_t first = random() % rays_.size(),
+                        second = random() % rays_.size();  // in this order, whatever the compiler
       crossing_of(rays_[first], rays_[second], candidates);
     }
     for (Eigen::Vector3d& p : candidates) impose_held(p);
@@ -185,8 +196,8 @@ class Solver {
     return out;
   }
 
-  /// Images of a place in the plane of the places, and in the vertical plane through a straight track, that explain all nearly as
-  /// well as the place does, which costs `best`, or better.
+  /// Images of a place in the plane of the places, and in the vertical plane through a straight track, that
+  /// explain all nearly as well as the place does, which costs `best`, or better.
   /// @param scales_apart  nearer to the place they are no images
   template <class Visit>
   void for_each_image(const Eigen::Vector3d& place, double best, double scales_apart, Visit&& visit) const {
@@ -200,14 +211,17 @@ class Solver {
       if ((p - place).norm() > scales_apart * options_.scale_m && cost < best + kAsGood) visit(p, cost);
     }
   }
-  [[nodiscard]] double cost_of(const Eigen::Vector3d& p) const { return robust_cost(ranges_, rays_, p, options_.scale_m); }
+  [[nodiscard]] double cost_of(const Eigen::Vector3d& p) const {
+    return robust_cost(ranges_, rays_, p, options_.scale_m);
+  }
 
  private:
   void choose(const std::vector<Eigen::Vector3d>& candidates, Trilateration& out) const {
     const double coarse_m = 6 * options_.scale_m;
     std::vector<std::pair<double, std::size_t>> ranked;
     for (std::size_t i = 0; i < candidates.size(); ++i)
-      if (candidates[i].allFinite()) ranked.emplace_back(robust_cost(ranges_, rays_, candidates[i], coarse_m), i);
+      if (candidates[i].allFinite())
+        ranked.emplace_back(robust_cost(ranges_, rays_, candidates[i], coarse_m), i);
     std::sort(ranked.begin(), ranked.end());
     double best = INFINITY;
     for (std::size_t k = 0; k < std::min<std::size_t>(ranked.size(), 12); ++k) {
@@ -234,11 +248,13 @@ class Solver {
 
   /// Where two rays meet, at the height of the guess.
   void crossing_of(const RayFrom& a, const RayFrom& b, std::vector<Eigen::Vector3d>& out) const {
-    const Eigen::Vector2d u(std::cos(a.direction_rad), std::sin(a.direction_rad)), v(std::cos(b.direction_rad), std::sin(b.direction_rad));
+    const Eigen::Vector2d u(std::cos(a.direction_rad), std::sin(a.direction_rad)),
+        v(std::cos(b.direction_rad), std::sin(b.direction_rad));
     const double cross = u.x() * v.y() - u.y() * v.x();
     if (std::abs(cross) < 3 * std::max(a.sigma_rad, b.sigma_rad)) return;
     const Eigen::Vector2d between = b.p_map_m - a.p_map_m;
-    const double along_a = (between.x() * v.y() - between.y() * v.x()) / cross, along_b = (between.x() * u.y() - between.y() * u.x()) / cross;
+    const double along_a = (between.x() * v.y() - between.y() * v.x()) / cross,
+                 along_b = (between.x() * u.y() - between.y() * u.x()) / cross;
     if (along_a <= 0 || along_b <= 0) return;
     const Eigen::Vector2d p = a.p_map_m + along_a * u;
     out.emplace_back(p.x(), p.y(), options_.guess.z());
@@ -266,7 +282,8 @@ class Solver {
     const auto free_count = static_cast<Eigen::Index>(free_.size());
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> F(free_count, free_count);
     for (std::size_t i = 0; i < free_.size(); ++i)
-      for (std::size_t j = 0; j < free_.size(); ++j) F(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = information(free_[i], free_[j]);
+      for (std::size_t j = 0; j < free_.size(); ++j)
+        F(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = information(free_[i], free_[j]);
     const SymmetricEigen<NodeBlock> eigen(F);
     const double weakest = free_.empty() ? 1.0 : eigen.eigenvalues()[0];
     out.weakest_sigma_m = weakest > 0 ? 1 / std::sqrt(weakest) : INFINITY;
@@ -282,12 +299,14 @@ class Solver {
 
 }  // namespace
 
-Trilateration trilaterate(const std::vector<RangeFrom>& ranges, const TrilaterationOptions& options, const std::vector<RayFrom>& rays) {
+Trilateration trilaterate(const std::vector<RangeFrom>& ranges, const TrilaterationOptions& options,
+                          const std::vector<RayFrom>& rays) {
   if (ranges.empty() && rays.empty()) return {};
   return Solver(ranges, rays, options).solve();
 }
 
-std::optional<Eigen::Vector3d> mirror_image_of(const Eigen::Vector3d& p_map_m, const std::vector<RangeFrom>& ranges,
+std::optional<Eigen::Vector3d> mirror_image_of(const Eigen::Vector3d& p_map_m,
+                                               const std::vector<RangeFrom>& ranges,
                                                const TrilaterationOptions& options) {
   std::optional<Eigen::Vector3d> image;
   if (ranges.empty()) return image;

@@ -26,8 +26,8 @@ struct RayFrom {
 struct TrilaterationOptions {
   std::array<bool, 3> held = {false, false, false};  ///< coordinates that keep the value of `guess`
   Eigen::Vector3d guess = Eigen::Vector3d::Zero();
-  double scale_m = 0.05;        ///< spread of good ranges
-  bool above = true;            ///< with places in one horizontal plane: take the solution above them
+  double scale_m = 0.05;  ///< spread of good ranges
+  bool above = true;      ///< with places in one horizontal plane: take the solution above them
 };
 
 struct Trilateration {
@@ -41,16 +41,21 @@ struct Trilateration {
   Eigen::Vector3d mirror_map_m = Eigen::Vector3d::Zero();
 };
 
-/// Place of a beacon from ranges to known places, none of the ranges trusted: linear solutions of random subsets
+/// Place of a beacon from ranges to known places, none of the ranges trusted: linear solutions of random
+/// subsets
 ///   2 q'p - |p|^2 = |q|^2 - r^2   (difference of squares, Figueroa and Mahajan 1994 without the speed)
-/// give candidates, and so do crossings of rays; the one that most ranges and rays agree with is refined under Cauchy's loss.
-/// Places are known to scale_m, and so is the direction of a ray over its length. Deterministic.
-[[nodiscard]] Trilateration trilaterate(const std::vector<RangeFrom>& ranges, const TrilaterationOptions& options,
+/// give candidates, and so do crossings of rays; the one that most ranges and rays agree with is refined
+/// under Cauchy's loss. Places are known to scale_m, and so is the direction of a ray over its length.
+/// Deterministic.
+[[nodiscard]] Trilateration trilaterate(const std::vector<RangeFrom>& ranges,
+                                        const TrilaterationOptions& options,
                                         const std::vector<RayFrom>& rays = {});
 
-/// The mirror image of a place that the ranges leave: in the plane, or in the vertical plane, in which the places of the ranges
-/// lie, where it explains them nearly as well. None where they tell the two apart, or both are within two scales.
-[[nodiscard]] std::optional<Eigen::Vector3d> mirror_image_of(const Eigen::Vector3d& p_map_m, const std::vector<RangeFrom>& ranges,
+/// The mirror image of a place that the ranges leave: in the plane, or in the vertical plane, in which the
+/// places of the ranges lie, where it explains them nearly as well. None where they tell the two apart, or
+/// both are within two scales.
+[[nodiscard]] std::optional<Eigen::Vector3d> mirror_image_of(const Eigen::Vector3d& p_map_m,
+                                                             const std::vector<RangeFrom>& ranges,
                                                              const TrilaterationOptions& options);
 
 }  // namespace octant::calib

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "calib/problem/ranges.h"
 
@@ -20,11 +20,13 @@ constexpr double kFastestMps = 5.0;
 constexpr std::size_t kPairsNeeded = 50, kNeighbours = 6;
 constexpr double kTogetherS = 0.25;
 
-/// Diagonal of the box round all that the site and the measured poses place, or the longest taped distance [m].
+/// Diagonal of the box round all that the site and the measured poses place, or the longest taped distance
+/// [m].
 double extent_m(const Site& site, const MeasurementLog& run) {
   Eigen::AlignedBox3d box;
   for (const SiteBeacon& b : site.beacons)
-    if (b.position_m[0] && b.position_m[1]) box.extend(Eigen::Vector3d(*b.position_m[0], *b.position_m[1], b.position_m[2].value_or(0.0)));
+    if (b.position_m[0] && b.position_m[1])
+      box.extend(Eigen::Vector3d(*b.position_m[0], *b.position_m[1], b.position_m[2].value_or(0.0)));
   for (const TimedPose& pose : run.poses) box.extend(pose.T_map_vehicle.translation_m);
   double extent = box.isEmpty() ? 0.0 : box.diagonal().norm();
   for (const ControlDistance& d : site.distances) extent = std::max(extent, d.distance_m);
@@ -35,20 +37,30 @@ std::optional<Finding> wrong_unit(const Site& site, const MeasurementLog& run, d
   std::vector<double> tof;
   for (const Arrival& a : run.arrivals) tof.push_back(std::abs(a.tof_s));
   const double c = speed_mps(site.medium), median_tof_s = median(std::move(tof));
-  const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0, ratio = median_tof_s * c / legs / extent;
+  const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0,
+               ratio = median_tof_s * c / legs / extent;
   if (ratio <= kLongest && (ratio >= kShortest || site.timing.clock == Clock::kCycleOffset)) return {};
   struct Unit {
     const char* name;
     double factor, off;
   };
-  std::vector<Unit> units = {{"milliseconds", 1e-3, 0}, {"microseconds", 1e-6, 0}, {"nanoseconds", 1e-9, 0}, {"metres", legs / c, 0}, {"millimetres", 1e-3 * legs / c, 0}};
+  std::vector<Unit> units = {{"milliseconds", 1e-3, 0},
+                             {"microseconds", 1e-6, 0},
+                             {"nanoseconds", 1e-9, 0},
+                             {"metres", legs / c, 0},
+                             {"millimetres", 1e-3 * legs / c, 0}};
   for (Unit& u : units) u.off = std::abs(std::log(ratio * u.factor / kUsual));
   std::sort(units.begin(), units.end(), [](const Unit& a, const Unit& b) { return a.off < b.off; });
   std::string guess;
   for (const Unit& u : units)
-    if (ratio > kLongest && u.off < std::log(10.0)) guess += (guess.empty() ? "" : " or ") + std::string(u.name);
-  return Finding{"unit", fmt::format("the median time of flight of {:.4g} s makes {:.4g} m at a site {:.4g} m across: {}", median_tof_s, ratio * extent, extent,
-                                     guess.empty() ? "check the unit of tof_s and medium.speed_mps" : "tof_s looks like " + guess + ", not seconds")};
+    if (ratio > kLongest && u.off < std::log(10.0))
+      guess += (guess.empty() ? "" : " or ") + std::string(u.name);
+  return Finding{
+      "unit",
+      fmt::format("the median time of flight of {:.4g} s makes {:.4g} m at a site {:.4g} m across: {}",
+                  median_tof_s, ratio * extent, extent,
+                  guess.empty() ? "check the unit of tof_s and medium.speed_mps"
+                                : "tof_s looks like " + guess + ", not seconds")};
 }
 
 /// A beacon's place where the site knows it to a tenth of its extent.
@@ -65,7 +77,8 @@ std::optional<Eigen::Vector3d> known_place(const SiteBeacon& b, double extent, d
 struct PairOfRanges {
   double first_m, second_m, apart_m, slack_m;
   [[nodiscard]] bool contradicts(double factor) const {
-    return factor * std::abs(first_m - second_m) > apart_m + slack_m || factor * (first_m + second_m) < apart_m - slack_m;
+    return factor * std::abs(first_m - second_m) > apart_m + slack_m ||
+           factor * (first_m + second_m) < apart_m - slack_m;
   }
 };
 
@@ -74,10 +87,12 @@ std::vector<PairOfRanges> pairs_of_ranges(const Site& site, const MeasurementLog
   Eigen::AlignedBox3d array;
   for (const SiteReceiver& r : site.receivers) array.extend(r.position_m);
   const double c = speed_mps(site.medium);
-  const double common_m = (array.isEmpty() ? 0.0 : array.diagonal().norm()) + 3 * c * (site.noise.tof_sigma_s + site.timing.delay_sigma_s);
+  const double common_m = (array.isEmpty() ? 0.0 : array.diagonal().norm()) +
+                          3 * c * (site.noise.tof_sigma_s + site.timing.delay_sigma_s);
   std::vector<double> sigma(site.beacons.size());
   std::vector<std::optional<Eigen::Vector3d>> place;
-  for (std::size_t b = 0; b < site.beacons.size(); ++b) place.push_back(known_place(site.beacons[b], extent, sigma[b]));
+  for (std::size_t b = 0; b < site.beacons.size(); ++b)
+    place.push_back(known_place(site.beacons[b], extent, sigma[b]));
   const std::size_t stride = 1 + run.arrivals.size() / 20'000;
   for (std::size_t i = 0; i < run.arrivals.size(); i += stride)
     for (std::size_t j = i + 1; j < std::min(run.arrivals.size(), i + 1 + kNeighbours); ++j) {
@@ -86,9 +101,11 @@ std::vector<PairOfRanges> pairs_of_ranges(const Site& site, const MeasurementLog
       const auto &pa = place[a.beacon.index()], &pb = place[b.beacon.index()];
       const bool together = run.has_epochs ? a.epoch == b.epoch : std::abs(b.time_s - a.time_s) <= kTogetherS;
       if (a.beacon == b.beacon || a.vehicle != b.vehicle || !pa || !pb || !together) continue;
-      const double apart = (*pa - *pb).norm(), moved = run.has_epochs ? 0.0 : kFastestMps * std::abs(b.time_s - a.time_s);
-      pairs.push_back({stated_range_m(site, run, a), stated_range_m(site, run, b), apart,
-                       common_m + moved + 0.03 * apart + 2 * (sigma[a.beacon.index()] + sigma[b.beacon.index()])});
+      const double apart = (*pa - *pb).norm(),
+                   moved = run.has_epochs ? 0.0 : kFastestMps * std::abs(b.time_s - a.time_s);
+      pairs.push_back(
+          {stated_range_m(site, run, a), stated_range_m(site, run, b), apart,
+           common_m + moved + 0.03 * apart + 2 * (sigma[a.beacon.index()] + sigma[b.beacon.index()])});
     }
   return pairs;
 }
@@ -98,17 +115,22 @@ std::optional<Finding> factor_two(const Site& site, const MeasurementLog& run, d
   const std::vector<PairOfRanges> pairs = pairs_of_ranges(site, run, extent);
   if (pairs.size() < kPairsNeeded) return {};
   const auto share = [&](double factor) {
-    return static_cast<double>(std::count_if(pairs.begin(), pairs.end(), [factor](const PairOfRanges& p) { return p.contradicts(factor); })) /
+    return static_cast<double>(
+               std::count_if(pairs.begin(), pairs.end(),
+                             [factor](const PairOfRanges& p) { return p.contradicts(factor); })) /
            static_cast<double>(pairs.size());
   };
   const double as_stated = share(1.0);
   if (as_stated < 0.1) return {};
   for (const double factor : {0.5, 2.0}) {
     if (share(factor) > std::min(0.02, 0.2 * as_stated)) continue;
-    return Finding{"two_way", fmt::format("{:.0f} % of the pairs of ranges contradict the beacons' distances, hardly any do when all ranges are {}: {}", 100 * as_stated,
-                                          factor < 1 ? "halved" : "doubled",
-                                          factor < 1 ? "tof_s looks like the time there and back (timing.ranging: two_way)"
-                                                     : "tof_s looks like half of what timing.ranging makes of it (one_way?)")};
+    return Finding{
+        "two_way",
+        fmt::format("{:.0f} % of the pairs of ranges contradict the beacons' distances, hardly any do when "
+                    "all ranges are {}: {}",
+                    100 * as_stated, factor < 1 ? "halved" : "doubled",
+                    factor < 1 ? "tof_s looks like the time there and back (timing.ranging: two_way)"
+                               : "tof_s looks like half of what timing.ranging makes of it (one_way?)")};
   }
   return {};
 }
@@ -119,9 +141,12 @@ double stated_range_m(const Site& site, const MeasurementLog& run, const Arrival
   Medium medium = site.medium;
   if (run.relative_humidity) medium.relative_humidity = *run.relative_humidity;
   if (run.pressure_pa) medium.pressure_pa = *run.pressure_pa;
-  const double temperature = std::isfinite(a.temperature_degC) ? a.temperature_degC : run.temperature_degC.value_or(medium.temperature_degC);
+  const double temperature = std::isfinite(a.temperature_degC)
+                                 ? a.temperature_degC
+                                 : run.temperature_degC.value_or(medium.temperature_degC);
   const bool two_way = site.timing.ranging == Ranging::kTwoWay;
-  const double delays = static_cast<double>(site.timing.delay_per.beacon + site.timing.delay_per.receiver + site.timing.delay_per.site);
+  const double delays = static_cast<double>(site.timing.delay_per.beacon + site.timing.delay_per.receiver +
+                                            site.timing.delay_per.site);
   const double tof_s = a.tof_s - delays * site.timing.delay_s - (two_way ? site.timing.turnaround_s : 0.0);
   return std::max(0.0, tof_s) * speed_mps(medium, temperature) / (two_way ? 2.0 : 1.0);
 }

@@ -8,12 +8,13 @@
 
 namespace octant::calib {
 
-/// Range of an arrival by the site's medium, prior delay and ranging [m]; no time-walk, cycle offsets left in.
+/// Range of an arrival by the site's medium, prior delay and ranging [m]; no time-walk, cycle offsets left
+/// in.
 [[nodiscard]] double stated_range_m(const Site& site, const MeasurementLog& run, const Arrival& arrival);
 
-/// Suspicions about the unit of tof_s: milliseconds, microseconds, nanoseconds or metres for seconds, by the median range against
-/// the site's extent; and there-and-back times taken for one way, or the reverse, by the triangle inequality between pairs
-/// of beacons whose places are known.
+/// Suspicions about the unit of tof_s: milliseconds, microseconds, nanoseconds or metres for seconds, by the
+/// median range against the site's extent; and there-and-back times taken for one way, or the reverse, by the
+/// triangle inequality between pairs of beacons whose places are known.
 [[nodiscard]] std::vector<Finding> check_units(const Site& site, const MeasurementLog& run);
 
 }  // namespace octant::calib

@@ -9,12 +9,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calib/adjust/reject.h"
 #include "calib/problem/flips.h"
 #include "calib/start/label_check.h"
 #include "calib/start/mirror_images.h"
-#include "calib/verdict/observability.h"
-#include "calib/adjust/reject.h"
 #include "calib/start/start.h"
+#include "calib/verdict/observability.h"
 
 namespace octant::calib {
 namespace {
@@ -24,9 +24,11 @@ constexpr int kMaxStages = 12;
 constexpr double kSuspectSigmas = 2.0;
 /// Beacons at a stage of the graduated adjustment are off by about this share of its scale.
 constexpr double kSlackOfScale = 0.5;
-/// While the robust scale is beyond so many sigmas the headings of epochs are held near where the search found them.
+/// While the robust scale is beyond so many sigmas the headings of epochs are held near where the search
+/// found them.
 constexpr double kRoughScale = 10.0;
-/// Repeated searches, in sigmas by which beacons may be off; an improvement below two per cent counts as none.
+/// Repeated searches, in sigmas by which beacons may be off; an improvement below two per cent counts as
+/// none.
 constexpr std::array<double, 5> kSearchSlacks = {0.0, 20.0, 8.0, 3.0, 0.0};
 constexpr double kMuchBetter = 0.98;
 /// A stated place is believed unless another one is better by this, half a square of four sigmas.
@@ -64,8 +66,8 @@ class Approacher {
   static Solution refuse(WeakDirection direction) {
     Solution solution;
     solution.status = SolveStatus::kUndetermined;
-    solution.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}", direction.description,
-                                   direction.remedy);
+    solution.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}",
+                                   direction.description, direction.remedy);
     solution.undetermined = direction.parameters;
     solution.weak.push_back(std::move(direction));
     return solution;
@@ -86,13 +88,15 @@ class Approacher {
         names.push_back(beacon.name);
       }
       direction.description =
-          fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once", fmt::join(names, ", "));
+          fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once",
+                      fmt::join(names, ", "));
     } else {
-      direction.description =
-          fmt::format("any pose of the vehicle, and with it the positions of beacons {}", fmt::join(names, ", "));
+      direction.description = fmt::format("any pose of the vehicle, and with it the positions of beacons {}",
+                                          fmt::join(names, ", "));
     }
     direction.remedy =
-        "give approximate positions of three beacons that do not stand in line with the path, or measured poses of the vehicle";
+        "give approximate positions of three beacons that do not stand in line with the path, or measured "
+        "poses of the vehicle";
     direction.blocking = true;
     return refuse(std::move(direction));
   }
@@ -116,7 +120,8 @@ class Approacher {
   [[nodiscard]] double sigma_m() const { return it_.sigma_m(problem_); }
 
   bool adjust_with(double scale, double function_tolerance) {
-    it_.last = adjust(problem_, it_.layout, out_.trajectories, it_.x, course_.adjust_options(scale, function_tolerance));
+    it_.last = adjust(problem_, it_.layout, out_.trajectories, it_.x,
+                      course_.adjust_options(scale, function_tolerance));
     return !it_.last.interrupted;
   }
 
@@ -125,7 +130,8 @@ class Approacher {
     double scale = std::max(start_.slack_m / sigma_m(), kCauchyScale);
     bool searched_again = false;
     for (int stage = 0;; ++stage) {
-      if (!course_.report(fmt::format("adjustment, robust scale {:.3g} sigma", scale), std::min(0.6, 0.1 + 0.1 * stage)))
+      if (!course_.report(fmt::format("adjustment, robust scale {:.3g} sigma", scale),
+                          std::min(0.6, 0.1 + 0.1 * stage)))
         return false;
       const bool last = scale <= kCauchyScale;
       const HeldHeadings held(scale > kRoughScale ? &out_.trajectories : nullptr);
@@ -140,7 +146,8 @@ class Approacher {
     }
   }
 
-  /// Receivers in one plane cannot tell above from below: a beacon of unknown height that slipped below is put back above.
+  /// Receivers in one plane cannot tell above from below: a beacon of unknown height that slipped below is
+  /// put back above.
   bool keep_above() {
     if (problem_.site.motion != Motion::kPlanar) return false;
     const SharedState state = it_.layout.state_of(it_.x);
@@ -150,7 +157,8 @@ class Approacher {
     bool lifted = false;
     for (const auto& columns : it_.layout.beacon) {
       const int z = columns[2];
-      if (z < 0 || std::isfinite(it_.layout.parameters[static_cast<std::size_t>(z)].prior_sigma) || it_.x[z] >= plane_z_m)
+      if (z < 0 || std::isfinite(it_.layout.parameters[static_cast<std::size_t>(z)].prior_sigma) ||
+          it_.x[z] >= plane_z_m)
         continue;
       it_.x[z] = 2 * plane_z_m - it_.x[z];
       lifted = true;
@@ -190,8 +198,9 @@ class Approacher {
     return true;
   }
 
-  /// A beacon is not where the site file has it because a robust start ended elsewhere: it is adjusted from its stated place as
-  /// well, all such beacons at once, then one by one, and the stated place is disregarded only where that is clearly worse.
+  /// A beacon is not where the site file has it because a robust start ended elsewhere: it is adjusted from
+  /// its stated place as well, all such beacons at once, then one by one, and the stated place is disregarded
+  /// only where that is clearly worse.
   bool believe_stated(const Kept& before, LabelCheck& check) {
     const auto better_than = [this](const Consensus& other) {
       const double noise = agreeing_sigma(out_.trajectories, it_.layout.state_of(it_.x));
@@ -201,7 +210,9 @@ class Approacher {
     const std::vector<std::size_t> doubted = check.disregarded;
     Kept best = keep();
     Consensus cost = consensus();
-    for (std::size_t trial = 0; trial <= doubted.size() && trusted.size() < doubted.size() && (trial == 0 || doubted.size() > 1); ++trial) {
+    for (std::size_t trial = 0;
+         trial <= doubted.size() && trusted.size() < doubted.size() && (trial == 0 || doubted.size() > 1);
+         ++trial) {
       std::vector<std::size_t> wanted = trusted;
       if (trial == 0) {
         wanted = doubted;
@@ -243,20 +254,23 @@ class Approacher {
     return adjust_with(kCauchyScale, 1e-10);
   }
 
-  /// Beacons, or the whole site, of which the ranges leave a mirror image: it is adjusted too, and the better one by all
-  /// observations is kept. Where both are equally good a beacon is undetermined.
+  /// Beacons, or the whole site, of which the ranges leave a mirror image: it is adjusted too, and the better
+  /// one by all observations is kept. Where both are equally good a beacon is undetermined.
   bool compare_images() {
     if (!course_.report("mirror images", 0.67)) return false;
     const auto compare = [this](const Kept& here, Preference& preferred) {
       const Consensus there = consensus();
       const double noise = agreeing_sigma(here.trajectories, here.layout.state_of(here.x));
-      preferred = prefer(consensus_of(problem_, here.layout, here.x, here.trajectories, options_.rejection_sigmas), there, noise);
+      preferred =
+          prefer(consensus_of(problem_, here.layout, here.x, here.trajectories, options_.rejection_sigmas),
+                 there, noise);
       if (preferred != Preference::kSecond) restore(here);
     };
     for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) {
       const std::array<int, 3>& columns = it_.layout.beacon[b];
       if (!it_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) continue;
-      const auto image = mirror_image(problem_, it_.layout.state_of(it_.x), out_.trajectories, b, 3 * sigma_m());
+      const auto image =
+          mirror_image(problem_, it_.layout.state_of(it_.x), out_.trajectories, b, 3 * sigma_m());
       if (!image) continue;
       const Kept here = keep();
       for (std::size_t i = 0; i < 3; ++i)
@@ -276,11 +290,13 @@ class Approacher {
     if (preferred != Preference::kNeither) return true;
     for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b)
       for (const int column : {it_.layout.beacon[b][0], it_.layout.beacon[b][1]})
-        if (column >= 0 && std::abs(image[column] - here.x[column]) > tolerance_m(problem_)) it_.beacon_mirrored[b] = true;
+        if (column >= 0 && std::abs(image[column] - here.x[column]) > tolerance_m(problem_))
+          it_.beacon_mirrored[b] = true;
     return true;
   }
 
-  /// States that fell into a wrong place while the beacons were off, which they may still be by so many sigmas of an arrival.
+  /// States that fell into a wrong place while the beacons were off, which they may still be by so many
+  /// sigmas of an arrival.
   void place_again(double scale, double slack_sigmas) {
     const EpochFixModel model = search_model(problem_, it_.layout.state_of(it_.x), it_.beacon_usable);
     for (Trajectory& t : out_.trajectories)
@@ -288,8 +304,9 @@ class Approacher {
     readmit_all(out_.trajectories, it_.beacon_usable);
   }
 
-  /// Beacons and states hold each other in wrong places: a few flipped headings keep the beacons off, and those keep the
-  /// headings. So the search is repeated with less and less trust in the beacons withdrawn, and the largest consensus is kept.
+  /// Beacons and states hold each other in wrong places: a few flipped headings keep the beacons off, and
+  /// those keep the headings. So the search is repeated with less and less trust in the beacons withdrawn,
+  /// and the largest consensus is kept.
   bool search_and_adjust() {
     double best = consensus().total();
     std::size_t failures = 0;
@@ -297,7 +314,8 @@ class Approacher {
       const Eigen::VectorXd x = it_.x;
       const std::vector<Trajectory> trajectories = out_.trajectories;
       const AdjustResult last = it_.last;
-      if (!course_.report(fmt::format("search again, beacons trusted to {:.3g} sigma", slack), 0.65)) return false;
+      if (!course_.report(fmt::format("search again, beacons trusted to {:.3g} sigma", slack), 0.65))
+        return false;
       place_again(kCauchyScale, slack);
       for (const double scale : {std::max(slack, kCauchyScale), kCauchyScale})
         if (!adjust_with(scale, scale > kCauchyScale ? 1e-4 : 1e-10)) return false;

@@ -7,8 +7,8 @@
 
 #include "calib/adjust/adjust.h"
 #include "calib/calibrate.h"
-#include "calib/start/course.h"
 #include "calib/problem/parameters.h"
+#include "calib/start/course.h"
 
 namespace octant::calib {
 
@@ -16,10 +16,10 @@ namespace octant::calib {
 struct Estimate {
   ParameterLayout layout;
   Eigen::VectorXd x;
-  AdjustResult last;                   ///< of the adjustment that led to x
-  double noise_factor = 1.0;           ///< noise of the arrivals as found over the stated one
-  std::vector<bool> beacon_usable;     ///< found
-  std::vector<bool> beacon_mirrored;   ///< a second place, adjusted as well, is as good by all observations
+  AdjustResult last;                  ///< of the adjustment that led to x
+  double noise_factor = 1.0;          ///< noise of the arrivals as found over the stated one
+  std::vector<bool> beacon_usable;    ///< found
+  std::vector<bool> beacon_mirrored;  ///< a second place, adjusted as well, is as good by all observations
 
   [[nodiscard]] SharedState state() const { return layout.state_of(x); }
   /// Noise of a range.
@@ -30,7 +30,7 @@ struct Estimate {
 
 /// From nothing to shared parameters and states that the largest consensus of arrivals agrees on.
 struct Approach {
-  bool ok = false;             ///< false: `why_not` has status, message and weak directions
+  bool ok = false;  ///< false: `why_not` has status, message and weak directions
   Solution why_not;
   Estimate estimate;
   std::vector<Trajectory> trajectories;
@@ -38,10 +38,13 @@ struct Approach {
   std::vector<std::string> warnings;
 };
 
-/// Initial values; the adjustment with a loss whose scale goes from the slack of the start down to the noise, states searched again on
-/// the way; exchanged and misplaced beacons mended; states searched again with less and less trust in the beacons withdrawn.
-/// @param search_again  false: without that last search, which takes most of the time where arrivals do not agree
-[[nodiscard]] Approach approach(const Problem& problem, const SolveOptions& options, Course& course, bool search_again = true);
+/// Initial values; the adjustment with a loss whose scale goes from the slack of the start down to the noise,
+/// states searched again on the way; exchanged and misplaced beacons mended; states searched again with less
+/// and less trust in the beacons withdrawn.
+/// @param search_again  false: without that last search, which takes most of the time where arrivals do not
+/// agree
+[[nodiscard]] Approach approach(const Problem& problem, const SolveOptions& options, Course& course,
+                                bool search_again = true);
 
 /// A solution of which nothing came but the word that it was stopped.
 [[nodiscard]] Solution interrupted_solution();

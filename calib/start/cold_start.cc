@@ -13,7 +13,8 @@
 namespace octant::calib {
 namespace {
 
-/// A beacon overhead is taken to hang this share of the typical range above the receivers until the adjustment knows better.
+/// A beacon overhead is taken to hang this share of the typical range above the receivers until the
+/// adjustment knows better.
 constexpr double kHeightShare = 0.2;
 constexpr std::size_t kReceiversForBearing = 3;
 
@@ -47,7 +48,8 @@ std::vector<Sight> sights_of(const Trajectory& t, const Segment& segment, const 
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
     if (a.node == segment.first_node)
-      heard[a.beacon].emplace_back(state.receiver_p_vehicle_m[a.receiver.index()], prior_range_m(t, a, state));
+      heard[a.beacon].emplace_back(state.receiver_p_vehicle_m[a.receiver.index()],
+                                   prior_range_m(t, a, state));
   }
   std::vector<Sight> sights;
   for (const auto& [beacon, receivers] : heard) {
@@ -59,8 +61,8 @@ std::vector<Sight> sights_of(const Trajectory& t, const Segment& segment, const 
 
 }  // namespace
 
-ColdStart start_from_array(const Problem& problem, SharedState& state, std::vector<Trajectory>& trajectories, std::vector<bool>& beacon_found,
-                           double typical_range_m) {
+ColdStart start_from_array(const Problem& problem, SharedState& state, std::vector<Trajectory>& trajectories,
+                           std::vector<bool>& beacon_found, double typical_range_m) {
   ColdStart result;
   Trajectory* best_trajectory = nullptr;
   const Segment* best_segment = nullptr;
@@ -77,12 +79,17 @@ ColdStart start_from_array(const Problem& problem, SharedState& state, std::vect
   }
   if (best.size() < 2 || best_segment == nullptr) return result;
   double receiver_z_m = 0.0;
-  for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m) receiver_z_m += o.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
+  for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m)
+    receiver_z_m += o.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
   for (const Sight& sight : best) {
     const SiteBeacon& known = problem.site.beacons[sight.beacon.index()];
-    const double above_m = known.position_m[2] ? *known.position_m[2] - receiver_z_m : std::min(kHeightShare * typical_range_m, 0.7 * sight.range_m);
+    const double above_m = known.position_m[2]
+                               ? *known.position_m[2] - receiver_z_m
+                               : std::min(kHeightShare * typical_range_m, 0.7 * sight.range_m);
     const double across_m = std::sqrt(std::max(0.0, sight.range_m * sight.range_m - above_m * above_m));
-    state.beacon_p_map_m[sight.beacon.index()] = {across_m * std::cos(sight.bearing_rad), across_m * std::sin(sight.bearing_rad), receiver_z_m + above_m};
+    state.beacon_p_map_m[sight.beacon.index()] = {across_m * std::cos(sight.bearing_rad),
+                                                  across_m * std::sin(sight.bearing_rad),
+                                                  receiver_z_m + above_m};
     beacon_found[sight.beacon.index()] = true;
   }
   Node& node = best_trajectory->nodes[best_segment->first_node];
@@ -98,7 +105,8 @@ ColdStart start_from_odometry(const Problem& problem, std::vector<Trajectory>& t
   ColdStart result;
   Trajectory* longest = nullptr;
   for (Trajectory& t : trajectories)
-    if (!t.odometry.empty() && (longest == nullptr || t.odometry.size() > longest->odometry.size())) longest = &t;
+    if (!t.odometry.empty() && (longest == nullptr || t.odometry.size() > longest->odometry.size()))
+      longest = &t;
   if (longest == nullptr) return result;
   double distance_variance = 0.0, heading_variance = 0.0, path_m = 0.0;
   longest->nodes[longest->odometry.front().node].T_map_vehicle = Pose();
@@ -110,7 +118,8 @@ ColdStart start_from_odometry(const Problem& problem, std::vector<Trajectory>& t
     heading_variance += o.heading_sigma_rad * o.heading_sigma_rad;
     path_m += o.T_before_after.translation_m.norm();
   }
-  // A heading error that grows like a random walk bends the path by about a third of its size over the extent of the site.
+  // A heading error that grows like a random walk bends the path by about a third of its size over the extent
+  // of the site.
   Eigen::AlignedBox2d box;
   for (const Node& node : longest->nodes) box.extend(node.T_map_vehicle.translation_m.head<2>());
   result.slack_m = std::sqrt(distance_variance + heading_variance * box.diagonal().squaredNorm() / 9);

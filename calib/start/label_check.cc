@@ -18,8 +18,10 @@ constexpr double kFarSigmas = 6.0;
 constexpr double kNearSigmas = 4.0;
 constexpr double kMostlyRejected = 0.5;
 
-/// Distance of a beacon's estimate from a stated position in sigmas of its own prior, worst coordinate; 0 without priors.
-double off_in_sigmas(const ParameterLayout& layout, const Eigen::VectorXd& x, std::size_t b, const SiteBeacon& stated) {
+/// Distance of a beacon's estimate from a stated position in sigmas of its own prior, worst coordinate; 0
+/// without priors.
+double off_in_sigmas(const ParameterLayout& layout, const Eigen::VectorXd& x, std::size_t b,
+                     const SiteBeacon& stated) {
   double worst = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     const int column = layout.beacon[b][i];
@@ -32,7 +34,9 @@ double off_in_sigmas(const ParameterLayout& layout, const Eigen::VectorXd& x, st
 
 bool complete(const SiteBeacon& b) { return b.position_m[0] && b.position_m[1] && b.position_m[2]; }
 
-Eigen::Vector3d stated_place(const SiteBeacon& b) { return {*b.position_m[0], *b.position_m[1], *b.position_m[2]}; }
+Eigen::Vector3d stated_place(const SiteBeacon& b) {
+  return {*b.position_m[0], *b.position_m[1], *b.position_m[2]};
+}
 
 /// "; it seems to be in feet" where the place is the stated one in another unit.
 std::string unit_in_words(const SiteBeacon& b, const Eigen::Vector3d& found_m, double typical_range_m) {
@@ -50,7 +54,8 @@ void set_prior_mean(ParameterLayout& layout, std::size_t b, const SiteBeacon& st
 
 }  // namespace
 
-LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<std::size_t>& trusted) {
+LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const Eigen::VectorXd& x,
+                        const std::vector<std::size_t>& trusted) {
   LabelCheck result;
   const auto& beacons = problem.site.beacons;
   std::vector<std::size_t> far;
@@ -60,13 +65,16 @@ LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const E
   for (const std::size_t a : far)
     for (const std::size_t b : far) {
       if (b <= a || explained[a] || explained[b] || !complete(beacons[a]) || !complete(beacons[b])) continue;
-      if (off_in_sigmas(layout, x, a, beacons[b]) > kNearSigmas || off_in_sigmas(layout, x, b, beacons[a]) > kNearSigmas) continue;
+      if (off_in_sigmas(layout, x, a, beacons[b]) > kNearSigmas ||
+          off_in_sigmas(layout, x, b, beacons[a]) > kNearSigmas)
+        continue;
       explained[a] = explained[b] = true;
       set_prior_mean(layout, a, beacons[b]);
       set_prior_mean(layout, b, beacons[a]);
-      result.warnings.push_back(fmt::format("beacons {} and {} stand at each other's places: their positions (or labels) are exchanged in the "
-                                            "site file; calibrated where the arrivals put them, check the labels on the wall",
-                                            beacons[a].name, beacons[b].name));
+      result.warnings.push_back(fmt::format(
+          "beacons {} and {} stand at each other's places: their positions (or labels) are exchanged in the "
+          "site file; calibrated where the arrivals put them, check the labels on the wall",
+          beacons[a].name, beacons[b].name));
     }
   for (const std::size_t b : far) {
     if (explained[b] || std::find(trusted.begin(), trusted.end(), b) != trusted.end()) continue;
@@ -83,15 +91,18 @@ LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const E
       layout.parameters[static_cast<std::size_t>(column)].prior_sigma = INFINITY;
     }
     result.disregarded.push_back(b);
-    result.warnings.push_back(fmt::format("beacon {} is, by a first estimate, {:.3g} m from where the site file has it, beyond what its sigma allows; its stated position "
-                                          "is disregarded, check its label and the site file{}",
-                                          beacons[b].name, std::sqrt(distance2), unit_in_words(beacons[b], found_m, typical_range_m(problem))));
+    result.warnings.push_back(fmt::format(
+        "beacon {} is, by a first estimate, {:.3g} m from where the site file has it, beyond what its sigma "
+        "allows; its stated position "
+        "is disregarded, check its label and the site file{}",
+        beacons[b].name, std::sqrt(distance2), unit_in_words(beacons[b], found_m, typical_range_m(problem))));
   }
   result.mended = !far.empty();
   return result;
 }
 
-std::vector<std::string> suspect_control_points(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories) {
+std::vector<std::string> suspect_control_points(const Problem& problem, const SharedState& state,
+                                                const std::vector<Trajectory>& trajectories) {
   std::vector<std::string> warnings;
   const auto& beacons = problem.site.beacons;
   std::vector<std::size_t> placed(beacons.size(), 0), out(beacons.size(), 0);
@@ -103,7 +114,9 @@ std::vector<std::string> suspect_control_points(const Problem& problem, const Sh
     }
   for (std::size_t b = 0; b < beacons.size(); ++b) {
     const std::size_t rejected = out[b];
-    if (!beacons[b].is_control_point() || placed[b] < 10 || static_cast<double>(rejected) < kMostlyRejected * static_cast<double>(placed[b])) continue;
+    if (!beacons[b].is_control_point() || placed[b] < 10 ||
+        static_cast<double>(rejected) < kMostlyRejected * static_cast<double>(placed[b]))
+      continue;
     const std::vector<RangeFrom> ranges = ranges_to(trajectories, state, BeaconId(b));
     TrilaterationOptions options;
     options.scale_m = 0.01 * typical_range_m(problem);
@@ -111,12 +124,16 @@ std::vector<std::string> suspect_control_points(const Problem& problem, const Sh
     std::string where = "somewhere else";
     for (std::size_t other = 0; other < beacons.size(); ++other) {
       if (other == b || !complete(beacons[other])) continue;
-      if (place.ok && (stated_place(beacons[other]) - place.p_map_m).head<2>().norm() < 0.1 * typical_range_m(problem)) where = "where the site file has " + beacons[other].name;
+      if (place.ok &&
+          (stated_place(beacons[other]) - place.p_map_m).head<2>().norm() < 0.1 * typical_range_m(problem))
+        where = "where the site file has " + beacons[other].name;
     }
-    warnings.push_back(fmt::format("control point {}: {} of {} arrivals do not fit its stated position, it seems to stand {}; check its label and the "
-                                   "site file{}",
-                                   beacons[b].name, rejected, ranges.size(), where,
-                                   place.ok ? unit_in_words(beacons[b], place.p_map_m, typical_range_m(problem)) : ""));
+    warnings.push_back(
+        fmt::format("control point {}: {} of {} arrivals do not fit its stated position, it seems to stand "
+                    "{}; check its label and the "
+                    "site file{}",
+                    beacons[b].name, rejected, ranges.size(), where,
+                    place.ok ? unit_in_words(beacons[b], place.p_map_m, typical_range_m(problem)) : ""));
   }
   return warnings;
 }

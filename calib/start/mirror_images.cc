@@ -16,10 +16,11 @@ namespace {
 
 /// Half the squares by which one of two solutions has to be better: four sigmas.
 constexpr double kDecided = 8.0;
-/// The same of ranges alone: a mirror image that explains them worse by less than this is as good (see trilaterate.cc, where it is
-/// kAsGood at three times the scale, with a quarter of the weight).
+/// The same of ranges alone: a mirror image that explains them worse by less than this is as good (see
+/// trilaterate.cc, where it is kAsGood at three times the scale, with a quarter of the weight).
 constexpr double kDecidedByRanges = 144.0;
-/// Places this many sigmas off a line are not in line; a prior beyond this share of the typical range is no known place.
+/// Places this many sigmas off a line are not in line; a prior beyond this share of the typical range is no
+/// known place.
 constexpr double kOffLineSigmas = 5.0;
 constexpr double kVaguePlace = 0.25;
 constexpr double kLeastSigmaM = 1e-3;  ///< of a known place: what a tape is good for
@@ -36,18 +37,21 @@ bool has_measured_pose(const Trajectory& t, const Segment& segment, std::size_t 
                      [node](const PoseObservation& p) { return p.node == node || p.node + 1 == node; });
 }
 
-std::vector<KnownPlace> known_places(const Problem& problem, const ParameterLayout& layout, const std::vector<Trajectory>& trajectories) {
+std::vector<KnownPlace> known_places(const Problem& problem, const ParameterLayout& layout,
+                                     const std::vector<Trajectory>& trajectories) {
   std::vector<KnownPlace> places;
   for (std::size_t b = 0; b < problem.site.beacons.size(); ++b) {
     const SiteBeacon& beacon = problem.site.beacons[b];
     if (!beacon.position_m[0] || !beacon.position_m[1]) continue;
     double sigma_m = 0.0;
     for (std::size_t i = 0; i < 2; ++i)
-      if (const int column = layout.beacon[b][i]; column >= 0)  // a label that was found wrong has lost its prior
+      if (const int column = layout.beacon[b][i];
+          column >= 0)  // a label that was found wrong has lost its prior
         sigma_m = std::max(sigma_m, layout.parameters[static_cast<std::size_t>(column)].prior_sigma);
       else
         sigma_m = std::max(sigma_m, beacon.sigma_m[i].value_or(INFINITY));
-    if (sigma_m < kVaguePlace * problem.typical_range_m) places.push_back({{*beacon.position_m[0], *beacon.position_m[1]}, sigma_m});
+    if (sigma_m < kVaguePlace * problem.typical_range_m)
+      places.push_back({{*beacon.position_m[0], *beacon.position_m[1]}, sigma_m});
   }
   for (const Trajectory& t : trajectories)
     for (const PoseObservation& p : t.poses)
@@ -59,7 +63,9 @@ std::vector<KnownPlace> known_places(const Problem& problem, const ParameterLayo
 /// Line in which a map may be reflected without moving what is known.
 struct Line {
   Eigen::Vector2d mean_m = Eigen::Vector2d::Zero(), normal = Eigen::Vector2d::UnitY();
-  [[nodiscard]] Eigen::Vector2d image(const Eigen::Vector2d& p_m) const { return p_m - 2 * normal.dot(p_m - mean_m) * normal; }
+  [[nodiscard]] Eigen::Vector2d image(const Eigen::Vector2d& p_m) const {
+    return p_m - 2 * normal.dot(p_m - mean_m) * normal;
+  }
 };
 
 std::optional<Line> line_through(const std::vector<KnownPlace>& places) {
@@ -67,10 +73,12 @@ std::optional<Line> line_through(const std::vector<KnownPlace>& places) {
   if (places.empty()) return line;
   for (const KnownPlace& place : places) line.mean_m += place.p_m / static_cast<double>(places.size());
   Eigen::Matrix2d C = Eigen::Matrix2d::Zero();
-  for (const KnownPlace& place : places) C += (place.p_m - line.mean_m) * (place.p_m - line.mean_m).transpose();
+  for (const KnownPlace& place : places)
+    C += (place.p_m - line.mean_m) * (place.p_m - line.mean_m).transpose();
   line.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C).eigenvectors().col(0);
   const bool in_line = std::all_of(places.begin(), places.end(), [&line](const KnownPlace& place) {
-    return std::abs(line.normal.dot(place.p_m - line.mean_m)) <= kOffLineSigmas * std::max(place.sigma_m, kLeastSigmaM);
+    return std::abs(line.normal.dot(place.p_m - line.mean_m)) <=
+           kOffLineSigmas * std::max(place.sigma_m, kLeastSigmaM);
   });
   return in_line ? std::optional<Line>(line) : std::nullopt;
 }
@@ -79,11 +87,14 @@ std::optional<Line> line_through(const std::vector<KnownPlace>& places) {
 bool tells_left_from_right(const Problem& problem, const std::vector<Trajectory>& trajectories) {
   for (const Trajectory& t : trajectories)
     if (!t.odometry.empty()) return true;
-  const double noise_m = problem.site.noise.tof_sigma_s * (trajectories.empty() ? 0.0 : trajectories.front().nominal_speed_mps);
+  const double noise_m =
+      problem.site.noise.tof_sigma_s * (trajectories.empty() ? 0.0 : trajectories.front().nominal_speed_mps);
   for (std::size_t v = 0; v < problem.site.vehicles.size(); ++v) {
     std::vector<KnownPlace> receivers;
     for (const SiteReceiver& r : problem.site.receivers)
-      if (r.vehicle.index() == v) receivers.push_back({r.position_m.head<2>(), std::max(r.sigma_m.maxCoeff(), noise_m) / kOffLineSigmas});
+      if (r.vehicle.index() == v)
+        receivers.push_back(
+            {r.position_m.head<2>(), std::max(r.sigma_m.maxCoeff(), noise_m) / kOffLineSigmas});
     if (!line_through(receivers)) return true;
   }
   return false;
@@ -101,23 +112,29 @@ Consensus consensus_of(const Problem& problem, const ParameterLayout& layout, co
   ObservationRow rows[6];
   for (const Trajectory& t : trajectories) {
     for (const ArrivalObservation& a : t.arrivals)
-      if (counts(a.rejection)) cost.arrivals += std::min(cap, 0.5 * std::pow(arrival_residual(t, a, state), 2));
+      if (counts(a.rejection))
+        cost.arrivals += std::min(cap, 0.5 * std::pow(arrival_residual(t, a, state), 2));
     for (std::size_t i = 0; i < t.bearings.size(); ++i)
-      if (counts(t.bearings[i].rejection) && bearing_rows(t, i, state, rows) > 0) cost.others += std::min(cap, 0.5 * std::pow(rows[0].residual, 2));
+      if (counts(t.bearings[i].rejection) && bearing_rows(t, i, state, rows) > 0)
+        cost.others += std::min(cap, 0.5 * std::pow(rows[0].residual, 2));
     for (std::size_t i = 0; i < t.poses.size(); ++i)
-      for (int k = pose_rows(t, i, rows); k-- > 0;) cost.others += std::min(cap, 0.5 * std::pow(rows[k].residual, 2));
+      for (int k = pose_rows(t, i, rows); k-- > 0;)
+        cost.others += std::min(cap, 0.5 * std::pow(rows[k].residual, 2));
   }
   return cost;
 }
 
 Preference prefer(const Consensus& first, const Consensus& second, double noise) {
-  const double scale = std::max(1.0, noise * noise), by_others = second.others - first.others, by_all = second.total() - first.total();
-  if (std::abs(by_all) > scale * kDecidedByRanges || (by_others * by_all > 0 && std::min(std::abs(by_others), std::abs(by_all)) > scale * kDecided))
+  const double scale = std::max(1.0, noise * noise), by_others = second.others - first.others,
+               by_all = second.total() - first.total();
+  if (std::abs(by_all) > scale * kDecidedByRanges ||
+      (by_others * by_all > 0 && std::min(std::abs(by_others), std::abs(by_all)) > scale * kDecided))
     return by_all > 0 ? Preference::kFirst : Preference::kSecond;
   return Preference::kNeither;
 }
 
-bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x, std::vector<Trajectory>& trajectories) {
+bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x,
+                  std::vector<Trajectory>& trajectories) {
   if (problem.site.motion != Motion::kPlanar || tells_left_from_right(problem, trajectories)) return false;
   const std::optional<Line> line = line_through(known_places(problem, layout, trajectories));
   if (!line) return false;
@@ -134,7 +151,8 @@ bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::
         Node& node = t.nodes[k];
         if (!node.placed || has_measured_pose(t, segment, k)) continue;
         const Eigen::Vector2d image = line->image(node.T_map_vehicle.translation_m.head<2>());
-        node.T_map_vehicle = Pose::planar(image.x(), image.y(), wrap_angle(2 * axis_rad - node.T_map_vehicle.heading_rad()));
+        node.T_map_vehicle =
+            Pose::planar(image.x(), image.y(), wrap_angle(2 * axis_rad - node.T_map_vehicle.heading_rad()));
         const Eigen::Vector2d way = node.velocity.head<2>();
         node.velocity.head<2>() = way - 2 * line->normal.dot(way) * line->normal;
         node.velocity.z() = -node.velocity.z();

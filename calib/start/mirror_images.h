@@ -11,26 +11,31 @@
 
 namespace octant::calib {
 
-/// What the final rejection will leave of a solution: squares up to its limit, and the priors. Lower is a larger consensus.
+/// What the final rejection will leave of a solution: squares up to its limit, and the priors. Lower is a
+/// larger consensus.
 struct Consensus {
   double arrivals = 0.0;
   double others = 0.0;  ///< bearings, measured poses, priors
   [[nodiscard]] double total() const { return arrivals + others; }
 };
-[[nodiscard]] Consensus consensus_of(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
-                                     const std::vector<Trajectory>& trajectories, double rejection_sigmas);
+[[nodiscard]] Consensus consensus_of(const Problem& problem, const ParameterLayout& layout,
+                                     const Eigen::VectorXd& x, const std::vector<Trajectory>& trajectories,
+                                     double rejection_sigmas);
 
 /// Which of two solutions the observations prefer.
 enum class Preference { kFirst, kSecond, kNeither };
 
-/// Compares a solution with its mirror image, both adjusted. Bearings, measured poses and priors decide beyond four sigmas; ranges
-/// alone only where they differ by so much that errors common to a pair or to a place are no excuse.
+/// Compares a solution with its mirror image, both adjusted. Bearings, measured poses and priors decide
+/// beyond four sigmas; ranges alone only where they differ by so much that errors common to a pair or to a
+/// place are no excuse.
 /// @param noise  of the arrivals over the stated one
 [[nodiscard]] Preference prefer(const Consensus& first, const Consensus& second, double noise);
 
-/// Turns a planar site into its mirror image: beacons in the layout and states without a measured pose are reflected in the line
-/// of all that is known, or in any line where that is less than two places. False (and nothing is changed) where known places
-/// do not lie in line, where odometry or receivers that are no line tell left from right, or in space.
-[[nodiscard]] bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x, std::vector<Trajectory>& trajectories);
+/// Turns a planar site into its mirror image: beacons in the layout and states without a measured pose are
+/// reflected in the line of all that is known, or in any line where that is less than two places. False (and
+/// nothing is changed) where known places do not lie in line, where odometry or receivers that are no line
+/// tell left from right, or in space.
+[[nodiscard]] bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x,
+                                std::vector<Trajectory>& trajectories);
 
 }  // namespace octant::calib

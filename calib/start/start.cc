@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
-#include "calib/start/cold_start.h"
 #include "calib/problem/gates.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/trilaterate.h"
-#include "models/trajectory/linearise.h"
+#include "calib/start/cold_start.h"
 #include "models/localizers/drive/tracker.h"
 #include "models/support/parallel.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 namespace {
@@ -35,12 +35,14 @@ std::vector<Observation> some_of(std::vector<Observation> all, std::size_t enoug
   return few;
 }
 
-TrilaterationOptions trilateration_options(const Problem& problem, const SharedState& state, std::size_t beacon, double scale_m) {
+TrilaterationOptions trilateration_options(const Problem& problem, const SharedState& state,
+                                           std::size_t beacon, double scale_m) {
   const SiteBeacon& known = problem.site.beacons[beacon];
   const double held_below_m = 0.05 * typical_range_m(problem);
   TrilaterationOptions options;
   options.guess = state.beacon_p_map_m[beacon];
-  for (std::size_t i = 0; i < 3; ++i) options.held[i] = known.position_m[i] && known.sigma_m[i].value_or(INFINITY) <= held_below_m;
+  for (std::size_t i = 0; i < 3; ++i)
+    options.held[i] = known.position_m[i] && known.sigma_m[i].value_or(INFINITY) <= held_below_m;
   options.scale_m = scale_m;
   options.above = problem.site.motion == Motion::kPlanar;
   return options;
@@ -87,7 +89,8 @@ class Starter {
     if (std::count(start_.beacon_found.begin(), start_.beacon_found.end(), true) > 0) return;
     ColdStart cold = start_from_odometry(problem_, start_.trajectories);
     if (!cold.ok)
-      cold = start_from_array(problem_, start_.state, start_.trajectories, start_.beacon_found, typical_range_m_);
+      cold = start_from_array(problem_, start_.state, start_.trajectories, start_.beacon_found,
+                              typical_range_m_);
     start_.slack_m = std::hypot(start_.slack_m, cold.slack_m);
   }
 
@@ -108,7 +111,8 @@ class Starter {
     for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
       const SiteBeacon& beacon = site_.beacons[b];
       double sigma_m = 0.0;
-      for (std::size_t i = 0; i < 3; ++i) sigma_m = std::max(sigma_m, beacon.position_m[i] ? beacon.sigma_m[i].value_or(0.3) : INFINITY);
+      for (std::size_t i = 0; i < 3; ++i)
+        sigma_m = std::max(sigma_m, beacon.position_m[i] ? beacon.sigma_m[i].value_or(0.3) : INFINITY);
       const double range_m = median_range_m_[b] > 0 ? median_range_m_[b] : typical_range_m_;
       start_.beacon_found[b] = sigma_m <= kKnownShareOfRange * range_m;
       if (start_.beacon_found[b]) worst_m = std::max(worst_m, sigma_m);
@@ -116,7 +120,8 @@ class Starter {
     const Timing& timing = site_.timing;
     const double c = speed_mps(site_.medium);
     const double speed_m = std::min(0.15, site_.speed_sigma_mps / c) * typical_range_m_;
-    const double delay_m = timing.delay_per.none() ? 0.0 : std::min(c * timing.delay_sigma_s, 0.2 * typical_range_m_);
+    const double delay_m =
+        timing.delay_per.none() ? 0.0 : std::min(c * timing.delay_sigma_s, 0.2 * typical_range_m_);
     double lever_m = 0.0;
     for (const SiteReceiver& r : site_.receivers) lever_m = std::max(lever_m, r.sigma_m.maxCoeff());
     lever_m = std::min(lever_m, 0.2 * typical_range_m_);
@@ -127,7 +132,8 @@ class Starter {
     const EpochFixModel model = search_model(problem_, start_.state, start_.beacon_found);
     std::size_t placed = 0;
     if (std::count(start_.beacon_found.begin(), start_.beacon_found.end(), true) < 2) return 0;
-    for (Trajectory& t : start_.trajectories) placed += place_states(t, model, start_.slack_m, false, 0.0, threads_);
+    for (Trajectory& t : start_.trajectories)
+      placed += place_states(t, model, start_.slack_m, false, 0.0, threads_);
     return placed;
   }
 
@@ -139,18 +145,22 @@ class Starter {
   }
 
   bool find_beacon(std::size_t b) {
-    const std::vector<RangeFrom> ranges = some_of(ranges_to(start_.trajectories, start_.state, BeaconId(b)), kEnoughToStart);
-    const std::vector<RayFrom> rays = some_of(rays_to(start_.trajectories, BeaconId(b), start_.beacon_found), kEnoughToStart);
+    const std::vector<RangeFrom> ranges =
+        some_of(ranges_to(start_.trajectories, start_.state, BeaconId(b)), kEnoughToStart);
+    const std::vector<RayFrom> rays =
+        some_of(rays_to(start_.trajectories, BeaconId(b), start_.beacon_found), kEnoughToStart);
     if (ranges.size() + rays.size() < 4) return false;
-    const TrilaterationOptions options = trilateration_options(problem_, start_.state, b,
-                                                               std::max(start_.slack_m, 3 * site_.noise.tof_sigma_s * speed_mps(site_.medium)));
+    const TrilaterationOptions options = trilateration_options(
+        problem_, start_.state, b,
+        std::max(start_.slack_m, 3 * site_.noise.tof_sigma_s * speed_mps(site_.medium)));
     const Trilateration place = trilaterate(ranges, options, rays);
     if (!place.ok) return false;
     start_.state.beacon_p_map_m[b] = place.p_map_m;
     start_.beacon_found[b] = true;
     start_.beacon_mirrored[b] = place.has_mirror;
     if (options.above && !options.held[2])
-      start_.warnings.push_back(fmt::format("beacon {}: its height is unknown; taken to lie above the receivers", site_.beacons[b].name));
+      start_.warnings.push_back(fmt::format(
+          "beacon {}: its height is unknown; taken to lie above the receivers", site_.beacons[b].name));
     return true;
   }
 
@@ -164,16 +174,21 @@ class Starter {
 
 bool suspicious(const Trajectory& t, const Segment& epoch, const SharedState& state, double sigmas) {
   for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
-    if (t.arrivals[i].rejection != Rejection::kBeaconUnusable && std::abs(arrival_residual(t, t.arrivals[i], state)) > sigmas) return true;
+    if (t.arrivals[i].rejection != Rejection::kBeaconUnusable &&
+        std::abs(arrival_residual(t, t.arrivals[i], state)) > sigmas)
+      return true;
   return false;
 }
 
-bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model, const EpochFixOptions& options, bool again) {
+bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model,
+                 const EpochFixOptions& options, bool again) {
   Node& node = t.nodes[epoch.first_node];
-  if (epoch.first_pose < epoch.last_pose || (node.placed && !again)) return false;  // a measured pose needs no search
+  if (epoch.first_pose < epoch.last_pose || (node.placed && !again))
+    return false;  // a measured pose needs no search
   const Node before = node;
   std::vector<Rejection> marks;
-  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i) marks.push_back(t.arrivals[i].rejection);
+  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
+    marks.push_back(t.arrivals[i].rejection);
   const bool found = fix_epoch(t, epoch, model, options).ok();
   if (found) {
     node.placed = true;
@@ -182,7 +197,8 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
   }
   // The search looked at all arrivals; what a gate has left out stays out until the adjustment has settled.
   for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
-    t.arrivals[i].rejection = is_gated(marks[i - epoch.first_arrival]) ? marks[i - epoch.first_arrival] : Rejection::kUsed;
+    t.arrivals[i].rejection =
+        is_gated(marks[i - epoch.first_arrival]) ? marks[i - epoch.first_arrival] : Rejection::kUsed;
   return found;
 }
 
@@ -190,13 +206,16 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
 
 Start initial_values(const Problem& problem, int threads) { return Starter(problem, threads).run(); }
 
-std::optional<Eigen::Vector3d> mirror_image(const Problem& problem, const SharedState& state, const std::vector<Trajectory>& trajectories,
-                                            std::size_t beacon, double scale_m) {
-  return mirror_image_of(state.beacon_p_map_m[beacon], some_of(ranges_to(trajectories, state, BeaconId(beacon)), kEnoughForImage),
+std::optional<Eigen::Vector3d> mirror_image(const Problem& problem, const SharedState& state,
+                                            const std::vector<Trajectory>& trajectories, std::size_t beacon,
+                                            double scale_m) {
+  return mirror_image_of(state.beacon_p_map_m[beacon],
+                         some_of(ranges_to(trajectories, state, BeaconId(beacon)), kEnoughForImage),
                          trilateration_options(problem, state, beacon, scale_m));
 }
 
-EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable) {
+EpochFixModel search_model(const Problem& problem, const SharedState& state,
+                           const std::vector<bool>& usable) {
   EpochFixModel model;
   model.state = state;
   model.beacon_usable = usable;
@@ -215,9 +234,11 @@ HeldHeadings::HeldHeadings(std::vector<Trajectory>* trajectories) : trajectories
     std::vector<PoseObservation> all;
     for (Segment& segment : t.segments) {
       const std::size_t first = all.size();
-      all.insert(all.end(), t.poses.begin() + static_cast<std::ptrdiff_t>(segment.first_pose), t.poses.begin() + static_cast<std::ptrdiff_t>(segment.last_pose));
+      all.insert(all.end(), t.poses.begin() + static_cast<std::ptrdiff_t>(segment.first_pose),
+                 t.poses.begin() + static_cast<std::ptrdiff_t>(segment.last_pose));
       for (std::size_t k = segment.first_node; k < segment.last_node && all.size() == first; ++k)
-        if (t.nodes[k].placed) all.push_back({k, 0.0, t.nodes[k].T_map_vehicle, INFINITY, kHeldToRad, INFINITY});
+        if (t.nodes[k].placed)
+          all.push_back({k, 0.0, t.nodes[k].T_map_vehicle, INFINITY, kHeldToRad, INFINITY});
       segment.first_pose = first;
       segment.last_pose = all.size();
     }
@@ -233,7 +254,8 @@ HeldHeadings::~HeldHeadings() {
   }
 }
 
-std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again, double suspect_sigmas, int threads) {
+std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again,
+                         double suspect_sigmas, int threads) {
   std::size_t placed = 0;
   if (t.moving && (!t.odometry.empty() || t.motion_prior)) {
     const bool all = std::all_of(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; });
@@ -249,16 +271,19 @@ std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack
   options.max_sigma_m = INFINITY;
   constexpr std::size_t kSegmentsAtOnce = 16;
   std::atomic<std::size_t> epochs{0};
-  for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
-    std::size_t here = 0;
-    for (std::size_t s = first; s < last; ++s)
-      for (std::size_t node = t.segments[s].first_node; node < t.segments[s].last_node; ++node) {
-        if (t.nodes[node].placed && !again) continue;
-        const Segment epoch = node_segment(t, t.segments[s], node);  // epochs chained by odometry are searched one by one
-        here += place_epoch(t, epoch, model, options, again && suspicious(t, epoch, model.state, suspect_sigmas));
-      }
-    epochs += here;
-  });
+  for_each_chunk(
+      t.segments.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+        std::size_t here = 0;
+        for (std::size_t s = first; s < last; ++s)
+          for (std::size_t node = t.segments[s].first_node; node < t.segments[s].last_node; ++node) {
+            if (t.nodes[node].placed && !again) continue;
+            const Segment epoch =
+                node_segment(t, t.segments[s], node);  // epochs chained by odometry are searched one by one
+            here += place_epoch(t, epoch, model, options,
+                                again && suspicious(t, epoch, model.state, suspect_sigmas));
+          }
+        epochs += here;
+      });
   placed += epochs;
   // What the search could not place, odometry reaches from a neighbour.
   for (const OdometryObservation& o : t.odometry)

@@ -15,28 +15,32 @@ namespace octant::calib {
 /// Initial values of everything: shared parameters and vehicle states.
 struct Start {
   SharedState state;
-  std::vector<Trajectory> trajectories;   ///< nodes placed where a start was found
-  std::vector<bool> beacon_found;         ///< position known well enough to begin with
-  std::vector<bool> beacon_mirrored;      ///< a second position explains its ranges and bearings as well
-  double slack_m = 0.0;                   ///< how far predicted ranges may be off at the start
+  std::vector<Trajectory> trajectories;  ///< nodes placed where a start was found
+  std::vector<bool> beacon_found;        ///< position known well enough to begin with
+  std::vector<bool> beacon_mirrored;     ///< a second position explains its ranges and bearings as well
+  double slack_m = 0.0;                  ///< how far predicted ranges may be off at the start
   std::vector<std::string> warnings;
 };
 
-/// Initial values from what the site and the runs offer, nearest first: approximate beacons, measured poses (beacons by
-/// trilateration), then in turn vehicle states from the beacons found so far and beacons from the states found so far.
+/// Initial values from what the site and the runs offer, nearest first: approximate beacons, measured poses
+/// (beacons by trilateration), then in turn vehicle states from the beacons found so far and beacons from the
+/// states found so far.
 [[nodiscard]] Start initial_values(const Problem& problem, int threads = 1);
 
-/// The mirror image of a beacon's place that its ranges from the states at hand leave, to scale_m; none where they tell it apart.
+/// The mirror image of a beacon's place that its ranges from the states at hand leave, to scale_m; none where
+/// they tell it apart.
 [[nodiscard]] std::optional<Eigen::Vector3d> mirror_image(const Problem& problem, const SharedState& state,
-                                                          const std::vector<Trajectory>& trajectories, std::size_t beacon, double scale_m);
+                                                          const std::vector<Trajectory>& trajectories,
+                                                          std::size_t beacon, double scale_m);
 
 /// What the epoch search has to know, for the beacons marked usable.
-[[nodiscard]] EpochFixModel search_model(const Problem& problem, const SharedState& state, const std::vector<bool>& usable);
+[[nodiscard]] EpochFixModel search_model(const Problem& problem, const SharedState& state,
+                                         const std::vector<bool>& usable);
 
-/// Holds the headings of stationary epochs near their present values by pseudo-observations, for as long as it lives.
-/// A receiver that faces its beacon is nearer to it than the vehicle's centre, so beacons that are all off by more than the array
-/// is large make a heading turned by half a circle explain the ranges better; the search tells headings from differences between
-/// receivers, which do not depend on the beacons.
+/// Holds the headings of stationary epochs near their present values by pseudo-observations, for as long as
+/// it lives. A receiver that faces its beacon is nearer to it than the vehicle's centre, so beacons that are
+/// all off by more than the array is large make a heading turned by half a circle explain the ranges better;
+/// the search tells headings from differences between receivers, which do not depend on the beacons.
 class HeldHeadings {
  public:
   /// @param trajectories  null: holds nothing
@@ -51,9 +55,10 @@ class HeldHeadings {
   std::vector<std::vector<Segment>> segments_;
 };
 
-/// Places the states of a trajectory that have no initial value; with `again` also those of epochs in which an arrival is off by
-/// more than `suspect_sigmas`. States with a measured pose are left. Returns how many segments were placed anew.
-std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double slack_m, bool again, double suspect_sigmas = 0.0,
-                         int threads = 1);
+/// Places the states of a trajectory that have no initial value; with `again` also those of epochs in which
+/// an arrival is off by more than `suspect_sigmas`. States with a measured pose are left. Returns how many
+/// segments were placed anew.
+std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double slack_m, bool again,
+                         double suspect_sigmas = 0.0, int threads = 1);
 
 }  // namespace octant::calib

@@ -8,12 +8,12 @@
 #include <optional>
 #include <set>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <Eigen/Cholesky>
 
-#include "calib/verdict/observability.h"
 #include "calib/problem/ranges.h"
+#include "calib/verdict/observability.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -27,7 +27,8 @@ constexpr double kManyEarly = 0.10;
 /// A beacon is held to have moved at so many sigmas, and by this share of the tolerance.
 constexpr double kMovedSigmas = 6.0, kMovedMatters = 0.3;
 constexpr std::size_t kMostSplit = 3;
-/// A second pose has three parameters, each worth a few units of chance; a late arrival that it takes up saves eight.
+/// A second pose has three parameters, each worth a few units of chance; a late arrival that it takes up
+/// saves eight.
 constexpr double kStopGain = 30.0;
 constexpr std::size_t kFewestBeacons = 3, kFewestOfHalf = 6;
 
@@ -36,14 +37,18 @@ bool is_left_out(Rejection r) { return r == Rejection::kLate || r == Rejection::
 struct BeaconCounts {
   std::size_t placed = 0, late = 0, early = 0, bearings = 0, bearings_out = 0;
   [[nodiscard]] std::size_t out() const { return late + early; }
-  [[nodiscard]] double share() const { return placed > 0 ? static_cast<double>(out()) / static_cast<double>(placed) : 0.0; }
+  [[nodiscard]] double share() const {
+    return placed > 0 ? static_cast<double>(out()) / static_cast<double>(placed) : 0.0;
+  }
 };
 
 std::vector<BeaconCounts> count(const Fit& fit) {
   std::vector<BeaconCounts> counts(fit.problem.site.beacons.size());
   for (const Trajectory& t : fit.trajectories) {
     for (const ArrivalObservation& a : t.arrivals) {
-      if (!t.nodes[a.node].placed || a.rejection == Rejection::kBeaconUnusable || a.rejection == Rejection::kNoPose) continue;
+      if (!t.nodes[a.node].placed || a.rejection == Rejection::kBeaconUnusable ||
+          a.rejection == Rejection::kNoPose)
+        continue;
       BeaconCounts& c = counts[a.beacon.index()];
       ++c.placed;
       c.late += a.rejection == Rejection::kLate;
@@ -58,7 +63,8 @@ std::vector<BeaconCounts> count(const Fit& fit) {
   return counts;
 }
 
-// A beacon that moved ---------------------------------------------------------------------------------------------------
+// A beacon that moved
+// ---------------------------------------------------------------------------------------------------
 
 /// The fit in which a beacon's arrivals after some time are those of another one, of which nothing is known.
 Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t b, double time_s) {
@@ -72,7 +78,8 @@ Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t b, double
   state.beacon_p_map_m.push_back(state.beacon_p_map_m[b]);
   state.beacon_delay_s.push_back(state.beacon_delay_s[b]);
   if (!state.pair_bias_s.empty())
-    for (std::size_t r = 0; r < state.receiver_delay_s.size(); ++r) state.pair_bias_s.push_back(state.pair_bias_s[b * state.receiver_delay_s.size() + r]);
+    for (std::size_t r = 0; r < state.receiver_delay_s.size(); ++r)
+      state.pair_bias_s.push_back(state.pair_bias_s[b * state.receiver_delay_s.size() + r]);
   const BeaconId after(split.problem.site.beacons.size() - 1);
   for (Trajectory& t : split.trajectories)
     for (ArrivalObservation& a : t.arrivals)
@@ -110,11 +117,13 @@ Move move_of(const SolveOptions& options, const Fit& split, std::size_t b, doubl
     if (split.layout.beacon[b][i] >= 0) by(row, split.layout.beacon[b][i]) = -1.0;
   }
   const Eigen::Matrix3d D = by * C * by.transpose() + 1e-12 * Eigen::Matrix3d::Identity();
-  move.sigmas = std::max(0.0, std::sqrt(std::max(0.0, move.by_m.dot(D.ldlt().solve(move.by_m)))) - std::sqrt(2.0));
+  move.sigmas =
+      std::max(0.0, std::sqrt(std::max(0.0, move.by_m.dot(D.ldlt().solve(move.by_m)))) - std::sqrt(2.0));
   return move;
 }
 
-/// Times at which a beacon may have moved: where arrivals begin or cease to be left out, and half way through.
+/// Times at which a beacon may have moved: where arrivals begin or cease to be left out, and half way
+/// through.
 std::vector<double> moments_of(const Fit& fit, std::size_t b) {
   std::vector<std::pair<double, double>> out;  // time, whether left out
   for (const Trajectory& t : fit.trajectories)
@@ -132,7 +141,9 @@ std::vector<double> moments_of(const Fit& fit, std::size_t b) {
     sum += out[k].second;
     const double before = static_cast<double>(k) + 1.0;
     const double off = std::abs(sum - before / n * total) / std::sqrt(before * (n - before) / n);
-    if (k + 1 < kFewestLeftOut || k + 1 + kFewestLeftOut > out.size() || out[k].first == out[k + 1].first || off <= best) continue;
+    if (k + 1 < kFewestLeftOut || k + 1 + kFewestLeftOut > out.size() || out[k].first == out[k + 1].first ||
+        off <= best)
+      continue;
     best = off;
     change = 0.5 * (out[k].first + out[k + 1].first);
   }
@@ -140,9 +151,12 @@ std::vector<double> moments_of(const Fit& fit, std::size_t b) {
   return moments;
 }
 
-std::string length(double m) { return m < 1.0 ? fmt::format("{:.0f} mm", 1e3 * m) : fmt::format("{:.2f} m", m); }
+std::string length(double m) {
+  return m < 1.0 ? fmt::format("{:.0f} mm", 1e3 * m) : fmt::format("{:.2f} m", m);
+}
 
-// A stop that was none --------------------------------------------------------------------------------------------------
+// A stop that was none
+// --------------------------------------------------------------------------------------------------
 
 /// Squares of a stop's arrivals up to the limit of the rejection, of those on one side of an instant.
 struct SideCost {
@@ -152,7 +166,8 @@ struct SideCost {
 
 class StopTest {
  public:
-  StopTest(const Trajectory& t, const Segment& segment, const SharedState& state, double limit) : state_(state), limit_(limit) {
+  StopTest(const Trajectory& t, const Segment& segment, const SharedState& state, double limit)
+      : state_(state), limit_(limit) {
     one_.run = t.run;
     one_.vehicle = t.vehicle;
     one_.motion = t.motion;
@@ -186,7 +201,9 @@ class StopTest {
     for (std::size_t k = step; k < times.size(); k += step) {
       const double instant = 0.5 * (times[k - 1] + times[k]);
       const SideCost before = side(-INFINITY, instant), after = side(instant, INFINITY);
-      if (std::min(before.beacons, after.beacons) < kFewestBeacons || std::min(before.used, after.used) < kFewestOfHalf) continue;
+      if (std::min(before.beacons, after.beacons) < kFewestBeacons ||
+          std::min(before.used, after.used) < kFewestOfHalf)
+        continue;
       best = std::max(best, whole.cost - before.cost - after.cost);
     }
     return best;
@@ -195,8 +212,10 @@ class StopTest {
  private:
   SideCost side(double from_s, double to_s) {
     Trajectory t = one_;
-    for (ArrivalObservation& a : t.arrivals) a.rejection = a.time_s > from_s && a.time_s <= to_s ? Rejection::kUsed : Rejection::kNotNeeded;
-    for (const double scale : {20.0, 2.385}) static_cast<void>(settle(t, t.segments[0], state_, {scale, scale}));
+    for (ArrivalObservation& a : t.arrivals)
+      a.rejection = a.time_s > from_s && a.time_s <= to_s ? Rejection::kUsed : Rejection::kNotNeeded;
+    for (const double scale : {20.0, 2.385})
+      static_cast<void>(settle(t, t.segments[0], state_, {scale, scale}));
     SideCost result;
     std::set<std::size_t> beacons;
     for (const ArrivalObservation& a : t.arrivals) {
@@ -219,8 +238,14 @@ class StopTest {
 
 class Checker {
  public:
-  Checker(const Problem& problem, const SolveOptions& options, const Fit& fit, const std::vector<Contradiction>& besides, double growth)
-      : problem_(problem), options_(options), fit_(fit), besides_(besides), growth_(growth), counts_(count(fit)) {}
+  Checker(const Problem& problem, const SolveOptions& options, const Fit& fit,
+          const std::vector<Contradiction>& besides, double growth)
+      : problem_(problem),
+        options_(options),
+        fit_(fit),
+        besides_(besides),
+        growth_(growth),
+        counts_(count(fit)) {}
 
   Agreement run() {
     std::vector<double> shares;
@@ -248,7 +273,8 @@ class Checker {
       if (c.out() < kFewestLeftOut || c.share() < std::max(kManyLeftOut, kBeyondOthers * usual_)) continue;
       suspects.push_back(b);
     }
-    std::sort(suspects.begin(), suspects.end(), [this](std::size_t a, std::size_t b) { return counts_[a].out() > counts_[b].out(); });
+    std::sort(suspects.begin(), suspects.end(),
+              [this](std::size_t a, std::size_t b) { return counts_[a].out() > counts_[b].out(); });
     for (std::size_t k = 0; k < suspects.size(); ++k) {
       if (k < kMostSplit && moved(suspects[k])) continue;
       much_left_out(suspects[k]);
@@ -263,45 +289,62 @@ class Checker {
       best = move_of(options_, split, b, moment);
     }
     // Half of what was left out must come back, else the move is not what ails it.
-    const double regained = 0.5 * 0.5 * options_.rejection_sigmas * options_.rejection_sigmas * static_cast<double>(counts_[b].out());
-    if (!best || fit_.cost - best->cost < regained || best->sigmas < kMovedSigmas * growth_ || best->by_m.norm() < kMovedMatters * tolerance_m(problem_)) return false;
+    const double regained = 0.5 * 0.5 * options_.rejection_sigmas * options_.rejection_sigmas *
+                            static_cast<double>(counts_[b].out());
+    if (!best || fit_.cost - best->cost < regained || best->sigmas < kMovedSigmas * growth_ ||
+        best->by_m.norm() < kMovedMatters * tolerance_m(problem_))
+      return false;
     const std::string& name = problem_.site.beacons[b].name;
     double first_s = INFINITY;
     for (const Trajectory& t : fit_.trajectories)
       if (!t.nodes.empty()) first_s = std::min(first_s, t.nodes.front().time_s);
-    out_.contradictions.push_back({ContradictionKind::kBeacon, name, "to stay where it is",
-                                   fmt::format("to move by {} ({:+.3f}, {:+.3f}, {:+.3f} m) some {:.0f} s into the recording", length(best->by_m.norm()), best->by_m.x(),
-                                               best->by_m.y(), best->by_m.z(), best->time_s - first_s),
-                                   best->sigmas,
-                                   fmt::format("fasten beacon {}; then calibrate with what was recorded before or after it moved, not with both", name)});
+    out_.contradictions.push_back(
+        {ContradictionKind::kBeacon, name, "to stay where it is",
+         fmt::format("to move by {} ({:+.3f}, {:+.3f}, {:+.3f} m) some {:.0f} s into the recording",
+                     length(best->by_m.norm()), best->by_m.x(), best->by_m.y(), best->by_m.z(),
+                     best->time_s - first_s),
+         best->sigmas,
+         fmt::format("fasten beacon {}; then calibrate with what was recorded before or after it moved, not "
+                     "with both",
+                     name)});
     return true;
   }
 
   void much_left_out(std::size_t b) {
     const BeaconCounts& c = counts_[b];
     const std::string& name = problem_.site.beacons[b].name;
-    if (c.early >= kFewestLeftOut && static_cast<double>(c.early) > kManyEarly * static_cast<double>(c.placed) && c.early > c.late) {
+    if (c.early >= kFewestLeftOut &&
+        static_cast<double>(c.early) > kManyEarly * static_cast<double>(c.placed) && c.early > c.late) {
       const double expected = std::max(1.0, 0.01 * static_cast<double>(c.placed));
-      out_.contradictions.push_back({ContradictionKind::kBeacon, name, "to be heard along the straight path",
-                                     fmt::format("early at {} of {} arrivals, as no echo can be", c.early, c.placed),
-                                     (static_cast<double>(c.early) - expected) / std::sqrt(expected),
-                                     fmt::format("look whether beacon {} stood still, whether another sends under its name, and at its channel", name)});
+      out_.contradictions.push_back(
+          {ContradictionKind::kBeacon, name, "to be heard along the straight path",
+           fmt::format("early at {} of {} arrivals, as no echo can be", c.early, c.placed),
+           (static_cast<double>(c.early) - expected) / std::sqrt(expected),
+           fmt::format(
+               "look whether beacon {} stood still, whether another sends under its name, and at its channel",
+               name)});
       return;
     }
-    out_.warnings.push_back(fmt::format("beacon {}: {} of {} arrivals do not fit where the others have it ({} late, {} early), far more than of other beacons; look for "
-                                        "what stands in its way or reflects it",
-                                        name, c.out(), c.placed, c.late, c.early));
+    out_.warnings.push_back(
+        fmt::format("beacon {}: {} of {} arrivals do not fit where the others have it ({} late, {} early), "
+                    "far more than of other beacons; look for "
+                    "what stands in its way or reflects it",
+                    name, c.out(), c.placed, c.late, c.early));
   }
 
   void bearings_left_out(std::size_t b) {
     const std::string& name = problem_.site.beacons[b].name;
     const BeaconCounts& c = counts_[b];
     out_.contradictions.push_back({ContradictionKind::kBeacon, name, "in the directions that were measured",
-                                   fmt::format("{} of {} bearings elsewhere", c.bearings_out, c.bearings), 0.0,
-                                   fmt::format("look whether {} stands at the mirror image of its place, and whether the bearings' signs and names are right", name)});
+                                   fmt::format("{} of {} bearings elsewhere", c.bearings_out, c.bearings),
+                                   0.0,
+                                   fmt::format("look whether {} stands at the mirror image of its place, and "
+                                               "whether the bearings' signs and names are right",
+                                               name)});
   }
 
-  /// Several beacons that do not fit: the echoes of one are no motion; and enough squares to be saved by a second pose.
+  /// Several beacons that do not fit: the echoes of one are no motion; and enough squares to be saved by a
+  /// second pose.
   [[nodiscard]] bool may_have_moved(const Trajectory& t, const Segment& s, const SharedState& state) const {
     std::optional<std::size_t> first;
     bool several = false;
@@ -315,7 +358,9 @@ class Checker {
     if (!several) return false;
     for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
       if (t.arrivals[i].rejection == Rejection::kUsed || is_left_out(t.arrivals[i].rejection))
-        squares += 0.5 * std::min(std::pow(arrival_residual(t, t.arrivals[i], state), 2), options_.rejection_sigmas * options_.rejection_sigmas) - 0.25;
+        squares += 0.5 * std::min(std::pow(arrival_residual(t, t.arrivals[i], state), 2),
+                                  options_.rejection_sigmas * options_.rejection_sigmas) -
+                   0.25;
     return squares > kStopGain;
   }
 
@@ -324,7 +369,9 @@ class Checker {
     std::vector<std::pair<double, std::int64_t>> moved;
     std::size_t all = 0;
     for (const Trajectory& t : fit_.trajectories) {
-      if (t.moving || t.motion != Motion::kPlanar || !t.odometry.empty() || !t.poses.empty() || t.segments.size() != t.nodes.size()) continue;
+      if (t.moving || t.motion != Motion::kPlanar || !t.odometry.empty() || !t.poses.empty() ||
+          t.segments.size() != t.nodes.size())
+        continue;
       for (const Segment& s : t.segments) {
         const Node& node = t.nodes[s.first_node];
         if (!node.placed || node.epoch == kNoEpoch) continue;
@@ -339,9 +386,11 @@ class Checker {
     constexpr std::size_t kMostNamed = 12;
     std::vector<std::int64_t> named;
     for (std::size_t i = 0; i < moved.size() && i < kMostNamed; ++i) named.push_back(moved[i].second);
-    out_.warnings.push_back(fmt::format("the vehicle moved during {} of {} stops: stops {}{} (epochs of the recording); what does not fit of them is left out, better leave "
-                                        "them out as a whole, or record them again",
-                                        moved.size(), all, fmt::join(named, ", "), moved.size() > named.size() ? " and more" : ""));
+    out_.warnings.push_back(fmt::format(
+        "the vehicle moved during {} of {} stops: stops {}{} (epochs of the recording); what does not fit of "
+        "them is left out, better leave "
+        "them out as a whole, or record them again",
+        moved.size(), all, fmt::join(named, ", "), moved.size() > named.size() ? " and more" : ""));
   }
 
   const Problem& problem_;
@@ -356,8 +405,8 @@ class Checker {
 
 }  // namespace
 
-Agreement agreement_of(const Problem& problem, const SolveOptions& options, const Fit& fit, const std::vector<Contradiction>& besides,
-                       double growth) {
+Agreement agreement_of(const Problem& problem, const SolveOptions& options, const Fit& fit,
+                       const std::vector<Contradiction>& besides, double growth) {
   if (!is_dense(fit.layout) || fit.x.size() == 0) return {};
   return Checker(problem, options, fit, besides, growth).run();
 }

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "calib/plan/check.h"
-#include "calib/statements/readings.h"
 #include "calib/problem/thin.h"
+#include "calib/statements/readings.h"
 
 namespace octant::calib {
 namespace {
@@ -30,14 +30,18 @@ MeasurementLog some_blocks(const MeasurementLog& run) {
     std::size_t begin = block * n / kBlocks, end = begin + length;
     while (begin > 0 && begin < n && !is_seam(begin)) ++begin;
     while (end < n && !is_seam(end) && end < begin + 2 * length) ++end;
-    const auto at = [&](std::size_t i) { return run.arrivals.begin() + static_cast<std::ptrdiff_t>(std::min(i, n)); };
+    const auto at = [&](std::size_t i) {
+      return run.arrivals.begin() + static_cast<std::ptrdiff_t>(std::min(i, n));
+    };
     if (begin < end) few.arrivals.insert(few.arrivals.end(), at(begin), at(end));
   }
   return few;
 }
 
 /// Said of blocks it would be of the pauses between them, or of what they happen not to hold.
-bool needs_all(const Finding& f) { return f.kind == "gap" || f.kind == "constant" || f.kind == "temperature"; }
+bool needs_all(const Finding& f) {
+  return f.kind == "gap" || f.kind == "constant" || f.kind == "temperature";
+}
 
 }  // namespace
 
@@ -49,10 +53,12 @@ std::vector<Finding> site_hints(const Site& site) {
     placed += b.position_m[0] && b.position_m[1];
   }
   if (placed == 0) return {};
-  return {{"no_sigma", fmt::format("{}: none of the {} beacons with a position_m has a sigma_m: their places serve as a start "
-                                   "only and hold nothing; state sigma_m: 0.0 for "
-                                   "those that were surveyed",
-                                   site.path, placed)}};
+  return {{"no_sigma",
+           fmt::format(
+               "{}: none of the {} beacons with a position_m has a sigma_m: their places serve as a start "
+               "only and hold nothing; state sigma_m: 0.0 for "
+               "those that were surveyed",
+               site.path, placed)}};
 }
 
 std::vector<Finding> log_hints(const Site& site, const std::vector<MeasurementLog>& runs) {
@@ -85,7 +91,8 @@ std::vector<Finding> outcome_hints(const Problem& problem, const Solution& solut
   return suspicions(Adjusted{problem.site, solution.state, few, static_cast<double>(every)}, runs);
 }
 
-void explain(const Problem& problem, const Problem& adjusted, Solution& solution, const SolveOptions& options) {
+void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
+             const SolveOptions& options) {
   if (!seems_misread(adjusted, solution)) return;
   std::vector<Contradiction> found = find_misreadings(problem, solution, options);
   if (found.empty()) return;

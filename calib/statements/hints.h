@@ -9,21 +9,24 @@
 
 namespace octant::calib {
 
-/// What is odd about a site file by itself: places without any sigma, which serve as a start and hold nothing.
+/// What is odd about a site file by itself: places without any sigma, which serve as a start and hold
+/// nothing.
 [[nodiscard]] std::vector<Finding> site_hints(const Site& site);
 
-/// What `check` says of the recordings before anything is solved (log_health.h), for a calibration: of a long recording evenly
-/// spread blocks of rows are looked at, which takes a few hundredths of a second whatever its length. Those of the site come
-/// first.
+/// What `check` says of the recordings before anything is solved (log_health.h), for a calibration: of a long
+/// recording evenly spread blocks of rows are looked at, which takes a few hundredths of a second whatever
+/// its length. Those of the site come first.
 [[nodiscard]] std::vector<Finding> log_hints(const Site& site, const std::vector<MeasurementLog>& runs);
 
-/// What the outcome shows of the recordings: receivers whose ranges fit another's place or none, jumps of a clock. An evenly
-/// spread part of a long recording is looked at. Nothing where nothing was solved.
+/// What the outcome shows of the recordings: receivers whose ranges fit another's place or none, jumps of a
+/// clock. An evenly spread part of a long recording is looked at. Nothing where nothing was solved.
 [[nodiscard]] std::vector<Finding> outcome_hints(const Problem& problem, const Solution& solution);
 
-/// Where the outcome looks as if the site file or a log were wrong as a whole, names what is (readings.h): as contradictions, in
-/// place of others, which are its consequences, and in the message of a refusal, in place of a measurement that would not help.
+/// Where the outcome looks as if the site file or a log were wrong as a whole, names what is (readings.h): as
+/// contradictions, in place of others, which are its consequences, and in the message of a refusal, in place
+/// of a measurement that would not help.
 /// @param adjusted  what the solution is of: the problem, or a thinned one
-void explain(const Problem& problem, const Problem& adjusted, Solution& solution, const SolveOptions& options);
+void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
+             const SolveOptions& options);
 
 }  // namespace octant::calib

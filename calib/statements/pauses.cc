@@ -31,7 +31,8 @@ double pause_s(std::vector<double> gaps_s) {
 }  // namespace
 
 std::size_t number_stops(MeasurementLog& run) {
-  if (!run.odometry.empty() || !run.poses.empty() || run.arrivals.size() < kFewestPauses * kRowsPerPause) return 0;
+  if (!run.odometry.empty() || !run.poses.empty() || run.arrivals.size() < kFewestPauses * kRowsPerPause)
+    return 0;
   if (run.has_epochs && std::any_of(run.arrivals.begin(), run.arrivals.end(),
                                     [&](const Arrival& a) { return a.epoch != run.arrivals.front().epoch; }))
     return 0;

@@ -13,12 +13,12 @@
 #include <fmt/ranges.h>
 
 #include "calib/adjust/adjust.h"
-#include "calib/start/approach.h"
-#include "calib/statements/pauses.h"
-#include "calib/statements/pose_frames.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/site_units.h"
 #include "calib/problem/thin.h"
+#include "calib/start/approach.h"
+#include "calib/statements/pauses.h"
+#include "calib/statements/pose_frames.h"
 #include "calib/statements/wiring.h"
 
 namespace octant::calib {
@@ -27,12 +27,13 @@ namespace {
 /// How an outcome looks that is worth a search.
 constexpr double kEarlyShare = 0.05, kLeftOutShare = 0.35, kNoiseRatio = 3.0, kDraggedSigmas = 6.0;
 constexpr std::size_t kEarlyAtLeast = 10;
-/// How much better a reading must be: by so much log likelihood an arrival, and by such a factor; and good by itself.
+/// How much better a reading must be: by so much log likelihood an arrival, and by such a factor; and good by
+/// itself.
 constexpr double kGain = 0.5, kFactor = 0.6, kAgreeingShare = 0.6, kNoise = 5.0, kRedundant = 0.2;
 /// Readings within this much log likelihood an arrival are equally good.
 constexpr double kTie = 0.05;
-/// Parts of the recordings that are adjusted: a small one for each reading, a larger one for those few that explain it far
-/// better.
+/// Parts of the recordings that are adjusted: a small one for each reading, a larger one for those few that
+/// explain it far better.
 struct Share {
   std::size_t instants, per_beacon, drive_arrivals;
 };
@@ -50,7 +51,8 @@ struct Reading {
 
 /// What an adjustment makes of a reading.
 struct Score {
-  double loss = 0.0;        ///< negative log likelihood an arrival: Gauss where it agrees, a constant where it does not
+  double loss =
+      0.0;  ///< negative log likelihood an arrival: Gauss where it agrees, a constant where it does not
   double agreeing = 0.0;    ///< share of the arrivals
   double noise = INFINITY;  ///< of those, over the stated one
   double redundancy = 0.0;  ///< an arrival
@@ -60,11 +62,13 @@ struct Score {
 
 /// Observations that tie the states beside the arrivals.
 double ties_of(const Trajectory& t) {
-  return 3.0 * static_cast<double>(t.odometry.size() + t.poses.size()) + static_cast<double>(t.bearings.size());
+  return 3.0 * static_cast<double>(t.odometry.size() + t.poses.size()) +
+         static_cast<double>(t.bearings.size());
 }
 
 /// Fills what the adjusted states say of the arrivals.
-void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajectories, double cap, double n, Score& score) {
+void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajectories, double cap, double n,
+                    Score& score) {
   const SharedState state = it.state();
   double squares = 0.0, agreeing = 0.0, free = -static_cast<double>(it.layout.size());
   for (const Trajectory& t : trajectories) {
@@ -80,14 +84,16 @@ void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajector
     }
   }
   const double others = std::max(0.0, it.last.cost - 0.5 * squares);  // priors, poses, odometry
-  score.loss = (0.5 * squares / (score.noise * score.noise) + cap * (n - agreeing) + others) / n + std::log(score.noise);
+  score.loss = (0.5 * squares / (score.noise * score.noise) + cap * (n - agreeing) + others) / n +
+               std::log(score.noise);
   score.agreeing = agreeing / n;
   score.redundancy = (agreeing + free) / n;
 }
 
-/// A quick calibration: approach, rejection at four sigmas, plain squares. An arrival that does not agree costs as much as one at
-/// the limit.
-Score score_of(const Site& site, const std::vector<MeasurementLog>& runs, const SolveOptions& options, bool search_again) {
+/// A quick calibration: approach, rejection at four sigmas, plain squares. An arrival that does not agree
+/// costs as much as one at the limit.
+Score score_of(const Site& site, const std::vector<MeasurementLog>& runs, const SolveOptions& options,
+               bool search_again) {
   const double limit = options.rejection_sigmas, cap = 0.5 * limit * limit;
   Score score{.loss = cap};
   for (const MeasurementLog& run : runs) score.arrivals += static_cast<double>(run.arrivals.size());
@@ -105,7 +111,8 @@ Score score_of(const Site& site, const std::vector<MeasurementLog>& runs, const 
   return score;
 }
 
-std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std::size_t beacons, const Share& share) {
+std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std::size_t beacons,
+                                   const Share& share) {
   ThinOptions thin_options;
   const std::size_t count = std::max<std::size_t>(1, runs.size());
   thin_options.instants = std::max(kInstantsAtLeast, share.instants / count);
@@ -121,11 +128,14 @@ class Search {
  public:
   Search(const Problem& problem, const Solution& solution, const SolveOptions& options)
       : problem_(problem), solution_(solution), options_(options), site_(problem.site) {
-    for (SiteVehicle& v : site_.vehicles) v.array.reset();  // an array that is adjusted as a whole has one order of receivers
+    for (SiteVehicle& v : site_.vehicles)
+      v.array.reset();  // an array that is adjusted as a whole has one order of receivers
     options_.ranks = nullptr;
     const auto go_on = options.on_progress;
     if (go_on)
-      options_.on_progress = [go_on](const Progress&) { return go_on({"other readings of the site file", 0, 0.0, 0.97}); };
+      options_.on_progress = [go_on](const Progress&) {
+        return go_on({"other readings of the site file", 0, 0.0, 0.97});
+      };
   }
 
   std::vector<Contradiction> run() {
@@ -153,24 +163,27 @@ class Search {
     Contradiction what;
     Score score;
   };
-  static constexpr double kScaleAgrees = 0.5;  ///< a share of agreeing arrivals that no wrong scale of all leaves
+  static constexpr double kScaleAgrees =
+      0.5;  ///< a share of agreeing arrivals that no wrong scale of all leaves
 
   [[nodiscard]] bool stopped() const { return options_.on_progress && !options_.on_progress({}); }
 
-  /// Share of the arrivals that agree with what was stated, to the noise that another reading finds: with a noise many times
-  /// larger everything agrees with anything.
+  /// Share of the arrivals that agree with what was stated, to the noise that another reading finds: with a
+  /// noise many times larger everything agrees with anything.
   [[nodiscard]] double agreeing_as_stated(double noise) const {
     const double limit = options_.rejection_sigmas * noise;
-    const auto agreeing = std::count_if(stated_.sizes.begin(), stated_.sizes.end(), [limit](double size) { return size <= limit; });
+    const auto agreeing = std::count_if(stated_.sizes.begin(), stated_.sizes.end(),
+                                        [limit](double size) { return size <= limit; });
     return static_cast<double>(agreeing) / std::max(1.0, stated_.arrivals);
   }
 
   [[nodiscard]] bool explains(const Score& s) const {
-    return s.agreeing >= std::max(kAgreeingShare, agreeing_as_stated(s.noise)) && s.noise <= kNoise && s.redundancy >= kRedundant && stated_.loss - s.loss >= kGain &&
-           s.loss <= kFactor * stated_.loss;
+    return s.agreeing >= std::max(kAgreeingShare, agreeing_as_stated(s.noise)) && s.noise <= kNoise &&
+           s.redundancy >= kRedundant && stated_.loss - s.loss >= kGain && s.loss <= kFactor * stated_.loss;
   }
 
-  [[nodiscard]] Score score(const Reading& reading, const std::vector<MeasurementLog>& runs, bool search_again) const {
+  [[nodiscard]] Score score(const Reading& reading, const std::vector<MeasurementLog>& runs,
+                            bool search_again) const {
     if (!reading.run) return score_of(reading.site(site_), runs, options_, search_again);
     std::vector<MeasurementLog> others = runs;
     for (MeasurementLog& run : others) reading.run(run);
@@ -184,11 +197,14 @@ class Search {
       const double loss = score(readings[i], first_, false).loss;
       if (loss < kWorthASecondLook * stated_first_.loss) ranking.emplace_back(loss, i);
     }
-    std::stable_sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::map<ContradictionKind, std::size_t>
-        looked_at;  // of each kind: of poses in a mirrored frame and receivers wired so, each is to have its turn
-    std::erase_if(ranking, [&](const auto& r) { return ++looked_at[readings[r.second].what.kind] > kSecondLooks; });
-    std::sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    std::stable_sort(ranking.begin(), ranking.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::map<ContradictionKind, std::size_t> looked_at;  // of each kind: of poses in a mirrored frame and
+                                                         // receivers wired so, each is to have its turn
+    std::erase_if(ranking,
+                  [&](const auto& r) { return ++looked_at[readings[r.second].what.kind] > kSecondLooks; });
+    std::sort(ranking.begin(), ranking.end(),
+              [](const auto& a, const auto& b) { return a.second < b.second; });
     for (const auto& [loss, i] : ranking) {
       if (stopped()) return;
       const Score s = score(readings[i], second_, true);
@@ -196,8 +212,8 @@ class Search {
     }
   }
 
-  /// Stops that no epoch column tells apart, or all under one number. What is chosen of the runs depends on the epochs, so it is
-  /// chosen anew.
+  /// Stops that no epoch column tells apart, or all under one number. What is chosen of the runs depends on
+  /// the epochs, so it is chosen anew.
   void try_numbered_stops() {
     std::vector<MeasurementLog> runs = problem_.runs;
     std::vector<std::string> names;
@@ -213,14 +229,15 @@ class Search {
     }
     if (stops == 0) return;
     const std::string files = fmt::format("{}", fmt::join(names, ", "));
-    const Contradiction what{ContradictionKind::kEpochs,
-                             files,
-                             numbered ? "one epoch for all" : "no column epoch",
-                             fmt::format("that the times of its arrivals come in {} groups with pauses between, and in each of "
-                                         "them fit a vehicle that stands still",
-                                         stops),
-                             0.0,
-                             "add a column epoch that numbers the stops: rows with the same epoch share one pose of the vehicle"};
+    const Contradiction what{
+        ContradictionKind::kEpochs,
+        files,
+        numbered ? "one epoch for all" : "no column epoch",
+        fmt::format("that the times of its arrivals come in {} groups with pauses between, and in each of "
+                    "them fit a vehicle that stands still",
+                    stops),
+        0.0,
+        "add a column epoch that numbers the stops: rows with the same epoch share one pose of the vehicle"};
     const Score s = score_of(site_, few_of(runs, site_.beacons.size(), kSecondLook), options_, true);
     if (explains(s)) found_.push_back({what, s});
   }
@@ -234,16 +251,20 @@ class Search {
     };
     return Reading{
         {ContradictionKind::kRanging, "the arrivals", one_way ? "one_way" : "two_way",
-         one_way ? "that the times of flight are times there and back (two-way), though timing.ranging says one_way"
-                 : "that the times of flight are one-way times, though timing.ranging says two_way, the time there and back",
+         one_way ? "that the times of flight are times there and back (two-way), though timing.ranging says "
+                   "one_way"
+                 : "that the times of flight are one-way times, though timing.ranging says two_way, the time "
+                   "there and back",
          0.0, one_way ? "state timing.ranging: two_way, and turnaround_s" : "state timing.ranging: one_way"},
         other,
         {}};
   }
 
   static Reading unit(const LengthUnit& u, const ScaledParts& parts, const std::string& whose) {
-    return {{ContradictionKind::kUnits, "positions of " + whose, "metres", fmt::format("that they are in {}", u.name), 0.0,
-             fmt::format("multiply them (and their sigmas, where these are in {} too) by {:g}", u.name, u.metres)},
+    return {{ContradictionKind::kUnits, "positions of " + whose, "metres",
+             fmt::format("that they are in {}", u.name), 0.0,
+             fmt::format("multiply them (and their sigmas, where these are in {} too) by {:g}", u.name,
+                         u.metres)},
             [u, parts](const Site& site) { return in_unit(site, u, parts); },
             {}};
   }
@@ -265,27 +286,31 @@ class Search {
       std::vector<std::string> names;
       for (std::size_t b = 0; b < some.size(); ++b)
         if (some[b]) names.push_back(site_.beacons[b].name);
-      if (!names.empty()) readings.push_back(unit(u, {some, false}, fmt::format("beacons {}", fmt::join(names, ", "))));
+      if (!names.empty())
+        readings.push_back(unit(u, {some, false}, fmt::format("beacons {}", fmt::join(names, ", "))));
     }
     return readings;
   }
 
   [[nodiscard]] std::vector<Reading> poses() const {
     std::vector<Reading> readings;
-    if (std::none_of(problem_.runs.begin(), problem_.runs.end(), [](const MeasurementLog& run) { return !run.poses.empty(); }))
+    if (std::none_of(problem_.runs.begin(), problem_.runs.end(),
+                     [](const MeasurementLog& run) { return !run.poses.empty(); }))
       return readings;
     for (const Reflection& reflection : reflections())
-      readings.push_back({{ContradictionKind::kPoses, "in poses.tum", "in a right-handed frame",
-                           fmt::format("that their frame is left-handed (mirrored): {}", reflection.words), 0.0,
-                           "export the poses in a right-handed frame: z up, headings counter-clockwise from x"},
-                          {},
-                          [read = reflection.read](MeasurementLog& run) {
-                            for (TimedPose& pose : run.poses) pose.T_map_vehicle = read(pose.T_map_vehicle);
-                          }});
+      readings.push_back(
+          {{ContradictionKind::kPoses, "in poses.tum", "in a right-handed frame",
+            fmt::format("that their frame is left-handed (mirrored): {}", reflection.words), 0.0,
+            "export the poses in a right-handed frame: z up, headings counter-clockwise from x"},
+           {},
+           [read = reflection.read](MeasurementLog& run) {
+             for (TimedPose& pose : run.poses) pose.T_map_vehicle = read(pose.T_map_vehicle);
+           }});
     return readings;
   }
 
-  /// The receivers whose arrivals are left out most; of an array so large that not all exchanges are looked at.
+  /// The receivers whose arrivals are left out most; of an array so large that not all exchanges are looked
+  /// at.
   [[nodiscard]] std::vector<bool> doubtful_receivers() const {
     std::vector<double> used(site_.receivers.size(), 0.0), all = used, share = used;
     for (const Trajectory& t : solution_.trajectories)
@@ -307,24 +332,26 @@ class Search {
     const std::vector<bool> doubtful = doubtful_receivers();
     for (std::size_t v = 0; v < site_.vehicles.size(); ++v)
       for (const Wiring& wiring : wirings(site_, VehicleId(v), doubtful))
-        readings.push_back({{ContradictionKind::kWiring, "of " + site_.vehicles[v].name, "wired as in the site file",
-                             "that " + wiring.words, 0.0, "check the cables, or exchange the places in the site file"},
-                            [v, wiring](const Site& site) { return rewired(site, VehicleId(v), wiring); },
-                            {}});
+        readings.push_back(
+            {{ContradictionKind::kWiring, "of " + site_.vehicles[v].name, "wired as in the site file",
+              "that " + wiring.words, 0.0, "check the cables, or exchange the places in the site file"},
+             [v, wiring](const Site& site) { return rewired(site, VehicleId(v), wiring); },
+             {}});
     return readings;
   }
 
-  /// The likeliest, and of other kinds those that are as likely; of one kind the first that is as good as any, which is the
-  /// likelier mistake.
+  /// The likeliest, and of other kinds those that are as likely; of one kind the first that is as good as
+  /// any, which is the likelier mistake.
   std::vector<Contradiction> best() {
     std::vector<Contradiction> told;
     double least = INFINITY;
     for (const Tried& t : found_) least = std::min(least, t.score.loss);
     for (Tried& t : found_) {
-      const bool said = std::any_of(told.begin(), told.end(), [&](const Contradiction& m) { return m.kind == t.what.kind; });
+      const bool said = std::any_of(told.begin(), told.end(),
+                                    [&](const Contradiction& m) { return m.kind == t.what.kind; });
       if (said || t.score.loss > least + kTie) continue;
-      t.what.found += fmt::format(" (so read {:.0f} % of the arrivals agree, as stated {:.0f} %)", 100 * t.score.agreeing,
-                                  100 * agreeing_as_stated(t.score.noise));
+      t.what.found += fmt::format(" (so read {:.0f} % of the arrivals agree, as stated {:.0f} %)",
+                                  100 * t.score.agreeing, 100 * agreeing_as_stated(t.score.noise));
       t.what.sigmas = std::sqrt(2 * t.score.arrivals * (stated_.loss - t.score.loss));
       told.push_back(std::move(t.what));
     }
@@ -345,8 +372,8 @@ bool is_dragged(const Problem& problem, const Solution& solution) {
   for (std::size_t r = 0; r < site.receivers.size() && r < solution.state.receiver_p_vehicle_m.size(); ++r)
     for (int i = 0; i < 3; ++i) {
       const double sigma = site.receivers[r].sigma_m[i];
-      if (sigma > 0 &&
-          std::abs(solution.state.receiver_p_vehicle_m[r][i] - site.receivers[r].position_m[i]) > kDraggedSigmas * sigma)
+      if (sigma > 0 && std::abs(solution.state.receiver_p_vehicle_m[r][i] - site.receivers[r].position_m[i]) >
+                           kDraggedSigmas * sigma)
         return true;
     }
   return false;
@@ -358,16 +385,20 @@ bool seems_misread(const Problem& problem, const Solution& solution) {
   std::size_t rows = 0, early = 0;
   for (const MeasurementLog& run : problem.runs) rows += run.arrivals.size();
   if (rows == 0 || solution.status == SolveStatus::kInterrupted) return false;
-  if (solution.status == SolveStatus::kNotConverged || solution.beacon_status.empty()) return true;  // nothing came of it
+  if (solution.status == SolveStatus::kNotConverged || solution.beacon_status.empty())
+    return true;  // nothing came of it
   for (const LeftOut& l : solution.left_out) early += l.reason == Rejection::kEarly;
   const double all = static_cast<double>(rows);
   if (early >= kEarlyAtLeast && static_cast<double>(early) > kEarlyShare * all) return true;
   if (static_cast<double>(solution.left_out.size()) > kLeftOutShare * all) return true;
-  if (problem.site.noise.tof_sigma_s > 0 && solution.tof_sigma_s > kNoiseRatio * problem.site.noise.tof_sigma_s) return true;
+  if (problem.site.noise.tof_sigma_s > 0 &&
+      solution.tof_sigma_s > kNoiseRatio * problem.site.noise.tof_sigma_s)
+    return true;
   return is_dragged(problem, solution);
 }
 
-std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution, const SolveOptions& options) {
+std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution,
+                                            const SolveOptions& options) {
   return Search(problem, solution, options).run();
 }
 

@@ -9,16 +9,17 @@
 
 namespace octant::calib {
 
-/// Whether a calibration came out as one does whose site file or log is wrong as a whole: no or a poor outcome, many arrivals
-/// left out, more than a few of them early, which no echo can be, noise many times the stated one, or a receiver dragged from its
-/// place.
+/// Whether a calibration came out as one does whose site file or log is wrong as a whole: no or a poor
+/// outcome, many arrivals left out, more than a few of them early, which no echo can be, noise many times the
+/// stated one, or a receiver dragged from its place.
 [[nodiscard]] bool seems_misread(const Problem& problem, const Solution& solution);
 
-/// Looks for the false statement behind such an outcome, one that people often get wrong: a small combinatorial search over other
-/// readings (receivers exchanged, mirrored, turned; positions in centimetres, millimetres, feet, inches; two-way times; stops
-/// without epochs; mirrored poses), each adjusted to an evenly spread part of the recordings and held against the same part as
-/// stated by a robust likelihood (`sigmas`: the root of twice its logarithm). Usually one or none; several where the data cannot
-/// tell them apart. Takes some dozens of quick adjustments.
+/// Looks for the false statement behind such an outcome, one that people often get wrong: a small
+/// combinatorial search over other readings (receivers exchanged, mirrored, turned; positions in centimetres,
+/// millimetres, feet, inches; two-way times; stops without epochs; mirrored poses), each adjusted to an
+/// evenly spread part of the recordings and held against the same part as stated by a robust likelihood
+/// (`sigmas`: the root of twice its logarithm). Usually one or none; several where the data cannot tell them
+/// apart. Takes some dozens of quick adjustments.
 [[nodiscard]] std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution,
                                                           const SolveOptions& options = {});
 

@@ -43,15 +43,18 @@ std::size_t left_out_count(const std::vector<Trajectory>& trajectories) {
 void judge_fit(const SolveOptions& options, Fit& fit) {
   const SharedState state = fit.state();
   fit.ok = fit.last.converged;
-  fit.cost = fit.last.cost + 0.5 * options.rejection_sigmas * options.rejection_sigmas * static_cast<double>(left_out_count(fit.trajectories));
-  const CalibrationStatistics s = statistics_of(fit.problem, fit.layout, fit.trajectories, state, fit.last.cost, options.threads);
+  fit.cost = fit.last.cost + 0.5 * options.rejection_sigmas * options.rejection_sigmas *
+                                 static_cast<double>(left_out_count(fit.trajectories));
+  const CalibrationStatistics s =
+      statistics_of(fit.problem, fit.layout, fit.trajectories, state, fit.last.cost, options.threads);
   const double squares = 2 * (fit.last.cost - prior_cost(fit.problem, fit.layout, fit.x));
   fit.noise_factor = s.redundancy >= 30 && squares > 0 ? std::sqrt(squares / s.redundancy) : 1.0;
 }
 
 bool mark_and_adjust(const SolveOptions& options, Fit& fit) {
   for (int round = 0; round < kMarkingRounds; ++round) {
-    const std::size_t changed = mark_rejected(fit.trajectories, fit.state(), options.rejection_sigmas, options.threads);
+    const std::size_t changed =
+        mark_rejected(fit.trajectories, fit.state(), options.rejection_sigmas, options.threads);
     if (round > 0 && changed == 0) break;
     fit.last = adjust(fit.problem, fit.layout, fit.trajectories, fit.x, alone(options, 0.0, 1e-10));
     if (!fit.x.allFinite()) return false;
@@ -61,7 +64,8 @@ bool mark_and_adjust(const SolveOptions& options, Fit& fit) {
 
 }  // namespace
 
-Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate, const std::vector<Trajectory>& trajectories) {
+Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+           const std::vector<Trajectory>& trajectories) {
   Fit fit;
   fit.problem.site = problem.site;
   fit.problem.runs.resize(problem.runs.size());  // as many, for the offsets of the speed
@@ -73,7 +77,8 @@ Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& 
   std::size_t arrivals = 0;
   for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
   const std::size_t every = arrivals / kMostArrivals + 1;
-  for (const Trajectory& t : trajectories) fit.trajectories.push_back(every == 1 ? t : some_segments(t, every));
+  for (const Trajectory& t : trajectories)
+    fit.trajectories.push_back(every == 1 ? t : some_segments(t, every));
   if (every > 1) mark_and_adjust(options, fit);
   judge_fit(options, fit);
   return fit;
@@ -83,7 +88,8 @@ void adjust_anew(const SolveOptions& options, Fit& fit) {
   readmit_all(fit.trajectories, fit.beacon_usable);
   fit.ok = false;
   for (const double scale : {kCoarseScale, kCauchyScale}) {
-    fit.last = adjust(fit.problem, fit.layout, fit.trajectories, fit.x, alone(options, scale, scale > kCauchyScale ? 1e-4 : 1e-8));
+    fit.last = adjust(fit.problem, fit.layout, fit.trajectories, fit.x,
+                      alone(options, scale, scale > kCauchyScale ? 1e-4 : 1e-8));
     if (!fit.x.allFinite()) return;
   }
   if (mark_and_adjust(options, fit)) judge_fit(options, fit);
@@ -105,7 +111,8 @@ Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit) {
   const Eigen::VectorXd scale = total.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd scaled = scale.asDiagonal() * total * scale.asDiagonal();
   scaled.diagonal().array() += 1e-12;
-  return scale.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(total.rows(), total.cols())) * scale.asDiagonal();
+  return scale.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(total.rows(), total.cols())) *
+         scale.asDiagonal();
 }
 
 }  // namespace octant::calib

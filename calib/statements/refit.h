@@ -12,33 +12,34 @@ namespace octant::calib {
 
 /// One adjustment under a hypothesis on what was stated: the same arrivals, other statements believed.
 struct Fit {
-  bool ok = false;                       ///< converged
-  Problem problem;                       ///< site as believed, no recordings
+  bool ok = false;  ///< converged
+  Problem problem;  ///< site as believed, no recordings
   ParameterLayout layout;
   Eigen::VectorXd x;
   std::vector<Trajectory> trajectories;  ///< settled at x, marked
   AdjustResult last;
   std::vector<bool> beacon_usable;
-  /// 1/2 the squares of everything at the noise that all fits of a comparison share, each arrival left out counted with the squares
-  /// at which it would have been: lower explains more.
+  /// 1/2 the squares of everything at the noise that all fits of a comparison share, each arrival left out
+  /// counted with the squares at which it would have been: lower explains more.
   double cost = 0.0;
-  double noise_factor = 1.0;             ///< noise as this fit finds it, over that of the comparison
+  double noise_factor = 1.0;  ///< noise as this fit finds it, over that of the comparison
 
   [[nodiscard]] SharedState state() const { return layout.state_of(x); }
 };
 
-/// The estimate of a calibration as a fit. Of long logs an evenly spread part (of all of their arrivals some kMostArrivals), adjusted
-/// again on its own.
-[[nodiscard]] Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate, const std::vector<Trajectory>& trajectories);
+/// The estimate of a calibration as a fit. Of long logs an evenly spread part (of all of their arrivals some
+/// kMostArrivals), adjusted again on its own.
+[[nodiscard]] Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                         const std::vector<Trajectory>& trajectories);
 inline constexpr std::size_t kMostArrivals = 60'000;
 
-/// Adjusts again from where `fit` stands: all arrivals admitted, Cauchy's loss from coarse to fine, then plain squares on those that
-/// agree. The layout's size may differ from that of the fit's x.
+/// Adjusts again from where `fit` stands: all arrivals admitted, Cauchy's loss from coarse to fine, then
+/// plain squares on those that agree. The layout's size may differ from that of the fit's x.
 /// @param fit  problem, layout, x and trajectories are the start
 void adjust_anew(const SolveOptions& options, Fit& fit);
 
-/// Joint covariance of a fit's parameters in internal units under the errors as its residuals show them (noise, and how long it keeps).
-/// Everything that tests a statement takes it from here.
+/// Joint covariance of a fit's parameters in internal units under the errors as its residuals show them
+/// (noise, and how long it keeps). Everything that tests a statement takes it from here.
 [[nodiscard]] Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit);
 /// What the variances of white noise as found are to be multiplied by where errors keep within a pair.
 [[nodiscard]] double variance_inflation(const Fit& fit, int threads);

@@ -7,14 +7,14 @@
 #include <optional>
 #include <string>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <boost/math/distributions/chi_squared.hpp>
-#include <fmt/format.h>
 
-#include "calib/verdict/observability.h"
-#include "calib/statements/refit.h"
 #include "calib/adjust/tile_sum.h"
+#include "calib/statements/refit.h"
+#include "calib/verdict/observability.h"
 #include "calib/verdict/validity.h"
 
 namespace octant::calib {
@@ -22,7 +22,8 @@ namespace {
 
 /// Chance of a false contradiction at a site, over all that is tested there.
 constexpr double kFalseAlarms = 0.002;
-/// Models are not exact: what is seen at fewer sigmas is no contradiction, however many observations there are.
+/// Models are not exact: what is seen at fewer sigmas is no contradiction, however many observations there
+/// are.
 constexpr double kFewestSigmas = 5.0;
 /// A deviation below this share of the site's tolerance is of no consequence.
 constexpr double kMatters = 0.2;
@@ -31,7 +32,17 @@ constexpr double kSuspectStatementSigmas = 4.0;
 constexpr double kMostlyLeftOut = 0.3;
 constexpr std::size_t kMostSuspects = 8, kMostCulprits = 4;
 
-enum class What { kControlPoint, kBeaconDelay, kReceiverDelay, kSiteDelay, kNoDelays, kSpeed, kReceiver, kAttenuation, kDistance };
+enum class What {
+  kControlPoint,
+  kBeaconDelay,
+  kReceiverDelay,
+  kSiteDelay,
+  kNoDelays,
+  kSpeed,
+  kReceiver,
+  kAttenuation,
+  kDistance
+};
 
 struct Statement {
   What what = What::kSpeed;
@@ -41,14 +52,13 @@ struct Statement {
 
 /// A difference of what was stated and what was found.
 struct Difference {
-  Eigen::VectorXd v;           ///< found less stated, internal units
+  Eigen::VectorXd v;  ///< found less stated, internal units
   Eigen::MatrixXd covariance;
-  double length_m = 0.0;       ///< at the beacons or at the robot
+  double length_m = 0.0;  ///< at the beacons or at the robot
   /// Squares of the difference in its own covariance.
-  [[nodiscard]] double squares() const {
-    return v.size() == 0 ? 0.0 : v.dot(covariance.ldlt().solve(v));
-  }
-  /// Normal deviate of the same chance of squares() by chi-square (Wilson and Hilferty 1931, far in the tail).
+  [[nodiscard]] double squares() const { return v.size() == 0 ? 0.0 : v.dot(covariance.ldlt().solve(v)); }
+  /// Normal deviate of the same chance of squares() by chi-square (Wilson and Hilferty 1931, far in the
+  /// tail).
   [[nodiscard]] double sigmas() const {
     const double n = static_cast<double>(v.size()), s = squares();
     if (!(s > 0) || !std::isfinite(s)) return 0.0;
@@ -58,7 +68,8 @@ struct Difference {
 
 double chance(double squares, Eigen::Index degrees) {
   if (!(squares > 0) || degrees <= 0) return 1.0;
-  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(static_cast<double>(degrees)), squares));
+  return boost::math::cdf(
+      boost::math::complement(boost::math::chi_squared(static_cast<double>(degrees)), squares));
 }
 
 /// Whether a statement's columns are those of a prior, or of what is held.
@@ -66,8 +77,12 @@ bool has_prior(const Parameter& p) { return std::isfinite(p.prior_sigma); }
 
 class StatementTest {
  public:
-  StatementTest(const Problem& problem, const SolveOptions& options, const Estimate& estimate, const std::vector<Trajectory>& trajectories)
-      : whole_(problem), options_(options), stated_(estimate.layout), now_(fit_of(problem, options, estimate, trajectories)) {
+  StatementTest(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                const std::vector<Trajectory>& trajectories)
+      : whole_(problem),
+        options_(options),
+        stated_(estimate.layout),
+        now_(fit_of(problem, options, estimate, trajectories)) {
     list();
   }
 
@@ -95,7 +110,8 @@ class StatementTest {
     double sigmas = 0.0;
   };
 
-  // What is stated ----------------------------------------------------------------------------------------------------
+  // What is stated
+  // ----------------------------------------------------------------------------------------------------
 
   [[nodiscard]] const Site& site() const { return whole_.site; }
 
@@ -107,11 +123,13 @@ class StatementTest {
     }
     for (std::size_t r = 0; r < s.receivers.size(); ++r) {
       if (stated_.receiver_delay[r] >= 0) all_.push_back({What::kReceiverDelay, r});
-      if (std::max({stated_.receiver[r][0], stated_.receiver[r][1], stated_.receiver[r][2]}) >= 0) all_.push_back({What::kReceiver, r});
+      if (std::max({stated_.receiver[r][0], stated_.receiver[r][1], stated_.receiver[r][2]}) >= 0)
+        all_.push_back({What::kReceiver, r});
     }
     if (stated_.site_delay >= 0) all_.push_back({What::kSiteDelay, 0});
     const bool has_delay = s.timing.delay_sigma_s > 0 && !s.timing.delay_per.none();
-    if (!has_delay && s.timing.clock == Clock::kSynchronised && s.tof_sigma_given) all_.push_back({What::kNoDelays, 0});
+    if (!has_delay && s.timing.clock == Clock::kSynchronised && s.tof_sigma_given)
+      all_.push_back({What::kNoDelays, 0});
     for (std::size_t run = 0; run < stated_.speed.size(); ++run) all_.push_back({What::kSpeed, run});
     for (std::size_t i = 0; i < stated_.attenuation.size(); ++i)
       if (stated_.attenuation[i] >= 0) all_.push_back({What::kAttenuation, i});
@@ -155,7 +173,8 @@ class StatementTest {
   }
 
   /// A layout in which some statements are not believed.
-  [[nodiscard]] ParameterLayout layout_without(const std::vector<Statement>& released, const SharedState& state, Problem& problem) const {
+  [[nodiscard]] ParameterLayout layout_without(const std::vector<Statement>& released,
+                                               const SharedState& state, Problem& problem) const {
     problem.site = site();
     for (const Statement& s : released) {
       if (s.what == What::kControlPoint) problem.site.beacons[s.index].sigma_m = {};
@@ -168,7 +187,8 @@ class StatementTest {
     for (const Statement& s : released)
       if (s.what == What::kDistance) distances.push_back(s.index);
     std::sort(distances.rbegin(), distances.rend());
-    for (const std::size_t d : distances) problem.site.distances.erase(problem.site.distances.begin() + static_cast<std::ptrdiff_t>(d));
+    for (const std::size_t d : distances)
+      problem.site.distances.erase(problem.site.distances.begin() + static_cast<std::ptrdiff_t>(d));
     std::vector<bool> held(now_.beacon_usable.size());
     for (std::size_t b = 0; b < held.size(); ++b) held[b] = !now_.beacon_usable[b];
     ParameterLayout layout = make_layout(problem, state, held);
@@ -197,7 +217,9 @@ class StatementTest {
     if (s.what == What::kNoDelays) return layout.nominal_speed_mps * stated_delay_s();
     return layout.parameters[static_cast<std::size_t>(column)].prior_mean;
   }
-  [[nodiscard]] double stated_delay_s() const { return site().timing.delay_per.none() ? 0.0 : site().timing.delay_s; }
+  [[nodiscard]] double stated_delay_s() const {
+    return site().timing.delay_per.none() ? 0.0 : site().timing.delay_s;
+  }
 
   /// Sigma by which the site file states it; 0: held.
   [[nodiscard]] double stated_sigma(const Statement& s, const ParameterLayout& layout, int column) const {
@@ -208,7 +230,8 @@ class StatementTest {
     return 0.0;
   }
 
-  // Without a new solve -----------------------------------------------------------------------------------------------
+  // Without a new solve
+  // -----------------------------------------------------------------------------------------------
 
   struct Suspect {
     Statement statement;
@@ -240,7 +263,8 @@ class StatementTest {
     const Eigen::MatrixXd prior = prior_information(problem, wide, x);
     const Eigen::MatrixXd C = inverse((data.H / noise2 + prior)(free, free));
     std::vector<int> place(static_cast<std::size_t>(wide.size()), -1);
-    for (std::size_t i = 0; i < free.size(); ++i) place[static_cast<std::size_t>(free[i])] = static_cast<int>(i);
+    for (std::size_t i = 0; i < free.size(); ++i)
+      place[static_cast<std::size_t>(free[i])] = static_cast<int>(i);
     std::vector<Suspect> found;
     for (const Statement& s : all_) {
       if (is_released(s)) continue;
@@ -251,14 +275,16 @@ class StatementTest {
         suspect.sigmas = distance_sigmas(s.index, wide, state, C, place);
       } else if (was_held) {
         const Eigen::MatrixXd H_sf = data.H(columns, free) / noise2;
-        suspect.sigmas = released_sigmas(data.H(columns, columns) / noise2 - H_sf * C * H_sf.transpose(), data.gradient(columns) / noise2);
+        suspect.sigmas = released_sigmas(data.H(columns, columns) / noise2 - H_sf * C * H_sf.transpose(),
+                                         data.gradient(columns) / noise2);
       } else {
         suspect.sigmas = prior_sigmas(columns, wide, x, C, place);
       }
       if (is_mostly_left_out(s)) suspect.sigmas = std::max(suspect.sigmas, 1e3);
       if (suspect.sigmas > kSuspectStatementSigmas) found.push_back(suspect);
     }
-    std::sort(found.begin(), found.end(), [](const Suspect& a, const Suspect& b) { return a.sigmas > b.sigmas; });
+    std::sort(found.begin(), found.end(),
+              [](const Suspect& a, const Suspect& b) { return a.sigmas > b.sigmas; });
     if (found.size() > kMostSuspects) found.resize(kMostSuspects);
     return found;
   }
@@ -267,7 +293,8 @@ class StatementTest {
     const Eigen::VectorXd scale = N.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
     Eigen::MatrixXd scaled = scale.asDiagonal() * N * scale.asDiagonal();
     scaled.diagonal().array() += 1e-12;
-    return scale.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(N.rows(), N.cols())) * scale.asDiagonal();
+    return scale.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(N.rows(), N.cols())) *
+           scale.asDiagonal();
   }
 
   /// lambda' C^+ lambda as a normal deviate; directions of which the data tell nothing do not count.
@@ -283,7 +310,8 @@ class StatementTest {
     return d.sigmas();
   }
 
-  static double prior_sigmas(const std::vector<int>& columns, const ParameterLayout& layout, const Eigen::VectorXd& x, const Eigen::MatrixXd& C,
+  static double prior_sigmas(const std::vector<int>& columns, const ParameterLayout& layout,
+                             const Eigen::VectorXd& x, const Eigen::MatrixXd& C,
                              const std::vector<int>& place) {
     Difference d;
     d.v.resize(static_cast<Eigen::Index>(columns.size()));
@@ -295,28 +323,35 @@ class StatementTest {
       d.v[row] = x[columns[i]] - p.prior_mean;
       for (std::size_t j = 0; j < columns.size(); ++j)
         d.covariance(row, static_cast<Eigen::Index>(j)) =
-            (i == j ? p.prior_sigma * p.prior_sigma : 0.0) - C(place[static_cast<std::size_t>(columns[i])], place[static_cast<std::size_t>(columns[j])]);
+            (i == j ? p.prior_sigma * p.prior_sigma : 0.0) -
+            C(place[static_cast<std::size_t>(columns[i])], place[static_cast<std::size_t>(columns[j])]);
     }
     // What the data improve by less than a hundredth is the prior itself.
     for (Eigen::Index i = 0; i < d.v.size(); ++i) {
-      const double prior2 = d.covariance(i, i) + C(place[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])], place[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])]);
+      const double prior2 =
+          d.covariance(i, i) + C(place[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])],
+                                 place[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])]);
       d.covariance(i, i) += 0.01 * prior2;
     }
     return d.sigmas();
   }
 
-  [[nodiscard]] double distance_sigmas(std::size_t index, const ParameterLayout& layout, const SharedState& state, const Eigen::MatrixXd& C,
+  [[nodiscard]] double distance_sigmas(std::size_t index, const ParameterLayout& layout,
+                                       const SharedState& state, const Eigen::MatrixXd& C,
                                        const std::vector<int>& place) const {
     const ControlDistance& d = site().distances[index];
     const Eigen::Vector3d v = state.beacon_p_map_m[d.from.index()] - state.beacon_p_map_m[d.to.index()];
     Eigen::VectorXd a = Eigen::VectorXd::Zero(C.rows());
     for (std::size_t i = 0; i < 3; ++i) {
       const double k = v[static_cast<Eigen::Index>(i)] / std::max(v.norm(), 1e-9);
-      if (const int c = layout.beacon[d.from.index()][i]; c >= 0 && place[static_cast<std::size_t>(c)] >= 0) a[place[static_cast<std::size_t>(c)]] += k;
-      if (const int c = layout.beacon[d.to.index()][i]; c >= 0 && place[static_cast<std::size_t>(c)] >= 0) a[place[static_cast<std::size_t>(c)]] -= k;
+      if (const int c = layout.beacon[d.from.index()][i]; c >= 0 && place[static_cast<std::size_t>(c)] >= 0)
+        a[place[static_cast<std::size_t>(c)]] += k;
+      if (const int c = layout.beacon[d.to.index()][i]; c >= 0 && place[static_cast<std::size_t>(c)] >= 0)
+        a[place[static_cast<std::size_t>(c)]] -= k;
     }
     const double variance = d.sigma_m * d.sigma_m - a.dot(C * a);
-    return variance > 0.01 * d.sigma_m * d.sigma_m ? std::abs(v.norm() - d.distance_m) / std::sqrt(variance) : 0.0;
+    return variance > 0.01 * d.sigma_m * d.sigma_m ? std::abs(v.norm() - d.distance_m) / std::sqrt(variance)
+                                                   : 0.0;
   }
 
   /// A control point most of whose arrivals were left out has no say any more: its innovation tells nothing.
@@ -332,9 +367,12 @@ class StatementTest {
     return placed >= 10 && static_cast<double>(out) > kMostlyLeftOut * static_cast<double>(placed);
   }
 
-  [[nodiscard]] bool is_released(const Statement& s) const { return std::find(released_.begin(), released_.end(), s) != released_.end(); }
+  [[nodiscard]] bool is_released(const Statement& s) const {
+    return std::find(released_.begin(), released_.end(), s) != released_.end();
+  }
 
-  // With one -----------------------------------------------------------------------------------------------------------
+  // With one
+  // -----------------------------------------------------------------------------------------------------------
 
   [[nodiscard]] std::optional<Culprit> next_culprit() const {
     std::optional<Culprit> best;
@@ -362,7 +400,8 @@ class StatementTest {
 
   [[nodiscard]] bool is_contradicted(const Difference& d) const {
     const double level = kFalseAlarms / static_cast<double>(std::max<std::size_t>(all_.size(), 1));
-    return chance(d.squares(), d.v.size()) < level && d.sigmas() > kFewestSigmas && d.length_m > kMatters * tolerance_m(whole_);
+    return chance(d.squares(), d.v.size()) < level && d.sigmas() > kFewestSigmas &&
+           d.length_m > kMatters * tolerance_m(whole_);
   }
 
   /// What a fit in which the statement is not believed finds of it.
@@ -371,9 +410,10 @@ class StatementTest {
     Difference d;
     if (s.what == What::kDistance) return distance_difference(s, fit, C);
     std::vector<int> columns = columns_of(s, fit.layout);
-    // Receivers' heights are told by the inclination of the paths alone, where errors that depend on the angle go; no fix in the
-    // plane feels them.
-    if (s.what == What::kReceiver && site().motion == Motion::kPlanar) std::erase(columns, fit.layout.receiver[s.index][2]);
+    // Receivers' heights are told by the inclination of the paths alone, where errors that depend on the
+    // angle go; no fix in the plane feels them.
+    if (s.what == What::kReceiver && site().motion == Motion::kPlanar)
+      std::erase(columns, fit.layout.receiver[s.index][2]);
     d.v.resize(static_cast<Eigen::Index>(columns.size()));
     d.covariance = C(columns, columns);
     for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -388,10 +428,12 @@ class StatementTest {
     return d;
   }
 
-  [[nodiscard]] Difference distance_difference(const Statement& s, const Fit& fit, const Eigen::MatrixXd& C) const {
+  [[nodiscard]] Difference distance_difference(const Statement& s, const Fit& fit,
+                                               const Eigen::MatrixXd& C) const {
     const ControlDistance& told = site().distances[s.index];
     const SharedState state = fit.state();
-    const Eigen::Vector3d between = state.beacon_p_map_m[told.from.index()] - state.beacon_p_map_m[told.to.index()];
+    const Eigen::Vector3d between =
+        state.beacon_p_map_m[told.from.index()] - state.beacon_p_map_m[told.to.index()];
     Eigen::VectorXd a = Eigen::VectorXd::Zero(C.rows());
     for (std::size_t i = 0; i < 3; ++i) {
       const double k = between[static_cast<Eigen::Index>(i)] / std::max(between.norm(), 1e-9);
@@ -410,15 +452,23 @@ class StatementTest {
     const SharedState then = now_.state(), here = fit.state();
     double largest = 0.0;
     for (std::size_t b = 0; b < here.beacon_p_map_m.size(); ++b)
-      if (fit.beacon_usable[b]) largest = std::max(largest, (here.beacon_p_map_m[b] - then.beacon_p_map_m[b]).norm());
+      if (fit.beacon_usable[b])
+        largest = std::max(largest, (here.beacon_p_map_m[b] - then.beacon_p_map_m[b]).norm());
     return largest;
   }
 
-  // In words -----------------------------------------------------------------------------------------------------------
+  // In words
+  // -----------------------------------------------------------------------------------------------------------
 
-  static std::string point(const Eigen::Vector3d& p) { return fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x(), p.y(), p.z()); }
-  static std::string length(double m) { return std::abs(m) < 1.0 ? fmt::format("{:.1f} mm", 1e3 * m) : fmt::format("{:.3f} m", m); }
-  static std::string time(double s) { return std::abs(s) < 1e-6 ? fmt::format("{:.2f} ns", 1e9 * s) : fmt::format("{:.1f} us", 1e6 * s); }
+  static std::string point(const Eigen::Vector3d& p) {
+    return fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x(), p.y(), p.z());
+  }
+  static std::string length(double m) {
+    return std::abs(m) < 1.0 ? fmt::format("{:.1f} mm", 1e3 * m) : fmt::format("{:.3f} m", m);
+  }
+  static std::string time(double s) {
+    return std::abs(s) < 1e-6 ? fmt::format("{:.2f} ns", 1e9 * s) : fmt::format("{:.1f} us", 1e6 * s);
+  }
   [[nodiscard]] std::string receiver_name(std::size_t r) const {
     return site().vehicles[site().receivers[r].vehicle.index()].name + "/" + site().receivers[r].name;
   }
@@ -448,12 +498,16 @@ class StatementTest {
 
   void tell_control_point(const Statement& s, const SharedState& state, Contradiction& c) const {
     const SiteBeacon& b = site().beacons[s.index];
-    const Eigen::Vector3d stated(*b.position_m[0], *b.position_m[1], *b.position_m[2]), found = state.beacon_p_map_m[s.index];
+    const Eigen::Vector3d stated(*b.position_m[0], *b.position_m[1], *b.position_m[2]),
+        found = state.beacon_p_map_m[s.index];
     c.kind = ContradictionKind::kControlPoint;
     c.subject = b.name;
     c.stated = fmt::format("at {}, held fixed", point(stated));
     c.found = fmt::format("at {}, {} away", point(found), length((found - stated).norm()));
-    c.remedy = fmt::format("survey control point {} again, check its label and its line in the site file; or give it a sigma_m, so that the others place it", b.name);
+    c.remedy = fmt::format(
+        "survey control point {} again, check its label and its line in the site file; or give it a sigma_m, "
+        "so that the others place it",
+        b.name);
   }
 
   void tell_delay(const std::string& whose, double found_s, Contradiction& c) const {
@@ -461,7 +515,9 @@ class StatementTest {
     c.subject = whose;
     c.stated = fmt::format("{}, sigma {}", time(site().timing.delay_s), time(site().timing.delay_sigma_s));
     c.found = time(found_s);
-    c.remedy = fmt::format("look at the electronics of {} and at what stands before it, or state a larger timing.delay_sigma_s", whose);
+    c.remedy = fmt::format(
+        "look at the electronics of {} and at what stands before it, or state a larger timing.delay_sigma_s",
+        whose);
   }
 
   void tell_delays(const SharedState& state, Contradiction& c) const {
@@ -473,7 +529,8 @@ class StatementTest {
     }
     c.kind = ContradictionKind::kDelay;
     c.subject = "all beacons";
-    c.stated = stated_delay_s() == 0.0 ? std::string("no delay (timing.delay_per: none)") : "a delay of exactly " + time(stated_delay_s());
+    c.stated = stated_delay_s() == 0.0 ? std::string("no delay (timing.delay_per: none)")
+                                       : "a delay of exactly " + time(stated_delay_s());
     c.found = fmt::format("delays from {} to {}", time(least), time(most));
     c.remedy = "state the delay in the site file: timing.delay_per: beacon, with delay_s and delay_sigma_s";
   }
@@ -488,7 +545,8 @@ class StatementTest {
         model += a.model_speed_mps;
         ++count;
         const MeasurementLog& run = whole_.runs[t.run];
-        degC += a.arrival < run.arrivals.size() ? temperature_of(run.arrivals[a.arrival], run, site()) : medium.temperature_degC;
+        degC += a.arrival < run.arrivals.size() ? temperature_of(run.arrivals[a.arrival], run, site())
+                                                : medium.temperature_degC;
       }
     }
     const double n = static_cast<double>(std::max<std::size_t>(count, 1));
@@ -497,24 +555,30 @@ class StatementTest {
     const bool has_temperature = medium.model != MediumModel::kConstant;
     c.kind = ContradictionKind::kSpeed;
     c.subject = stated_.speed.size() > 1 ? fmt::format("in run {}", s.index + 1) : "";
-    c.stated = fmt::format("{:.2f} m/s, sigma {:.2g} m/s", model, site().speed_sigma_mps) + (has_temperature ? fmt::format(", at {:.1f} degC", degC) : "");
+    c.stated = fmt::format("{:.2f} m/s, sigma {:.2g} m/s", model, site().speed_sigma_mps) +
+               (has_temperature ? fmt::format(", at {:.1f} degC", degC) : "");
     c.found = fmt::format("{:.2f} m/s", model + offset);
     c.remedy = "check medium.speed_mps, or state a larger medium.sigma_mps";
     if (!has_temperature) return;
-    c.remedy = "check the thermometer: the temperature in the site file, in run.yaml and in the recording (degrees Celsius); or state a larger medium.sigma_mps";
-    if (const auto would_be = temperature_at(medium, model + offset)) c.found += fmt::format(", as at {:.1f} degC", *would_be);
+    c.remedy =
+        "check the thermometer: the temperature in the site file, in run.yaml and in the recording (degrees "
+        "Celsius); or state a larger medium.sigma_mps";
+    if (const auto would_be = temperature_at(medium, model + offset))
+      c.found += fmt::format(", as at {:.1f} degC", *would_be);
     const double celsius = (degC - 32) / 1.8;
     if (celsius < -50 || celsius > 60) return;
     const double slack = 3 * std::max(site().speed_sigma_mps, 0.5);
     if (std::abs(speed_mps(medium, celsius) - model - offset) > slack) return;
-    c.found += fmt::format(": the temperature is in degrees Fahrenheit ({:.1f} degF are {:.1f} degC)", degC, celsius);
+    c.found += fmt::format(": the temperature is in degrees Fahrenheit ({:.1f} degF are {:.1f} degC)", degC,
+                           celsius);
     c.remedy = "write the temperature in degrees Celsius: the thermometer's is in Fahrenheit";
   }
 
   static std::optional<double> temperature_at(const Medium& medium, double speed) {
     double low = -60, high = 60;
     if (!(speed_mps(medium, low) < speed && speed < speed_mps(medium, high))) return {};
-    for (int i = 0; i < 40; ++i) (speed_mps(medium, 0.5 * (low + high)) < speed ? low : high) = 0.5 * (low + high);
+    for (int i = 0; i < 40; ++i)
+      (speed_mps(medium, 0.5 * (low + high)) < speed ? low : high) = 0.5 * (low + high);
     return 0.5 * (low + high);
   }
 
@@ -522,9 +586,12 @@ class StatementTest {
     const SiteReceiver& r = site().receivers[s.index];
     c.kind = ContradictionKind::kReceiver;
     c.subject = receiver_name(s.index);
-    c.stated = fmt::format("at {} on the vehicle, sigma {}", point(r.position_m), length(r.sigma_m.maxCoeff()));
-    c.found = fmt::format("at {}, {} away", point(state.receiver_p_vehicle_m[s.index]), length((state.receiver_p_vehicle_m[s.index] - r.position_m).norm()));
-    c.remedy = fmt::format("measure the place of receiver {} on the vehicle again and write it into the site file", r.name);
+    c.stated =
+        fmt::format("at {} on the vehicle, sigma {}", point(r.position_m), length(r.sigma_m.maxCoeff()));
+    c.found = fmt::format("at {}, {} away", point(state.receiver_p_vehicle_m[s.index]),
+                          length((state.receiver_p_vehicle_m[s.index] - r.position_m).norm()));
+    c.remedy = fmt::format(
+        "measure the place of receiver {} on the vehicle again and write it into the site file", r.name);
   }
 
   void tell_attenuation(const Statement& s, Contradiction& c) const {
@@ -532,7 +599,8 @@ class StatementTest {
     const Parameter& p = stated_.parameters[static_cast<std::size_t>(stated_.attenuation[s.index])];
     c.kind = ContradictionKind::kAttenuation;
     c.subject = p.name;
-    c.stated = fmt::format("{:.4g}, sigma {:.2g}", p.prior_mean * p.si_per_unit, p.prior_sigma * p.si_per_unit);
+    c.stated =
+        fmt::format("{:.4g}, sigma {:.2g}", p.prior_mean * p.si_per_unit, p.prior_sigma * p.si_per_unit);
     c.found = fmt::format("{:.4g}", now_.x[column] * p.si_per_unit);
     c.remedy = fmt::format("check {} in the site file, or state a larger sigma", p.name);
   }
@@ -542,29 +610,38 @@ class StatementTest {
     c.kind = ContradictionKind::kDistance;
     c.subject = site().beacons[d.from.index()].name + ", " + site().beacons[d.to.index()].name;
     c.stated = fmt::format("{:.4f} m, sigma {}", d.distance_m, length(d.sigma_m));
-    c.found = fmt::format("{:.4f} m", (state.beacon_p_map_m[d.from.index()] - state.beacon_p_map_m[d.to.index()]).norm());
-    c.remedy = fmt::format("tape the distance from {} to {} again", site().beacons[d.from.index()].name, site().beacons[d.to.index()].name);
+    c.found = fmt::format("{:.4f} m",
+                          (state.beacon_p_map_m[d.from.index()] - state.beacon_p_map_m[d.to.index()]).norm());
+    c.remedy = fmt::format("tape the distance from {} to {} again", site().beacons[d.from.index()].name,
+                           site().beacons[d.to.index()].name);
   }
 
   /// Two control points that were found at each other's places.
   void join_exchanged(const std::vector<Culprit>& culprits, std::vector<Contradiction>& found) const {
     const SharedState state = now_.state();
     const auto place = [&](std::size_t b) {
-      return Eigen::Vector3d(*site().beacons[b].position_m[0], *site().beacons[b].position_m[1], *site().beacons[b].position_m[2]);
+      return Eigen::Vector3d(*site().beacons[b].position_m[0], *site().beacons[b].position_m[1],
+                             *site().beacons[b].position_m[2]);
     };
     for (std::size_t i = 0; i < culprits.size(); ++i)
       for (std::size_t j = i + 1; j < culprits.size(); ++j) {
-        if (culprits[i].statement.what != What::kControlPoint || culprits[j].statement.what != What::kControlPoint) continue;
+        if (culprits[i].statement.what != What::kControlPoint ||
+            culprits[j].statement.what != What::kControlPoint)
+          continue;
         const std::size_t a = culprits[i].statement.index, b = culprits[j].statement.index;
         const double near = 0.1 * (place(a) - place(b)).norm();
-        if ((state.beacon_p_map_m[a] - place(b)).norm() > near || (state.beacon_p_map_m[b] - place(a)).norm() > near) continue;
+        if ((state.beacon_p_map_m[a] - place(b)).norm() > near ||
+            (state.beacon_p_map_m[b] - place(a)).norm() > near)
+          continue;
         Contradiction& c = found[i];
         c.kind = ContradictionKind::kExchanged;
         c.subject = site().beacons[a].name + ", " + site().beacons[b].name;
         c.stated = fmt::format("at {} and {}", point(place(a)), point(place(b)));
         c.found = "at each other's places";
-        c.remedy = fmt::format("exchange the positions of control points {} and {} in the site file, or their labels on the wall", site().beacons[a].name,
-                               site().beacons[b].name);
+        c.remedy = fmt::format(
+            "exchange the positions of control points {} and {} in the site file, or their labels on the "
+            "wall",
+            site().beacons[a].name, site().beacons[b].name);
         found.erase(found.begin() + static_cast<std::ptrdiff_t>(j));
         return;
       }
@@ -573,14 +650,14 @@ class StatementTest {
   const Problem& whole_;
   const SolveOptions& options_;
   const ParameterLayout& stated_;
-  Fit now_;                          ///< all that was released stays so
+  Fit now_;  ///< all that was released stays so
   std::vector<Statement> all_, released_;
 };
 
 }  // namespace
 
-StatementFindings test_statements(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-                                  const std::vector<Trajectory>& trajectories) {
+StatementFindings test_statements(const Problem& problem, const SolveOptions& options,
+                                  const Estimate& estimate, const std::vector<Trajectory>& trajectories) {
   if (!is_dense(estimate.layout) || estimate.x.size() == 0) return {};
   return StatementTest(problem, options, estimate, trajectories).run();
 }

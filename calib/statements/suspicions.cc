@@ -13,11 +13,13 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kArrivalsNeeded = 20;
-/// A receiver is suspected when its ranges are off by this much more than the noise, and fit another place as well as this.
+/// A receiver is suspected when its ranges are off by this much more than the noise, and fit another place as
+/// well as this.
 constexpr double kOffSigmas = 4.0, kBetter = 0.3;
 constexpr double kMedianOfNormal = 0.6745;
 
-/// Median size of the residuals, in sigmas, that the ranges of receiver r would have if it stood at the place of s.
+/// Median size of the residuals, in sigmas, that the ranges of receiver r would have if it stood at the place
+/// of s.
 double misfit(const Adjusted& f, const SharedState& state, ReceiverId r, ReceiverId s, std::size_t& count) {
   std::vector<double> sizes;
   for (const Trajectory& t : f.trajectories)
@@ -34,7 +36,8 @@ double misfit(const Adjusted& f, const SharedState& state, ReceiverId r, Receive
 /// Receivers at the places that the site file states, as an exchanged one may have been dragged along.
 SharedState with_stated_receivers(const Adjusted& f) {
   SharedState state = f.state;
-  for (std::size_t r = 0; r < f.site.receivers.size(); ++r) state.receiver_p_vehicle_m[r] = f.site.receivers[r].position_m;
+  for (std::size_t r = 0; r < f.site.receivers.size(); ++r)
+    state.receiver_p_vehicle_m[r] = f.site.receivers[r].position_m;
   return state;
 }
 
@@ -77,16 +80,24 @@ std::vector<Finding> receiver_labels(const Adjusted& f) {
   std::vector<Finding> findings;
   for (const Suspect& a : found) {
     const std::string& vehicle = site.vehicles[site.receivers[a.receiver.index()].vehicle.index()].name;
-    const auto partner = std::find_if(found.begin(), found.end(), [&](const Suspect& b) { return a.fits.valid() && b.receiver == a.fits && b.fits == a.receiver; });
+    const auto partner = std::find_if(found.begin(), found.end(), [&](const Suspect& b) {
+      return a.fits.valid() && b.receiver == a.fits && b.fits == a.receiver;
+    });
     if (partner != found.end()) {
       if (a.receiver < partner->receiver)
-        findings.push_back({"receiver_label", fmt::format("receivers {} and {} of {} are exchanged: the ranges of each fit the place of the other; check the cables and the site file",
-                                                          name(a.receiver), name(a.fits), vehicle)});
+        findings.push_back(
+            {"receiver_label", fmt::format("receivers {} and {} of {} are exchanged: the ranges of each fit "
+                                           "the place of the other; check the cables and the site file",
+                                           name(a.receiver), name(a.fits), vehicle)});
     } else if (a.fits.valid()) {
-      findings.push_back({"receiver_label", fmt::format("the ranges of receiver {} of {} fit the place of {}; check its label", name(a.receiver), vehicle, name(a.fits))});
+      findings.push_back({"receiver_label",
+                          fmt::format("the ranges of receiver {} of {} fit the place of {}; check its label",
+                                      name(a.receiver), vehicle, name(a.fits))});
     } else {
-      findings.push_back({"receiver_label", fmt::format("the ranges of receiver {} of {} contradict those of the others (off by {:.3g} sigma on the median); check its place and its label",
-                                                        name(a.receiver), vehicle, a.sigmas)});
+      findings.push_back(
+          {"receiver_label", fmt::format("the ranges of receiver {} of {} contradict those of the others "
+                                         "(off by {:.3g} sigma on the median); check its place and its label",
+                                         name(a.receiver), vehicle, a.sigmas)});
     }
   }
   return findings;
@@ -99,8 +110,11 @@ std::vector<Finding> suspicions(const Adjusted& f, std::vector<RunHealth>& runs)
   for (std::size_t i = 0; i < runs.size(); ++i) {
     for (const ClockStep& s : steps_between_stops(f.trajectories, i, f.state)) {
       runs[i].clock_steps.push_back(s);
-      findings.push_back({"clock_step", fmt::format("{}: from {:.6g} s on times of flight are {:.4g} ms {}{}: a clock jumped there", runs[i].path, s.time_s, 1e3 * std::abs(s.step_s),
-                                                    s.step_s > 0 ? "longer" : "shorter", f.every > 1.5 ? fmt::format(" (looking at every {:.0f}th stop)", f.every) : "")});
+      findings.push_back(
+          {"clock_step",
+           fmt::format("{}: from {:.6g} s on times of flight are {:.4g} ms {}{}: a clock jumped there",
+                       runs[i].path, s.time_s, 1e3 * std::abs(s.step_s), s.step_s > 0 ? "longer" : "shorter",
+                       f.every > 1.5 ? fmt::format(" (looking at every {:.0f}th stop)", f.every) : "")});
     }
   }
   return findings;
@@ -108,7 +122,9 @@ std::vector<Finding> suspicions(const Adjusted& f, std::vector<RunHealth>& runs)
 
 std::vector<Finding> suspicions(const Forecast& f, std::vector<RunHealth>& runs) {
   if (f.solution.beacon_status.empty()) return {};  // nothing was solved
-  const double every = f.is_thinned() ? static_cast<double>(f.states) / static_cast<double>(std::max<std::size_t>(f.states_used, 1)) : 1.0;
+  const double every = f.is_thinned() ? static_cast<double>(f.states) /
+                                            static_cast<double>(std::max<std::size_t>(f.states_used, 1))
+                                      : 1.0;
   return suspicions(Adjusted{f.thinned.site, f.solution.state, f.solution.trajectories, every}, runs);
 }
 

@@ -25,21 +25,26 @@ class WiringList {
 
   [[nodiscard]] std::size_t size() const { return vehicle_.receiver_count; }
   [[nodiscard]] const std::string& name(std::size_t i) const { return receiver(i).name; }
-  [[nodiscard]] const SiteReceiver& receiver(std::size_t i) const { return site_.receivers[vehicle_.first_receiver + i]; }
+  [[nodiscard]] const SiteReceiver& receiver(std::size_t i) const {
+    return site_.receivers[vehicle_.first_receiver + i];
+  }
 
   void add(Order order, const std::string& words) {
     const bool as_stated = std::is_sorted(order.begin(), order.end());
-    const bool known = std::any_of(list_.begin(), list_.end(), [&](const Wiring& w) { return w.order == order; });
+    const bool known =
+        std::any_of(list_.begin(), list_.end(), [&](const Wiring& w) { return w.order == order; });
     if (!as_stated && !known) list_.push_back({std::move(order), words});
   }
   void exchange(std::size_t i, std::size_t j) {
     Order order = as_stated();
     std::swap(order[i], order[j]);
-    add(std::move(order), fmt::format("receivers {} and {} of {} are exchanged", name(i), name(j), vehicle_.name));
+    add(std::move(order),
+        fmt::format("receivers {} and {} of {} are exchanged", name(i), name(j), vehicle_.name));
   }
   void mirror() {
     if (const auto order = mirrored())
-      add(*order, fmt::format("the receivers of {} are mirrored, left called right ({})", vehicle_.name, pairs(*order)));
+      add(*order, fmt::format("the receivers of {} are mirrored, left called right ({})", vehicle_.name,
+                              pairs(*order)));
   }
   /// The receivers in the order of their azimuths, shifted by some places, also the other way round.
   void turns() {
@@ -47,18 +52,21 @@ class WiringList {
     for (const bool reversed : {false, true})
       for (std::size_t shift = 0; shift < size(); ++shift) {
         Order order(size());
-        for (std::size_t i = 0; i < size(); ++i) order[ring[i]] = ring[(reversed ? 2 * size() - i + shift : i + shift) % size()];
+        for (std::size_t i = 0; i < size(); ++i)
+          order[ring[i]] = ring[(reversed ? 2 * size() - i + shift : i + shift) % size()];
         const std::string how =
-            reversed ? "mirrored" : fmt::format("turned by {} of {} places", std::min(shift, size() - shift), size());
-        const std::string words =
-            fmt::format("the receivers of {} are {}, each is wired as another ({})", vehicle_.name, how, pairs(order));
+            reversed ? "mirrored"
+                     : fmt::format("turned by {} of {} places", std::min(shift, size() - shift), size());
+        const std::string words = fmt::format("the receivers of {} are {}, each is wired as another ({})",
+                                              vehicle_.name, how, pairs(order));
         add(std::move(order), words);
       }
   }
   void all_orders() {
     Order order = as_stated();
     while (std::next_permutation(order.begin(), order.end()))
-      add(order, fmt::format("the receivers of {} are wired in another order ({})", vehicle_.name, pairs(order)));
+      add(order,
+          fmt::format("the receivers of {} are wired in another order ({})", vehicle_.name, pairs(order)));
   }
   std::vector<Wiring> take() { return std::move(list_); }
 
@@ -75,7 +83,8 @@ class WiringList {
     return sum / static_cast<double>(size());
   }
 
-  /// Each receiver as the one nearest to its place left and right exchanged; none where two would be the same one.
+  /// Each receiver as the one nearest to its place left and right exchanged; none where two would be the same
+  /// one.
   [[nodiscard]] std::optional<Order> mirrored() const {
     const Eigen::Vector3d middle = centre();
     Order order(size());
@@ -99,7 +108,8 @@ class WiringList {
       return std::atan2(d.y(), d.x());
     };
     Order ring = as_stated();
-    std::stable_sort(ring.begin(), ring.end(), [&](std::size_t a, std::size_t b) { return azimuth(a) < azimuth(b); });
+    std::stable_sort(ring.begin(), ring.end(),
+                     [&](std::size_t a, std::size_t b) { return azimuth(a) < azimuth(b); });
     return ring;
   }
 
@@ -122,7 +132,9 @@ std::vector<Wiring> wirings(const Site& site, VehicleId vehicle, const std::vect
   if (list.size() < 2) return {};
   list.mirror();  // of two receivers that is their exchange
   const std::size_t first = site.vehicles[vehicle.index()].first_receiver;
-  const auto may_be = [&](std::size_t i) { return list.size() <= kAllExchanges || doubtful.empty() || doubtful[first + i]; };
+  const auto may_be = [&](std::size_t i) {
+    return list.size() <= kAllExchanges || doubtful.empty() || doubtful[first + i];
+  };
   for (std::size_t i = 0; i < list.size(); ++i)
     for (std::size_t j = i + 1; j < list.size(); ++j)
       if (may_be(i) && may_be(j)) list.exchange(i, j);

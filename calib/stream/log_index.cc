@@ -8,7 +8,9 @@
 
 namespace octant::calib {
 
-std::size_t LogChunk::all_arrivals() const { return std::accumulate(arrivals.begin(), arrivals.end(), std::size_t{0}); }
+std::size_t LogChunk::all_arrivals() const {
+  return std::accumulate(arrivals.begin(), arrivals.end(), std::size_t{0});
+}
 
 /// Follows the rows in the order of the files.
 class LogIndex::Scanner {
@@ -107,7 +109,8 @@ class LogIndex::Scanner {
   std::vector<Open> open_;  ///< of each vehicle
 };
 
-Result<LogIndex> LogIndex::scan(ArrivalSource& source, std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals) {
+Result<LogIndex> LogIndex::scan(ArrivalSource& source, std::size_t vehicles, std::size_t beacons,
+                                std::size_t chunk_arrivals) {
   LogIndex index;
   Scanner scanner(index, vehicles, beacons, chunk_arrivals);
   const auto read = source.scan([&](std::size_t run, const std::vector<Arrival>& block) {
@@ -124,7 +127,9 @@ Result<void> LogIndex::read(const ArrivalSource& source, std::size_t run, std::s
   const Run& r = runs_[run];
   arrivals.clear();
   if (auto ok = source.read(run, first, last, arrivals); !ok) return ok;
-  const auto is_of = [](const Arrival& a, const Split& s) { return a.epoch == s.epoch && a.vehicle == s.vehicle; };
+  const auto is_of = [](const Arrival& a, const Split& s) {
+    return a.epoch == s.epoch && a.vehicle == s.vehicle;
+  };
   // Epochs that began before are another stretch's,
   for (std::size_t k = r.first_open[first]; k < r.first_open[first + 1]; ++k) {
     const Split& split = r.splits[r.open[k]];

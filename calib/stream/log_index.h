@@ -19,8 +19,8 @@ struct LogChunk {
   [[nodiscard]] std::size_t all_arrivals() const;
 };
 
-/// Where the epochs of a log lie among the blocks of its source, so that any stretch of it can be read as whole epochs. What one
-/// reading of everything tells; a few numbers a block.
+/// Where the epochs of a log lie among the blocks of its source, so that any stretch of it can be read as
+/// whole epochs. What one reading of everything tells; a few numbers a block.
 class LogIndex {
  public:
   /// Reads all of the source.
@@ -34,12 +34,16 @@ class LogIndex {
   /// Arrivals of each beacon in a run.
   [[nodiscard]] const std::vector<std::size_t>& heard(std::size_t run) const { return runs_[run].heard; }
   [[nodiscard]] std::size_t blocks(std::size_t run) const { return runs_[run].first_epoch.size() - 1; }
-  /// The number, in the order in which the epochs of all vehicles begin, of the first one that begins in a block.
-  [[nodiscard]] std::size_t first_epoch(std::size_t run, std::size_t block) const { return runs_[run].first_epoch[block]; }
+  /// The number, in the order in which the epochs of all vehicles begin, of the first one that begins in a
+  /// block.
+  [[nodiscard]] std::size_t first_epoch(std::size_t run, std::size_t block) const {
+    return runs_[run].first_epoch[block];
+  }
 
-  /// Puts the arrivals of the epochs that begin in blocks [first, last) in place of what `arrivals` held. Any thread.
-  [[nodiscard]] Result<void> read(const ArrivalSource& source, std::size_t run, std::size_t first, std::size_t last,
-                                  std::vector<Arrival>& arrivals) const;
+  /// Puts the arrivals of the epochs that begin in blocks [first, last) in place of what `arrivals` held. Any
+  /// thread.
+  [[nodiscard]] Result<void> read(const ArrivalSource& source, std::size_t run, std::size_t first,
+                                  std::size_t last, std::vector<Arrival>& arrivals) const;
 
  private:
   /// An epoch that lies in several blocks.

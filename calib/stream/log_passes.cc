@@ -14,14 +14,14 @@
 
 #include <fmt/format.h>
 
+#include "calib/adjust/reject.h"
+#include "calib/adjust/tile_sum.h"
 #include "calib/problem/flips.h"
 #include "calib/problem/gates.h"
 #include "calib/problem/log_tape.h"
-#include "calib/stream/long_log.h"
 #include "calib/problem/ranges.h"
-#include "calib/adjust/reject.h"
 #include "calib/problem/thin.h"
-#include "calib/adjust/tile_sum.h"
+#include "calib/stream/long_log.h"
 #include "calib/verdict/validity.h"
 
 namespace octant::calib {
@@ -75,8 +75,9 @@ StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
   memory_bytes -= std::min(memory_bytes / 2, kBesideChunks);
   StreamPlan plan;
   plan.chunk_arrivals = std::clamp<std::size_t>(memory_bytes / 8 / kBytesInWork, 1, kMostInChunk);
-  plan.workers = static_cast<int>(std::clamp<std::size_t>(memory_bytes / 2 / (plan.chunk_arrivals * kBytesInWork), 1,
-                                                          static_cast<std::size_t>(std::max(threads, 1))));
+  plan.workers =
+      static_cast<int>(std::clamp<std::size_t>(memory_bytes / 2 / (plan.chunk_arrivals * kBytesInWork), 1,
+                                               static_cast<std::size_t>(std::max(threads, 1))));
   return plan;
 }
 
@@ -95,8 +96,8 @@ struct LogPasses::Stops {
   std::vector<Rejection> marks;  ///< of the arrivals
 };
 
-LogPasses::LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index, const SolveOptions& options,
-                     int workers, Course& course)
+LogPasses::LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index,
+                     const SolveOptions& options, int workers, Course& course)
     : frame_(frame),
       source_(source),
       index_(index),
@@ -127,7 +128,8 @@ Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
       for (std::size_t k = next.fetch_add(1); k < last_ && !stop; k = next.fetch_add(1)) {
         Result<void> done = load(k, w);
         if (done) work(k, w);
-        if (done && reports && !course_.go_on()) done = fail({.code = Errc::kInterrupted, .found = "interrupted"});
+        if (done && reports && !course_.go_on())
+          done = fail({.code = Errc::kInterrupted, .found = "interrupted"});
         if (done) continue;
         stop = true;
         const std::lock_guard lock(mutex);
@@ -163,7 +165,9 @@ Result<void> LogPasses::load(std::size_t chunk, Work& w) const {
   for (std::size_t v = 0; v < c.arrivals.size(); ++v) {
     if (c.arrivals[v] == 0) continue;
     w.trajectories.push_back(make_trajectory(w.log, c.run, VehicleId(v), model_));
-    if (w.trajectories.back().arrivals.size() == c.arrivals[v] && w.trajectories.back().nodes.size() == c.epochs[v]) continue;
+    if (w.trajectories.back().arrivals.size() == c.arrivals[v] &&
+        w.trajectories.back().nodes.size() == c.epochs[v])
+      continue;
     return fail({.file = w.log.path + "/tof.csv",
                  .found = "the file has changed while it was read",
                  .expected = "the same rows each time, as a log of this size is read several times",
@@ -192,8 +196,8 @@ void LogPasses::keep(const Work& w, Stops& stops) const {
   stops.marks.clear();
   for (const Trajectory& t : w.trajectories) {
     for (const Node& n : t.nodes)
-      stops.pose.push_back(
-          {n.T_map_vehicle.translation_m.x(), n.T_map_vehicle.translation_m.y(), n.placed ? n.T_map_vehicle.heading_rad() : NAN});
+      stops.pose.push_back({n.T_map_vehicle.translation_m.x(), n.T_map_vehicle.translation_m.y(),
+                            n.placed ? n.T_map_vehicle.heading_rad() : NAN});
     for (const ArrivalObservation& a : t.arrivals) stops.marks.push_back(a.rejection);
   }
 }
@@ -216,7 +220,8 @@ std::vector<double> LogPasses::in_order(std::vector<std::vector<double>> of_chun
   sizes[rank] = static_cast<double>(mine.size());
   add_up(sizes);
   const auto sum_until = [&](std::size_t i) {
-    return static_cast<std::size_t>(std::accumulate(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(i), 0.0));
+    return static_cast<std::size_t>(
+        std::accumulate(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(i), 0.0));
   };
   std::vector<double> all(sum_until(sizes.size()), 0.0);
   std::copy(mine.begin(), mine.end(), all.begin() + static_cast<std::ptrdiff_t>(sum_until(rank)));
@@ -229,11 +234,12 @@ namespace {
 /// Adds up what the chunks gave.
 class PassSummer {
  public:
-  PassSummer(std::size_t first, std::size_t chunks, int parameters) : systems_(first, parameters), numbers_(chunks) {}
+  PassSummer(std::size_t first, std::size_t chunks, int parameters)
+      : systems_(first, parameters), numbers_(chunks) {}
 
   /// Settles the trajectories of a chunk with plain squares.
-  void take(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const SharedState& state,
-            double limit, LogPasses::Marks marks, ReducedSystem& system) {
+  void take(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout,
+            const SharedState& state, double limit, LogPasses::Marks marks, ReducedSystem& system) {
     Numbers& n = numbers_[chunk];
     std::size_t changed = 0;
     if (marks == LogPasses::Marks::kFirst) changed = mark_rejected(trajectories, state, limit);
@@ -302,18 +308,22 @@ class PassSummer {
 }  // namespace
 
 Result<LogPasses::Placed> LogPasses::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
-  constexpr std::size_t kResiduals = 200000, kRanges = 50000;  // as agreeing_sigma() and typical_range_m() look at
-  const std::size_t every_residual = index_.arrivals() / kResiduals + 1, every_range = index_.arrivals() / kRanges + 1;
+  constexpr std::size_t kResiduals = 200000,
+                        kRanges = 50000;  // as agreeing_sigma() and typical_range_m() look at
+  const std::size_t every_residual = index_.arrivals() / kResiduals + 1,
+                    every_range = index_.arrivals() / kRanges + 1;
   const SharedState state = estimate.state(), prior = prior_state(frame_.site);
   std::vector<std::vector<double>> residuals(stops_.size()), ranges(stops_.size());
   PassSummer summer(first_, stops_.size(), estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, Work& w) {
     apply_gates(frame_.site, w.trajectories, 1);
-    place_all_stops(frame_, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {}, w.trajectories);
+    place_all_stops(frame_, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
+                    w.trajectories);
     stops_[k].start_heading_rad.clear();
     for (const Trajectory& t : w.trajectories) {
       for (const Node& n : t.nodes)
-        stops_[k].start_heading_rad.push_back(n.placed ? static_cast<float>(n.T_map_vehicle.heading_rad()) : NAN);
+        stops_[k].start_heading_rad.push_back(n.placed ? static_cast<float>(n.T_map_vehicle.heading_rad())
+                                                       : NAN);
       const std::size_t before = w.chunk->arrivals_before[t.vehicle.index()];
       for (std::size_t i = 0; i < t.arrivals.size(); ++i) {
         const ArrivalObservation& a = t.arrivals[i];
@@ -322,7 +332,9 @@ Result<LogPasses::Placed> LogPasses::place(const Estimate& estimate, double susp
           residuals[k].push_back(std::abs(arrival_residual(t, a, state)));
       }
     }
-    if (mark) summer.take(k, w.trajectories, estimate.layout, state, options_.rejection_sigmas, Marks::kFirst, w.system);
+    if (mark)
+      summer.take(k, w.trajectories, estimate.layout, state, options_.rejection_sigmas, Marks::kFirst,
+                  w.system);
     keep(w, stops_[k]);
   });
   if (!done) return fail(done.error());
@@ -351,11 +363,15 @@ Result<PassSum> LogPasses::pass(const Estimate& estimate, Marks marks) {
   return PassSummer::sum_of(numbers, estimate.layout.size());
 }
 
-/// What a chunk tells goes onto a tape, all chunks' tapes behind each other, and from there into the findings.
+/// What a chunk tells goes onto a tape, all chunks' tapes behind each other, and from there into the
+/// findings.
 class LogPasses::Teller {
  public:
   Teller(const LogPasses& log, const Estimate& estimate)
-      : log_(log), site_(log.frame_.site), state_(estimate.state()), sigma_s_(site_.noise.tof_sigma_s * estimate.noise_factor) {
+      : log_(log),
+        site_(log.frame_.site),
+        state_(estimate.state()),
+        sigma_s_(site_.noise.tof_sigma_s * estimate.noise_factor) {
     std::vector<std::size_t> epochs;
     for (const LogChunk& chunk : log.index_.chunks())
       whole_.epochs += std::accumulate(chunk.epochs.begin(), chunk.epochs.end(), std::size_t{0});
@@ -363,7 +379,8 @@ class LogPasses::Teller {
     whole_.of_beacon.assign(site_.beacons.size(), {});
   }
 
-  void write(const LogPasses::Work& w, const LogPasses::Stops& stops, std::size_t chunk, std::vector<double>& numbers) const {
+  void write(const LogPasses::Work& w, const LogPasses::Stops& stops, std::size_t chunk,
+             std::vector<double>& numbers) const {
     TapeWriter tape(numbers);
     tape.put_count(chunk);
     std::vector<std::array<std::size_t, kRejections>> of_beacon(site_.beacons.size());
@@ -421,7 +438,8 @@ class LogPasses::Teller {
     for (auto& [key, of] : of_trajectory_) {
       series.push_back(std::move(of.series));
       if (!has_heading(log_.frame_.site, VehicleId(key.second), false)) of.flipped.clear();
-      for (std::string& words : flips_in_words(log_.frame_.runs[key.first], of.flipped)) f.flips.push_back(std::move(words));
+      for (std::string& words : flips_in_words(log_.frame_.runs[key.first], of.flipped))
+        f.flips.push_back(std::move(words));
       told_.trajectories.push_back(trajectory_of(key.first, key.second, of));
     }
     f.whiteness = whiteness_of(series);
@@ -449,13 +467,14 @@ class LogPasses::Teller {
 
   void write_series(const Trajectory& t, TapeWriter& tape) const {
     const std::vector<PairSeries> series = pair_series(t, state_);
-    tape.put_count(
-        static_cast<std::size_t>(std::count_if(series.begin(), series.end(), [](const PairSeries& s) { return s.count > 0; })));
+    tape.put_count(static_cast<std::size_t>(
+        std::count_if(series.begin(), series.end(), [](const PairSeries& s) { return s.count > 0; })));
     for (std::size_t i = 0; i < series.size(); ++i) {
       if (series[i].count == 0) continue;
       tape.put_count(i);
       tape.put_count(series[i].count);
-      for (const double number : {series[i].sum, series[i].squares, series[i].products, series[i].first, series[i].last})
+      for (const double number :
+           {series[i].sum, series[i].squares, series[i].products, series[i].first, series[i].last})
         tape.put(number);
     }
   }

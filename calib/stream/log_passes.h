@@ -7,16 +7,17 @@
 #include <memory>
 #include <vector>
 
-#include "calib/start/approach.h"
-#include "calib/verdict/conclude.h"
-#include "calib/stream/log_index.h"
-#include "calib/errors/statistics.h"
 #include "calib/adjust/tile.h"
+#include "calib/errors/statistics.h"
+#include "calib/start/approach.h"
+#include "calib/stream/log_index.h"
+#include "calib/verdict/conclude.h"
 #include "models/arrival_source.h"
 
 namespace octant::calib {
 
-/// How much of a log is at hand at once. The chunks depend on the memory alone, so that no sum depends on the number of threads.
+/// How much of a log is at hand at once. The chunks depend on the memory alone, so that no sum depends on the
+/// number of threads.
 struct StreamPlan {
   std::size_t chunk_arrivals = 0;
   int workers = 1;  ///< chunks worked on side by side
@@ -31,14 +32,15 @@ struct PassSum {
   ObservationCounts counts;  ///< without residuals
 };
 
-/// A log that is read again for each look at it, chunk by chunk on several threads. Between the readings there remains where each
-/// stop is (28 bytes) and what became of each arrival (one byte); ranks keep those of their own chunks and read no others.
-/// Errors: those of reading, Errc::kInterrupted where the course is to stop.
+/// A log that is read again for each look at it, chunk by chunk on several threads. Between the readings
+/// there remains where each stop is (28 bytes) and what became of each arrival (one byte); ranks keep those
+/// of their own chunks and read no others. Errors: those of reading, Errc::kInterrupted where the course is
+/// to stop.
 class LogPasses {
  public:
   /// All must outlive it. @param frame  site and runs without arrivals
-  LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index, const SolveOptions& options, int workers,
-            Course& course);
+  LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index,
+            const SolveOptions& options, int workers, Course& course);
   ~LogPasses();
 
   struct Placed {

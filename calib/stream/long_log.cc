@@ -10,9 +10,9 @@
 #include <Eigen/Cholesky>
 
 #include "calib/adjust/reject.h"
-#include "calib/start/start.h"
-#include "calib/problem/thin.h"
 #include "calib/adjust/tile_sum.h"
+#include "calib/problem/thin.h"
+#include "calib/start/start.h"
 #include "models/localizers/least_squares/search_problem.h"
 #include "models/support/parallel.h"
 
@@ -38,7 +38,9 @@ constexpr std::size_t kMaxHeard = 64;
 bool is_long(const Problem& problem) {
   std::size_t epochs = 0;
   for (const Trajectory& t : problem.trajectories) {
-    if (t.moving || t.motion != Motion::kPlanar || t.has_cycle_offset || !t.odometry.empty() || !t.poses.empty()) return false;
+    if (t.moving || t.motion != Motion::kPlanar || t.has_cycle_offset || !t.odometry.empty() ||
+        !t.poses.empty())
+      return false;
     epochs += t.nodes.size();
   }
   return epochs > kLongEpochs && problem.site.timing.ranging == Ranging::kOneWay;
@@ -46,7 +48,8 @@ bool is_long(const Problem& problem) {
 
 Result<Problem> part_of(const Problem& problem, int threads) {
   std::vector<MeasurementLog> runs;
-  for (const MeasurementLog& run : problem.runs) runs.push_back(thin(run, problem.site.beacons.size(), kPart));
+  for (const MeasurementLog& run : problem.runs)
+    runs.push_back(thin(run, problem.site.beacons.size(), kPart));
   return make_problem(problem.site, std::move(runs), threads);
 }
 
@@ -54,7 +57,8 @@ namespace {
 
 /// Reads the epochs that begin in a block: visit(epoch's number, arrival).
 template <class Visit>
-Result<void> for_each_row_of_block(const ArrivalSource& source, const LogIndex& index, std::size_t run, std::size_t block, Visit&& visit) {
+Result<void> for_each_row_of_block(const ArrivalSource& source, const LogIndex& index, std::size_t run,
+                                   std::size_t block, Visit&& visit) {
   std::vector<Arrival> rows;
   if (auto ok = index.read(source, run, block, block + 1, rows); !ok) return ok;
   struct Current {
@@ -65,9 +69,12 @@ Result<void> for_each_row_of_block(const ArrivalSource& source, const LogIndex& 
   std::vector<Current> current;  // of each vehicle met
   std::size_t next = index.first_epoch(run, block);
   for (const Arrival& a : rows) {
-    auto at = std::find_if(current.begin(), current.end(), [&a](const Current& c) { return c.vehicle == a.vehicle; });
-    if (at == current.end()) at = current.insert(at, {a.vehicle, a.epoch, next++});
-    else if (at->epoch != a.epoch) *at = {a.vehicle, a.epoch, next++};
+    auto at = std::find_if(current.begin(), current.end(),
+                           [&a](const Current& c) { return c.vehicle == a.vehicle; });
+    if (at == current.end())
+      at = current.insert(at, {a.vehicle, a.epoch, next++});
+    else if (at->epoch != a.epoch)
+      *at = {a.vehicle, a.epoch, next++};
     visit(at->number, a);
   }
   return {};
@@ -89,13 +96,14 @@ Result<std::vector<Found>> read_blocks(const std::vector<std::size_t>& blocks, i
 }
 
 /// Chooses more epochs for the beacons that the chosen ones hear too seldom, of those that hear them.
-Result<void> choose_for_rare_beacons(const ArrivalSource& source, const LogIndex& index, std::size_t run, int threads, GroupsHearing& hearing,
-                                     std::vector<bool>& chosen) {
+Result<void> choose_for_rare_beacons(const ArrivalSource& source, const LogIndex& index, std::size_t run,
+                                     int threads, GroupsHearing& hearing, std::vector<bool>& chosen) {
   struct Hears {
     std::size_t epoch, beacon;
   };
   std::vector<bool> rare(hearing.kept.size());
-  for (std::size_t b = 0; b < rare.size(); ++b) rare[b] = hearing.kept[b] < kPart.per_beacon && hearing.kept[b] < index.heard(run)[b];
+  for (std::size_t b = 0; b < rare.size(); ++b)
+    rare[b] = hearing.kept[b] < kPart.per_beacon && hearing.kept[b] < index.heard(run)[b];
   if (std::find(rare.begin(), rare.end(), true) == rare.end()) return {};
   std::vector<std::size_t> blocks(index.blocks(run));
   for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = b;
@@ -105,22 +113,26 @@ Result<void> choose_for_rare_beacons(const ArrivalSource& source, const LogIndex
     });
   });
   if (!heard) return fail(heard.error());
-  std::stable_sort(heard->begin(), heard->end(), [](const Hears& a, const Hears& b) { return a.epoch < b.epoch; });
+  std::stable_sort(heard->begin(), heard->end(),
+                   [](const Hears& a, const Hears& b) { return a.epoch < b.epoch; });
   hearing.more.resize(rare.size());
   for (const Hears& h : *heard)
-    if (hearing.more[h.beacon].empty() || hearing.more[h.beacon].back() != h.epoch) hearing.more[h.beacon].push_back(h.epoch);
+    if (hearing.more[h.beacon].empty() || hearing.more[h.beacon].back() != h.epoch)
+      hearing.more[h.beacon].push_back(h.epoch);
   // Only of rare beacons, as all others have enough.
   hearing.for_each_heard = [&heard](std::size_t epoch, const auto& visit) {
     const auto before = [](const Hears& h, std::size_t e) { return h.epoch < e; };
-    for (auto at = std::lower_bound(heard->begin(), heard->end(), epoch, before); at != heard->end() && at->epoch == epoch; ++at) visit(at->beacon);
+    for (auto at = std::lower_bound(heard->begin(), heard->end(), epoch, before);
+         at != heard->end() && at->epoch == epoch; ++at)
+      visit(at->beacon);
   };
   choose_more(hearing, kPart.per_beacon, chosen);
   return {};
 }
 
 /// Arrivals of the chosen epochs that are not yet in the log.
-Result<void> read_epochs(const ArrivalSource& source, const LogIndex& index, std::size_t run, const std::vector<bool>& chosen, int threads,
-                         std::vector<Arrival>& arrivals) {
+Result<void> read_epochs(const ArrivalSource& source, const LogIndex& index, std::size_t run,
+                         const std::vector<bool>& chosen, int threads, std::vector<Arrival>& arrivals) {
   std::vector<std::size_t> blocks;
   for (std::size_t b = 0; b < index.blocks(run); ++b) {
     const auto begin = chosen.begin() + static_cast<std::ptrdiff_t>(index.first_epoch(run, b));
@@ -145,15 +157,19 @@ Result<Problem> part_of(const Site& site, const ArrivalSource& source, const Log
     MeasurementLog few = without_lists(source.log(run));
     few.rejected = source.log(run).rejected;
     std::vector<bool> chosen = evenly_chosen(index.epochs(run), kPart.instants);
-    if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok) return fail(ok.error());
+    if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok)
+      return fail(ok.error());
     GroupsHearing hearing;
     hearing.kept.assign(site.beacons.size(), 0);
     for (const Arrival& a : few.arrivals) ++hearing.kept[a.beacon.index()];
     std::vector<bool> more = chosen;
-    if (auto ok = choose_for_rare_beacons(source, index, run, threads, hearing, more); !ok) return fail(ok.error());
+    if (auto ok = choose_for_rare_beacons(source, index, run, threads, hearing, more); !ok)
+      return fail(ok.error());
     for (std::size_t e = 0; e < more.size(); ++e) more[e] = more[e] && !chosen[e];
     if (auto ok = read_epochs(source, index, run, more, threads, few.arrivals); !ok) return fail(ok.error());
-    const auto sooner = [](const Arrival& a, const Arrival& b) { return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line; };
+    const auto sooner = [](const Arrival& a, const Arrival& b) {
+      return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
+    };
     std::stable_sort(few.arrivals.begin(), few.arrivals.end(), sooner);
     // All of these epochs, but not more of one pair within one than is good for anything.
     ThinOptions all = kPart;
@@ -164,7 +180,8 @@ Result<Problem> part_of(const Site& site, const ArrivalSource& source, const Log
   return make_problem(site, std::move(runs), threads);
 }
 
-bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& state, const std::vector<bool>& usable) {
+bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& state,
+                            const std::vector<bool>& usable) {
   std::array<Heard, kMaxHeard> heard;
   std::size_t beacons = 0;
   double receiver_z_m = 0.0;
@@ -204,7 +221,8 @@ bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& 
     const ArrivalObservation& a = t.arrivals[i];
     if (!usable[a.beacon.index()]) continue;
     const Eigen::Vector3d& o = state.receiver_p_vehicle_m[a.receiver.index()];
-    const Eigen::Vector3d v = Eigen::Vector3d(p_m.x(), p_m.y(), o.z()) - state.beacon_p_map_m[a.beacon.index()];
+    const Eigen::Vector3d v =
+        Eigen::Vector3d(p_m.x(), p_m.y(), o.z()) - state.beacon_p_map_m[a.beacon.index()];
     const double distance = std::max(v.norm(), 1e-3);
     const Eigen::Vector2d u = v.head<2>() / distance;
     const Eigen::Vector4d row(u.x(), u.y(), u.x() * o.x() + u.y() * o.y(), u.y() * o.x() - u.x() * o.y());
@@ -220,13 +238,17 @@ bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& 
   return true;
 }
 
-void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const std::vector<bool>& usable,
-                     double suspect_sigmas, const Workers& workers, std::vector<Trajectory>& trajectories) {
+void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+                     const std::vector<bool>& usable, double suspect_sigmas, const Workers& workers,
+                     std::vector<Trajectory>& trajectories) {
   constexpr std::size_t kSegmentsAtOnce = 1024;
   for (Trajectory& t : trajectories)
-    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads, [&](std::size_t, std::size_t first, std::size_t last) {
-      for (std::size_t s = first; s < last; ++s) t.nodes[t.segments[s].first_node].placed = place_by_linear_ranges(t, t.segments[s], state, usable);
-    });
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                     for (std::size_t s = first; s < last; ++s)
+                       t.nodes[t.segments[s].first_node].placed =
+                           place_by_linear_ranges(t, t.segments[s], state, usable);
+                   });
   readmit_all(trajectories, usable);
   {
     TileSum tiles(trajectories, layout, workers);
@@ -236,14 +258,17 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
   }
   const EpochFixModel model = search_model(problem, state, usable);
   for (Trajectory& t : trajectories) {
-    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads, [&](std::size_t, std::size_t first, std::size_t last) {
-      for (std::size_t k = first; k < last; ++k) {
-        const Segment& s = t.segments[k];
-        Node& node = t.nodes[s.first_node];
-        for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
-          if (t.arrivals[i].rejection == Rejection::kUsed && std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas) node.placed = false;
-      }
-    });
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                     for (std::size_t k = first; k < last; ++k) {
+                       const Segment& s = t.segments[k];
+                       Node& node = t.nodes[s.first_node];
+                       for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
+                         if (t.arrivals[i].rejection == Rejection::kUsed &&
+                             std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas)
+                           node.placed = false;
+                     }
+                   });
     place_states(t, model, 0.0, false, 0.0, workers.threads);
   }
   readmit_all(trajectories, usable);

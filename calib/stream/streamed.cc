@@ -11,14 +11,14 @@
 #include <fmt/format.h>
 
 #include "calib/adjust/adjust.h"
+#include "calib/adjust/quadratic_sum.h"
+#include "calib/adjust/reject.h"
+#include "calib/problem/ranges.h"
+#include "calib/problem/thin.h"
 #include "calib/start/approach.h"
-#include "calib/verdict/conclude.h"
 #include "calib/stream/log_passes.h"
 #include "calib/stream/long_log.h"
-#include "calib/adjust/quadratic_sum.h"
-#include "calib/problem/ranges.h"
-#include "calib/adjust/reject.h"
-#include "calib/problem/thin.h"
+#include "calib/verdict/conclude.h"
 
 namespace octant::calib {
 namespace {
@@ -32,7 +32,8 @@ constexpr double kFirstDamping = 1e-3;
 
 class StreamedCalibrator {
  public:
-  StreamedCalibrator(const Site& site, ArrivalSource& source, const SolveOptions& options, std::size_t memory_bytes)
+  StreamedCalibrator(const Site& site, ArrivalSource& source, const SolveOptions& options,
+                     std::size_t memory_bytes)
       : site_(site),
         source_(source),
         options_(options),
@@ -44,7 +45,8 @@ class StreamedCalibrator {
 
   Result<StreamedCalibration> run() {
     if (!course_.report("first reading of the log", 0.01)) return finished(interrupted_solution());
-    const auto index = LogIndex::scan(source_, site_.vehicles.size(), site_.beacons.size(), plan_.chunk_arrivals);
+    const auto index =
+        LogIndex::scan(source_, site_.vehicles.size(), site_.beacons.size(), plan_.chunk_arrivals);
     if (!index) return fail(index.error());
     auto part = part_of(site_, source_, *index, options_.threads);
     if (!part) return fail(part.error());
@@ -70,7 +72,8 @@ class StreamedCalibrator {
     if (!course_.report("covariance and verdict", 0.92)) return finished(interrupted_solution());
     auto told = log.tell(it_);
     if (!told) return stopped(told.error());
-    for (std::size_t run = 0; run < frame_.runs.size(); ++run) frame_.runs[run].arrivals = std::move(told->arrivals[run]);
+    for (std::size_t run = 0; run < frame_.runs.size(); ++run)
+      frame_.runs[run].arrivals = std::move(told->arrivals[run]);
     Solution solution;
     solution.warnings = warnings_;
     solution.contradictions = frame_.contradictions;
@@ -83,7 +86,8 @@ class StreamedCalibrator {
   using Clock = std::chrono::steady_clock;
 
   Result<StreamedCalibration> finished(Solution solution) {
-    if (solution.status == SolveStatus::kUndetermined && solution.warnings.empty()) solution.warnings = warnings_;
+    if (solution.status == SolveStatus::kUndetermined && solution.warnings.empty())
+      solution.warnings = warnings_;
     solution.iterations = course_.iterations;
     solution.seconds = std::chrono::duration<double>(Clock::now() - began_).count();
     return StreamedCalibration{std::move(frame_), std::move(solution)};
@@ -111,11 +115,13 @@ class StreamedCalibrator {
   Result<void> settle_noise(LogPasses& log) {
     if (!course_.report("states of the whole log", 0.68)) return interrupted();
     const double suspect_sigmas = options_.rejection_sigmas * std::max(1.0, part_sigma_);
-    // Where the part's noise is as stated, the whole's will be, and the first rejection goes in one with the placing.
+    // Where the part's noise is as stated, the whole's will be, and the first rejection goes in one with the
+    // placing.
     bool marked = !is_far_off(part_sigma_);
     auto placed = log.place(it_, suspect_sigmas, marked);
     if (!placed) return fail(placed.error());
-    frame_.typical_range_m = placed->ranges_m.empty() ? 1.0 : std::max(median(std::move(placed->ranges_m)), 1e-3);
+    frame_.typical_range_m =
+        placed->ranges_m.empty() ? 1.0 : std::max(median(std::move(placed->ranges_m)), 1e-3);
     const double factor = agreeing_sigma(std::move(placed->residuals));
     if (is_far_off(factor)) {
       if (marked) placed = log.place(it_, suspect_sigmas, false);
@@ -130,7 +136,8 @@ class StreamedCalibrator {
       if (!settled) return fail(settled.error());
       const double prior = prior_cost(frame_, it_.layout, it_.x);
       const double off =
-          noise_off_by(it_.last.cost - prior, statistics_of(frame_, it_.layout, settled->counts, it_.last.cost).redundancy);
+          noise_off_by(it_.last.cost - prior,
+                       statistics_of(frame_, it_.layout, settled->counts, it_.last.cost).redundancy);
       if (off == 1.0) break;
       it_.noise_factor *= off;
       *it_.last.data_information /= off * off;
@@ -138,8 +145,8 @@ class StreamedCalibrator {
     return {};
   }
 
-  /// Newton's method on the sums of the passes, with arrivals rejected and readmitted at each. A step that makes things worse is
-  /// taken back, and from then on marks change only where the adjustment has settled.
+  /// Newton's method on the sums of the passes, with arrivals rejected and readmitted at each. A step that
+  /// makes things worse is taken back, and from then on marks change only where the adjustment has settled.
   /// @param first  at the present estimate, if it is known
   Result<PassSum> reject_and_adjust(LogPasses& log, std::optional<PassSum> first) {
     double cost = INFINITY, damping = 0.0;
@@ -149,13 +156,15 @@ class StreamedCalibrator {
     LogPasses::Marks marks = LogPasses::Marks::kFirst;
     int marked = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
-      if (!course_.report("adjustment of the arrivals that agree", std::min(0.9, 0.7 + 0.03 * pass))) return interrupted();
+      if (!course_.report("adjustment of the arrivals that agree", std::min(0.9, 0.7 + 0.03 * pass)))
+        return interrupted();
       Result<PassSum> next = first ? Result<PassSum>(std::move(*first)) : log.pass(it_, marks);
       if (!next) return next;
       first.reset();
       ++course_.iterations;
       const double prior = prior_cost(frame_, it_.layout, it_.x);
-      if (next->cost_before + prior > cost * (1 + 1e-12) && marks != LogPasses::Marks::kFirst && damping < 1e6) {
+      if (next->cost_before + prior > cost * (1 + 1e-12) && marks != LogPasses::Marks::kFirst &&
+          damping < 1e6) {
         if (careful) {  // from where it was, a shorter step
           damping = std::max(kFirstDamping, 10 * damping);
           it_.x = stepped(sum.system, x, damping).x;
@@ -179,7 +188,9 @@ class StreamedCalibrator {
         return ended(std::move(sum), cost, true);
       const bool may_mark = marked < kRejectionRounds && (!careful || settled);
       if (settled && !may_mark) return ended(std::move(sum), cost, true);
-      marks = !may_mark ? LogPasses::Marks::kKept : settled ? LogPasses::Marks::kFirst : LogPasses::Marks::kSettled;
+      marks = !may_mark ? LogPasses::Marks::kKept
+              : settled ? LogPasses::Marks::kFirst
+                        : LogPasses::Marks::kSettled;
       if (!settled) it_.x = step.x;
     }
     return ended(std::move(sum), cost, false);
@@ -190,13 +201,14 @@ class StreamedCalibrator {
     it_.last.converged = converged;
     it_.last.cost = cost;
     it_.last.iterations = course_.iterations;
-    it_.last.message =
-        converged ? "no step changes the cost any more" : fmt::format("no rest after {} readings of the log", kMostPasses);
+    it_.last.message = converged ? "no step changes the cost any more"
+                                 : fmt::format("no rest after {} readings of the log", kMostPasses);
     it_.last.data_information = sum.system.H;
     return sum;
   }
 
-  /// To the optimum of what the observations look like from a point, priors, bounds and taped distances as they are.
+  /// To the optimum of what the observations look like from a point, priors, bounds and taped distances as
+  /// they are.
   struct Step {
     Eigen::VectorXd x;
     double gain = 0.0;
@@ -212,7 +224,9 @@ class StreamedCalibrator {
     return step;
   }
 
-  static tl::unexpected<Error> interrupted() { return fail({.code = Errc::kInterrupted, .found = "interrupted"}); }
+  static tl::unexpected<Error> interrupted() {
+    return fail({.code = Errc::kInterrupted, .found = "interrupted"});
+  }
 
   const Site& site_;
   ArrivalSource& source_;
@@ -236,11 +250,13 @@ std::size_t least_memory_streamed(std::size_t arrivals) {
   return kProgram + std::min(arrivals, kLookedAt) * kBytesLookedAt + 7 * arrivals / 2;
 }
 
-std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs, int dense_limit) {
+std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs,
+                                            int dense_limit) {
   if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
   if (site.timing.clock != Clock::kSynchronised) return "each epoch has a clock offset of its own";
   if (site.timing.ranging != Ranging::kOneWay) return "ranges are two-way";
-  if (site.attenuation && site.attenuation->half_power_angle_rad.value > 0) return "receivers are directional: each arrival has a noise of its own";
+  if (site.attenuation && site.attenuation->half_power_angle_rad.value > 0)
+    return "receivers are directional: each arrival has a noise of its own";
   Problem frame;
   frame.site = site;
   for (const MeasurementLog* run : runs) {
@@ -250,14 +266,15 @@ std::optional<std::string> why_not_streamed(const Site& site, const std::vector<
     if (!run->bearings.empty()) return fmt::format("{} has bearings", run->path);
     frame.runs.push_back(without_lists(*run));
   }
-  if (const int size = make_layout(frame, prior_state(site), std::vector<bool>(site.beacons.size(), false)).size();
+  if (const int size =
+          make_layout(frame, prior_state(site), std::vector<bool>(site.beacons.size(), false)).size();
       size > dense_limit)
     return fmt::format("there are {} parameters, more than {}", size, dense_limit);
   return {};
 }
 
-Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source, const SolveOptions& options,
-                                           std::size_t memory_bytes) {
+Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source,
+                                           const SolveOptions& options, std::size_t memory_bytes) {
   return StreamedCalibrator(site, source, options, memory_bytes).run();
 }
 

@@ -7,14 +7,14 @@
 
 #include <fmt/format.h>
 
-#include "calib/statements/agreement.h"
-#include "calib/verdict/datum.h"
-#include "calib/start/label_check.h"
-#include "calib/verdict/observability.h"
-#include "calib/problem/ranges.h"
 #include "calib/errors/reliability.h"
-#include "calib/statements/statements.h"
 #include "calib/errors/statistics.h"
+#include "calib/problem/ranges.h"
+#include "calib/start/label_check.h"
+#include "calib/statements/agreement.h"
+#include "calib/statements/statements.h"
+#include "calib/verdict/datum.h"
+#include "calib/verdict/observability.h"
 
 namespace octant::calib {
 namespace {
@@ -28,9 +28,11 @@ bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& t
   const Site& site = problem.site;
   if (!site.attenuation || site.attenuation->half_power_angle_rad.value > 0) return false;
   const auto measured = [](const Trajectory& t) {
-    return std::any_of(t.arrivals.begin(), t.arrivals.end(), [](const ArrivalObservation& a) { return a.log_amplitude_sigma > 0; });
+    return std::any_of(t.arrivals.begin(), t.arrivals.end(),
+                       [](const ArrivalObservation& a) { return a.log_amplitude_sigma > 0; });
   };
-  return std::any_of(site.receivers.begin(), site.receivers.end(), [](const SiteReceiver& r) { return r.axis.has_value(); }) &&
+  return std::any_of(site.receivers.begin(), site.receivers.end(),
+                     [](const SiteReceiver& r) { return r.axis.has_value(); }) &&
          std::any_of(trajectories.begin(), trajectories.end(), measured);
 }
 
@@ -48,55 +50,65 @@ void warn_of_correlation(const Findings& findings, Solution& solution) {
   const Whiteness& w = findings.whiteness;
   if (errors.correlated) {
     std::string warning = fmt::format(
-        "errors are correlated: residuals of a beacon-receiver pair keep a common part, as reflections, antennas and bodies cause, "
-        "which does not average out as white noise does; stated sigmas allow for it and are {:.2g} times those of white noise",
+        "errors are correlated: residuals of a beacon-receiver pair keep a common part, as reflections, "
+        "antennas and bodies cause, "
+        "which does not average out as white noise does; stated sigmas allow for it and are {:.2g} times "
+        "those of white noise",
         growth_of_sigmas(solution));
     if (errors.freedoms < kFewFreedoms)
-      warning += fmt::format("; the log is too short to tell them well (some {:.0f} independent stretches): record longer, over "
-                             "other ground, and sigmas will shrink",
-                             errors.freedoms);
+      warning += fmt::format(
+          "; the log is too short to tell them well (some {:.0f} independent stretches): record longer, over "
+          "other ground, and sigmas will shrink",
+          errors.freedoms);
     solution.warnings.push_back(std::move(warning));
   } else if (!w.white) {
     solution.warnings.push_back(fmt::format(
-        "residuals are no white noise (correlation between neighbours of a pair {:.2f}), and a site of so many unknowns has no model "
+        "residuals are no white noise (correlation between neighbours of a pair {:.2f}), and a site of so "
+        "many unknowns has no model "
         "of that: such errors do not average out, so expect beacons off by several times their stated sigmas",
         w.autocorrelation));
   }
 }
 
 /// Sigmas that hold with the errors as the residuals show them.
-void allow_for_correlation(const Estimate& estimate, const Covariance& C, const std::vector<Trajectory>& trajectories,
-                           double share_of_log, int threads, Solution& solution) {
+void allow_for_correlation(const Estimate& estimate, const Covariance& C,
+                           const std::vector<Trajectory>& trajectories, double share_of_log, int threads,
+                           Solution& solution) {
   solution.errors = error_model_of(estimate.layout, trajectories, solution.state, C, share_of_log, threads);
   if (!solution.errors.correlated || solution.covariance.parameters.empty()) return;
   solution.white_covariance = solution.covariance;
   Eigen::VectorXd si(estimate.layout.size());
-  for (Eigen::Index i = 0; i < si.size(); ++i) si[i] = estimate.layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
+  for (Eigen::Index i = 0; i < si.size(); ++i)
+    si[i] = estimate.layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
   solution.covariance.matrix = si.asDiagonal() * solution.errors.covariance * si.asDiagonal();
 }
 
-void warn_of_noise(const Problem& problem, const Findings& findings, double noise_factor, const std::vector<Trajectory>& trajectories, Solution& solution) {
+void warn_of_noise(const Problem& problem, const Findings& findings, double noise_factor,
+                   const std::vector<Trajectory>& trajectories, Solution& solution) {
   const CalibrationStatistics& s = solution.statistics;
   if (s.redundancy >= 30 && noise_factor > 1.2)
     solution.warnings.push_back(
-        fmt::format("residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled to the residuals, "
+        fmt::format("residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled "
+                    "to the residuals, "
                     "state noise.tof_sigma_s as it is",
                     noise_factor, s.variance_factor));
   if (s.redundancy >= 30 && noise_factor > 1.2 && may_be_directional(problem, trajectories))
     solution.warnings.push_back(
-        "amplitudes are taken to be alike all round each receiver: where these hear less off their axes, state "
+        "amplitudes are taken to be alike all round each receiver: where these hear less off their axes, "
+        "state "
         "attenuation.half_power_angle_rad (half of the beam width at -3 dB, with a sigma)");
   warn_of_correlation(findings, solution);
 }
 
 /// What was stated, and the recording with itself, against what the data say.
-void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate, const std::vector<Trajectory>& trajectories,
-                Solution& solution) {
+void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                const std::vector<Trajectory>& trajectories, Solution& solution) {
   StatementFindings stated = test_statements(problem, options, estimate, trajectories);
   for (Contradiction& c : stated.contradictions) solution.contradictions.push_back(std::move(c));
   if (!stated.fit) return;
-  Agreement agreement = agreement_of(problem, options, *stated.fit, solution.contradictions,
-                                      solution.white_covariance.parameters.empty() ? 1.0 : std::max(1.0, growth_of_sigmas(solution)));
+  Agreement agreement = agreement_of(
+      problem, options, *stated.fit, solution.contradictions,
+      solution.white_covariance.parameters.empty() ? 1.0 : std::max(1.0, growth_of_sigmas(solution)));
   for (Contradiction& c : agreement.contradictions) solution.contradictions.push_back(std::move(c));
   for (std::string& warning : agreement.warnings) solution.warnings.push_back(std::move(warning));
 }
@@ -107,11 +119,12 @@ double noise_off_by(double data_cost, double redundancy) {
   const double squares = 2 * data_cost;
   if (!(redundancy >= 30) || !(squares > 0) || chi_square_p(squares, redundancy) > 0.01) return 1.0;
   const double off = std::sqrt(squares / redundancy);
-  return std::abs(off - 1) < kNoiseMatters ? 1.0 : off;  // seen by the test, but of no consequence for any sigma
+  return std::abs(off - 1) < kNoiseMatters ? 1.0
+                                           : off;  // seen by the test, but of no consequence for any sigma
 }
 
-void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate, Findings findings,
-              std::vector<Trajectory>& trajectories, Solution& solution) {
+void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+              Findings findings, std::vector<Trajectory>& trajectories, Solution& solution) {
   const AdjustResult& last = estimate.last;
   solution.state = estimate.state();
   solution.final_cost = last.cost;
@@ -120,29 +133,33 @@ void conclude(const Problem& problem, const SolveOptions& options, const Estimat
   solution.statistics.converged = last.converged;
   // The factor is told against what the site file states, not against the noise as found.
   solution.statistics.variance_factor *= estimate.noise_factor * estimate.noise_factor;
-  solution.statistics.chi2_p =
-      chi_square_p(solution.statistics.variance_factor * solution.statistics.redundancy, solution.statistics.redundancy);
+  solution.statistics.chi2_p = chi_square_p(
+      solution.statistics.variance_factor * solution.statistics.redundancy, solution.statistics.redundancy);
   solution.status = last.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
   solution.message = last.converged ? "converged" : "the adjustment did not converge: " + last.message;
   solution.datum = datum_of(problem);
-  // What the data do not determine is often what keeps the iteration from settling, and then that is the finding.
-  const Covariance C = judge(problem, estimate.layout, estimate.x, estimate.beacon_usable,
-                             estimate.beacon_mirrored, options.strict, trajectories,
-                             solution, options.workers(), last.data_information);
-  solution.reliability =
-      reliability_of(problem, estimate.layout, trajectories, solution.state, C, solution.beacon_status, estimate.noise_factor,
-                     options.threads, kAllEpochs, findings.whole ? &*findings.whole : nullptr);
+  // What the data do not determine is often what keeps the iteration from settling, and then that is the
+  // finding.
+  const Covariance C =
+      judge(problem, estimate.layout, estimate.x, estimate.beacon_usable, estimate.beacon_mirrored,
+            options.strict, trajectories, solution, options.workers(), last.data_information);
+  solution.reliability = reliability_of(problem, estimate.layout, trajectories, solution.state, C,
+                                        solution.beacon_status, estimate.noise_factor, options.threads,
+                                        kAllEpochs, findings.whole ? &*findings.whole : nullptr);
   const double share_of_log = findings.whole ? 1.0 / static_cast<double>(findings.whole->every) : 1.0;
   allow_for_correlation(estimate, C, trajectories, share_of_log, options.threads, solution);
   solution.left_out = std::move(findings.left_out.arrivals);
   solution.left_out_bearings = std::move(findings.left_out.bearings);
   solution.left_out_poses = std::move(findings.left_out.poses);
   solution.beacon_mirrored = estimate.beacon_mirrored;
-  for (std::string& warning : bearings_in_doubt(problem, solution.left_out_bearings)) solution.warnings.push_back(std::move(warning));
+  for (std::string& warning : bearings_in_doubt(problem, solution.left_out_bearings))
+    solution.warnings.push_back(std::move(warning));
   solution.whole = std::move(findings.whole);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
-  if (solution.status == SolveStatus::kConverged) contradict(problem, options, estimate, trajectories, solution);
-  if (!solution.contradictions.empty()) return;  // which tell the culprit; what follows would name the innocent
+  if (solution.status == SolveStatus::kConverged)
+    contradict(problem, options, estimate, trajectories, solution);
+  if (!solution.contradictions.empty())
+    return;  // which tell the culprit; what follows would name the innocent
   warn_of_noise(problem, findings, estimate.noise_factor, trajectories, solution);
   for (std::string& warning : suspect_control_points(problem, solution.state, trajectories))
     solution.warnings.push_back(std::move(warning));

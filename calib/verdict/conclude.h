@@ -6,34 +6,37 @@
 #include <string>
 #include <vector>
 
-#include "calib/start/approach.h"
-#include "calib/verdict/left_out.h"
 #include "calib/errors/whiteness.h"
 #include "calib/problem/whole_log.h"
+#include "calib/start/approach.h"
+#include "calib/verdict/left_out.h"
 
 namespace octant::calib {
 
 /// What all arrivals say of an estimate.
 struct Findings {
-  CalibrationStatistics statistics;   ///< against the noise as found
+  CalibrationStatistics statistics;  ///< against the noise as found
   Whiteness whiteness;
-  std::vector<std::string> flips;     ///< epochs that were turned, in words
+  std::vector<std::string> flips;  ///< epochs that were turned, in words
   LeftOutOfAll left_out;
-  std::optional<WholeLog> whole;      ///< where the trajectories at hand are only a part of the log
+  std::optional<WholeLog> whole;  ///< where the trajectories at hand are only a part of the log
 };
 
-/// The end of a calibration: covariance, verdict, reliability and what is to be said of them; fills the solution, which has
-/// warnings and iterations already.
+/// The end of a calibration: covariance, verdict, reliability and what is to be said of them; fills the
+/// solution, which has warnings and iterations already.
 /// @param trajectories  settled at the estimate, marked; all of them, or every so many-th epoch
-void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate, Findings findings,
-              std::vector<Trajectory>& trajectories, Solution& solution);
+void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+              Findings findings, std::vector<Trajectory>& trajectories, Solution& solution);
 
-/// Whether a sum of squares against its redundancy says that the noise is not what was assumed, and by what factor: 1 where it
-/// does not, or where that would be of no consequence.
+/// Whether a sum of squares against its redundancy says that the noise is not what was assumed, and by what
+/// factor: 1 where it does not, or where that would be of no consequence.
 /// @param data_cost  1/2 the squares of what the recordings say
 [[nodiscard]] double noise_off_by(double data_cost, double redundancy);
-/// The same by the residuals of arrivals that agree (reject.h): only a gross departure counts before the rejection.
-[[nodiscard]] inline bool is_far_off(double agreeing_sigma) { return agreeing_sigma < 0.5 || agreeing_sigma > 1.5; }
+/// The same by the residuals of arrivals that agree (reject.h): only a gross departure counts before the
+/// rejection.
+[[nodiscard]] inline bool is_far_off(double agreeing_sigma) {
+  return agreeing_sigma < 0.5 || agreeing_sigma > 1.5;
+}
 
 /// Rounds of rejection, and of noise found anew.
 inline constexpr int kRejectionRounds = 12;

@@ -14,8 +14,10 @@ namespace {
 constexpr const char* kFreeNetwork = "inner constraints (free network)";
 
 void describe(Datum& datum) {
-  const std::string named = datum.position == "control points" ? fmt::format(" ({})", fmt::join(datum.control_points, ", ")) : "";
-  datum.description = fmt::format("position by {}{}, orientation by {}, scale by {}", datum.position, named, datum.orientation, datum.scale);
+  const std::string named =
+      datum.position == "control points" ? fmt::format(" ({})", fmt::join(datum.control_points, ", ")) : "";
+  datum.description = fmt::format("position by {}{}, orientation by {}, scale by {}", datum.position, named,
+                                  datum.orientation, datum.scale);
 }
 
 bool approximately_known(const SiteBeacon& b) {
@@ -52,7 +54,8 @@ Datum datum_of(const Problem& problem) {
     if (b.is_control_point()) datum.control_points.push_back(b.name);
     approximate += approximately_known(b);
   }
-  const bool poses = std::any_of(problem.runs.begin(), problem.runs.end(), [](const MeasurementLog& r) { return !r.poses.empty(); });
+  const bool poses = std::any_of(problem.runs.begin(), problem.runs.end(),
+                                 [](const MeasurementLog& r) { return !r.poses.empty(); });
   const std::size_t fixed = datum.control_points.size();
   const std::string priors = approximate > 0 ? "approximate beacon positions (priors)" : kFreeNetwork;
   datum.position = fixed >= 1 ? "control points" : poses ? "measured poses" : priors;

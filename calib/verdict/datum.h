@@ -7,8 +7,8 @@
 
 namespace octant::calib {
 
-/// What fixes position, orientation and scale of the map, in words and as data: control points first, then measured poses,
-/// approximate positions (priors), taped distances; what nothing fixes is said so.
+/// What fixes position, orientation and scale of the map, in words and as data: control points first, then
+/// measured poses, approximate positions (priors), taped distances; what nothing fixes is said so.
 [[nodiscard]] Datum datum_of(const Problem& problem);
 
 /// The same for a map that turned out to hang on nothing: inner constraints carry what was said to carry it.

@@ -72,7 +72,8 @@ Trajectory standing_at(const Trajectory& t, std::size_t node, const Paths& paths
     b.alpha = 0.0;
     b.bearing_rad = 0.0;
     ObservationRow row;
-    if (bearing_rows(stop, stop.bearings.size() - 1, here, &row) > 0) b.bearing_rad = -b.sigma_rad * row.residual;
+    if (bearing_rows(stop, stop.bearings.size() - 1, here, &row) > 0)
+      b.bearing_rad = -b.sigma_rad * row.residual;
   }
   Segment all;
   all.last_node = 1;
@@ -89,20 +90,22 @@ bool tells_a_place(const Trajectory& stop) {
   for (const BearingObservation& b : stop.bearings) beacons.push_back(b.reflector.index());
   std::sort(beacons.begin(), beacons.end());
   beacons.erase(std::unique(beacons.begin(), beacons.end()), beacons.end());
-  return beacons.size() >= (stop.has_cycle_offset ? 4U : 3U) || (beacons.size() == 2 && !stop.has_cycle_offset);
+  return beacons.size() >= (stop.has_cycle_offset ? 4U : 3U) ||
+         (beacons.size() == 2 && !stop.has_cycle_offset);
 }
 
 }  // namespace
 
-std::optional<double> fix_shift_m(const ParameterLayout& layout, const Eigen::VectorXd& x, const Eigen::VectorXd& y,
-                                  const std::vector<Trajectory>& trajectories) {
+std::optional<double> fix_shift_m(const ParameterLayout& layout, const Eigen::VectorXd& x,
+                                  const Eigen::VectorXd& y, const std::vector<Trajectory>& trajectories) {
   const SharedState here = layout.state_of(x), there = layout.state_of(y);
   double squares = 0.0;
   std::size_t places = 0;
   for (const Trajectory& t : trajectories) {
     const Paths paths = paths_of(t, here);
     double lever_m = 0.0;
-    for (const auto& [path, heard] : paths.arrivals) lever_m = std::max(lever_m, here.receiver_p_vehicle_m[path.second].head<2>().norm());
+    for (const auto& [path, heard] : paths.arrivals)
+      lever_m = std::max(lever_m, here.receiver_p_vehicle_m[path.second].head<2>().norm());
     const std::size_t step = std::max<std::size_t>(1, t.nodes.size() / kPlaces);
     for (std::size_t k = step / 2; k < t.nodes.size(); k += step) {
       if (!t.nodes[k].placed) continue;
@@ -110,7 +113,8 @@ std::optional<double> fix_shift_m(const ParameterLayout& layout, const Eigen::Ve
       if (!tells_a_place(stop)) continue;
       settle(stop, stop.segments.front(), there, {});
       const Pose &was = t.nodes[k].T_map_vehicle, &is = stop.nodes.front().T_map_vehicle;
-      const double turn_m = t.motion == Motion::kPlanar ? lever_m * wrap_angle(is.heading_rad() - was.heading_rad()) : 0.0;
+      const double turn_m =
+          t.motion == Motion::kPlanar ? lever_m * wrap_angle(is.heading_rad() - was.heading_rad()) : 0.0;
       squares += (is.translation_m - was.translation_m).head<2>().squaredNorm() + turn_m * turn_m;
       ++places;
     }

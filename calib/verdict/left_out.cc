@@ -21,14 +21,16 @@ std::vector<LeftOut> arrivals_of(const Trajectory& t, const SharedState& state) 
   for (const std::size_t i : t.stateless_arrivals) out.push_back({t.run, i, Rejection::kNoPose, 0.0});
   for (const ArrivalObservation& a : t.arrivals) {
     if (a.rejection == Rejection::kUsed) continue;
-    const bool placed = a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection);
+    const bool placed =
+        a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection);
     out.push_back({t.run, a.arrival, a.rejection, placed ? a.sigma_s * arrival_residual(t, a, state) : 0.0});
   }
   return out;
 }
 
 /// Those of one run; a bearing that no state carries stands in no trajectory.
-std::vector<LeftOutBearing> bearings_of(const MeasurementLog& log, std::size_t run, const std::vector<Trajectory>& trajectories,
+std::vector<LeftOutBearing> bearings_of(const MeasurementLog& log, std::size_t run,
+                                        const std::vector<Trajectory>& trajectories,
                                         const SharedState& state) {
   std::vector<LeftOutBearing> out;
   std::vector<std::uint8_t> carried(log.bearings.size(), 0);
@@ -40,7 +42,8 @@ std::vector<LeftOutBearing> bearings_of(const MeasurementLog& log, std::size_t r
       if (b.rejection == Rejection::kUsed) continue;
       ObservationRow row;
       const bool placed = b.rejection == Rejection::kLate || b.rejection == Rejection::kEarly;
-      out.push_back({run, b.bearing, b.rejection, placed && bearing_rows(t, i, state, &row) > 0 ? row.residual * b.sigma_rad : 0.0});
+      out.push_back({run, b.bearing, b.rejection,
+                     placed && bearing_rows(t, i, state, &row) > 0 ? row.residual * b.sigma_rad : 0.0});
     }
   }
   for (std::size_t i = 0; i < carried.size(); ++i)
@@ -49,15 +52,18 @@ std::vector<LeftOutBearing> bearings_of(const MeasurementLog& log, std::size_t r
 }
 
 /// Measured poses of a run between which no arrival and no bearing lies, or across too long a gap.
-std::vector<LeftOutPose> poses_of(const MeasurementLog& log, std::size_t run, const std::vector<Trajectory>& trajectories) {
+std::vector<LeftOutPose> poses_of(const MeasurementLog& log, std::size_t run,
+                                  const std::vector<Trajectory>& trajectories) {
   std::vector<std::uint8_t> needed(log.poses.size(), 0);
   for (const Trajectory& t : trajectories) {
     if (t.run != run || !t.moving || t.odometry.empty()) continue;
     for (std::size_t i = 0; i < needed.size(); ++i)  // odometry carries each of them
-      if (log.poses[i].time_s >= t.nodes.front().time_s && log.poses[i].time_s <= t.nodes.back().time_s) needed[i] = 1;
+      if (log.poses[i].time_s >= t.nodes.front().time_s && log.poses[i].time_s <= t.nodes.back().time_s)
+        needed[i] = 1;
   }
   const auto mark = [&](double time_s) {
-    const auto after = std::lower_bound(log.poses.begin(), log.poses.end(), time_s, [](const TimedPose& p, double t) { return p.time_s < t; });
+    const auto after = std::lower_bound(log.poses.begin(), log.poses.end(), time_s,
+                                        [](const TimedPose& p, double t) { return p.time_s < t; });
     if (after == log.poses.end()) return;
     const auto k = static_cast<std::size_t>(after - log.poses.begin());
     if (after->time_s == time_s) {
@@ -81,7 +87,8 @@ void append(List& to, List&& from) {
 
 }  // namespace
 
-LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories, const SharedState& state) {
+LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories,
+                         const SharedState& state) {
   LeftOutOfAll out;
   for (const Trajectory& t : trajectories) append(out.arrivals, arrivals_of(t, state));
   for (std::size_t run = 0; run < problem.runs.size(); ++run) {
@@ -91,21 +98,25 @@ LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& 
   return out;
 }
 
-std::vector<std::string> bearings_in_doubt(const Problem& problem, const std::vector<LeftOutBearing>& left_out) {
+std::vector<std::string> bearings_in_doubt(const Problem& problem,
+                                           const std::vector<LeftOutBearing>& left_out) {
   std::vector<std::size_t> all(problem.site.beacons.size(), 0), out(all);
   for (const MeasurementLog& run : problem.runs)
     for (const Bearing& b : run.bearings)
       if (b.reflector.valid()) ++all[b.reflector.index()];
   for (const LeftOutBearing& b : left_out) {
     const BeaconId reflector = problem.runs[b.run].bearings[b.bearing].reflector;
-    if (reflector.valid() && (b.reason == Rejection::kLate || b.reason == Rejection::kEarly)) ++out[reflector.index()];
+    if (reflector.valid() && (b.reason == Rejection::kLate || b.reason == Rejection::kEarly))
+      ++out[reflector.index()];
   }
   std::vector<std::string> warnings;
   for (std::size_t b = 0; b < all.size(); ++b)
     if (all[b] >= kEnoughBearings && static_cast<double>(out[b]) > kMostly * static_cast<double>(all[b]))
-      warnings.push_back(fmt::format("beacon {}: {} of {} bearings do not fit its place and are left out; its place is in doubt, check its label and "
-                                     "from where it is heard",
-                                     problem.site.beacons[b].name, out[b], all[b]));
+      warnings.push_back(
+          fmt::format("beacon {}: {} of {} bearings do not fit its place and are left out; its place is in "
+                      "doubt, check its label and "
+                      "from where it is heard",
+                      problem.site.beacons[b].name, out[b], all[b]));
   return warnings;
 }
 

@@ -18,9 +18,11 @@ struct LeftOutOfAll {
 };
 
 /// @param trajectories  settled and marked at `state`
-[[nodiscard]] LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories, const SharedState& state);
+[[nodiscard]] LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories,
+                                       const SharedState& state);
 
 /// Warnings that name beacons of whose labelled bearings more than half do not fit all else.
-[[nodiscard]] std::vector<std::string> bearings_in_doubt(const Problem& problem, const std::vector<LeftOutBearing>& left_out);
+[[nodiscard]] std::vector<std::string> bearings_in_doubt(const Problem& problem,
+                                                         const std::vector<LeftOutBearing>& left_out);
 
 }  // namespace octant::calib

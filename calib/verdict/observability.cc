@@ -10,9 +10,9 @@
 #include <fmt/ranges.h>
 
 #include "calib/adjust/adjust.h"
+#include "calib/problem/ranges.h"
 #include "calib/verdict/datum.h"
 #include "calib/verdict/fix_shift.h"
-#include "calib/problem/ranges.h"
 #include "calib/verdict/weak_directions.h"
 #include "models/trajectory/decompositions.h"
 
@@ -25,7 +25,8 @@ constexpr double kVagueDatum = 0.25;
 
 /// Standard deviation of the worst direction of a beacon, in metres.
 double worst_sigma_m(const Eigen::Matrix3d& covariance_m2) {
-  return std::sqrt(std::max(0.0, SymmetricEigen<Eigen::Matrix3d>(covariance_m2, Eigen::EigenvaluesOnly).eigenvalues()[2]));
+  return std::sqrt(
+      std::max(0.0, SymmetricEigen<Eigen::Matrix3d>(covariance_m2, Eigen::EigenvaluesOnly).eigenvalues()[2]));
 }
 
 Eigen::Matrix3d beacon_block(const ParameterLayout& layout, const Covariance& C, std::size_t b) {
@@ -37,14 +38,23 @@ Eigen::Matrix3d beacon_block(const ParameterLayout& layout, const Covariance& C,
   return block;
 }
 
-double sigma_of(const Covariance& C, int column) { return column < 0 ? 0.0 : std::sqrt(std::max(0.0, C(column, column))); }
+double sigma_of(const Covariance& C, int column) {
+  return column < 0 ? 0.0 : std::sqrt(std::max(0.0, C(column, column)));
+}
 
 class Judge {
  public:
   Judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const Covariance& C,
         const std::vector<Trajectory>& trajectories, Solution& solution)
-      : problem_(problem), site_(problem.site), layout_(layout), x_(x), C_(C), trajectories_(trajectories), solution_(solution),
-        limit_m_(tolerance_m(problem)), fix_limit_m_(site_.tolerance.fix_m.value_or(limit_m_)) {}
+      : problem_(problem),
+        site_(problem.site),
+        layout_(layout),
+        x_(x),
+        C_(C),
+        trajectories_(trajectories),
+        solution_(solution),
+        limit_m_(tolerance_m(problem)),
+        fix_limit_m_(site_.tolerance.fix_m.value_or(limit_m_)) {}
 
   void beacons(const std::vector<bool>& usable, const std::vector<bool>& mirrored) {
     std::vector<std::size_t> heard(site_.beacons.size(), 0);
@@ -56,20 +66,31 @@ class Judge {
     for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
       BeaconStatus status = BeaconStatus::kCalibrated;
       const std::string& name = site_.beacons[b].name;
-      const double sigma_m = std::max(worst_sigma_m(beacon_block(layout_, C_, b)), sigma_of(C_, layout_.beacon_delay[b]));
+      const double sigma_m =
+          std::max(worst_sigma_m(beacon_block(layout_, C_, b)), sigma_of(C_, layout_.beacon_delay[b]));
       if (site_.beacons[b].is_control_point()) {
         status = BeaconStatus::kControlPoint;
       } else {
         ++asked_;
         if (heard[b] == 0) {
-          status = undetermined(name, "it was not heard", "drive where it is heard, or check that it sends", INFINITY);
+          status = undetermined(name, "it was not heard", "drive where it is heard, or check that it sends",
+                                INFINITY);
         } else if (!usable[b]) {
-          status = undetermined(name, "too few arrivals agree on a place for it", "hear it from more places, or give its approximate position", INFINITY);
+          status = undetermined(name, "too few arrivals agree on a place for it",
+                                "hear it from more places, or give its approximate position", INFINITY);
         } else if (sigma_m > limit_m_) {
-          status = undetermined(name, fmt::format("its position is {}, the tolerance is {}", sigma_m < kNothingM ? "known to " + length(sigma_m) + " only" : "hardly known at all", length(limit_m_)),
-                                "hear it from places spread around it in all directions, or tape its distance to a control point", sigma_m);
+          status = undetermined(name,
+                                fmt::format("its position is {}, the tolerance is {}",
+                                            sigma_m < kNothingM ? "known to " + length(sigma_m) + " only"
+                                                                : "hardly known at all",
+                                            length(limit_m_)),
+                                "hear it from places spread around it in all directions, or tape its "
+                                "distance to a control point",
+                                sigma_m);
         } else if (mirrored[b]) {
-          status = undetermined(name, "a mirror image explains the arrivals as well", "hear it from beside the line driven so far, or give its approximate position", sigma_m);
+          status = undetermined(
+              name, "a mirror image explains the arrivals as well",
+              "hear it from beside the line driven so far, or give its approximate position", sigma_m);
         }
       }
       solution_.beacon_status.push_back(status);
@@ -81,20 +102,29 @@ class Judge {
     for (const int column : layout_.speed) {
       const double sigma_m = sigma_of(C_, column) * range_m;
       if (sigma_m > limit_m_)
-        weigh({"speed of sound and overall scale", {name_of(column)}, sigma_m, sigma_m,
-               "tape the distance between two beacons, or state the temperature and a smaller medium.sigma_mps", true},
-              Eigen::VectorXd::Unit(layout_.size(), column));
+        weigh(
+            {"speed of sound and overall scale",
+             {name_of(column)},
+             sigma_m,
+             sigma_m,
+             "tape the distance between two beacons, or state the temperature and a smaller medium.sigma_mps",
+             true},
+            Eigen::VectorXd::Unit(layout_.size(), column));
     }
     if (const double sigma_m = sigma_of(C_, layout_.site_delay); sigma_m > limit_m_)
-      weigh({"the common delay", {name_of(layout_.site_delay)}, sigma_m, sigma_m,
-             "hear the beacons from near and from far, or measure the delay at a known distance", true},
+      weigh({"the common delay",
+             {name_of(layout_.site_delay)},
+             sigma_m,
+             sigma_m,
+             "hear the beacons from near and from far, or measure the delay at a known distance",
+             true},
             Eigen::VectorXd::Unit(layout_.size(), layout_.site_delay));
     for (std::size_t r = 0; r < layout_.receiver.size(); ++r) receiver(r);
   }
 
   void verdict(bool strict) {
-    const auto count = static_cast<std::size_t>(
-        std::count(solution_.beacon_status.begin(), solution_.beacon_status.end(), BeaconStatus::kUndetermined));
+    const auto count = static_cast<std::size_t>(std::count(
+        solution_.beacon_status.begin(), solution_.beacon_status.end(), BeaconStatus::kUndetermined));
     const bool too_many = count > 0 && 2 * count >= asked_;
     if (!blocked_ && !too_many && !(strict && count > 0)) return;  // status stays: converged or not
     solution_.status = SolveStatus::kUndetermined;
@@ -102,20 +132,35 @@ class Judge {
     for (const WeakDirection& w : solution_.weak) {
       if (!w.blocking && !(w.lone_beacon && (too_many || strict))) continue;
       what.push_back(w.description);
-      if (std::find(remedies.begin(), remedies.end(), w.remedy) == remedies.end()) remedies.push_back(w.remedy);
+      if (std::find(remedies.begin(), remedies.end(), w.remedy) == remedies.end())
+        remedies.push_back(w.remedy);
     }
-    solution_.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}", fmt::join(what, "; "), fmt::join(remedies, "; "));
+    solution_.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}",
+                                    fmt::join(what, "; "), fmt::join(remedies, "; "));
   }
 
  private:
   static constexpr double kNothingM = 1e4;  ///< a sigma that is none
-  static std::string length(double m) { return m < 1.0 ? fmt::format("{:.0f} mm", 1000 * m) : m < kNothingM ? fmt::format("{:.2f} m", m) : "nothing"; }
-  [[nodiscard]] const std::string& name_of(int column) const { return layout_.parameters[static_cast<std::size_t>(column)].name; }
+  static std::string length(double m) {
+    return m < 1.0         ? fmt::format("{:.0f} mm", 1000 * m)
+           : m < kNothingM ? fmt::format("{:.2f} m", m)
+                           : "nothing";
+  }
+  [[nodiscard]] const std::string& name_of(int column) const {
+    return layout_.parameters[static_cast<std::size_t>(column)].name;
+  }
 
-  BeaconStatus undetermined(const std::string& beacon, const std::string& why, const std::string& remedy, double sigma_m) {
+  BeaconStatus undetermined(const std::string& beacon, const std::string& why, const std::string& remedy,
+                            double sigma_m) {
     solution_.undetermined.push_back("beacon/" + beacon);
     solution_.warnings.push_back(fmt::format("beacon {} is undetermined: {}; {}", beacon, why, remedy));
-    solution_.weak.push_back({fmt::format("beacon {} ({})", beacon, why), {"beacon/" + beacon}, sigma_m, 0.0, remedy, false, true});
+    solution_.weak.push_back({fmt::format("beacon {} ({})", beacon, why),
+                              {"beacon/" + beacon},
+                              sigma_m,
+                              0.0,
+                              remedy,
+                              false,
+                              true});
     return BeaconStatus::kUndetermined;
   }
 
@@ -125,8 +170,9 @@ class Judge {
     solution_.weak.push_back(std::move(direction));
   }
 
-  /// What is known worse than the tolerance refuses where the site feels it: everything moves along with it as the joint
-  /// covariance has it, and either a beacon or a typical fix is then off beyond its tolerance. What nothing of that feels is told.
+  /// What is known worse than the tolerance refuses where the site feels it: everything moves along with it
+  /// as the joint covariance has it, and either a beacon or a typical fix is then off beyond its tolerance.
+  /// What nothing of that feels is told.
   void weigh(WeakDirection direction, const Eigen::VectorXd& v) {
     const Eigen::VectorXd with_it = C_.times(v);
     const double variance = v.dot(with_it);
@@ -158,7 +204,8 @@ class Judge {
     return largest_m;
   }
 
-  /// Directions of an array that its prior alone would leave useless and that the data did not improve either.
+  /// Directions of an array that its prior alone would leave useless and that the data did not improve
+  /// either.
   void receiver(std::size_t r) {
     std::vector<int> columns;
     for (const int column : layout_.receiver[r]) columns.push_back(column);
@@ -166,7 +213,8 @@ class Judge {
     columns.push_back(layout_.receiver_delay[r]);
     columns.erase(std::remove_if(columns.begin(), columns.end(), [](int c) { return c < 0; }), columns.end());
     const double limit_m = std::max(limit_m_, fix_limit_m_);
-    const bool known = std::all_of(columns.begin(), columns.end(), [&](int c) { return sigma_of(C_, c) <= limit_m; });
+    const bool known =
+        std::all_of(columns.begin(), columns.end(), [&](int c) { return sigma_of(C_, c) <= limit_m; });
     if (known || columns.empty()) return;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C_.block(columns));
     const SiteReceiver& receiver = site_.receivers[r];
@@ -174,10 +222,15 @@ class Judge {
       const double sigma_m = std::sqrt(std::max(0.0, eigen.eigenvalues()[k]));
       if (sigma_m <= limit_m) break;
       Eigen::VectorXd v = Eigen::VectorXd::Zero(layout_.size());
-      for (std::size_t i = 0; i < columns.size(); ++i) v[columns[i]] = eigen.eigenvectors()(static_cast<Eigen::Index>(i), k);
+      for (std::size_t i = 0; i < columns.size(); ++i)
+        v[columns[i]] = eigen.eigenvectors()(static_cast<Eigen::Index>(i), k);
       weigh({fmt::format("receiver {} of {}", receiver.name, site_.vehicles[receiver.vehicle.index()].name),
-             {"receiver/" + site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name}, sigma_m, sigma_m,
-             "measure its place on the vehicle, or turn the vehicle on the spot among the beacons", true}, v);
+             {"receiver/" + site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name},
+             sigma_m,
+             sigma_m,
+             "measure its place on the vehicle, or turn the vehicle on the spot among the beacons",
+             true},
+            v);
     }
   }
 
@@ -209,20 +262,30 @@ std::optional<WeakDirection> missing_scale(const Problem& problem) {
   if (array_m > 0 && receiver_sigma_m < kKnownScale * array_m) return {};
   std::size_t placed = 0;
   for (const SiteBeacon& b : site.beacons)
-    placed += b.position_m[0] && b.position_m[1] && std::max(b.sigma_m[0].value_or(INFINITY), b.sigma_m[1].value_or(INFINITY)) < kKnownScale * range_m;
+    placed +=
+        b.position_m[0] && b.position_m[1] &&
+        std::max(b.sigma_m[0].value_or(INFINITY), b.sigma_m[1].value_or(INFINITY)) < kKnownScale * range_m;
   if (placed >= 2) return {};
   for (const MeasurementLog& run : problem.runs)
     if (!run.odometry.empty() || run.poses.size() >= 2) return {};
-  return WeakDirection{"speed of sound and overall scale", {"medium/speed_mps"}, INFINITY, INFINITY,
-                       "tape the distance between two beacons, or state the temperature and a smaller medium.sigma_mps", true};
+  return WeakDirection{
+      "speed of sound and overall scale",
+      {"medium/speed_mps"},
+      INFINITY,
+      INFINITY,
+      "tape the distance between two beacons, or state the temperature and a smaller medium.sigma_mps",
+      true};
 }
 
-double tolerance_m(const Problem& problem) { return problem.site.tolerance.beacon_m.value_or(0.05 * typical_range_m(problem)); }
+double tolerance_m(const Problem& problem) {
+  return problem.site.tolerance.beacon_m.value_or(0.05 * typical_range_m(problem));
+}
 
 namespace {
 
 template <class Matrix>
-Eigen::MatrixXd motions_unseen(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const Matrix& information) {
+Eigen::MatrixXd motions_unseen(const Problem& problem, const ParameterLayout& layout,
+                               const SharedState& state, const Matrix& information) {
   const bool planar = problem.site.motion == Motion::kPlanar;
   const int motions = planar ? 3 : 6;
   Eigen::MatrixXd F = Eigen::MatrixXd::Zero(layout.size(), motions);
@@ -244,17 +307,23 @@ Eigen::MatrixXd motions_unseen(const Problem& problem, const ParameterLayout& la
   if (layout.size() == 0 || qr.rank() == 0) return Eigen::MatrixXd(layout.size(), 0);
   const Eigen::MatrixXd Q = qr.basis(), NQ = information * Q;
   const SymmetricEigen<Eigen::MatrixXd> eigen(Q.transpose() * NQ);
-  const auto free_beacons = std::count_if(layout.beacon.begin(), layout.beacon.end(), [](const auto& c) { return std::max({c[0], c[1], c[2]}) >= 0; });
-  // A unit motion moves each beacon by 1 / sqrt(beacons); positions given to a hundred metres carry no map either.
-  const double limit_m = kVagueDatum * typical_range_m(problem) * std::sqrt(static_cast<double>(free_beacons));
+  const auto free_beacons = std::count_if(layout.beacon.begin(), layout.beacon.end(), [](const auto& c) {
+    return std::max({c[0], c[1], c[2]}) >= 0;
+  });
+  // A unit motion moves each beacon by 1 / sqrt(beacons); positions given to a hundred metres carry no map
+  // either.
+  const double limit_m =
+      kVagueDatum * typical_range_m(problem) * std::sqrt(static_cast<double>(free_beacons));
   Eigen::Index unseen = 0;
-  while (unseen < eigen.eigenvalues().size() && eigen.eigenvalues()[unseen] * limit_m * limit_m < 1.0) ++unseen;
+  while (unseen < eigen.eigenvalues().size() && eigen.eigenvalues()[unseen] * limit_m * limit_m < 1.0)
+    ++unseen;
   return Q * eigen.eigenvectors().leftCols(unseen);
 }
 
 }  // namespace
 
-Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state, const Eigen::MatrixXd& information) {
+Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+                           const Eigen::MatrixXd& information) {
   return motions_unseen(problem, layout, state, information);
 }
 
@@ -265,18 +334,22 @@ Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout
 
 namespace {
 
-/// What is asked of a covariance that is not formed as a whole: each beacon's own parameters, and all others among themselves.
+/// What is asked of a covariance that is not formed as a whole: each beacon's own parameters, and all others
+/// among themselves.
 MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance& C) {
   MarginalCovariance out;
   std::vector<std::vector<int>> groups(layout.beacon.size() + 1);
   std::vector<bool> of_beacon(static_cast<std::size_t>(layout.size()), false);
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)
-    for (const int column : {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2], layout.beacon_delay[b]})
+    for (const int column :
+         {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2], layout.beacon_delay[b]})
       if (column >= 0) {
         groups[b].push_back(column);
         of_beacon[static_cast<std::size_t>(column)] = true;
       }
-  const std::vector<int> pairs(layout.pair_bias.begin(), layout.pair_bias.end());  // each on its own: there are as many as arrivals' pairs
+  const std::vector<int> pairs(
+      layout.pair_bias.begin(),
+      layout.pair_bias.end());  // each on its own: there are as many as arrivals' pairs
   for (const int column : pairs)
     if (column >= 0) {
       groups.push_back({column});
@@ -290,7 +363,9 @@ MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance&
   for (const std::vector<int>& group : groups)
     for (const int i : group)
       for (const int j : group)
-        elements.emplace_back(i, j, layout.parameters[static_cast<std::size_t>(i)].si_per_unit * C(i, j) * layout.parameters[static_cast<std::size_t>(j)].si_per_unit);
+        elements.emplace_back(i, j,
+                              layout.parameters[static_cast<std::size_t>(i)].si_per_unit * C(i, j) *
+                                  layout.parameters[static_cast<std::size_t>(j)].si_per_unit);
   out.matrix.resize(layout.size(), layout.size());
   out.matrix.setFromTriplets(elements.begin(), elements.end());
   return out;
@@ -298,23 +373,32 @@ MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance&
 
 /// Of data and priors together; a datum that hangs on nothing is noted.
 template <class Matrix>
-Covariance covariance_of(const Problem& problem, const ParameterLayout& layout, const Matrix& information, Solution& solution) {
+Covariance covariance_of(const Problem& problem, const ParameterLayout& layout, const Matrix& information,
+                         Solution& solution) {
   const Eigen::MatrixXd datum = free_datum(problem, layout, solution.state, information);
   if (datum.cols() > 0) set_free_network(solution.datum);
   return Covariance(information, datum);
 }
 
-Covariance covariance_at(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, std::vector<Trajectory>& trajectories,
-                         const Workers& workers, const std::optional<Eigen::MatrixXd>& data_information, Solution& solution) {
+Covariance covariance_at(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
+                         std::vector<Trajectory>& trajectories, const Workers& workers,
+                         const std::optional<Eigen::MatrixXd>& data_information, Solution& solution) {
   if (!is_dense(layout)) {
-    Covariance C = covariance_of(problem, layout, sparse_information_at(problem, layout, trajectories, x, {}, workers), solution);
+    Covariance C = covariance_of(
+        problem, layout, sparse_information_at(problem, layout, trajectories, x, {}, workers), solution);
     solution.marginals = marginals_of(layout, C);
-    solution.warnings.push_back(fmt::format("the joint covariance of {} parameters is left out of the deployment, which holds each beacon's own; sigmas of fixes by least "
-                                            "squares leave the calibration's part out", layout.size()));
+    solution.warnings.push_back(
+        fmt::format("the joint covariance of {} parameters is left out of the deployment, which holds each "
+                    "beacon's own; sigmas of fixes by least "
+                    "squares leave the calibration's part out",
+                    layout.size()));
     return C;
   }
-  const Eigen::MatrixXd data = data_information ? *data_information : information_at(problem, layout, trajectories, x, {}, workers).data;
-  Covariance C = covariance_of(problem, layout, Eigen::MatrixXd(data + prior_information(problem, layout, x)), solution);
+  const Eigen::MatrixXd data = data_information
+                                   ? *data_information
+                                   : information_at(problem, layout, trajectories, x, {}, workers).data;
+  Covariance C =
+      covariance_of(problem, layout, Eigen::MatrixXd(data + prior_information(problem, layout, x)), solution);
   Eigen::VectorXd si(layout.size());
   for (int i = 0; i < layout.size(); ++i) {
     si[i] = layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
@@ -326,17 +410,20 @@ Covariance covariance_at(const Problem& problem, const ParameterLayout& layout, 
 
 }  // namespace
 
-Covariance judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
-                 const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution, const Workers& workers,
-                 const std::optional<Eigen::MatrixXd>& data_information) {
+Covariance judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
+                 const std::vector<bool>& beacon_usable, const std::vector<bool>& beacon_mirrored,
+                 bool strict, std::vector<Trajectory>& trajectories, Solution& solution,
+                 const Workers& workers, const std::optional<Eigen::MatrixXd>& data_information) {
   Covariance C = covariance_at(problem, layout, x, trajectories, workers, data_information, solution);
   Judge judge(problem, layout, x, C, trajectories, solution);
   judge.beacons(beacon_usable, beacon_mirrored);
   judge.common_parameters();
   std::vector<bool> known(beacon_usable.size());
-  for (std::size_t b = 0; b < known.size(); ++b) known[b] = solution.beacon_status[b] != BeaconStatus::kUndetermined;
-  for (WeakDirection& w : weak_directions(layout, x, C, known, trajectories,
-                                          {.limit_m = tolerance_m(problem), .typical_range_m = typical_range_m(problem)}))
+  for (std::size_t b = 0; b < known.size(); ++b)
+    known[b] = solution.beacon_status[b] != BeaconStatus::kUndetermined;
+  for (WeakDirection& w :
+       weak_directions(layout, x, C, known, trajectories,
+                       {.limit_m = tolerance_m(problem), .typical_range_m = typical_range_m(problem)}))
     solution.weak.push_back(std::move(w));
   judge.verdict(strict);
   return C;

@@ -7,33 +7,40 @@
 
 #include <Eigen/Core>
 
-#include "calib/calibrate.h"
 #include "calib/adjust/covariance.h"
+#include "calib/calibrate.h"
 #include "calib/problem/parameters.h"
 
 namespace octant::calib {
 
-/// Motions of the whole map that nothing in a problem tells to better than a quarter of the typical range (planar: x, y,
-/// heading; spatial: six), as columns over the free parameters; orthonormal, none where the datum is fixed.
-[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
-                                         const Eigen::MatrixXd& information);
-[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+/// Motions of the whole map that nothing in a problem tells to better than a quarter of the typical range
+/// (planar: x, y, heading; spatial: six), as columns over the free parameters; orthonormal, none where the
+/// datum is fixed.
+[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout,
+                                         const SharedState& state, const Eigen::MatrixXd& information);
+[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout,
+                                         const SharedState& state,
                                          const Eigen::SparseMatrix<double>& information);
 
-/// Covariance, status of the beacons, weak directions, verdict: fills the solution. Returns the covariance in internal units.
-/// Beyond ParameterLayout::dense_limit the solution's joint covariance stays empty and its marginals are filled instead.
-/// A beacon is undetermined when it was not found or the sigma of its worst direction is beyond the site's tolerance. The data
-/// refuse (SolveStatus::kUndetermined) when half or more of the beacons asked for are, or when speed, a common delay or a
-/// receiver array are not known to that tolerance and a beacon or a typical fix (fix_shift.h) is off beyond its own by that.
-[[nodiscard]] Covariance judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
-                               const std::vector<bool>& beacon_mirrored, bool strict, std::vector<Trajectory>& trajectories, Solution& solution,
-                               const Workers& workers = {}, const std::optional<Eigen::MatrixXd>& data_information = {});
+/// Covariance, status of the beacons, weak directions, verdict: fills the solution. Returns the covariance in
+/// internal units. Beyond ParameterLayout::dense_limit the solution's joint covariance stays empty and its
+/// marginals are filled instead. A beacon is undetermined when it was not found or the sigma of its worst
+/// direction is beyond the site's tolerance. The data refuse (SolveStatus::kUndetermined) when half or more
+/// of the beacons asked for are, or when speed, a common delay or a receiver array are not known to that
+/// tolerance and a beacon or a typical fix (fix_shift.h) is off beyond its own by that.
+[[nodiscard]] Covariance judge(const Problem& problem, const ParameterLayout& layout,
+                               const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
+                               const std::vector<bool>& beacon_mirrored, bool strict,
+                               std::vector<Trajectory>& trajectories, Solution& solution,
+                               const Workers& workers = {},
+                               const std::optional<Eigen::MatrixXd>& data_information = {});
 
-/// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or the speed itself, to a
-/// tenth. Empty if so, otherwise what is missing.
+/// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or
+/// the speed itself, to a tenth. Empty if so, otherwise what is missing.
 [[nodiscard]] std::optional<WeakDirection> missing_scale(const Problem& problem);
 
-/// Length that a deviation must not exceed: the site's tolerance for beacons, or a twentieth of the typical range.
+/// Length that a deviation must not exceed: the site's tolerance for beacons, or a twentieth of the typical
+/// range.
 [[nodiscard]] double tolerance_m(const Problem& problem);
 
 }  // namespace octant::calib

@@ -16,8 +16,11 @@ namespace octant::calib {
 [[nodiscard]] std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
 
 /// Temperature of the medium at an arrival: its own, else the run's, else the site's.
-[[nodiscard]] inline double temperature_of(const Arrival& arrival, const MeasurementLog& run, const Site& site) {
-  return std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC : run.temperature_degC.value_or(site.medium.temperature_degC);
+[[nodiscard]] inline double temperature_of(const Arrival& arrival, const MeasurementLog& run,
+                                           const Site& site) {
+  return std::isfinite(arrival.temperature_degC)
+             ? arrival.temperature_degC
+             : run.temperature_degC.value_or(site.medium.temperature_degC);
 }
 
 }  // namespace octant::calib

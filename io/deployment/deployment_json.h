@@ -9,11 +9,15 @@
 
 namespace octant::io {
 
-/// Text of a deployment file (contract: deployment.json), with a digest of its own content so that alteration is noticed.
+/// Text of a deployment file (contract: deployment.json), with a digest of its own content so that alteration
+/// is noticed.
 [[nodiscard]] std::string deployment_to_json(const Deployment& deployment);
-/// The same for a file that is to be written. Errors: numbers that are not finite, which no reader would take.
-[[nodiscard]] Result<std::string> checked_deployment_json(const std::string& path, const Deployment& deployment);
-/// Reads it back: read(write(x)) == x. Refuses an unknown version, a truncated or altered file, non-finite numbers.
+/// The same for a file that is to be written. Errors: numbers that are not finite, which no reader would
+/// take.
+[[nodiscard]] Result<std::string> checked_deployment_json(const std::string& path,
+                                                          const Deployment& deployment);
+/// Reads it back: read(write(x)) == x. Refuses an unknown version, a truncated or altered file, non-finite
+/// numbers.
 [[nodiscard]] Result<Deployment> deployment_from_json(const std::string& text, const std::string& file);
 [[nodiscard]] Result<Deployment> read_deployment(const std::string& path);
 [[nodiscard]] Result<void> write_deployment(const std::string& path, const Deployment& deployment);

@@ -5,21 +5,26 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
 #include "io/deployment/deployment_digest.h"
 #include "io/deployment/deployment_json.h"
+#include "io/text/atomic_file.h"
 #include "io/text/json_reader.h"
 
 namespace octant::io {
 namespace {
 
-const std::vector<std::pair<std::string, MediumModel>> kMediumModels = {{"cramer1993", MediumModel::kCramer1993},
-                                                                        {"linear_temperature", MediumModel::kLinearTemperature},
-                                                                        {"constant", MediumModel::kConstant}};
-const std::vector<std::pair<std::string, bool DelayPer::*>> kDelayPer = {
-    {"beacon", &DelayPer::beacon}, {"receiver", &DelayPer::receiver}, {"site", &DelayPer::site}, {"none", nullptr}};
+const std::vector<std::pair<std::string, MediumModel>> kMediumModels = {
+    {"cramer1993", MediumModel::kCramer1993},
+    {"linear_temperature", MediumModel::kLinearTemperature},
+    {"constant", MediumModel::kConstant}};
+const std::vector<std::pair<std::string, bool DelayPer::*>> kDelayPer = {{"beacon", &DelayPer::beacon},
+                                                                         {"receiver", &DelayPer::receiver},
+                                                                         {"site", &DelayPer::site},
+                                                                         {"none", nullptr}};
 
-double number_or(const JsonValue& value, double fallback) { return value.present() ? value.number() : fallback; }
+double number_or(const JsonValue& value, double fallback) {
+  return value.present() ? value.number() : fallback;
+}
 
 std::optional<double> optional_number(const JsonValue& value) {
   return value.present() ? std::optional<double>(value.number()) : std::nullopt;
@@ -39,12 +44,14 @@ void read_deployed_medium(const JsonValue& json, Deployment& d) {
   const double offset_speed_mps = d.speed_mps(m.temperature_degC);
   if (!(std::abs(offset_speed_mps - calibrated_mps) <= 1e-9 * calibrated_mps)) {
     json.at("speed_mps")
-        .fail(exact(calibrated_mps), fmt::format("{}, the model's speed and offset_mps", exact(offset_speed_mps)));
+        .fail(exact(calibrated_mps),
+              fmt::format("{}, the model's speed and offset_mps", exact(offset_speed_mps)));
   }
 }
 
 void read_deployed_timing(const JsonValue& json, Timing& t) {
-  t.clock = json.at("clock").choice<Clock>({{"synchronised", Clock::kSynchronised}, {"cycle_offset", Clock::kCycleOffset}});
+  t.clock = json.at("clock").choice<Clock>(
+      {{"synchronised", Clock::kSynchronised}, {"cycle_offset", Clock::kCycleOffset}});
   if (const JsonValue ranging = json.find("ranging"); ranging.present()) {
     t.ranging = ranging.choice<Ranging>({{"one_way", Ranging::kOneWay}, {"two_way", Ranging::kTwoWay}});
   }
@@ -94,8 +101,10 @@ void read_deployed_beacons(const JsonValue& json, Deployment& d) {
     const JsonValue covariance = item.at("covariance_m2");
     const std::vector<JsonValue> rows = covariance.items();
     if (rows.size() != 3) covariance.fail(fmt::format("an array of {}", rows.size()), "3 rows of 3 numbers");
-    for (std::size_t i = 0; i < 3 && i < rows.size(); ++i) b.covariance_m2.row(static_cast<Eigen::Index>(i)) = rows[i].vector3();
-    if (!(b.covariance_m2.diagonal().minCoeff() >= 0.0)) covariance.fail("with a negative variance", "a covariance");
+    for (std::size_t i = 0; i < 3 && i < rows.size(); ++i)
+      b.covariance_m2.row(static_cast<Eigen::Index>(i)) = rows[i].vector3();
+    if (!(b.covariance_m2.diagonal().minCoeff() >= 0.0))
+      covariance.fail("with a negative variance", "a covariance");
     b.delay_s = item.at("delay_s").number();
     b.delay_sigma_s = item.at("delay_sigma_s").not_negative();
     b.status = item.at("status").choice<BeaconStatus>({{"calibrated", BeaconStatus::kCalibrated},
@@ -140,7 +149,8 @@ void read_deployed_vehicles(const JsonValue& json, Deployment& d) {
       r.delay_s = entry.at("delay_s").number();
       r.delay_sigma_s = number_or(entry.find("delay_sigma_s"), 0.0);
       if (const JsonValue axis = entry.find("axis"); axis.present()) r.axis = axis.vector3();
-      if (const JsonValue cosine = entry.find("hearing_cosine"); cosine.present()) r.hearing_cosine = cosine.number();
+      if (const JsonValue cosine = entry.find("hearing_cosine"); cosine.present())
+        r.hearing_cosine = cosine.number();
       d.receivers.push_back(std::move(r));
     }
     SiteVehicle& read = d.vehicles.back();
@@ -149,7 +159,8 @@ void read_deployed_vehicles(const JsonValue& json, Deployment& d) {
     read.clock_drift_sigma = 1e-6 * number_or(item.find("clock_drift_sigma_ppm"), 0.0);
     if (const JsonValue motion = item.find("motion"); motion.present())
       read.motion = MotionPrior{motion.at("speed_mps").positive(), motion.at("acceleration_mps2").positive(),
-                                motion.at("turn_rate_rad_per_s").positive(), motion.at("turn_acceleration_rad_per_s2").positive()};
+                                motion.at("turn_rate_rad_per_s").positive(),
+                                motion.at("turn_acceleration_rad_per_s2").positive()};
     read.rail = read_deployed_rail(item.find("rail"));
   }
   if (d.vehicles.empty()) json.fail("empty", "at least one vehicle");
@@ -211,17 +222,19 @@ void read_contradictions(const JsonValue& verdict, std::vector<Contradiction>& c
     const std::string kind = c.at("kind").text();
     const auto known = contradiction_kind(kind);
     if (!known) {
-      c.at("kind").fail(in_quotes(kind), "a kind of contradiction, such as 'control_point'", "octant schema deployment lists them");
+      c.at("kind").fail(in_quotes(kind), "a kind of contradiction, such as 'control_point'",
+                        "octant schema deployment lists them");
       return;
     }
-    contradictions.push_back({*known, c.at("subject").text(), c.at("stated").text(), c.at("found").text(), c.at("sigmas").not_negative(),
-                              c.at("remedy").text()});
+    contradictions.push_back({*known, c.at("subject").text(), c.at("stated").text(), c.at("found").text(),
+                              c.at("sigmas").not_negative(), c.at("remedy").text()});
   }
 }
 
 void check_head(const JsonValue& root) {
   if (const std::string type = root.at("type").text(); type != "octant_deployment") {
-    root.at("type").fail(in_quotes(type), "'octant_deployment'", "is this a file that octant calibrate wrote?");
+    root.at("type").fail(in_quotes(type), "'octant_deployment'",
+                         "is this a file that octant calibrate wrote?");
   }
   if (const double version = root.at("version").number(); version != 1.0) {
     root.at("version").fail(exact(version), "1", "a newer version of the format needs a newer octant");
@@ -229,7 +242,8 @@ void check_head(const JsonValue& root) {
 }
 
 /// A file of another program may come without a digest; one of ours that was altered has the wrong one.
-void check_digest(const JsonValue& root, const nlohmann::json& json, std::vector<std::string>& warnings, const JsonLog& log) {
+void check_digest(const JsonValue& root, const nlohmann::json& json, std::vector<std::string>& warnings,
+                  const JsonLog& log) {
   const JsonValue digest = root.find("digest");
   if (!digest.present()) {
     if (!log.error) warnings.push_back(log.file + ": there is no digest, so alterations cannot be noticed");
@@ -237,7 +251,8 @@ void check_digest(const JsonValue& root, const nlohmann::json& json, std::vector
   }
   const std::string stated = digest.text(), found = digest_of(json);
   if (!log.error && stated != found) {
-    digest.fail(in_quotes(stated.substr(0, 12)) + ", and the content's is " + in_quotes(found.substr(0, 12)), "the same",
+    digest.fail(in_quotes(stated.substr(0, 12)) + ", and the content's is " + in_quotes(found.substr(0, 12)),
+                "the same",
                 "the file was altered after octant wrote it: take the original, or calibrate again");
   }
 }
@@ -246,7 +261,10 @@ void check_digest(const JsonValue& root, const nlohmann::json& json, std::vector
 
 Result<Deployment> deployment_from_json(const std::string& text, const std::string& file) {
   if (without_bom(text).find("octant_site:") != std::string_view::npos && !text.starts_with('{'))
-    return fail({.file = file, .found = "a site file", .expected = "a deployment file, which octant calibrate makes of a site file and a recording"});
+    return fail(
+        {.file = file,
+         .found = "a site file",
+         .expected = "a deployment file, which octant calibrate makes of a site file and a recording"});
   const Result<nlohmann::json> json = parse_json(text, file);
   if (!json) return fail(json.error());
   JsonLog log{file, text, std::nullopt};
@@ -265,10 +283,13 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
     read_deployed_noise(root.at("noise"), d.noise);
     read_correlated_noise(root.at("noise").find("correlated"), d.correlated_noise);
     if (const JsonValue a = root.find("attenuation"); a.present()) {
-      d.attenuation = AttenuationModel{a.at("amplitude_1m_v").positive(), a.at("absorption_np_per_m").not_negative(),
-                                       a.at("threshold_v").not_negative(), a.at("rise_time_s").not_negative()};
-      if (const JsonValue angle = a.find("half_power_angle_rad"); angle.present()) d.attenuation->half_power_angle_rad = angle.within(kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
-      if (const JsonValue saturation = a.find("saturation_v"); saturation.present()) d.attenuation->saturation_v = saturation.positive();
+      d.attenuation =
+          AttenuationModel{a.at("amplitude_1m_v").positive(), a.at("absorption_np_per_m").not_negative(),
+                           a.at("threshold_v").not_negative(), a.at("rise_time_s").not_negative()};
+      if (const JsonValue angle = a.find("half_power_angle_rad"); angle.present())
+        d.attenuation->half_power_angle_rad = angle.within(kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
+      if (const JsonValue saturation = a.find("saturation_v"); saturation.present())
+        d.attenuation->saturation_v = saturation.positive();
     }
     read_deployed_beacons(root.at("beacons"), d);
     read_deployed_vehicles(root.at("vehicles"), d);

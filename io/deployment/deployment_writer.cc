@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "io/text/atomic_file.h"
 #include "io/deployment/deployment_digest.h"
 #include "io/deployment/deployment_json.h"
+#include "io/text/atomic_file.h"
 #include "io/text/json_reader.h"
 
 namespace octant::io {
@@ -56,7 +56,9 @@ Json noise_json(const Noise& n, const CorrelatedNoise& correlated) {
                {"bearing_sigma_rad", n.bearing_sigma_rad},
                {"range_sigma_m", n.range_sigma_m}};
   if (correlated.any()) {
-    json["correlated"] = {{"sigma_s", correlated.sigma_s}, {"time_s", correlated.time_s}, {"pair_sigma_s", correlated.pair_sigma_s}};
+    json["correlated"] = {{"sigma_s", correlated.sigma_s},
+                          {"time_s", correlated.time_s},
+                          {"pair_sigma_s", correlated.pair_sigma_s}};
   }
   return json;
 }
@@ -88,7 +90,8 @@ Json beacons_json(const Deployment& d) {
 
 Json rail_json(const Rail& rail) {
   const auto point = [](const Eigen::Vector2d& p) { return Json::array({p.x(), p.y()}); };
-  if (rail.shape == Rail::Shape::kArc) return {{"centre_m", point(rail.centre_m)}, {"radius_m", rail.radius_m}};
+  if (rail.shape == Rail::Shape::kArc)
+    return {{"centre_m", point(rail.centre_m)}, {"radius_m", rail.radius_m}};
   return {{"from_m", point(rail.from_m)}, {"to_m", point(rail.to_m)}};
 }
 
@@ -112,9 +115,12 @@ Json vehicles_json(const Deployment& d) {
       json["clock_drift_sigma_ppm"] = 1e6 * vehicle.clock_drift_sigma;
     }
     if (const auto& m = vehicle.motion)
-      json["motion"] = {{"speed_mps", m->speed_mps}, {"acceleration_mps2", m->acceleration_mps2},
-                        {"turn_rate_rad_per_s", m->turn_rate_rad_per_s}, {"turn_acceleration_rad_per_s2", m->turn_acceleration_rad_per_s2}};
-    if (vehicle.rail) json["rail"] = rail_json(*vehicle.rail);  // absent where there is none: older files keep their digest
+      json["motion"] = {{"speed_mps", m->speed_mps},
+                        {"acceleration_mps2", m->acceleration_mps2},
+                        {"turn_rate_rad_per_s", m->turn_rate_rad_per_s},
+                        {"turn_acceleration_rad_per_s2", m->turn_acceleration_rad_per_s2}};
+    if (vehicle.rail)
+      json["rail"] = rail_json(*vehicle.rail);  // absent where there is none: older files keep their digest
     out.push_back(std::move(json));
   }
   return out;
@@ -148,7 +154,12 @@ Json validity_json(const Deployment& d) {
 Json contradictions_json(const std::vector<Contradiction>& contradictions) {
   Json list = Json::array();
   for (const Contradiction& c : contradictions) {
-    list.push_back({{"kind", to_string(c.kind)}, {"subject", c.subject}, {"stated", c.stated}, {"found", c.found}, {"sigmas", c.sigmas}, {"remedy", c.remedy}});
+    list.push_back({{"kind", to_string(c.kind)},
+                    {"subject", c.subject},
+                    {"stated", c.stated},
+                    {"found", c.found},
+                    {"sigmas", c.sigmas},
+                    {"remedy", c.remedy}});
   }
   return list;
 }
@@ -171,13 +182,16 @@ Json content_of(const Deployment& d) {
   json["beacons"] = beacons_json(d);
   json["vehicles"] = vehicles_json(d);
   json["statistics"] = statistics_json(d.statistics);
-  json["tolerance"] = {{"beacon_m", value_or_null(d.tolerance.beacon_m)}, {"fix_m", value_or_null(d.tolerance.fix_m)}};
+  json["tolerance"] = {{"beacon_m", value_or_null(d.tolerance.beacon_m)},
+                       {"fix_m", value_or_null(d.tolerance.fix_m)}};
   json["validity"] = validity_json(d);
   json["inputs"] = Json::array();
-  for (const InputDigest& input : d.inputs) json["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
+  for (const InputDigest& input : d.inputs)
+    json["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
   json["program"] = {{"name", "octant"}, {"version", d.program_version}, {"command", d.program_command}};
   json["warnings"] = d.warnings;
-  if (!d.contradictions.empty()) json["verdict"] = {{"grade", "Contradicted"}, {"contradictions", contradictions_json(d.contradictions)}};
+  if (!d.contradictions.empty())
+    json["verdict"] = {{"grade", "Contradicted"}, {"contradictions", contradictions_json(d.contradictions)}};
   json["covariance"] = covariance_json(d.covariance);
   return json;
 }
@@ -193,7 +207,8 @@ std::string find_not_finite(const Json& json, const std::string& pointer) {
       ++index;
       continue;
     }
-    std::string found = find_not_finite(value, pointer + "/" + (json.is_array() ? std::to_string(index) : key));
+    std::string found =
+        find_not_finite(value, pointer + "/" + (json.is_array() ? std::to_string(index) : key));
     if (!found.empty()) return found;
     ++index;
   }

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
 #include "io/import/plan_import.h"
+#include "io/text/atomic_file.h"
 #include "io/text/text.h"
 
 namespace octant::io {
@@ -25,7 +25,8 @@ struct Group {
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
+    text.remove_suffix(1);
   return text;
 }
 
@@ -40,8 +41,10 @@ class Groups {
       if (error || !read_line(code)) return false;
     } while (code.empty() && at_ >= text_.size());
     double number = 0.0;
-    if (parse_number(code, number) != NumberText::kNumber || number != std::floor(number) || std::abs(number) > 100000) {
-      fail(fmt::format("{} where a DXF group code should be", in_quotes(code)), "a whole number on a line of its own, as in an ASCII DXF");
+    if (parse_number(code, number) != NumberText::kNumber || number != std::floor(number) ||
+        std::abs(number) > 100000) {
+      fail(fmt::format("{} where a DXF group code should be", in_quotes(code)),
+           "a whole number on a line of its own, as in an ASCII DXF");
       return false;
     }
     group.code = static_cast<int>(number);
@@ -61,7 +64,12 @@ class Groups {
   }
 
   void fail(std::string found, std::string expected, std::string advice = "") {
-    if (!error) error = Error{.file = file_, .line = line_, .found = std::move(found), .expected = std::move(expected), .advice = std::move(advice)};
+    if (!error)
+      error = Error{.file = file_,
+                    .line = line_,
+                    .found = std::move(found),
+                    .expected = std::move(expected),
+                    .advice = std::move(advice)};
   }
 
   std::optional<Error> error;
@@ -109,16 +117,19 @@ struct Entity {
 };
 
 /// A side with a bulge (the tangent of a quarter of its angle) as chords.
-void add_side(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bulge, std::vector<Eigen::Vector2d>& points) {
+void add_side(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bulge,
+              std::vector<Eigen::Vector2d>& points) {
   const double angle = 4 * std::atan(bulge);
-  const int chords = std::clamp(static_cast<int>(std::ceil(std::abs(angle) / (std::numbers::pi / 18))), 1, 36);
+  const int chords =
+      std::clamp(static_cast<int>(std::ceil(std::abs(angle) / (std::numbers::pi / 18))), 1, 36);
   if (bulge != 0 && chords > 1) {
     const Eigen::Vector2d half = (to - from) / 2;
     const Eigen::Vector2d centre = from + half + Eigen::Vector2d(-half.y(), half.x()) / std::tan(angle / 2);
     const Eigen::Vector2d arm = from - centre;
     for (int k = 1; k < chords; ++k) {
       const double turn = angle * k / chords;
-      points.emplace_back(centre + Eigen::Vector2d(std::cos(turn) * arm.x() - std::sin(turn) * arm.y(), std::sin(turn) * arm.x() + std::cos(turn) * arm.y()));
+      points.emplace_back(centre + Eigen::Vector2d(std::cos(turn) * arm.x() - std::sin(turn) * arm.y(),
+                                                   std::sin(turn) * arm.x() + std::cos(turn) * arm.y()));
     }
   }
   points.push_back(to);
@@ -126,7 +137,8 @@ void add_side(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bul
 
 class Reader {
  public:
-  Reader(std::string_view text, const std::string& file, std::optional<double> unit_m) : groups_(text, file), file_(file), unit_m_(unit_m) {}
+  Reader(std::string_view text, const std::string& file, std::optional<double> unit_m)
+      : groups_(text, file), file_(file), unit_m_(unit_m) {}
 
   Result<Drawing> read() {
     Group group;
@@ -141,7 +153,8 @@ class Reader {
         section = group.value;
       } else if (section == "HEADER") {
         if (group.code == 9) variable = group.value;
-        if (group.code == 70 && variable == "$INSUNITS") header_unit_ = static_cast<int>(groups_.number(group));
+        if (group.code == 70 && variable == "$INSUNITS")
+          header_unit_ = static_cast<int>(groups_.number(group));
       } else if (section == "ENTITIES") {
         take(group);
       }
@@ -159,7 +172,9 @@ class Reader {
     if (section != "ENTITIES" || vertex) return;
     if (group.value == "LINE") entity_.drawn.points_m.emplace_back(0, 0);
     if (group.value == "POLYLINE") polyline_ = entity_;
-    if (group.value != "LINE" && group.value != "LWPOLYLINE" && group.value != "POLYLINE" && group.value != "ENDSEC") ++others_[entity_.type];
+    if (group.value != "LINE" && group.value != "LWPOLYLINE" && group.value != "POLYLINE" &&
+        group.value != "ENDSEC")
+      ++others_[entity_.type];
   }
 
   void take(const Group& g) {
@@ -167,7 +182,8 @@ class Reader {
     Entity& e = entity_.type == "POLYLINE" ? polyline_ : entity_;
     auto& points = e.drawn.points_m;
     if (g.code == 8) e.drawn.layer = g.value;
-    if (g.code == 70 || (g.code == 230 && trimmed(g.value).starts_with("-1"))) (g.code == 70 ? e.flags = static_cast<int>(groups_.number(g)) : e.mirrored = true);
+    if (g.code == 70 || (g.code == 230 && trimmed(g.value).starts_with("-1")))
+      (g.code == 70 ? e.flags = static_cast<int>(groups_.number(g)) : e.mirrored = true);
     if (entity_.type == "LINE") {
       if (g.code == 10) points[0].x() = value;
       if (g.code == 20) points[0].y() = value;
@@ -177,7 +193,8 @@ class Reader {
       if (g.code == 10) points.emplace_back(value, 0), e.bulges.push_back(0.0);
       if (g.code == 20 && !points.empty()) points.back().y() = value;
       if (g.code == 42 && !e.bulges.empty()) e.bulges.back() = value;
-      if (++count_ > kMostPoints * 4) groups_.fail("a drawing of millions of points", "a floor plan", "export the walls' layers alone");
+      if (++count_ > kMostPoints * 4)
+        groups_.fail("a drawing of millions of points", "a floor plan", "export the walls' layers alone");
     }
   }
 
@@ -188,7 +205,8 @@ class Reader {
       keep(entity_);
     } else if (entity_.type == "LWPOLYLINE") {
       keep(entity_);
-    } else if (entity_.type == "VERTEX" && !entity_.drawn.points_m.empty() && (entity_.flags & 16) == 0) {  // 16: a spline's frame
+    } else if (entity_.type == "VERTEX" && !entity_.drawn.points_m.empty() &&
+               (entity_.flags & 16) == 0) {  // 16: a spline's frame
       polyline_.drawn.points_m.push_back(entity_.drawn.points_m[0]);
       polyline_.bulges.push_back(entity_.bulges[0]);
     } else if (entity_.type == "SEQEND" && polyline_.type == "POLYLINE") {
@@ -208,8 +226,10 @@ class Reader {
     drawn.points_m.clear();
     const auto& points = e.drawn.points_m;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (i == 0) drawn.points_m.push_back(points[0]);
-      else add_side(points[i - 1], points[i], e.bulges[i - 1], drawn.points_m);
+      if (i == 0)
+        drawn.points_m.push_back(points[0]);
+      else
+        add_side(points[i - 1], points[i], e.bulges[i - 1], drawn.points_m);
     }
     if (drawn.closed && points.size() > 2) {
       add_side(points.back(), points.front(), e.bulges.back(), drawn.points_m);
@@ -219,23 +239,28 @@ class Reader {
       for (auto& p : drawn.points_m) p.x() = -p.x();
     const auto twice = std::unique(drawn.points_m.begin(), drawn.points_m.end());
     drawn.points_m.erase(twice, drawn.points_m.end());
-    if (drawn.closed && drawn.points_m.size() > 1 && drawn.points_m.front() == drawn.points_m.back()) drawn.points_m.pop_back();
+    if (drawn.closed && drawn.points_m.size() > 1 && drawn.points_m.front() == drawn.points_m.back())
+      drawn.points_m.pop_back();
     if (drawn.points_m.size() > 1) drawing_.lines.push_back(std::move(drawn));
   }
 
   Result<Drawing> scaled() {
     double unit = unit_m_.value_or(metres_of(header_unit_));
     if (unit < 0)
-      return octant::fail({.file = file_, .found = fmt::format("$INSUNITS {}", header_unit_), .expected = "inches, feet, mm, cm, dm, m or km",
+      return octant::fail({.file = file_,
+                           .found = fmt::format("$INSUNITS {}", header_unit_),
+                           .expected = "inches, feet, mm, cm, dm, m or km",
                            .advice = "state unit_m: the metres in a unit of the drawing"});
     if (unit == 0) {
-      drawing_.warnings.push_back(fmt::format("{}: the drawing states no unit ($INSUNITS); metres are assumed (unit_m: 1)", file_));
+      drawing_.warnings.push_back(
+          fmt::format("{}: the drawing states no unit ($INSUNITS); metres are assumed (unit_m: 1)", file_));
       unit = 1.0;
     }
     for (DrawnLine& line : drawing_.lines)
       for (auto& p : line.points_m) p *= unit;
     std::string names;
-    for (const auto& [type, count] : others_) names += fmt::format("{}{} {}", names.empty() ? "" : ", ", count, type);
+    for (const auto& [type, count] : others_)
+      names += fmt::format("{}{} {}", names.empty() ? "" : ", ", count, type);
     if (!names.empty()) drawing_.warnings.push_back(fmt::format("{}: not read: {}", file_, names));
     return std::move(drawing_);
   }
@@ -252,9 +277,14 @@ class Reader {
 
 }  // namespace
 
-Result<Drawing> drawing_from_dxf(std::string_view text, const std::string& file, std::optional<double> unit_m) {
+Result<Drawing> drawing_from_dxf(std::string_view text, const std::string& file,
+                                 std::optional<double> unit_m) {
   if (text.starts_with("AutoCAD Binary DXF"))
-    return fail({.file = file, .line = 1, .found = "a binary DXF", .expected = "an ASCII DXF", .advice = "save it as ASCII"});
+    return fail({.file = file,
+                 .line = 1,
+                 .found = "a binary DXF",
+                 .expected = "an ASCII DXF",
+                 .advice = "save it as ASCII"});
   return Reader(without_bom(text), file, unit_m).read();
 }
 

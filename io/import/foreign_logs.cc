@@ -21,7 +21,8 @@ constexpr std::size_t kMostBeams = 4096;
 /// The words of one line of a CARMEN log, read off from the front.
 class Words {
  public:
-  Words(std::string_view line, const std::string& file, int number) : line_(line), file_(file), number_(number) {}
+  Words(std::string_view line, const std::string& file, int number)
+      : line_(line), file_(file), number_(number) {}
 
   std::string_view word() {
     at_ = line_.find_first_not_of(" \t\r", at_);
@@ -39,20 +40,30 @@ class Words {
     const std::string_view text = word();
     if (parse_number(text, value) == NumberText::kNumber && std::isfinite(value)) return true;
     if (!error_)
-      error_ = Error{.code = Errc::kBadInput, .file = file_, .line = number_, .column = static_cast<int>(begin_) + 1,
-                     .found = text.empty() ? fmt::format("the line ends before {}", what) : in_quotes(text), .expected = fmt::format("{}, a number", what),
+      error_ = Error{.code = Errc::kBadInput,
+                     .file = file_,
+                     .line = number_,
+                     .column = static_cast<int>(begin_) + 1,
+                     .found = text.empty() ? fmt::format("the line ends before {}", what) : in_quotes(text),
+                     .expected = fmt::format("{}, a number", what),
                      .advice = "is this a CARMEN log, and whole?"};
     return false;
   }
   bool count(const char* what, std::size_t& value) {
     double number_read = 0.0;
     if (!number(what, number_read)) return false;
-    if (number_read >= 0 && number_read <= static_cast<double>(kMostBeams) && number_read == std::floor(number_read)) {
+    if (number_read >= 0 && number_read <= static_cast<double>(kMostBeams) &&
+        number_read == std::floor(number_read)) {
       value = static_cast<std::size_t>(number_read);
       return true;
     }
-    error_ = Error{.code = Errc::kBadInput, .file = file_, .line = number_, .column = static_cast<int>(begin_) + 1, .found = fmt::format("{} of {}", what, number_read),
-                   .expected = fmt::format("a whole number from 0 to {}", kMostBeams), .advice = "is this a CARMEN log?"};
+    error_ = Error{.code = Errc::kBadInput,
+                   .file = file_,
+                   .line = number_,
+                   .column = static_cast<int>(begin_) + 1,
+                   .found = fmt::format("{} of {}", what, number_read),
+                   .expected = fmt::format("a whole number from 0 to {}", kMostBeams),
+                   .advice = "is this a CARMEN log?"};
     return false;
   }
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
@@ -82,10 +93,16 @@ class CarmenReader {
       text.remove_prefix(std::min(end + 1, text.size()));
     }
     if (log_.scans.empty() && log_.odometry.empty())
-      return fail({.code = Errc::kBadInput, .file = log_.path, .found = "neither scans nor odometry", .expected = "lines that begin with FLASER, ROBOTLASER1 or ODOM",
+      return fail({.code = Errc::kBadInput,
+                   .file = log_.path,
+                   .found = "neither scans nor odometry",
+                   .expected = "lines that begin with FLASER, ROBOTLASER1 or ODOM",
                    .advice = "is this a CARMEN log?"});
-    for (const auto& [name, count] : passed_over_) log_.warnings.push_back(fmt::format("{}: {} {} lines are passed over", log_.path, count, name));
-    if (backwards_ > 0) log_.warnings.push_back(fmt::format("{}: {} lines go back in time and are left out", log_.path, backwards_));
+    for (const auto& [name, count] : passed_over_)
+      log_.warnings.push_back(fmt::format("{}: {} {} lines are passed over", log_.path, count, name));
+    if (backwards_ > 0)
+      log_.warnings.push_back(
+          fmt::format("{}: {} lines go back in time and are left out", log_.path, backwards_));
     log_.vehicle = VehicleId(0);
     return std::move(log_);
   }
@@ -122,14 +139,16 @@ class CarmenReader {
     take(std::move(scan), robot);
   }
 
-  /// ROBOTLASER1 type start fov resolution max_range accuracy mode n range... m remission... laser pose, robot pose, tv rv
-  /// forward_safety side_safety turn_axis ipc_time host logger_time
+  /// ROBOTLASER1 type start fov resolution max_range accuracy mode n range... m remission... laser pose,
+  /// robot pose, tv rv forward_safety side_safety turn_axis ipc_time host logger_time
   void scan_with_angles(Words& words) {
     Scan scan;
     double skipped = 0.0, longest_m = 0.0;
-    if (!words.number("the laser's type", skipped) || !words.number("the start angle", scan.angle_min_rad) || !words.number("the field of view", skipped) ||
-        !words.number("the angular resolution", scan.angle_increment_rad) || !words.number("the maximum range", longest_m) ||
-        !words.number("the accuracy", skipped) || !words.number("the remission mode", skipped) || !ranges(words, "the number of readings", scan))
+    if (!words.number("the laser's type", skipped) || !words.number("the start angle", scan.angle_min_rad) ||
+        !words.number("the field of view", skipped) ||
+        !words.number("the angular resolution", scan.angle_increment_rad) ||
+        !words.number("the maximum range", longest_m) || !words.number("the accuracy", skipped) ||
+        !words.number("the remission mode", skipped) || !ranges(words, "the number of readings", scan))
       return;
     for (double& r : scan.range_m)
       if (r >= longest_m) r = NAN;
@@ -156,7 +175,8 @@ class CarmenReader {
   }
 
   static bool read_pose(Words& words, OdometryPose& pose) {
-    return words.number("x", pose.x_m) && words.number("y", pose.y_m) && words.number("theta", pose.heading_rad);
+    return words.number("x", pose.x_m) && words.number("y", pose.y_m) &&
+           words.number("theta", pose.heading_rad);
   }
   static bool read_time(Words& words, double& time_s) {
     double sent_s = 0.0;
@@ -211,13 +231,15 @@ Result<std::vector<CounterReading>> read_counter_log(const std::string& path, co
   if (!text) return fail(text.error());
   CsvReader csv(*text, path);
   csv.read_header();
-  const int time = csv.require("time_s"), beacon = csv.require("beacon"), counts = csv.require("counts"), epoch = csv.find("epoch"),
-            receiver = csv.find("receiver");
-  const auto index_of = [&csv](int column, const std::vector<std::string>& known, const char* what, std::size_t& index) {
+  const int time = csv.require("time_s"), beacon = csv.require("beacon"), counts = csv.require("counts"),
+            epoch = csv.find("epoch"), receiver = csv.find("receiver");
+  const auto index_of = [&csv](int column, const std::vector<std::string>& known, const char* what,
+                               std::size_t& index) {
     const std::string_view name = csv.field(column);
     for (index = 0; index < known.size(); ++index)
       if (known[index] == name) return true;
-    return csv.fail_at(column, in_quotes(name), fmt::format("a {} of the site file", what), suggestion(name, known));
+    return csv.fail_at(column, in_quotes(name), fmt::format("a {} of the site file", what),
+                       suggestion(name, known));
   };
   std::vector<std::string> receivers;
   for (const auto& r : names.receivers) receivers.push_back(r.name);
@@ -226,9 +248,13 @@ Result<std::vector<CounterReading>> read_counter_log(const std::string& path, co
     CounterReading r;
     std::int64_t whole = 0;
     std::size_t index = 0;
-    if (!csv.number(time, r.time_s) || !csv.integer(counts, whole) || !index_of(beacon, names.beacons, "beacon", index)) break;
+    if (!csv.number(time, r.time_s) || !csv.integer(counts, whole) ||
+        !index_of(beacon, names.beacons, "beacon", index))
+      break;
     r.beacon = BeaconId(index);
-    if (whole < 0 && !csv.fail_at(counts, fmt::format("{}", whole), "counts of the clock since the pulse was sent, not negative")) break;
+    if (whole < 0 && !csv.fail_at(counts, fmt::format("{}", whole),
+                                  "counts of the clock since the pulse was sent, not negative"))
+      break;
     r.counts = static_cast<std::uint64_t>(whole);
     if (epoch >= 0 && !csv.integer(epoch, r.epoch)) break;
     if (receiver >= 0) {
@@ -250,15 +276,23 @@ Result<std::vector<PulseArrival>> read_pulse_log(const std::string& path) {
   if (!text) return fail(text.error());
   CsvReader csv(*text, path);
   csv.read_header();
-  const int time = csv.require("time_s"), channel = csv.require("channel"), duration = csv.require("duration_s"), amplitude = csv.require("amplitude_v");
+  const int time = csv.require("time_s"), channel = csv.require("channel"),
+            duration = csv.require("duration_s"), amplitude = csv.require("amplitude_v");
   std::vector<PulseArrival> pulses;
   while (csv.next_row()) {
     PulseArrival p;
     std::int64_t number = 0;
-    if (!csv.number(time, p.time_s) || !csv.integer(channel, number) || !csv.number(duration, p.duration_s) || !csv.number(amplitude, p.amplitude_v)) break;
-    if ((number < 0 || number >= PulseSync::kChannels) && !csv.fail_at(channel, fmt::format("{}", number), fmt::format("a channel from 0 to {}", PulseSync::kChannels - 1))) break;
+    if (!csv.number(time, p.time_s) || !csv.integer(channel, number) || !csv.number(duration, p.duration_s) ||
+        !csv.number(amplitude, p.amplitude_v))
+      break;
+    if ((number < 0 || number >= PulseSync::kChannels) &&
+        !csv.fail_at(channel, fmt::format("{}", number),
+                     fmt::format("a channel from 0 to {}", PulseSync::kChannels - 1)))
+      break;
     p.channel = static_cast<int>(number);
-    if (!(p.duration_s > 0) && !csv.fail_at(duration, exact(p.duration_s), "the length of the pulse, more than 0")) break;
+    if (!(p.duration_s > 0) &&
+        !csv.fail_at(duration, exact(p.duration_s), "the length of the pulse, more than 0"))
+      break;
     pulses.push_back(p);
   }
   if (csv.error()) return fail(*csv.error());

@@ -7,26 +7,28 @@
 
 #include "models/localizers/common/counter_times.h"
 #include "models/localizers/kleeman/kleeman_sync.h"
-#include "models/support/result.h"
 #include "models/run.h"
 #include "models/site.h"
+#include "models/support/result.h"
 
 // Logs of other programs and devices, as `octant convert` makes run folders of them.
 namespace octant::io {
 
-/// CARMEN log (text): laser scans of FLASER and ROBOTLASER1 lines, odometry of ODOM lines and of the scans' own. Other messages
-/// are passed over; which, is in the warnings. Times are those of the logger, the last number of a line; lines of an earlier time
-/// than one before are left out and counted in a warning. FLASER says nothing of its angles: half a turn ahead, in steps of half a
-/// turn over the number of readings (180, 360), or over one less (181, 361). Readings of 80 m and more saw nothing.
-/// Errors: kBadInput with line and what was expected.
+/// CARMEN log (text): laser scans of FLASER and ROBOTLASER1 lines, odometry of ODOM lines and of the scans'
+/// own. Other messages are passed over; which, is in the warnings. Times are those of the logger, the last
+/// number of a line; lines of an earlier time than one before are left out and counted in a warning. FLASER
+/// says nothing of its angles: half a turn ahead, in steps of half a turn over the number of readings (180,
+/// 360), or over one less (181, 361). Readings of 80 m and more saw nothing. Errors: kBadInput with line and
+/// what was expected.
 [[nodiscard]] Result<MeasurementLog> read_carmen_log(const std::string& path);
 
-/// Readings of a counter card, CSV: time_s, beacon, counts; optional epoch, vehicle, receiver. Rows of the same epoch (without one:
-/// of the same time) are ordered as they stand.
-[[nodiscard]] Result<std::vector<CounterReading>> read_counter_log(const std::string& path, const NameTable& names);
+/// Readings of a counter card, CSV: time_s, beacon, counts; optional epoch, vehicle, receiver. Rows of the
+/// same epoch (without one: of the same time) are ordered as they stand.
+[[nodiscard]] Result<std::vector<CounterReading>> read_counter_log(const std::string& path,
+                                                                   const NameTable& names);
 
-/// Pulses of threshold detectors, CSV: time_s, channel, duration_s, amplitude_v; channels count from 0, time does not decrease by
-/// more than a pulse.
+/// Pulses of threshold detectors, CSV: time_s, channel, duration_s, amplitude_v; channels count from 0, time
+/// does not decrease by more than a pulse.
 [[nodiscard]] Result<std::vector<PulseArrival>> read_pulse_log(const std::string& path);
 
 }  // namespace octant::io

@@ -17,13 +17,18 @@ Result<std::string> png_of(const std::vector<std::uint8_t>& rgba, std::size_t co
   std::string file;
   png_alloc_size_t bytes = 0;
   // Once for the size, once for the bytes.
-  bool written = rgba.size() == 4 * columns * rows && png_image_write_to_memory(&image, nullptr, &bytes, 0, rgba.data(), 0, nullptr) != 0;
+  bool written = rgba.size() == 4 * columns * rows &&
+                 png_image_write_to_memory(&image, nullptr, &bytes, 0, rgba.data(), 0, nullptr) != 0;
   if (written) {
     file.resize(bytes);
     written = png_image_write_to_memory(&image, file.data(), &bytes, 0, rgba.data(), 0, nullptr) != 0;
     file.resize(bytes);
   }
-  if (!written) return fail({.code = Errc::kOutput, .found = fmt::format("a picture of {} x {} pixels that libpng does not write: {}", columns, rows, image.message), .expected = "a picture"});
+  if (!written)
+    return fail({.code = Errc::kOutput,
+                 .found = fmt::format("a picture of {} x {} pixels that libpng does not write: {}", columns,
+                                      rows, image.message),
+                 .expected = "a picture"});
   return file;
 }
 

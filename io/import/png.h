@@ -12,6 +12,7 @@
 namespace octant::io {
 
 /// A PNG file's content from pixels of red, green, blue and opacity, row by row from the top.
-[[nodiscard]] Result<std::string> png_of(const std::vector<std::uint8_t>& rgba, std::size_t columns, std::size_t rows);
+[[nodiscard]] Result<std::string> png_of(const std::vector<std::uint8_t>& rgba, std::size_t columns,
+                                         std::size_t rows);
 
 }  // namespace octant::io

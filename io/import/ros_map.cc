@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
 #include "io/import/plan_import.h"
+#include "io/text/atomic_file.h"
 #include "io/text/yaml_reader.h"
 
 namespace octant::io {
@@ -25,12 +25,17 @@ class PgmHead {
  public:
   explicit PgmHead(std::string_view text) : text_(text) {}
   bool next(unsigned long& number) {
-    while (at < text_.size() && (std::isspace(static_cast<unsigned char>(text_[at])) != 0 || text_[at] == '#')) {
-      if (text_[at] == '#') at = std::min(text_.find('\n', at), text_.size());
-      else ++at;
+    while (at < text_.size() &&
+           (std::isspace(static_cast<unsigned char>(text_[at])) != 0 || text_[at] == '#')) {
+      if (text_[at] == '#')
+        at = std::min(text_.find('\n', at), text_.size());
+      else
+        ++at;
     }
     const std::size_t begin = at;
-    for (number = 0; at < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at])) != 0 && at - begin < 10; ++at)
+    for (number = 0;
+         at < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at])) != 0 && at - begin < 10;
+         ++at)
       number = 10 * number + static_cast<unsigned long>(text_[at] - '0');
     return at > begin;
   }
@@ -44,30 +49,40 @@ Result<Picture> picture_from_pgm(std::string_view text, const std::string& file)
   const auto bad = [&](std::string found, std::string expected) {
     return fail({.file = file, .found = std::move(found), .expected = std::move(expected)});
   };
-  if (!text.starts_with("P5") && !text.starts_with("P2")) return bad("no PGM image", "a file that begins with P5 or P2");
+  if (!text.starts_with("P5") && !text.starts_with("P2"))
+    return bad("no PGM image", "a file that begins with P5 or P2");
   PgmHead head(text);
   unsigned long columns = 0, rows = 0, largest = 0;
-  if (!head.next(columns) || !head.next(rows) || !head.next(largest) || columns == 0 || rows == 0 || largest == 0 || largest > 65535)
-    return bad("a PGM without width, height and largest grey value", "three whole numbers, the last up to 65535");
+  if (!head.next(columns) || !head.next(rows) || !head.next(largest) || columns == 0 || rows == 0 ||
+      largest == 0 || largest > 65535)
+    return bad("a PGM without width, height and largest grey value",
+               "three whole numbers, the last up to 65535");
   if (static_cast<double>(columns) * static_cast<double>(rows) > kMostPixels)
-    return bad(fmt::format("an image of {} x {} pixels", columns, rows), fmt::format("{:.0e} pixels at most", kMostPixels));
+    return bad(fmt::format("an image of {} x {} pixels", columns, rows),
+               fmt::format("{:.0e} pixels at most", kMostPixels));
   Picture picture{columns, rows, static_cast<unsigned>(largest), {}};
   const std::size_t pixels = columns * rows;
   if (text[1] == '5') {
     const std::size_t begin = head.at + 1, bytes = largest > 255 ? 2 : 1;
-    if (text.size() < begin + pixels * bytes) return bad("an image that ends early", fmt::format("{} bytes of pixels", pixels * bytes));
+    if (text.size() < begin + pixels * bytes)
+      return bad("an image that ends early", fmt::format("{} bytes of pixels", pixels * bytes));
     picture.grey.reserve(pixels);
     for (std::size_t i = 0; i < pixels; ++i) {
-      const auto byte = [&](std::size_t k) { return static_cast<unsigned>(static_cast<unsigned char>(text[begin + bytes * i + k])); };
+      const auto byte = [&](std::size_t k) {
+        return static_cast<unsigned>(static_cast<unsigned char>(text[begin + bytes * i + k]));
+      };
       picture.grey.push_back(static_cast<std::uint16_t>(bytes == 1 ? byte(0) : 256 * byte(0) + byte(1)));
     }
     return picture;
   }
-  if (text.size() < head.at + pixels) return bad("an image that ends early", fmt::format("{} pixels", pixels));
+  if (text.size() < head.at + pixels)
+    return bad("an image that ends early", fmt::format("{} pixels", pixels));
   picture.grey.reserve(pixels);
   for (std::size_t i = 0; i < pixels; ++i) {
     unsigned long value = 0;
-    if (!head.next(value) || value > largest) return bad(fmt::format("pixel {} that is no grey value", i), fmt::format("whole numbers up to {}", largest));
+    if (!head.next(value) || value > largest)
+      return bad(fmt::format("pixel {} that is no grey value", i),
+                 fmt::format("whole numbers up to {}", largest));
     picture.grey.push_back(static_cast<std::uint16_t>(value));
   }
   return picture;
@@ -107,27 +122,36 @@ Result<Head> head_from_yaml(const std::string& path) {
 
 Eigen::Vector2d RosMap::place_m(double column, double row) const {
   const double x = resolution_m * column, y = resolution_m * row;
-  return origin_m + Eigen::Vector2d(std::cos(yaw_rad) * x - std::sin(yaw_rad) * y, std::sin(yaw_rad) * x + std::cos(yaw_rad) * y);
+  return origin_m + Eigen::Vector2d(std::cos(yaw_rad) * x - std::sin(yaw_rad) * y,
+                                    std::sin(yaw_rad) * x + std::cos(yaw_rad) * y);
 }
 
 Result<RosMap> read_ros_map(const std::string& yaml_path) {
   const auto head = head_from_yaml(yaml_path);
   if (!head) return fail(head.error());
   const std::filesystem::path image(head->image);
-  const std::string path = image.is_absolute() ? head->image : (std::filesystem::path(yaml_path).parent_path() / image).string();
+  const std::string path =
+      image.is_absolute() ? head->image : (std::filesystem::path(yaml_path).parent_path() / image).string();
   const auto text = read_file(path, std::size_t{1} << 30);
   if (!text) return fail(text.error());
   const auto picture = picture_from_pgm(*text, path);
   if (!picture) return fail(picture.error());
-  RosMap map{.columns = picture->columns, .rows = picture->rows, .resolution_m = head->resolution_m,
-             .origin_m = {head->origin[0], head->origin[1]}, .yaw_rad = head->origin[2], .cells = {}};
+  RosMap map{.columns = picture->columns,
+             .rows = picture->rows,
+             .resolution_m = head->resolution_m,
+             .origin_m = {head->origin[0], head->origin[1]},
+             .yaw_rad = head->origin[2],
+             .cells = {}};
   map.cells.resize(map.columns * map.rows);
   for (std::size_t row = 0; row < map.rows; ++row)
     for (std::size_t column = 0; column < map.columns; ++column) {
       // map_server: dark is occupied, unless negated; the image's first row is the map's last.
-      const double shade = static_cast<double>(picture->grey[(map.rows - 1 - row) * map.columns + column]) / picture->largest;
+      const double shade =
+          static_cast<double>(picture->grey[(map.rows - 1 - row) * map.columns + column]) / picture->largest;
       const double occupied = head->negate ? shade : 1.0 - shade;
-      map.cells[row * map.columns + column] = occupied > head->occupied ? RosMap::kOccupied : occupied < head->free ? RosMap::kFree : RosMap::kUnknown;
+      map.cells[row * map.columns + column] = occupied > head->occupied ? RosMap::kOccupied
+                                              : occupied < head->free   ? RosMap::kFree
+                                                                        : RosMap::kUnknown;
     }
   return map;
 }
@@ -150,20 +174,25 @@ std::vector<std::vector<Eigen::Vector2d>> rectangles_of(const RosMap& map, RosMa
       }
       for (std::size_t r = row; r < top; ++r)
         for (std::size_t c = column; c < right; ++c) taken[r * map.columns + c] = true;
-      const auto left_m = static_cast<double>(column), right_m = static_cast<double>(right), low_m = static_cast<double>(row), high_m = static_cast<double>(top);
-      rectangles.push_back({map.place_m(left_m, low_m), map.place_m(right_m, low_m), map.place_m(right_m, high_m), map.place_m(left_m, high_m)});
+      const auto left_m = static_cast<double>(column), right_m = static_cast<double>(right),
+                 low_m = static_cast<double>(row), high_m = static_cast<double>(top);
+      rectangles.push_back({map.place_m(left_m, low_m), map.place_m(right_m, low_m),
+                            map.place_m(right_m, high_m), map.place_m(left_m, high_m)});
     }
   return rectangles;
 }
 
-CostmapText costmap_text(const std::vector<std::uint8_t>& grey, std::size_t columns, std::size_t rows, double resolution_m,
-                         const Eigen::Vector2d& origin_m, const std::string& image_name) {
+CostmapText costmap_text(const std::vector<std::uint8_t>& grey, std::size_t columns, std::size_t rows,
+                         double resolution_m, const Eigen::Vector2d& origin_m,
+                         const std::string& image_name) {
   CostmapText text;
   text.pgm = fmt::format("P5\n{} {}\n255\n", columns, rows);
   for (std::size_t row = rows; row-- > 0;)
     text.pgm.append(reinterpret_cast<const char*>(grey.data()) + row * columns, columns);
-  text.yaml = fmt::format("image: {}\nmode: scale\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n", image_name,
-                          exact(resolution_m), exact(origin_m.x()), exact(origin_m.y()));
+  text.yaml = fmt::format(
+      "image: {}\nmode: scale\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\noccupied_thresh: "
+      "0.65\nfree_thresh: 0.196\n",
+      image_name, exact(resolution_m), exact(origin_m.x()), exact(origin_m.y()));
   return text;
 }
 

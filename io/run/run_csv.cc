@@ -46,7 +46,8 @@ std::vector<int> range_columns(CsvReader& csv) {
     if (number < 0) continue;
     csv.mark_known(i);
     ++count;
-    if (static_cast<std::size_t>(number) < columns.size()) columns[static_cast<std::size_t>(number)] = static_cast<int>(i);
+    if (static_cast<std::size_t>(number) < columns.size())
+      columns[static_cast<std::size_t>(number)] = static_cast<int>(i);
   }
   columns.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
@@ -60,11 +61,13 @@ std::vector<int> range_columns(CsvReader& csv) {
 
 }  // namespace
 
-Result<void> parse_bearings(std::string_view text, const std::string& file, const NameLookup& names, MeasurementLog& log) {
+Result<void> parse_bearings(std::string_view text, const std::string& file, const NameLookup& names,
+                            MeasurementLog& log) {
   CsvReader csv(text, file);
   csv.read_header();
   if (csv.error()) return fail(*csv.error());
-  const int time = csv.require("time_s"), reflector = csv.require("reflector"), angle = csv.require("bearing_rad");
+  const int time = csv.require("time_s"), reflector = csv.require("reflector"),
+            angle = csv.require("bearing_rad");
   const int epoch = csv.find("epoch"), vehicle = csv.find("vehicle");
   log.has_epochs = log.has_epochs || epoch >= 0;
   OrderWatch order(names.names().vehicles.size(), time, epoch);
@@ -86,16 +89,18 @@ Result<void> parse_bearings(std::string_view text, const std::string& file, cons
     log.bearings.push_back(row);
   }
   if (skipped > 0)
-    log.warnings.push_back(
-        fmt::format("{}: bearing_rad is not a number; {} row{} left out", first, skipped, skipped == 1 ? "" : "s"));
+    log.warnings.push_back(fmt::format("{}: bearing_rad is not a number; {} row{} left out", first, skipped,
+                                       skipped == 1 ? "" : "s"));
   return finish(csv, log);
 }
 
-Result<void> parse_odometry(std::string_view text, const std::string& file, const NameLookup& names, MeasurementLog& log) {
+Result<void> parse_odometry(std::string_view text, const std::string& file, const NameLookup& names,
+                            MeasurementLog& log) {
   CsvReader csv(text, file);
   csv.read_header();
   if (csv.error()) return fail(*csv.error());
-  const int time = csv.require("time_s"), dx = csv.require("dx_m"), dy = csv.require("dy_m"), turn = csv.require("dheading_rad");
+  const int time = csv.require("time_s"), dx = csv.require("dx_m"), dy = csv.require("dy_m"),
+            turn = csv.require("dheading_rad");
   const int vehicle = csv.find("vehicle");
   // Each vehicle has a time of its own here: its rows are a chain of their own.
   std::vector<OrderWatch> order(names.names().vehicles.size(), OrderWatch(0, time, -1));
@@ -108,7 +113,8 @@ Result<void> parse_odometry(std::string_view text, const std::string& file, cons
     if (!csv.number(dx, row.dx_m) || !csv.number(dy, row.dy_m) || !csv.number(turn, row.dheading_rad)) break;
     if (!check_angle(csv, turn, "dheading_rad", row.dheading_rad)) break;
     if (!begun[row.vehicle.index()] && (row.dx_m != 0.0 || row.dy_m != 0.0 || row.dheading_rad != 0.0)) {
-      log.warnings.push_back(fmt::format("{}: the first row is the anchor, its motion is not used; expected zeros", csv.place()));
+      log.warnings.push_back(fmt::format(
+          "{}: the first row is the anchor, its motion is not used; expected zeros", csv.place()));
     }
     begun[row.vehicle.index()] = true;
     log.odometry.push_back(row);
@@ -116,18 +122,23 @@ Result<void> parse_odometry(std::string_view text, const std::string& file, cons
   return finish(csv, log);
 }
 
-Result<void> parse_scans(std::string_view text, const std::string& file, double range_max_m, MeasurementLog& log) {
+Result<void> parse_scans(std::string_view text, const std::string& file, double range_max_m,
+                         MeasurementLog& log) {
   CsvReader csv(text, file);
   csv.read_header();
   if (csv.error()) return fail(*csv.error());
-  const int time = csv.require("time_s"), first = csv.require("angle_min_rad"), step = csv.require("angle_increment_rad");
+  const int time = csv.require("time_s"), first = csv.require("angle_min_rad"),
+            step = csv.require("angle_increment_rad");
   const std::vector<int> ranges = range_columns(csv);
   OrderWatch order(0, time, -1);
   while (csv.next_row()) {
     Scan scan;
     if (!csv.number(time, scan.time_s) || !order.time(csv, scan.time_s)) break;
-    if (!csv.number(first, scan.angle_min_rad) || !check_angle(csv, first, "angle_min_rad", scan.angle_min_rad)) break;
-    if (!csv.number(step, scan.angle_increment_rad) || !check_angle(csv, step, "angle_increment_rad", scan.angle_increment_rad))
+    if (!csv.number(first, scan.angle_min_rad) ||
+        !check_angle(csv, first, "angle_min_rad", scan.angle_min_rad))
+      break;
+    if (!csv.number(step, scan.angle_increment_rad) ||
+        !check_angle(csv, step, "angle_increment_rad", scan.angle_increment_rad))
       break;
     scan.range_m.resize(ranges.size());
     for (std::size_t k = 0; k < ranges.size(); ++k) {

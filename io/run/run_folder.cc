@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
-#include "io/tof/run_parts.h"
 #include "io/run/run_reader.h"
 #include "io/run/tum.h"
+#include "io/text/atomic_file.h"
+#include "io/tof/run_parts.h"
 
 namespace octant::io {
 

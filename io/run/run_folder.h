@@ -5,31 +5,33 @@
 #include <string>
 #include <string_view>
 
-#include "models/support/result.h"
 #include "models/run.h"
 #include "models/site.h"
+#include "models/support/result.h"
 
 namespace octant::io {
 
 /// The files that a run folder gives meaning to.
-inline constexpr std::string_view kRunFiles[] = {"tof.csv",    "bearings.csv", "scans.csv", "odometry.csv", "poses.tum",
-                                                 "points.csv", "truth.tum",    "truth.csv", "run.yaml"};
+inline constexpr std::string_view kRunFiles[] = {"tof.csv",      "bearings.csv", "scans.csv",
+                                                 "odometry.csv", "poses.tum",    "points.csv",
+                                                 "truth.tum",    "truth.csv",    "run.yaml"};
 
 struct ReadRunOptions {
   bool read_truth = false;  ///< open truth.tum; only verify does
   bool read_poses = true;   ///< open poses.tum
   /// Of a medium whose speed is constant: then a column distance_m may stand for tof_s [m/s]. 0: it may not.
   double constant_speed_mps = 0.0;
-  int threads = 1;          ///< that read tof.csv; the result does not depend on it
+  int threads = 1;  ///< that read tof.csv; the result does not depend on it
 };
 
 /// Reads a run folder (contract). Needs at least one of tof.csv, bearings.csv, scans.csv with rows.
-/// Errors name file and line. Arrivals that are no measurement (nan, empty, not positive) are in MeasurementLog::rejected,
-/// with one warning that names the first line of each kind.
-[[nodiscard]] Result<MeasurementLog> read_run(const std::string& folder, const NameTable& names, const Timing& timing,
-                                              const ReadRunOptions& options = {});
+/// Errors name file and line. Arrivals that are no measurement (nan, empty, not positive) are in
+/// MeasurementLog::rejected, with one warning that names the first line of each kind.
+[[nodiscard]] Result<MeasurementLog> read_run(const std::string& folder, const NameTable& names,
+                                              const Timing& timing, const ReadRunOptions& options = {});
 
 /// Writes a run folder; truth.tum when the log has truth.
-[[nodiscard]] Result<void> write_run(const std::string& folder, const MeasurementLog& log, const NameTable& names);
+[[nodiscard]] Result<void> write_run(const std::string& folder, const MeasurementLog& log,
+                                     const NameTable& names);
 
 }  // namespace octant::io

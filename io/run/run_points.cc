@@ -60,22 +60,27 @@ bool read_sigma(CsvReader& csv, int column, const char* name, double& sigma) {
   return csv.fail_at(column, fmt::format("{} is {}", name, exact(sigma)), "a standard deviation, 0 or more");
 }
 
-bool read_point(CsvReader& csv, const PointColumns& columns, const NameLookup& names, VehicleId of_run, Point& point) {
+bool read_point(CsvReader& csv, const PointColumns& columns, const NameLookup& names, VehicleId of_run,
+                Point& point) {
   VehicleId vehicle;
   if (!csv.integer(columns.epoch, point.epoch) || !names.vehicle(csv, columns.vehicle, vehicle)) return false;
   if (of_run.valid() && vehicle != of_run)
-    return csv.fail_at(columns.vehicle, "a point of another vehicle than that of the run", "points of one vehicle",
-                       "name it in run.yaml (vehicle), or split the run");
+    return csv.fail_at(columns.vehicle, "a point of another vehicle than that of the run",
+                       "points of one vehicle", "name it in run.yaml (vehicle), or split the run");
   if (!csv.number(columns.x, point.p_m.x()) || !csv.number(columns.y, point.p_m.y())) return false;
   if (columns.z >= 0 && !csv.field(columns.z).empty() && !csv.number(columns.z, point.p_m.z())) return false;
   if (columns.heading >= 0 && !csv.number_or_nan(columns.heading, point.heading_rad)) return false;
   if (std::abs(point.heading_rad) > 2 * M_PI + 1e-6)
-    return csv.fail_at(columns.heading, fmt::format("heading_rad is {}", exact(point.heading_rad)), "radians, at most one turn", "degrees? multiply by pi / 180");
-  return read_sigma(csv, columns.sigma, "sigma_m", point.sigma_m) && read_sigma(csv, columns.heading_sigma, "heading_sigma_rad", point.heading_sigma_rad);
+    return csv.fail_at(columns.heading, fmt::format("heading_rad is {}", exact(point.heading_rad)),
+                       "radians, at most one turn", "degrees? multiply by pi / 180");
+  return read_sigma(csv, columns.sigma, "sigma_m", point.sigma_m) &&
+         read_sigma(csv, columns.heading_sigma, "heading_sigma_rad", point.heading_sigma_rad);
 }
 
-/// A run has one sigma for all its poses: the root of the mean square of those stated, with a warning where they differ by much.
-void set_sigma(const std::vector<Point>& points, double Point::*sigma, const char* name, const std::string& file, double& common, MeasurementLog& log) {
+/// A run has one sigma for all its poses: the root of the mean square of those stated, with a warning where
+/// they differ by much.
+void set_sigma(const std::vector<Point>& points, double Point::*sigma, const char* name,
+               const std::string& file, double& common, MeasurementLog& log) {
   double square = 0.0, least = INFINITY, most = 0.0;
   std::size_t count = 0;
   for (const Point& point : points) {
@@ -89,24 +94,30 @@ void set_sigma(const std::vector<Point>& points, double Point::*sigma, const cha
   if (count == 0) return;
   common = std::sqrt(square / static_cast<double>(count));
   if (most > 2.0 * least)
-    log.warnings.push_back(fmt::format("{}: {} goes from {} to {}; all points are weighed alike, by {}", file, name, exact(least), exact(most), exact(common)));
+    log.warnings.push_back(fmt::format("{}: {} goes from {} to {}; all points are weighed alike, by {}", file,
+                                       name, exact(least), exact(most), exact(common)));
 }
 
-void set_accuracy(const std::vector<Point>& points, const std::string& file, PoseAccuracy& accuracy, MeasurementLog& log) {
+void set_accuracy(const std::vector<Point>& points, const std::string& file, PoseAccuracy& accuracy,
+                  MeasurementLog& log) {
   set_sigma(points, &Point::sigma_m, "sigma_m", file, accuracy.position_sigma_m, log);
   set_sigma(points, &Point::heading_sigma_rad, "heading_sigma_rad", file, accuracy.heading_sigma_rad, log);
-  const auto without = std::count_if(points.begin(), points.end(), [](const Point& p) { return std::isnan(p.heading_rad); });
+  const auto without =
+      std::count_if(points.begin(), points.end(), [](const Point& p) { return std::isnan(p.heading_rad); });
   if (without > 0) {
     accuracy.heading_known = false;
     if (static_cast<std::size_t>(without) < points.size())
-      log.warnings.push_back(fmt::format("{}: {} of {} points are without heading_rad; the others' headings are not used either", file, without, points.size()));
+      log.warnings.push_back(
+          fmt::format("{}: {} of {} points are without heading_rad; the others' headings are not used either",
+                      file, without, points.size()));
   }
   accuracy.attitude_sigma_rad = M_PI;  // nobody measures roll and pitch by hand
 }
 
 }  // namespace
 
-Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::string& file, const NameLookup& names, MeasurementLog& log,
+Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::string& file,
+                                            const NameLookup& names, MeasurementLog& log,
                                             PoseAccuracy& accuracy) {
   CsvReader csv(text, file);
   csv.read_header();
@@ -124,7 +135,8 @@ Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::st
     Point point;
     if (!read_point(csv, columns, names, vehicle, point)) break;
     if (!seen.insert(point.epoch).second) {
-      csv.fail_at(columns.epoch, fmt::format("epoch {} is there a second time", point.epoch), "one point an epoch");
+      csv.fail_at(columns.epoch, fmt::format("epoch {} is there a second time", point.epoch),
+                  "one point an epoch");
       break;
     }
     if (epochs.count(point.epoch) > 0) {
@@ -135,9 +147,12 @@ Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::st
   }
   if (csv.error()) return fail(*csv.error());
   if (epochs.empty())
-    return fail({.file = file, .found = "points by epoch beside rows without any", .expected = "a column epoch in tof.csv or bearings.csv: which rows belong to which stop"});
+    return fail({.file = file,
+                 .found = "points by epoch beside rows without any",
+                 .expected = "a column epoch in tof.csv or bearings.csv: which rows belong to which stop"});
   if (unheard > 0)
-    log.warnings.push_back(fmt::format("{}: {} point{} of epochs of which nothing was heard, not used", first_unheard, unheard, unheard == 1 ? "" : "s"));
+    log.warnings.push_back(fmt::format("{}: {} point{} of epochs of which nothing was heard, not used",
+                                       first_unheard, unheard, unheard == 1 ? "" : "s"));
   if (const auto warning = csv.unknown_columns()) log.warnings.push_back(*warning);
   set_accuracy(points, file, accuracy, log);
   std::vector<TimedPose> poses;
@@ -150,7 +165,8 @@ Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::st
     if (span.last_s > span.first_s) poses.push_back({span.last_s, T});
     longest_s = std::max(longest_s, span.last_s - span.first_s);
   }
-  std::stable_sort(poses.begin(), poses.end(), [](const TimedPose& a, const TimedPose& b) { return a.time_s < b.time_s; });
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const TimedPose& a, const TimedPose& b) { return a.time_s < b.time_s; });
   accuracy.max_gap_s = longest_s * (1.0 + 1e-12);
   return poses;
 }

@@ -13,13 +13,14 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
 #include "io/run/tum.h"
+#include "io/text/atomic_file.h"
 
 namespace octant::io {
 namespace {
 
-/// Asks the system for pages of megabytes where there are many of them to come: it hands them out a fifth of the reading time sooner.
+/// Asks the system for pages of megabytes where there are many of them to come: it hands them out a fifth of
+/// the reading time sooner.
 void prefer_large_pages(void* data, std::size_t bytes) {
   constexpr std::size_t kLarge = std::size_t{1} << 21;
   const auto begin = (reinterpret_cast<std::uintptr_t>(data) + kLarge - 1) / kLarge * kLarge;
@@ -29,7 +30,8 @@ void prefer_large_pages(void* data, std::size_t bytes) {
 
 }  // namespace
 
-RunReader::RunReader(const std::string& folder, const NameTable& names, const Timing& timing, const ReadRunOptions& options)
+RunReader::RunReader(const std::string& folder, const NameTable& names, const Timing& timing,
+                     const ReadRunOptions& options)
     : lookup_(names), clock_(timing.clock), options_(options) {
   log_.path = folder;
   if (!(options.constant_speed_mps > 0.0)) return;
@@ -104,7 +106,8 @@ Result<void> RunReader::open_tof() {
   auto map = MappedFile::open(file);
   if (!map) return fail(map.error());
   tof_map_ = std::make_shared<const MappedFile>(std::move(*map));
-  tof_ = std::make_unique<TofReader>(tof_map_, file, lookup_, clock_, TofReaderOptions{.threads = options_.threads, .distance = distance_});
+  tof_ = std::make_unique<TofReader>(tof_map_, file, lookup_, clock_,
+                                     TofReaderOptions{.threads = options_.threads, .distance = distance_});
   if (auto ok = tof_->read_header(); !ok) return ok;
   has_tof_ = true;
   log_.has_epochs = log_.has_epochs || tof_->has_epochs();
@@ -122,7 +125,8 @@ Result<bool> RunReader::append_arrivals(std::vector<Arrival>& all) {
   const auto more = tof_->append(all);
   if (!more) return more;
   auto refused = tof_->refusals().take();
-  log_.rejected.insert(log_.rejected.end(), std::make_move_iterator(refused.begin()), std::make_move_iterator(refused.end()));
+  log_.rejected.insert(log_.rejected.end(), std::make_move_iterator(refused.begin()),
+                       std::make_move_iterator(refused.end()));
   log_.rows = tof_->rows();
   if (arrivals_ == 0 && all.size() > before) first_vehicle_ = all[before].vehicle;
   arrivals_ += all.size() - before;
@@ -136,7 +140,8 @@ Result<bool> RunReader::append_arrivals(std::vector<Arrival>& all) {
 }
 
 Result<void> RunReader::read_again(TofPosition from, TofPosition to, std::vector<Arrival>& arrivals) const {
-  TofReader again(tof_map_, path("tof.csv"), lookup_, clock_, {.from = from, .to = to.offset, .distance = distance_});
+  TofReader again(tof_map_, path("tof.csv"), lookup_, clock_,
+                  {.from = from, .to = to.offset, .distance = distance_});
   if (auto ok = again.read_header(); !ok) return ok;
   for (;;) {
     const auto more = again.append(arrivals);
@@ -170,7 +175,8 @@ Result<void> RunReader::read_others() {
   return read_points("truth.csv", "truth.tum", log_.truth, log_.truth_accuracy);
 }
 
-Result<void> RunReader::read_points(const char* name, const char* instead_of, std::vector<TimedPose>& poses, PoseAccuracy& accuracy) {
+Result<void> RunReader::read_points(const char* name, const char* instead_of, std::vector<TimedPose>& poses,
+                                    PoseAccuracy& accuracy) {
   const auto text = load(name);
   if (!text) return fail(text.error());
   if (!*text) return {};
@@ -180,7 +186,9 @@ Result<void> RunReader::read_points(const char* name, const char* instead_of, st
     return {};
   }
   if (!poses.empty())
-    return fail({.file = path(name), .found = fmt::format("there is {} too", instead_of), .expected = "one of them: poses by time, or points by epoch"});
+    return fail({.file = path(name),
+                 .found = fmt::format("there is {} too", instead_of),
+                 .expected = "one of them: poses by time, or points by epoch"});
   auto points = parse_points(**text, path(name), lookup_, log_, accuracy);
   if (!points) return fail(points.error());
   poses = std::move(*points);
@@ -214,26 +222,30 @@ Result<void> RunReader::read_track(const char* name, std::vector<TimedPose>& pos
   poses = std::move(*track);
   if (poses.empty() || log_.vehicle.valid()) return {};
   return fail({.file = path(name),
-               .found = fmt::format("it is open whose poses these are: the site has {} vehicles", lookup_.names().vehicles.size()),
+               .found = fmt::format("it is open whose poses these are: the site has {} vehicles",
+                                    lookup_.names().vehicles.size()),
                .expected = "'vehicle: ...' in run.yaml"});
 }
 
 Result<void> RunReader::finish() {
   if (!log_.vehicle.valid()) {
-    log_.vehicle = arrivals_ > 0 ? first_vehicle_ : log_.bearings.empty() ? VehicleId(0) : log_.bearings.front().vehicle;
+    log_.vehicle = arrivals_ > 0           ? first_vehicle_
+                   : log_.bearings.empty() ? VehicleId(0)
+                                           : log_.bearings.front().vehicle;
   }
   if (arrivals_ > 0 || !log_.bearings.empty() || !log_.scans.empty()) return {};
   if (!log_.rejected.empty()) {
     return fail({.file = path("tof.csv"),
                  .line = log_.rejected.front().line,
-                 .found = fmt::format("no arrival is left: all {} were rejected, here because {}", log_.rejected.size(),
-                                      log_.rejected.front().reason),
+                 .found = fmt::format("no arrival is left: all {} were rejected, here because {}",
+                                      log_.rejected.size(), log_.rejected.front().reason),
                  .expected = "times of flight in seconds"});
   }
   return fail({.file = has_tof_ ? path("tof.csv") : log_.path,
                .found = has_tof_ ? "no arrivals: there are no rows under the header"
                                  : "the folder holds none of tof.csv, bearings.csv, scans.csv",
-               .expected = has_tof_ ? "at least one row here, in bearings.csv or in scans.csv" : "at least one of them",
+               .expected = has_tof_ ? "at least one row here, in bearings.csv or in scans.csv"
+                                    : "at least one of them",
                .advice = has_tof_ ? "" : "is this the run folder?"});
 }
 

@@ -19,9 +19,11 @@ namespace octant::io {
 /// Fills a log; each file's digest goes into it.
 class RunReader {
  public:
-  RunReader(const std::string& folder, const NameTable& names, const Timing& timing, const ReadRunOptions& options);
+  RunReader(const std::string& folder, const NameTable& names, const Timing& timing,
+            const ReadRunOptions& options);
 
-  /// The folder, run.yaml (it names the vehicle that the rows of the other files leave out) and the header of tof.csv.
+  /// The folder, run.yaml (it names the vehicle that the rows of the other files leave out) and the header of
+  /// tof.csv.
   [[nodiscard]] Result<void> begin();
   /// All of tof.csv into the log.
   [[nodiscard]] Result<void> read_arrivals();
@@ -37,8 +39,10 @@ class RunReader {
   [[nodiscard]] TofPosition position() const { return tof_ ? tof_->position() : end_; }
   /// A guess at how many rows tof.csv has, rather too many.
   [[nodiscard]] std::size_t rows_estimate() const { return tof_ ? tof_->rows_estimate() : 0; }
-  /// Puts the arrivals between two positions, at which next_arrivals() has been, behind what `arrivals` holds. Any thread.
-  [[nodiscard]] Result<void> read_again(TofPosition from, TofPosition to, std::vector<Arrival>& arrivals) const;
+  /// Puts the arrivals between two positions, at which next_arrivals() has been, behind what `arrivals`
+  /// holds. Any thread.
+  [[nodiscard]] Result<void> read_again(TofPosition from, TofPosition to,
+                                        std::vector<Arrival>& arrivals) const;
 
   [[nodiscard]] const MeasurementLog& log() const { return log_; }
   [[nodiscard]] MeasurementLog take_log() { return std::move(log_); }
@@ -55,7 +59,8 @@ class RunReader {
   Result<void> read_scans();
   Result<void> read_odometry();
   Result<void> read_track(const char* name, std::vector<TimedPose>& poses);
-  Result<void> read_points(const char* name, const char* instead_of, std::vector<TimedPose>& poses, PoseAccuracy& accuracy);
+  Result<void> read_points(const char* name, const char* instead_of, std::vector<TimedPose>& poses,
+                           PoseAccuracy& accuracy);
 
   NameLookup lookup_;
   Clock clock_;

@@ -15,8 +15,8 @@ RunStream::RunStream(RunStream&&) noexcept = default;
 RunStream& RunStream::operator=(RunStream&&) noexcept = default;
 RunStream::~RunStream() = default;
 
-Result<RunStream> RunStream::open(const std::string& folder, const NameTable& names, const Timing& timing, const ReadRunOptions& options,
-                                  std::size_t block_rows) {
+Result<RunStream> RunStream::open(const std::string& folder, const NameTable& names, const Timing& timing,
+                                  const ReadRunOptions& options, std::size_t block_rows) {
   auto reader = std::make_unique<RunReader>(folder, names, timing, options);
   if (auto ok = reader->begin(); !ok) return fail(ok.error());
   if (auto ok = reader->read_others(); !ok) return fail(ok.error());
@@ -54,9 +54,11 @@ Result<bool> RunStream::next_piece(std::vector<Arrival>& block) {
 
 std::size_t RunStream::pieces() const { return begins_.size(); }
 
-Result<void> RunStream::read_pieces(std::size_t first, std::size_t last, std::vector<Arrival>& arrivals) const {
+Result<void> RunStream::read_pieces(std::size_t first, std::size_t last,
+                                    std::vector<Arrival>& arrivals) const {
   if (first >= last) return {};
-  return reader_->read_again(begins_[first], last < begins_.size() ? begins_[last] : reader_->position(), arrivals);
+  return reader_->read_again(begins_[first], last < begins_.size() ? begins_[last] : reader_->position(),
+                             arrivals);
 }
 
 std::size_t RunStream::rows_estimate() const { return reader_->rows_estimate(); }

@@ -39,8 +39,8 @@ std::vector<std::string> fields_of(const std::vector<std::string>& names) {
 }  // namespace
 
 std::string csv_field(std::string_view text) {
-  const bool plain =
-      text.find_first_of(",\"\n\r#") == std::string_view::npos && !text.empty() && text.front() != ' ' && text.back() != ' ';
+  const bool plain = text.find_first_of(",\"\n\r#") == std::string_view::npos && !text.empty() &&
+                     text.front() != ' ' && text.back() != ' ';
   if (plain || text.empty()) return std::string(text);
   std::string out = "\"";
   for (const char c : text) {
@@ -91,8 +91,8 @@ std::string bearings_to_csv(const MeasurementLog& log, const NameTable& names) {
   text += '\n';
   const Out out = std::back_inserter(text);
   for (const Bearing& b : log.bearings) {
-    fmt::format_to(out, "{},{},{}", b.time_s, b.reflector.valid() ? csv_field(names.beacons[b.reflector.index()]) : "",
-                   b.bearing_rad);
+    fmt::format_to(out, "{},{},{}", b.time_s,
+                   b.reflector.valid() ? csv_field(names.beacons[b.reflector.index()]) : "", b.bearing_rad);
     if (epoch) fmt::format_to(out, ",{}", b.epoch);
     if (vehicle) fmt::format_to(out, ",{}", csv_field(names.vehicles[b.vehicle.index()]));
     text += '\n';

@@ -5,18 +5,21 @@
 
 #include <fmt/format.h>
 
-#include "io/tof/run_parts.h"
 #include "io/text/yaml_reader.h"
 #include "io/text/yaml_text.h"
+#include "io/tof/run_parts.h"
 
 namespace octant::io {
 namespace {
 
-constexpr NumberRange kRunTemperature{.low = -100.0, .high = 100.0, .words = "degrees Celsius from -100 to 100 (20 degC are 293 K)"};
+constexpr NumberRange kRunTemperature{
+    .low = -100.0, .high = 100.0, .words = "degrees Celsius from -100 to 100 (20 degC are 293 K)"};
 constexpr NumberRange kRunHumidity{.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1 (50 % is 0.5)"};
-constexpr NumberRange kRunPressure{.low = 1.0e4, .high = 1.0e7, .words = "pascals, such as 101325 (1013 hPa are 101300)"};
+constexpr NumberRange kRunPressure{
+    .low = 1.0e4, .high = 1.0e7, .words = "pascals, such as 101325 (1013 hPa are 101300)"};
 
-void read_accuracy(const YAML::Node& node, const char* name, bool observations, PoseAccuracy& accuracy, YamlLog& log) {
+void read_accuracy(const YAML::Node& node, const char* name, bool observations, PoseAccuracy& accuracy,
+                   YamlLog& log) {
   YamlMap map(node, name, log);
   if (!map.present()) return;
   accuracy.position_sigma_m = map.number("position_sigma_m", accuracy.position_sigma_m, kNotNegative);
@@ -24,7 +27,8 @@ void read_accuracy(const YAML::Node& node, const char* name, bool observations, 
     map.choice<int>("heading", {{"unknown", 0}}, 0);
     accuracy.heading_known = false;
     if (map.has("heading_sigma_rad")) {
-      map.fail("heading", fmt::format("{} has both heading: unknown and heading_sigma_rad", name), "one of the two");
+      map.fail("heading", fmt::format("{} has both heading: unknown and heading_sigma_rad", name),
+               "one of the two");
     }
   }
   const bool has_heading = map.has("heading_sigma_rad");
@@ -89,7 +93,8 @@ Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file,
 std::string run_to_yaml(const MeasurementLog& log, const NameTable& names) {
   std::string text = "octant_run: 1\n";
   const auto out = std::back_inserter(text);
-  if (log.vehicle.valid()) fmt::format_to(out, "vehicle: {}\n", yaml_text(names.vehicles[log.vehicle.index()]));
+  if (log.vehicle.valid())
+    fmt::format_to(out, "vehicle: {}\n", yaml_text(names.vehicles[log.vehicle.index()]));
   if (log.temperature_degC) fmt::format_to(out, "temperature_degC: {}\n", exact(*log.temperature_degC));
   if (log.relative_humidity) fmt::format_to(out, "relative_humidity: {}\n", exact(*log.relative_humidity));
   if (log.pressure_pa) fmt::format_to(out, "pressure_pa: {}\n", exact(*log.pressure_pa));
@@ -97,7 +102,8 @@ std::string run_to_yaml(const MeasurementLog& log, const NameTable& names) {
   if (!log.truth.empty()) write_accuracy("truth", log.truth_accuracy, false, text);
   if (!log.odometry.empty()) {
     const OdometryAccuracy& a = log.odometry_accuracy;
-    fmt::format_to(out, "odometry:\n  distance_sigma_m_per_sqrt_m: {}\n", exact(a.distance_sigma_m_per_sqrt_m));
+    fmt::format_to(out, "odometry:\n  distance_sigma_m_per_sqrt_m: {}\n",
+                   exact(a.distance_sigma_m_per_sqrt_m));
     fmt::format_to(out, "  heading_sigma_rad_per_sqrt_m: {}\n", exact(a.heading_sigma_rad_per_sqrt_m));
     fmt::format_to(out, "  heading_sigma_per_rad: {}\n", exact(a.heading_sigma_per_rad));
     fmt::format_to(out, "  floor_m: {}\n  floor_rad: {}\n", exact(a.floor_m), exact(a.floor_rad));

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "io/text/atomic_file.h"
-#include "io/tof/run_parts.h"
 #include "io/text/text.h"
+#include "io/tof/run_parts.h"
 
 namespace octant::io {
 namespace {
@@ -33,8 +33,8 @@ class TumReader {
       std::array<double, 8> v{};
       if (!read_numbers(line.substr(0, line.find('#')), v)) continue;
       if (!poses.empty() && !(v[0] > poses.back().time_s)) {
-        note(0, fmt::format("time_s {} after {}", exact(v[0]), exact(poses.back().time_s)), "strictly increasing times",
-             "sort the rows and keep one for each time");
+        note(0, fmt::format("time_s {} after {}", exact(v[0]), exact(poses.back().time_s)),
+             "strictly increasing times", "sort the rows and keep one for each time");
         break;
       }
       Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
@@ -63,14 +63,15 @@ class TumReader {
       if (count == values.size()) return note(at + 1, "more than 8 fields", kExpected);
       if (parse_number(word, values[count]) != NumberText::kNumber || !std::isfinite(values[count])) {
         const bool commas = word.find(',') != std::string_view::npos;
-        return note(at + 1, in_quotes(word), commas ? kExpected : "a finite number", commas ? "no commas" : "");
+        return note(at + 1, in_quotes(word), commas ? kExpected : "a finite number",
+                    commas ? "no commas" : "");
       }
       ++count;
       at = stop;
     }
     if (count == 0) return false;
-    return count == values.size() ||
-           note(0, fmt::format("{} field{}", count, count == 1 ? "" : "s"), kExpected, "the row may be cut off");
+    return count == values.size() || note(0, fmt::format("{} field{}", count, count == 1 ? "" : "s"),
+                                          kExpected, "the row may be cut off");
   }
 
   bool note(std::size_t column, std::string found, std::string expected, std::string advice = "") {
@@ -92,7 +93,8 @@ class TumReader {
 void append_tum(std::string& text, double time_s, const Pose& T) {
   const auto& p = T.translation_m;
   const auto& q = T.rotation;
-  fmt::format_to(std::back_inserter(text), "{} {} {} {} {} {} {} {}\n", time_s, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+  fmt::format_to(std::back_inserter(text), "{} {} {} {} {} {} {} {}\n", time_s, p.x(), p.y(), p.z(), q.x(),
+                 q.y(), q.z(), q.w());
 }
 
 constexpr const char* kTumHeader = "# time_s x y z qx qy qz qw\n";
@@ -110,7 +112,9 @@ double heading_variance(const Fix& fix) {
 }
 
 /// A standard deviation as a field; empty where there is none.
-std::string sigma_field(double variance) { return variance >= 0.0 && std::isfinite(variance) ? exact(std::sqrt(variance)) : ""; }
+std::string sigma_field(double variance) {
+  return variance >= 0.0 && std::isfinite(variance) ? exact(std::sqrt(variance)) : "";
+}
 
 void append_csv(std::string& text, const Fix& fix, const NameTable& names) {
   const auto out = std::back_inserter(text);
@@ -161,7 +165,8 @@ std::string fixes_to_tum(const std::vector<Fix>& fixes) {
 
 std::string fixes_to_csv(const std::vector<Fix>& fixes, const NameTable& names) {
   std::string text =
-      "time_s,vehicle,x_m,y_m,z_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,protection_level_m,arrivals_used,"
+      "time_s,vehicle,x_m,y_m,z_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,protection_level_m,"
+      "arrivals_used,"
       "arrivals_rejected,status\n";
   for (const Fix& fix : fixes) append_csv(text, fix, names);
   return text;

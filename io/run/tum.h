@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "models/fix.h"
-#include "models/support/result.h"
 #include "models/run.h"
 #include "models/site.h"
+#include "models/support/result.h"
 
 namespace octant::io {
 
-/// Reads `time_s x y z qx qy qz qw` rows, strictly increasing in time; # starts a comment. Quaternions are normalised.
-/// Errors name line and column.
+/// Reads `time_s x y z qx qy qz qw` rows, strictly increasing in time; # starts a comment. Quaternions are
+/// normalised. Errors name line and column.
 [[nodiscard]] Result<std::vector<TimedPose>> read_tum(const std::string& path);
 /// The same of a text that is in memory; `file` is for the messages.
 [[nodiscard]] Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file);

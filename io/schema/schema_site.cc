@@ -193,7 +193,8 @@ std::string_view site_schema() {
       "description": "what plans show of the place, for surveys (also in a file of its own: octant schema scene)",
       "type": ["object", "null"],
       "additionalProperties": false,
-      "properties": {)json") + std::string(scene_properties()) + R"json(
+      "properties": {)json") + std::string(scene_properties()) +
+                                  R"json(
       }
     },
     "tolerance": {

@@ -46,7 +46,8 @@ class BatchReader {
     site.site = below(inputs_, file);
     const std::vector<YAML::Node> runs = map.list("runs");
     if (runs.empty()) map.fail_missing("runs", "a list of run folders");
-    for (const YAML::Node& run : runs) site.runs.push_back(below(inputs_, text_of(run, map.path("runs"), log_)));
+    for (const YAML::Node& run : runs)
+      site.runs.push_back(below(inputs_, text_of(run, map.path("runs"), log_)));
     site.output = output(map, "output", map.required_text("output"));
     if (map.has("report")) site.report = output(map, "report", map.required_text("report"));
     map.finish();
@@ -56,14 +57,19 @@ class BatchReader {
   /// A path to write; an error where it is none, or where another site writes there.
   std::string output(YamlMap& map, const char* key, const std::string& text) {
     if (log_.error) return {};
-    if (text.empty() || text == "-") map.fail(key, fmt::format("{} is {}", map.path(key), in_quotes(text)), "the name of a file");
+    if (text.empty() || text == "-")
+      map.fail(key, fmt::format("{} is {}", map.path(key), in_quotes(text)), "the name of a file");
     std::string path = below(outputs_, text);
     const auto [before, fresh] = written_.emplace(fs::path(path).lexically_normal().string(), map.path(key));
-    if (!fresh) map.fail(key, fmt::format("{} is the same file as {}", map.path(key), before->second), "a file for each site");
+    if (!fresh)
+      map.fail(key, fmt::format("{} is the same file as {}", map.path(key), before->second),
+               "a file for each site");
     return path;
   }
 
-  static std::string below(const fs::path& folder, const std::string& name) { return (folder / name).string(); }
+  static std::string below(const fs::path& folder, const std::string& name) {
+    return (folder / name).string();
+  }
 
   YamlLog log_;
   fs::path inputs_, outputs_;

@@ -11,8 +11,8 @@ namespace octant::io {
 
 /// One site of a batch: what `octant calibrate` would be given.
 struct BatchSite {
-  std::string name;    ///< as messages call it; its site file as the list spells it where it has no name
-  std::string site;    ///< path
+  std::string name;  ///< as messages call it; its site file as the list spells it where it has no name
+  std::string site;  ///< path
   std::vector<std::string> runs;
   std::string output;  ///< deployment file to write
   std::string report;  ///< empty: none

@@ -17,7 +17,8 @@ using Interval = std::array<double, 2>;
 Interval interval(YamlMap& map, const char* key, Interval fallback, NumberRange range = kAnyNumber) {
   const std::vector<double> ends = map.numbers(key, 2, range);
   if (ends.size() != 2) return fallback;
-  if (ends[0] > ends[1]) map.fail(key, map.path(key) + ": the first number is the larger one", "[lowest, highest]");
+  if (ends[0] > ends[1])
+    map.fail(key, map.path(key) + ": the first number is the larger one", "[lowest, highest]");
   return {ends[0], ends[1]};
 }
 
@@ -43,8 +44,12 @@ std::vector<Eigen::Vector3d> stations(YamlMap& map, YamlLog& log) {
 void read_path(const YAML::Node& node, const char* name, YamlLog& log, Scenario::Path& path) {
   YamlMap map(node, name, log);
   if (!map.present()) return;
-  path.kind = map.choice<PathKind>(
-      "kind", {{"stops", PathKind::kStops}, {"waypoints", PathKind::kWaypoints}, {"stations", PathKind::kStations}, {"drive", PathKind::kDrive}}, path.kind);
+  path.kind = map.choice<PathKind>("kind",
+                                   {{"stops", PathKind::kStops},
+                                    {"waypoints", PathKind::kWaypoints},
+                                    {"stations", PathKind::kStations},
+                                    {"drive", PathKind::kDrive}},
+                                   path.kind);
   if (map.has("stations")) {
     path.stations = stations(map, log);
     if (!path.stations.empty()) path.epochs = static_cast<int>(path.stations.size());
@@ -53,8 +58,8 @@ void read_path(const YAML::Node& node, const char* name, YamlLog& log, Scenario:
   path.epoch_period_s = map.number("epoch_period_s", path.epoch_period_s, kPositive);
   path.slot_s = map.number("slot_s", path.slot_s, kPositive);
   path.rounds = map.integer("rounds", path.rounds, 1, 1000);
-  path.duration_s =
-      map.number("duration_s", path.duration_s, {.low = 0.0, .high = 1e6, .low_excluded = true, .words = "seconds up to 1e6"});
+  path.duration_s = map.number("duration_s", path.duration_s,
+                               {.low = 0.0, .high = 1e6, .low_excluded = true, .words = "seconds up to 1e6"});
   path.speed_mps = map.number("speed_mps", path.speed_mps, kPositive);
   path.turn_rate_rad_per_s = map.number("turn_rate_rad_per_s", path.turn_rate_rad_per_s, kPositive);
   path.odometry_period_s = map.number("odometry_period_s", path.odometry_period_s, kPositive);
@@ -80,7 +85,8 @@ void read_accuracies(YamlMap& root, YamlLog& log, Scenario& scenario) {
         odometry.number("distance_sigma_m_per_sqrt_m", odo.distance_sigma_m_per_sqrt_m, kNotNegative);
     odo.heading_sigma_rad_per_sqrt_m =
         odometry.number("heading_sigma_rad_per_sqrt_m", odo.heading_sigma_rad_per_sqrt_m, kNotNegative);
-    odo.heading_sigma_per_rad = odometry.number("heading_sigma_per_rad", odo.heading_sigma_per_rad, kNotNegative);
+    odo.heading_sigma_per_rad =
+        odometry.number("heading_sigma_per_rad", odo.heading_sigma_per_rad, kNotNegative);
     odo.floor_m = odometry.number("floor_m", odo.floor_m, kNotNegative);
     odo.floor_rad = odometry.number("floor_rad", odo.floor_rad, kNotNegative);
     odometry.finish();
@@ -92,7 +98,8 @@ void read_world(YamlMap& root, Scenario& scenario) {
   const std::vector<double> hall = root.numbers("hall_m", 2, kPositive);
   if (hall.size() == 2) scenario.hall_m = {hall[0], hall[1]};
   scenario.range_m = root.number("range_m", scenario.range_m, kPositive);
-  scenario.hearing_half_angle_rad = root.number("hearing_half_angle_rad", scenario.hearing_half_angle_rad, kPositive);
+  scenario.hearing_half_angle_rad =
+      root.number("hearing_half_angle_rad", scenario.hearing_half_angle_rad, kPositive);
   scenario.echo_fraction = root.number("echo_fraction", scenario.echo_fraction, below_one);
   scenario.echo_delay_s = interval(root, "echo_delay_s", scenario.echo_delay_s, kPositive);
   scenario.early_fraction = root.number("early_fraction", scenario.early_fraction, below_one);

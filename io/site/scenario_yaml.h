@@ -5,13 +5,14 @@
 #include <string>
 #include <string_view>
 
-#include "models/support/result.h"
 #include "models/simulator/synthetic.h"
+#include "models/support/result.h"
 
 namespace octant::io {
 
-/// Reads a scenario file: `octant_scenario: 1`, `site:` (a site file's content, true positions) and the keys of Scenario.
-/// Errors name file, line and column. Keys that nobody knows, and the site's warnings, are in Scenario::warnings.
+/// Reads a scenario file: `octant_scenario: 1`, `site:` (a site file's content, true positions) and the keys
+/// of Scenario. Errors name file, line and column. Keys that nobody knows, and the site's warnings, are in
+/// Scenario::warnings.
 [[nodiscard]] Result<Scenario> read_scenario(const std::string& path);
 /// The same from its text; `file` is what errors call it.
 [[nodiscard]] Result<Scenario> scenario_from_yaml(std::string_view text, const std::string& file);

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
 #include "io/import/plan_import.h"
+#include "io/text/atomic_file.h"
 #include "io/text/yaml_reader.h"
 
 namespace octant::io {
@@ -55,11 +55,14 @@ std::optional<std::size_t> read_pattern_name(YamlMap& map, const char* key, cons
     if (scene.patterns[i].name == name) return i;
     names.push_back(scene.patterns[i].name);
   }
-  map.fail(key, fmt::format("{}: there is no pattern {}", map.path(key), in_quotes(name)), "the id of one of scene.patterns", suggestion(name, names));
+  map.fail(key, fmt::format("{}: there is no pattern {}", map.path(key), in_quotes(name)),
+           "the id of one of scene.patterns", suggestion(name, names));
   return std::nullopt;
 }
 
-std::string id_of(YamlMap& map, const char* kind, std::size_t index) { return map.text("id", fmt::format("{}{}", kind, index)); }
+std::string id_of(YamlMap& map, const char* kind, std::size_t index) {
+  return map.text("id", fmt::format("{}{}", kind, index));
+}
 
 void read_walls(YamlMap& root, const char* key, bool solid, Scene& scene, YamlLog& log) {
   std::size_t index = 0;
@@ -88,7 +91,10 @@ void read_mounts(YamlMap& root, Scene& scene, YamlLog& log) {
     mount.line = line_of(node);
     mount.name = id_of(map, "M", scene.mounts.size());
     if (!map.has("kind")) map.fail_missing("kind", "wall, ceiling or pole");
-    mount.kind = map.choice<SceneMount::Kind>("kind", {{"wall", SceneMount::Kind::kWall}, {"ceiling", SceneMount::Kind::kCeiling}, {"pole", SceneMount::Kind::kPole}},
+    mount.kind = map.choice<SceneMount::Kind>("kind",
+                                              {{"wall", SceneMount::Kind::kWall},
+                                               {"ceiling", SceneMount::Kind::kCeiling},
+                                               {"pole", SceneMount::Kind::kPole}},
                                               mount.kind);
     mount.points_m = required_points(map, log);
     const std::vector<double> heights = map.numbers("height_m", 2);
@@ -111,8 +117,14 @@ void read_patterns(YamlMap& root, Scene& scene, YamlLog& log) {
     pattern.name = map.required_text("id");
     if (!map.has("kind")) map.fail_missing("kind", "cone, cosine_power, half_power or table");
     using Kind = BeamPattern::Kind;
-    pattern.kind = map.choice<Kind>("kind", {{"cone", Kind::kCone}, {"cosine_power", Kind::kCosinePower}, {"half_power", Kind::kHalfPower}, {"table", Kind::kTable}}, pattern.kind);
-    if (pattern.kind == Kind::kCone) pattern.half_angle_rad = map.required_number("half_angle_rad", kPositive);
+    pattern.kind = map.choice<Kind>("kind",
+                                    {{"cone", Kind::kCone},
+                                     {"cosine_power", Kind::kCosinePower},
+                                     {"half_power", Kind::kHalfPower},
+                                     {"table", Kind::kTable}},
+                                    pattern.kind);
+    if (pattern.kind == Kind::kCone)
+      pattern.half_angle_rad = map.required_number("half_angle_rad", kPositive);
     if (pattern.kind == Kind::kCosinePower) {
       pattern.exponent = map.required_number("exponent", kNotNegative);
       pattern.half_angle_rad = map.number("half_angle_rad", M_PI / 2, kPositive);
@@ -178,13 +190,17 @@ std::vector<std::string> read_layers(YamlMap& map, const char* key, YamlLog& log
   return layers;
 }
 
-bool among(const std::vector<std::string>& names, const std::string& name) { return std::find(names.begin(), names.end(), name) != names.end(); }
+bool among(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 std::optional<Error> import_dxf(YamlMap& map, Scene& scene, YamlLog& log) {
   const std::string file = map.required_text("dxf");
   const auto unit_m = map.optional_number("unit_m", kPositive);
-  const double bottom_m = map.number("bottom_m", 0.0), top_m = map.optional_number("top_m").value_or(std::numeric_limits<double>::infinity());
-  const std::vector<std::string> layers = read_layers(map, "layers", log), solid = read_layers(map, "obstacle_layers", log);
+  const double bottom_m = map.number("bottom_m", 0.0),
+               top_m = map.optional_number("top_m").value_or(std::numeric_limits<double>::infinity());
+  const std::vector<std::string> layers = read_layers(map, "layers", log),
+                                 solid = read_layers(map, "obstacle_layers", log);
   const std::string floor = map.text("floor_layer", "");
   map.finish();
   if (log.error) return log.error;
@@ -213,15 +229,19 @@ std::optional<Error> import_dxf(YamlMap& map, Scene& scene, YamlLog& log) {
     std::vector<std::string> names;
     for (const DrawnLine& line : drawing->lines)
       if (!among(names, line.layer)) names.push_back(line.layer);
-    return Error{.file = log.file, .line = line_of(map.node()), .found = fmt::format("{} gives not a single line", in_quotes(file)),
-                 .expected = "LINE, LWPOLYLINE or POLYLINE in the layers asked for", .advice = names.empty() ? "" : "its layers: " + listed(names)};
+    return Error{.file = log.file,
+                 .line = line_of(map.node()),
+                 .found = fmt::format("{} gives not a single line", in_quotes(file)),
+                 .expected = "LINE, LWPOLYLINE or POLYLINE in the layers asked for",
+                 .advice = names.empty() ? "" : "its layers: " + listed(names)};
   }
   return std::nullopt;
 }
 
 std::optional<Error> import_ros(YamlMap& map, Scene& scene, YamlLog& log) {
   const std::string file = map.required_text("ros_map");
-  const double bottom_m = map.number("bottom_m", 0.0), top_m = map.optional_number("top_m").value_or(std::numeric_limits<double>::infinity());
+  const double bottom_m = map.number("bottom_m", 0.0),
+               top_m = map.optional_number("top_m").value_or(std::numeric_limits<double>::infinity());
   map.finish();
   if (log.error) return log.error;
   const auto ros = read_ros_map(beside(log.file, file));
@@ -278,7 +298,9 @@ void read_block(YamlMap& root, Scene& scene, YamlLog& log) {
   read_acoustics(root, scene, log);
   const YAML::Node cell = root.get("cell_m");
   scene.cell_line = cell.IsDefined() ? line_of(cell) : line_of(root.node());
-  scene.cell_m = root.number("cell_m", scene.cell_m, {.low = 0.0, .low_excluded = true, .words = "a positive size in metres, such as 0.25"});
+  scene.cell_m =
+      root.number("cell_m", scene.cell_m,
+                  {.low = 0.0, .low_excluded = true, .words = "a positive size in metres, such as 0.25"});
   scene.headings = root.integer("headings", scene.headings, 1, 360);
   scene.vehicle_z_m = root.number("vehicle_z_m", 0.0);
   scene.temperature_error_degC = root.number("temperature_error_degC", scene.temperature_error_degC);

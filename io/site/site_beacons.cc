@@ -40,7 +40,9 @@ YAML::Node axis_node(const SiteBeaconEntry& b) {
 }
 
 void replace(YAML::Node owner, const std::vector<YAML::Node>& entries, bool keep) {
-  YAML::Node list = keep && owner["beacons"] && owner["beacons"].IsSequence() ? owner["beacons"] : YAML::Node(YAML::NodeType::Sequence);
+  YAML::Node list = keep && owner["beacons"] && owner["beacons"].IsSequence()
+                        ? owner["beacons"]
+                        : YAML::Node(YAML::NodeType::Sequence);
   for (const YAML::Node& entry : entries) list.push_back(entry);
   list.SetStyle(YAML::EmitterStyle::Block);
   owner["beacons"] = list;
@@ -48,7 +50,8 @@ void replace(YAML::Node owner, const std::vector<YAML::Node>& entries, bool keep
 
 }  // namespace
 
-Result<SiteBeaconsText> with_beacons(std::string_view site_yaml, const std::string& path, const std::vector<SiteBeaconEntry>& beacons, bool keep) {
+Result<SiteBeaconsText> with_beacons(std::string_view site_yaml, const std::string& path,
+                                     const std::vector<SiteBeaconEntry>& beacons, bool keep) {
   auto root = parse_yaml(site_yaml, path);
   if (!root) return fail(root.error());
   if (auto old = site_from_yaml(*root, path); !old) return fail(old.error());
@@ -61,9 +64,12 @@ Result<SiteBeaconsText> with_beacons(std::string_view site_yaml, const std::stri
   replace(*root, entries, keep);
   if (!keep && (*root)["control"]) {
     root->remove("control");
-    out.warnings.push_back("control distances were between beacons that the plan does not keep, and are left out");
+    out.warnings.push_back(
+        "control distances were between beacons that the plan does not keep, and are left out");
   }
-  if (YAML::Node scene = (*root)["scene"]; scene && scene.IsMap() && (!axes.empty() || (!keep && scene["beacons"]))) replace(scene, axes, keep);
+  if (YAML::Node scene = (*root)["scene"];
+      scene && scene.IsMap() && (!axes.empty() || (!keep && scene["beacons"])))
+    replace(scene, axes, keep);
   YAML::Emitter emitter;
   emitter << *root;
   out.text = fmt::format("# Written by octant plan from {}\n{}\n", path, emitter.c_str());

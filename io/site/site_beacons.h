@@ -26,10 +26,12 @@ struct SiteBeaconsText {
   std::vector<std::string> warnings;
 };
 
-/// Text of a site file with other beacons: those of the file stay (`keep`) or go, the new ones come behind them, everything else
-/// is as it was but for its comments. Control distances to beacons that went go too, with a warning. Axes go into the scene block
-/// where the file has one. Errors: those of reading a site file, of the old text and of the new.
+/// Text of a site file with other beacons: those of the file stay (`keep`) or go, the new ones come behind
+/// them, everything else is as it was but for its comments. Control distances to beacons that went go too,
+/// with a warning. Axes go into the scene block where the file has one. Errors: those of reading a site file,
+/// of the old text and of the new.
 /// @param path  of the file, for messages
-[[nodiscard]] Result<SiteBeaconsText> with_beacons(std::string_view site_yaml, const std::string& path, const std::vector<SiteBeaconEntry>& beacons, bool keep);
+[[nodiscard]] Result<SiteBeaconsText> with_beacons(std::string_view site_yaml, const std::string& path,
+                                                   const std::vector<SiteBeaconEntry>& beacons, bool keep);
 
 }  // namespace octant::io

@@ -19,13 +19,18 @@ std::string list_text(const std::array<std::optional<double>, 3>& values) {
   return fmt::format("[{}, {}, {}]", item(values[0]), item(values[1]), item(values[2]));
 }
 
-std::string list_text(const Eigen::Vector3d& v) { return fmt::format("[{}, {}, {}]", exact(v.x()), exact(v.y()), exact(v.z())); }
-
-std::string sigma_text(const std::array<std::optional<double>, 3>& sigmas) {
-  return sigmas[0] && sigmas[0] == sigmas[1] && sigmas[1] == sigmas[2] ? exact(*sigmas[0]) : list_text(sigmas);
+std::string list_text(const Eigen::Vector3d& v) {
+  return fmt::format("[{}, {}, {}]", exact(v.x()), exact(v.y()), exact(v.z()));
 }
 
-bool any_stated(const std::array<std::optional<double>, 3>& values) { return values[0] || values[1] || values[2]; }
+std::string sigma_text(const std::array<std::optional<double>, 3>& sigmas) {
+  return sigmas[0] && sigmas[0] == sigmas[1] && sigmas[1] == sigmas[2] ? exact(*sigmas[0])
+                                                                       : list_text(sigmas);
+}
+
+bool any_stated(const std::array<std::optional<double>, 3>& values) {
+  return values[0] || values[1] || values[2];
+}
 
 std::string prior_text(const Prior& prior) {
   return fmt::format("{{value: {}, sigma: {}}}", exact(prior.value), exact(prior.sigma));
@@ -33,7 +38,8 @@ std::string prior_text(const Prior& prior) {
 
 std::string delay_per_text(const DelayPer& per) {
   std::string out;
-  for (const auto& [on, word] : {std::pair{per.beacon, "beacon"}, {per.receiver, "receiver"}, {per.site, "site"}}) {
+  for (const auto& [on, word] :
+       {std::pair{per.beacon, "beacon"}, {per.receiver, "receiver"}, {per.site, "site"}}) {
     if (on) out += fmt::format("{}{}", out.empty() ? "" : ", ", word);
   }
   if (out.empty()) return "none";
@@ -43,20 +49,25 @@ std::string delay_per_text(const DelayPer& per) {
 void write_medium(const Site& site, SiteOut out) {
   const Medium& m = site.medium;
   fmt::format_to(out, "medium:\n  model: {}\n", to_string(m.model));
-  fmt::format_to(out, "  speed_mps: {}\n  temperature_degC: {}\n", exact(m.speed_mps), exact(m.temperature_degC));
-  fmt::format_to(out, "  relative_humidity: {}\n  pressure_pa: {}\n", exact(m.relative_humidity), exact(m.pressure_pa));
+  fmt::format_to(out, "  speed_mps: {}\n  temperature_degC: {}\n", exact(m.speed_mps),
+                 exact(m.temperature_degC));
+  fmt::format_to(out, "  relative_humidity: {}\n  pressure_pa: {}\n", exact(m.relative_humidity),
+                 exact(m.pressure_pa));
   fmt::format_to(out, "  sigma_mps: {}\n  offset_per: {}\n", exact(site.speed_sigma_mps),
                  site.speed_offset_per_run ? "run" : "site");
 }
 
 void write_timing(const Timing& t, SiteOut out) {
-  fmt::format_to(out, "timing:\n  clock: {}\n", t.clock == Clock::kCycleOffset ? "cycle_offset" : "synchronised");
+  fmt::format_to(out, "timing:\n  clock: {}\n",
+                 t.clock == Clock::kCycleOffset ? "cycle_offset" : "synchronised");
   fmt::format_to(out, "  ranging: {}\n", t.ranging == Ranging::kTwoWay ? "two_way" : "one_way");
-  if (t.ranging == Ranging::kTwoWay || t.turnaround_s != 0.0) fmt::format_to(out, "  turnaround_s: {}\n", exact(t.turnaround_s));
+  if (t.ranging == Ranging::kTwoWay || t.turnaround_s != 0.0)
+    fmt::format_to(out, "  turnaround_s: {}\n", exact(t.turnaround_s));
   fmt::format_to(out, "  delay_per: {}\n", delay_per_text(t.delay_per));
   fmt::format_to(out, "  delay_s: {}\n  delay_sigma_s: {}\n", exact(t.delay_s), exact(t.delay_sigma_s));
   if (t.drift != 0.0 || t.drift_sigma > 0)
-    fmt::format_to(out, "  drift_ppm: {}\n  drift_sigma_ppm: {}\n", exact(1e6 * t.drift), exact(1e6 * t.drift_sigma));
+    fmt::format_to(out, "  drift_ppm: {}\n  drift_sigma_ppm: {}\n", exact(1e6 * t.drift),
+                   exact(1e6 * t.drift_sigma));
 }
 
 void write_noise(const Site& site, SiteOut out) {
@@ -65,14 +76,17 @@ void write_noise(const Site& site, SiteOut out) {
   if (site.tof_sigma_given) fmt::format_to(out, "  tof_sigma_s: {}\n", exact(n.tof_sigma_s));
   fmt::format_to(out, "  amplitude_relative_sigma: {}\n", exact(n.amplitude_relative_sigma));
   if (n.pair_sigma_s) fmt::format_to(out, "  pair_sigma_s: {}\n", exact(*n.pair_sigma_s));
-  fmt::format_to(out, "  bearing_sigma_rad: {}\n  range_sigma_m: {}\n", exact(n.bearing_sigma_rad), exact(n.range_sigma_m));
+  fmt::format_to(out, "  bearing_sigma_rad: {}\n  range_sigma_m: {}\n", exact(n.bearing_sigma_rad),
+                 exact(n.range_sigma_m));
 }
 
 void write_attenuation(const AttenuationPrior& a, SiteOut out) {
   fmt::format_to(out, "attenuation:\n  amplitude_1m_v: {}\n", prior_text(a.amplitude_1m_v));
   fmt::format_to(out, "  absorption_np_per_m: {}\n", prior_text(a.absorption_np_per_m));
-  fmt::format_to(out, "  threshold_v: {}\n  rise_time_s: {}\n", exact(a.threshold_v), prior_text(a.rise_time_s));
-  if (a.half_power_angle_rad.value > 0) fmt::format_to(out, "  half_power_angle_rad: {}\n", prior_text(a.half_power_angle_rad));
+  fmt::format_to(out, "  threshold_v: {}\n  rise_time_s: {}\n", exact(a.threshold_v),
+                 prior_text(a.rise_time_s));
+  if (a.half_power_angle_rad.value > 0)
+    fmt::format_to(out, "  half_power_angle_rad: {}\n", prior_text(a.half_power_angle_rad));
   if (std::isfinite(a.saturation_v)) fmt::format_to(out, "  saturation_v: {}\n", exact(a.saturation_v));
 }
 
@@ -87,9 +101,12 @@ void write_beacons(const Site& site, SiteOut out) {
 }
 
 void write_rail(const Rail& rail, SiteOut out) {
-  const auto point = [](const Eigen::Vector2d& p) { return fmt::format("[{}, {}]", exact(p.x()), exact(p.y())); };
+  const auto point = [](const Eigen::Vector2d& p) {
+    return fmt::format("[{}, {}]", exact(p.x()), exact(p.y()));
+  };
   if (rail.shape == Rail::Shape::kArc) {
-    fmt::format_to(out, "    rail: {{centre_m: {}, radius_m: {}}}\n", point(rail.centre_m), exact(rail.radius_m));
+    fmt::format_to(out, "    rail: {{centre_m: {}, radius_m: {}}}\n", point(rail.centre_m),
+                   exact(rail.radius_m));
   } else {
     fmt::format_to(out, "    rail: {{from_m: {}, to_m: {}}}\n", point(rail.from_m), point(rail.to_m));
   }
@@ -98,20 +115,24 @@ void write_rail(const Rail& rail, SiteOut out) {
 void write_vehicles(const Site& site, SiteOut out) {
   fmt::format_to(out, "vehicles:\n");
   for (const SiteVehicle& vehicle : site.vehicles) {
-    fmt::format_to(out, "  - id: {}\n    receivers:{}\n", yaml_text(vehicle.name), vehicle.receiver_count == 0 ? " []" : "");
+    fmt::format_to(out, "  - id: {}\n    receivers:{}\n", yaml_text(vehicle.name),
+                   vehicle.receiver_count == 0 ? " []" : "");
     for (std::size_t i = 0; i < vehicle.receiver_count; ++i) {
       const SiteReceiver& r = site.receivers[vehicle.first_receiver + i];
-      fmt::format_to(out, "      - {{id: {}, position_m: {}, sigma_m: {}", yaml_text(r.name), list_text(r.position_m),
-                     list_text(r.sigma_m));
+      fmt::format_to(out, "      - {{id: {}, position_m: {}, sigma_m: {}", yaml_text(r.name),
+                     list_text(r.position_m), list_text(r.sigma_m));
       if (r.axis) fmt::format_to(out, ", axis: {}", list_text(*r.axis));
       fmt::format_to(out, "}}\n");
     }
     if (vehicle.array)
-      fmt::format_to(out, "    array: {{radius_sigma_m: {}, turn_sigma_rad: {}}}\n", exact(vehicle.array->radius_sigma_m),
-                     exact(vehicle.array->turn_sigma_rad));
+      fmt::format_to(out, "    array: {{radius_sigma_m: {}, turn_sigma_rad: {}}}\n",
+                     exact(vehicle.array->radius_sigma_m), exact(vehicle.array->turn_sigma_rad));
     if (const auto& m = vehicle.motion)
-      fmt::format_to(out, "    motion: {{speed_mps: {}, acceleration_mps2: {}, turn_rate_rad_per_s: {}, turn_acceleration_rad_per_s2: {}}}\n",
-                     exact(m->speed_mps), exact(m->acceleration_mps2), exact(m->turn_rate_rad_per_s), exact(m->turn_acceleration_rad_per_s2));
+      fmt::format_to(out,
+                     "    motion: {{speed_mps: {}, acceleration_mps2: {}, turn_rate_rad_per_s: {}, "
+                     "turn_acceleration_rad_per_s2: {}}}\n",
+                     exact(m->speed_mps), exact(m->acceleration_mps2), exact(m->turn_rate_rad_per_s),
+                     exact(m->turn_acceleration_rad_per_s2));
     if (vehicle.rail) write_rail(*vehicle.rail, out);
   }
 }
@@ -119,8 +140,9 @@ void write_vehicles(const Site& site, SiteOut out) {
 void write_distances(const Site& site, SiteOut out) {
   fmt::format_to(out, "control:\n  distances:\n");
   for (const ControlDistance& d : site.distances) {
-    fmt::format_to(out, "    - {{from: {}, to: {}, distance_m: {}, sigma_m: {}}}\n", yaml_text(site.beacons[d.from.index()].name),
-                   yaml_text(site.beacons[d.to.index()].name), exact(d.distance_m), exact(d.sigma_m));
+    fmt::format_to(out, "    - {{from: {}, to: {}, distance_m: {}, sigma_m: {}}}\n",
+                   yaml_text(site.beacons[d.from.index()].name), yaml_text(site.beacons[d.to.index()].name),
+                   exact(d.distance_m), exact(d.sigma_m));
   }
 }
 

@@ -15,9 +15,11 @@
 namespace octant::io {
 namespace {
 
-constexpr NumberRange kTemperature{.low = -100.0, .high = 100.0, .words = "degrees Celsius from -100 to 100 (20 degC are 293 K)"};
+constexpr NumberRange kTemperature{
+    .low = -100.0, .high = 100.0, .words = "degrees Celsius from -100 to 100 (20 degC are 293 K)"};
 constexpr NumberRange kHumidity{.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1 (50 % is 0.5)"};
-constexpr NumberRange kPressure{.low = 1.0e4, .high = 1.0e7, .words = "pascals, such as 101325 (1013 hPa are 101300)"};
+constexpr NumberRange kPressure{
+    .low = 1.0e4, .high = 1.0e7, .words = "pascals, such as 101325 (1013 hPa are 101300)"};
 
 /// Ids of one kind; a second use of one is an error that names both lines.
 class UniqueIds {
@@ -30,11 +32,13 @@ class UniqueIds {
     const YAML::Node node = map.get("id");
     const bool odd = std::any_of(id.begin(), id.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
     if (id.empty() || id.size() > 200 || odd || id.front() == ' ' || id.back() == ' ') {
-      log_.fail(node, fmt::format("{} is {}", map.path("id"), in_quotes(id)), "a name of up to 200 characters on one line");
+      log_.fail(node, fmt::format("{} is {}", map.path("id"), in_quotes(id)),
+                "a name of up to 200 characters on one line");
     }
     const auto [first, is_new] = lines_.emplace(id, line_of(node));
     if (!is_new) {
-      log_.fail(node, fmt::format("{} id {} is used twice (first in line {})", kind_, in_quotes(id), first->second),
+      log_.fail(node,
+                fmt::format("{} id {} is used twice (first in line {})", kind_, in_quotes(id), first->second),
                 "each id once", "rename one of them");
     }
     return id;
@@ -73,7 +77,8 @@ void read_medium(const YAML::Node& node, Site& site, YamlLog& log) {
     map.fail_missing("speed_mps", "the speed in m/s (sound in air 343, in sea water 1500, radio 299792458)");
   }
   medium.speed_mps = map.number("speed_mps", medium.speed_mps, kPositive);
-  if (!map.has("sigma_mps")) log.warn(node, "medium.sigma_mps is not given; the speed is held fixed (sigma_mps: 0)");
+  if (!map.has("sigma_mps"))
+    log.warn(node, "medium.sigma_mps is not given; the speed is held fixed (sigma_mps: 0)");
   site.speed_sigma_mps = map.number("sigma_mps", 0.0, kNotNegative);
   site.speed_offset_per_run = map.choice<bool>("offset_per", {{"site", false}, {"run", true}}, false);
   map.finish();
@@ -81,8 +86,10 @@ void read_medium(const YAML::Node& node, Site& site, YamlLog& log) {
 
 DelayPer read_delay_per(const YAML::Node& node, YamlLog& log) {
   DelayPer per;
-  const std::vector<std::pair<std::string, bool DelayPer::*>> choices = {
-      {"beacon", &DelayPer::beacon}, {"receiver", &DelayPer::receiver}, {"site", &DelayPer::site}, {"none", nullptr}};
+  const std::vector<std::pair<std::string, bool DelayPer::*>> choices = {{"beacon", &DelayPer::beacon},
+                                                                         {"receiver", &DelayPer::receiver},
+                                                                         {"site", &DelayPer::site},
+                                                                         {"none", nullptr}};
   std::vector<YAML::Node> items;
   if (node.IsSequence()) {
     items = list_of(node, "timing.delay_per", log);
@@ -94,7 +101,8 @@ DelayPer read_delay_per(const YAML::Node& node, YamlLog& log) {
     if (member != nullptr) {
       per.*member = true;
     } else if (items.size() > 1) {
-      log.fail(item, "timing.delay_per has 'none' beside others", "none alone, or a list of beacon, receiver, site");
+      log.fail(item, "timing.delay_per has 'none' beside others",
+               "none alone, or a list of beacon, receiver, site");
     }
   }
   return per;
@@ -105,9 +113,10 @@ void read_timing(const YAML::Node& node, Site& site, YamlLog& log) {
   site.timing_given = map.present();
   if (!map.present()) return;
   Timing& timing = site.timing;
-  timing.clock =
-      map.choice<Clock>("clock", {{"synchronised", Clock::kSynchronised}, {"cycle_offset", Clock::kCycleOffset}}, timing.clock);
-  timing.ranging = map.choice<Ranging>("ranging", {{"one_way", Ranging::kOneWay}, {"two_way", Ranging::kTwoWay}}, timing.ranging);
+  timing.clock = map.choice<Clock>(
+      "clock", {{"synchronised", Clock::kSynchronised}, {"cycle_offset", Clock::kCycleOffset}}, timing.clock);
+  timing.ranging = map.choice<Ranging>(
+      "ranging", {{"one_way", Ranging::kOneWay}, {"two_way", Ranging::kTwoWay}}, timing.ranging);
   timing.turnaround_s = map.number("turnaround_s", 0.0, kNotNegative);
   if (map.has("delay_per")) {
     timing.delay_per = read_delay_per(map.get("delay_per"), log);
@@ -122,7 +131,8 @@ void read_timing(const YAML::Node& node, Site& site, YamlLog& log) {
   timing.drift = 1e-6 * map.number("drift_ppm", 0.0);
   timing.drift_sigma = 1e-6 * map.number("drift_sigma_ppm", 0.0, kNotNegative);
   if (timing.clock != Clock::kCycleOffset && (timing.drift != 0.0 || timing.drift_sigma > 0))
-    map.fail(timing.drift != 0.0 ? "drift_ppm" : "drift_sigma_ppm", "a drift of a synchronised clock", "clock: cycle_offset, or no drift",
+    map.fail(timing.drift != 0.0 ? "drift_ppm" : "drift_sigma_ppm", "a drift of a synchronised clock",
+             "clock: cycle_offset, or no drift",
              "where radio or wire marks each firing there is no time for a clock to drift");
   map.finish();
 }
@@ -132,7 +142,8 @@ void read_noise(const YAML::Node& node, Site& site, YamlLog& log) {
   Noise& noise = site.noise;
   site.tof_sigma_given = map.has("tof_sigma_s");
   noise.tof_sigma_s = map.number("tof_sigma_s", noise.tof_sigma_s, kPositive);
-  noise.amplitude_relative_sigma = map.number("amplitude_relative_sigma", noise.amplitude_relative_sigma, kPositive);
+  noise.amplitude_relative_sigma =
+      map.number("amplitude_relative_sigma", noise.amplitude_relative_sigma, kPositive);
   noise.pair_sigma_s = map.optional_number("pair_sigma_s", kNotNegative);
   noise.bearing_sigma_rad = map.number("bearing_sigma_rad", noise.bearing_sigma_rad, kPositive);
   noise.range_sigma_m = map.number("range_sigma_m", noise.range_sigma_m, kPositive);
@@ -161,11 +172,13 @@ void read_attenuation(const YAML::Node& node, Site& site, YamlLog& log) {
   prior.absorption_np_per_m = read_prior(map, "absorption_np_per_m", kNotNegative, log);
   prior.threshold_v = map.required_number("threshold_v", kNotNegative);
   prior.rise_time_s = read_prior(map, "rise_time_s", kNotNegative, log);
-  if (map.has("half_power_angle_rad")) prior.half_power_angle_rad = read_prior(map, "half_power_angle_rad", kHalfPowerAngle, log);
+  if (map.has("half_power_angle_rad"))
+    prior.half_power_angle_rad = read_prior(map, "half_power_angle_rad", kHalfPowerAngle, log);
   if (const auto saturation_v = map.optional_number("saturation_v", kPositive)) {
     prior.saturation_v = *saturation_v;
     if (!log.error && !(prior.saturation_v > prior.threshold_v))
-      map.fail("saturation_v", fmt::format("attenuation.saturation_v is {}", prior.saturation_v), "more than threshold_v");
+      map.fail("saturation_v", fmt::format("attenuation.saturation_v is {}", prior.saturation_v),
+               "more than threshold_v");
   }
   map.finish();
   site.attenuation = prior;
@@ -174,7 +187,8 @@ void read_attenuation(const YAML::Node& node, Site& site, YamlLog& log) {
 using Coordinates = std::array<std::optional<double>, 3>;
 
 /// [x, y, z], each a number or null.
-Coordinates read_coordinates(const YAML::Node& node, const std::string& name, NumberRange range, YamlLog& log) {
+Coordinates read_coordinates(const YAML::Node& node, const std::string& name, NumberRange range,
+                             YamlLog& log) {
   Coordinates values;
   const std::vector<YAML::Node> items = list_of(node, name, log, 3);
   for (std::size_t i = 0; i < items.size(); ++i) {
@@ -192,7 +206,8 @@ Coordinates read_sigmas(const YAML::Node& node, const std::string& name, YamlLog
 }
 
 void read_beacons(YamlMap& root, Site& site, YamlLog& log) {
-  if (!root.has("beacons")) root.fail_missing("beacons", "a list of beacons (beacons: [] where there are none)");
+  if (!root.has("beacons"))
+    root.fail_missing("beacons", "a list of beacons (beacons: [] where there are none)");
   UniqueIds ids("beacon", log);
   for (const YAML::Node& node : root.list("beacons")) {
     if (log.error) return;
@@ -215,7 +230,8 @@ Eigen::Vector3d read_receiver_sigma(YamlMap& map, YamlLog& log) {
 }
 
 /// {layout: octagon, side_m: 0.050, height_m: 0.30, sigma_m: 0.002}
-void read_layout(const YAML::Node& node, const std::string& name, VehicleId vehicle, Site& site, YamlLog& log) {
+void read_layout(const YAML::Node& node, const std::string& name, VehicleId vehicle, Site& site,
+                 YamlLog& log) {
   YamlMap map(node, name, log);
   map.choice<int>("layout", {{"octagon", 0}}, 0);
   if (!map.has("layout")) map.fail_missing("layout", "layout: octagon, or a list of receivers");
@@ -227,7 +243,8 @@ void read_layout(const YAML::Node& node, const std::string& name, VehicleId vehi
   if (log.error) return;
   int corner = 0;
   for (const ArrayElement& element : octagon(side_m, height_m, turn_rad)) {
-    site.receivers.push_back({fmt::format("r{}", corner++), vehicle, element.position_m, sigma_m, element.axis});
+    site.receivers.push_back(
+        {fmt::format("r{}", corner++), vehicle, element.position_m, sigma_m, element.axis});
   }
 }
 
@@ -240,7 +257,8 @@ std::optional<Eigen::Vector3d> read_axis(YamlMap& map, YamlLog& log) {
     map.fail("axis", map.path("axis") + " has no length", "a direction, such as [1, 0, 0]");
     return std::nullopt;
   }
-  // A vector that is of unit length to the last digits is left alone, so that a written file reads back the same.
+  // A vector that is of unit length to the last digits is left alone, so that a written file reads back the
+  // same.
   return std::abs(norm - 1.0) < 1e-14 ? axis : Eigen::Vector3d(axis / norm);
 }
 
@@ -252,7 +270,10 @@ void read_receivers(YamlMap& vehicle_map, VehicleId vehicle, Site& site, YamlLog
   UniqueIds ids("receiver", log);
   for (const YAML::Node& item : list_of(node, name, log)) {
     if (log.error) return;
-    YamlMap map(item, fmt::format("{}[{}]", name, site.receivers.size() - site.vehicles[vehicle.index()].first_receiver), log);
+    YamlMap map(
+        item,
+        fmt::format("{}[{}]", name, site.receivers.size() - site.vehicles[vehicle.index()].first_receiver),
+        log);
     SiteReceiver receiver;
     receiver.vehicle = vehicle;
     receiver.name = ids.take(map);
@@ -269,21 +290,26 @@ void read_receivers(YamlMap& vehicle_map, VehicleId vehicle, Site& site, YamlLog
   }
 }
 
-/// array: {radius_sigma_m: 0.002, turn_sigma_rad: 0.02}: the receivers as one piece, adjusted by its radius and its turn.
+/// array: {radius_sigma_m: 0.002, turn_sigma_rad: 0.02}: the receivers as one piece, adjusted by its radius
+/// and its turn.
 void read_array(YamlMap& vehicle_map, SiteVehicle& vehicle, const Site& site, YamlLog& log) {
   const YAML::Node node = vehicle_map.block("array");
   if (!node.IsDefined()) return;
   YamlMap map(node, vehicle_map.path("array"), log);
-  vehicle.array = ArrayShape{map.number("radius_sigma_m", 0.0, kNotNegative), map.number("turn_sigma_rad", 0.0, kNotNegative)};
+  vehicle.array = ArrayShape{map.number("radius_sigma_m", 0.0, kNotNegative),
+                             map.number("turn_sigma_rad", 0.0, kNotNegative)};
   map.finish();
   if (log.error) return;
   for (std::size_t r = vehicle.first_receiver; r < site.receivers.size(); ++r) {
     const SiteReceiver& receiver = site.receivers[r];
     if (receiver.sigma_m.maxCoeff() > 0)
-      return vehicle_map.fail("array", fmt::format("an array as one piece, and sigma_m of its receiver {}", receiver.name),
-                              "either array, or sigma_m of the receivers", "leave sigma_m out (0) to adjust only the array's radius and turn");
+      return vehicle_map.fail(
+          "array", fmt::format("an array as one piece, and sigma_m of its receiver {}", receiver.name),
+          "either array, or sigma_m of the receivers",
+          "leave sigma_m out (0) to adjust only the array's radius and turn");
     if (!(receiver.position_m.head<2>().norm() > 0))
-      return vehicle_map.fail("array", fmt::format("receiver {} on the array's own axis", receiver.name), "receivers around the vehicle's origin");
+      return vehicle_map.fail("array", fmt::format("receiver {} on the array's own axis", receiver.name),
+                              "receivers around the vehicle's origin");
   }
 }
 
@@ -296,7 +322,8 @@ void read_motion(YamlMap& vehicle_map, SiteVehicle& vehicle, YamlLog& log) {
   prior.speed_mps = map.number("speed_mps", prior.speed_mps, kPositive);
   prior.acceleration_mps2 = map.number("acceleration_mps2", prior.acceleration_mps2, kPositive);
   prior.turn_rate_rad_per_s = map.number("turn_rate_rad_per_s", prior.turn_rate_rad_per_s, kPositive);
-  prior.turn_acceleration_rad_per_s2 = map.number("turn_acceleration_rad_per_s2", prior.turn_acceleration_rad_per_s2, kPositive);
+  prior.turn_acceleration_rad_per_s2 =
+      map.number("turn_acceleration_rad_per_s2", prior.turn_acceleration_rad_per_s2, kPositive);
   map.finish();
   vehicle.motion = prior;
 }
@@ -306,7 +333,9 @@ std::optional<Rail> read_rail(const YAML::Node& node, const std::string& name, Y
   YamlMap map(node, name, log);
   if (!map.present()) return std::nullopt;
   const auto point = [&](const char* key) {
-    if (!map.has(key)) map.fail_missing(key, "[x, y]; a rail is {from_m: [x, y], to_m: [x, y]} or {centre_m: [x, y], radius_m: R}");
+    if (!map.has(key))
+      map.fail_missing(key,
+                       "[x, y]; a rail is {from_m: [x, y], to_m: [x, y]} or {centre_m: [x, y], radius_m: R}");
     const std::vector<double> at = map.numbers(key, 2);
     return at.size() == 2 ? Eigen::Vector2d(at[0], at[1]) : Eigen::Vector2d(0, 0);
   };
@@ -322,7 +351,8 @@ std::optional<Rail> read_rail(const YAML::Node& node, const std::string& name, Y
   } else {
     rail.from_m = point("from_m");
     rail.to_m = point("to_m");
-    if (!log.error && rail.from_m == rail.to_m) map.fail("to_m", map.path("to_m") + " is where the rail begins", "another point");
+    if (!log.error && rail.from_m == rail.to_m)
+      map.fail("to_m", map.path("to_m") + " is where the rail begins", "another point");
   }
   map.finish();
   return rail;
@@ -352,8 +382,8 @@ BeaconId read_beacon_name(YamlMap& map, const char* key, const Site& site, YamlL
     if (site.beacons[i].name == name) return BeaconId(i);
   }
   if (!log.error) {
-    map.fail(key, fmt::format("{}: beacon {} is not in the site", map.path(key), in_quotes(name)), "a beacon's id",
-             suggestion(name, names_of(site).beacons));
+    map.fail(key, fmt::format("{}: beacon {} is not in the site", map.path(key), in_quotes(name)),
+             "a beacon's id", suggestion(name, names_of(site).beacons));
   }
   return {};
 }
@@ -382,7 +412,8 @@ void check_axes(YamlMap& root, const Site& site, YamlLog& log) {
   if (log.error || !site.attenuation || !(site.attenuation->half_power_angle_rad.value > 0)) return;
   for (const SiteReceiver& receiver : site.receivers)
     if (receiver.axis) return;
-  root.fail("attenuation", "attenuation.half_power_angle_rad, and no receiver has an axis", "axis: [x, y, z] of the receivers, or layout: octagon",
+  root.fail("attenuation", "attenuation.half_power_angle_rad, and no receiver has an axis",
+            "axis: [x, y, z] of the receivers, or layout: octagon",
             "without directions of hearing there is nothing to be off from");
 }
 
@@ -398,7 +429,8 @@ Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, boo
     if (log.error) return fail(*log.error);
     site.name = root.text("name", "");
     if (!root.has("motion")) root.fail_missing("motion", "motion: planar (x, y, heading) or motion: spatial");
-    site.motion = root.choice<Motion>("motion", {{"planar", Motion::kPlanar}, {"spatial", Motion::kSpatial}}, Motion::kPlanar);
+    site.motion = root.choice<Motion>("motion", {{"planar", Motion::kPlanar}, {"spatial", Motion::kSpatial}},
+                                      Motion::kPlanar);
     read_medium(root.block("medium"), site, log);
     read_timing(root.block("timing"), site, log);
     read_noise(root.block("noise"), site, log);
@@ -429,9 +461,14 @@ Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, boo
 Result<Site> read_site(const std::string& path) {
   const Result<std::string> text = read_file(path);
   if (!text) return fail(text.error());
-  if (text->find("\"octant_deployment\"") != std::string::npos && text->find_first_not_of(" \t\r\n") == text->find('{'))
-    return fail({.file = path, .found = "a deployment file", .expected = "a site file (octant schema site): what is known before a calibration",
-                 .advice = "to hold a recording against a deployment: octant verify; to say what changed since: --since"});
+  if (text->find("\"octant_deployment\"") != std::string::npos &&
+      text->find_first_not_of(" \t\r\n") == text->find('{'))
+    return fail(
+        {.file = path,
+         .found = "a deployment file",
+         .expected = "a site file (octant schema site): what is known before a calibration",
+         .advice =
+             "to hold a recording against a deployment: octant verify; to say what changed since: --since"});
   const Result<YAML::Node> root = parse_yaml(*text, path);
   if (!root) return fail(root.error());
   return site_from_yaml(*root, path);

@@ -4,13 +4,13 @@
 
 #include <string>
 
-#include "models/support/result.h"
 #include "models/site.h"
+#include "models/support/result.h"
 
 namespace octant::io {
 
-/// Reads a site file (contract: site.yaml). Errors name file, line and column, what was found, what was expected.
-/// Unknown keys are warnings in Site::warnings.
+/// Reads a site file (contract: site.yaml). Errors name file, line and column, what was found, what was
+/// expected. Unknown keys are warnings in Site::warnings.
 [[nodiscard]] Result<Site> read_site(const std::string& path);
 /// Text of a site file; read_site of it gives the same site back.
 [[nodiscard]] std::string site_to_yaml(const Site& site);

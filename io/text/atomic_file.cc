@@ -22,10 +22,11 @@ namespace octant::io {
 namespace {
 
 tl::unexpected<Error> write_error(const std::string& path, int reason) {
-  return fail({.code = Errc::kOutput,
-               .file = path,
-               .found = fmt::format("cannot be written: {}", std::strerror(reason)),
-               .advice = reason == ENOENT ? "the folder does not exist; create it first" : advice_for(reason)});
+  return fail(
+      {.code = Errc::kOutput,
+       .file = path,
+       .found = fmt::format("cannot be written: {}", std::strerror(reason)),
+       .advice = reason == ENOENT ? "the folder does not exist; create it first" : advice_for(reason)});
 }
 
 /// 0, or the system's reason.
@@ -63,7 +64,9 @@ class StagedFile {
     temporary_ = fmt::format("{}.{}.{}.tmp", target_, ::getpid(), count++);
   }
   StagedFile(StagedFile&& other) noexcept
-      : path_(std::move(other.path_)), target_(std::move(other.target_)), temporary_(std::exchange(other.temporary_, {})) {}
+      : path_(std::move(other.path_)),
+        target_(std::move(other.target_)),
+        temporary_(std::exchange(other.temporary_, {})) {}
   StagedFile& operator=(StagedFile&&) = delete;
   ~StagedFile() {
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
@@ -111,7 +114,8 @@ struct Destination {
 
 Result<Destination> destination_of(const std::string& path) {
   if (path == "-") return Destination{Destination::Kind::kStdout, path, 0};
-  if (path.empty()) return fail({.code = Errc::kOutput, .found = "an empty path", .expected = "the name of a file"});
+  if (path.empty())
+    return fail({.code = Errc::kOutput, .found = "an empty path", .expected = "the name of a file"});
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0) {
     if (S_ISDIR(status.st_mode)) return write_error(path, EISDIR);
@@ -139,7 +143,10 @@ Result<void> write_files(const std::vector<FileContent>& files) {
     if (auto written = staged.back().write(to->mode, file.content); !written) return written;
   }
   for (const FileContent* file : at_once)
-    if (auto written = file->path == "-" ? write_to_stdout(file->content) : write_in_place(file->path, file->content); !written) return written;
+    if (auto written =
+            file->path == "-" ? write_to_stdout(file->content) : write_in_place(file->path, file->content);
+        !written)
+      return written;
   for (StagedFile& file : staged)
     if (auto placed = file.put_in_place(); !placed) return placed;
   return {};

@@ -25,16 +25,21 @@ struct ColumnNames {
 bool may_be_called(std::string_view ours, std::string_view theirs) {
   static const std::vector<ColumnNames> all = {
       {"time_s", {"time", "t", "timestamp", "stamp", "ts", "sec", "secs", "seconds", "date"}},
-      {"beacon", {"anchor", "beacon_id", "anchor_id", "beaconid", "anchorid", "transmitter", "speaker", "source", "node", "id", "tx"}},
-      {"tof_s", {"tof", "time_of_flight", "toa", "delay", "flight_time", "range", "distance", "dist", "tdoa"}},
+      {"beacon",
+       {"anchor", "beacon_id", "anchor_id", "beaconid", "anchorid", "transmitter", "speaker", "source",
+        "node", "id", "tx"}},
+      {"tof_s",
+       {"tof", "time_of_flight", "toa", "delay", "flight_time", "range", "distance", "dist", "tdoa"}},
   };
   std::string name(theirs);
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const ColumnNames& c : all) {
     if (c.name != ours) continue;
     for (const std::string_view other : c.others) {
       if (name == other) return true;
-      const bool unit_behind = name.size() > other.size() + 1 && name.starts_with(other) && name[other.size()] == '_' && name.size() <= other.size() + 4;
+      const bool unit_behind = name.size() > other.size() + 1 && name.starts_with(other) &&
+                               name[other.size()] == '_' && name.size() <= other.size() + 4;
       if (unit_behind && other.size() > 2) return true;
     }
   }
@@ -51,7 +56,10 @@ constexpr std::size_t kSpareFields = 64;  // fields too many in a row that an er
 }  // namespace
 
 CsvReader::CsvReader(std::string_view text, std::string file, bool checked)
-    : file_(std::move(file)), begin_(text.data()), at_(without_bom(text).data()), end_(text.data() + text.size()) {
+    : file_(std::move(file)),
+      begin_(text.data()),
+      at_(without_bom(text).data()),
+      end_(text.data() + text.size()) {
   if (checked) return;
   if (auto ok = check_utf8(text, file_); !ok) error_ = ok.error();
 }
@@ -77,8 +85,11 @@ bool CsvReader::fail_at(int column, std::string found, std::string expected, std
 
 void CsvReader::fail_file(int line, std::string found, std::string expected, std::string advice) {
   if (error_) return;
-  error_ =
-      Error{.file = file_, .line = line, .found = std::move(found), .expected = std::move(expected), .advice = std::move(advice)};
+  error_ = Error{.file = file_,
+                 .line = line,
+                 .found = std::move(found),
+                 .expected = std::move(expected),
+                 .advice = std::move(advice)};
 }
 
 /// From 1, of a place in the current row, which runs over several lines if a quoted field does.
@@ -104,7 +115,8 @@ void CsvReader::check_separator(std::string_view line) {
   if (line.find(',') != std::string_view::npos) return;
   for (const auto& [c, name] : {std::pair{';', "semicolons"}, {'\t', "tabs"}}) {
     if (line.find(c) == std::string_view::npos) continue;
-    fail_file(line_, fmt::format("the fields are separated by {}", name), "commas, and points in numbers (1.5)",
+    fail_file(line_, fmt::format("the fields are separated by {}", name),
+              "commas, and points in numbers (1.5)",
               "export it again as comma-separated values in English notation");
   }
 }
@@ -118,7 +130,8 @@ void CsvReader::read_header() {
   std::unordered_set<std::string_view> seen;
   for (const std::string_view name : fields_) {
     if (!name.empty() && !seen.insert(name).second) {
-      return fail_file(row_line_, fmt::format("column {} is there twice", in_quotes(name)), "each column once");
+      return fail_file(row_line_, fmt::format("column {} is there twice", in_quotes(name)),
+                       "each column once");
     }
     header_.emplace_back(name);
   }
@@ -139,15 +152,19 @@ int CsvReader::require(std::string_view name) {
   if (column >= 0 || (error_ && missing_.empty())) return column;
   missing_.emplace_back(name);
   double value = 0.0;
-  const bool headless = !header_.empty() && std::all_of(header_.begin(), header_.end(), [&](const std::string& text) {
-    return parse_number(text, value) == NumberText::kNumber;
-  });
+  const bool headless =
+      !header_.empty() && std::all_of(header_.begin(), header_.end(), [&](const std::string& text) {
+        return parse_number(text, value) == NumberText::kNumber;
+      });
   std::vector<std::string> quoted;
   for (const std::string& m : missing_) quoted.push_back(in_quotes(m));
   const bool many = quoted.size() > 1;
   error_.reset();
-  fail_file(row_line_, fmt::format("column{} {} {} missing (columns: {})", many ? "s" : "", fmt::join(quoted, ", "), many ? "are" : "is", listed(header_, 12)),
-            many ? "a header row that names them" : "a header row that names it", headless ? "the header row itself seems to be missing" : renamed_columns());
+  fail_file(row_line_,
+            fmt::format("column{} {} {} missing (columns: {})", many ? "s" : "", fmt::join(quoted, ", "),
+                        many ? "are" : "is", listed(header_, 12)),
+            many ? "a header row that names them" : "a header row that names it",
+            headless ? "the header row itself seems to be missing" : renamed_columns());
   return column;
 }
 
@@ -160,7 +177,10 @@ std::string CsvReader::renamed_columns() const {
       guesses.push_back(fmt::format("{} for {}", in_quotes(header_[i]), in_quotes(name)));
       break;
     }
-  return guesses.empty() ? "" : fmt::format("is it {}? Rename the columns, and mind the units that the names state", fmt::join(guesses, ", "));
+  return guesses.empty()
+             ? ""
+             : fmt::format("is it {}? Rename the columns, and mind the units that the names state",
+                           fmt::join(guesses, ", "));
 }
 
 std::optional<std::string> CsvReader::unknown_columns() const {
@@ -170,8 +190,9 @@ std::optional<std::string> CsvReader::unknown_columns() const {
   }
   if (unknown.empty()) return std::nullopt;
   const std::string hint = suggestion(unknown.front(), asked_);
-  return fmt::format("{}: {} unknown column{} ignored: {}{}", file_, unknown.size(), unknown.size() == 1 ? " is" : "s are",
-                     listed(unknown), hint.starts_with("did") ? "; " + hint : "");
+  return fmt::format("{}: {} unknown column{} ignored: {}{}", file_, unknown.size(),
+                     unknown.size() == 1 ? " is" : "s are", listed(unknown),
+                     hint.starts_with("did") ? "; " + hint : "");
 }
 
 bool CsvReader::next_row() {
@@ -228,7 +249,8 @@ const char* CsvReader::read_quoted(const char* at) {
   std::string* joined = nullptr;
   for (const char* p = piece;; ++p) {
     if (p == end_) {
-      fail_file(opened, "a quote that is not closed", "a closing \" behind the field", "the file may be cut off");
+      fail_file(opened, "a quote that is not closed", "a closing \" behind the field",
+                "the file may be cut off");
       return nullptr;
     }
     if (*p == '\n') ++line_;
@@ -261,7 +283,8 @@ bool CsvReader::check_count() {
   const bool fewer = fields_.size() < header_.size();
   return fail_at(-1, fmt::format("{} field{}", fields_.size(), fields_.size() == 1 ? "" : "s"),
                  fmt::format("{}, as in the header", header_.size()),
-                 fewer ? (last ? "the last row is cut off: copy the file again, or delete the row" : "complete or delete the row")
+                 fewer ? (last ? "the last row is cut off: copy the file again, or delete the row"
+                               : "complete or delete the row")
                        : "are there decimal commas, or commas in a name without quotes?");
 }
 
@@ -270,17 +293,19 @@ std::size_t CsvReader::rows_left_estimate() const {
   const char* stop = end_ - at_ > kSample ? at_ + kSample : end_;
   const auto lines = static_cast<std::size_t>(std::count(at_, stop, '\n')) + 1;
   const auto sampled = static_cast<std::size_t>(stop - at_);
-  return sampled == 0 ? 0
-                      : static_cast<std::size_t>(1.02 * static_cast<double>(lines) * static_cast<double>(end_ - at_) /
-                                                 static_cast<double>(sampled)) +
-                            1;
+  return sampled == 0
+             ? 0
+             : static_cast<std::size_t>(1.02 * static_cast<double>(lines) * static_cast<double>(end_ - at_) /
+                                        static_cast<double>(sampled)) +
+                   1;
 }
 
 bool CsvReader::not_a_number(int column, const char* expected) {
   const std::string_view text = field(column);
   const bool comma = text.find(',') != std::string_view::npos;
   return fail_at(column,
-                 fmt::format("{} is {}", header_[static_cast<std::size_t>(column)], text.empty() ? "empty" : in_quotes(text)),
+                 fmt::format("{} is {}", header_[static_cast<std::size_t>(column)],
+                             text.empty() ? "empty" : in_quotes(text)),
                  expected, comma ? "decimal points, not commas" : "");
 }
 

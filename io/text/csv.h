@@ -16,8 +16,8 @@
 
 namespace octant::io {
 
-/// Walks over the rows of a CSV text once. Fields are views into the text: nothing is copied unless a field is in quotes and
-/// holds doubled ones. The text must outlive the reader.
+/// Walks over the rows of a CSV text once. Fields are views into the text: nothing is copied unless a field
+/// is in quotes and holds doubled ones. The text must outlive the reader.
 ///   CsvReader csv(text, "run/tof.csv");
 ///   csv.read_header();  const int t = csv.require("time_s");  if (csv.error()) ...
 ///   while (csv.next_row()) csv.number(t, ...);
@@ -28,12 +28,14 @@ class CsvReader {
   /// @param checked  the caller sees to it that the text is UTF-8
   CsvReader(std::string_view text, std::string file, bool checked = false);
 
-  /// Reads the header row. Refuses what is not UTF-8, empty files, other separators than the comma, columns given twice.
+  /// Reads the header row. Refuses what is not UTF-8, empty files, other separators than the comma, columns
+  /// given twice.
   void read_header();
   [[nodiscard]] const std::vector<std::string>& header() const { return header_; }
   /// Index of a column, -1 if there is none; marks it as known.
   int find(std::string_view name);
-  /// The same; its absence is an error, which names all columns that are missing so far and what they may be called in this file.
+  /// The same; its absence is an error, which names all columns that are missing so far and what they may be
+  /// called in this file.
   int require(std::string_view name);
   /// For columns that are known by a pattern of names: the caller has seen this one.
   void mark_known(std::size_t column) { known_[column] = true; }
@@ -68,7 +70,8 @@ class CsvReader {
   bool integer(int column, std::int64_t& value);
 
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
-  /// Logs an error of the current row, at a column (-1: the row as a whole), unless there is one already. Returns false.
+  /// Logs an error of the current row, at a column (-1: the row as a whole), unless there is one already.
+  /// Returns false.
   bool fail_at(int column, std::string found, std::string expected, std::string advice = "");
   /// "run/tof.csv:8" of the current row.
   [[nodiscard]] std::string place() const;
@@ -96,8 +99,9 @@ class CsvReader {
   std::vector<std::string> asked_;
   std::vector<std::string> missing_;  // of those that are required
   std::vector<std::string_view> fields_;
-  std::deque<std::string> unquoted_;                         // fields of the current row that had doubled quotes
-  std::vector<std::pair<std::size_t, int>> quoted_columns_;  // quoted fields of the current row and their columns in the line
+  std::deque<std::string> unquoted_;  // fields of the current row that had doubled quotes
+  std::vector<std::pair<std::size_t, int>>
+      quoted_columns_;  // quoted fields of the current row and their columns in the line
   std::optional<Error> error_;
 };
 

@@ -14,7 +14,8 @@ namespace octant::io {
 namespace {
 
 constexpr std::size_t kBlock = 64;
-constexpr std::uint64_t kNeverZero = std::uint64_t{1} << 63;  // spares a branch, and is nobody's first mark but the last byte's
+constexpr std::uint64_t kNeverZero =
+    std::uint64_t{1} << 63;  // spares a branch, and is nobody's first mark but the last byte's
 
 /// What a block of 64 bytes holds: a bit for each mark, and the odd bytes of all blocks so far in `odd`.
 #ifdef __SSE2__
@@ -30,7 +31,8 @@ std::uint64_t marks_of(const char* block, Odd& odd) {
   std::uint64_t marks = 0;
   for (int i = 0; i < 4; ++i) {
     const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(block + 16 * i));
-    const __m128i found = _mm_or_si128(_mm_or_si128(equal(bytes, ','), equal(bytes, '.')), equal(bytes, '\n'));
+    const __m128i found =
+        _mm_or_si128(_mm_or_si128(equal(bytes, ','), equal(bytes, '.')), equal(bytes, '\n'));
     odd.quote = _mm_or_si128(odd.quote, equal(bytes, '"'));
     odd.nul = _mm_or_si128(odd.nul, equal(bytes, '\0'));
     odd.high = _mm_or_si128(odd.high, bytes);
@@ -63,7 +65,8 @@ std::uint64_t marks_of(const char* block, Odd& odd) {
 std::size_t number_of(std::uint64_t bits) {
   bits -= (bits >> 1) & 0x5555555555555555ULL;
   bits = (bits & 0x3333333333333333ULL) + ((bits >> 2) & 0x3333333333333333ULL);
-  return static_cast<std::size_t>((((bits + (bits >> 4)) & 0x0F0F0F0F0F0F0F0FULL) * 0x0101010101010101ULL) >> 56);
+  return static_cast<std::size_t>((((bits + (bits >> 4)) & 0x0F0F0F0F0F0F0F0FULL) * 0x0101010101010101ULL) >>
+                                  56);
 }
 
 }  // namespace
@@ -76,10 +79,12 @@ void CsvMarks::find(std::string_view text) {
     if (offsets.size() < count + kBlock) offsets.resize(2 * count + 1024);
     std::uint32_t* out = offsets.data() + count;
     count += number_of(marks);
-    // Eight at a time, be they there or not, as a loop over a number of marks that nobody can foresee costs more (simdjson).
+    // Eight at a time, be they there or not, as a loop over a number of marks that nobody can foresee costs
+    // more (simdjson).
     for (; marks != 0; out += 8) {
       for (int i = 0; i < 8; ++i, marks &= marks - 1)
-        out[i] = static_cast<std::uint32_t>(at) + static_cast<std::uint32_t>(std::countr_zero(marks | kNeverZero));
+        out[i] =
+            static_cast<std::uint32_t>(at) + static_cast<std::uint32_t>(std::countr_zero(marks | kNeverZero));
     }
   };
   for (; at + kBlock <= text.size(); at += kBlock) keep(marks_of(text.data() + at, odd));

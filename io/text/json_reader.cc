@@ -176,7 +176,8 @@ JsonValue JsonValue::find(const char* key) const {
 JsonValue JsonValue::at(const char* key) const {
   JsonValue value = find(key);
   if (!value.present() && !log_->error) {
-    fail(fmt::format("without {}", in_quotes(key)), "this key, with a value", "the file may be truncated or altered");
+    fail(fmt::format("without {}", in_quotes(key)), "this key, with a value",
+         "the file may be truncated or altered");
   }
   return value;
 }
@@ -188,7 +189,8 @@ std::vector<JsonValue> JsonValue::items() const {
     fail(kind_of(*json_), "an array");
     return values;
   }
-  for (const auto& item : *json_) values.emplace_back(&item, fmt::format("{}/{}", pointer_, values.size()), *log_);
+  for (const auto& item : *json_)
+    values.emplace_back(&item, fmt::format("{}/{}", pointer_, values.size()), *log_);
   return values;
 }
 
@@ -216,7 +218,8 @@ double JsonValue::positive() const {
 
 double JsonValue::within(double low, double high) const {
   const double value = number();
-  if (json_ != nullptr && !(value >= low && value <= high)) fail(kind_of(*json_), fmt::format("a number from {} to {}", low, high));
+  if (json_ != nullptr && !(value >= low && value <= high))
+    fail(kind_of(*json_), fmt::format("a number from {} to {}", low, high));
   return value;
 }
 
@@ -251,8 +254,10 @@ std::vector<double> JsonValue::numbers(std::size_t size) const {
   for (std::size_t i = 0; i < size; ++i) {
     const nlohmann::json& item = (*json_)[i];
     // Pointers are made only for what is wrong: the covariance of a large site has millions of numbers.
-    values[i] = item.is_number() ? item.get<double>() : JsonValue(&item, fmt::format("{}/{}", pointer_, i), *log_).number();
-    if (item.is_null()) JsonValue(&item, fmt::format("{}/{}", pointer_, i), *log_).fail("null", "a finite number");
+    values[i] = item.is_number() ? item.get<double>()
+                                 : JsonValue(&item, fmt::format("{}/{}", pointer_, i), *log_).number();
+    if (item.is_null())
+      JsonValue(&item, fmt::format("{}/{}", pointer_, i), *log_).fail("null", "a finite number");
   }
   return values;
 }

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: typed access to a JSON document, in the manner of yaml_reader.h. Include it from .cc files only.
+// Private to io/: typed access to a JSON document, in the manner of yaml_reader.h. Include it from .cc files
+// only.
 
 #include <array>
 #include <optional>
@@ -21,7 +22,8 @@ namespace octant::io {
 /// Parses JSON. Errors: not UTF-8, not JSON (truncated files among them), with line and column.
 [[nodiscard]] Result<nlohmann::json> parse_json(std::string_view text, const std::string& file);
 
-/// Line and column of the value that a JSON pointer ("/beacons/3/position_m") names in a text known to be JSON.
+/// Line and column of the value that a JSON pointer ("/beacons/3/position_m") names in a text known to be
+/// JSON.
 [[nodiscard]] std::optional<TextPosition> locate(std::string_view text, std::string_view pointer);
 
 /// Objects with one key a line, arrays of plain values on one line.

@@ -11,8 +11,9 @@
 
 namespace octant::io {
 
-/// A regular file, mapped; read into memory where the system cannot map it (empty files, some network file systems).
-/// Nobody may shorten the file meanwhile: what is appended to a log after it was opened is not seen and does no harm.
+/// A regular file, mapped; read into memory where the system cannot map it (empty files, some network file
+/// systems). Nobody may shorten the file meanwhile: what is appended to a log after it was opened is not seen
+/// and does no harm.
 class MappedFile {
  public:
   /// Errors: those of read_file().
@@ -25,11 +26,13 @@ class MappedFile {
   [[nodiscard]] std::string_view text() const {
     return map_ != nullptr ? std::string_view(map_, size_) : std::string_view(copy_);
   }
-  /// Gives the memory of the pages that end in [begin, end) back to the system; whoever looks again finds them again.
+  /// Gives the memory of the pages that end in [begin, end) back to the system; whoever looks again finds
+  /// them again.
   void release(std::size_t begin, std::size_t end) const;
 
  private:
-  MappedFile(const char* map, std::size_t size, std::string copy) : map_(map), size_(size), copy_(std::move(copy)) {}
+  MappedFile(const char* map, std::size_t size, std::string copy)
+      : map_(map), size_(size), copy_(std::move(copy)) {}
 
   const char* map_;  // null: not mapped
   std::size_t size_;

@@ -13,8 +13,8 @@
 
 namespace octant::io {
 
-/// A table of names, open addressing at most a quarter full; looked up by their first and last eight bytes and their length.
-/// Views into the names: they must outlive it.
+/// A table of names, open addressing at most a quarter full; looked up by their first and last eight bytes
+/// and their length. Views into the names: they must outlive it.
 class NameIndex {
  public:
   NameIndex() = default;

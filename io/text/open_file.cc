@@ -53,10 +53,13 @@ Result<OpenFile> open_regular(const std::string& path, std::size_t max_bytes) {
   struct stat status {};
   if (::fstat(fd.get(), &status) != 0) return read_error(path, errno);
   if (S_ISDIR(status.st_mode)) return fail({.file = path, .found = "this is a folder", .expected = "a file"});
-  if (!S_ISREG(status.st_mode)) return fail({.file = path, .found = "this is a pipe or a device", .expected = "a file"});
+  if (!S_ISREG(status.st_mode))
+    return fail({.file = path, .found = "this is a pipe or a device", .expected = "a file"});
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size > max_bytes) {
-    return fail({.file = path, .found = fmt::format("{} bytes", size), .expected = fmt::format("at most {}", max_bytes)});
+    return fail({.file = path,
+                 .found = fmt::format("{} bytes", size),
+                 .expected = fmt::format("at most {}", max_bytes)});
   }
   return OpenFile{std::move(fd), size};
 }

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: numbers as nearly all cells hold them, "12", "-0.0327". Everything else (exponents, nan, blanks, more digits
-// than a double is sure to hold) is left to parse_number() and parse_integer(), which agree with these to the last bit.
+// Private to io/: numbers as nearly all cells hold them, "12", "-0.0327". Everything else (exponents, nan,
+// blanks, more digits than a double is sure to hold) is left to parse_number() and parse_integer(), which
+// agree with these to the last bit.
 
 #include <array>
 #include <bit>
@@ -23,12 +24,19 @@ namespace plain {
 
 static_assert(std::endian::native == std::endian::little);
 
-inline constexpr std::array<std::uint64_t, 9> kPowers = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
+inline constexpr std::array<std::uint64_t, 9> kPowers = {1,      10,      100,      1000,     10000,
+                                                         100000, 1000000, 10000000, 100000000};
 inline constexpr std::array<double, 9> kDoublePowers = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
 /// The last bytes of eight: so many.
-inline constexpr std::array<std::uint64_t, 9> kLast = {
-    0, 0xFFULL << 56, 0xFFFFULL << 48, 0xFFFFFFULL << 40, 0xFFFFFFFFULL << 32, 0xFFFFFFFFFFULL << 24, 0xFFFFFFFFFFFFULL << 16,
-    0xFFFFFFFFFFFFFFULL << 8, ~0ULL};
+inline constexpr std::array<std::uint64_t, 9> kLast = {0,
+                                                       0xFFULL << 56,
+                                                       0xFFFFULL << 48,
+                                                       0xFFFFFFULL << 40,
+                                                       0xFFFFFFFFULL << 32,
+                                                       0xFFFFFFFFFFULL << 24,
+                                                       0xFFFFFFFFFFFFULL << 16,
+                                                       0xFFFFFFFFFFFFFFULL << 8,
+                                                       ~0ULL};
 
 /// The `count` (to 8) bytes before `end` less '0', zeros before them.
 inline std::uint64_t bytes_before(const char* end, std::size_t count) {
@@ -43,12 +51,14 @@ inline bool join(std::uint64_t bytes, std::uint64_t& value) {
   // Digits are joined to pairs, fours and eights.
   bytes = bytes * 10 + (bytes >> 8);
   constexpr std::uint64_t kMask = 0x000000FF000000FFULL;
-  value = ((bytes & kMask) * (100 + (1000000ULL << 32)) + ((bytes >> 16) & kMask) * (1 + (10000ULL << 32))) >> 32;
+  value =
+      ((bytes & kMask) * (100 + (1000000ULL << 32)) + ((bytes >> 16) & kMask) * (1 + (10000ULL << 32))) >> 32;
   return true;
 }
 
 /// The same of two times eight digits.
-inline bool join(std::uint64_t first, std::uint64_t second, std::uint64_t& first_value, std::uint64_t& second_value) {
+inline bool join(std::uint64_t first, std::uint64_t second, std::uint64_t& first_value,
+                 std::uint64_t& second_value) {
 #ifdef __SSE2__
   const __m128i digits = _mm_set_epi64x(static_cast<long long>(second), static_cast<long long>(first));
   const __m128i beyond = _mm_subs_epu8(digits, _mm_set1_epi8(9));
@@ -68,8 +78,9 @@ inline bool join(std::uint64_t first, std::uint64_t second, std::uint64_t& first
 
 }  // namespace plain
 
-/// Reads [-]digits[.digits] from `begin` to `end`, up to eight digits on each side; false where it is anything else.
-/// Exact: an integer up to 2^53 over a power of ten up to 10^8, both without error, is one rounded division (Clinger 1990).
+/// Reads [-]digits[.digits] from `begin` to `end`, up to eight digits on each side; false where it is
+/// anything else. Exact: an integer up to 2^53 over a power of ten up to 10^8, both without error, is one
+/// rounded division (Clinger 1990).
 /// @param point  where the point is; `end` if there is none
 inline bool read_plain_number(const char* begin, const char* point, const char* end, double& value) {
   const bool negative = *begin == '-';
@@ -80,7 +91,9 @@ inline bool read_plain_number(const char* begin, const char* point, const char* 
   double magnitude = 0.0;
   if (point != end) {
     const auto fraction = static_cast<std::size_t>(end - point) - 1;
-    if (fraction - 1 >= 8 || !plain::join(plain::bytes_before(point, whole), plain::bytes_before(end, fraction), mantissa, behind)) return false;
+    if (fraction - 1 >= 8 ||
+        !plain::join(plain::bytes_before(point, whole), plain::bytes_before(end, fraction), mantissa, behind))
+      return false;
     mantissa = mantissa * plain::kPowers[fraction] + behind;
     if (mantissa > (1ULL << 53)) return false;
     magnitude = static_cast<double>(static_cast<std::int64_t>(mantissa)) / plain::kDoublePowers[fraction];

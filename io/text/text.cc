@@ -33,7 +33,8 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   for (std::size_t i = 1; i <= a.size(); ++i) {
     for (std::size_t j = 1; j <= b.size(); ++j) {
       d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
     }
   }
   return d[a.size()][b.size()];
@@ -97,12 +98,14 @@ std::string in_quotes(std::string_view text) {
   std::string shown(text.substr(0, kShown));
   // Do not cut a character in two.
   if (text.size() > kShown) {
-    while (!shown.empty() && (static_cast<unsigned char>(text[shown.size()]) & 0xC0) == 0x80) shown.pop_back();
+    while (!shown.empty() && (static_cast<unsigned char>(text[shown.size()]) & 0xC0) == 0x80)
+      shown.pop_back();
   }
   for (char& c : shown) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
   }
-  return text.size() > kShown ? fmt::format("'{}...' ({} characters)", shown, text.size()) : fmt::format("'{}'", shown);
+  return text.size() > kShown ? fmt::format("'{}...' ({} characters)", shown, text.size())
+                              : fmt::format("'{}'", shown);
 }
 
 std::string listed(const std::vector<std::string>& items, std::size_t most) {
@@ -133,9 +136,11 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& ca
     }
   }
   if (close.empty()) return "known: " + listed(candidates);
-  std::stable_sort(close.begin(), close.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(close.begin(), close.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::string out = "did you mean ";
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, close.size()) && close[i].first == close[0].first; ++i) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, close.size()) && close[i].first == close[0].first;
+       ++i) {
     if (i > 0) out += " or ";
     out += in_quotes(close[i].second);
   }
@@ -150,7 +155,8 @@ NumberText parse_number(std::string_view text, double& value) {
   const char* end = begin + text.size();
   if (*begin == '+' && text.size() > 1 && begin[1] != '-') ++begin;
   const auto [stop, status] = fast_float::from_chars(begin, end, value);
-  if (status == std::errc::result_out_of_range && stop == end) return NumberText::kNumber;  // infinity or zero
+  if (status == std::errc::result_out_of_range && stop == end)
+    return NumberText::kNumber;  // infinity or zero
   return status == std::errc() && stop == end ? NumberText::kNumber : NumberText::kNotNumber;
 }
 
@@ -167,7 +173,9 @@ bool parse_integer(std::string_view text, std::int64_t& value) {
   }
   double number = 0.0;
   constexpr double kExact = 9007199254740992.0;  // 2^53: whole numbers beyond it are not exact
-  if (parse_number(text, number) != NumberText::kNumber || number != std::floor(number) || std::abs(number) > kExact) return false;
+  if (parse_number(text, number) != NumberText::kNumber || number != std::floor(number) ||
+      std::abs(number) > kExact)
+    return false;
   value = static_cast<std::int64_t>(number);
   return true;
 }
@@ -179,7 +187,9 @@ TextPosition position_of(std::string_view text, std::size_t offset) {
           static_cast<int>(1 + before.size() - (newline == std::string_view::npos ? 0 : newline + 1))};
 }
 
-std::string_view without_bom(std::string_view text) { return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text; }
+std::string_view without_bom(std::string_view text) {
+  return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
+}
 
 bool is_utf8(std::string_view text) { return find_invalid(text) == text.size(); }
 
@@ -188,14 +198,15 @@ Result<void> check_utf8(std::string_view text, const std::string& file) {
   if (offset == text.size()) return {};
   const TextPosition at = position_of(text, offset);
   const bool utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
-  return fail({.file = file,
-               .line = at.line,
-               .column = at.column,
-               .found = utf16 ? "the file is UTF-16"
-                              : fmt::format("byte 0x{:02X} is not text; this looks like a binary or a damaged file",
-                                            static_cast<unsigned char>(text[offset])),
-               .expected = "UTF-8 text",
-               .advice = utf16 ? "save it as UTF-8" : ""});
+  return fail(
+      {.file = file,
+       .line = at.line,
+       .column = at.column,
+       .found = utf16 ? "the file is UTF-16"
+                      : fmt::format("byte 0x{:02X} is not text; this looks like a binary or a damaged file",
+                                    static_cast<unsigned char>(text[offset])),
+       .expected = "UTF-8 text",
+       .advice = utf16 ? "save it as UTF-8" : ""});
 }
 
 }  // namespace octant::io

@@ -12,11 +12,12 @@
 
 namespace octant::io {
 
-/// Text as it may stand in a message: in single quotes, control characters replaced, cut after some 40 characters.
+/// Text as it may stand in a message: in single quotes, control characters replaced, cut after some 40
+/// characters.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-/// "; did you mean ..."-material: what of the candidates the name may have meant, as a sentence: "did you mean 'B9' or 'B10'?",
-/// otherwise "known: B0, B1, ... (12 in all)", otherwise empty.
+/// "; did you mean ..."-material: what of the candidates the name may have meant, as a sentence: "did you
+/// mean 'B9' or 'B10'?", otherwise "known: B0, B1, ... (12 in all)", otherwise empty.
 [[nodiscard]] std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
 
 /// "a, b, c" of at most `most` items, with "... (n in all)" behind.
@@ -26,7 +27,8 @@ namespace octant::io {
 [[nodiscard]] std::string exact(double value);
 
 enum class NumberText { kNumber, kEmpty, kNotNumber };
-/// Whole text as a decimal number ("nan" and "inf" are numbers too); a leading '+' is allowed, hexadecimal is not.
+/// Whole text as a decimal number ("nan" and "inf" are numbers too); a leading '+' is allowed, hexadecimal is
+/// not.
 [[nodiscard]] NumberText parse_number(std::string_view text, double& value);
 
 /// Whole text as a whole number; "7.0" counts as one. Beyond 2^53 only where there are digits alone.

@@ -77,29 +77,42 @@ void YamlLog::fail(const YAML::Node& where, std::string found, std::string expec
 
 void YamlLog::warn(const YAML::Node& where, const std::string& text) {
   const int line = line_of(where);
-  warnings.push_back(line > 0 ? fmt::format("{}:{}: {}", file, line, text) : fmt::format("{}: {}", file, text));
+  warnings.push_back(line > 0 ? fmt::format("{}:{}: {}", file, line, text)
+                              : fmt::format("{}: {}", file, text));
 }
 
 int line_of(const YAML::Node& node) { return node.IsDefined() ? node.Mark().line + 1 : 0; }
 
 Result<YAML::Node> parse_yaml(std::string_view text, const std::string& file) {
   if (text.size() > kLargestYaml) {
-    return fail({.file = file, .found = fmt::format("{} bytes", text.size()), .expected = "a YAML file of less than 64 MB"});
+    return fail({.file = file,
+                 .found = fmt::format("{} bytes", text.size()),
+                 .expected = "a YAML file of less than 64 MB"});
   }
   if (auto ok = check_utf8(text, file); !ok) return fail(ok.error());
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(without_bom(text)));
-    if (documents.empty() || documents.front().IsNull()) return fail({.file = file, .found = "the file is empty"});
+    if (documents.empty() || documents.front().IsNull())
+      return fail({.file = file, .found = "the file is empty"});
     if (documents.size() > 1) {
-      return fail({.file = file, .line = line_of(documents[1]), .found = "a second document", .expected = "one YAML document"});
+      return fail({.file = file,
+                   .line = line_of(documents[1]),
+                   .found = "a second document",
+                   .expected = "one YAML document"});
     }
     return documents.front();
   } catch (const YAML::DeepRecursion& e) {
-    return fail(
-        {.file = file, .line = e.mark.line + 1, .found = "brackets or indentation hundreds of levels deep", .expected = "a few"});
+    return fail({.file = file,
+                 .line = e.mark.line + 1,
+                 .found = "brackets or indentation hundreds of levels deep",
+                 .expected = "a few"});
   } catch (const YAML::Exception& e) {
     if (const int line = tab_in_indentation(text, e.mark.line + 1); line > 0)
-      return fail({.file = file, .line = line, .column = 1, .found = "not YAML: a tab in the indentation", .expected = "blanks: YAML is not indented by tabs",
+      return fail({.file = file,
+                   .line = line,
+                   .column = 1,
+                   .found = "not YAML: a tab in the indentation",
+                   .expected = "blanks: YAML is not indented by tabs",
                    .advice = "have the editor replace tabs by blanks"});
     return fail({.file = file,
                  .line = e.mark.line + 1,
@@ -111,16 +124,18 @@ Result<YAML::Node> parse_yaml(std::string_view text, const std::string& file) {
   }
 }
 
-double number_of(const YAML::Node& node, const std::string& name, YamlLog& log, NumberRange range, double fallback) {
+double number_of(const YAML::Node& node, const std::string& name, YamlLog& log, NumberRange range,
+                 double fallback) {
   double value = 0.0;
   if (!is_number(node, value)) {
     const bool is_text = node.IsScalar() && is_quoted(node);
-    log.fail(node, fmt::format("{} is {}{}", name, yaml_kind_of(node), is_text ? " in quotes" : ""), range.words,
-             is_text ? "leave the quotes out" : "");
+    log.fail(node, fmt::format("{} is {}{}", name, yaml_kind_of(node), is_text ? " in quotes" : ""),
+             range.words, is_text ? "leave the quotes out" : "");
     return fallback;
   }
   if (!std::isfinite(value)) {
-    log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)), std::string(range.words) + ", and a finite one");
+    log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)),
+             std::string(range.words) + ", and a finite one");
     return fallback;
   }
   if (value < range.low || value > range.high || (range.low_excluded && value == range.low)) {
@@ -130,10 +145,12 @@ double number_of(const YAML::Node& node, const std::string& name, YamlLog& log, 
   return value;
 }
 
-int integer_of(const YAML::Node& node, const std::string& name, YamlLog& log, int low, int high, int fallback) {
+int integer_of(const YAML::Node& node, const std::string& name, YamlLog& log, int low, int high,
+               int fallback) {
   double value = 0.0;
   if (!is_number(node, value) || value != std::floor(value) || value < low || value > high) {
-    log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)), fmt::format("a whole number from {} to {}", low, high));
+    log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)),
+             fmt::format("a whole number from {} to {}", low, high));
     return fallback;
   }
   return static_cast<int>(value);
@@ -153,7 +170,8 @@ std::string text_of(const YAML::Node& node, const std::string& name, YamlLog& lo
   return "";
 }
 
-std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name, YamlLog& log, std::size_t size) {
+std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+                                std::size_t size) {
   const std::string expected = size > 0 ? fmt::format("a list of {}", size) : "a list";
   if (!node.IsSequence()) {
     log.fail(node, fmt::format("{} is {}", name, yaml_kind_of(node)), expected);
@@ -166,8 +184,8 @@ std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name,
   return {node.begin(), node.end()};
 }
 
-std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, YamlLog& log, std::size_t size,
-                               NumberRange range) {
+std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+                               std::size_t size, NumberRange range) {
   std::vector<double> values;
   for (const YAML::Node& item : list_of(node, name, log, size)) {
     values.push_back(number_of(item, fmt::format("{}[{}]", name, values.size()), log, range));
@@ -176,10 +194,12 @@ std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, 
   return values;
 }
 
-YamlMap::YamlMap(const YAML::Node& node, std::string name, YamlLog& log) : node_(node), name_(std::move(name)), log_(log) {
+YamlMap::YamlMap(const YAML::Node& node, std::string name, YamlLog& log)
+    : node_(node), name_(std::move(name)), log_(log) {
   if (!node_.IsDefined()) return;
   if (!node_.IsMap()) {
-    log_.fail(node_, fmt::format("{} is {}", name_.empty() ? "the file's content" : name_, yaml_kind_of(node_)),
+    log_.fail(node_,
+              fmt::format("{} is {}", name_.empty() ? "the file's content" : name_, yaml_kind_of(node_)),
               "a mapping (key: value)");
     return;
   }
@@ -194,7 +214,8 @@ YamlMap::YamlMap(const YAML::Node& node, std::string name, YamlLog& log) : node_
       return;
     }
     if (find(item.first.Scalar()) != nullptr) {
-      log_.fail(item.first, fmt::format("{} is given twice", in_quotes(path(item.first.Scalar()))), "each key once");
+      log_.fail(item.first, fmt::format("{} is given twice", in_quotes(path(item.first.Scalar()))),
+                "each key once");
       return;
     }
     entries_.push_back({item.first.Scalar(), item.first, item.second});
@@ -288,7 +309,8 @@ std::vector<double> YamlMap::numbers(std::string_view key, std::size_t size, Num
 
 void YamlMap::fail(std::string_view key, std::string found, std::string expected, std::string advice) {
   const Entry* entry = find(key);
-  log_.fail(entry != nullptr ? entry->value : node_, std::move(found), std::move(expected), std::move(advice));
+  log_.fail(entry != nullptr ? entry->value : node_, std::move(found), std::move(expected),
+            std::move(advice));
 }
 
 void YamlMap::fail_missing(std::string_view key, const std::string& expected) {
@@ -312,7 +334,8 @@ void YamlMap::finish() {
     const std::string hint = suggestion(entry.key, asked_);
     // What looks like a place in another spelling would be lost; without it the file means something else.
     if (hint == "did you mean 'position_m'?" && !has("position_m")) {
-      log_.fail(entry.key_node, fmt::format("unknown key {}", in_quotes(path(entry.key))), "position_m for a place", hint);
+      log_.fail(entry.key_node, fmt::format("unknown key {}", in_quotes(path(entry.key))),
+                "position_m for a place", hint);
       continue;
     }
     log_.warn(entry.key_node, fmt::format("unknown key {} is ignored; {}", in_quotes(path(entry.key)), hint));
@@ -322,14 +345,16 @@ void YamlMap::finish() {
 void YamlMap::fail_choice(const YAML::Node& node, const std::string& name, const std::string& word,
                           const std::vector<std::string>& words, YamlLog& log) {
   const std::string hint = suggestion(word, words);
-  log.fail(node, fmt::format("{} is {}", name, in_quotes(word)), "one of " + listed(words), hint.starts_with("did") ? hint : "");
+  log.fail(node, fmt::format("{} is {}", name, in_quotes(word)), "one of " + listed(words),
+           hint.starts_with("did") ? hint : "");
 }
 
 void check_version(YamlMap& root, std::string_view version_key, YamlLog& log) {
   const YAML::Node node = root.get(version_key);
   const std::string expected = fmt::format("{}: 1", version_key);
   if (!node.IsDefined()) {
-    log.fail(root.node(), fmt::format("{} is missing", in_quotes(version_key)), expected, "write it in the first line");
+    log.fail(root.node(), fmt::format("{} is missing", in_quotes(version_key)), expected,
+             "write it in the first line");
   } else if (!node.IsScalar() || node.Scalar() != "1") {
     log.fail(node, fmt::format("version {} of the format", yaml_kind_of(node)), expected,
              "a newer version needs a newer octant; see octant schema");

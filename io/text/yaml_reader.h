@@ -13,13 +13,13 @@
 #include <yaml-cpp/yaml.h>
 
 #include "io/text/text.h"
-#include "models/support/result.h"
 #include "models/site.h"
+#include "models/support/result.h"
 
 namespace octant::io {
 
-/// What reading one YAML file has come to. The first error sticks: getters go on with fallback values, and the caller looks at
-/// `error` once, at the end. So readers stay a list of keys.
+/// What reading one YAML file has come to. The first error sticks: getters go on with fallback values, and
+/// the caller looks at `error` once, at the end. So readers stay a list of keys.
 struct YamlLog {
   std::string file;
   std::optional<Error> error;
@@ -33,7 +33,8 @@ struct YamlLog {
 /// Line of a node, from 1; 0 if it has none.
 [[nodiscard]] int line_of(const YAML::Node& node);
 
-/// One YAML document. Errors: not UTF-8, not YAML, nested too deeply, empty, more than one document; all with line and column.
+/// One YAML document. Errors: not UTF-8, not YAML, nested too deeply, empty, more than one document; all with
+/// line and column.
 [[nodiscard]] Result<YAML::Node> parse_yaml(std::string_view text, const std::string& file);
 
 /// Values a number may take; `words` names them in messages ("a positive number").
@@ -46,32 +47,36 @@ struct NumberRange {
 inline constexpr NumberRange kAnyNumber{};
 inline constexpr NumberRange kPositive{.low = 0.0, .low_excluded = true, .words = "a positive number"};
 inline constexpr NumberRange kNotNegative{.low = 0.0, .words = "zero or a positive number"};
-inline constexpr NumberRange kHalfPowerAngle{.low = kLeastHalfPowerAngle_rad, .high = kMostHalfPowerAngle_rad,
-                                             .words = "an angle off the axis from 0.02 to 2.8 rad (half of the beam width at -3 dB)"};
+inline constexpr NumberRange kHalfPowerAngle{
+    .low = kLeastHalfPowerAngle_rad,
+    .high = kMostHalfPowerAngle_rad,
+    .words = "an angle off the axis from 0.02 to 2.8 rad (half of the beam width at -3 dB)"};
 inline constexpr NumberRange kFraction{.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1"};
 
-// Values of a node. `name` is its path in messages, e.g. "medium.sigma_mps". On failure they log and return the fallback.
-[[nodiscard]] double number_of(const YAML::Node& node, const std::string& name, YamlLog& log, NumberRange range = kAnyNumber,
-                               double fallback = 0.0);
-[[nodiscard]] int integer_of(const YAML::Node& node, const std::string& name, YamlLog& log, int low, int high, int fallback = 0);
-[[nodiscard]] bool boolean_of(const YAML::Node& node, const std::string& name, YamlLog& log, bool fallback = false);
+// Values of a node. `name` is its path in messages, e.g. "medium.sigma_mps". On failure they log and return
+// the fallback.
+[[nodiscard]] double number_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+                               NumberRange range = kAnyNumber, double fallback = 0.0);
+[[nodiscard]] int integer_of(const YAML::Node& node, const std::string& name, YamlLog& log, int low, int high,
+                             int fallback = 0);
+[[nodiscard]] bool boolean_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+                              bool fallback = false);
 /// Any scalar but null, as it is written.
 [[nodiscard]] std::string text_of(const YAML::Node& node, const std::string& name, YamlLog& log);
 /// Items of a list; size 0: any number of them.
 [[nodiscard]] std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name, YamlLog& log,
                                               std::size_t size = 0);
-[[nodiscard]] std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, YamlLog& log, std::size_t size = 0,
-                                             NumberRange range = kAnyNumber);
+[[nodiscard]] std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+                                             std::size_t size = 0, NumberRange range = kAnyNumber);
 
 /// A mapping and its keys. Each getter marks its key as known; finish() warns about the others.
 /// A key whose value is null counts as absent for blocks and lists; a scalar with a null value is an error.
 /// @code
-///   YamlMap path(root.block("path"), "path", log);       // undefined node where the block is absent: all getters fall back
-///   scenario.path.epochs = path.integer("epochs", 120, 1, 10'000'000);
+///   YamlMap path(root.block("path"), "path", log);       // undefined node where the block is absent: all
+///   getters fall back scenario.path.epochs = path.integer("epochs", 120, 1, 10'000'000);
 ///   scenario.path.speed_mps = path.number("speed_mps", 0.6, kPositive);
-///   scenario.path.kind = path.choice<PathKind>("kind", {{"stops", PathKind::kStops}, ...}, PathKind::kStops);
-///   path.finish();
-///   if (log.error) return fail(*log.error);
+///   scenario.path.kind = path.choice<PathKind>("kind", {{"stops", PathKind::kStops}, ...},
+///   PathKind::kStops); path.finish(); if (log.error) return fail(*log.error);
 /// @endcode
 class YamlMap {
  public:
@@ -107,8 +112,9 @@ class YamlMap {
     return choice_of(node, path(key), choices, fallback, log_);
   }
   template <class Enum>
-  static Enum choice_of(const YAML::Node& node, const std::string& name, const std::vector<std::pair<std::string, Enum>>& choices,
-                        Enum fallback, YamlLog& log) {
+  static Enum choice_of(const YAML::Node& node, const std::string& name,
+                        const std::vector<std::pair<std::string, Enum>>& choices, Enum fallback,
+                        YamlLog& log) {
     const std::string word = text_of(node, name, log);
     std::vector<std::string> words;
     for (const auto& [spelling, value] : choices) {
@@ -147,8 +153,9 @@ class YamlMap {
 /// The `version_key: 1` at the head of a file. Errors: missing, or another version, with the line.
 void check_version(YamlMap& root, std::string_view version_key, YamlLog& log);
 
-/// A site from the content of a site file, or from the `site:` block of another file (then octant_site may be left out).
-/// Warnings are in Site::warnings, lines are those of `file`.
-[[nodiscard]] Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, bool version_required = true);
+/// A site from the content of a site file, or from the `site:` block of another file (then octant_site may be
+/// left out). Warnings are in Site::warnings, lines are those of `file`.
+[[nodiscard]] Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file,
+                                          bool version_required = true);
 
 }  // namespace octant::io

@@ -12,7 +12,8 @@ namespace {
 
 bool is_plain_scalar(std::string_view text) {
   double value = 0.0;
-  if (text.empty() || !std::isalpha(static_cast<unsigned char>(text[0])) || parse_number(text, value) == NumberText::kNumber)
+  if (text.empty() || !std::isalpha(static_cast<unsigned char>(text[0])) ||
+      parse_number(text, value) == NumberText::kNumber)
     return false;
   if (!std::all_of(text.begin(), text.end(),
                    [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; })) {

@@ -28,11 +28,17 @@ bool NameLookup::beacon(CsvReader& csv, int column, BeaconId& id) const {
   const std::string_view name = csv.field(column);
   id = beacon(name);
   if (id.valid()) return true;
-  if (name.empty()) return csv.fail_at(column, csv.header()[static_cast<std::size_t>(column)] + " is empty", "a beacon's id");
+  if (name.empty())
+    return csv.fail_at(column, csv.header()[static_cast<std::size_t>(column)] + " is empty", "a beacon's id");
   const std::string others = other_unknown_beacons(csv, column);
   const std::string hint = suggestion(name, names_.beacons);
-  return csv.fail_at(column, fmt::format("beacon {} is not in the site{}", in_quotes(name), others), "a beacon's id",
-                     hint + (hint.empty() ? "" : hint.ends_with('?') ? " Or " : "; or ") + "add it to the site's beacons");
+  return csv.fail_at(column, fmt::format("beacon {} is not in the site{}", in_quotes(name), others),
+                     "a beacon's id",
+                     hint +
+                         (hint.empty()          ? ""
+                          : hint.ends_with('?') ? " Or "
+                                                : "; or ") +
+                         "add it to the site's beacons");
 }
 
 /// The other names of the column that the site does not have, so that all can be mended at once.
@@ -43,10 +49,14 @@ std::string NameLookup::other_unknown_beacons(const CsvReader& csv, int column) 
   std::vector<std::string> unknown;
   while (unknown.size() <= kMost && rest.next_row()) {
     const std::string name(rest.field(column));
-    if (name.empty() || name == first || beacon(name).valid() || std::find(unknown.begin(), unknown.end(), name) != unknown.end()) continue;
+    if (name.empty() || name == first || beacon(name).valid() ||
+        std::find(unknown.begin(), unknown.end(), name) != unknown.end())
+      continue;
     unknown.push_back(name);
   }
-  return unknown.empty() ? "" : fmt::format(", nor {} {}", unknown.size() == 1 ? "is" : "are", listed(unknown, kMost));
+  return unknown.empty()
+             ? ""
+             : fmt::format(", nor {} {}", unknown.size() == 1 ? "is" : "are", listed(unknown, kMost));
 }
 
 bool NameLookup::vehicle(CsvReader& csv, int column, VehicleId& id) const {
@@ -54,7 +64,8 @@ bool NameLookup::vehicle(CsvReader& csv, int column, VehicleId& id) const {
   id = vehicle(name);
   if (id.valid()) return true;
   if (name.empty()) {
-    return csv.fail_at(column, fmt::format("the row names no vehicle, and the site has {}", names_.vehicles.size()),
+    return csv.fail_at(column,
+                       fmt::format("the row names no vehicle, and the site has {}", names_.vehicles.size()),
                        "a vehicle's id", "add a column 'vehicle', or 'vehicle: ...' in run.yaml");
   }
   return csv.fail_at(column, fmt::format("vehicle {} is not in the site", in_quotes(name)), "a vehicle's id",
@@ -68,15 +79,18 @@ bool NameLookup::receiver(CsvReader& csv, int column, VehicleId vehicle, Receive
   const std::string on = in_quotes(names_.vehicles[vehicle.index()]);
   if (name.empty()) {
     const bool none = receivers_[vehicle.index()].ids.empty();
-    return csv.fail_at(column, fmt::format("the row names no receiver, and vehicle {} has {}", on, receivers_[vehicle.index()].ids.size()),
-                       "a receiver's id", none ? "list its receivers in the site file" : "add a column 'receiver'");
+    return csv.fail_at(column,
+                       fmt::format("the row names no receiver, and vehicle {} has {}", on,
+                                   receivers_[vehicle.index()].ids.size()),
+                       "a receiver's id",
+                       none ? "list its receivers in the site file" : "add a column 'receiver'");
   }
   std::vector<std::string> candidates;
   for (const auto& r : names_.receivers) {
     if (r.vehicle == vehicle) candidates.push_back(r.name);
   }
-  return csv.fail_at(column, fmt::format("receiver {} is not on vehicle {}", in_quotes(name), on), "a receiver's id",
-                     suggestion(name, candidates));
+  return csv.fail_at(column, fmt::format("receiver {} is not on vehicle {}", in_quotes(name), on),
+                     "a receiver's id", suggestion(name, candidates));
 }
 
 }  // namespace octant::io

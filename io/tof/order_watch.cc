@@ -20,13 +20,17 @@ void NumberSet::insert(std::int64_t number) {
 
 bool NumberSet::contains(std::int64_t number) const {
   if (intervals_.empty() || number > intervals_.back().second) return false;
-  const auto after = std::upper_bound(intervals_.begin(), intervals_.end(), number,
-                                      [](std::int64_t n, const auto& interval) { return n < interval.first; });
+  const auto after =
+      std::upper_bound(intervals_.begin(), intervals_.end(), number,
+                       [](std::int64_t n, const auto& interval) { return n < interval.first; });
   return (after != intervals_.begin() && number <= std::prev(after)->second) || others_.contains(number);
 }
 
 OrderWatch::OrderWatch(std::size_t vehicles, int time_column, int epoch_column)
-    : time_column_(time_column), epoch_column_(epoch_column), current_(vehicles, kNoEpoch), finished_(vehicles) {}
+    : time_column_(time_column),
+      epoch_column_(epoch_column),
+      current_(vehicles, kNoEpoch),
+      finished_(vehicles) {}
 
 bool OrderWatch::begin_epoch(VehicleId vehicle, std::int64_t epoch) {
   NumberSet& finished = finished_[vehicle.index()];
@@ -39,14 +43,16 @@ bool OrderWatch::begin_epoch(VehicleId vehicle, std::int64_t epoch) {
 
 bool OrderWatch::time(CsvReader& csv, double time_s) {
   if (advance_time(time_s)) return true;
-  return csv.fail_at(time_column_, fmt::format("time_s goes back from {} to {}", exact(last_time_s_), exact(time_s)),
+  return csv.fail_at(time_column_,
+                     fmt::format("time_s goes back from {} to {}", exact(last_time_s_), exact(time_s)),
                      "times that do not decrease", "sort the rows by time_s");
 }
 
 bool OrderWatch::epoch(CsvReader& csv, VehicleId vehicle, std::int64_t epoch) {
   if (advance_epoch(vehicle, epoch)) return true;
-  return csv.fail_at(epoch_column_, fmt::format("epoch {} comes back after epoch {}", epoch, current_[vehicle.index()]),
-                     "the rows of an epoch in one block", "give each stop of the vehicle a number of its own");
+  return csv.fail_at(
+      epoch_column_, fmt::format("epoch {} comes back after epoch {}", epoch, current_[vehicle.index()]),
+      "the rows of an epoch in one block", "give each stop of the vehicle a number of its own");
 }
 
 }  // namespace octant::io

@@ -9,7 +9,11 @@
 namespace octant::io {
 
 OrderedWork::OrderedWork(std::size_t tasks, int threads, Task task, std::function<void()> beside)
-    : tasks_(tasks), slots_(slots(threads)), task_(std::move(task)), beside_(std::move(beside)), done_(slots_, 0) {
+    : tasks_(tasks),
+      slots_(slots(threads)),
+      task_(std::move(task)),
+      beside_(std::move(beside)),
+      done_(slots_, 0) {
   const std::size_t useful = std::min(slots_, tasks + (beside_ ? 1 : 0));
   const std::size_t wanted = std::min<std::size_t>(static_cast<std::size_t>(std::max(1, threads)), useful);
   try {

@@ -13,8 +13,9 @@
 
 namespace octant::io {
 
-/// Does tasks 0, 1, ... on several threads and hands their results over in that order. There are a few slots for results, so
-/// that work is never far ahead of whoever takes them. The caller's own thread is one of the threads: while it waits, it works.
+/// Does tasks 0, 1, ... on several threads and hands their results over in that order. There are a few slots
+/// for results, so that work is never far ahead of whoever takes them. The caller's own thread is one of the
+/// threads: while it waits, it works.
 ///   OrderedWork work(tasks, threads, [&](std::size_t task, std::size_t slot) { ... });
 ///   while (work.wait()) { ... work.slot() ...; work.release(); }
 /// What a task throws, wait() throws.
@@ -28,7 +29,9 @@ class OrderedWork {
   OrderedWork(const OrderedWork&) = delete;
   OrderedWork& operator=(const OrderedWork&) = delete;
 
-  [[nodiscard]] static std::size_t slots(int threads) { return threads > 1 ? 2 * static_cast<std::size_t>(threads) : 1; }
+  [[nodiscard]] static std::size_t slots(int threads) {
+    return threads > 1 ? 2 * static_cast<std::size_t>(threads) : 1;
+  }
   /// Waits until the next task in order is done; false after the last.
   [[nodiscard]] bool wait();
   [[nodiscard]] std::size_t slot() const { return taken_ % slots_; }

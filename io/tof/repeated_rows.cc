@@ -32,15 +32,17 @@ std::vector<int> RepeatedRows::drop(std::vector<Arrival>& all, std::size_t first
   std::vector<int> lines;
   std::size_t kept = first;     // end of what stays
   std::size_t of_time = first;  // where the rows of the present time begin among what stays
-  std::multiset<Arrival, decltype(&comes_before)> many(&comes_before);  // the same rows, where there are many of one time
+  std::multiset<Arrival, decltype(&comes_before)> many(
+      &comes_before);  // the same rows, where there are many of one time
   const auto repeats = [&](const Arrival& a) {
     const auto is_it = [&a](const Arrival& b) { return same_but_line(a, b); };
     if (std::any_of(latest_.begin(), latest_.end(), is_it)) return true;
     if (kept - of_time <= kFew)
-      return std::any_of(all.begin() + static_cast<std::ptrdiff_t>(of_time), all.begin() + static_cast<std::ptrdiff_t>(kept),
-                         is_it);
+      return std::any_of(all.begin() + static_cast<std::ptrdiff_t>(of_time),
+                         all.begin() + static_cast<std::ptrdiff_t>(kept), is_it);
     if (many.empty())
-      many.insert(all.begin() + static_cast<std::ptrdiff_t>(of_time), all.begin() + static_cast<std::ptrdiff_t>(kept));
+      many.insert(all.begin() + static_cast<std::ptrdiff_t>(of_time),
+                  all.begin() + static_cast<std::ptrdiff_t>(kept));
     const auto [low, high] = many.equal_range(a);
     return std::any_of(low, high, is_it);
   };

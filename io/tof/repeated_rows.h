@@ -10,11 +10,12 @@
 
 namespace octant::io {
 
-/// Drops arrivals that repeat another one of the same time in everything but their line: a row that is written twice is one
-/// measurement. Follows the rows in the order of the file, which is that of their times.
+/// Drops arrivals that repeat another one of the same time in everything but their line: a row that is
+/// written twice is one measurement. Follows the rows in the order of the file, which is that of their times.
 class RepeatedRows {
  public:
-  /// Looks at the arrivals from `first` on, which follow those of the call before, and removes the repeated ones.
+  /// Looks at the arrivals from `first` on, which follow those of the call before, and removes the repeated
+  /// ones.
   /// @return  lines of those removed
   [[nodiscard]] std::vector<int> drop(std::vector<Arrival>& all, std::size_t first);
 

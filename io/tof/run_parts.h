@@ -10,9 +10,9 @@
 
 #include "io/text/csv.h"
 #include "io/text/name_index.h"
-#include "models/support/result.h"
 #include "models/run.h"
 #include "models/site.h"
+#include "models/support/result.h"
 
 namespace octant::io {
 
@@ -21,7 +21,8 @@ class NameLookup {
  public:
   explicit NameLookup(const NameTable& names);
 
-  /// Vehicle of rows that name none: run.yaml's, else "robot", else the only one; not valid() if there are several.
+  /// Vehicle of rows that name none: run.yaml's, else "robot", else the only one; not valid() if there are
+  /// several.
   VehicleId default_vehicle;
 
   // Not valid() if unknown; an empty name stands for the default, or for the only one.
@@ -62,18 +63,22 @@ struct RunHeader {
 };
 
 // Each adds to the log; `text` is the content of `file`.
-[[nodiscard]] Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file, MeasurementLog& log);
-[[nodiscard]] Result<void> parse_bearings(std::string_view text, const std::string& file, const NameLookup& names,
-                                          MeasurementLog& log);
-[[nodiscard]] Result<void> parse_odometry(std::string_view text, const std::string& file, const NameLookup& names,
-                                          MeasurementLog& log);
-[[nodiscard]] Result<void> parse_scans(std::string_view text, const std::string& file, double range_max_m, MeasurementLog& log);
+[[nodiscard]] Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file,
+                                               MeasurementLog& log);
+[[nodiscard]] Result<void> parse_bearings(std::string_view text, const std::string& file,
+                                          const NameLookup& names, MeasurementLog& log);
+[[nodiscard]] Result<void> parse_odometry(std::string_view text, const std::string& file,
+                                          const NameLookup& names, MeasurementLog& log);
+[[nodiscard]] Result<void> parse_scans(std::string_view text, const std::string& file, double range_max_m,
+                                       MeasurementLog& log);
 
-/// Poses measured by hand, one an epoch (points.csv, truth.csv): the same pose at the epoch's first and last instant, in the order
-/// of time; to be interpolated over no more than an epoch, which is what `accuracy` says then. Its sigmas are those of the rows, where
-/// they have some. Needs the log's arrivals and bearings. Errors: those of the rows; a run without epochs.
-[[nodiscard]] Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::string& file, const NameLookup& names,
-                                                          MeasurementLog& log, PoseAccuracy& accuracy);
+/// Poses measured by hand, one an epoch (points.csv, truth.csv): the same pose at the epoch's first and last
+/// instant, in the order of time; to be interpolated over no more than an epoch, which is what `accuracy`
+/// says then. Its sigmas are those of the rows, where they have some. Needs the log's arrivals and bearings.
+/// Errors: those of the rows; a run without epochs.
+[[nodiscard]] Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::string& file,
+                                                          const NameLookup& names, MeasurementLog& log,
+                                                          PoseAccuracy& accuracy);
 
 // The texts that write_run writes.
 [[nodiscard]] std::string run_to_yaml(const MeasurementLog& log, const NameTable& names);

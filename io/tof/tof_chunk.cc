@@ -31,7 +31,8 @@ struct TofChunkParser::Cursor {
   const char* point;           // its first one, or its end
   const char* end;             // the comma or newline behind it
 
-  /// The cell that begins behind the last one's end. The chunk's last mark is a newline, so that it is safe while *end is none.
+  /// The cell that begins behind the last one's end. The chunk's last mark is a newline, so that it is safe
+  /// while *end is none.
   void next() {
     begin = end + 1;
     point = end = text + *marks++;
@@ -39,7 +40,8 @@ struct TofChunkParser::Cursor {
   }
   [[nodiscard]] std::string_view cell() const {
     // No blank is above a space, and hardly anything else is not.
-    const bool plain = begin != end && static_cast<unsigned char>(*begin) > ' ' && static_cast<unsigned char>(end[-1]) > ' ';
+    const bool plain =
+        begin != end && static_cast<unsigned char>(*begin) > ' ' && static_cast<unsigned char>(end[-1]) > ' ';
     return plain ? std::string_view(begin, static_cast<std::size_t>(end - begin)) : trimmed(begin, end);
   }
   /// Without the carriage return before a newline.
@@ -50,8 +52,12 @@ struct TofChunkParser::Cursor {
   [[nodiscard]] bool blank() const { return cell().empty(); }
 
   /// Any number, empty and nan (value NaN) included.
-  [[gnu::always_inline]] bool number(double& value) const { return read_plain_number(begin, point, end, value) || read_odd_number(cell(), value); }
-  [[nodiscard]] bool integer(std::int64_t& value) const { return read_plain_integer(begin, end, value) || parse_integer(cell(), value); }
+  [[gnu::always_inline]] bool number(double& value) const {
+    return read_plain_number(begin, point, end, value) || read_odd_number(cell(), value);
+  }
+  [[nodiscard]] bool integer(std::int64_t& value) const {
+    return read_plain_integer(begin, end, value) || parse_integer(cell(), value);
+  }
 };
 
 struct TofChunkParser::Row {
@@ -61,12 +67,21 @@ struct TofChunkParser::Row {
   bool level_ok = true;  // asked for only where there is no amplitude
 };
 
-TofChunkParser::TofChunkParser(std::size_t columns_in_file, const TofColumns& columns, const NameLookup& names, Clock clock)
-    : cells_(columns_in_file, Cell::kIgnored), names_(&names), clock_(clock), has_epoch_(columns.epoch >= 0), has_level_(columns.level >= 0) {
-  const std::pair<int, Cell> known[] = {{columns.time, Cell::kTime},         {columns.beacon, Cell::kBeacon},
-                                        {columns.tof, Cell::kTof},           {columns.epoch, Cell::kEpoch},
-                                        {columns.vehicle, Cell::kVehicle},   {columns.receiver, Cell::kReceiver},
-                                        {columns.amplitude, Cell::kAmplitude}, {columns.level, Cell::kLevel},
+TofChunkParser::TofChunkParser(std::size_t columns_in_file, const TofColumns& columns,
+                               const NameLookup& names, Clock clock)
+    : cells_(columns_in_file, Cell::kIgnored),
+      names_(&names),
+      clock_(clock),
+      has_epoch_(columns.epoch >= 0),
+      has_level_(columns.level >= 0) {
+  const std::pair<int, Cell> known[] = {{columns.time, Cell::kTime},
+                                        {columns.beacon, Cell::kBeacon},
+                                        {columns.tof, Cell::kTof},
+                                        {columns.epoch, Cell::kEpoch},
+                                        {columns.vehicle, Cell::kVehicle},
+                                        {columns.receiver, Cell::kReceiver},
+                                        {columns.amplitude, Cell::kAmplitude},
+                                        {columns.level, Cell::kLevel},
                                         {columns.temperature, Cell::kTemperature}};
   for (const auto& [column, cell] : known) {
     if (column >= 0) cells_[static_cast<std::size_t>(column)] = cell;
@@ -95,18 +110,22 @@ TofChunkParser::TofChunkParser(std::size_t columns_in_file, const TofColumns& co
   return settle(row, arrival, out);
 }
 
-[[gnu::always_inline]] inline bool TofChunkParser::read_cell(Cell cell, const Cursor& cursor, Row& row, Arrival& arrival) const {
+[[gnu::always_inline]] inline bool TofChunkParser::read_cell(Cell cell, const Cursor& cursor, Row& row,
+                                                             Arrival& arrival) const {
   switch (cell) {
     case Cell::kIgnored: return true;
     case Cell::kTime: return cursor.number(arrival.time_s) && std::isfinite(arrival.time_s);
     case Cell::kBeacon: row.beacon = cursor.cell(); return true;
-    case Cell::kTof: row.tof = {cursor.begin, static_cast<std::size_t>(cursor.end - cursor.begin)}; return cursor.number(arrival.tof_s);
+    case Cell::kTof:
+      row.tof = {cursor.begin, static_cast<std::size_t>(cursor.end - cursor.begin)};
+      return cursor.number(arrival.tof_s);
     case Cell::kEpoch: return cursor.integer(arrival.epoch);
     case Cell::kVehicle: row.vehicle = cursor.cell(); return true;
     case Cell::kReceiver: row.receiver = cursor.cell(); return true;
     case Cell::kAmplitude: return cursor.number(arrival.amplitude_v);
     case Cell::kLevel: row.level_ok = cursor.number(row.level_dbm); return true;
-    case Cell::kTemperature: return cursor.number(arrival.temperature_degC) && is_temperature(arrival.temperature_degC);
+    case Cell::kTemperature:
+      return cursor.number(arrival.temperature_degC) && is_temperature(arrival.temperature_degC);
   }
   return false;
 }
@@ -158,7 +177,11 @@ void TofChunkParser::parse(std::string_view chunk, TofChunk& out) {
   // Quotes may hide commas and newlines. A piece without one is a piece at whose seams rows begin and end.
   if (marks_.has_quote || marks_.has_nul || (marks_.has_high && !is_utf8(chunk))) return;
   epoch_of_vehicle_.assign(names_->names().vehicles.size(), kNoEpoch);
-  Cursor cursor{.text = chunk.data(), .marks = marks_.offsets.data(), .begin = nullptr, .point = nullptr, .end = chunk.data() - 1};
+  Cursor cursor{.text = chunk.data(),
+                .marks = marks_.offsets.data(),
+                .begin = nullptr,
+                .point = nullptr,
+                .end = chunk.data() - 1};
   for (const std::uint32_t* const stop = cursor.marks + marks_.count; cursor.marks != stop; ++out.lines) {
     if (!parse_row(cursor, out)) return;
   }

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: the fast way through a piece of tof.csv. It settles what nearly all files hold, and otherwise says that it cannot.
+// Private to io/: the fast way through a piece of tof.csv. It settles what nearly all files hold, and
+// otherwise says that it cannot.
 
 #include <cstddef>
 #include <cstdint>
@@ -27,7 +28,8 @@ struct TofChunk {
     VehicleId vehicle;
     std::int64_t epoch;
   };
-  /// All rows were read. If not, the others mean nothing: something is wrong, or odd (quotes), and read_tof_row() must look.
+  /// All rows were read. If not, the others mean nothing: something is wrong, or odd (quotes), and
+  /// read_tof_row() must look.
   bool regular = false;
   std::vector<Arrival> arrivals;  ///< behind those that were there before
   std::vector<RefusedRow> refused;
@@ -41,13 +43,25 @@ struct TofChunk {
 /// Reads pieces of one file; each thread has one of its own.
 class TofChunkParser {
  public:
-  TofChunkParser(std::size_t columns_in_file, const TofColumns& columns, const NameLookup& names, Clock clock);
+  TofChunkParser(std::size_t columns_in_file, const TofColumns& columns, const NameLookup& names,
+                 Clock clock);
 
   /// @param chunk  whole lines; kBeforeNumber bytes before it may be read (those of the header line)
   void parse(std::string_view chunk, TofChunk& out);
 
  private:
-  enum class Cell : std::uint8_t { kIgnored, kTime, kBeacon, kTof, kEpoch, kVehicle, kReceiver, kAmplitude, kLevel, kTemperature };
+  enum class Cell : std::uint8_t {
+    kIgnored,
+    kTime,
+    kBeacon,
+    kTof,
+    kEpoch,
+    kVehicle,
+    kReceiver,
+    kAmplitude,
+    kLevel,
+    kTemperature
+  };
   struct Row;  // cells of a row that depend on each other
 
   struct Cursor;  // where a row is being read

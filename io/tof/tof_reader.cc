@@ -14,7 +14,8 @@ constexpr std::size_t kBlockRows = 4096;                    // of the general wa
 
 }  // namespace
 
-TofReader::TofReader(std::shared_ptr<const MappedFile> map, std::string file, const NameLookup& names, Clock clock, TofReaderOptions options)
+TofReader::TofReader(std::shared_ptr<const MappedFile> map, std::string file, const NameLookup& names,
+                     Clock clock, TofReaderOptions options)
     : map_(std::move(map)),
       text_(map_->text().substr(0, options.to)),
       file_(std::move(file)),
@@ -68,17 +69,21 @@ std::size_t TofReader::seam(std::size_t offset) const {
 }
 
 void TofReader::start() {
-  const std::size_t tasks = general_ ? 0 : (text_.size() - body_ + options_.chunk_bytes - 1) / options_.chunk_bytes;
+  const std::size_t tasks =
+      general_ ? 0 : (text_.size() - body_ + options_.chunk_bytes - 1) / options_.chunk_bytes;
   if (tasks <= 1) options_.threads = 1;
   const std::size_t slots = OrderedWork::slots(options_.threads);
   chunks_.resize(slots);
   parsers_.assign(slots, TofChunkParser(csv_.header().size(), *columns_, names_, clock_));
-  work_.emplace(tasks, options_.threads, [this](std::size_t task, std::size_t slot) { parse(task, slot); },
-                options_.threads > 1 && !options_.from ? std::function<void()>([this] { digest_rest(); }) : std::function<void()>());
+  work_.emplace(
+      tasks, options_.threads, [this](std::size_t task, std::size_t slot) { parse(task, slot); },
+      options_.threads > 1 && !options_.from ? std::function<void()>([this] { digest_rest(); })
+                                             : std::function<void()>());
 }
 
 void TofReader::parse(std::size_t task, std::size_t slot) {
-  const std::size_t begin = seam(body_ + task * options_.chunk_bytes), end = seam(body_ + (task + 1) * options_.chunk_bytes);
+  const std::size_t begin = seam(body_ + task * options_.chunk_bytes),
+                    end = seam(body_ + (task + 1) * options_.chunk_bytes);
   if (options_.threads > 1) chunks_[slot].arrivals.clear();
   parsers_[slot].parse(text_.substr(begin, end - begin), chunks_[slot]);
 }
@@ -94,7 +99,8 @@ Result<bool> TofReader::append(std::vector<Arrival>& all) {
   if (more && *more)
     for (const int line : repeated_.drop(all, before)) refusals_.add(Refusal::kRepeated, line, "");
   if (columns_->distance)
-    for (std::size_t i = before; i < all.size(); ++i) all[i].tof_s = options_.distance.per_m_s * all[i].tof_s + options_.distance.offset_s;
+    for (std::size_t i = before; i < all.size(); ++i)
+      all[i].tof_s = options_.distance.per_m_s * all[i].tof_s + options_.distance.offset_s;
   return more;
 }
 
@@ -131,10 +137,13 @@ Result<bool> TofReader::append_as_written(std::vector<Arrival>& all) {
   return next_rows(all);
 }
 
-/// Takes over what a piece holds, its arrivals from the first on; false where the general way must look at it.
+/// Takes over what a piece holds, its arrivals from the first on; false where the general way must look at
+/// it.
 bool TofReader::take(TofChunk& chunk, std::size_t first) {
   if (!chunk.regular) return false;
-  if (chunk.rows > 0 && !(order_->advance_time(chunk.first_time_s) && order_->advance_time(chunk.last_time_s))) return false;
+  if (chunk.rows > 0 &&
+      !(order_->advance_time(chunk.first_time_s) && order_->advance_time(chunk.last_time_s)))
+    return false;
   for (const auto& [vehicle, epoch] : chunk.epochs) {
     if (!order_->advance_epoch(vehicle, epoch)) {
       out_of_order_ = true;
@@ -222,7 +231,8 @@ std::size_t TofReader::rows_estimate() const {
     sampled += sample.size();
     lines += static_cast<std::size_t>(std::count(sample.begin(), sample.end(), '\n'));
   }
-  const double density = sampled == 0 ? 0.0 : static_cast<double>(lines + kSamples) / static_cast<double>(sampled);
+  const double density =
+      sampled == 0 ? 0.0 : static_cast<double>(lines + kSamples) / static_cast<double>(sampled);
   return static_cast<std::size_t>(1.02 * density * static_cast<double>(body.size())) + 1;
 }
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "io/text/mapped_file.h"
+#include "io/text/sha256.h"
 #include "io/tof/ordered_work.h"
 #include "io/tof/repeated_rows.h"
-#include "io/text/sha256.h"
 #include "io/tof/tof_chunk.h"
 #include "io/tof/tof_rows.h"
 
@@ -27,23 +27,26 @@ struct TofPosition {
 
 struct TofReaderOptions {
   int threads = 1;
-  std::size_t chunk_bytes = std::size_t{1} << 17;  ///< a piece that a thread parses at once; with its rows it stays in its cache
-  bool general_way = false;                        ///< row by row from the beginning: what all else is measured against
-  /// Only the rows from here to an offset at which a row begins (or the end) of a file that has been read as a whole before: what
-  /// can be said of the file alone (text, digest) is not looked at again.
+  std::size_t chunk_bytes =
+      std::size_t{1} << 17;  ///< a piece that a thread parses at once; with its rows it stays in its cache
+  bool general_way = false;  ///< row by row from the beginning: what all else is measured against
+  /// Only the rows from here to an offset at which a row begins (or the end) of a file that has been read as
+  /// a whole before: what can be said of the file alone (text, digest) is not looked at again.
   std::optional<TofPosition> from = {};
   std::size_t to = std::string_view::npos;
   DistanceAsTime distance = {};
 };
 
-/// Reads tof.csv piece by piece: TofChunkParser takes the pieces, on several threads, while what goes beyond a piece (time, epochs,
-/// lines, refusals, the digest) is followed here in the order of the file. The first piece that the parser cannot settle, and all
-/// behind it, are read row by row by read_tof_row(). What comes out does not depend on threads or pieces.
+/// Reads tof.csv piece by piece: TofChunkParser takes the pieces, on several threads, while what goes beyond
+/// a piece (time, epochs, lines, refusals, the digest) is followed here in the order of the file. The first
+/// piece that the parser cannot settle, and all behind it, are read row by row by read_tof_row(). What comes
+/// out does not depend on threads or pieces.
 class TofReader {
  public:
   /// @param file   as messages name it
   /// @param names  must outlive the reader
-  TofReader(std::shared_ptr<const MappedFile> map, std::string file, const NameLookup& names, Clock clock, TofReaderOptions options = {});
+  TofReader(std::shared_ptr<const MappedFile> map, std::string file, const NameLookup& names, Clock clock,
+            TofReaderOptions options = {});
   ~TofReader();
   TofReader(const TofReader&) = delete;
   TofReader& operator=(const TofReader&) = delete;
@@ -54,14 +57,17 @@ class TofReader {
   /// A guess at how many rows there are, rather too many.
   [[nodiscard]] std::size_t rows_estimate() const;
 
-  /// Puts the arrivals of some more rows, in the order of the file, in place of what `block` held: a piece's, or some thousands; there
-  /// may be none where rows were refused. False at the end. Errors: those of the rows; the rows before have been given out then.
+  /// Puts the arrivals of some more rows, in the order of the file, in place of what `block` held: a piece's,
+  /// or some thousands; there may be none where rows were refused. False at the end. Errors: those of the
+  /// rows; the rows before have been given out then.
   [[nodiscard]] Result<bool> next(std::vector<Arrival>& block);
   /// The same behind what `all` holds.
   [[nodiscard]] Result<bool> append(std::vector<Arrival>& all);
 
   /// Of the first row that has not been given out.
-  [[nodiscard]] TofPosition position() const { return general_ ? TofPosition{csv_.offset(), csv_.next_line()} : TofPosition{offset_, line_}; }
+  [[nodiscard]] TofPosition position() const {
+    return general_ ? TofPosition{csv_.offset(), csv_.next_line()} : TofPosition{offset_, line_};
+  }
   [[nodiscard]] std::size_t rows() const { return rows_; }  ///< so far, refused ones included
   [[nodiscard]] TofRefusals& refusals() { return refusals_; }
   /// Of the file as a whole; at the end.

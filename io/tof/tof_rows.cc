@@ -11,7 +11,8 @@
 namespace octant::io {
 namespace {
 
-constexpr std::array<const char*, 5> kReasons = {"", "tof_s is empty", "tof_s is not a number", "tof_s is not positive", kRepeatedRow};
+constexpr std::array<const char*, 5> kReasons = {"", "tof_s is empty", "tof_s is not a number",
+                                                 "tof_s is not positive", kRepeatedRow};
 
 /// Amplitude of the row. Level only where there is no amplitude.
 bool read_amplitude(CsvReader& csv, const TofColumns& columns, double& amplitude_v) {
@@ -34,11 +35,17 @@ bool read_temperature(CsvReader& csv, int column, double& temperature_degC) {
 
 /// Whether distance_m stands for tof_s; an error where it would have to and no speed is known.
 bool has_distance(CsvReader& csv, const DistanceAsTime& as_time) {
-  const auto has = [&csv](const char* name) { return std::find(csv.header().begin(), csv.header().end(), name) != csv.header().end(); };
+  const auto has = [&csv](const char* name) {
+    return std::find(csv.header().begin(), csv.header().end(), name) != csv.header().end();
+  };
   if (has("tof_s") || !has("distance_m")) return false;
   if (as_time.per_m_s > 0.0) return true;
-  csv.fail_at(-1, "column 'tof_s' is missing, and 'distance_m' stands for it only where the medium's speed is constant", "tof_s, or medium.model: constant in the site file",
-              "state medium: {model: constant, speed_mps: ...}, the speed at which the device turned times into distances");
+  csv.fail_at(
+      -1,
+      "column 'tof_s' is missing, and 'distance_m' stands for it only where the medium's speed is constant",
+      "tof_s, or medium.model: constant in the site file",
+      "state medium: {model: constant, speed_mps: ...}, the speed at which the device turned times into "
+      "distances");
   return false;
 }
 
@@ -63,13 +70,15 @@ void TofRefusals::add(Refusal refusal, int line, std::string_view text) {
   Count& count = counts_[kind];
   if (count.count++ == 0) {
     count.first_line = line;
-    if (refusal != Refusal::kEmpty && !text.empty()) count.first_text = fmt::format(" ({})", text.substr(0, 24));
+    if (refusal != Refusal::kEmpty && !text.empty())
+      count.first_text = fmt::format(" ({})", text.substr(0, 24));
   }
   rows_.push_back({line, kReasons[kind]});
 }
 
 std::vector<RejectedRow> TofRefusals::take() {
-  std::stable_sort(rows_.begin(), rows_.end(), [](const RejectedRow& a, const RejectedRow& b) { return a.line < b.line; });
+  std::stable_sort(rows_.begin(), rows_.end(),
+                   [](const RejectedRow& a, const RejectedRow& b) { return a.line < b.line; });
   return std::exchange(rows_, {});
 }
 
@@ -77,22 +86,25 @@ void TofRefusals::warn(const std::string& file, std::vector<std::string>& warnin
   for (std::size_t kind = 1; kind < counts_.size(); ++kind) {
     const Count& c = counts_[kind];
     if (c.count == 0) continue;
-    warnings.push_back(fmt::format("{}:{}: {}{}; {} arrival{} rejected for this reason", file, c.first_line, kReasons[kind], c.first_text,
-                                   c.count, c.count == 1 ? "" : "s"));
+    warnings.push_back(fmt::format("{}:{}: {}{}; {} arrival{} rejected for this reason", file, c.first_line,
+                                   kReasons[kind], c.first_text, c.count, c.count == 1 ? "" : "s"));
   }
 }
 
-bool read_tof_row(CsvReader& csv, const TofColumns& columns, const NameLookup& names, OrderWatch& order, Arrival& arrival) {
+bool read_tof_row(CsvReader& csv, const TofColumns& columns, const NameLookup& names, OrderWatch& order,
+                  Arrival& arrival) {
   if (!csv.number_or_nan(columns.tof, arrival.tof_s)) return false;
   if (!csv.number(columns.time, arrival.time_s) || !order.time(csv, arrival.time_s)) return false;
   if (!names.beacon(csv, columns.beacon, arrival.beacon)) return false;
   if (!names.vehicle(csv, columns.vehicle, arrival.vehicle)) return false;
   if (!names.receiver(csv, columns.receiver, arrival.vehicle, arrival.receiver)) return false;
   if (columns.epoch >= 0) {
-    if (!csv.integer(columns.epoch, arrival.epoch) || !order.epoch(csv, arrival.vehicle, arrival.epoch)) return false;
+    if (!csv.integer(columns.epoch, arrival.epoch) || !order.epoch(csv, arrival.vehicle, arrival.epoch))
+      return false;
   }
   if (!read_amplitude(csv, columns, arrival.amplitude_v)) return false;
-  if (columns.temperature >= 0 && !read_temperature(csv, columns.temperature, arrival.temperature_degC)) return false;
+  if (columns.temperature >= 0 && !read_temperature(csv, columns.temperature, arrival.temperature_degC))
+    return false;
   arrival.line = csv.line();
   return true;
 }

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: what a row of tof.csv says, and the general way of reading one, which knows all that is odd and says what is wrong.
+// Private to io/: what a row of tof.csv says, and the general way of reading one, which knows all that is odd
+// and says what is wrong.
 
 #include <array>
 #include <cmath>
@@ -18,7 +19,8 @@
 
 namespace octant::io {
 
-/// How distances become times of flight: tof_s = per_m_s distance_m + offset_s. Zero: nothing says at which speed.
+/// How distances become times of flight: tof_s = per_m_s distance_m + offset_s. Zero: nothing says at which
+/// speed.
 struct DistanceAsTime {
   double per_m_s = 0.0, offset_s = 0.0;
 };
@@ -33,7 +35,8 @@ struct TofColumns {
 
 /// Amplitude [V], NaN where the logged one is none: not positive, not finite.
 [[nodiscard]] inline double usable_amplitude(double amplitude_v) {
-  return amplitude_v > 0.0 && !std::isinf(amplitude_v) ? amplitude_v : std::numeric_limits<double>::quiet_NaN();
+  return amplitude_v > 0.0 && !std::isinf(amplitude_v) ? amplitude_v
+                                                       : std::numeric_limits<double>::quiet_NaN();
 }
 /// Effective voltage of a power into 50 ohm: V = sqrt(R P), P = 1 mW 10^(dBm / 10).
 [[nodiscard]] double amplitude_of_level(double level_dbm);
@@ -51,7 +54,8 @@ enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive, kRepeated };
   return tof_s > 0.0 || clock == Clock::kCycleOffset ? Refusal::kNone : Refusal::kNotPositive;
 }
 
-/// Rows that are no measurement, or none of their own: all of them with their reason, and one warning of each reason.
+/// Rows that are no measurement, or none of their own: all of them with their reason, and one warning of each
+/// reason.
 class TofRefusals {
  public:
   void add(Refusal refusal, int line, std::string_view text);
@@ -70,6 +74,7 @@ class TofRefusals {
 };
 
 /// Reads the current row; false after logging an error.
-bool read_tof_row(CsvReader& csv, const TofColumns& columns, const NameLookup& names, OrderWatch& order, Arrival& arrival);
+bool read_tof_row(CsvReader& csv, const TofColumns& columns, const NameLookup& names, OrderWatch& order,
+                  Arrival& arrival);
 
 }  // namespace octant::io

@@ -8,14 +8,14 @@
 #include <string>
 
 #include "models/localizers/binaural/binaural.h"
-#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/common/localizer.h"
+#include "models/localizers/drive/tracker.h"
 #include "models/localizers/head_tail/head_tail.h"
 #include "models/localizers/kleeman/kleeman.h"
-#include "models/localizers/common/localizer.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/rail/one_beacon.h"
 #include "models/localizers/rail/rail.h"
 #include "models/localizers/reflectors/reflectors.h"
-#include "models/localizers/drive/tracker.h"
 
 namespace octant {
 namespace {
@@ -24,16 +24,20 @@ namespace {
 constexpr double kSamePing_s = 5e-3;
 
 tl::unexpected<Error> missing(const char* found, const char* expected) {
-  return fail({.code = Errc::kBadInput, .found = found, .expected = expected, .advice = "choose another --method, or auto"});
+  return fail({.code = Errc::kBadInput,
+               .found = found,
+               .expected = expected,
+               .advice = "choose another --method, or auto"});
 }
 
 bool has_motion_prior(const Deployment& deployment) {
-  return std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(), [](const SiteVehicle& v) { return v.motion.has_value(); });
+  return std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(),
+                     [](const SiteVehicle& v) { return v.motion.has_value(); });
 }
 
 bool on_rails(const Deployment& deployment) {
-  return !deployment.vehicles.empty() &&
-         std::all_of(deployment.vehicles.begin(), deployment.vehicles.end(), [](const SiteVehicle& v) { return v.rail.has_value(); });
+  return !deployment.vehicles.empty() && std::all_of(deployment.vehicles.begin(), deployment.vehicles.end(),
+                                                     [](const SiteVehicle& v) { return v.rail.has_value(); });
 }
 
 bool is_drive(const Deployment& deployment, const MeasurementLog& run) {
@@ -45,9 +49,11 @@ bool can_chain(const Deployment& deployment) {
   return deployment.motion == Motion::kPlanar && deployment.timing.clock == Clock::kSynchronised;
 }
 
-std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment, const MethodInput& input) {
+std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment,
+                                          const MethodInput& input) {
   switch (method) {
-    case Method::kKleeman: return std::make_unique<Kleeman>(deployment, KleemanOptions{.heading = input.kleeman_heading});
+    case Method::kKleeman:
+      return std::make_unique<Kleeman>(deployment, KleemanOptions{.heading = input.kleeman_heading});
     case Method::kHeadTail: return std::make_unique<HeadTail>(deployment);
     case Method::kOneBeacon: return std::make_unique<OneBeacon>(deployment);
     case Method::kRail: return std::make_unique<RailLocalizer>(deployment);
@@ -66,14 +72,17 @@ struct Poses {
   Poses(const std::vector<Row>& all, VehicleId vehicle, bool epochs) {
     for (const Row& row : all) {
       if (row.vehicle != vehicle) continue;
-      const bool next = rows.empty() || (epochs ? row.epoch != rows.back().epoch : row.time_s - rows.back().time_s > kSamePing_s);
+      const bool next = rows.empty() || (epochs ? row.epoch != rows.back().epoch
+                                                : row.time_s - rows.back().time_s > kSamePing_s);
       if (next) first.push_back(rows.size());
       rows.push_back(row);
     }
     first.push_back(rows.size());
   }
   [[nodiscard]] std::size_t count() const { return first.size() - 1; }
-  [[nodiscard]] std::span<const Row> pose(std::size_t i) const { return std::span<const Row>(rows).subspan(first[i], first[i + 1] - first[i]); }
+  [[nodiscard]] std::span<const Row> pose(std::size_t i) const {
+    return std::span<const Row>(rows).subspan(first[i], first[i + 1] - first[i]);
+  }
 };
 
 /// Arrivals and bearings of the same pose together: of the same epoch, or of about the same time.
@@ -83,14 +92,17 @@ void for_each_pose(const MeasurementLog& run, VehicleId vehicle, Visit&& visit) 
   const Poses<Bearing> bearings(run.bearings, vehicle, run.has_epochs);
   std::size_t b = 0;
   const auto comes_before = [&](const Bearing& bearing, const Arrival& arrival) {
-    return run.has_epochs ? bearing.time_s < arrival.time_s && bearing.epoch != arrival.epoch : bearing.time_s < arrival.time_s - kSamePing_s;
+    return run.has_epochs ? bearing.time_s < arrival.time_s && bearing.epoch != arrival.epoch
+                          : bearing.time_s < arrival.time_s - kSamePing_s;
   };
   const auto together = [&](const Bearing& bearing, const Arrival& arrival) {
-    return run.has_epochs ? bearing.epoch == arrival.epoch : std::abs(bearing.time_s - arrival.time_s) <= kSamePing_s;
+    return run.has_epochs ? bearing.epoch == arrival.epoch
+                          : std::abs(bearing.time_s - arrival.time_s) <= kSamePing_s;
   };
   for (std::size_t a = 0; a < arrivals.count(); ++a) {
     const auto pose = arrivals.pose(a);
-    while (b < bearings.count() && comes_before(bearings.pose(b).front(), pose.front())) visit(Observations{{}, bearings.pose(b++)});
+    while (b < bearings.count() && comes_before(bearings.pose(b).front(), pose.front()))
+      visit(Observations{{}, bearings.pose(b++)});
     if (b < bearings.count() && together(bearings.pose(b).front(), pose.front())) {
       visit(Observations{pose, bearings.pose(b++)});
     } else {
@@ -100,7 +112,8 @@ void for_each_pose(const MeasurementLog& run, VehicleId vehicle, Visit&& visit) 
   while (b < bearings.count()) visit(Observations{{}, bearings.pose(b++)});
 }
 
-std::vector<Fix> locate_by_poses(Localizer& localizer, const Deployment& deployment, const MeasurementLog& run, bool by_bearings) {
+std::vector<Fix> locate_by_poses(Localizer& localizer, const Deployment& deployment,
+                                 const MeasurementLog& run, bool by_bearings) {
   std::vector<Fix> fixes;
   for (std::size_t v = 0; v < deployment.vehicles.size(); ++v)
     for_each_pose(run, VehicleId(v), [&](const Observations& observations) {
@@ -110,7 +123,8 @@ std::vector<Fix> locate_by_poses(Localizer& localizer, const Deployment& deploym
       fix.epoch = by_bearings ? observations.bearings.front().epoch : observations.arrivals.front().epoch;
       fixes.push_back(std::move(fix));
     });
-  std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  std::stable_sort(fixes.begin(), fixes.end(),
+                   [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
   return fixes;
 }
 
@@ -118,16 +132,25 @@ std::vector<Fix> locate_by_poses(Localizer& localizer, const Deployment& deploym
 
 const std::vector<std::pair<std::string_view, Method>>& method_names() {
   static const std::vector<std::pair<std::string_view, Method>> names = {
-      {"auto", Method::kAuto},           {"kleeman", Method::kKleeman},   {"head_tail", Method::kHeadTail},         {"one_beacon", Method::kOneBeacon},
-      {"rail", Method::kRail},           {"reflectors", Method::kReflectors}, {"line_map", Method::kLineMap},       {"binaural", Method::kBinaural},
-      {"least_squares", Method::kLeastSquares}, {"tracker", Method::kTracker}};
+      {"auto", Method::kAuto},
+      {"kleeman", Method::kKleeman},
+      {"head_tail", Method::kHeadTail},
+      {"one_beacon", Method::kOneBeacon},
+      {"rail", Method::kRail},
+      {"reflectors", Method::kReflectors},
+      {"line_map", Method::kLineMap},
+      {"binaural", Method::kBinaural},
+      {"least_squares", Method::kLeastSquares},
+      {"tracker", Method::kTracker}};
   return names;
 }
 
 const char* to_string(Method method) { return method_names()[static_cast<std::size_t>(method)].first.data(); }
 
-Result<void> method_fits(Method method, const Deployment& deployment, const MeasurementLog& run, const MethodInput& input) {
-  const bool by_arrivals = method == Method::kKleeman || method == Method::kHeadTail || method == Method::kOneBeacon || method == Method::kRail ||
+Result<void> method_fits(Method method, const Deployment& deployment, const MeasurementLog& run,
+                         const MethodInput& input) {
+  const bool by_arrivals = method == Method::kKleeman || method == Method::kHeadTail ||
+                           method == Method::kOneBeacon || method == Method::kRail ||
                            method == Method::kBinaural;
   if (by_arrivals && run.arrivals.empty()) return missing("no times of flight", "a run with tof.csv");
   switch (method) {
@@ -143,35 +166,48 @@ Result<void> method_fits(Method method, const Deployment& deployment, const Meas
       if (!input.line_map) return missing("no line map", "--map with a run of scans and measured poses");
       return line_map_fits(*input.line_map, run);
     case Method::kTracker:
-      if (run.has_epochs && run.odometry.empty()) return missing("stops without odometry", "odometry.csv between them, or a drive: no epoch column");
-      if (run.has_epochs && !can_chain(deployment)) return missing("stops of a vehicle in space or with a clock of its own", "planar motion and synchronised clocks");
-      if (!run.has_epochs && !is_drive(deployment, run)) return missing("a drive without odometry", "odometry.csv, or motion of the vehicle in the site file");
+      if (run.has_epochs && run.odometry.empty())
+        return missing("stops without odometry", "odometry.csv between them, or a drive: no epoch column");
+      if (run.has_epochs && !can_chain(deployment))
+        return missing("stops of a vehicle in space or with a clock of its own",
+                       "planar motion and synchronised clocks");
+      if (!run.has_epochs && !is_drive(deployment, run))
+        return missing("a drive without odometry", "odometry.csv, or motion of the vehicle in the site file");
       return {};
     case Method::kAuto:
     case Method::kLeastSquares: break;
   }
-  if (method == Method::kLeastSquares && run.arrivals.empty() && run.bearings.empty()) return missing("neither arrivals nor bearings", "a run with tof.csv");
+  if (method == Method::kLeastSquares && run.arrivals.empty() && run.bearings.empty())
+    return missing("neither arrivals nor bearings", "a run with tof.csv");
   return {};
 }
 
-MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& run, const MethodInput& input) {
-  const bool unlabelled = std::any_of(run.bearings.begin(), run.bearings.end(), [](const Bearing& b) { return !b.reflector.valid(); });
-  if (run.arrivals.empty() && unlabelled && method_fits(Method::kReflectors, deployment, run, input)) return {Method::kReflectors, "unlabelled bearings"};
-  if (run.arrivals.empty() && run.bearings.empty() && !run.scans.empty()) return {Method::kLineMap, "scans alone"};
-  if (!run.arrivals.empty() && on_rails(deployment) && rail_fits(deployment)) return {Method::kRail, "the vehicle runs on a rail"};
-  if (is_drive(deployment, run)) return {Method::kTracker, run.odometry.empty() ? "a drive with a motion prior" : "a drive with odometry"};
+MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& run,
+                           const MethodInput& input) {
+  const bool unlabelled = std::any_of(run.bearings.begin(), run.bearings.end(),
+                                      [](const Bearing& b) { return !b.reflector.valid(); });
+  if (run.arrivals.empty() && unlabelled && method_fits(Method::kReflectors, deployment, run, input))
+    return {Method::kReflectors, "unlabelled bearings"};
+  if (run.arrivals.empty() && run.bearings.empty() && !run.scans.empty())
+    return {Method::kLineMap, "scans alone"};
+  if (!run.arrivals.empty() && on_rails(deployment) && rail_fits(deployment))
+    return {Method::kRail, "the vehicle runs on a rail"};
+  if (is_drive(deployment, run))
+    return {Method::kTracker, run.odometry.empty() ? "a drive with a motion prior" : "a drive with odometry"};
   if (run.has_epochs && !run.arrivals.empty() && !run.odometry.empty() && can_chain(deployment))
     return {Method::kTracker, "stops with odometry between them"};
   return {Method::kLeastSquares, "all arrivals of each pose"};
 }
 
-Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment, const MeasurementLog& run, const MethodInput& input) {
+Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment, const MeasurementLog& run,
+                                    const MethodInput& input) {
   if (method == Method::kAuto) method = choose_method(deployment, run, input).method;
   if (auto fits = method_fits(method, deployment, run, input); !fits) return fail(fits.error());
   if (method == Method::kTracker) return track(run, deployment);
   if (method == Method::kLeastSquares) return LeastSquaresLocalizer(deployment).locate(run);
   if (method == Method::kLineMap) return LineMapLocalizer(*input.line_map).locate(run);
-  return locate_by_poses(*make_localizer(method, deployment, input), deployment, run, method == Method::kReflectors);
+  return locate_by_poses(*make_localizer(method, deployment, input), deployment, run,
+                         method == Method::kReflectors);
 }
 
 }  // namespace octant

@@ -11,13 +11,24 @@
 #include "models/fix.h"
 #include "models/localizers/kleeman/kleeman_heading.h"
 #include "models/localizers/line_map/line_map.h"
-#include "models/support/result.h"
 #include "models/run.h"
+#include "models/support/result.h"
 
 namespace octant {
 
 /// The ways of finding a vehicle, by the names of the command line.
-enum class Method { kAuto, kKleeman, kHeadTail, kOneBeacon, kRail, kReflectors, kLineMap, kBinaural, kLeastSquares, kTracker };
+enum class Method {
+  kAuto,
+  kKleeman,
+  kHeadTail,
+  kOneBeacon,
+  kRail,
+  kReflectors,
+  kLineMap,
+  kBinaural,
+  kLeastSquares,
+  kTracker
+};
 [[nodiscard]] const char* to_string(Method method);
 /// All of them in the order of the enumeration.
 [[nodiscard]] const std::vector<std::pair<std::string_view, Method>>& method_names();
@@ -29,19 +40,22 @@ struct MethodInput {
 };
 
 /// Whether a method can work on a run of a site; the error says what is missing.
-[[nodiscard]] Result<void> method_fits(Method method, const Deployment& deployment, const MeasurementLog& run, const MethodInput& input = {});
+[[nodiscard]] Result<void> method_fits(Method method, const Deployment& deployment, const MeasurementLog& run,
+                                       const MethodInput& input = {});
 
-/// What Method::kAuto stands for on a run, and why in a few words: the most exact method that deployment and log allow.
+/// What Method::kAuto stands for on a run, and why in a few words: the most exact method that deployment and
+/// log allow.
 struct MethodChoice {
   Method method = Method::kLeastSquares;
   const char* why = "";
 };
-[[nodiscard]] MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& run, const MethodInput& input = {});
+[[nodiscard]] MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& run,
+                                         const MethodInput& input = {});
 
-/// All fixes of a run, in the order of time, those without a pose included with their reason. Localizers of single poses get
-/// epoch by epoch; without epochs, what arrives within five milliseconds of each other.
+/// All fixes of a run, in the order of time, those without a pose included with their reason. Localizers of
+/// single poses get epoch by epoch; without epochs, what arrives within five milliseconds of each other.
 /// Errors: those of method_fits.
-[[nodiscard]] Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment, const MeasurementLog& run,
-                                                  const MethodInput& input = {});
+[[nodiscard]] Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment,
+                                                  const MeasurementLog& run, const MethodInput& input = {});
 
 }  // namespace octant

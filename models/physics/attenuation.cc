@@ -13,11 +13,13 @@ LogDirectivity log_directivity(double cosine, double half_power_angle_rad) {
   constexpr double kBehind = 1e-6;                          // of (1 + cos) / 2 = cos^2(theta / 2)
   const double tangent = std::tan(half_power_angle_rad / 2);
   const double scale = -std::log1p(tangent * tangent);  // ln((1 + cos h) / 2)
-  const double m = kLogHalfPower / scale, share = (1 + cosine) / 2, log_share = std::log(std::max(share, kBehind));
+  const double m = kLogHalfPower / scale, share = (1 + cosine) / 2,
+               log_share = std::log(std::max(share, kBehind));
   LogDirectivity out;
   out.value = m * log_share;
   out.by_cosine = share > kBehind ? m / (1 + cosine) : 0.0;
-  out.by_half_power_angle = log_share * m * tangent / scale;  // dm/dh = -m / scale dscale/dh, dscale/dh = -tan(h / 2)
+  out.by_half_power_angle =
+      log_share * m * tangent / scale;  // dm/dh = -m / scale dscale/dh, dscale/dh = -tan(h / 2)
   return out;
 }
 

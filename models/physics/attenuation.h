@@ -11,28 +11,34 @@ namespace octant {
 /// What a half-power angle may be: narrower is no transducer, wider is no direction.
 inline constexpr double kLeastHalfPowerAngle_rad = 0.02, kMostHalfPowerAngle_rad = 2.8;
 
-/// How a pulse weakens with distance and off a receiver's axis, and how late a threshold crossing therefore comes.
-///   A(d, theta) = A_1m / d * exp(-alpha d) * D(theta)      (spherical spreading, absorption, directivity of the receiver)
-///   D(theta)    = ((1 + cos theta) / 2)^m                  (1 / sqrt 2, 3 dB down, at the half-power angle)
-///   walk        = -tau ln(1 - V_th / A)                    (first-order envelope)
+/// How a pulse weakens with distance and off a receiver's axis, and how late a threshold crossing therefore
+/// comes.
+///   A(d, theta) = A_1m / d * exp(-alpha d) * D(theta)      (spherical spreading, absorption, directivity of
+///   the receiver) D(theta)    = ((1 + cos theta) / 2)^m                  (1 / sqrt 2, 3 dB down, at the
+///   half-power angle) walk        = -tau ln(1 - V_th / A)                    (first-order envelope)
 struct AttenuationModel {
   double amplitude_1m_v = 1.0;  ///< on the receiver's axis
   double absorption_np_per_m = 0.0;
   double threshold_v = 0.0;
-  double rise_time_s = 0.0;  ///< time constant tau of the envelope; the 10-90 % rise is 2.197 tau
-  double half_power_angle_rad = 0.0;  ///< off the axis, within the bounds above; 0: receivers hear all round alike, as those without an axis do
-  double saturation_v = std::numeric_limits<double>::infinity();  ///< a logged amplitude from here on tells nothing more
+  double rise_time_s = 0.0;           ///< time constant tau of the envelope; the 10-90 % rise is 2.197 tau
+  double half_power_angle_rad = 0.0;  ///< off the axis, within the bounds above; 0: receivers hear all round
+                                      ///< alike, as those without an axis do
+  double saturation_v =
+      std::numeric_limits<double>::infinity();  ///< a logged amplitude from here on tells nothing more
 
   [[nodiscard]] bool directional() const { return half_power_angle_rad > 0; }
-  /// Whether a logged amplitude measures the pulse: there is one, and the receiver was not driven to its stop.
+  /// Whether a logged amplitude measures the pulse: there is one, and the receiver was not driven to its
+  /// stop.
   [[nodiscard]] bool measures(double logged_v) const { return logged_v > 0 && logged_v < saturation_v; }
 };
 
-/// What calibration may solve for, in this order: amplitude_1m_v, absorption_np_per_m, rise_time_s, half_power_angle_rad.
+/// What calibration may solve for, in this order: amplitude_1m_v, absorption_np_per_m, rise_time_s,
+/// half_power_angle_rad.
 inline constexpr int kAttenuationUnknowns = 4;
 
-/// ln D and its derivatives. D falls all the way round to the back and has no side lobes: what small piezo receivers do in front,
-/// which is where they hear. Within a thousandth of straight behind it is held, as it would be without end.
+/// ln D and its derivatives. D falls all the way round to the back and has no side lobes: what small piezo
+/// receivers do in front, which is where they hear. Within a thousandth of straight behind it is held, as it
+/// would be without end.
 struct LogDirectivity {
   double value = 0.0;
   double by_cosine = 0.0;  ///< of the angle off the axis
@@ -45,11 +51,12 @@ struct LogDirectivity {
 /// Plateau amplitude at a distance on the axis [V]. @param distance_m > 0
 [[nodiscard]] double amplitude_v(double distance_m, const AttenuationModel& model);
 
-/// Of threshold to measured amplitude, as far as it is believed: one that was measured at or below the threshold is noise.
+/// Of threshold to measured amplitude, as far as it is believed: one that was measured at or below the
+/// threshold is noise.
 inline constexpr double kMostMeasuredShare = 0.95;
 
-/// How much later a crossing comes for a measured amplitude less by a small part, divided by that part: tau s / (1 - s) with
-/// s = V_th / A, at most kMostMeasuredShare [s].
+/// How much later a crossing comes for a measured amplitude less by a small part, divided by that part: tau s
+/// / (1 - s) with s = V_th / A, at most kMostMeasuredShare [s].
 [[nodiscard]] double walk_by_log_amplitude_s(double amplitude_v, const AttenuationModel& model);
 
 /// Delay of a threshold crossing behind the true onset of a pulse with a first-order envelope.

@@ -11,24 +11,27 @@ enum class MediumModel { kConstant, kLinearTemperature, kCramer1993 };
 /// What the signal travels through: model and the state in which it is used.
 struct Medium {
   MediumModel model = MediumModel::kConstant;
-  double speed_mps = 343.0;         ///< kConstant only
-  double temperature_degC = 20.0;   ///< reference; a run or an arrival may carry its own
-  double relative_humidity = 0.5;   ///< 0..1, kCramer1993
-  double pressure_pa = 101325.0;    ///< kCramer1993
+  double speed_mps = 343.0;        ///< kConstant only
+  double temperature_degC = 20.0;  ///< reference; a run or an arrival may carry its own
+  double relative_humidity = 0.5;  ///< 0..1, kCramer1993
+  double pressure_pa = 101325.0;   ///< kCramer1993
 };
 
 /// Speed of the model at a temperature.
 /// kConstant: speed_mps. kLinearTemperature: 331.3 + 0.606 T (Chang eq. 2).
-/// kCramer1993: O. Cramer, J. Acoust. Soc. Am. 93 (1993) 2510, eq. 15, 400 ppm of CO2; stated uncertainty below 300 ppm for
-/// 0-30 degC, 75-102 kPa.
+/// kCramer1993: O. Cramer, J. Acoust. Soc. Am. 93 (1993) 2510, eq. 15, 400 ppm of CO2; stated uncertainty
+/// below 300 ppm for 0-30 degC, 75-102 kPa.
 /// @param temperature_degC degrees Celsius  @return m/s
 [[nodiscard]] double speed_mps(const Medium& medium, double temperature_degC);
-[[nodiscard]] inline double speed_mps(const Medium& medium) { return speed_mps(medium, medium.temperature_degC); }
+[[nodiscard]] inline double speed_mps(const Medium& medium) {
+  return speed_mps(medium, medium.temperature_degC);
+}
 
 [[nodiscard]] std::string_view to_string(MediumModel model);
 
 /// Absorption of sound in air, ISO 9613-1:1993. Check: 20 degC, 50 %, 101325 Pa, 40 kHz: 1.318 dB/m.
 /// @return Np/m (1 Np = 8.686 dB)
-[[nodiscard]] double air_absorption_np_per_m(double frequency_hz, double temperature_degC, double relative_humidity, double pressure_pa);
+[[nodiscard]] double air_absorption_np_per_m(double frequency_hz, double temperature_degC,
+                                             double relative_humidity, double pressure_pa);
 
 }  // namespace octant

@@ -10,7 +10,9 @@ namespace octant {
 [[nodiscard]] inline Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
 /// z component of the cross product: positive where b lies to the left of a.
-[[nodiscard]] inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+[[nodiscard]] inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 [[nodiscard]] inline double square(double x) { return x * x; }
 

@@ -73,9 +73,11 @@ Pose interpolate(const Pose& a, const Pose& b, double alpha) {
 
 Pose retract(const Pose& pose, const Eigen::Ref<const Eigen::VectorXd>& delta, Motion motion) {
   if (motion == Motion::kPlanar) {
-    return Pose::planar(pose.translation_m.x() + delta[0], pose.translation_m.y() + delta[1], pose.heading_rad() + delta[2]);
+    return Pose::planar(pose.translation_m.x() + delta[0], pose.translation_m.y() + delta[1],
+                        pose.heading_rad() + delta[2]);
   }
-  return {pose.translation_m + delta.head<3>(), (pose.rotation * exp_rotation(delta.segment<3>(3))).normalized()};
+  return {pose.translation_m + delta.head<3>(),
+          (pose.rotation * exp_rotation(delta.segment<3>(3))).normalized()};
 }
 
 }  // namespace octant

@@ -16,7 +16,9 @@ struct Pose {
   [[nodiscard]] static Pose planar(double x_m, double y_m, double heading_rad);
   /// Rotation of the vehicle's x axis about map +z, in (-pi, pi].
   [[nodiscard]] double heading_rad() const;
-  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return rotation * p + translation_m; }
+  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& p) const {
+    return rotation * p + translation_m;
+  }
   [[nodiscard]] Pose operator*(const Pose& other) const;
   [[nodiscard]] Pose inverse() const;
 };
@@ -36,7 +38,8 @@ struct Pose {
 [[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double alpha);
 
 /// How a vehicle may move, and with it the tangent space of its pose:
-/// planar: (x, y) in the map and heading, 3 values; spatial: translation in the map, rotation in the vehicle frame, 6 values.
+/// planar: (x, y) in the map and heading, 3 values; spatial: translation in the map, rotation in the vehicle
+/// frame, 6 values.
 enum class Motion { kPlanar, kSpatial };
 [[nodiscard]] constexpr int pose_dof(Motion motion) { return motion == Motion::kPlanar ? 3 : 6; }
 

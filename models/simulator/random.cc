@@ -18,7 +18,9 @@ double Random::uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53
 
 double Random::uniform(double low, double high) { return low + (high - low) * uniform(); }
 
-double Random::log_uniform(double low, double high) { return low * std::exp(uniform() * std::log(high / low)); }
+double Random::log_uniform(double low, double high) {
+  return low * std::exp(uniform() * std::log(high / low));
+}
 
 // Box and Muller 1958; the second value is dropped so that a draw never depends on how many came before it.
 double Random::normal() {

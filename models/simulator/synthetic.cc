@@ -15,12 +15,15 @@
 namespace octant {
 namespace {
 
-constexpr double kFiringPhase = 0.26;  // of a slot, so that a drive's firings are not in step with its odometry
-constexpr double kAudible = 1.05;      // a crossing at the very threshold would come infinitely late; real pulses end before
+constexpr double kFiringPhase =
+    0.26;  // of a slot, so that a drive's firings are not in step with its odometry
+constexpr double kAudible =
+    1.05;  // a crossing at the very threshold would come infinitely late; real pulses end before
 
 double to_microsecond(double time_s) { return std::round(time_s * 1e6) / 1e6; }
 
-/// The nearest whole number of quanta. Divides where it can, so that the result prints as the decimal that people expect.
+/// The nearest whole number of quanta. Divides where it can, so that the result prints as the decimal that
+/// people expect.
 double counted(double tof_s, double quantum_s) {
   const double ticks = std::round(tof_s / quantum_s), ticks_per_s = std::round(1 / quantum_s);
   return std::abs(ticks_per_s * quantum_s - 1) < 1e-12 ? ticks / ticks_per_s : ticks * quantum_s;
@@ -41,7 +44,11 @@ struct Shot {
 class Recorder {
  public:
   Recorder(const Scenario& scenario, const Scenario::Path& path, const SharedState& truth, Random draws)
-      : scenario_(scenario), spec_(path), truth_(truth), draws_(draws), path_(make_path(scenario, path, draws_)) {}
+      : scenario_(scenario),
+        spec_(path),
+        truth_(truth),
+        draws_(draws),
+        path_(make_path(scenario, path, draws_)) {}
 
   /// @param sensor_draws  stream of bearings and scans, so that arrivals are the same with and without them
   MeasurementLog record(std::vector<double>& lateness_s, Random sensor_draws);
@@ -55,7 +62,8 @@ class Recorder {
   [[nodiscard]] bool hears(const Shot& shot, ReceiverId receiver, const Pose& T_map_vehicle) const;
   [[nodiscard]] PathOutput flight(const Shot& shot, ReceiverId receiver) const;
   [[nodiscard]] double lateness(const Shot& shot, double tof_s);
-  [[nodiscard]] Pose measured(const Pose& truth, const Eigen::Vector3d& position, const Eigen::Vector3d& rotation) const;
+  [[nodiscard]] Pose measured(const Pose& truth, const Eigen::Vector3d& position,
+                              const Eigen::Vector3d& rotation) const;
   [[nodiscard]] double temperature(double progress) const {
     return scenario_.site.medium.temperature_degC + scenario_.warming_degC * (progress - 0.5);
   }
@@ -74,7 +82,8 @@ class Recorder {
   std::vector<double> lateness_s_;
 };
 
-/// Noise-free time of flight; in a drive the vehicle moves on while the signal is under way, hence the fixed point.
+/// Noise-free time of flight; in a drive the vehicle moves on while the signal is under way, hence the fixed
+/// point.
 PathOutput Recorder::flight(const Shot& shot, ReceiverId receiver) const {
   const Timing& timing = scenario_.site.timing;
   const bool two_way = timing.ranging == Ranging::kTwoWay;
@@ -100,24 +109,29 @@ PathOutput Recorder::flight(const Shot& shot, ReceiverId receiver) const {
 }
 
 bool Recorder::hears(const Shot& shot, ReceiverId receiver, const Pose& T_map_vehicle) const {
-  const Eigen::Vector3d from_receiver =
-      truth_.beacon_p_map_m[shot.beacon.index()] - T_map_vehicle * truth_.receiver_p_vehicle_m[receiver.index()];
+  const Eigen::Vector3d from_receiver = truth_.beacon_p_map_m[shot.beacon.index()] -
+                                        T_map_vehicle * truth_.receiver_p_vehicle_m[receiver.index()];
   const double distance_m = from_receiver.norm();
   if (distance_m > scenario_.range_m) return false;
   const auto& axis = scenario_.site.receivers[receiver.index()].axis;
-  const double cosine = axis ? (T_map_vehicle.rotation * axis->normalized()).dot(from_receiver) / distance_m : 1.0;
+  const double cosine =
+      axis ? (T_map_vehicle.rotation * axis->normalized()).dot(from_receiver) / distance_m : 1.0;
   if (const auto& model = truth_.attenuation) {
-    const double gain = axis && model->directional() ? std::exp(log_directivity(cosine, model->half_power_angle_rad).value) : 1.0;
+    const double gain = axis && model->directional()
+                            ? std::exp(log_directivity(cosine, model->half_power_angle_rad).value)
+                            : 1.0;
     if (!(gain * amplitude_v(distance_m, *model) > kAudible * model->threshold_v)) return false;
   }
-  return !axis || scenario_.hearing_half_angle_rad >= M_PI || cosine > std::cos(scenario_.hearing_half_angle_rad);
+  return !axis || scenario_.hearing_half_angle_rad >= M_PI ||
+         cosine > std::cos(scenario_.hearing_half_angle_rad);
 }
 
-/// How late an arrival is through an echo, or how early through a spurious signal. Always takes the same number of draws, so
-/// that the same world with and without echoes has the same noise.
+/// How late an arrival is through an echo, or how early through a spurious signal. Always takes the same
+/// number of draws, so that the same world with and without echoes has the same noise.
 double Recorder::lateness(const Shot& shot, double tof_s) {
   const double half = scenario_.echo_fraction / 2;
-  const bool echo = draws_.uniform() < half / (1 - half);  // of those not shadowed, so that both kinds are equally many
+  const bool echo =
+      draws_.uniform() < half / (1 - half);  // of those not shadowed, so that both kinds are equally many
   const double detour_s = draws_.log_uniform(scenario_.echo_delay_s[0], scenario_.echo_delay_s[1]);
   const bool early = draws_.uniform() < scenario_.early_fraction;
   const double part = draws_.uniform(0.3, 0.95);
@@ -143,7 +157,9 @@ void Recorder::record_arrival(const Shot& shot, ReceiverId receiver) {
   arrival.vehicle = VehicleId(std::size_t{0});
   arrival.epoch = shot.epoch;
   if (scenario_.log_amplitude)
-    arrival.amplitude_v = std::min(std::exp(direct.log_amplitude) * (1 + noise.amplitude_relative_sigma * meter), truth_.attenuation->saturation_v);
+    arrival.amplitude_v =
+        std::min(std::exp(direct.log_amplitude) * (1 + noise.amplitude_relative_sigma * meter),
+                 truth_.attenuation->saturation_v);
   if (scenario_.warming_degC != 0) arrival.temperature_degC = shot.temperature_degC;
   // A drive's last arrivals have no odometry any more.
   if (path_.moving && arrival.time_s > path_.end_s() - spec_.odometry_period_s) return;
@@ -160,14 +176,16 @@ void Recorder::record_shot(const Shot& shot) {
   }
 }
 
-Pose Recorder::measured(const Pose& truth, const Eigen::Vector3d& position, const Eigen::Vector3d& rotation) const {
+Pose Recorder::measured(const Pose& truth, const Eigen::Vector3d& position,
+                        const Eigen::Vector3d& rotation) const {
   const PoseAccuracy& accuracy = scenario_.pose_accuracy;
   const bool planar = scenario_.site.motion == Motion::kPlanar;
   Pose pose = truth;
-  pose.translation_m += accuracy.position_sigma_m * (planar ? Eigen::Vector3d(position.x(), position.y(), 0.0) : position);
+  pose.translation_m +=
+      accuracy.position_sigma_m * (planar ? Eigen::Vector3d(position.x(), position.y(), 0.0) : position);
   const double tilt_rad = planar ? 0.0 : accuracy.attitude_sigma_rad;
-  pose.rotation = truth.rotation *
-                  exp_rotation({tilt_rad * rotation.x(), tilt_rad * rotation.y(), accuracy.heading_sigma_rad * rotation.z()});
+  pose.rotation = truth.rotation * exp_rotation({tilt_rad * rotation.x(), tilt_rad * rotation.y(),
+                                                 accuracy.heading_sigma_rad * rotation.z()});
   if (!accuracy.heading_known) pose.rotation.setIdentity();
   return pose;
 }
@@ -206,7 +224,9 @@ void Recorder::record_stops() {
 void Recorder::record_odometry() {
   const OdometryAccuracy& accuracy = scenario_.odometry_accuracy;
   const VehicleId vehicle(std::size_t{0});
-  const auto rows = static_cast<std::size_t>(std::floor((path_.end_s() - path_.start_s) / spec_.odometry_period_s + 1e-9)) + 1;
+  const auto rows =
+      static_cast<std::size_t>(std::floor((path_.end_s() - path_.start_s) / spec_.odometry_period_s + 1e-9)) +
+      1;
   for (std::size_t i = 0; i < rows; ++i) {
     const double time_s = to_microsecond(path_.start_s + spec_.odometry_period_s * static_cast<double>(i));
     const Pose pose = path_.at(time_s);
@@ -217,7 +237,8 @@ void Recorder::record_odometry() {
         const Pose move = log_.truth.back().T_map_vehicle.inverse() * pose;
         const double d = move.translation_m.norm();
         const double turn = move.heading_rad();
-        const double sigma_m = std::hypot(accuracy.distance_sigma_m_per_sqrt_m * std::sqrt(d), accuracy.floor_m);
+        const double sigma_m =
+            std::hypot(accuracy.distance_sigma_m_per_sqrt_m * std::sqrt(d), accuracy.floor_m);
         const double sigma_rad = std::hypot(accuracy.heading_sigma_rad_per_sqrt_m * std::sqrt(d),
                                             accuracy.heading_sigma_per_rad * turn, accuracy.floor_rad);
         step.dx_m = move.translation_m.x() + sigma_m * slip.x();
@@ -227,7 +248,8 @@ void Recorder::record_odometry() {
       log_.odometry.push_back(step);
     }
     log_.truth.push_back({time_s, pose});
-    if (scenario_.log_poses) log_.poses.push_back({time_s, measured(pose, draws_.normal3(), draws_.normal3())});
+    if (scenario_.log_poses)
+      log_.poses.push_back({time_s, measured(pose, draws_.normal3(), draws_.normal3())});
   }
 }
 
@@ -258,8 +280,9 @@ MeasurementLog Recorder::record(std::vector<double>& lateness_s, Random sensor_d
   }
   std::vector<std::size_t> order(log_.arrivals.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return log_.arrivals[a].time_s < log_.arrivals[b].time_s; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return log_.arrivals[a].time_s < log_.arrivals[b].time_s;
+  });
   std::vector<Arrival> sorted;
   lateness_s.clear();
   for (const std::size_t i : order) {
@@ -281,8 +304,10 @@ Result<World> simulate(const Scenario& scenario, std::uint64_t seed) {
   const SharedState truth = draw_truth(scenario, site_draws);
   World world;
   world.site = known_site(scenario, truth, site_draws);
-  world.run = Recorder(scenario, scenario.path, truth, Random(seed, 1)).record(world.run_lateness_s, Random(seed, 3));
-  world.heldout = Recorder(scenario, scenario.heldout_path, truth, Random(seed, 2)).record(world.heldout_lateness_s, Random(seed, 4));
+  world.run =
+      Recorder(scenario, scenario.path, truth, Random(seed, 1)).record(world.run_lateness_s, Random(seed, 3));
+  world.heldout = Recorder(scenario, scenario.heldout_path, truth, Random(seed, 2))
+                      .record(world.heldout_lateness_s, Random(seed, 4));
   world.truth = true_deployment(scenario, truth, world.run.arrivals.size());
   return world;
 }

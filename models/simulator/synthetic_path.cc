@@ -12,7 +12,8 @@ constexpr double kStart_s = 10.0;
 constexpr double kSample_s = 0.005;  // of a drive: 3 mm at 0.6 m/s, 1 micrometre off its arc between samples
 constexpr double kTilt_rad = 0.05;   // spatial motion only
 constexpr double kHeave_m = 0.1;
-constexpr double kHeadingScatter_rad = 0.3;  // of stops, so that headings and places are not tied to each other
+constexpr double kHeadingScatter_rad =
+    0.3;  // of stops, so that headings and places are not tied to each other
 
 using Point = Eigen::Vector2d;
 
@@ -26,7 +27,8 @@ std::vector<Pose> lissajous_stops(const Scenario& scenario, int epochs, Random& 
     const Point angle = phase + 2 * M_PI * k / epochs * turns;
     const Point p = hall / 2 + reach.cwiseProduct(Point(std::sin(angle.x()), std::sin(angle.y())));
     const Point v = reach.cwiseProduct(turns).cwiseProduct(Point(std::cos(angle.x()), std::cos(angle.y())));
-    stops.push_back(Pose::planar(p.x(), p.y(), std::atan2(v.y(), v.x()) + kHeadingScatter_rad * draws.normal()));
+    stops.push_back(
+        Pose::planar(p.x(), p.y(), std::atan2(v.y(), v.x()) + kHeadingScatter_rad * draws.normal()));
   }
   return stops;
 }
@@ -84,7 +86,8 @@ std::vector<Pose> drive(const Scenario& scenario, const Scenario::Path& path, Ra
     poses.push_back(Pose::planar(p.x(), p.y(), heading));
     if ((target - p).norm() < reached_m) target = goal();
     const double off = wrap_angle(std::atan2(target.y() - p.y(), target.x() - p.x()) - heading);
-    const double turn = kSample_s * std::clamp(1.5 * off, -path.turn_rate_rad_per_s, path.turn_rate_rad_per_s);
+    const double turn =
+        kSample_s * std::clamp(1.5 * off, -path.turn_rate_rad_per_s, path.turn_rate_rad_per_s);
     p += kSample_s * path.speed_mps * Point(std::cos(heading + turn / 2), std::sin(heading + turn / 2));
     heading += turn;
   }

@@ -30,8 +30,8 @@ std::vector<Instant> instants(const Scenario::Path& spec, const TruePath& path, 
   return all;
 }
 
-void record_bearings(const Scenario& scenario, const std::vector<Instant>& times, const TruePath& path, const SharedState& truth,
-                     Random& draws, MeasurementLog& log) {
+void record_bearings(const Scenario& scenario, const std::vector<Instant>& times, const TruePath& path,
+                     const SharedState& truth, Random& draws, MeasurementLog& log) {
   const Scenario::Bearings& spec = *scenario.bearings;
   for (const Instant& now : times) {
     const Pose T = path.at(now.time_s);
@@ -54,8 +54,11 @@ void record_bearings(const Scenario& scenario, const std::vector<Instant>& times
 }
 
 /// Distance along a ray to the nearest wall; infinite if there is none.
-double range_to_wall(const Scenario& scenario, const Eigen::Vector2d& from, const Eigen::Vector2d& direction) {
-  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
+double range_to_wall(const Scenario& scenario, const Eigen::Vector2d& from,
+                     const Eigen::Vector2d& direction) {
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  };
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& [x1, y1, x2, y2] : scenario.walls_m) {
     const Eigen::Vector2d along(x2 - x1, y2 - y1), to = Eigen::Vector2d(x1, y1) - from;
@@ -67,8 +70,8 @@ double range_to_wall(const Scenario& scenario, const Eigen::Vector2d& from, cons
   return nearest;
 }
 
-void record_scans(const Scenario& scenario, const std::vector<Instant>& times, const TruePath& path, Random& draws,
-                  MeasurementLog& log) {
+void record_scans(const Scenario& scenario, const std::vector<Instant>& times, const TruePath& path,
+                  Random& draws, MeasurementLog& log) {
   const Scenario::Scans& spec = *scenario.scans;
   for (const Instant& now : times) {
     const Pose T = path.at(now.time_s);
@@ -78,11 +81,13 @@ void record_scans(const Scenario& scenario, const std::vector<Instant>& times, c
               .range_m = {}};
     for (int k = 0; k < spec.beams; ++k) {
       const double angle = T.heading_rad() + spec.angle_min_rad + k * spec.angle_increment_rad;
-      const double range = range_to_wall(scenario, T.translation_m.head<2>(), {std::cos(angle), std::sin(angle)});
+      const double range =
+          range_to_wall(scenario, T.translation_m.head<2>(), {std::cos(angle), std::sin(angle)});
       const double measured = range + scenario.site.noise.range_sigma_m * draws.normal();
       const bool is_seen = range < spec.range_max_m && measured > 0;
       // Millimetres, as scanners report them.
-      scan.range_m.push_back(is_seen ? std::round(measured * 1000) / 1000 : std::numeric_limits<double>::quiet_NaN());
+      scan.range_m.push_back(is_seen ? std::round(measured * 1000) / 1000
+                                     : std::numeric_limits<double>::quiet_NaN());
     }
     log.scans.push_back(std::move(scan));
   }
@@ -94,10 +99,12 @@ tl::unexpected<Error> sensor_contradiction(std::string found, std::string expect
 
 }  // namespace
 
-void record_sensors(const Scenario& scenario, const Scenario::Path& spec, const TruePath& path, const SharedState& truth,
-                    Random draws, MeasurementLog& log) {
-  if (scenario.bearings) record_bearings(scenario, instants(spec, path, scenario.bearings->period_s), path, truth, draws, log);
-  if (scenario.scans) record_scans(scenario, instants(spec, path, scenario.scans->period_s), path, draws, log);
+void record_sensors(const Scenario& scenario, const Scenario::Path& spec, const TruePath& path,
+                    const SharedState& truth, Random draws, MeasurementLog& log) {
+  if (scenario.bearings)
+    record_bearings(scenario, instants(spec, path, scenario.bearings->period_s), path, truth, draws, log);
+  if (scenario.scans)
+    record_scans(scenario, instants(spec, path, scenario.scans->period_s), path, draws, log);
 }
 
 Result<void> check_sensors(const Scenario& scenario) {
@@ -108,16 +115,19 @@ Result<void> check_sensors(const Scenario& scenario) {
     if (!(b.unlabelled_fraction >= 0 && b.unlabelled_fraction <= 1))
       return sensor_contradiction("bearings.unlabelled_fraction out of range", "0 <= fraction <= 1");
     if (scenario.site.beacons.empty())
-      return sensor_contradiction("bearings without reflectors", "beacons in the site, which are the reflectors");
+      return sensor_contradiction("bearings without reflectors",
+                                  "beacons in the site, which are the reflectors");
   }
   if (scenario.scans) {
     const Scenario::Scans& s = *scenario.scans;
     if (!(s.period_s > 0 && s.range_max_m > 0 && s.beams > 0))
-      return sensor_contradiction("scans: period_s, range_max_m or beams is not positive", "numbers above zero");
+      return sensor_contradiction("scans: period_s, range_max_m or beams is not positive",
+                                  "numbers above zero");
     if (scenario.walls_m.empty()) return sensor_contradiction("scans without walls_m", "walls to be seen");
   }
   for (const auto& [x1, y1, x2, y2] : scenario.walls_m)
-    if (x1 == x2 && y1 == y2) return sensor_contradiction("walls_m: a wall without length", "[x1, y1, x2, y2], two distinct ends");
+    if (x1 == x2 && y1 == y2)
+      return sensor_contradiction("walls_m: a wall without length", "[x1, y1, x2, y2], two distinct ends");
   if ((scenario.bearings || scenario.scans) && scenario.site.motion != Motion::kPlanar)
     return sensor_contradiction("bearings or scans with spatial motion", "motion: planar");
   return {};

@@ -19,21 +19,26 @@ Result<void> check_path(const Scenario& scenario, const Scenario::Path& path, co
     return contradiction(key + ": a period is not positive", "seconds above zero");
   for (std::size_t i = 1; i < path.waypoints_m.size(); ++i) {
     if (path.waypoints_m[i] == path.waypoints_m[i - 1]) {
-      return contradiction(key + ".waypoints_m: number " + std::to_string(i + 1) + " repeats the one before", "distinct points");
+      return contradiction(key + ".waypoints_m: number " + std::to_string(i + 1) + " repeats the one before",
+                           "distinct points");
     }
   }
   if (path.kind == PathKind::kDrive) {
     if (scenario.site.timing.clock == Clock::kCycleOffset) {
-      return contradiction(key + ": a drive has no epochs", "kind stops or waypoints with clock cycle_offset");
+      return contradiction(key + ": a drive has no epochs",
+                           "kind stops or waypoints with clock cycle_offset");
     }
-    if (!(path.speed_mps > 0 && path.turn_rate_rad_per_s > 0 && path.odometry_period_s > 0 && path.duration_s > path.slot_s)) {
+    if (!(path.speed_mps > 0 && path.turn_rate_rad_per_s > 0 && path.odometry_period_s > 0 &&
+          path.duration_s > path.slot_s)) {
       return contradiction(key + ": the drive does not move",
                            "positive duration_s, speed_mps, turn_rate_rad_per_s, odometry_period_s");
     }
-    if (path.waypoints_m.size() == 1) return contradiction(key + ".waypoints_m: one point", "none, or two or more");
+    if (path.waypoints_m.size() == 1)
+      return contradiction(key + ".waypoints_m: one point", "none, or two or more");
     return {};
   }
-  if (path.epochs < 1 || path.rounds < 1) return contradiction(key + ": no epochs", "epochs and rounds of at least 1");
+  if (path.epochs < 1 || path.rounds < 1)
+    return contradiction(key + ": no epochs", "epochs and rounds of at least 1");
   if (path.kind == PathKind::kWaypoints && path.waypoints_m.size() < 2) {
     return contradiction(key + ": kind waypoints without waypoints_m", "two points or more");
   }
@@ -41,8 +46,9 @@ Result<void> check_path(const Scenario& scenario, const Scenario::Path& path, co
     return contradiction(key + ": kind stations without stations", "[x_m, y_m, heading_rad] of at least one");
   }
   if (dwell_s(scenario, path) >= path.epoch_period_s) {
-    return contradiction(key + ": arrivals of an epoch last " + std::to_string(dwell_s(scenario, path)) + " s",
-                         "a longer epoch_period_s than that");
+    return contradiction(
+        key + ": arrivals of an epoch last " + std::to_string(dwell_s(scenario, path)) + " s",
+        "a longer epoch_period_s than that");
   }
   return {};
 }
@@ -52,7 +58,8 @@ double speed_offset(const Scenario& scenario, Random& draws) {
   if (scenario.true_speed_offset_mps) return *scenario.true_speed_offset_mps;
   if (!scenario.true_temperature_offset_degC) return drawn;
   const Medium& medium = scenario.site.medium;
-  return speed_mps(medium, medium.temperature_degC + *scenario.true_temperature_offset_degC) - speed_mps(medium);
+  return speed_mps(medium, medium.temperature_degC + *scenario.true_temperature_offset_degC) -
+         speed_mps(medium);
 }
 
 double draw(const Prior& prior, Random& draws) { return prior.value + prior.sigma * draws.clipped_normal(); }
@@ -82,10 +89,12 @@ Result<void> check_scenario(const Scenario& scenario) {
     }
   }
   if (scenario.log_amplitude && !site.attenuation) {
-    return contradiction("log_amplitude without a model of the amplitude", "an attenuation block in the site");
+    return contradiction("log_amplitude without a model of the amplitude",
+                         "an attenuation block in the site");
   }
   if (scenario.warming_degC != 0 && site.medium.model == MediumModel::kConstant) {
-    return contradiction("warming_degC in a medium of constant speed", "medium.model cramer1993 or linear_temperature");
+    return contradiction("warming_degC in a medium of constant speed",
+                         "medium.model cramer1993 or linear_temperature");
   }
   if (!(scenario.echo_fraction >= 0 && scenario.echo_fraction < 1 && scenario.early_fraction >= 0 &&
         scenario.early_fraction < 1)) {
@@ -107,8 +116,10 @@ namespace {
 /// A vehicle's receivers as one piece, somewhat wider and turned.
 void shape_array(const Site& site, std::size_t vehicle, Random& draws, SharedState& truth) {
   const SiteVehicle& v = site.vehicles[vehicle];
-  const double wider_m = v.array->radius_sigma_m * draws.clipped_normal(), turn_rad = v.array->turn_sigma_rad * draws.clipped_normal();
-  const double radius_m = v.receiver_count > 0 ? truth.receiver_p_vehicle_m[v.first_receiver].head<2>().norm() : 0.0;
+  const double wider_m = v.array->radius_sigma_m * draws.clipped_normal(),
+               turn_rad = v.array->turn_sigma_rad * draws.clipped_normal();
+  const double radius_m =
+      v.receiver_count > 0 ? truth.receiver_p_vehicle_m[v.first_receiver].head<2>().norm() : 0.0;
   if (!(radius_m > 0)) return;
   const Eigen::Matrix2d shape = (1 + wider_m / radius_m) * Eigen::Rotation2Dd(turn_rad).toRotationMatrix();
   for (std::size_t r = v.first_receiver; r < v.first_receiver + v.receiver_count; ++r)
@@ -120,11 +131,13 @@ void shape_array(const Site& site, std::size_t vehicle, Random& draws, SharedSta
 SharedState draw_truth(const Scenario& scenario, Random& draws) {
   const Site& site = scenario.site;
   const Timing& timing = site.timing;
-  // The prior mean stands once, on the first kind of delay in use (as in prior_state); further kinds scatter about zero.
+  // The prior mean stands once, on the first kind of delay in use (as in prior_state); further kinds scatter
+  // about zero.
   const DelayPer& per = timing.delay_per;
   const auto delay = [&](bool is_unknown, bool is_first) {
     if (!is_unknown) return 0.0;
-    if (!scenario.true_delay_s) return (is_first ? timing.delay_s : 0.0) + timing.delay_sigma_s * draws.clipped_normal();
+    if (!scenario.true_delay_s)
+      return (is_first ? timing.delay_s : 0.0) + timing.delay_sigma_s * draws.clipped_normal();
     const auto [low_s, high_s] = *scenario.true_delay_s;
     return draws.uniform(low_s, high_s) - (is_first ? 0.0 : (low_s + high_s) / 2);
   };
@@ -142,14 +155,17 @@ SharedState draw_truth(const Scenario& scenario, Random& draws) {
   }
   truth.site_delay_s = per.none() ? timing.delay_s : delay(per.site, !per.beacon && !per.receiver);
   if (site.attenuation) {
-    truth.attenuation = AttenuationModel{.amplitude_1m_v = draw(site.attenuation->amplitude_1m_v, draws),
-                                         .absorption_np_per_m = std::max(0.0, draw(site.attenuation->absorption_np_per_m, draws)),
-                                         .threshold_v = site.attenuation->threshold_v,
-                                         .rise_time_s = std::max(0.0, draw(site.attenuation->rise_time_s, draws)),
-                                         .saturation_v = site.attenuation->saturation_v};
-    if (site.attenuation->half_power_angle_rad.value > 0)  // no draw where there is none: worlds stay what they were
+    truth.attenuation = AttenuationModel{
+        .amplitude_1m_v = draw(site.attenuation->amplitude_1m_v, draws),
+        .absorption_np_per_m = std::max(0.0, draw(site.attenuation->absorption_np_per_m, draws)),
+        .threshold_v = site.attenuation->threshold_v,
+        .rise_time_s = std::max(0.0, draw(site.attenuation->rise_time_s, draws)),
+        .saturation_v = site.attenuation->saturation_v};
+    if (site.attenuation->half_power_angle_rad.value >
+        0)  // no draw where there is none: worlds stay what they were
       truth.attenuation->half_power_angle_rad =
-          std::clamp(draw(site.attenuation->half_power_angle_rad, draws), kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
+          std::clamp(draw(site.attenuation->half_power_angle_rad, draws), kLeastHalfPowerAngle_rad,
+                     kMostHalfPowerAngle_rad);
     truth.receiver_axis = prior_state(site).receiver_axis;
   }
   if (site.noise.pair_sigma_s) {
@@ -157,7 +173,8 @@ SharedState draw_truth(const Scenario& scenario, Random& draws) {
     for (double& bias : truth.pair_bias_s) bias = *site.noise.pair_sigma_s * draws.normal();
   }
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
-    truth.clock_drift.push_back(timing.drift + (timing.drift_sigma > 0 ? timing.drift_sigma * draws.clipped_normal() : 0.0));
+    truth.clock_drift.push_back(timing.drift +
+                                (timing.drift_sigma > 0 ? timing.drift_sigma * draws.clipped_normal() : 0.0));
     if (site.vehicles[v].array) shape_array(site, v, draws, truth);
   }
   return truth;
@@ -179,7 +196,8 @@ Site known_site(const Scenario& scenario, const SharedState& truth, Random& draw
     }
   }
   for (ControlDistance& tape : site.distances) {
-    const double length_m = (truth.beacon_p_map_m[tape.from.index()] - truth.beacon_p_map_m[tape.to.index()]).norm();
+    const double length_m =
+        (truth.beacon_p_map_m[tape.from.index()] - truth.beacon_p_map_m[tape.to.index()]).norm();
     tape.distance_m = round_to_micrometre(length_m + tape.sigma_m * draws.normal());
   }
   return site;
@@ -189,10 +207,14 @@ Deployment true_deployment(const Scenario& scenario, const SharedState& truth, s
   const Site& site = scenario.site;
   Deployment d;
   d.site = site.name;
-  d.created = "1970-01-01T00:00:00Z";  // a simulated truth has no date, and must not differ from one call to the next
+  d.created =
+      "1970-01-01T00:00:00Z";  // a simulated truth has no date, and must not differ from one call to the next
   d.motion = site.motion;
-  d.datum = {
-      .description = "Simulated truth.", .position = "truth", .orientation = "truth", .scale = "truth", .control_points = {}};
+  d.datum = {.description = "Simulated truth.",
+             .position = "truth",
+             .orientation = "truth",
+             .scale = "truth",
+             .control_points = {}};
   d.medium = site.medium;
   d.speed_offset_mps = truth.speed_offset_mps[0];
   d.timing = site.timing;
@@ -209,7 +231,8 @@ Deployment true_deployment(const Scenario& scenario, const SharedState& truth, s
     d.beacons.push_back(beacon);
   }
   d.vehicles = site.vehicles;
-  for (std::size_t v = 0; v < d.vehicles.size() && v < truth.clock_drift.size(); ++v) d.vehicles[v].clock_drift = truth.clock_drift[v];
+  for (std::size_t v = 0; v < d.vehicles.size() && v < truth.clock_drift.size(); ++v)
+    d.vehicles[v].clock_drift = truth.clock_drift[v];
   for (std::size_t r = 0; r < site.receivers.size(); ++r) {
     const SiteReceiver& receiver = site.receivers[r];
     d.receivers.push_back({.name = receiver.name,

@@ -4,8 +4,8 @@
 
 #include "models/deployment.h"
 #include "models/simulator/random.h"
-#include "models/trajectory/shared_state.h"
 #include "models/simulator/synthetic.h"
+#include "models/trajectory/shared_state.h"
 
 namespace octant {
 
@@ -16,11 +16,13 @@ namespace octant {
 [[nodiscard]] Site known_site(const Scenario& scenario, const SharedState& truth, Random& draws);
 
 /// The deployment that a perfect calibration would write.
-[[nodiscard]] Deployment true_deployment(const Scenario& scenario, const SharedState& truth, std::size_t arrivals);
+[[nodiscard]] Deployment true_deployment(const Scenario& scenario, const SharedState& truth,
+                                         std::size_t arrivals);
 
 inline constexpr double kTruthPeriod_s = 0.05;  ///< of stops
 
-/// Longest time for which a stop's arrivals may keep coming, from the start of its epoch, in whole kTruthPeriod_s [s].
+/// Longest time for which a stop's arrivals may keep coming, from the start of its epoch, in whole
+/// kTruthPeriod_s [s].
 [[nodiscard]] double dwell_s(const Scenario& scenario, const Scenario::Path& path);
 
 }  // namespace octant

@@ -11,19 +11,19 @@ namespace octant {
 
 /// What kind of failure an Error is. The command line maps it to its exit code.
 enum class Errc {
-  kUsage,      ///< wrong usage of a command (exit 2)
-  kBadInput,   ///< a file or value that does not follow its format (exit 3)
-  kOutput,     ///< an output could not be written (exit 3)
-  kNotHeard,   ///< a signal too weak for the threshold
-  kInterrupted ///< the user asked to stop (exit 130)
+  kUsage,       ///< wrong usage of a command (exit 2)
+  kBadInput,    ///< a file or value that does not follow its format (exit 3)
+  kOutput,      ///< an output could not be written (exit 3)
+  kNotHeard,    ///< a signal too weak for the threshold
+  kInterrupted  ///< the user asked to stop (exit 130)
 };
 
 /// A failure of the outside world: where, what was found, what was expected, what to do.
 struct Error {
   Errc code = Errc::kBadInput;
   std::string file{};      ///< path as the user wrote it; empty where there is no file
-  int line = 0;          ///< 1-based; 0: the file as a whole
-  int column = 0;        ///< 1-based; 0: the line as a whole
+  int line = 0;            ///< 1-based; 0: the file as a whole
+  int column = 0;          ///< 1-based; 0: the line as a whole
   std::string found{};     ///< what is wrong, e.g. "beacon 'B99' is not in the site file"
   std::string expected{};  ///< what would be right; may be empty
   std::string advice{};    ///< what to do; may be empty
@@ -35,6 +35,8 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
-[[nodiscard]] inline tl::unexpected<Error> fail(Error error) { return tl::unexpected<Error>(std::move(error)); }
+[[nodiscard]] inline tl::unexpected<Error> fail(Error error) {
+  return tl::unexpected<Error>(std::move(error));
+}
 
 }  // namespace octant

@@ -9,9 +9,12 @@ thread_local std::pmr::memory_resource* innermost = nullptr;
 
 }  // namespace
 
-Scratch::Scratch(std::size_t bytes) : buffer_(std::make_unique<std::byte[]>(bytes)), resource_(buffer_.get(), bytes) {}
+Scratch::Scratch(std::size_t bytes)
+    : buffer_(std::make_unique<std::byte[]>(bytes)), resource_(buffer_.get(), bytes) {}
 
-ScratchScope::ScratchScope(Scratch& scratch) : scratch_(scratch), outer_(innermost) { innermost = &scratch.resource_; }
+ScratchScope::ScratchScope(Scratch& scratch) : scratch_(scratch), outer_(innermost) {
+  innermost = &scratch.resource_;
+}
 
 ScratchScope::~ScratchScope() {
   innermost = outer_;

@@ -8,8 +8,9 @@
 
 namespace octant {
 
-/// Memory for what a fix works on: taken once, used up from the front by one fix, free again for the next. What does not fit
-/// comes from the heap, so it bounds no fix; it only is the reason why a robot's fixes take no memory of their own.
+/// Memory for what a fix works on: taken once, used up from the front by one fix, free again for the next.
+/// What does not fit comes from the heap, so it bounds no fix; it only is the reason why a robot's fixes take
+/// no memory of their own.
 class Scratch {
  public:
   explicit Scratch(std::size_t bytes);
@@ -33,7 +34,8 @@ class ScratchScope {
   std::pmr::memory_resource* outer_;
 };
 
-/// Where vectors that live no longer than a fix get their memory: the innermost scope's, or the heap where there is none.
+/// Where vectors that live no longer than a fix get their memory: the innermost scope's, or the heap where
+/// there is none.
 [[nodiscard]] std::pmr::memory_resource* scratch();
 
 }  // namespace octant

@@ -16,7 +16,9 @@ template class SymmetricEigen<Eigen::Matrix4d>;
 
 PivotedQr::PivotedQr(const Eigen::MatrixXd& matrix) : Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(matrix) {}
 
-Eigen::MatrixXd PivotedQr::basis() const { return householderQ() * Eigen::MatrixXd::Identity(rows(), rank()); }
+Eigen::MatrixXd PivotedQr::basis() const {
+  return householderQ() * Eigen::MatrixXd::Identity(rows(), rank());
+}
 
 Eigen::MatrixXd PivotedQr::transposed_times(Eigen::MatrixXd B) const {
   B.applyOnTheLeft(householderQ().adjoint());

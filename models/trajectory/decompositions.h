@@ -10,8 +10,8 @@
 
 namespace octant {
 
-/// Eigen's decompositions, computed in one unit (decompositions.cc): each other unit that computed one would spend seconds on its
-/// templates. What they hold is read as Eigen has it.
+/// Eigen's decompositions, computed in one unit (decompositions.cc): each other unit that computed one would
+/// spend seconds on its templates. What they hold is read as Eigen has it.
 
 /// @param Matrix  MatrixXd, NodeBlock, or fixed up to 4 x 4
 template <class Matrix>

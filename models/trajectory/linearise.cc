@@ -20,7 +20,8 @@ void RobustLoss::evaluate(double residual, double& rho, double& weight) const {
 }
 
 Pose pose_at(const Trajectory& t, std::size_t node, double alpha) {
-  return alpha == 0.0 ? t.nodes[node].T_map_vehicle : interpolate(t.nodes[node].T_map_vehicle, t.nodes[node + 1].T_map_vehicle, alpha);
+  return alpha == 0.0 ? t.nodes[node].T_map_vehicle
+                      : interpolate(t.nodes[node].T_map_vehicle, t.nodes[node + 1].T_map_vehicle, alpha);
 }
 
 InterpolationJacobian interpolation_jacobian(const Trajectory& t, std::size_t node, double alpha) {
@@ -32,8 +33,8 @@ InterpolationJacobian interpolation_jacobian(const Trajectory& t, std::size_t no
   J.by_next.topLeftCorner(dof, dof).diagonal().setConstant(alpha);
   if (t.motion == Motion::kPlanar || alpha == 0.0) return J;
   // R(alpha) = Ra Exp(alpha phi), phi = Log(Ra' Rb); d phi = Jr^-1(phi) db - Jr^-1(-phi) da.
-  const Eigen::Vector3d phi =
-      log_rotation(t.nodes[node].T_map_vehicle.rotation.conjugate() * t.nodes[node + 1].T_map_vehicle.rotation);
+  const Eigen::Vector3d phi = log_rotation(t.nodes[node].T_map_vehicle.rotation.conjugate() *
+                                           t.nodes[node + 1].T_map_vehicle.rotation);
   const Eigen::Matrix3d part = alpha * right_jacobian(alpha * phi);
   J.by_next.bottomRightCorner<3, 3>() = part * right_jacobian_inverse(phi);
   J.by_node.bottomRightCorner<3, 3>() =
@@ -46,7 +47,8 @@ namespace {
 /// Spreads a derivative by the interpolated pose over the two nodes.
 class PoseSpread {
  public:
-  PoseSpread(const Trajectory& t, std::size_t node, double alpha) : dof_(pose_dof(t.motion)), block_(t.block_size()), alpha_(alpha) {
+  PoseSpread(const Trajectory& t, std::size_t node, double alpha)
+      : dof_(pose_dof(t.motion)), block_(t.block_size()), alpha_(alpha) {
     // Most arrivals are of stationary epochs, or of planar motion where interpolation is linear.
     linear_ = t.motion == Motion::kPlanar || alpha == 0.0;
     if (!linear_) J_ = interpolation_jacobian(t, node, alpha);
@@ -75,14 +77,17 @@ class PoseSpread {
 
 namespace {
 
-PathInput path_input(const Trajectory& t, const ArrivalObservation& a, const SharedState& state, const Pose& T) {
+PathInput path_input(const Trajectory& t, const ArrivalObservation& a, const SharedState& state,
+                     const Pose& T) {
   PathInput in;
   in.T_map_vehicle = &T;
   in.p_beacon_map_m = state.beacon_p_map_m[a.beacon.index()];
   in.p_receiver_vehicle_m = state.receiver_p_vehicle_m[a.receiver.index()];
   in.speed_mps = a.model_speed_mps + state.speed_offset(t.run);
   in.delay_s = state.delay_s(a.beacon, a.receiver) + (a.two_way ? t.turnaround_s : 0.0);
-  if (t.has_cycle_offset) in.delay_s += t.nodes[a.node].cycle_offset_s + state.drift(t.vehicle) * (a.time_s - t.nodes[a.node].time_s);
+  if (t.has_cycle_offset)
+    in.delay_s +=
+        t.nodes[a.node].cycle_offset_s + state.drift(t.vehicle) * (a.time_s - t.nodes[a.node].time_s);
   in.attenuation = state.attenuation ? &*state.attenuation : nullptr;
   in.axis_vehicle = state.axis_of(a.receiver);
   in.log_amplitude = walk_amplitude(a, state);
@@ -137,7 +142,8 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   const BearingObservation& b = t.bearings[index];
   if (!b.reflector.valid() || t.motion != Motion::kPlanar) return 0;
   const Pose T = pose_at(t, b.node, b.alpha);
-  const BearingOutput out = predict_bearing(T, state.beacon_p_map_m[b.reflector.index()], Eigen::Vector3d::Zero());
+  const BearingOutput out =
+      predict_bearing(T, state.beacon_p_map_m[b.reflector.index()], Eigen::Vector3d::Zero());
   const double k = -1.0 / b.sigma_rad;
   ObservationRow& row = rows[0];
   row.kind = RowKind::kBearing;
@@ -227,14 +233,17 @@ int odometry_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) 
     }
   }
   if (dof == 3) {
-    ObservationRow& row = add(wrap_angle(o.T_before_after.heading_rad() - wrap_angle(B.heading_rad() - A.heading_rad())), o.heading_sigma_rad);
+    ObservationRow& row =
+        add(wrap_angle(o.T_before_after.heading_rad() - wrap_angle(B.heading_rad() - A.heading_rad())),
+            o.heading_sigma_rad);
     row.by_node[2] = kh;
     row.by_next[2] = -kh;
     return count;
   }
   // E = (Ra' Rb)' Ro; e = Log E; by b: -Jr^-1(-e); by a: +Jr^-1(-e) (Ra' Rb)'.
   const Eigen::Matrix3d Rab = Rt * B.rotation.toRotationMatrix();
-  const Eigen::Vector3d e = log_rotation(Eigen::Quaterniond(Rab.transpose() * o.T_before_after.rotation.toRotationMatrix()));
+  const Eigen::Vector3d e =
+      log_rotation(Eigen::Quaterniond(Rab.transpose() * o.T_before_after.rotation.toRotationMatrix()));
   const Eigen::Matrix3d Jl = right_jacobian_inverse(-e);
   const Eigen::Matrix3d by_a = Jl * Rab.transpose();
   for (int i = 0; i < 3; ++i) {
@@ -245,8 +254,10 @@ int odometry_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) 
   return count;
 }
 
-/// White-noise acceleration (Bar-Shalom, Li and Kirubarajan 2001, section 6.2): with q its density, over a step of length h
-///   Q = q [h^3/3 h^2/2; h^2/2 h]; rows are whitened by Q = L L', L = sqrt(q) [sqrt(h^3/3) 0; sqrt(3 h)/2 sqrt(h)/2].
+/// White-noise acceleration (Bar-Shalom, Li and Kirubarajan 2001, section 6.2): with q its density, over a
+/// step of length h
+///   Q = q [h^3/3 h^2/2; h^2/2 h]; rows are whitened by Q = L L', L = sqrt(q) [sqrt(h^3/3) 0; sqrt(3 h)/2
+///   sqrt(h)/2].
 int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
   const MotionObservation& m = t.motion_steps[index];
   const MotionPrior& prior = *t.motion_prior;
@@ -279,7 +290,8 @@ int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
     const double root_q = turn ? prior.turn_acceleration_rad_per_s2 : prior.acceleration_mps2;
     const double moved = turn ? wrap_angle(B.T_map_vehicle.heading_rad() - A.T_map_vehicle.heading_rad())
                               : B.T_map_vehicle.translation_m[i] - A.T_map_vehicle.translation_m[i];
-    const double misfit = h * A.velocity[i] - moved;  // predicted less the state, so that the residual is observed - predicted
+    const double misfit =
+        h * A.velocity[i] - moved;  // predicted less the state, so that the residual is observed - predicted
     const double change = A.velocity[i] - B.velocity[i];
     const double a = std::sqrt(3 / (h * h * h)) / root_q;  // L^-1 = [a 0; -b c]
     const double c = 2 / (std::sqrt(h) * root_q), b = c * 3 / (2 * h);
@@ -296,7 +308,8 @@ int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
   return count;
 }
 
-void build_chain_system(const Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss, ChainSystem& system) {
+void build_chain_system(const Trajectory& t, const Segment& segment, const SharedState& state,
+                        const RobustLoss& loss, ChainSystem& system) {
   const std::size_t count = segment.last_node - segment.first_node;
   const int n = t.block_size();
   system.cost = 0.0;
@@ -318,11 +331,13 @@ void build_chain_system(const Trajectory& t, const Segment& segment, const Share
 }
 
 /// Residual of an arrival's time of flight and, where it was logged, of its amplitude; no derivatives.
-int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const SharedState& state, double* residuals) {
+int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const SharedState& state,
+                      double* residuals) {
   const Pose interpolated = a.alpha == 0.0 ? Pose() : pose_at(t, a.node, a.alpha);
   const PathInput in = path_input(t, a, state, a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated);
   if (in.attenuation == nullptr && in.T_hear_send == nullptr) {
-    // One way and without time-walk, as nearly all arrivals are: the first term of the measurement equation, in line.
+    // One way and without time-walk, as nearly all arrivals are: the first term of the measurement equation,
+    // in line.
     const double distance_m = (*in.T_map_vehicle * in.p_receiver_vehicle_m - in.p_beacon_map_m).norm();
     residuals[0] = (a.tof_s - (distance_m / in.speed_mps + in.delay_s)) / a.sigma_s;
     return 1;
@@ -334,7 +349,8 @@ int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const Sh
   return 2;
 }
 
-double chain_cost(const Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss) {
+double chain_cost(const Trajectory& t, const Segment& segment, const SharedState& state,
+                  const RobustLoss& loss) {
   double cost = 0.0, rho = 0.0, w = 0.0;
   double residuals[2];
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
@@ -359,8 +375,11 @@ double chain_cost(const Trajectory& t, const Segment& segment, const SharedState
 double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
   if (a.alpha == 0.0 && !a.two_way && !t.has_cycle_offset && !state.attenuation) {
     // What most arrivals are, of which long logs have many.
-    const Eigen::Vector3d path_m = t.nodes[a.node].T_map_vehicle * state.receiver_p_vehicle_m[a.receiver.index()] - state.beacon_p_map_m[a.beacon.index()];
-    const double tof_s = path_m.norm() / (a.model_speed_mps + state.speed_offset(t.run)) + state.delay_s(a.beacon, a.receiver);
+    const Eigen::Vector3d path_m =
+        t.nodes[a.node].T_map_vehicle * state.receiver_p_vehicle_m[a.receiver.index()] -
+        state.beacon_p_map_m[a.beacon.index()];
+    const double tof_s =
+        path_m.norm() / (a.model_speed_mps + state.speed_offset(t.run)) + state.delay_s(a.beacon, a.receiver);
     return (a.tof_s - tof_s) / a.sigma_s;
   }
   double residuals[2];

@@ -16,27 +16,28 @@ namespace octant {
 inline constexpr int kMaxBlock = 7;  ///< spatial pose and cycle offset
 using NodeRow = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMaxBlock>;
 using NodeVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxBlock, 1>;
-using NodeBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxBlock, kMaxBlock>;
+using NodeBlock =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxBlock, kMaxBlock>;
 
 enum class RowKind { kTof, kAmplitude, kBearing, kPose, kOdometry, kMotion };
 
-/// One scalar observation, whitened: residual = (observed - predicted) / sigma and its derivatives by the states it touches
-/// and by the shared parameters. Blocks that do not apply are zero and flagged.
+/// One scalar observation, whitened: residual = (observed - predicted) / sigma and its derivatives by the
+/// states it touches and by the shared parameters. Blocks that do not apply are zero and flagged.
 struct ObservationRow {
   RowKind kind = RowKind::kTof;
-  std::size_t index = 0;   ///< into the trajectory's list of its kind
+  std::size_t index = 0;  ///< into the trajectory's list of its kind
   double residual = 0.0;
   std::size_t node = 0;
-  bool has_next = false;   ///< touches node + 1 too
+  bool has_next = false;  ///< touches node + 1 too
   NodeRow by_node, by_next;
   bool has_shared = false;
   BeaconId beacon;
   ReceiverId receiver;
   Eigen::RowVector3d by_beacon, by_receiver;  ///< per metre
   AttenuationRow by_attenuation;              ///< per unit
-  double by_delay = 0.0;   ///< per second
-  double by_speed = 0.0;   ///< per metre a second
-  double by_drift = 0.0;   ///< per unit of Timing::drift
+  double by_delay = 0.0;                      ///< per second
+  double by_speed = 0.0;                      ///< per metre a second
+  double by_drift = 0.0;                      ///< per unit of Timing::drift
 };
 
 /// Pose at an observation between node and node + 1.
@@ -46,19 +47,25 @@ struct ObservationRow {
 struct InterpolationJacobian {
   Eigen::Matrix<double, 6, 6> by_node, by_next;
 };
-[[nodiscard]] InterpolationJacobian interpolation_jacobian(const Trajectory& trajectory, std::size_t node, double alpha);
+[[nodiscard]] InterpolationJacobian interpolation_jacobian(const Trajectory& trajectory, std::size_t node,
+                                                           double alpha);
 
 /// Rows of one observation each; a kind that gives several rows fills several.
-/// rows must have room for 2 (arrival), 1 (bearing), 6 (pose), 6 (odometry), 6 (motion); returns how many were filled.
-int arrival_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state, ObservationRow* rows);
-int bearing_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state, ObservationRow* rows);
+/// rows must have room for 2 (arrival), 1 (bearing), 6 (pose), 6 (odometry), 6 (motion); returns how many
+/// were filled.
+int arrival_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state,
+                 ObservationRow* rows);
+int bearing_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state,
+                 ObservationRow* rows);
 int pose_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* rows);
 int odometry_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* rows);
 int motion_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* rows);
 
-/// Calls visit(row) for every row of the segment that is in use (rejected arrivals and bearings are left out).
+/// Calls visit(row) for every row of the segment that is in use (rejected arrivals and bearings are left
+/// out).
 template <class Visitor>
-void for_each_row(const Trajectory& trajectory, const Segment& segment, const SharedState& state, Visitor&& visit) {
+void for_each_row(const Trajectory& trajectory, const Segment& segment, const SharedState& state,
+                  Visitor&& visit) {
   ObservationRow rows[6];
   auto emit = [&](int count) {
     for (int i = 0; i < count; ++i) visit(rows[i]);
@@ -68,8 +75,10 @@ void for_each_row(const Trajectory& trajectory, const Segment& segment, const Sh
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
     if (trajectory.bearings[i].rejection == Rejection::kUsed) emit(bearing_rows(trajectory, i, state, rows));
   for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i) emit(pose_rows(trajectory, i, rows));
-  for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i) emit(odometry_rows(trajectory, i, rows));
-  for (std::size_t i = segment.first_motion; i < segment.last_motion; ++i) emit(motion_rows(trajectory, i, rows));
+  for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
+    emit(odometry_rows(trajectory, i, rows));
+  for (std::size_t i = segment.first_motion; i < segment.last_motion; ++i)
+    emit(motion_rows(trajectory, i, rows));
 }
 
 /// Robust loss applies to what is heard and seen, not to odometry and measured poses.
@@ -84,8 +93,9 @@ struct ChainSystem {
   std::pmr::vector<NodeBlock> D{scratch()}, U{scratch()};
   std::pmr::vector<NodeVector> g{scratch()};
 };
-void build_chain_system(const Trajectory& trajectory, const Segment& segment, const SharedState& state, const RobustLoss& loss,
-                        ChainSystem& system);
-[[nodiscard]] double chain_cost(const Trajectory& trajectory, const Segment& segment, const SharedState& state, const RobustLoss& loss);
+void build_chain_system(const Trajectory& trajectory, const Segment& segment, const SharedState& state,
+                        const RobustLoss& loss, ChainSystem& system);
+[[nodiscard]] double chain_cost(const Trajectory& trajectory, const Segment& segment,
+                                const SharedState& state, const RobustLoss& loss);
 
 }  // namespace octant

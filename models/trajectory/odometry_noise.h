@@ -19,7 +19,8 @@ struct OdometryVariance {
   const auto square = [](double x) { return x * x; };
   const double d = std::hypot(step.dx_m, step.dy_m);
   return {square(a.distance_sigma_m_per_sqrt_m) * d + square(a.floor_m),
-          square(a.heading_sigma_rad_per_sqrt_m) * d + square(a.heading_sigma_per_rad * step.dheading_rad) + square(a.floor_rad)};
+          square(a.heading_sigma_rad_per_sqrt_m) * d + square(a.heading_sigma_per_rad * step.dheading_rad) +
+              square(a.floor_rad)};
 }
 
 }  // namespace octant

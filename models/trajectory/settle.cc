@@ -18,7 +18,8 @@ struct ChainStep {
   std::pmr::vector<NodeVector> step{scratch()};
 };
 
-/// Solves the damped block-tridiagonal system (D + lambda diag D) and U for the step -A^-1 g; false if not positive definite.
+/// Solves the damped block-tridiagonal system (D + lambda diag D) and U for the step -A^-1 g; false if not
+/// positive definite.
 bool solve_chain(const ChainSystem& system, double lambda, ChainStep& out) {
   const std::size_t count = system.D.size();
   auto& [factor, step] = out;
@@ -28,7 +29,8 @@ bool solve_chain(const ChainSystem& system, double lambda, ChainStep& out) {
   NodeBlock A = system.D[0];
   for (std::size_t k = 0;; ++k) {
     // The floor keeps a direction that nothing observes (the heading of a single antenna) where it is.
-    A.diagonal().array() += lambda * system.D[k].diagonal().array() + 1e-9 * (1.0 + system.D[k].diagonal().maxCoeff());
+    A.diagonal().array() +=
+        lambda * system.D[k].diagonal().array() + 1e-9 * (1.0 + system.D[k].diagonal().maxCoeff());
     factor[k].compute(A);
     if (factor[k].info() != Eigen::Success) return false;
     step[k] = rhs;
@@ -61,7 +63,8 @@ bool is_singular(const NodeBlock& A) {
 
 }  // namespace
 
-SettleResult settle(Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss, int max_iterations) {
+SettleResult settle(Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss,
+                    int max_iterations) {
   SettleResult result;
   ChainSystem system;
   ChainStep work;
@@ -70,7 +73,10 @@ SettleResult settle(Trajectory& t, const Segment& segment, const SharedState& st
   build_chain_system(t, segment, state, loss, system);
   std::pmr::vector<Node> before(t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node),
                                 t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.last_node), scratch());
-  const auto restore = [&] { std::copy(before.begin(), before.end(), t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node)); };
+  const auto restore = [&] {
+    std::copy(before.begin(), before.end(),
+              t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.first_node));
+  };
   for (; result.iterations < max_iterations; ++result.iterations) {
     bool improved = false;
     double gain = 0.0;
@@ -100,11 +106,13 @@ SettleResult settle(Trajectory& t, const Segment& segment, const SharedState& st
     build_chain_system(t, segment, state, loss, system);
   }
   result.cost = system.cost;
-  for (const NodeBlock& D : system.D) result.singular = result.singular || (system.D.size() == 1 && is_singular(D));
+  for (const NodeBlock& D : system.D)
+    result.singular = result.singular || (system.D.size() == 1 && is_singular(D));
   return result;
 }
 
-StateCovariance node_covariance(const Trajectory& t, const Segment& segment, std::size_t node, const SharedState& state) {
+StateCovariance node_covariance(const Trajectory& t, const Segment& segment, std::size_t node,
+                                const SharedState& state) {
   ChainSystem system;
   build_chain_system(t, segment, state, RobustLoss{}, system);
   const std::size_t at = node - segment.first_node;

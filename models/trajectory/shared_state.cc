@@ -7,7 +7,8 @@ namespace {
 
 /// Of a site or of a deployment.
 template <class Receivers>
-std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers, const std::optional<AttenuationModel>& attenuation) {
+std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers,
+                                     const std::optional<AttenuationModel>& attenuation) {
   std::vector<Eigen::Vector3d> axes;
   if (!attenuation || !attenuation->directional()) return axes;
   for (const auto& receiver : receivers) axes.push_back(receiver.axis.value_or(Eigen::Vector3d::Zero()));
@@ -24,8 +25,10 @@ SharedState prior_state(const Site& site) {
     for (int i = 0; i < 3; ++i) p[i] = beacon.position_m[static_cast<std::size_t>(i)].value_or(0.0);
     state.beacon_p_map_m.push_back(p);
   }
-  for (const SiteReceiver& receiver : site.receivers) state.receiver_p_vehicle_m.push_back(receiver.position_m);
-  // The prior mean stands once: on the first kind of delay that is in use, or on the site's where none is an unknown.
+  for (const SiteReceiver& receiver : site.receivers)
+    state.receiver_p_vehicle_m.push_back(receiver.position_m);
+  // The prior mean stands once: on the first kind of delay that is in use, or on the site's where none is an
+  // unknown.
   const bool on_beacons = timing.delay_per.beacon;
   const bool on_receivers = !on_beacons && timing.delay_per.receiver;
   state.beacon_delay_s.assign(site.beacons.size(), on_beacons ? timing.delay_s : 0.0);

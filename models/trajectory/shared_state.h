@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "models/physics/attenuation.h"
 #include "models/deployment.h"
+#include "models/physics/attenuation.h"
 #include "models/site.h"
 
 namespace octant {
@@ -20,11 +20,13 @@ struct SharedState {
   std::vector<Eigen::Vector3d> receiver_p_vehicle_m;
   std::vector<double> receiver_delay_s;
   double site_delay_s = 0.0;
-  std::vector<double> speed_offset_mps = {0.0};  ///< added to the medium's model; one for all, or one for each run
+  std::vector<double> speed_offset_mps = {
+      0.0};  ///< added to the medium's model; one for all, or one for each run
   std::optional<AttenuationModel> attenuation;
-  std::vector<Eigen::Vector3d> receiver_axis;    ///< unit vectors, zero: none; where the attenuation is directional, else empty
-  std::vector<double> pair_bias_s;               ///< beacon-major, empty: none
-  std::vector<double> clock_drift;               ///< of each vehicle, see Timing::drift; empty: none
+  std::vector<Eigen::Vector3d>
+      receiver_axis;  ///< unit vectors, zero: none; where the attenuation is directional, else empty
+  std::vector<double> pair_bias_s;  ///< beacon-major, empty: none
+  std::vector<double> clock_drift;  ///< of each vehicle, see Timing::drift; empty: none
 
   [[nodiscard]] double delay_s(BeaconId beacon, ReceiverId receiver) const {
     double sum = site_delay_s + beacon_delay_s[beacon.index()] + receiver_delay_s[receiver.index()];

@@ -16,13 +16,15 @@ namespace {
 constexpr double kExactPositionM = 1e-6;
 constexpr double kExactAngleRad = 1e-6;
 
-PoseObservation pose_observation(std::size_t node, double alpha, const Pose& T, const PoseAccuracy& accuracy) {
+PoseObservation pose_observation(std::size_t node, double alpha, const Pose& T,
+                                 const PoseAccuracy& accuracy) {
   PoseObservation p;
   p.node = node;
   p.alpha = alpha;
   p.T_map_vehicle = T;
   p.position_sigma_m = std::max(accuracy.position_sigma_m, kExactPositionM);
-  p.heading_sigma_rad = accuracy.heading_known ? std::max(accuracy.heading_sigma_rad, kExactAngleRad) : INFINITY;
+  p.heading_sigma_rad =
+      accuracy.heading_known ? std::max(accuracy.heading_sigma_rad, kExactAngleRad) : INFINITY;
   p.attitude_sigma_rad = std::max(accuracy.attitude_sigma_rad, kExactAngleRad);
   return p;
 }
@@ -54,10 +56,12 @@ OdometryPath odometry_path(const MeasurementLog& log, VehicleId vehicle) {
 /// Path pose at a time; false outside.
 bool path_at(const OdometryPath& path, double time_s, Pose& T) {
   if (path.time_s.size() < 2 || time_s < path.time_s.front() || time_s > path.time_s.back()) return false;
-  auto after = static_cast<std::size_t>(std::upper_bound(path.time_s.begin(), path.time_s.end(), time_s) - path.time_s.begin());
+  auto after = static_cast<std::size_t>(std::upper_bound(path.time_s.begin(), path.time_s.end(), time_s) -
+                                        path.time_s.begin());
   after = std::min(after, path.time_s.size() - 1);
   const double span = path.time_s[after] - path.time_s[after - 1];
-  T = interpolate(path.T_anchor_vehicle[after - 1], path.T_anchor_vehicle[after], span > 0 ? (time_s - path.time_s[after - 1]) / span : 0.0);
+  T = interpolate(path.T_anchor_vehicle[after - 1], path.T_anchor_vehicle[after],
+                  span > 0 ? (time_s - path.time_s[after - 1]) / span : 0.0);
   return true;
 }
 
@@ -73,7 +77,9 @@ bool path_between(const OdometryPath& path, double from_s, double to_s, Odometry
     heading += path.heading_variance_rad2[k];
   }
   // A turn that is off by h moves the end of the step by half of it across.
-  o.distance_sigma_m = std::sqrt(std::max(distance + heading * o.T_before_after.translation_m.squaredNorm() / 3, kExactPositionM * kExactPositionM));
+  o.distance_sigma_m =
+      std::sqrt(std::max(distance + heading * o.T_before_after.translation_m.squaredNorm() / 3,
+                         kExactPositionM * kExactPositionM));
   o.heading_sigma_rad = std::sqrt(std::max(heading, kExactAngleRad * kExactAngleRad));
   return true;
 }
@@ -116,7 +122,9 @@ class Builder {
     if (log_.pressure_pa) medium.pressure_pa = *log_.pressure_pa;
     return medium;
   }
-  [[nodiscard]] double run_temperature_degC() const { return log_.temperature_degC.value_or(model_.medium.temperature_degC); }
+  [[nodiscard]] double run_temperature_degC() const {
+    return log_.temperature_degC.value_or(model_.medium.temperature_degC);
+  }
 
   /// Speed of the medium; neighbouring arrivals have one temperature, and the models take their time.
   [[nodiscard]] double speed_at(double temperature_degC) {
@@ -130,16 +138,19 @@ class Builder {
   /// Relative motion between asking and hearing, from odometry or measured poses; none: the vehicle stands.
   [[nodiscard]] Pose two_way_motion(const Arrival& a) const {
     Pose hear, send;
-    if (path_at(path_, a.time_s, hear) && path_at(path_, a.time_s - a.tof_s, send)) return hear.inverse() * send;
+    if (path_at(path_, a.time_s, hear) && path_at(path_, a.time_s - a.tof_s, send))
+      return hear.inverse() * send;
     const double gap = log_.pose_accuracy.max_gap_s;
-    if (t_.moving && interpolate_poses(log_.poses, a.time_s, gap, hear) && interpolate_poses(log_.poses, a.time_s - a.tof_s, gap, send))
+    if (t_.moving && interpolate_poses(log_.poses, a.time_s, gap, hear) &&
+        interpolate_poses(log_.poses, a.time_s - a.tof_s, gap, send))
       return hear.inverse() * send;
     return {};
   }
 
   void add_arrival(std::size_t index, std::size_t node, double alpha) {
     const Arrival& a = log_.arrivals[index];
-    ArrivalObservation o = observe(a, model_, speed_at(std::isfinite(a.temperature_degC) ? a.temperature_degC : run_temperature_degC()));
+    ArrivalObservation o = observe(
+        a, model_, speed_at(std::isfinite(a.temperature_degC) ? a.temperature_degC : run_temperature_degC()));
     o.node = node;
     o.alpha = alpha;
     o.arrival = index;
@@ -152,7 +163,8 @@ class Builder {
 
   void add_bearing(std::size_t index, std::size_t node, double alpha) {
     const Bearing& b = log_.bearings[index];
-    t_.bearings.push_back({node, alpha, index, b.reflector, b.bearing_rad, model_.noise.bearing_sigma_rad, Rejection::kUsed});
+    t_.bearings.push_back(
+        {node, alpha, index, b.reflector, b.bearing_rad, model_.noise.bearing_sigma_rad, Rejection::kUsed});
   }
 
   /// Stationary epochs: a node each, in order of time; odometry between neighbours where the run has it.
@@ -163,13 +175,15 @@ class Builder {
     auto node_for = [&](std::int64_t epoch, double time_s) {
       const auto [it, added] = node_of.try_emplace(epoch, t_.nodes.size());
       if (added) {
-        t_.nodes.push_back({.time_s = time_s, .epoch = epoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+        t_.nodes.push_back(
+            {.time_s = time_s, .epoch = epoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
         arrivals.emplace_back();
         bearings.emplace_back();
       }
       return it->second;
     };
-    for (const std::size_t i : arrivals_) arrivals[node_for(log_.arrivals[i].epoch, log_.arrivals[i].time_s)].push_back(i);
+    for (const std::size_t i : arrivals_)
+      arrivals[node_for(log_.arrivals[i].epoch, log_.arrivals[i].time_s)].push_back(i);
     for (const std::size_t i : bearings_) {
       // std::vector may have to grow before the element is chosen.
       const std::size_t node = node_for(log_.bearings[i].epoch, log_.bearings[i].time_s);
@@ -184,9 +198,12 @@ class Builder {
     }
   }
 
-  /// The numbers of the epochs rise with time, so that an epoch is where its number is: most logs, and no look-up.
+  /// The numbers of the epochs rise with time, so that an epoch is where its number is: most logs, and no
+  /// look-up.
   [[nodiscard]] bool epochs_rise() const {
-    return std::is_sorted(arrivals_.begin(), arrivals_.end(), [this](std::size_t a, std::size_t b) { return log_.arrivals[a].epoch < log_.arrivals[b].epoch; });
+    return std::is_sorted(arrivals_.begin(), arrivals_.end(), [this](std::size_t a, std::size_t b) {
+      return log_.arrivals[a].epoch < log_.arrivals[b].epoch;
+    });
   }
 
   void build_rising_epochs() {
@@ -194,10 +211,15 @@ class Builder {
     for (std::size_t first = 0; first < arrivals_.size();) {
       const Arrival& begin = log_.arrivals[arrivals_[first]];
       const std::size_t k = t_.nodes.size();
-      t_.nodes.push_back({.time_s = begin.time_s, .epoch = begin.epoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+      t_.nodes.push_back({.time_s = begin.time_s,
+                          .epoch = begin.epoch,
+                          .T_map_vehicle = {},
+                          .cycle_offset_s = 0.0,
+                          .placed = false});
       if (!chained(k)) open_segment(k);
       arrivals.clear();
-      for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].epoch == begin.epoch; ++first) arrivals.push_back(arrivals_[first]);
+      for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].epoch == begin.epoch; ++first)
+        arrivals.push_back(arrivals_[first]);
       for (const std::size_t i : arrivals) add_arrival(i, k, 0.0);
       if (!log_.poses.empty()) add_epoch_pose(k, arrivals, {});
       close_segment(k + 1);
@@ -214,7 +236,8 @@ class Builder {
     return true;
   }
 
-  void add_epoch_pose(std::size_t k, const std::vector<std::size_t>& arrivals, const std::vector<std::size_t>& bearings) {
+  void add_epoch_pose(std::size_t k, const std::vector<std::size_t>& arrivals,
+                      const std::vector<std::size_t>& bearings) {
     std::vector<double> times;
     times.reserve(arrivals.size() + bearings.size());
     for (const std::size_t i : arrivals) times.push_back(log_.arrivals[i].time_s);
@@ -233,11 +256,13 @@ class Builder {
   void build_drive() {
     t_.moving = true;
     for (const double time_s : path_.time_s)
-      t_.nodes.push_back({.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+      t_.nodes.push_back(
+          {.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
     open_segment(0);
     for (std::size_t k = 0; k + 1 < path_.time_s.size(); ++k) {
       const Pose step = path_.T_anchor_vehicle[k].inverse() * path_.T_anchor_vehicle[k + 1];
-      t_.odometry.push_back({k, step, std::sqrt(path_.distance_variance_m2[k + 1]), std::sqrt(path_.heading_variance_rad2[k + 1])});
+      t_.odometry.push_back({k, step, std::sqrt(path_.distance_variance_m2[k + 1]),
+                             std::sqrt(path_.heading_variance_rad2[k + 1])});
     }
     for (const std::size_t i : arrivals_) {
       std::size_t node = 0;
@@ -253,7 +278,8 @@ class Builder {
       double alpha = 0.0;
       if (between_nodes(log_.bearings[i].time_s, node, alpha)) add_bearing(i, node, alpha);
     }
-    std::stable_sort(t_.arrivals.begin(), t_.arrivals.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+    std::stable_sort(t_.arrivals.begin(), t_.arrivals.end(),
+                     [](const auto& a, const auto& b) { return a.node < b.node; });
     for (const TimedPose& pose : log_.poses) {
       std::size_t node = 0;
       double alpha = 0.0;
@@ -274,11 +300,12 @@ class Builder {
   }
 
   [[nodiscard]] bool tied_by_motion() const {
-    return t_.vehicle.index() < model_.motion_priors.size() && model_.motion_priors[t_.vehicle.index()] && log_.poses.empty() &&
-           t_.motion == Motion::kPlanar && !t_.has_cycle_offset && arrivals_.size() > 1;
+    return t_.vehicle.index() < model_.motion_priors.size() && model_.motion_priors[t_.vehicle.index()] &&
+           log_.poses.empty() && t_.motion == Motion::kPlanar && !t_.has_cycle_offset && arrivals_.size() > 1;
   }
 
-  /// Nothing but arrivals: a state with a velocity at each instant; after a long silence the prior says nothing any more.
+  /// Nothing but arrivals: a state with a velocity at each instant; after a long silence the prior says
+  /// nothing any more.
   void build_motion() {
     constexpr double kSameInstant_s = 1e-3, kSilence_s = 10.0;
     t_.moving = true;
@@ -294,8 +321,10 @@ class Builder {
       } else {
         t_.motion_steps.push_back({k - 1, step_s});
       }
-      t_.nodes.push_back({.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
-      for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].time_s <= time_s + kSameInstant_s; ++first)
+      t_.nodes.push_back(
+          {.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+      for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].time_s <= time_s + kSameInstant_s;
+           ++first)
         add_arrival(arrivals_[first], k, 0.0);
     }
     close_segment(t_.nodes.size());
@@ -308,7 +337,9 @@ class Builder {
     std::size_t k = 0;
     for (const std::size_t i : bearings_) {
       const double time_s = log_.bearings[i].time_s;
-      while (k + 1 < t_.nodes.size() && std::abs(t_.nodes[k + 1].time_s - time_s) <= std::abs(t_.nodes[k].time_s - time_s)) ++k;
+      while (k + 1 < t_.nodes.size() &&
+             std::abs(t_.nodes[k + 1].time_s - time_s) <= std::abs(t_.nodes[k].time_s - time_s))
+        ++k;
       if (k < t_.nodes.size() && std::abs(t_.nodes[k].time_s - time_s) <= kNear_s) add_bearing(i, k, 0.0);
     }
     std::size_t next = 0;
@@ -319,7 +350,8 @@ class Builder {
     }
   }
 
-  /// No epochs, no odometry: each distinct time is a state of its own, carried by the measured pose of that time.
+  /// No epochs, no odometry: each distinct time is a state of its own, carried by the measured pose of that
+  /// time.
   void build_instants() {
     t_.moving = true;
     std::size_t next_bearing = 0;
@@ -328,16 +360,23 @@ class Builder {
       std::size_t last = first;
       while (last < arrivals_.size() && log_.arrivals[arrivals_[last]].time_s == time_s) ++last;
       Pose T;
-      const bool measured = log_.vehicle == t_.vehicle && interpolate_poses(log_.poses, time_s, log_.pose_accuracy.max_gap_s, T);
+      const bool measured = log_.vehicle == t_.vehicle &&
+                            interpolate_poses(log_.poses, time_s, log_.pose_accuracy.max_gap_s, T);
       if (!measured && !log_.poses.empty()) {
         for (std::size_t i = first; i < last; ++i) t_.stateless_arrivals.push_back(arrivals_[i]);
       } else {
         const std::size_t k = t_.nodes.size();
-        t_.nodes.push_back({.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = T, .cycle_offset_s = 0.0, .placed = measured});
+        t_.nodes.push_back({.time_s = time_s,
+                            .epoch = kNoEpoch,
+                            .T_map_vehicle = T,
+                            .cycle_offset_s = 0.0,
+                            .placed = measured});
         open_segment(k);
         for (std::size_t i = first; i < last; ++i) add_arrival(arrivals_[i], k, 0.0);
-        while (next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s < time_s) ++next_bearing;
-        for (; next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s == time_s; ++next_bearing)
+        while (next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s < time_s)
+          ++next_bearing;
+        for (; next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s == time_s;
+             ++next_bearing)
           add_bearing(bearings_[next_bearing], k, 0.0);
         if (measured) t_.poses.push_back(pose_observation(k, 0.0, T, log_.pose_accuracy));
         close_segment(k + 1);
@@ -347,9 +386,10 @@ class Builder {
   }
 
   void open_segment(std::size_t node) {
-    // An odometry observation that leads to this node has not been added: it would have continued the segment.
-    const std::size_t a = t_.arrivals.size(), b = t_.bearings.size(), p = t_.poses.size(), o = t_.odometry.size(),
-                      m = t_.motion_steps.size();
+    // An odometry observation that leads to this node has not been added: it would have continued the
+    // segment.
+    const std::size_t a = t_.arrivals.size(), b = t_.bearings.size(), p = t_.poses.size(),
+                      o = t_.odometry.size(), m = t_.motion_steps.size();
     t_.segments.push_back({node, node, a, a, b, b, p, p, o, o, m, m});
   }
   void close_segment(std::size_t last_node) {
@@ -384,9 +424,11 @@ ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, doubl
     o.log_amplitude = std::log(a.amplitude_v);
     o.log_amplitude_sigma = model.noise.amplitude_relative_sigma;
     if (model.attenuation->directional()) {
-      // The walk is taken at this amplitude; near the threshold it bends, and one that was measured too loud must not seem exact.
+      // The walk is taken at this amplitude; near the threshold it bends, and one that was measured too loud
+      // must not seem exact.
       const double least_v = a.amplitude_v * std::max(1 - o.log_amplitude_sigma, 0.5);
-      o.sigma_s = std::hypot(o.sigma_s, walk_by_log_amplitude_s(least_v, *model.attenuation) * o.log_amplitude_sigma);
+      o.sigma_s =
+          std::hypot(o.sigma_s, walk_by_log_amplitude_s(least_v, *model.attenuation) * o.log_amplitude_sigma);
     }
   }
   o.two_way = model.timing.ranging == Ranging::kTwoWay;
@@ -394,7 +436,8 @@ ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, doubl
 }
 
 double speed_of(const Arrival& a, const TrajectoryModel& model) {
-  return speed_mps(model.medium, std::isfinite(a.temperature_degC) ? a.temperature_degC : model.medium.temperature_degC);
+  return speed_mps(model.medium,
+                   std::isfinite(a.temperature_degC) ? a.temperature_degC : model.medium.temperature_degC);
 }
 
 void reserve_epoch(Trajectory& t, std::size_t arrivals, std::size_t bearings) {
@@ -405,7 +448,8 @@ void reserve_epoch(Trajectory& t, std::size_t arrivals, std::size_t bearings) {
   t.bearings.reserve(bearings);
 }
 
-void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const Bearing> bearings, const TrajectoryModel& model) {
+void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const Bearing> bearings,
+               const TrajectoryModel& model) {
   t.vehicle = arrivals.empty() ? bearings.front().vehicle : arrivals.front().vehicle;
   t.motion = model.motion;
   t.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
@@ -424,7 +468,8 @@ void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const
     if (t.arrivals.back().two_way) t.arrivals.back().hear_send = 0;
   }
   for (const Bearing& b : bearings)
-    t.bearings.push_back({0, 0.0, t.bearings.size(), b.reflector, b.bearing_rad, model.noise.bearing_sigma_rad, Rejection::kUsed});
+    t.bearings.push_back({0, 0.0, t.bearings.size(), b.reflector, b.bearing_rad,
+                          model.noise.bearing_sigma_rad, Rejection::kUsed});
   Segment whole;
   whole.last_node = 1;
   whole.last_arrival = t.arrivals.size();
@@ -432,8 +477,10 @@ void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const
   t.segments.assign(1, whole);
 }
 
-bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s, Pose& T_map_vehicle) {
-  const auto after = std::lower_bound(poses.begin(), poses.end(), time_s, [](const TimedPose& p, double t) { return p.time_s < t; });
+bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s,
+                       Pose& T_map_vehicle) {
+  const auto after = std::lower_bound(poses.begin(), poses.end(), time_s,
+                                      [](const TimedPose& p, double t) { return p.time_s < t; });
   if (after == poses.end()) return false;
   if (after->time_s == time_s) {
     T_map_vehicle = after->T_map_vehicle;
@@ -447,7 +494,8 @@ bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, doubl
   return true;
 }
 
-Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle, const TrajectoryModel& model) {
+Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle,
+                           const TrajectoryModel& model) {
   return Builder(log, run, vehicle, model).build();
 }
 

@@ -12,33 +12,36 @@
 
 #include "models/fix.h"
 #include "models/run.h"
-#include "models/trajectory/shared_state.h"
 #include "models/site.h"
+#include "models/trajectory/shared_state.h"
 
 namespace octant {
 
-/// Vehicle state at one instant: the pose of a stationary epoch, or of a drive at the time of an odometry row.
+/// Vehicle state at one instant: the pose of a stationary epoch, or of a drive at the time of an odometry
+/// row.
 struct Node {
   double time_s = 0.0;
   std::int64_t epoch = kNoEpoch;
   Pose T_map_vehicle;
   double cycle_offset_s = 0.0;  ///< Clock::kCycleOffset only
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< map x, y [m/s] and turn rate [rad/s]; Trajectory::motion_prior only
+  Eigen::Vector3d velocity =
+      Eigen::Vector3d::Zero();  ///< map x, y [m/s] and turn rate [rad/s]; Trajectory::motion_prior only
   bool placed = false;          ///< false: no initial value yet
 };
 
 /// An arrival as an observation of the state between node and node + 1 (alpha = 0: of node alone).
 struct ArrivalObservation {
   std::uint32_t node = 0;
-  std::uint32_t arrival = 0;    ///< index into MeasurementLog::arrivals
+  std::uint32_t arrival = 0;  ///< index into MeasurementLog::arrivals
   BeaconId beacon;
   ReceiverId receiver;
   double alpha = 0.0;
   double time_s = 0.0;
   double tof_s = 0.0;
   double sigma_s = 1.0;
-  double model_speed_mps = 0.0; ///< of the medium at the arrival's temperature, without the calibrated offset
-  double log_amplitude = 0.0;   ///< ln(A / 1 V); used when log_amplitude_sigma > 0
+  double model_speed_mps =
+      0.0;                     ///< of the medium at the arrival's temperature, without the calibrated offset
+  double log_amplitude = 0.0;  ///< ln(A / 1 V); used when log_amplitude_sigma > 0
   double log_amplitude_sigma = 0.0;
   bool two_way = false;
   std::int32_t hear_send = -1;  ///< two-way ranging: index into Trajectory::T_hear_send
@@ -48,7 +51,7 @@ struct ArrivalObservation {
 struct BearingObservation {
   std::size_t node = 0;
   double alpha = 0.0;
-  std::size_t bearing = 0;      ///< index into MeasurementLog::bearings
+  std::size_t bearing = 0;  ///< index into MeasurementLog::bearings
   BeaconId reflector;
   double bearing_rad = 0.0;
   double sigma_rad = 1.0;
@@ -79,8 +82,8 @@ struct MotionObservation {
   double step_s = 0.0;
 };
 
-/// States that hang together: one stationary epoch, or a stretch of a drive. Ranges [first, last) into the lists of the
-/// Trajectory, each ordered by node.
+/// States that hang together: one stationary epoch, or a stretch of a drive. Ranges [first, last) into the
+/// lists of the Trajectory, each ordered by node.
 struct Segment {
   std::size_t first_node = 0, last_node = 0;
   std::size_t first_arrival = 0, last_arrival = 0;
@@ -92,11 +95,11 @@ struct Segment {
 
 /// All states of one vehicle in one run, with everything that was observed of them.
 struct Trajectory {
-  std::size_t run = 0;   ///< index of the run
+  std::size_t run = 0;  ///< index of the run
   VehicleId vehicle;
   Motion motion = Motion::kPlanar;
   bool has_cycle_offset = false;
-  bool moving = false;   ///< no epochs: states at odometry or arrival times
+  bool moving = false;               ///< no epochs: states at odometry or arrival times
   double nominal_speed_mps = 343.0;  ///< turns cycle offsets into metres
   std::vector<Node> nodes;
   std::vector<Segment> segments;
@@ -106,18 +109,25 @@ struct Trajectory {
   std::vector<OdometryObservation> odometry;
   std::vector<MotionObservation> motion_steps;
   std::optional<MotionPrior> motion_prior;  ///< planar motion; states then carry their velocity
-  /// Arrivals of the run that no state could carry (before the first odometry row, in a gap of the measured poses).
+  /// Arrivals of the run that no state could carry (before the first odometry row, in a gap of the measured
+  /// poses).
   std::vector<std::size_t> stateless_arrivals;
   double turnaround_s = 0.0;  ///< of two-way ranging
-  std::vector<Pose> T_hear_send;  ///< two-way ranging: the pose when the vehicle asked in the frame of that when it heard
+  std::vector<Pose>
+      T_hear_send;  ///< two-way ranging: the pose when the vehicle asked in the frame of that when it heard
 
-  /// Unknowns of a node: the pose's, then the cycle offset (in metres at the medium's speed) or the velocity where there is one.
-  [[nodiscard]] int block_size() const { return pose_dof(motion) + (has_cycle_offset ? 1 : 0) + (motion_prior ? 3 : 0); }
+  /// Unknowns of a node: the pose's, then the cycle offset (in metres at the medium's speed) or the velocity
+  /// where there is one.
+  [[nodiscard]] int block_size() const {
+    return pose_dof(motion) + (has_cycle_offset ? 1 : 0) + (motion_prior ? 3 : 0);
+  }
 };
 
-/// The amplitude at which an arrival's walk is taken: the measured one of a directional receiver, as PathInput has it. Far off its
-/// axis a receiver just hears, where the walk grows without bound: a pose must not be told by how late that makes the pulse.
-[[nodiscard]] inline std::optional<double> walk_amplitude(const ArrivalObservation& a, const SharedState& state) {
+/// The amplitude at which an arrival's walk is taken: the measured one of a directional receiver, as
+/// PathInput has it. Far off its axis a receiver just hears, where the walk grows without bound: a pose must
+/// not be told by how late that makes the pulse.
+[[nodiscard]] inline std::optional<double> walk_amplitude(const ArrivalObservation& a,
+                                                          const SharedState& state) {
   const bool measured = a.log_amplitude_sigma > 0 && state.attenuation && state.attenuation->directional();
   return measured ? std::optional<double>(a.log_amplitude) : std::nullopt;
 }
@@ -129,38 +139,46 @@ struct TrajectoryModel {
   Timing timing;
   Noise noise;
   std::optional<AttenuationModel> attenuation{};  ///< with it logged amplitudes are observations
-  /// Of each vehicle; used for drives with neither odometry nor measured poses, planar and without a cycle offset.
+  /// Of each vehicle; used for drives with neither odometry nor measured poses, planar and without a cycle
+  /// offset.
   std::vector<std::optional<MotionPrior>> motion_priors{};
 };
 
 /// Builds the states of one vehicle of a run and attaches its observations.
-/// Epochs: one node each (chained by odometry where the run has it); measured poses interpolated at the epoch's arrivals.
-/// No epochs, odometry: nodes at its rows; arrivals and measured poses between them.
-/// No epochs, no odometry, no poses, but a motion prior: a node with a velocity for each instant of arrivals, tied by the prior.
-/// Else: one node for each distinct arrival time, with the measured pose of that time if there is one.
-[[nodiscard]] Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle, const TrajectoryModel& model);
+/// Epochs: one node each (chained by odometry where the run has it); measured poses interpolated at the
+/// epoch's arrivals. No epochs, odometry: nodes at its rows; arrivals and measured poses between them. No
+/// epochs, no odometry, no poses, but a motion prior: a node with a velocity for each instant of arrivals,
+/// tied by the prior. Else: one node for each distinct arrival time, with the measured pose of that time if
+/// there is one.
+[[nodiscard]] Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle,
+                                         const TrajectoryModel& model);
 
 /// Every so many-th segment of a trajectory with what belongs to it.
 [[nodiscard]] Trajectory some_segments(const Trajectory& trajectory, std::size_t every);
 
-/// Makes a trajectory of the one state of a standing vehicle, from the arrivals and bearings of one of its epochs. What the
-/// trajectory held is overwritten, its memory is used again. Two-way ranging: the vehicle stands.
-void set_epoch(Trajectory& trajectory, std::span<const Arrival> arrivals, std::span<const Bearing> bearings, const TrajectoryModel& model);
+/// Makes a trajectory of the one state of a standing vehicle, from the arrivals and bearings of one of its
+/// epochs. What the trajectory held is overwritten, its memory is used again. Two-way ranging: the vehicle
+/// stands.
+void set_epoch(Trajectory& trajectory, std::span<const Arrival> arrivals, std::span<const Bearing> bearings,
+               const TrajectoryModel& model);
 /// Takes the memory for epochs of that many rows.
 void reserve_epoch(Trajectory& trajectory, std::size_t arrivals, std::size_t bearings);
 
 /// An arrival as an observation of node 0, in a medium of that speed.
-[[nodiscard]] ArrivalObservation observe(const Arrival& arrival, const TrajectoryModel& model, double model_speed_mps);
+[[nodiscard]] ArrivalObservation observe(const Arrival& arrival, const TrajectoryModel& model,
+                                         double model_speed_mps);
 /// Speed of the model's medium at an arrival: at its own temperature where it brings one.
 [[nodiscard]] double speed_of(const Arrival& arrival, const TrajectoryModel& model);
 
-/// Measured pose at a time: linear and slerp between neighbours not further apart than max_gap_s; false beyond the ends.
-[[nodiscard]] bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s, Pose& T_map_vehicle);
+/// Measured pose at a time: linear and slerp between neighbours not further apart than max_gap_s; false
+/// beyond the ends.
+[[nodiscard]] bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s,
+                                     Pose& T_map_vehicle);
 
-/// How far the residual of an arrival counts: Cauchy's loss with a scale for late and one for early arrivals, in sigmas.
-/// Sound never arrives early, so echoes are forgiven sooner than arrivals from behind the wall.
+/// How far the residual of an arrival counts: Cauchy's loss with a scale for late and one for early arrivals,
+/// in sigmas. Sound never arrives early, so echoes are forgiven sooner than arrivals from behind the wall.
 struct RobustLoss {
-  double late_scale = 0.0;   ///< 0: plain squares
+  double late_scale = 0.0;  ///< 0: plain squares
   double early_scale = 0.0;
   /// rho(r^2) and its derivative by r^2, so that the cost is 1/2 rho and the weight rho'.
   void evaluate(double residual, double& rho, double& weight) const;
@@ -170,24 +188,26 @@ struct RobustLoss {
 struct SettleResult {
   bool converged = false;
   int iterations = 0;
-  double cost = 0.0;        ///< 1/2 sum of rho
-  bool singular = false;    ///< the observations do not determine the states
+  double cost = 0.0;      ///< 1/2 sum of rho
+  bool singular = false;  ///< the observations do not determine the states
 };
 
-/// Gauss-Newton (Levenberg-Marquardt) on the states of one segment, shared parameters held: a block-tridiagonal system.
-/// Writes nodes[first_node, last_node) of the trajectory.
-SettleResult settle(Trajectory& trajectory, const Segment& segment, const SharedState& state, const RobustLoss& loss,
-                    int max_iterations = 30);
+/// Gauss-Newton (Levenberg-Marquardt) on the states of one segment, shared parameters held: a
+/// block-tridiagonal system. Writes nodes[first_node, last_node) of the trajectory.
+SettleResult settle(Trajectory& trajectory, const Segment& segment, const SharedState& state,
+                    const RobustLoss& loss, int max_iterations = 30);
 
 /// Covariance of a node's state, in a room of its own.
 using StateCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7>;
 
-/// Covariance of one node's state (block_size x block_size) within its segment, all else marginalised, shared parameters held.
-/// Empty if singular.
-[[nodiscard]] StateCovariance node_covariance(const Trajectory& trajectory, const Segment& segment, std::size_t node,
-                                              const SharedState& state);
+/// Covariance of one node's state (block_size x block_size) within its segment, all else marginalised, shared
+/// parameters held. Empty if singular.
+[[nodiscard]] StateCovariance node_covariance(const Trajectory& trajectory, const Segment& segment,
+                                              std::size_t node, const SharedState& state);
 
-/// Whitened residual (observed - predicted) / sigma of an arrival's time of flight at the trajectory's states.
-[[nodiscard]] double arrival_residual(const Trajectory& trajectory, const ArrivalObservation& arrival, const SharedState& state);
+/// Whitened residual (observed - predicted) / sigma of an arrival's time of flight at the trajectory's
+/// states.
+[[nodiscard]] double arrival_residual(const Trajectory& trajectory, const ArrivalObservation& arrival,
+                                      const SharedState& state);
 
 }  // namespace octant

@@ -26,13 +26,20 @@ std::string escape_markdown(const std::string& text) {
   std::string safe;
   safe.reserve(text.size());
   for (const char c : text) {
-    // HTML inside Markdown is HTML, so its characters go as entities; the rest is what Markdown gives a meaning.
-    if (c == '&') safe += "&amp;";
-    else if (c == '<') safe += "&lt;";
-    else if (c == '>') safe += "&gt;";
-    else if (c == '\n' || c == '\r') safe += ' ';
-    else if (std::string("\\`*_[]|~#").find(c) != std::string::npos) safe += std::string("\\") + c;
-    else safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    // HTML inside Markdown is HTML, so its characters go as entities; the rest is what Markdown gives a
+    // meaning.
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else if (c == '\n' || c == '\r')
+      safe += ' ';
+    else if (std::string("\\`*_[]|~#").find(c) != std::string::npos)
+      safe += std::string("\\") + c;
+    else
+      safe += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
   }
   return safe;
 }

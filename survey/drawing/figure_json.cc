@@ -11,26 +11,31 @@
 #include "models/trajectory/decompositions.h"
 #include "survey/drawing/escape.h"
 #include "survey/drawing/plan_frame.h"
-#include "survey/geometry/quantity.h"
 #include "survey/drawing/svg_chart.h"
+#include "survey/geometry/quantity.h"
 
 namespace octant::survey {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kEllipsoid95 = 2.7955;       // square root of chi-square's 0.95 quantile, 3 degrees of freedom
-constexpr int kCircle = 28;                   // points of one
-constexpr std::size_t kMostLineNames = 40;    // of more walls or routes the names would hide the map; the pointer still tells them
+constexpr double kEllipsoid95 = 2.7955;  // square root of chi-square's 0.95 quantile, 3 degrees of freedom
+constexpr int kCircle = 28;              // points of one
+constexpr std::size_t kMostLineNames =
+    40;  // of more walls or routes the names would hide the map; the pointer still tells them
 
 /// plotly.js reads labels as a kind of HTML, of which it knows few entities.
 std::string label(const std::string& text) {
   std::string safe;
   for (const char c : text) {
-    if (c == '&') safe += "&amp;";
-    else if (c == '<') safe += "&lt;";
-    else if (c == '>') safe += "&gt;";
-    else safe += c;
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else
+      safe += c;
   }
   return safe;
 }
@@ -50,11 +55,14 @@ std::string finished(const Json& data, const Json& layout) {
 Json axis(const std::string& title) { return {{"title", {{"text", title}}}, {"zeroline", false}}; }
 
 Json line_trace(const char* name, const char* colour, const char* dash) {
-  return {{"type", "scatter"}, {"mode", "lines"}, {"name", name}, {"line", {{"color", colour}, {"dash", dash}, {"width", 1.5}}}, {"x", Json::array()}, {"y", Json::array()}};
+  return {{"type", "scatter"},  {"mode", "lines"},
+          {"name", name},       {"line", {{"color", colour}, {"dash", dash}, {"width", 1.5}}},
+          {"x", Json::array()}, {"y", Json::array()}};
 }
 
 Json marker_trace(const std::string& name, const char* colour, const char* symbol, double size) {
-  return {{"type", "scatter"}, {"mode", "markers"}, {"name", name}, {"marker", {{"color", colour}, {"symbol", symbol}, {"size", size}}},
+  return {{"type", "scatter"},  {"mode", "markers"},
+          {"name", name},       {"marker", {{"color", colour}, {"symbol", symbol}, {"size", size}}},
           {"x", Json::array()}, {"y", Json::array()}};
 }
 
@@ -71,16 +79,33 @@ void put_gap(Json& trace, bool space) {
 
 Json map_trace(const NamedMap& map, std::size_t layer) {
   Json rows = Json::array();
-  for (std::size_t first = 0; map.columns > 0 && first + map.columns <= map.values.size(); first += map.columns) {
+  for (std::size_t first = 0; map.columns > 0 && first + map.columns <= map.values.size();
+       first += map.columns) {
     Json row = Json::array();
-    for (std::size_t i = first; i < first + map.columns; ++i) row.push_back(std::isfinite(map.values[i]) ? Json(rounded(map.values[i], std::abs(map.values[i]) * 100)) : Json(nullptr));
+    for (std::size_t i = first; i < first + map.columns; ++i)
+      row.push_back(std::isfinite(map.values[i]) ? Json(rounded(map.values[i], std::abs(map.values[i]) * 100))
+                                                 : Json(nullptr));
     rows.push_back(std::move(row));
   }
   const std::vector<double> limits = map_classes(map);
-  Json trace = {{"type", "heatmap"}, {"name", label(map.name)}, {"layer", layer}, {"visible", layer == 0}, {"colorscale", "Cividis"}, {"opacity", 0.85},
-                {"x0", map.corner_m.x() + map.cell_m / 2}, {"dx", map.cell_m}, {"y0", map.corner_m.y() + map.cell_m / 2}, {"dy", map.cell_m}, {"z", rows},
-                {"hovertemplate", "%{z:.3g}" + (map.unit.empty() ? "" : " " + label(map.unit)) + "<br>x %{x:.2f} m, y %{y:.2f} m<extra></extra>"},
-                {"colorbar", {{"title", {{"text", label(map.unit.empty() ? map.name : map.name + " [" + map.unit + "]")}, {"side", "right"}}}, {"thickness", 14}}}};
+  Json trace = {{"type", "heatmap"},
+                {"name", label(map.name)},
+                {"layer", layer},
+                {"visible", layer == 0},
+                {"colorscale", "Cividis"},
+                {"opacity", 0.85},
+                {"x0", map.corner_m.x() + map.cell_m / 2},
+                {"dx", map.cell_m},
+                {"y0", map.corner_m.y() + map.cell_m / 2},
+                {"dy", map.cell_m},
+                {"z", rows},
+                {"hovertemplate", "%{z:.3g}" + (map.unit.empty() ? "" : " " + label(map.unit)) +
+                                      "<br>x %{x:.2f} m, y %{y:.2f} m<extra></extra>"},
+                {"colorbar",
+                 {{"title",
+                   {{"text", label(map.unit.empty() ? map.name : map.name + " [" + map.unit + "]")},
+                    {"side", "right"}}},
+                  {"thickness", 14}}}};
   if (!limits.empty()) {
     // The last class has no end.
     trace["zmin"] = 2 * limits[0] - limits[1];
@@ -90,10 +115,12 @@ Json map_trace(const NamedMap& map, std::size_t layer) {
 }
 
 /// Beacons of a status with all that is known of each when the reader points at it.
-Json beacon_trace(const Deployment& d, BeaconStatus status, const std::string& name, double size, bool space) {
+Json beacon_trace(const Deployment& d, BeaconStatus status, const std::string& name, double size,
+                  bool space) {
   const bool control = status == BeaconStatus::kControlPoint;
   Json trace = marker_trace(name, control ? "var(--control)" : "var(--beacon)",
-                            space ? (control ? "diamond" : "circle") : (control ? "triangle-up" : "circle"), space ? 6 : 11);
+                            space ? (control ? "diamond" : "circle") : (control ? "triangle-up" : "circle"),
+                            space ? 6 : 11);
   trace["mode"] = space ? "markers" : "markers+text";
   trace["textposition"] = "top center";
   if (space) trace["type"] = "scatter3d";
@@ -113,9 +140,10 @@ Json beacon_trace(const Deployment& d, BeaconStatus status, const std::string& n
     }
     const Eigen::Vector3d U = 2 * b.covariance_m2.diagonal().cwiseMax(0.0).cwiseSqrt();
     if (!space) trace["text"].push_back(label(b.name));
-    trace["hovertext"].push_back(fmt::format("{}<br>x {:.4f}, y {:.4f}, z {:.4f} m<br>U (k = 2) {}, {}, {}<br>delay {}", label(b.name), b.position_m.x(),
-                                             b.position_m.y(), b.position_m.z(), length_text(U.x()), length_text(U.y()), length_text(U.z()),
-                                             time_symbol_text(b.delay_s)));
+    trace["hovertext"].push_back(
+        fmt::format("{}<br>x {:.4f}, y {:.4f}, z {:.4f} m<br>U (k = 2) {}, {}, {}<br>delay {}", label(b.name),
+                    b.position_m.x(), b.position_m.y(), b.position_m.z(), length_text(U.x()),
+                    length_text(U.y()), length_text(U.z()), time_symbol_text(b.delay_s)));
   }
   return trace;
 }
@@ -123,24 +151,32 @@ Json beacon_trace(const Deployment& d, BeaconStatus status, const std::string& n
 /// Ellipses of the plan, or three great circles of each ellipsoid.
 Json ellipse_trace(const Deployment& d, double exaggeration, double size, bool space) {
   Json trace = line_trace(space ? "95 % ellipsoid" : "95 % ellipse", "var(--beacon)", "solid");
-  trace["name"] = fmt::format("95 % {}, drawn {:g} times as large", space ? "ellipsoid" : "ellipse", exaggeration);
+  trace["name"] =
+      fmt::format("95 % {}, drawn {:g} times as large", space ? "ellipsoid" : "ellipse", exaggeration);
   trace["hoverinfo"] = "skip";
   if (space) trace["type"] = "scatter3d";
   if (d.beacons.size() > kMostNamed) return trace;
   for (const auto& b : d.beacons) {
-    if (b.status != BeaconStatus::kCalibrated || !is_drawn(b) || !b.covariance_m2.allFinite() || b.covariance_m2.isZero(0.0)) continue;
+    if (b.status != BeaconStatus::kCalibrated || !is_drawn(b) || !b.covariance_m2.allFinite() ||
+        b.covariance_m2.isZero(0.0))
+      continue;
     const Eigen::Matrix3d C = space ? b.covariance_m2 : [&b] {
       Eigen::Matrix3d flat = Eigen::Matrix3d::Zero();
       flat.topLeftCorner<2, 2>() = b.covariance_m2.topLeftCorner<2, 2>();
       return flat;
     }();
     const SymmetricEigen<Eigen::Matrix3d> eigen(C);
-    const Eigen::Matrix3d axes = eigen.eigenvectors() * (eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt() * exaggeration * (space ? kEllipsoid95 : kEllipse95)).asDiagonal();
+    const Eigen::Matrix3d axes = eigen.eigenvectors() * (eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt() *
+                                                         exaggeration * (space ? kEllipsoid95 : kEllipse95))
+                                                            .asDiagonal();
     // Eigenvalues ascend, so the flat one's plane is that of the last two.
     for (int normal = 0; normal < (space ? 3 : 1); ++normal) {
       for (int k = 0; k <= kCircle; ++k) {
         const double turn = 2 * M_PI * k / kCircle;
-        put(trace, b.position_m + axes.col((normal + 1) % 3) * std::cos(turn) + axes.col((normal + 2) % 3) * std::sin(turn), size, space);
+        put(trace,
+            b.position_m + axes.col((normal + 1) % 3) * std::cos(turn) +
+                axes.col((normal + 2) % 3) * std::sin(turn),
+            size, space);
       }
       put_gap(trace, space);
     }
@@ -150,7 +186,8 @@ Json ellipse_trace(const Deployment& d, double exaggeration, double size, bool s
 
 void add_tracks(Json& data, const PlanInput& input, double size, bool space) {
   for (const bool moving : {false, true}) {
-    Json trace = moving ? line_trace("drive of the calibration", "var(--track)", "solid") : marker_trace("station of the calibration", "var(--track)", "circle", space ? 2 : 4);
+    Json trace = moving ? line_trace("drive of the calibration", "var(--track)", "solid")
+                        : marker_trace("station of the calibration", "var(--track)", "circle", space ? 2 : 4);
     if (space) trace["type"] = "scatter3d";
     trace["hoverinfo"] = "skip";
     for (const auto& track : input.tracks) {
@@ -166,13 +203,16 @@ void add_tracks(Json& data, const PlanInput& input, double size, bool space) {
   if (!fixes["x"].empty()) data.push_back(std::move(fixes));
 }
 
-void add_beacon_traces(Json& data, const Deployment& d, double exaggeration, double size, bool space, const std::string& name = "calibrated beacon") {
-  for (auto trace : {ellipse_trace(d, exaggeration, size, space), beacon_trace(d, BeaconStatus::kCalibrated, name, size, space),
+void add_beacon_traces(Json& data, const Deployment& d, double exaggeration, double size, bool space,
+                       const std::string& name = "calibrated beacon") {
+  for (auto trace : {ellipse_trace(d, exaggeration, size, space),
+                     beacon_trace(d, BeaconStatus::kCalibrated, name, size, space),
                      beacon_trace(d, BeaconStatus::kControlPoint, "control point", size, space)})
     if (!trace["x"].empty()) data.push_back(std::move(trace));
 }
 
-/// All lines of a kind in one trace, parted by gaps; each tells its name at its corners, and shows it at the first.
+/// All lines of a kind in one trace, parted by gaps; each tells its name at its corners, and shows it at the
+/// first.
 Json lines_trace(const std::vector<NamedLine>& lines, const char* kind, const char* dash, double size) {
   Json trace = line_trace(kind, "var(--ink)", dash);
   const bool named = lines.size() <= kMostLineNames;
@@ -208,13 +248,15 @@ std::string plan_figure_json(const PlanInput& input, const PlanLines& lines) {
     Json area = line_trace(lines.area.c_str(), "var(--control)", "dash");
     area["hoverinfo"] = "skip";
     for (const auto& p : input.deployment.validity_area_m) put(area, {p.x(), p.y(), 0}, size, false);
-    put(area, {input.deployment.validity_area_m[0].x(), input.deployment.validity_area_m[0].y(), 0}, size, false);
+    put(area, {input.deployment.validity_area_m[0].x(), input.deployment.validity_area_m[0].y(), 0}, size,
+        false);
     data.push_back(std::move(area));
   }
   if (!lines.walls.empty()) data.push_back(lines_trace(lines.walls, "wall", "solid", size));
   if (!lines.routes.empty()) data.push_back(lines_trace(lines.routes, "route", "dash", size));
   add_tracks(data, input, size, false);
-  add_beacon_traces(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, false, lines.beacon);
+  add_beacon_traces(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, false,
+                    lines.beacon);
   for (std::size_t k = 0; k < input.maps.size(); ++k) {
     for (const auto& b : input.deployment.beacons) {
       if (b.name != input.maps[k].silent_beacon || !is_drawn(b)) continue;
@@ -226,7 +268,10 @@ std::string plan_figure_json(const PlanInput& input, const PlanLines& lines) {
   }
   Json y = axis("y [m]");
   y.update({{"scaleanchor", "x"}, {"scaleratio", 1}});
-  return finished(data, {{"xaxis", axis("x [m]")}, {"yaxis", y}, {"height", 620}, {"legend", {{"orientation", "h"}, {"y", -0.14}}}});
+  return finished(data, {{"xaxis", axis("x [m]")},
+                         {"yaxis", y},
+                         {"height", 620},
+                         {"legend", {{"orientation", "h"}, {"y", -0.14}}}});
 }
 
 std::string space_figure_json(const PlanInput& input) {
@@ -236,11 +281,22 @@ std::string space_figure_json(const PlanInput& input) {
   add_beacon_traces(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, true);
   for (const auto& b : input.deployment.beacons) {
     if (!is_drawn(b) || input.deployment.beacons.size() > kMostNamed) continue;
-    names.push_back({{"x", b.position_m.x()}, {"y", b.position_m.y()}, {"z", b.position_m.z()}, {"text", label(b.name)}, {"showarrow", false}, {"yshift", 14}});
+    names.push_back({{"x", b.position_m.x()},
+                     {"y", b.position_m.y()},
+                     {"z", b.position_m.z()},
+                     {"text", label(b.name)},
+                     {"showarrow", false},
+                     {"yshift", 14}});
   }
-  return finished(data, {{"scene", {{"xaxis", axis("x [m]")}, {"yaxis", axis("y [m]")}, {"zaxis", axis("z [m]")}, {"aspectmode", "data"}, {"annotations", names},
-                                     {"camera", {{"eye", {{"x", 0.5}, {"y", -1.9}, {"z", 1.3}}}}}}},
-                         {"height", 560}, {"legend", {{"orientation", "h"}}}});
+  return finished(data, {{"scene",
+                          {{"xaxis", axis("x [m]")},
+                           {"yaxis", axis("y [m]")},
+                           {"zaxis", axis("z [m]")},
+                           {"aspectmode", "data"},
+                           {"annotations", names},
+                           {"camera", {{"eye", {{"x", 0.5}, {"y", -1.9}, {"z", 1.3}}}}}}},
+                         {"height", 560},
+                         {"legend", {{"orientation", "h"}}}});
 }
 
 std::string residual_chart_json(const ResidualChart& chart) {
@@ -256,21 +312,30 @@ std::string residual_chart_json(const ResidualChart& chart) {
     trace["y"].back() = rounded(time.per_si * bin.mean_s, 100);
     error.push_back(rounded(time.per_si * bin.rms_s, 100));
     wide.push_back((bin.to - bin.from) / 2);
-    text.push_back(fmt::format("{}<br>{} arrivals<br>mean {:.2f} {}, RMS {:.2f} {}", names ? label(bin.name) : fmt::format("{:.4g} to {:.4g} {}", bin.from, bin.to, chart.unit),
-                               bin.count, time.per_si * bin.mean_s, time.symbol, time.per_si * bin.rms_s, time.symbol));
+    text.push_back(fmt::format(
+        "{}<br>{} arrivals<br>mean {:.2f} {}, RMS {:.2f} {}",
+        names ? label(bin.name) : fmt::format("{:.4g} to {:.4g} {}", bin.from, bin.to, chart.unit), bin.count,
+        time.per_si * bin.mean_s, time.symbol, time.per_si * bin.rms_s, time.symbol));
   }
   trace["error_y"] = {{"type", "data"}, {"array", error}, {"color", "var(--beacon)"}};
-  if (!names) trace["error_x"] = {{"type", "data"}, {"array", wide}, {"color", "var(--beacon)"}, {"width", 0}};
+  if (!names)
+    trace["error_x"] = {{"type", "data"}, {"array", wide}, {"color", "var(--beacon)"}, {"width", 0}};
   trace["hovertext"] = text;
   trace["hovertemplate"] = "%{hovertext}<extra></extra>";
-  Json x = axis(names ? chart.by : fmt::format("{} [{}]", chart.by, chart.unit)), y = axis(fmt::format("residual [{}]", time.symbol));
+  Json x = axis(names ? chart.by : fmt::format("{} [{}]", chart.by, chart.unit)),
+       y = axis(fmt::format("residual [{}]", time.symbol));
   if (names) x["type"] = "category";
   y["zeroline"] = true;
-  return finished(Json::array({trace}), {{"xaxis", x}, {"yaxis", y}, {"height", 340}, {"showlegend", true}, {"legend", {{"orientation", "h"}, {"y", 1.15}}}});
+  return finished(Json::array({trace}), {{"xaxis", x},
+                                         {"yaxis", y},
+                                         {"height", 340},
+                                         {"showlegend", true},
+                                         {"legend", {{"orientation", "h"}, {"y", 1.15}}}});
 }
 
 std::string histogram_json(const Histogram& histogram) {
-  Json bars = {{"type", "bar"}, {"name", "counted"}, {"marker", {{"color", "var(--beacon)"}}}, {"x", Json::array()}, {"y", Json::array()}, {"width", histogram.width}};
+  Json bars = {{"type", "bar"},      {"name", "counted"},  {"marker", {{"color", "var(--beacon)"}}},
+               {"x", Json::array()}, {"y", Json::array()}, {"width", histogram.width}};
   Json curve = line_trace("standard normal", "var(--fix)", "dash");
   const auto expected = normal_counts(histogram);
   for (std::size_t i = 0; i < histogram.counts.size(); ++i) {
@@ -280,7 +345,10 @@ std::string histogram_json(const Histogram& histogram) {
     curve["x"].push_back(middle);
     curve["y"].push_back(rounded(expected[i], 1000));
   }
-  return finished(Json::array({bars, curve}), {{"xaxis", axis("residual over its sigma")}, {"yaxis", axis("arrivals in a bin")}, {"height", 340}, {"bargap", 0.05},
+  return finished(Json::array({bars, curve}), {{"xaxis", axis("residual over its sigma")},
+                                               {"yaxis", axis("arrivals in a bin")},
+                                               {"height", 340},
+                                               {"bargap", 0.05},
                                                {"legend", {{"orientation", "h"}, {"y", 1.15}}}});
 }
 
@@ -290,7 +358,9 @@ std::string error_curve_json(const std::vector<double>& quantiles_m, const std::
   Json curve = line_trace("fixes of the held-out run", "var(--beacon)", "solid");
   for (std::size_t i = 0; i < quantiles_m.size(); ++i) {
     curve["x"].push_back(rounded(length.per_si * quantiles_m[i], 100));
-    curve["y"].push_back(rounded(100.0 * static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(1, quantiles_m.size() - 1)), 100));
+    curve["y"].push_back(rounded(100.0 * static_cast<double>(i) /
+                                     static_cast<double>(std::max<std::size_t>(1, quantiles_m.size() - 1)),
+                                 100));
   }
   Json data = Json::array({curve});
   if (limit_m) {
@@ -299,7 +369,9 @@ std::string error_curve_json(const std::vector<double>& quantiles_m, const std::
     limit["y"] = {0, 100};
     data.push_back(std::move(limit));
   }
-  return finished(data, {{"xaxis", axis(fmt::format("position error below [{}]", length.symbol))}, {"yaxis", axis("share of the fixes [%]")}, {"height", 340},
+  return finished(data, {{"xaxis", axis(fmt::format("position error below [{}]", length.symbol))},
+                         {"yaxis", axis("share of the fixes [%]")},
+                         {"height", 340},
                          {"legend", {{"orientation", "h"}, {"y", 1.15}}}});
 }
 

@@ -10,8 +10,9 @@
 
 namespace octant::survey {
 
-// The drawings as figures of plotly.js: JSON {data, layout}, ASCII, safe inside a script element. Colours are names of the page's
-// custom properties ("var(--beacon)"), which its script looks up, so that they follow the light or dark scheme.
+// The drawings as figures of plotly.js: JSON {data, layout}, ASCII, safe inside a script element. Colours are
+// names of the page's custom properties ("var(--beacon)"), which its script looks up, so that they follow the
+// light or dark scheme.
 
 /// A line of the place with its name: a wall, an obstacle's outline, a route.
 struct NamedLine {
@@ -30,6 +31,7 @@ struct PlanLines {
 [[nodiscard]] std::string space_figure_json(const PlanInput& input);
 [[nodiscard]] std::string residual_chart_json(const ResidualChart& chart);
 [[nodiscard]] std::string histogram_json(const Histogram& histogram);
-[[nodiscard]] std::string error_curve_json(const std::vector<double>& quantiles_m, const std::optional<double>& limit_m);
+[[nodiscard]] std::string error_curve_json(const std::vector<double>& quantiles_m,
+                                           const std::optional<double>& limit_m);
 
 }  // namespace octant::survey

@@ -14,9 +14,12 @@ namespace {
 constexpr double kLeastRatio = 1.5;
 
 /// Cells of one class as one path, each run of neighbours in a row as one rectangle.
-std::string cells(const NamedMap& map, const std::vector<double>& limits, std::size_t wanted, const PlanFrame& frame) {
+std::string cells(const NamedMap& map, const std::vector<double>& limits, std::size_t wanted,
+                  const PlanFrame& frame) {
   const auto class_of = [&](double v) {
-    return std::isfinite(v) ? static_cast<std::size_t>(std::upper_bound(limits.begin(), limits.end(), v) - limits.begin()) : limits.size() + 1;
+    return std::isfinite(v)
+               ? static_cast<std::size_t>(std::upper_bound(limits.begin(), limits.end(), v) - limits.begin())
+               : limits.size() + 1;
   };
   std::string path;
   const double side_px = map.cell_m * frame.px_per_m;
@@ -30,7 +33,8 @@ std::string cells(const NamedMap& map, const std::vector<double>& limits, std::s
     while (last < end && class_of(map.values[last]) == wanted) ++last;
     const double x = frame.x(map.corner_m.x() + map.cell_m * static_cast<double>(first % map.columns));
     const double y = frame.y(map.corner_m.y() + map.cell_m * static_cast<double>(row + 1));
-    path += fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h-{:.1f}z", x, y, side_px * static_cast<double>(last - first), side_px,
+    path += fmt::format("M{:.1f} {:.1f}h{:.1f}v{:.1f}h-{:.1f}z", x, y,
+                        side_px * static_cast<double>(last - first), side_px,
                         side_px * static_cast<double>(last - first));
     first = last;
   }
@@ -42,7 +46,8 @@ std::string cells(const NamedMap& map, const std::vector<double>& limits, std::s
 std::vector<double> map_classes(const NamedMap& map) {
   if (!map.limits.empty()) return map.limits;
   std::vector<double> values;
-  std::copy_if(map.values.begin(), map.values.end(), std::back_inserter(values), [](double v) { return std::isfinite(v); });
+  std::copy_if(map.values.begin(), map.values.end(), std::back_inserter(values),
+               [](double v) { return std::isfinite(v); });
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   // What is far beyond the rest would take all classes for itself.
@@ -58,20 +63,26 @@ std::vector<double> map_classes(const NamedMap& map) {
   return limits;
 }
 
-std::string map_layer_svg(const NamedMap& map, std::size_t index, const PlanFrame& frame, double legend_y_px) {
+std::string map_layer_svg(const NamedMap& map, std::size_t index, const PlanFrame& frame,
+                          double legend_y_px) {
   const std::vector<double> limits = map_classes(map);
   std::string svg = fmt::format("<g class='layer layer-{}'>\n", index);
   if (map.columns == 0) return svg + "</g>\n";
   const std::string unit = map.unit.empty() ? "" : " [" + map.unit + "]";
-  svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", kPlanMargin_px - 4, legend_y_px, escape_xml(map.name + unit + ":"));
+  svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", kPlanMargin_px - 4, legend_y_px,
+                     escape_xml(map.name + unit + ":"));
   double x = kPlanMargin_px + 6.6 * static_cast<double>(map.name.size() + unit.size() + 2);
   for (std::size_t k = 0; k <= limits.size(); ++k) {
     const std::string path = cells(map, limits, k, frame);
     if (!path.empty()) svg += fmt::format("<path class='cell' fill='{}' d='{}'/>\n", kMapColours[k], path);
-    const std::string label = limits.empty() ? "all the same" : k == 0 ? fmt::format("below {:.3g}", limits[0])
-                              : k == limits.size() ? fmt::format("from {:.3g}", limits.back()) : fmt::format("{:.3g}", limits[k - 1]);
-    svg += fmt::format("<rect class='swatch' fill='{}' x='{:.1f}' y='{:.1f}' width='14' height='12'/><text x='{:.1f}' y='{:.1f}'>{}</text>\n",
-                       kMapColours[k], x, legend_y_px - 10, x + 18, legend_y_px, label);
+    const std::string label = limits.empty()       ? "all the same"
+                              : k == 0             ? fmt::format("below {:.3g}", limits[0])
+                              : k == limits.size() ? fmt::format("from {:.3g}", limits.back())
+                                                   : fmt::format("{:.3g}", limits[k - 1]);
+    svg += fmt::format(
+        "<rect class='swatch' fill='{}' x='{:.1f}' y='{:.1f}' width='14' height='12'/><text x='{:.1f}' "
+        "y='{:.1f}'>{}</text>\n",
+        kMapColours[k], x, legend_y_px - 10, x + 18, legend_y_px, label);
     x += 28 + 6.6 * static_cast<double>(label.size());
   }
   return svg + "</g>\n";

@@ -35,18 +35,21 @@ struct Frame {
 };
 
 Frame frame_of(const Survey& survey, const BinnedMap& map, double width_px) {
-  Frame frame{map.origin_m, map.origin_m + map.bin_m * Eigen::Vector2d(static_cast<double>(map.columns), static_cast<double>(map.rows))};
+  Frame frame{map.origin_m, map.origin_m + map.bin_m * Eigen::Vector2d(static_cast<double>(map.columns),
+                                                                       static_cast<double>(map.rows))};
   for (const SurveyBeacon& b : survey.model.beacons) {
     frame.low_m = frame.low_m.cwiseMin(b.p_map_m.head<2>());
     frame.high_m = frame.high_m.cwiseMax(b.p_map_m.head<2>());
   }
   const Eigen::Vector2d size = frame.high_m - frame.low_m;
   // A corridor on end is not drawn ten times as high as the page is wide.
-  frame.px_per_m = std::min((width_px - kMargin_px - 14) / std::max(size.x(), 1e-6), 1.2 * width_px / std::max(size.y(), 1e-6));
+  frame.px_per_m = std::min((width_px - kMargin_px - 14) / std::max(size.x(), 1e-6),
+                            1.2 * width_px / std::max(size.y(), 1e-6));
   return frame;
 }
 
-/// Runs of bins with one colour in a row are one rectangle, and all rectangles of a colour one path: a third of the bytes.
+/// Runs of bins with one colour in a row are one rectangle, and all rectangles of a colour one path: a third
+/// of the bytes.
 void draw_bins(std::string& svg, const BinnedMap& map, const Frame& frame) {
   std::map<std::array<std::uint8_t, 3>, std::string> paths;
   for (std::size_t row = 0; row < map.rows; ++row)
@@ -58,45 +61,56 @@ void draw_bins(std::string& svg, const BinnedMap& map, const Frame& frame) {
       }
       const auto colour = colour_of(map, at);
       std::size_t end = column + 1;
-      while (end < map.columns && map.bins[row * map.columns + end] != BinnedMap::Bin::kOffFloor && colour_of(map, row * map.columns + end) == colour) ++end;
-      const double x0 = map.origin_m.x() + map.bin_m * static_cast<double>(column), y1 = map.origin_m.y() + map.bin_m * static_cast<double>(row + 1);
+      while (end < map.columns && map.bins[row * map.columns + end] != BinnedMap::Bin::kOffFloor &&
+             colour_of(map, row * map.columns + end) == colour)
+        ++end;
+      const double x0 = map.origin_m.x() + map.bin_m * static_cast<double>(column),
+                   y1 = map.origin_m.y() + map.bin_m * static_cast<double>(row + 1);
       // A hair wider, so that no paper shines through between rows.
       const double width = map.bin_m * static_cast<double>(end - column) * frame.px_per_m + 0.3;
-      fmt::format_to(std::back_inserter(paths[colour]), "M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z", frame.x(x0), frame.y(y1), width,
-                     map.bin_m * frame.px_per_m + 0.3, -width);
+      fmt::format_to(std::back_inserter(paths[colour]), "M{:.1f} {:.1f}h{:.1f}v{:.1f}h{:.1f}z", frame.x(x0),
+                     frame.y(y1), width, map.bin_m * frame.px_per_m + 0.3, -width);
       column = end;
     }
   svg += "<g shape-rendering='crispEdges'>";
-  for (const auto& [colour, path] : paths) svg += fmt::format("<path fill='#{:02x}{:02x}{:02x}' d='{}'/>", colour[0], colour[1], colour[2], path);
+  for (const auto& [colour, path] : paths)
+    svg += fmt::format("<path fill='#{:02x}{:02x}{:02x}' d='{}'/>", colour[0], colour[1], colour[2], path);
   svg += "</g>\n";
 }
 
 std::string points_of(const std::vector<Eigen::Vector2d>& points, const Frame& frame) {
   std::string text;
-  for (const Eigen::Vector2d& p : points) text += fmt::format("{:.1f},{:.1f} ", frame.x(p.x()), frame.y(p.y()));
+  for (const Eigen::Vector2d& p : points)
+    text += fmt::format("{:.1f},{:.1f} ", frame.x(p.x()), frame.y(p.y()));
   return text;
 }
 
 void draw_place(std::string& svg, const Survey& survey, const Frame& frame, bool names) {
   for (const SceneWall& wall : survey.scene.walls)
     if (wall.blocks_sound)
-      svg += fmt::format("<{} class='{}' points='{}'/>\n", wall.solid ? "polygon" : "polyline", wall.solid ? "obstacle" : "wall", points_of(wall.points_m, frame));
+      svg += fmt::format("<{} class='{}' points='{}'/>\n", wall.solid ? "polygon" : "polyline",
+                         wall.solid ? "obstacle" : "wall", points_of(wall.points_m, frame));
   svg += fmt::format("<polygon class='floor' points='{}'/>\n", points_of(survey.model.floor_m, frame));
-  for (const SceneRoute& route : survey.scene.routes) svg += fmt::format("<polyline class='route' points='{}'/>\n", points_of(route.points_m, frame));
+  for (const SceneRoute& route : survey.scene.routes)
+    svg += fmt::format("<polyline class='route' points='{}'/>\n", points_of(route.points_m, frame));
   for (const SurveyBeacon& b : survey.model.beacons) {
     const double x = frame.x(b.p_map_m.x()), y = frame.y(b.p_map_m.y());
     svg += fmt::format("<circle class='beacon' cx='{:.1f}' cy='{:.1f}' r='4'/>", x, y);
-    if (names) svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", x + 6, y - 5, escape_xml(b.name));
+    if (names)
+      svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", x + 6, y - 5, escape_xml(b.name));
   }
 }
 
 void draw_axes(std::string& svg, const Frame& frame) {
-  const double extent = (frame.high_m - frame.low_m).maxCoeff(), power = std::pow(10.0, std::floor(std::log10(extent / 4)));
+  const double extent = (frame.high_m - frame.low_m).maxCoeff(),
+               power = std::pow(10.0, std::floor(std::log10(extent / 4)));
   const double lead = extent / 4 / power, step = (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
   for (double k = std::ceil(frame.low_m.x() / step); k * step <= frame.high_m.x(); ++k)
-    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{:.6g}</text>", frame.x(k * step), frame.bottom() + 14, k * step + 0.0);
+    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{:.6g}</text>", frame.x(k * step),
+                       frame.bottom() + 14, k * step + 0.0);
   for (double k = std::ceil(frame.low_m.y() / step); k * step <= frame.high_m.y(); ++k)
-    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>{:.6g}</text>", kMargin_px - 6, frame.y(k * step) + 4, k * step + 0.0);
+    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>{:.6g}</text>", kMargin_px - 6,
+                       frame.y(k * step) + 4, k * step + 0.0);
   svg += "\n";
 }
 
@@ -109,28 +123,33 @@ void draw_scale(std::string& svg, const BinnedMap& map, const Frame& frame, doub
   for (std::size_t i = 0; i < 32; ++i) {
     scale.values[i] = map.low + (map.high - map.low) * static_cast<double>(i) / 31;
     const auto c = colour_of(scale, i);
-    svg += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.2f}' height='8' fill='#{:02x}{:02x}{:02x}'/>", left + width * static_cast<double>(i) / 32, y, width / 32 + 0.3,
-                       c[0], c[1], c[2]);
+    svg += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.2f}' height='8' fill='#{:02x}{:02x}{:02x}'/>",
+                       left + width * static_cast<double>(i) / 32, y, width / 32 + 0.3, c[0], c[1], c[2]);
   }
   const bool beyond = !map.low_is_bad;
-  svg += fmt::format("\n<text x='{:.1f}' y='{:.1f}'>{}</text><text x='{:.1f}' y='{:.1f}' text-anchor='end'>{}{}</text>\n", left, y + 21, figure_text(map.low, map.unit), left + width,
-                     y + 21, figure_text(map.high, map.unit), beyond ? "; red: beyond, grey: no fix" : "; grey: no fix");
+  svg += fmt::format(
+      "\n<text x='{:.1f}' y='{:.1f}'>{}</text><text x='{:.1f}' y='{:.1f}' text-anchor='end'>{}{}</text>\n",
+      left, y + 21, figure_text(map.low, map.unit), left + width, y + 21, figure_text(map.high, map.unit),
+      beyond ? "; red: beyond, grey: no fix" : "; grey: no fix");
 }
 
 }  // namespace
 
 std::string figure_text(double value, const std::string& unit) {
   if (std::isinf(value)) return "no fix";
-  if (unit == "m") return value < 0.0995 ? fmt::format("{:.3g} mm", 1e3 * value) : fmt::format("{:.3g} m", value);
+  if (unit == "m")
+    return value < 0.0995 ? fmt::format("{:.3g} mm", 1e3 * value) : fmt::format("{:.3g} m", value);
   return unit.empty() ? fmt::format("{:.3g}", value) : fmt::format("{:.3g} {}", value, unit);
 }
 
 std::string map_svg(const Survey& survey, const BinnedMap& map, const MapDrawing& drawing) {
   const Frame frame = frame_of(survey, map, drawing.width_px);
   const double height = frame.bottom() + kScale_px;
-  std::string svg = fmt::format("<svg class='map' xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {1:.0f}' width='{0:.0f}' height='{1:.0f}' role='img' "
-                                "aria-label='{2}'>\n<title>{2}</title>\n",
-                                drawing.width_px, height, escape_xml(map.title));
+  std::string svg = fmt::format(
+      "<svg class='map' xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {1:.0f}' width='{0:.0f}' "
+      "height='{1:.0f}' role='img' "
+      "aria-label='{2}'>\n<title>{2}</title>\n",
+      drawing.width_px, height, escape_xml(map.title));
   svg += kMapStyle;
   svg += "<rect class='paper' width='100%' height='100%'/>\n";
   draw_bins(svg, map, frame);

@@ -13,8 +13,8 @@ struct MapDrawing {
   bool beacon_names = true;
 };
 
-/// A map as a self-contained SVG element: bins, floor, walls, beacons, routes, axes in metres and a scale of colours with the
-/// title and unit. All text is <text>; names are escaped.
+/// A map as a self-contained SVG element: bins, floor, walls, beacons, routes, axes in metres and a scale of
+/// colours with the title and unit. All text is <text>; names are escaped.
 [[nodiscard]] std::string map_svg(const Survey& survey, const BinnedMap& map, const MapDrawing& drawing = {});
 
 /// A value with its unit as people read it: millimetres for short lengths, "3.2 m", "1.4".

@@ -13,7 +13,9 @@ double round_down(double x) {
   return (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
 }
 
-bool is_drawn(const DeploymentBeacon& beacon) { return beacon.status != BeaconStatus::kUndetermined && beacon.position_m.allFinite(); }
+bool is_drawn(const DeploymentBeacon& beacon) {
+  return beacon.status != BeaconStatus::kUndetermined && beacon.position_m.allFinite();
+}
 
 std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points_m) {
   const std::size_t stride = points_m.size() / kMaxMarks + 1;
@@ -33,7 +35,9 @@ PlanFrame plan_frame(const PlanInput& input) {
   for (const auto& map : input.maps) {
     if (map.columns == 0) continue;
     points.push_back(map.corner_m);
-    points.emplace_back(map.corner_m + map.cell_m * Eigen::Vector2d(static_cast<double>(map.columns), static_cast<double>(map.values.size() / map.columns)));
+    points.emplace_back(map.corner_m +
+                        map.cell_m * Eigen::Vector2d(static_cast<double>(map.columns),
+                                                     static_cast<double>(map.values.size() / map.columns)));
   }
   PlanFrame frame;
   if (!points.empty()) frame.low_m = frame.high_m = points.front();

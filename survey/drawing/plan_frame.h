@@ -30,6 +30,7 @@ struct PlanFrame {
 [[nodiscard]] PlanFrame plan_frame(const PlanInput& input);
 
 /// One map as a layer, with the legend of its classes at height y.
-[[nodiscard]] std::string map_layer_svg(const NamedMap& map, std::size_t index, const PlanFrame& frame, double legend_y_px);
+[[nodiscard]] std::string map_layer_svg(const NamedMap& map, std::size_t index, const PlanFrame& frame,
+                                        double legend_y_px);
 
 }  // namespace octant::survey

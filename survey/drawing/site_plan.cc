@@ -16,7 +16,8 @@ namespace {
 
 constexpr double kLegendRow_px = 24.0;
 
-// Colours are spelled out twice, as few programs but browsers know CSS variables. Marks differ in shape, not in colour alone.
+// Colours are spelled out twice, as few programs but browsers know CSS variables. Marks differ in shape, not
+// in colour alone.
 constexpr const char* kPlanStyle = R"(<style>
 .plan text{font:12px system-ui,sans-serif;fill:#1b2733}.plan .name{font-weight:600;paint-order:stroke;stroke:#fff;stroke-width:3px}
 .plan .paper{fill:#fff}.plan .grid{stroke:#d9dfe5}.plan .area{fill:#eef5ee;stroke:#5f7d69;stroke-dasharray:5 4}
@@ -33,17 +34,22 @@ constexpr const char* kPlanStyle = R"(<style>
 
 void draw_grid(std::string& svg, const PlanFrame& frame, const char* axes) {
   const double step_m = round_down(frame.extent_m() / 6);
-  const double right = frame.x(frame.high_m.x()), bottom = frame.y(frame.low_m.y()), left = frame.x(frame.low_m.x()), top = frame.y(frame.high_m.y());
+  const double right = frame.x(frame.high_m.x()), bottom = frame.y(frame.low_m.y()),
+               left = frame.x(frame.low_m.x()), top = frame.y(frame.high_m.y());
   // Counted, not added up: a sum would drift and print 0.30000000000000004.
   for (double k = std::ceil(frame.low_m.x() / step_m); k * step_m <= frame.high_m.x(); ++k) {
     const double x = frame.x(k * step_m);
-    svg += fmt::format("<line class='grid' x1='{0:.1f}' y1='{1:.1f}' x2='{0:.1f}' y2='{2:.1f}'/>"
-                       "<text x='{0:.1f}' y='{3:.1f}' text-anchor='middle'>{4:.6g}</text>\n", x, top, bottom, bottom + 16, k * step_m + 0.0);
+    svg += fmt::format(
+        "<line class='grid' x1='{0:.1f}' y1='{1:.1f}' x2='{0:.1f}' y2='{2:.1f}'/>"
+        "<text x='{0:.1f}' y='{3:.1f}' text-anchor='middle'>{4:.6g}</text>\n",
+        x, top, bottom, bottom + 16, k * step_m + 0.0);
   }
   for (double k = std::ceil(frame.low_m.y() / step_m); k * step_m <= frame.high_m.y(); ++k) {
     const double y = frame.y(k * step_m);
-    svg += fmt::format("<line class='grid' x1='{1:.1f}' y1='{0:.1f}' x2='{2:.1f}' y2='{0:.1f}'/>"
-                       "<text x='{3:.1f}' y='{4:.1f}' text-anchor='end'>{5:.6g}</text>\n", y, left, right, left - 6, y + 4, k * step_m + 0.0);  // + 0.0: no "-0"
+    svg += fmt::format(
+        "<line class='grid' x1='{1:.1f}' y1='{0:.1f}' x2='{2:.1f}' y2='{0:.1f}'/>"
+        "<text x='{3:.1f}' y='{4:.1f}' text-anchor='end'>{5:.6g}</text>\n",
+        y, left, right, left - 6, y + 4, k * step_m + 0.0);  // + 0.0: no "-0"
   }
   svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>{}</text>\n", right, top - 10, axes);
 }
@@ -57,9 +63,11 @@ void draw_tracks(std::string& svg, const PlanInput& input, const PlanFrame& fram
     std::string path;
     for (const auto& p_m : thinned(track.points_m)) {
       const Eigen::Vector2d p = project(p_m);
-      path += fmt::format("{}{:.1f} {:.1f}{}", !track.moving || path.empty() ? 'M' : 'L', frame.x(p.x()), frame.y(p.y()), track.moving ? "" : "h0");
+      path += fmt::format("{}{:.1f} {:.1f}{}", !track.moving || path.empty() ? 'M' : 'L', frame.x(p.x()),
+                          frame.y(p.y()), track.moving ? "" : "h0");
     }
-    if (!path.empty()) svg += fmt::format("<path class='{}' d='{}'/>\n", track.moving ? "track" : "stop", path);
+    if (!path.empty())
+      svg += fmt::format("<path class='{}' d='{}'/>\n", track.moving ? "track" : "stop", path);
   }
   std::string marks;
   for (const auto& p_m : thinned(input.fixes_m)) {
@@ -72,26 +80,32 @@ void draw_tracks(std::string& svg, const PlanInput& input, const PlanFrame& fram
 void draw_area(std::string& svg, const Deployment& deployment, const PlanFrame& frame) {
   if (deployment.validity_area_m.size() < 3) return;
   svg += "<polygon class='area' points='";
-  for (const auto& p : deployment.validity_area_m) svg += fmt::format("{:.1f},{:.1f} ", frame.x(p.x()), frame.y(p.y()));
+  for (const auto& p : deployment.validity_area_m)
+    svg += fmt::format("{:.1f},{:.1f} ", frame.x(p.x()), frame.y(p.y()));
   svg += "'/>\n";
 }
 
-void draw_ellipse(std::string& svg, const DeploymentBeacon& beacon, const PlanFrame& frame, double exaggeration) {
+void draw_ellipse(std::string& svg, const DeploymentBeacon& beacon, const PlanFrame& frame,
+                  double exaggeration) {
   const Eigen::Matrix2d C = beacon.covariance_m2.topLeftCorner<2, 2>();
   if (!C.allFinite()) return;
   const SymmetricEigen<Eigen::Matrix2d> eigen(C);
-  const Eigen::Vector2d half_px = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt() * (kEllipse95 * exaggeration * frame.px_per_m);
+  const Eigen::Vector2d half_px =
+      eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt() * (kEllipse95 * exaggeration * frame.px_per_m);
   if (half_px.y() < 0.5) return;
   const Eigen::Vector2d major = eigen.eigenvectors().col(1);
   // SVG turns clockwise as y points down on the screen.
   const double turn_deg = -std::atan2(major.y(), major.x()) * 180 / M_PI;
   const double x = frame.x(beacon.position_m.x()), y = frame.y(beacon.position_m.y());
-  svg += fmt::format("<ellipse class='ellipse' cx='{0:.1f}' cy='{1:.1f}' rx='{2:.2f}' ry='{3:.2f}' transform='rotate({4:.1f} {0:.1f} {1:.1f})'/>\n",
-                     x, y, half_px.y(), half_px.x(), turn_deg);
+  svg += fmt::format(
+      "<ellipse class='ellipse' cx='{0:.1f}' cy='{1:.1f}' rx='{2:.2f}' ry='{3:.2f}' "
+      "transform='rotate({4:.1f} {0:.1f} {1:.1f})'/>\n",
+      x, y, half_px.y(), half_px.x(), turn_deg);
 }
 
 std::string mark(BeaconStatus status, double x, double y) {
-  if (status == BeaconStatus::kControlPoint) return fmt::format("<path class='control' d='M{:.1f} {:.1f}l7 12h-14z'/>", x, y - 8);
+  if (status == BeaconStatus::kControlPoint)
+    return fmt::format("<path class='control' d='M{:.1f} {:.1f}l7 12h-14z'/>", x, y - 8);
   return fmt::format("<circle class='beacon' cx='{:.1f}' cy='{:.1f}' r='5'/>", x, y);
 }
 
@@ -116,7 +130,8 @@ void draw_beacons(std::string& svg, const Deployment& deployment, const PlanFram
     const double x = frame.x(p.x()), y = frame.y(p.y());
     // At the right edge names stand on the left of their marks.
     const bool left = x > kPlanWidth_px - 2.2 * kPlanMargin_px;
-    svg += mark(beacon.status, x, y) + fmt::format("<text class='name' x='{:.1f}' y='{:.1f}'{}>{}</text>\n", left ? x - 9 : x + 9, y - 7,
+    svg += mark(beacon.status, x, y) + fmt::format("<text class='name' x='{:.1f}' y='{:.1f}'{}>{}</text>\n",
+                                                   left ? x - 9 : x + 9, y - 7,
                                                    left ? " text-anchor='end'" : "", escape_xml(beacon.name));
   }
 }
@@ -127,38 +142,49 @@ void draw_silent(std::string& svg, const PlanInput& input, const PlanFrame& fram
     for (const auto& beacon : input.deployment.beacons) {
       if (beacon.name != input.maps[k].silent_beacon || !is_drawn(beacon)) continue;
       const double x = frame.x(beacon.position_m.x()), y = frame.y(beacon.position_m.y());
-      svg += fmt::format("<path class='silent layer layer-{}' d='M{:.1f} {:.1f}l18 18m0 -18l-18 18'/>\n", k, x - 9, y - 9);
+      svg += fmt::format("<path class='silent layer layer-{}' d='M{:.1f} {:.1f}l18 18m0 -18l-18 18'/>\n", k,
+                         x - 9, y - 9);
     }
   }
 }
 
 /// @return the height that it took
-double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& frame, const std::string& last_line) {
+double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& frame,
+                   const std::string& last_line) {
   double x = kPlanMargin_px, y = frame.height_px + 4;
   const auto entry = [&](const std::string& symbol, const std::string& text) {
     svg += symbol + fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", x + 12, y + 4, text);
     x += 34 + 6.4 * static_cast<double>(text.size());
   };
   const auto any = [&](BeaconStatus status) {
-    return std::any_of(input.deployment.beacons.begin(), input.deployment.beacons.end(), [&](const auto& b) { return b.status == status; });
+    return std::any_of(input.deployment.beacons.begin(), input.deployment.beacons.end(),
+                       [&](const auto& b) { return b.status == status; });
   };
   const auto tracked = [&](bool moving) {
-    return std::any_of(input.tracks.begin(), input.tracks.end(), [&](const auto& t) { return t.moving == moving && !t.points_m.empty(); });
+    return std::any_of(input.tracks.begin(), input.tracks.end(),
+                       [&](const auto& t) { return t.moving == moving && !t.points_m.empty(); });
   };
   if (any(BeaconStatus::kCalibrated)) entry(mark(BeaconStatus::kCalibrated, x, y), "calibrated beacon");
-  if (any(BeaconStatus::kControlPoint)) entry(mark(BeaconStatus::kControlPoint, x, y), "control point, held fixed");
-  if (tracked(false)) entry(fmt::format("<path class='stop' d='M{:.1f} {:.1f}h0'/>", x, y), "station of the calibration");
-  if (tracked(true)) entry(fmt::format("<path class='track' d='M{:.1f} {:.1f}h14'/>", x - 7, y), "drive of the calibration");
-  if (!input.fixes_m.empty()) entry("<path class='fix' d='" + fix_mark(x, y) + "'/>", "fix of the localized run");
-  svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", kPlanMargin_px - 4, y + 4 + kLegendRow_px, last_line);
+  if (any(BeaconStatus::kControlPoint))
+    entry(mark(BeaconStatus::kControlPoint, x, y), "control point, held fixed");
+  if (tracked(false))
+    entry(fmt::format("<path class='stop' d='M{:.1f} {:.1f}h0'/>", x, y), "station of the calibration");
+  if (tracked(true))
+    entry(fmt::format("<path class='track' d='M{:.1f} {:.1f}h14'/>", x - 7, y), "drive of the calibration");
+  if (!input.fixes_m.empty())
+    entry("<path class='fix' d='" + fix_mark(x, y) + "'/>", "fix of the localized run");
+  svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", kPlanMargin_px - 4, y + 4 + kLegendRow_px,
+                     last_line);
   return 2 * kLegendRow_px;
 }
 
 /// @param drawing  legend's height is known only when all is drawn
 std::string framed(const std::string& label, double height_px, const std::string& drawing) {
-  return fmt::format("<svg class='plan' xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {1:.0f}' width='{0:.0f}' height='{1:.0f}' role='img' "
-                     "aria-label='{2}'>\n{3}<rect class='paper' width='100%' height='100%'/>\n{4}</svg>\n",
-                     kPlanWidth_px, height_px, escape_xml(label), kPlanStyle, drawing);
+  return fmt::format(
+      "<svg class='plan' xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0:.0f} {1:.0f}' width='{0:.0f}' "
+      "height='{1:.0f}' role='img' "
+      "aria-label='{2}'>\n{3}<rect class='paper' width='100%' height='100%'/>\n{4}</svg>\n",
+      kPlanWidth_px, height_px, escape_xml(label), kPlanStyle, drawing);
 }
 
 }  // namespace
@@ -166,7 +192,8 @@ std::string framed(const std::string& label, double height_px, const std::string
 double ellipse_exaggeration(const Deployment& deployment, double plan_extent_m) {
   double largest_m2 = 0.0;
   for (const auto& beacon : deployment.beacons)
-    if (is_drawn(beacon)) largest_m2 = std::max(largest_m2, beacon.covariance_m2.topLeftCorner<2, 2>().trace());
+    if (is_drawn(beacon))
+      largest_m2 = std::max(largest_m2, beacon.covariance_m2.topLeftCorner<2, 2>().trace());
   if (!(largest_m2 > 0.0) || !std::isfinite(largest_m2) || !(plan_extent_m > 0.0)) return 1.0;
   return std::max(1.0, round_down(0.05 * plan_extent_m / (kEllipse95 * std::sqrt(largest_m2))));
 }
@@ -187,7 +214,11 @@ std::string site_plan_svg(const PlanInput& input) {
   draw_beacons(svg, input.deployment, frame, flat);
   draw_silent(svg, input, frame);
   double height = frame.height_px;
-  height += draw_legend(svg, input, frame, !named ? "Names and error ellipses are left out: there are too many beacons." : fmt::format("Error ellipses: 95 % (2.45 sigma), drawn {:g} times as large as they are.", exaggeration));
+  height += draw_legend(
+      svg, input, frame,
+      !named ? "Names and error ellipses are left out: there are too many beacons."
+             : fmt::format("Error ellipses: 95 % (2.45 sigma), drawn {:g} times as large as they are.",
+                           exaggeration));
   if (!input.maps.empty()) height += kLegendRow_px;
   return framed("Plan of " + input.deployment.site, height, svg);
 }

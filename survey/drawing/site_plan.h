@@ -13,7 +13,8 @@
 
 namespace octant::survey {
 
-/// Half axes of a 95 % error ellipse in sigmas: the square root of chi-square's 0.95 quantile, 2 degrees of freedom.
+/// Half axes of a 95 % error ellipse in sigmas: the square root of chi-square's 0.95 quantile, 2 degrees of
+/// freedom.
 inline constexpr double kEllipse95 = 2.4477;
 
 /// Where a vehicle was, in the map: stations of a stop-and-go run, or the course of a drive.
@@ -25,21 +26,21 @@ struct Track {
 
 /// A figure over the site on a regular grid, of which a plan shows one at a time.
 struct NamedMap {
-  std::string name;               ///< "HDOP", "expected error of a fix"
-  std::string unit;               ///< "mm"; empty: a ratio
-  Eigen::Vector2d corner_m{0, 0}; ///< of the first cell, lower left
+  std::string name;                ///< "HDOP", "expected error of a fix"
+  std::string unit;                ///< "mm"; empty: a ratio
+  Eigen::Vector2d corner_m{0, 0};  ///< of the first cell, lower left
   double cell_m = 1.0;
   std::size_t columns = 0;
-  std::vector<double> values;     ///< row by row from below; NaN: nothing there
-  std::string silent_beacon{};    ///< crossed out while this map is shown
-  std::vector<double> limits{};   ///< between classes, where several maps are to be compared; empty: its own
+  std::vector<double> values;    ///< row by row from below; NaN: nothing there
+  std::string silent_beacon{};   ///< crossed out while this map is shown
+  std::vector<double> limits{};  ///< between classes, where several maps are to be compared; empty: its own
 };
 
 /// What is drawn on the plan.
 struct PlanInput {
   Deployment deployment;
-  std::vector<Track> tracks;            ///< of the calibration
-  std::vector<Eigen::Vector3d> fixes_m; ///< of a run that was localized; may be empty
+  std::vector<Track> tracks;             ///< of the calibration
+  std::vector<Eigen::Vector3d> fixes_m;  ///< of a run that was localized; may be empty
   std::vector<NamedMap> maps;
 };
 
@@ -52,21 +53,25 @@ inline constexpr std::size_t kMostNamed = 300;
 /// Of some points every so-many-th, so that no more than kMaxMarks are left.
 [[nodiscard]] std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points_m);
 
-/// By how much error ellipses are drawn larger than they are, so that the largest is some 5 % of the plan: 1, 2 or 5 times a
-/// power of ten, at least 1.
+/// By how much error ellipses are drawn larger than they are, so that the largest is some 5 % of the plan: 1,
+/// 2 or 5 times a power of ten, at least 1.
 [[nodiscard]] double ellipse_exaggeration(const Deployment& deployment, double plan_extent_m);
 
-/// Plan of a site as a self-contained SVG: grid in metres, maps, calibrated area, tracks, fixes, beacons with exaggerated 95 %
-/// error ellipses and a legend that says by how much. Follows the reader's light or dark scheme. Undetermined beacons are not
-/// drawn: their place is not known. Of several maps the first is shown; the others are layers (see ReportFigure).
+/// Plan of a site as a self-contained SVG: grid in metres, maps, calibrated area, tracks, fixes, beacons with
+/// exaggerated 95 % error ellipses and a legend that says by how much. Follows the reader's light or dark
+/// scheme. Undetermined beacons are not drawn: their place is not known. Of several maps the first is shown;
+/// the others are layers (see ReportFigure).
 [[nodiscard]] std::string site_plan_svg(const PlanInput& input);
 
 /// Beacons and vehicle seen from the side, with their heights.
 [[nodiscard]] std::string elevation_svg(const PlanInput& input);
 
-/// Limits between the classes in which a map is drawn, ascending: its own, or geometric where all values are positive.
+/// Limits between the classes in which a map is drawn, ascending: its own, or geometric where all values are
+/// positive.
 [[nodiscard]] std::vector<double> map_classes(const NamedMap& map);
-/// Cividis (Nunez, Anderton, Renslow 2018): the same to all kinds of colour vision, and ascending in grey. Low values are dark.
-inline constexpr std::array<const char*, 7> kMapColours = {"#00204d", "#31446b", "#555b6c", "#7b7a77", "#a59c74", "#d3c064", "#ffe945"};
+/// Cividis (Nunez, Anderton, Renslow 2018): the same to all kinds of colour vision, and ascending in grey.
+/// Low values are dark.
+inline constexpr std::array<const char*, 7> kMapColours = {"#00204d", "#31446b", "#555b6c", "#7b7a77",
+                                                           "#a59c74", "#d3c064", "#ffe945"};
 
 }  // namespace octant::survey

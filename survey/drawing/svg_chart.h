@@ -20,7 +20,8 @@ namespace octant::survey {
 /// Counts against those that a standard normal distribution would give.
 [[nodiscard]] std::string histogram_svg(const Histogram& histogram);
 /// Which share of the fixes is closer to the reference than so much.
-[[nodiscard]] std::string error_curve_svg(const std::vector<double>& quantiles_m, const std::optional<double>& limit_m);
+[[nodiscard]] std::string error_curve_svg(const std::vector<double>& quantiles_m,
+                                          const std::optional<double>& limit_m);
 
 /// Counts of a bin that a standard normal distribution gives; the outermost bins hold the tails.
 [[nodiscard]] std::vector<double> normal_counts(const Histogram& histogram);

@@ -14,9 +14,11 @@ namespace {
 /// Tiles that a thread takes at once, so that it needs few scratch pads.
 constexpr std::size_t kTilesAtOnce = 16;
 
-/// Calls work(tile, first) for each tile of the poses, on threads; every call of one stretch has the same scratch.
+/// Calls work(tile, first) for each tile of the poses, on threads; every call of one stretch has the same
+/// scratch.
 template <class Scratch, class Work>
-void for_each_tile(const KernelModel& kernel, const std::vector<WallPiece>& walls, const PoseList& poses, int threads, Work&& work) {
+void for_each_tile(const KernelModel& kernel, const std::vector<WallPiece>& walls, const PoseList& poses,
+                   int threads, Work&& work) {
   const std::size_t tiles = (poses.size() + kTilePoses - 1) / kTilePoses;
   for_each_parallel((tiles + kTilesAtOnce - 1) / kTilesAtOnce, threads, [&](std::size_t stretch) {
     const auto tile = std::make_unique<KernelTile>();
@@ -70,52 +72,64 @@ GeometryFigures evaluate_poses(const SurveyModel& model, const PoseList& poses, 
     if (options.integrity || !target.integrity) (out.*target.list).resize(poses.size());
   out.beacons.resize(poses.size());
   out.arrivals.resize(poses.size());
-  for_each_tile<MapScratch>(kernel, model.walls, poses, options.threads, [&](const KernelTile& tile, std::size_t first, MapScratch& scratch) {
-    map_tile(kernel, tile, options.integrity, scratch.work, scratch.figures);
-    const auto offset = static_cast<std::ptrdiff_t>(first);
-    for (const Target& target : kTargets) {
-      if (!options.integrity && target.integrity) continue;
-      const double* values = scratch.figures.value[target.figure];
-      std::copy(values, values + tile.count, (out.*target.list).begin() + offset);
-    }
-    for (std::size_t i = 0; i < tile.count; ++i) {
-      out.beacons[first + i] = static_cast<std::uint16_t>(scratch.figures.value[kBeacons][i]);
-      out.arrivals[first + i] = static_cast<std::uint16_t>(scratch.figures.value[kArrivals][i]);
-    }
-  });
+  for_each_tile<MapScratch>(
+      kernel, model.walls, poses, options.threads,
+      [&](const KernelTile& tile, std::size_t first, MapScratch& scratch) {
+        map_tile(kernel, tile, options.integrity, scratch.work, scratch.figures);
+        const auto offset = static_cast<std::ptrdiff_t>(first);
+        for (const Target& target : kTargets) {
+          if (!options.integrity && target.integrity) continue;
+          const double* values = scratch.figures.value[target.figure];
+          std::copy(values, values + tile.count, (out.*target.list).begin() + offset);
+        }
+        for (std::size_t i = 0; i < tile.count; ++i) {
+          out.beacons[first + i] = static_cast<std::uint16_t>(scratch.figures.value[kBeacons][i]);
+          out.arrivals[first + i] = static_cast<std::uint16_t>(scratch.figures.value[kArrivals][i]);
+        }
+      });
   return out;
 }
 
-BeaconLayer beacon_layer(const SurveyModel& model, const SurveyBeacon& beacon, const PoseList& poses, int threads) {
+BeaconLayer beacon_layer(const SurveyModel& model, const SurveyBeacon& beacon, const PoseList& poses,
+                         int threads) {
   const KernelModel kernel = kernel_model(model, {beacon});
   const auto entries = static_cast<std::size_t>(model.unknowns.entries());
   BeaconLayer layer{std::vector<double>(entries * poses.size()), std::vector<std::uint8_t>(poses.size())};
-  for_each_tile<LayerScratch>(kernel, model.walls, poses, threads, [&](const KernelTile& tile, std::size_t first, LayerScratch& scratch) {
-    layer_tile(kernel, tile, 0, scratch.information, scratch.heard);
-    for (std::size_t e = 0; e < entries; ++e)
-      std::copy_n(scratch.information + e * kTilePoses, tile.count, layer.information.begin() + static_cast<std::ptrdiff_t>(e * poses.size() + first));
-    for (std::size_t i = 0; i < tile.count; ++i) layer.heard[first + i] = scratch.heard[i] > 0;
-  });
+  for_each_tile<LayerScratch>(
+      kernel, model.walls, poses, threads,
+      [&](const KernelTile& tile, std::size_t first, LayerScratch& scratch) {
+        layer_tile(kernel, tile, 0, scratch.information, scratch.heard);
+        for (std::size_t e = 0; e < entries; ++e)
+          std::copy_n(scratch.information + e * kTilePoses, tile.count,
+                      layer.information.begin() + static_cast<std::ptrdiff_t>(e * poses.size() + first));
+        for (std::size_t i = 0; i < tile.count; ++i) layer.heard[first + i] = scratch.heard[i] > 0;
+      });
   return layer;
 }
 
-std::vector<std::vector<std::uint8_t>> heard_at(const SurveyModel& model, const PoseList& poses, int threads) {
+std::vector<std::vector<std::uint8_t>> heard_at(const SurveyModel& model, const PoseList& poses,
+                                                int threads) {
   const KernelModel kernel = kernel_model(model, model.beacons);
   std::vector<std::vector<std::uint8_t>> heard(model.beacons.size(), std::vector<std::uint8_t>(poses.size()));
-  for_each_tile<LayerScratch>(kernel, model.walls, poses, threads, [&](const KernelTile& tile, std::size_t first, LayerScratch& scratch) {
-    for (std::size_t b = 0; b < heard.size(); ++b) {
-      layer_tile(kernel, tile, b, scratch.information, scratch.heard);
-      for (std::size_t i = 0; i < tile.count; ++i) heard[b][first + i] = scratch.heard[i] > 0;
-    }
-  });
+  for_each_tile<LayerScratch>(kernel, model.walls, poses, threads,
+                              [&](const KernelTile& tile, std::size_t first, LayerScratch& scratch) {
+                                for (std::size_t b = 0; b < heard.size(); ++b) {
+                                  layer_tile(kernel, tile, b, scratch.information, scratch.heard);
+                                  for (std::size_t i = 0; i < tile.count; ++i)
+                                    heard[b][first + i] = scratch.heard[i] > 0;
+                                }
+                              });
   return heard;
 }
 
-void sigma_of_information(const Unknowns& unknowns, std::span<const double> information, std::span<double> sigma_m) {
-  sigma_of_packed(unknowns.count(), information.data(), nullptr, nullptr, sigma_m.size(), sigma_m.size(), sigma_m.data());
+void sigma_of_information(const Unknowns& unknowns, std::span<const double> information,
+                          std::span<double> sigma_m) {
+  sigma_of_packed(unknowns.count(), information.data(), nullptr, nullptr, sigma_m.size(), sigma_m.size(),
+                  sigma_m.data());
 }
 
-void sigma_of_layers(const Unknowns& unknowns, std::span<const BeaconLayer* const> layers, std::span<double> sigma_m) {
+void sigma_of_layers(const Unknowns& unknowns, std::span<const BeaconLayer* const> layers,
+                     std::span<double> sigma_m) {
   constexpr std::size_t kAtOnce = 256;
   const auto entries = static_cast<std::size_t>(unknowns.entries());
   double sum[28 * kAtOnce];
@@ -123,7 +137,8 @@ void sigma_of_layers(const Unknowns& unknowns, std::span<const BeaconLayer* cons
     const std::size_t count = std::min(kAtOnce, sigma_m.size() - first);
     std::fill(sum, sum + entries * kAtOnce, 0.0);
     for (const BeaconLayer* layer : layers)
-      for (std::size_t e = 0; e < entries; ++e) add_to(layer->information.data() + e * sigma_m.size() + first, count, sum + e * kAtOnce);
+      for (std::size_t e = 0; e < entries; ++e)
+        add_to(layer->information.data() + e * sigma_m.size() + first, count, sum + e * kAtOnce);
     sigma_of_packed(unknowns.count(), sum, nullptr, nullptr, kAtOnce, count, sigma_m.data() + first);
   }
 }

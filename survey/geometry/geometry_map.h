@@ -21,27 +21,33 @@ struct PoseList {
   }
 };
 
-inline constexpr double kNoFix = std::numeric_limits<double>::infinity();  ///< in place of a dilution (beyond 10,000 too) or a sigma
+inline constexpr double kNoFix =
+    std::numeric_limits<double>::infinity();  ///< in place of a dilution (beyond 10,000 too) or a sigma
 
-/// What a geometry gives at each pose. Dilutions are sigmas of the pose by a range sigma of 1 m, all ranges alike, an arrival a
-/// row; with receivers' arrays several arrivals come from one beacon. kNoFix where what is heard does not determine the pose.
+/// What a geometry gives at each pose. Dilutions are sigmas of the pose by a range sigma of 1 m, all ranges
+/// alike, an arrival a row; with receivers' arrays several arrivals come from one beacon. kNoFix where what
+/// is heard does not determine the pose.
 struct GeometryFigures {
-  std::vector<double> hdop, vdop, pdop, tdop, gdop;  ///< vdop: spatial motion; tdop: with a clock offset; else 0
-  std::vector<double> heading_dop_rad_per_m;         ///< 0 where the heading is no unknown
-  /// Expected standard deviation from the arrivals' own noise: horizontal (root of both variances' sum), by axis, of the heading.
+  std::vector<double> hdop, vdop, pdop, tdop,
+      gdop;                                   ///< vdop: spatial motion; tdop: with a clock offset; else 0
+  std::vector<double> heading_dop_rad_per_m;  ///< 0 where the heading is no unknown
+  /// Expected standard deviation from the arrivals' own noise: horizontal (root of both variances' sum), by
+  /// axis, of the heading.
   std::vector<double> sigma_m, sigma_x_m, sigma_y_m, sigma_z_m, sigma_heading_rad;
-  /// Horizontal shift of the fix by a relative error of the speed of 1: times sigma_c / c it is the speed's part.
+  /// Horizontal shift of the fix by a relative error of the speed of 1: times sigma_c / c it is the speed's
+  /// part.
   std::vector<double> shift_by_speed_m;
-  std::vector<double> covariance_xy_m2;              ///< beside sigma_x_m and sigma_y_m
-  /// Integrity (models/localizers/common/protection.h): largest bias of one beacon's ranges that stays unnoticed (0.1 %, power 80 %), by
-  /// how much such a bias moves the fix at worst, and the horizontal protection level with the arrivals' noise; kNoFix where a
-  /// beacon's fault could not be noticed.
+  std::vector<double> covariance_xy_m2;  ///< beside sigma_x_m and sigma_y_m
+  /// Integrity (models/localizers/common/protection.h): largest bias of one beacon's ranges that stays
+  /// unnoticed (0.1 %, power 80 %), by how much such a bias moves the fix at worst, and the horizontal
+  /// protection level with the arrivals' noise; kNoFix where a beacon's fault could not be noticed.
   std::vector<double> detectable_bias_m, fault_shift_m, protection_m;
-  std::vector<std::uint16_t> beacons, arrivals;      ///< heard
+  std::vector<std::uint16_t> beacons, arrivals;  ///< heard
 };
 
-/// What a beacon tells at each pose: the packed upper triangle of its information on the unknowns, entry by entry (entry e of
-/// pose i at e * poses + i), weighted by the ranges' noise. Layers of several beacons add up.
+/// What a beacon tells at each pose: the packed upper triangle of its information on the unknowns, entry by
+/// entry (entry e of pose i at e * poses + i), weighted by the ranges' noise. Layers of several beacons add
+/// up.
 struct BeaconLayer {
   std::vector<double> information;
   std::vector<std::uint8_t> heard;  ///< 1: heard by at least one receiver
@@ -53,19 +59,25 @@ struct MapOptions {
 };
 
 /// Dilutions, sigmas and integrity at each pose, in vector lanes and threads.
-[[nodiscard]] GeometryFigures evaluate_poses(const SurveyModel& model, const PoseList& poses, const MapOptions& options = {});
+[[nodiscard]] GeometryFigures evaluate_poses(const SurveyModel& model, const PoseList& poses,
+                                             const MapOptions& options = {});
 
 /// Who is heard where: one row of poses for each beacon, 1 where at least one receiver hears it.
-[[nodiscard]] std::vector<std::vector<std::uint8_t>> heard_at(const SurveyModel& model, const PoseList& poses, int threads = 1);
+[[nodiscard]] std::vector<std::vector<std::uint8_t>> heard_at(const SurveyModel& model, const PoseList& poses,
+                                                              int threads = 1);
 
-/// The cheap way for whoever tries many sets of beacons over the same poses: a layer for each candidate once, then sums.
+/// The cheap way for whoever tries many sets of beacons over the same poses: a layer for each candidate once,
+/// then sums.
 /// @param beacon  any beacon, of the model or not; walls, receivers, hearing and noise are the model's
-[[nodiscard]] BeaconLayer beacon_layer(const SurveyModel& model, const SurveyBeacon& beacon, const PoseList& poses, int threads = 1);
+[[nodiscard]] BeaconLayer beacon_layer(const SurveyModel& model, const SurveyBeacon& beacon,
+                                       const PoseList& poses, int threads = 1);
 
-/// Expected horizontal standard deviation at each pose with these beacons [m]; kNoFix where there is no fix. `sigma_m` has room
-/// for as many values as the layers have poses. Nothing is allocated.
-void sigma_of_layers(const Unknowns& unknowns, std::span<const BeaconLayer* const> layers, std::span<double> sigma_m);
+/// Expected horizontal standard deviation at each pose with these beacons [m]; kNoFix where there is no fix.
+/// `sigma_m` has room for as many values as the layers have poses. Nothing is allocated.
+void sigma_of_layers(const Unknowns& unknowns, std::span<const BeaconLayer* const> layers,
+                     std::span<double> sigma_m);
 /// The same from information added up already (laid out as BeaconLayer::information).
-void sigma_of_information(const Unknowns& unknowns, std::span<const double> information, std::span<double> sigma_m);
+void sigma_of_information(const Unknowns& unknowns, std::span<const double> information,
+                          std::span<double> sigma_m);
 
 }  // namespace octant::survey

@@ -17,7 +17,8 @@ bool stops(const WallPiece& wall, const Eigen::Vector3d& from, const Eigen::Vect
   return z_m > wall.bottom_m && z_m < wall.top_m;
 }
 
-double gain(const SurveyModel& model, std::size_t pattern, const Eigen::Vector3d& axis, const Eigen::Vector3d& unit) {
+double gain(const SurveyModel& model, std::size_t pattern, const Eigen::Vector3d& axis,
+            const Eigen::Vector3d& unit) {
   return pattern == kAllRound || axis.isZero() ? 1.0 : beam_gain(model.patterns[pattern], axis.dot(unit));
 }
 
@@ -31,9 +32,12 @@ bool hears(const SurveyModel& model, std::size_t beacon, std::size_t receiver, c
   const Hearing& h = model.hearing;
   if (distance_m > h.range_m || !(distance_m > 0)) return false;
   const Eigen::Vector3d unit = way / distance_m;
-  const double both = gain(model, b.pattern, b.axis, unit) * gain(model, r.pattern, T_map_vehicle.rotation * r.axis, -unit);
+  const double both =
+      gain(model, b.pattern, b.axis, unit) * gain(model, r.pattern, T_map_vehicle.rotation * r.axis, -unit);
   if (!(both > 0)) return false;
-  if (h.threshold_v > 0 && both * h.amplitude_1m_v / distance_m * std::exp(-h.absorption_np_per_m * distance_m) < h.threshold_v) return false;
+  if (h.threshold_v > 0 &&
+      both * h.amplitude_1m_v / distance_m * std::exp(-h.absorption_np_per_m * distance_m) < h.threshold_v)
+    return false;
   for (const WallPiece& wall : model.walls)
     if (stops(wall, b.p_map_m, p)) return false;
   return true;

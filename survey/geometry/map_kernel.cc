@@ -24,11 +24,11 @@ using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 
 constexpr double kMinDistanceM = 1e-6;
-constexpr double kSingular = 1e-10;     ///< of a pivot against its diagonal
-constexpr double kWorstDilution = 1e4;  ///< beyond it a geometry is singular to rounding, or as good as
-constexpr double kNonCentrality = 4.13; ///< 3.29 + 0.84, as in models/localizers/common/protection.cc
+constexpr double kSingular = 1e-10;      ///< of a pivot against its diagonal
+constexpr double kWorstDilution = 1e4;   ///< beyond it a geometry is singular to rounding, or as good as
+constexpr double kNonCentrality = 4.13;  ///< 3.29 + 0.84, as in models/localizers/common/protection.cc
 constexpr double kNoise = 3.29;
-constexpr double kUnnoticed = 1e-6;     ///< of a beacon's own information
+constexpr double kUnnoticed = 1e-6;  ///< of a beacon's own information
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 HWY_INLINE V number(double value) { return hn::Set(D(), value); }
@@ -40,15 +40,16 @@ struct Poses {
 
 HWY_INLINE Poses load_poses(const KernelTile& tile, std::size_t at) {
   const D d;
-  return {hn::Load(d, tile.x_m + at), hn::Load(d, tile.y_m + at), hn::Load(d, tile.z_m + at), hn::Load(d, tile.cosine + at),
-          hn::Load(d, tile.sine + at)};
+  return {hn::Load(d, tile.x_m + at), hn::Load(d, tile.y_m + at), hn::Load(d, tile.z_m + at),
+          hn::Load(d, tile.cosine + at), hn::Load(d, tile.sine + at)};
 }
 
 /// Gain by linear interpolation over the cosine.
 HWY_INLINE V gain_of(const double* table, V cosine) {
   const D d;
   const hn::RebindToSigned<D> di;
-  const V at = hn::Mul(hn::Add(hn::Min(hn::Max(cosine, number(-1.0)), number(1.0)), number(1.0)), number(kGainSteps / 2.0));
+  const V at = hn::Mul(hn::Add(hn::Min(hn::Max(cosine, number(-1.0)), number(1.0)), number(1.0)),
+                       number(kGainSteps / 2.0));
   const auto step = hn::Min(hn::ConvertTo(di, at), hn::Set(di, static_cast<std::int64_t>(kGainSteps) - 1));
   const V low = hn::GatherIndex(d, table, step), high = hn::GatherIndex(d, table + 1, step);
   return hn::MulAdd(hn::Sub(at, hn::ConvertTo(d, step)), hn::Sub(high, low), low);
@@ -63,33 +64,39 @@ struct Path {
 };
 
 /// Both patterns, the reach and the threshold.
-HWY_INLINE void listen(const KernelModel& model, const KernelTransducer& b, const KernelTransducer& r, const Poses& at, Path& path) {
+HWY_INLINE void listen(const KernelModel& model, const KernelTransducer& b, const KernelTransducer& r,
+                       const Poses& at, Path& path) {
   path.heard = hn::Le(path.distance, number(model.reach_m));
   const bool directed_b = b.least_cosine > -2.0, directed_r = r.least_cosine > -2.0;
   if (!directed_b && !directed_r) return;
   V gain = number(1.0);
   if (directed_b) {
-    const V c = hn::MulAdd(number(b.axis[0]), path.ux, hn::MulAdd(number(b.axis[1]), path.uy, hn::Mul(number(b.axis[2]), path.uz)));
+    const V c = hn::MulAdd(number(b.axis[0]), path.ux,
+                           hn::MulAdd(number(b.axis[1]), path.uy, hn::Mul(number(b.axis[2]), path.uz)));
     path.heard = hn::And(path.heard, hn::Ge(c, number(b.least_cosine)));
     if (b.gain != nullptr) gain = gain_of(b.gain, c);
   }
   if (directed_r) {
     const V ax = hn::Sub(hn::Mul(at.cosine, number(r.axis[0])), hn::Mul(at.sine, number(r.axis[1])));
     const V ay = hn::Add(hn::Mul(at.sine, number(r.axis[0])), hn::Mul(at.cosine, number(r.axis[1])));
-    const V c = hn::Neg(hn::MulAdd(ax, path.ux, hn::MulAdd(ay, path.uy, hn::Mul(number(r.axis[2]), path.uz))));
+    const V c =
+        hn::Neg(hn::MulAdd(ax, path.ux, hn::MulAdd(ay, path.uy, hn::Mul(number(r.axis[2]), path.uz))));
     path.heard = hn::And(path.heard, hn::Ge(c, number(r.least_cosine)));
     if (r.gain != nullptr) gain = hn::Mul(gain, gain_of(r.gain, c));
   }
   if (b.gain == nullptr && r.gain == nullptr) return;
   const V loss = hn::Exp(D(), hn::Mul(number(-model.absorption_np_per_m), path.distance));
   const V amplitude = hn::Mul(hn::Mul(number(model.amplitude_1m_v), gain), loss);
-  path.heard = hn::And(path.heard, model.threshold_v > 0 ? hn::Ge(amplitude, hn::Mul(number(model.threshold_v), path.distance))
-                                                         : hn::Gt(gain, hn::Zero(D())));
+  path.heard = hn::And(path.heard, model.threshold_v > 0
+                                       ? hn::Ge(amplitude, hn::Mul(number(model.threshold_v), path.distance))
+                                       : hn::Gt(gain, hn::Zero(D())));
 }
 
-/// A wall between: its line parts beacon and receiver, the path's line parts its ends, and it is as high as the crossing.
+/// A wall between: its line parts beacon and receiver, the path's line parts its ends, and it is as high as
+/// the crossing.
 HWY_INLINE M blocked(const KernelWall& wall, const KernelTransducer& b, V px, V py, V pz) {
-  const V sp = hn::Sub(hn::Mul(number(wall.wx_m), hn::Sub(py, number(wall.y_m))), hn::Mul(number(wall.wy_m), hn::Sub(px, number(wall.x_m))));
+  const V sp = hn::Sub(hn::Mul(number(wall.wx_m), hn::Sub(py, number(wall.y_m))),
+                       hn::Mul(number(wall.wy_m), hn::Sub(px, number(wall.x_m))));
   const V sb = number(wall.wx_m * (b.p_m[1] - wall.y_m) - wall.wy_m * (b.p_m[0] - wall.x_m));
   const V rx = hn::Sub(number(b.p_m[0]), px), ry = hn::Sub(number(b.p_m[1]), py);
   const V fx = hn::Sub(number(wall.x_m), px), fy = hn::Sub(number(wall.y_m), py);
@@ -101,15 +108,18 @@ HWY_INLINE M blocked(const KernelWall& wall, const KernelTransducer& b, V px, V 
   return hn::And(between, hn::And(hn::Ge(z, number(wall.bottom_m)), hn::Le(z, number(wall.top_m))));
 }
 
-HWY_INLINE Path trace(const KernelModel& model, const KernelTile& tile, std::size_t beacon, const KernelTransducer& r, const Poses& at) {
+HWY_INLINE Path trace(const KernelModel& model, const KernelTile& tile, std::size_t beacon,
+                      const KernelTransducer& r, const Poses& at) {
   const KernelTransducer& b = model.beacons[beacon];
   Path path;
   path.lx = hn::Sub(hn::Mul(at.cosine, number(r.p_m[0])), hn::Mul(at.sine, number(r.p_m[1])));
   path.ly = hn::Add(hn::Mul(at.sine, number(r.p_m[0])), hn::Mul(at.cosine, number(r.p_m[1])));
   path.lz = number(r.p_m[2]);
   const V px = hn::Add(at.x, path.lx), py = hn::Add(at.y, path.ly), pz = hn::Add(at.z, path.lz);
-  const V dx = hn::Sub(px, number(b.p_m[0])), dy = hn::Sub(py, number(b.p_m[1])), dz = hn::Sub(pz, number(b.p_m[2]));
-  path.distance = hn::Max(hn::Sqrt(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)))), number(kMinDistanceM));
+  const V dx = hn::Sub(px, number(b.p_m[0])), dy = hn::Sub(py, number(b.p_m[1])),
+          dz = hn::Sub(pz, number(b.p_m[2]));
+  path.distance =
+      hn::Max(hn::Sqrt(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)))), number(kMinDistanceM));
   const V inverse = hn::Div(number(1.0), path.distance);
   path.ux = hn::Mul(dx, inverse), path.uy = hn::Mul(dy, inverse), path.uz = hn::Mul(dz, inverse);
   listen(model, b, r, at, path);
@@ -128,7 +138,8 @@ HWY_INLINE void derivatives(const Path& path, const Poses& at, const KernelTrans
   j[n++] = path.uy;
   if constexpr (kPosition == 3) j[n++] = path.uz;
   if constexpr (kRotation > 0) {
-    const V bx = hn::MulAdd(at.cosine, path.ux, hn::Mul(at.sine, path.uy)), by = hn::Sub(hn::Mul(at.cosine, path.uy), hn::Mul(at.sine, path.ux));
+    const V bx = hn::MulAdd(at.cosine, path.ux, hn::Mul(at.sine, path.uy)),
+            by = hn::Sub(hn::Mul(at.cosine, path.uy), hn::Mul(at.sine, path.ux));
     if constexpr (kRotation == 3) {
       j[n++] = hn::Sub(hn::Mul(number(r.p_m[1]), path.uz), hn::Mul(number(r.p_m[2]), by));
       j[n++] = hn::Sub(hn::Mul(number(r.p_m[2]), bx), hn::Mul(number(r.p_m[0]), path.uz));
@@ -138,7 +149,8 @@ HWY_INLINE void derivatives(const Path& path, const Poses& at, const KernelTrans
   if constexpr (kClock) j[n++] = number(1.0);
 }
 
-/// The inverse of a packed symmetric matrix, by Cholesky; lanes where it is singular come out with `sound` off.
+/// The inverse of a packed symmetric matrix, by Cholesky; lanes where it is singular come out with `sound`
+/// off.
 template <int N>
 HWY_INLINE void invert(const V* packed, V* inverse, M& sound) {
   V A[N][N], L[N][N];
@@ -173,7 +185,9 @@ HWY_INLINE void invert(const V* packed, V* inverse, M& sound) {
     }
 }
 
-constexpr int entry(int n, int p, int q) { return p <= q ? p * n - p * (p - 1) / 2 + (q - p) : entry(n, q, p); }
+constexpr int entry(int n, int p, int q) {
+  return p <= q ? p * n - p * (p - 1) / 2 + (q - p) : entry(n, q, p);
+}
 
 template <int N>
 HWY_INLINE void multiply(const V* packed, const V* vector, V* product) {
@@ -190,8 +204,9 @@ class Tile {
   static constexpr int N = kPosition + kRotation + (kClock ? 1 : 0), E = N * (N + 1) / 2;
 
   /// Normal equations of the poses at `at`, from one beacon.
-  static HWY_INLINE void add_beacon(const KernelModel& model, const KernelTile& tile, std::size_t beacon, const Poses& at, V* information, V* plain,
-                                    V* by_speed, V* sum, V& weight, V& arrivals) {
+  static HWY_INLINE void add_beacon(const KernelModel& model, const KernelTile& tile, std::size_t beacon,
+                                    const Poses& at, V* information, V* plain, V* by_speed, V* sum, V& weight,
+                                    V& arrivals) {
     const bool grows = model.per_m2 != 0.0 || model.per_sqrt_m2 != 0.0;
     const V constant = number(1.0 / model.constant_m2);
     for (const KernelTransducer& r : model.receivers) {
@@ -220,7 +235,8 @@ class Tile {
     }
   }
 
-  static void map(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work, KernelFigures& out) {
+  static void map(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work,
+                  KernelFigures& out) {
     const std::size_t lanes = hn::Lanes(D()), beacons = model.beacons.size();
     if (integrity) work.of_beacon.resize(beacons * (N + 2) * kMapLanes);
     work.heard_bits.assign(beacons * (kTilePoses / 8), 0);
@@ -253,24 +269,30 @@ class Tile {
     }
   }
 
-  static void layer(const KernelModel& model, const KernelTile& tile, std::size_t beacon, double* information_out, double* heard) {
+  static void layer(const KernelModel& model, const KernelTile& tile, std::size_t beacon,
+                    double* information_out, double* heard) {
     for (std::size_t at = 0; at < tile.count; at += hn::Lanes(D())) {
       V information[E], plain[E], by_speed[N], sum[N], weight = hn::Zero(D()), arrivals = hn::Zero(D());
       for (int e = 0; e < E; ++e) information[e] = plain[e] = hn::Zero(D());
       for (int p = 0; p < N; ++p) by_speed[p] = sum[p] = hn::Zero(D());
-      if (!tile.skip[beacon]) add_beacon(model, tile, beacon, load_poses(tile, at), information, plain, by_speed, sum, weight, arrivals);
-      for (int e = 0; e < E; ++e) hn::StoreU(information[e], D(), information_out + static_cast<std::size_t>(e) * kTilePoses + at);
+      if (!tile.skip[beacon])
+        add_beacon(model, tile, beacon, load_poses(tile, at), information, plain, by_speed, sum, weight,
+                   arrivals);
+      for (int e = 0; e < E; ++e)
+        hn::StoreU(information[e], D(), information_out + static_cast<std::size_t>(e) * kTilePoses + at);
       hn::StoreU(hn::IfThenElseZero(hn::Gt(weight, hn::Zero(D())), number(1.0)), D(), heard + at);
     }
   }
 
  private:
   static HWY_INLINE void put(std::size_t figure, std::size_t at, M sound, V square, KernelFigures& out) {
-    hn::Store(hn::IfThenElse(sound, hn::Sqrt(hn::Max(square, hn::Zero(D()))), number(kNever)), D(), out.value[figure] + at);
+    hn::Store(hn::IfThenElse(sound, hn::Sqrt(hn::Max(square, hn::Zero(D()))), number(kNever)), D(),
+              out.value[figure] + at);
   }
 
-  static HWY_INLINE void finish(const KernelModel& model, std::size_t at, const V* information, const V* plain, const V* by_speed, bool integrity,
-                                const double* kept, const double* end, KernelFigures& out) {
+  static HWY_INLINE void finish(const KernelModel& model, std::size_t at, const V* information,
+                                const V* plain, const V* by_speed, bool integrity, const double* kept,
+                                const double* end, KernelFigures& out) {
     V C[E], Q[E];
     M sound;
     invert<N>(information, C, sound);
@@ -284,7 +306,8 @@ class Tile {
     sound = hn::And(sound, hn::Lt(hn::Add(Q[0], Q[entry(N, 1, 1)]), number(kWorstDilution * kWorstDilution)));
     const auto diagonal = [](const V* packed, int p) HWY_ATTR { return packed[entry(N, p, p)]; };
     const V zero = hn::Zero(D());
-    const V h = hn::Add(diagonal(Q, 0), diagonal(Q, 1)), v = kPosition == 3 ? diagonal(Q, 2) : zero, t = kClock ? diagonal(Q, N - 1) : zero;
+    const V h = hn::Add(diagonal(Q, 0), diagonal(Q, 1)), v = kPosition == 3 ? diagonal(Q, 2) : zero,
+            t = kClock ? diagonal(Q, N - 1) : zero;
     constexpr int kHeading = kPosition + kRotation - 1;
     put(kHdop, at, sound, h, out);
     put(kVdop, at, sound, v, out);
@@ -304,8 +327,10 @@ class Tile {
     if (integrity) protect(at, C, sound, kept, end, out);
   }
 
-  /// Each beacon at fault in its turn: a bias of all its ranges that the others would just not notice, and what it does.
-  static HWY_INLINE void protect(std::size_t at, const V* C, M sound, const double* kept, const double* end, KernelFigures& out) {
+  /// Each beacon at fault in its turn: a bias of all its ranges that the others would just not notice, and
+  /// what it does.
+  static HWY_INLINE void protect(std::size_t at, const V* C, M sound, const double* kept, const double* end,
+                                 KernelFigures& out) {
     const std::size_t lanes = hn::Lanes(D());
     V bias2 = hn::Zero(D()), worst2 = hn::Zero(D());
     M noticed = sound;
@@ -319,13 +344,15 @@ class Tile {
       for (int p = 0; p < N; ++p) left = hn::NegMulAdd(sum[p], moved[p], left);
       const M seen = hn::Gt(left, hn::Mul(number(kUnnoticed), weight));
       noticed = hn::And(noticed, hn::Or(seen, hn::Not(heard)));
-      const V square = hn::IfThenElseZero(hn::And(heard, seen), hn::Div(number(kNonCentrality * kNonCentrality), left));
+      const V square =
+          hn::IfThenElseZero(hn::And(heard, seen), hn::Div(number(kNonCentrality * kNonCentrality), left));
       bias2 = hn::Max(bias2, square);
       worst2 = hn::Max(worst2, hn::Mul(square, hn::MulAdd(moved[0], moved[0], hn::Mul(moved[1], moved[1]))));
     }
     put(kDetectableBias, at, noticed, bias2, out);
     put(kFaultShift, at, noticed, worst2, out);
-    const V middle = hn::Mul(number(0.5), hn::Add(C[0], C[entry(N, 1, 1)])), half = hn::Mul(number(0.5), hn::Sub(C[0], C[entry(N, 1, 1)]));
+    const V middle = hn::Mul(number(0.5), hn::Add(C[0], C[entry(N, 1, 1)])),
+            half = hn::Mul(number(0.5), hn::Sub(C[0], C[entry(N, 1, 1)]));
     const V largest = hn::Add(middle, hn::Sqrt(hn::MulAdd(half, half, hn::Mul(C[1], C[1]))));
     const V level = hn::MulAdd(number(kNoise), hn::Sqrt(hn::Max(largest, hn::Zero(D()))), hn::Sqrt(worst2));
     hn::Store(hn::IfThenElse(noticed, level, number(kNever)), D(), out.value[kProtection] + at);
@@ -343,12 +370,16 @@ HWY_INLINE void with_unknowns(const Unknowns& u, Call call) {
   return u.clock ? call(Tile<3, 3, true>()) : call(Tile<3, 3, false>());
 }
 
-void map_tile_in_lanes(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work, KernelFigures& figures) {
-  with_unknowns(model.unknowns, [&](auto kind) HWY_ATTR { decltype(kind)::map(model, tile, integrity, work, figures); });
+void map_tile_in_lanes(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work,
+                       KernelFigures& figures) {
+  with_unknowns(model.unknowns,
+                [&](auto kind) HWY_ATTR { decltype(kind)::map(model, tile, integrity, work, figures); });
 }
 
-void layer_tile_in_lanes(const KernelModel& model, const KernelTile& tile, std::size_t beacon, double* information, double* heard) {
-  with_unknowns(model.unknowns, [&](auto kind) HWY_ATTR { decltype(kind)::layer(model, tile, beacon, information, heard); });
+void layer_tile_in_lanes(const KernelModel& model, const KernelTile& tile, std::size_t beacon,
+                         double* information, double* heard) {
+  with_unknowns(model.unknowns,
+                [&](auto kind) HWY_ATTR { decltype(kind)::layer(model, tile, beacon, information, heard); });
 }
 
 /// Eliminates the unknowns behind x and y, last ones first, and inverts what is left.
@@ -362,22 +393,25 @@ HWY_INLINE V horizontal_sigma(V* A, const V* before) {
     const V inverse = hn::Div(number(1.0), hn::IfThenElse(good, pivot, number(1.0)));
     for (int p = 0; p < m; ++p) {
       const V factor = hn::Mul(A[entry(N, p, m)], inverse);
-      for (int q = p; q < m; ++q) A[entry(N, p, q)] = hn::NegMulAdd(factor, A[entry(N, q, m)], A[entry(N, p, q)]);
+      for (int q = p; q < m; ++q)
+        A[entry(N, p, q)] = hn::NegMulAdd(factor, A[entry(N, q, m)], A[entry(N, p, q)]);
     }
   }
   const V xx = A[0], xy = A[1], yy = A[entry(N, 1, 1)];
   const V determinant = hn::NegMulAdd(xy, xy, hn::Mul(xx, yy));
-  const M good = hn::And(hn::Gt(xx, hn::Mul(number(kSingular), before[0])), hn::Gt(determinant, hn::Mul(hn::Mul(number(kSingular), before[1]), xx)));
+  const M good = hn::And(hn::Gt(xx, hn::Mul(number(kSingular), before[0])),
+                         hn::Gt(determinant, hn::Mul(hn::Mul(number(kSingular), before[1]), xx)));
   sound = hn::And(sound, good);
   const V square = hn::Div(hn::Add(xx, yy), hn::IfThenElse(sound, determinant, number(1.0)));
   // As many ranges as there were, of their mean weight: the square of the dilution times their number.
-  sound = hn::And(sound, hn::Lt(hn::Mul(square, hn::Add(before[0], before[1])), number(10 * kWorstDilution * kWorstDilution)));
+  sound = hn::And(sound, hn::Lt(hn::Mul(square, hn::Add(before[0], before[1])),
+                                number(10 * kWorstDilution * kWorstDilution)));
   return hn::IfThenElse(sound, hn::Sqrt(hn::Max(square, hn::Zero(D()))), number(kNever));
 }
 
 template <int N>
-HWY_INLINE void sigma_of_packed_n(const double* information, const double* less, const double* less_too, std::size_t stride, std::size_t count,
-                                  double* sigma_m) {
+HWY_INLINE void sigma_of_packed_n(const double* information, const double* less, const double* less_too,
+                                  std::size_t stride, std::size_t count, double* sigma_m) {
   constexpr int E = N * (N + 1) / 2;
   const std::size_t lanes = hn::Lanes(D());
   alignas(64) double padded[3][E][kMapLanes];
@@ -392,7 +426,8 @@ HWY_INLINE void sigma_of_packed_n(const double* information, const double* less,
           padded[2][e][i] = less_too != nullptr ? less_too[from] : 0.0;
         }
     const auto load = [&](const double* values, int which, int e) HWY_ATTR {
-      return tail ? hn::LoadU(D(), padded[which][e]) : hn::LoadU(D(), values + static_cast<std::size_t>(e) * stride + at);
+      return tail ? hn::LoadU(D(), padded[which][e])
+                  : hn::LoadU(D(), values + static_cast<std::size_t>(e) * stride + at);
     };
     V A[E], before[N];
     for (int e = 0; e < E; ++e) A[e] = load(information, 0, e);
@@ -412,8 +447,9 @@ HWY_INLINE void sigma_of_packed_n(const double* information, const double* less,
   }
 }
 
-void sigma_of_packed_in_lanes(int unknowns, const double* information, const double* less, const double* less_too, std::size_t stride,
-                              std::size_t count, double* sigma_m) {
+void sigma_of_packed_in_lanes(int unknowns, const double* information, const double* less,
+                              const double* less_too, std::size_t stride, std::size_t count,
+                              double* sigma_m) {
   switch (unknowns) {
     case 2: return sigma_of_packed_n<2>(information, less, less_too, stride, count, sigma_m);
     case 3: return sigma_of_packed_n<3>(information, less, less_too, stride, count, sigma_m);
@@ -427,7 +463,8 @@ void add_to_in_lanes(const double* term, std::size_t count, double* sum) {
   const D d;
   const std::size_t lanes = hn::Lanes(d);
   std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes) hn::StoreU(hn::Add(hn::LoadU(d, term + i), hn::LoadU(d, sum + i)), d, sum + i);
+  for (; i + lanes <= count; i += lanes)
+    hn::StoreU(hn::Add(hn::LoadU(d, term + i), hn::LoadU(d, sum + i)), d, sum + i);
   for (; i < count; ++i) sum[i] += term[i];
 }
 
@@ -443,20 +480,25 @@ HWY_EXPORT(layer_tile_in_lanes);
 HWY_EXPORT(sigma_of_packed_in_lanes);
 HWY_EXPORT(add_to_in_lanes);
 
-void map_tile(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work, KernelFigures& figures) {
+void map_tile(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work,
+              KernelFigures& figures) {
   HWY_DYNAMIC_DISPATCH(map_tile_in_lanes)(model, tile, integrity, work, figures);
 }
 
-void layer_tile(const KernelModel& model, const KernelTile& tile, std::size_t beacon, double* information, double* heard) {
+void layer_tile(const KernelModel& model, const KernelTile& tile, std::size_t beacon, double* information,
+                double* heard) {
   HWY_DYNAMIC_DISPATCH(layer_tile_in_lanes)(model, tile, beacon, information, heard);
 }
 
-void sigma_of_packed(int unknowns, const double* information, const double* less, const double* less_too, std::size_t stride, std::size_t count,
-                     double* sigma_m) {
-  HWY_DYNAMIC_DISPATCH(sigma_of_packed_in_lanes)(unknowns, information, less, less_too, stride, count, sigma_m);
+void sigma_of_packed(int unknowns, const double* information, const double* less, const double* less_too,
+                     std::size_t stride, std::size_t count, double* sigma_m) {
+  HWY_DYNAMIC_DISPATCH(sigma_of_packed_in_lanes)
+  (unknowns, information, less, less_too, stride, count, sigma_m);
 }
 
-void add_to(const double* term, std::size_t count, double* sum) { HWY_DYNAMIC_DISPATCH(add_to_in_lanes)(term, count, sum); }
+void add_to(const double* term, std::size_t count, double* sum) {
+  HWY_DYNAMIC_DISPATCH(add_to_in_lanes)(term, count, sum);
+}
 
 }  // namespace octant::survey
 #endif

@@ -11,9 +11,9 @@
 
 namespace octant::survey {
 
-inline constexpr std::size_t kMapLanes = 8;     ///< poses side by side; narrower machines take them in turns
-inline constexpr std::size_t kTilePoses = 512;  ///< at most, of one call
-inline constexpr std::size_t kGainSteps = 4096; ///< of a gain table over the cosine from -1 to 1
+inline constexpr std::size_t kMapLanes = 8;      ///< poses side by side; narrower machines take them in turns
+inline constexpr std::size_t kTilePoses = 512;   ///< at most, of one call
+inline constexpr std::size_t kGainSteps = 4096;  ///< of a gain table over the cosine from -1 to 1
 
 /// A transducer in flat numbers: beacon in the map, receiver in the vehicle's frame.
 struct KernelTransducer {
@@ -36,8 +36,9 @@ struct KernelModel {
   double constant_m2 = 0.0, per_m2 = 0.0, per_sqrt_m2 = 0.0;  ///< of the ranges' variance
 };
 
-/// Poses of one call, padded to kMapLanes beyond `count`, and the walls that may stand between them and each beacon: those of
-/// beacon b are walls[wall_first[b]] to walls[wall_first[b + 1]]. A beacon that nobody here hears has `skip` set.
+/// Poses of one call, padded to kMapLanes beyond `count`, and the walls that may stand between them and each
+/// beacon: those of beacon b are walls[wall_first[b]] to walls[wall_first[b + 1]]. A beacon that nobody here
+/// hears has `skip` set.
 struct KernelTile {
   std::size_t count = 0;
   alignas(64) double x_m[kTilePoses], y_m[kTilePoses], z_m[kTilePoses], cosine[kTilePoses], sine[kTilePoses];
@@ -47,28 +48,50 @@ struct KernelTile {
 };
 
 enum Figure : std::size_t {
-  kHdop, kVdop, kPdop, kTdop, kGdop, kHeadingDop, kSigma, kSigmaX, kSigmaY, kSigmaZ, kSigmaHeading, kShiftBySpeed, kCovarianceXy,
-  kDetectableBias, kFaultShift, kProtection, kBeacons, kArrivals, kFigures
+  kHdop,
+  kVdop,
+  kPdop,
+  kTdop,
+  kGdop,
+  kHeadingDop,
+  kSigma,
+  kSigmaX,
+  kSigmaY,
+  kSigmaZ,
+  kSigmaHeading,
+  kShiftBySpeed,
+  kCovarianceXy,
+  kDetectableBias,
+  kFaultShift,
+  kProtection,
+  kBeacons,
+  kArrivals,
+  kFigures
 };
 struct KernelFigures {
   alignas(64) double value[kFigures][kTilePoses];
 };
 
 struct KernelWork {
-  std::vector<double> of_beacon;          ///< scratch
-  std::vector<std::uint8_t> heard_bits;   ///< out: bit i % 8 of byte b * kTilePoses / 8 + i / 8: beacon b is heard at pose i
+  std::vector<double> of_beacon;  ///< scratch
+  std::vector<std::uint8_t>
+      heard_bits;  ///< out: bit i % 8 of byte b * kTilePoses / 8 + i / 8: beacon b is heard at pose i
 };
 
 /// All figures of a tile. Integrity's stay untouched where it is not asked for.
-void map_tile(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work, KernelFigures& figures);
+void map_tile(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work,
+              KernelFigures& figures);
 
-/// Information of beacon `beacon` alone at a tile's poses: entry e of pose i at e * kTilePoses + i; heard: 0 or 1.
-void layer_tile(const KernelModel& model, const KernelTile& tile, std::size_t beacon, double* information, double* heard);
+/// Information of beacon `beacon` alone at a tile's poses: entry e of pose i at e * kTilePoses + i; heard: 0
+/// or 1.
+void layer_tile(const KernelModel& model, const KernelTile& tile, std::size_t beacon, double* information,
+                double* heard);
 
-/// Horizontal sigma of packed information (entry e of pose i at e * stride + i) less that of up to two layers; `count` poses.
-/// Singular by comparison with what was there before the layers were taken away: kNoFix.
-void sigma_of_packed(int unknowns, const double* information, const double* less, const double* less_too, std::size_t stride,
-                     std::size_t count, double* sigma_m);
+/// Horizontal sigma of packed information (entry e of pose i at e * stride + i) less that of up to two
+/// layers; `count` poses. Singular by comparison with what was there before the layers were taken away:
+/// kNoFix.
+void sigma_of_packed(int unknowns, const double* information, const double* less, const double* less_too,
+                     std::size_t stride, std::size_t count, double* sigma_m);
 
 /// sum[i] += term[i]
 void add_to(const double* term, std::size_t count, double* sum);

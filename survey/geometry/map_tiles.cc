@@ -22,15 +22,17 @@ struct Box {
   }
 };
 
-KernelTransducer transducer(const Eigen::Vector3d& p, const Eigen::Vector3d& axis, std::size_t pattern, const SurveyModel& model,
-                            const std::vector<std::vector<double>>& gains) {
+KernelTransducer transducer(const Eigen::Vector3d& p, const Eigen::Vector3d& axis, std::size_t pattern,
+                            const SurveyModel& model, const std::vector<std::vector<double>>& gains) {
   KernelTransducer t;
   for (int i = 0; i < 3; ++i) t.p_m[i] = p[i], t.axis[i] = axis[i];
   if (pattern == kAllRound || axis.isZero()) return t;
   const BeamPattern& beam = model.patterns[pattern];
-  const double widest = beam.kind == BeamPattern::Kind::kTable
-                            ? (beam.angle_rad.empty() ? 0.0 : beam.angle_rad.back())
-                            : std::min(beam.half_angle_rad, beam.kind == BeamPattern::Kind::kCosinePower ? std::numbers::pi / 2 : 4.0);
+  const double widest =
+      beam.kind == BeamPattern::Kind::kTable
+          ? (beam.angle_rad.empty() ? 0.0 : beam.angle_rad.back())
+          : std::min(beam.half_angle_rad,
+                     beam.kind == BeamPattern::Kind::kCosinePower ? std::numbers::pi / 2 : 4.0);
   if (beam.kind == BeamPattern::Kind::kCone && widest >= std::numbers::pi) return t;
   t.least_cosine = widest >= std::numbers::pi ? -1.5 : std::cos(widest);
   if (beam.kind != BeamPattern::Kind::kCone) t.gain = gains[pattern].data();
@@ -47,7 +49,8 @@ Box box_of(const KernelModel& kernel, const KernelTile& tile) {
   for (std::size_t i = 0; i < tile.count; ++i) {
     const Vector2d at(tile.x_m[i], tile.y_m[i]);
     box.low = box.low.cwiseMin(at), box.high = box.high.cwiseMax(at);
-    box.bottom_m = std::min(box.bottom_m, tile.z_m[i] + low), box.top_m = std::max(box.top_m, tile.z_m[i] + high);
+    box.bottom_m = std::min(box.bottom_m, tile.z_m[i] + low),
+    box.top_m = std::max(box.top_m, tile.z_m[i] + high);
   }
   // A hair more than it is, so that rounding leaves no path out.
   const double room = lever + 1e-9 * (1.0 + box.low.cwiseAbs().maxCoeff() + box.high.cwiseAbs().maxCoeff());
@@ -62,11 +65,14 @@ double distance_m(const Box& box, const KernelTransducer& beacon) {
   return std::hypot(gap.x(), gap.y(), dz);
 }
 
-/// Some line parts the wall from all paths between beacon and box: the wall's own, the box' sides, or one through the beacon
-/// that touches the box.
-bool cannot_stand_between(const WallPiece& wall, const Vector2d& beacon, const std::array<Vector2d, 4>& corners, const Box& box) {
+/// Some line parts the wall from all paths between beacon and box: the wall's own, the box' sides, or one
+/// through the beacon that touches the box.
+bool cannot_stand_between(const WallPiece& wall, const Vector2d& beacon,
+                          const std::array<Vector2d, 4>& corners, const Box& box) {
   const Vector2d low = box.low.cwiseMin(beacon), high = box.high.cwiseMax(beacon);
-  if ((wall.from_m.cwiseMax(wall.to_m).array() < low.array()).any() || (wall.from_m.cwiseMin(wall.to_m).array() > high.array()).any()) return true;
+  if ((wall.from_m.cwiseMax(wall.to_m).array() < low.array()).any() ||
+      (wall.from_m.cwiseMin(wall.to_m).array() > high.array()).any())
+    return true;
   const Vector2d along = wall.to_m - wall.from_m;
   double least = cross(along, beacon - wall.from_m), most = least;
   for (const Vector2d& c : corners) {
@@ -88,8 +94,10 @@ bool cannot_stand_between(const WallPiece& wall, const Vector2d& beacon, const s
   return false;
 }
 
-/// What a piece of wall hides from a beacon is convex: where it hides all corners of the room, it hides the room.
-bool hides(const WallPiece& wall, const KernelTransducer& beacon, const std::array<Vector2d, 4>& corners, const Box& box) {
+/// What a piece of wall hides from a beacon is convex: where it hides all corners of the room, it hides the
+/// room.
+bool hides(const WallPiece& wall, const KernelTransducer& beacon, const std::array<Vector2d, 4>& corners,
+           const Box& box) {
   const Vector2d b(beacon.p_m[0], beacon.p_m[1]), along = wall.to_m - wall.from_m;
   const double sb = cross(along, b - wall.from_m);
   for (const Vector2d& c : corners) {
@@ -112,10 +120,13 @@ KernelModel kernel_model(const SurveyModel& model, const std::vector<SurveyBeaco
   kernel.unknowns = model.unknowns;
   for (const BeamPattern& pattern : model.patterns) {
     std::vector<double>& gains = kernel.gains.emplace_back(kGainSteps + 1);
-    for (std::size_t i = 0; i <= kGainSteps; ++i) gains[i] = beam_gain(pattern, -1.0 + 2.0 * static_cast<double>(i) / kGainSteps);
+    for (std::size_t i = 0; i <= kGainSteps; ++i)
+      gains[i] = beam_gain(pattern, -1.0 + 2.0 * static_cast<double>(i) / kGainSteps);
   }
-  for (const SurveyBeacon& b : beacons) kernel.beacons.push_back(transducer(b.p_map_m, b.axis, b.pattern, model, kernel.gains));
-  for (const SurveyReceiver& r : model.receivers) kernel.receivers.push_back(transducer(r.p_vehicle_m, r.axis, r.pattern, model, kernel.gains));
+  for (const SurveyBeacon& b : beacons)
+    kernel.beacons.push_back(transducer(b.p_map_m, b.axis, b.pattern, model, kernel.gains));
+  for (const SurveyReceiver& r : model.receivers)
+    kernel.receivers.push_back(transducer(r.p_vehicle_m, r.axis, r.pattern, model, kernel.gains));
   kernel.reach_m = reach_m(model.hearing);
   kernel.amplitude_1m_v = model.hearing.amplitude_1m_v;
   kernel.threshold_v = model.hearing.threshold_v;
@@ -126,14 +137,15 @@ KernelModel kernel_model(const SurveyModel& model, const std::vector<SurveyBeaco
   return kernel;
 }
 
-void fill_tile(const KernelModel& kernel, const std::vector<WallPiece>& walls, const PoseList& poses, std::size_t first, std::size_t count,
-               KernelTile& tile) {
+void fill_tile(const KernelModel& kernel, const std::vector<WallPiece>& walls, const PoseList& poses,
+               std::size_t first, std::size_t count, KernelTile& tile) {
   tile.count = count;
   const std::size_t padded = (count + kMapLanes - 1) / kMapLanes * kMapLanes;
   double heading = 0.0, cosine = 1.0, sine = 0.0;
   for (std::size_t i = 0; i < padded; ++i) {
     const std::size_t from = first + std::min(i, count - 1);
-    if (poses.heading_rad[from] != heading) heading = poses.heading_rad[from], cosine = std::cos(heading), sine = std::sin(heading);
+    if (poses.heading_rad[from] != heading)
+      heading = poses.heading_rad[from], cosine = std::cos(heading), sine = std::sin(heading);
     tile.x_m[i] = poses.x_m[from], tile.y_m[i] = poses.y_m[from], tile.z_m[i] = poses.z_m[from];
     tile.cosine[i] = cosine, tile.sine[i] = sine;
   }
@@ -149,10 +161,12 @@ void fill_tile(const KernelModel& kernel, const std::vector<WallPiece>& walls, c
     tile.skip[b] = distance_m(box, beacon) > kernel.reach_m;
     for (std::size_t w = 0; w < walls.size() && !tile.skip[b]; ++w) {
       const WallPiece& wall = walls[w];
-      if (wall.bottom_m > top || wall.top_m < bottom || cannot_stand_between(wall, at, corners, box)) continue;
+      if (wall.bottom_m > top || wall.top_m < bottom || cannot_stand_between(wall, at, corners, box))
+        continue;
       tile.skip[b] = hides(wall, beacon, corners, box);
       const Vector2d along = wall.to_m - wall.from_m;
-      tile.walls.push_back({wall.from_m.x(), wall.from_m.y(), along.x(), along.y(), wall.bottom_m, wall.top_m, wall.bottom_m <= bottom && wall.top_m >= top});
+      tile.walls.push_back({wall.from_m.x(), wall.from_m.y(), along.x(), along.y(), wall.bottom_m, wall.top_m,
+                            wall.bottom_m <= bottom && wall.top_m >= top});
     }
     tile.wall_first.push_back(static_cast<std::uint32_t>(tile.walls.size()));
   }

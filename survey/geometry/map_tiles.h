@@ -10,9 +10,10 @@ namespace octant::survey {
 
 [[nodiscard]] KernelModel kernel_model(const SurveyModel& model, const std::vector<SurveyBeacon>& beacons);
 
-/// Fills a tile with poses [first, first + count) and the walls that may matter to them. A wall is left out where it cannot stand
-/// between any of them and the beacon; a beacon is skipped where it is out of reach of all, or one wall hides it from all.
-void fill_tile(const KernelModel& kernel, const std::vector<WallPiece>& walls, const PoseList& poses, std::size_t first, std::size_t count,
-               KernelTile& tile);
+/// Fills a tile with poses [first, first + count) and the walls that may matter to them. A wall is left out
+/// where it cannot stand between any of them and the beacon; a beacon is skipped where it is out of reach of
+/// all, or one wall hides it from all.
+void fill_tile(const KernelModel& kernel, const std::vector<WallPiece>& walls, const PoseList& poses,
+               std::size_t first, std::size_t count, KernelTile& tile);
 
 }  // namespace octant::survey

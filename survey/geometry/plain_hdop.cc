@@ -18,7 +18,8 @@
 namespace octant::survey {
 /// One row of cells: what each beacon adds depends on x alone.
 struct PlainRow {
-  const float *x_m, *y_m, *square_m2;  ///< of beacons: x from the grid's middle, y and its and the height's square from the row
+  const float *x_m, *y_m,
+      *square_m2;  ///< of beacons: x from the grid's middle, y and its and the height's square from the row
   std::size_t beacons, columns;
   float first_m, cell_m;
 };
@@ -42,11 +43,13 @@ void plain_row_in_lanes(const PlainRow& row, float* out) {
   for (std::size_t at = 0; at < row.columns; at += kAtOnce * lanes) {
     V x[kAtOnce], xx[kAtOnce], xy[kAtOnce], yy[kAtOnce];
     for (std::size_t k = 0; k < kAtOnce; ++k) {
-      x[k] = hn::MulAdd(hn::Iota(d, static_cast<float>(at + k * lanes)), hn::Set(d, row.cell_m), hn::Set(d, row.first_m));
+      x[k] = hn::MulAdd(hn::Iota(d, static_cast<float>(at + k * lanes)), hn::Set(d, row.cell_m),
+                        hn::Set(d, row.first_m));
       xx[k] = xy[k] = yy[k] = zero;
     }
     for (std::size_t b = 0; b < row.beacons; ++b) {
-      const V xb = hn::Set(d, row.x_m[b]), yb = hn::Set(d, row.y_m[b]), yb2 = hn::Mul(yb, yb), rest = hn::Set(d, row.square_m2[b]);
+      const V xb = hn::Set(d, row.x_m[b]), yb = hn::Set(d, row.y_m[b]), yb2 = hn::Mul(yb, yb),
+              rest = hn::Set(d, row.square_m2[b]);
       for (std::size_t k = 0; k < kAtOnce; ++k) {
         const V dx = hn::Sub(x[k], xb), square = hn::MulAdd(dx, dx, rest);
         V inverse = hn::ApproximateReciprocal(square);
@@ -62,7 +65,8 @@ void plain_row_in_lanes(const PlainRow& row, float* out) {
       // HDOP^2 = trace / determinant; beyond 1000^2 it is rounding.
       const auto sound = hn::Gt(hn::Mul(determinant, hn::Set(d, 1e6F)), trace);
       const V hdop = hn::Sqrt(hn::Div(trace, hn::IfThenElse(sound, determinant, n)));
-      hn::StoreU(hn::IfThenElse(sound, hdop, hn::Set(d, std::numeric_limits<float>::infinity())), d, out + at + k * lanes);
+      hn::StoreU(hn::IfThenElse(sound, hdop, hn::Set(d, std::numeric_limits<float>::infinity())), d,
+                 out + at + k * lanes);
     }
   }
 }
@@ -79,7 +83,8 @@ namespace octant::survey {
 HWY_EXPORT(plain_row_in_lanes);
 HWY_EXPORT(plain_room);
 
-std::vector<float> plain_hdop(const std::vector<Eigen::Vector3d>& beacons_m, double z_m, const PlainGrid& grid, int threads) {
+std::vector<float> plain_hdop(const std::vector<Eigen::Vector3d>& beacons_m, double z_m,
+                              const PlainGrid& grid, int threads) {
   constexpr std::size_t kRowsAtOnce = 16;
   std::vector<float> hdop(grid.columns * grid.rows);
   const std::size_t room = HWY_DYNAMIC_DISPATCH(plain_room)();
@@ -98,7 +103,8 @@ std::vector<float> plain_hdop(const std::vector<Eigen::Vector3d>& beacons_m, dou
       }
       HWY_DYNAMIC_DISPATCH(plain_row_in_lanes)
       ({x_m.data(), y_m.data(), square_m2.data(), beacons_m.size(), grid.columns,
-        static_cast<float>(grid.origin_m.x() + grid.cell_m / 2 - middle_m), static_cast<float>(grid.cell_m)}, padded.data());
+        static_cast<float>(grid.origin_m.x() + grid.cell_m / 2 - middle_m), static_cast<float>(grid.cell_m)},
+       padded.data());
       std::copy_n(padded.begin(), grid.columns, hdop.begin() + static_cast<std::ptrdiff_t>(r * grid.columns));
     }
   });

@@ -16,9 +16,11 @@ struct PlainGrid {
   std::size_t columns = 0, rows = 0;
 };
 
-/// Horizontal dilution of one receiver at height z in planar motion with synchronised clocks, all beacons heard everywhere: for a
-/// picture while one drags beacons about. In single precision: right to 1e-4 of the value wherever it is below 100.
+/// Horizontal dilution of one receiver at height z in planar motion with synchronised clocks, all beacons
+/// heard everywhere: for a picture while one drags beacons about. In single precision: right to 1e-4 of the
+/// value wherever it is below 100.
 /// @return row by row from the lowest; infinity where it is beyond 1000
-[[nodiscard]] std::vector<float> plain_hdop(const std::vector<Eigen::Vector3d>& beacons_m, double z_m, const PlainGrid& grid, int threads = 1);
+[[nodiscard]] std::vector<float> plain_hdop(const std::vector<Eigen::Vector3d>& beacons_m, double z_m,
+                                            const PlainGrid& grid, int threads = 1);
 
 }  // namespace octant::survey

@@ -21,9 +21,11 @@ bool within_box(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
 
 bool meet(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
   const double c_side = turn(a, b, c), d_side = turn(a, b, d), a_side = turn(c, d, a), b_side = turn(c, d, b);
-  if (((c_side > 0) != (d_side > 0)) && ((a_side > 0) != (b_side > 0)) && c_side != 0 && d_side != 0 && a_side != 0 && b_side != 0) return true;
-  return (c_side == 0 && within_box(a, b, c)) || (d_side == 0 && within_box(a, b, d)) || (a_side == 0 && within_box(c, d, a)) ||
-         (b_side == 0 && within_box(c, d, b));
+  if (((c_side > 0) != (d_side > 0)) && ((a_side > 0) != (b_side > 0)) && c_side != 0 && d_side != 0 &&
+      a_side != 0 && b_side != 0)
+    return true;
+  return (c_side == 0 && within_box(a, b, c)) || (d_side == 0 && within_box(a, b, d)) ||
+         (a_side == 0 && within_box(c, d, a)) || (b_side == 0 && within_box(c, d, b));
 }
 
 }  // namespace
@@ -41,7 +43,9 @@ bool is_inside(const Polygon& polygon, const Vector2d& p) {
   bool inside = false;
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
     const Vector2d &a = polygon[i], &b = polygon[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) inside = !inside;
+    if ((a.y() > p.y()) != (b.y() > p.y()) &&
+        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
+      inside = !inside;
   }
   return inside;
 }
@@ -50,7 +54,8 @@ double distance_to_outline_m(const Polygon& polygon, const Vector2d& p) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector2d &a = polygon[i], along = polygon[(i + 1) % polygon.size()] - a;
-    const double part = along.squaredNorm() > 0 ? std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
+    const double part =
+        along.squaredNorm() > 0 ? std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
     least = std::min(least, (p - a - part * along).norm());
   }
   return least;
@@ -64,7 +69,8 @@ std::optional<std::pair<std::size_t, std::size_t>> self_crossing(const Polygon& 
       if (j == i + 1 || (i == 0 && j == n - 1)) {
         // Neighbours share a corner; they must not fold back onto each other.
         const Vector2d &shared = j == i + 1 ? b : a, one = j == i + 1 ? a : b, other = j == i + 1 ? d : c;
-        if (turn(shared, one, other) == 0 && (one - shared).dot(other - shared) > 0) return std::make_pair(i, j);
+        if (turn(shared, one, other) == 0 && (one - shared).dot(other - shared) > 0)
+          return std::make_pair(i, j);
       } else if (meet(a, b, c, d)) {
         return std::make_pair(i, j);
       }
@@ -73,7 +79,9 @@ std::optional<std::pair<std::size_t, std::size_t>> self_crossing(const Polygon& 
 }
 
 Polygon convex_hull(std::vector<Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const Vector2d& a, const Vector2d& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
+  std::sort(points.begin(), points.end(), [](const Vector2d& a, const Vector2d& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  });
   Polygon hull;
   for (int pass = 0; pass < 2; ++pass) {
     const std::size_t begin = hull.size();

@@ -2,21 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "models/support/result.h"
 #include "models/scene.h"
+#include "models/support/result.h"
 #include "survey/geometry/survey_model.h"
 
 namespace octant::survey {
 
-/// How far outside the floor's outline, or within a wall, a beacon may stand: plans and beacons are not from one tape measure.
+/// How far outside the floor's outline, or within a wall, a beacon may stand: plans and beacons are not from
+/// one tape measure.
 inline constexpr double kOutside_m = 0.25;
 
-/// Errors, with the element's name and line: a floor or an obstacle with fewer than three corners, without area, or crossing
-/// itself; walls, mounts and routes without length or height; routes outside the floor; a cell size that is not positive; numbers that
-/// are not finite; patterns whose angles do not rise or that hear nothing.
+/// Errors, with the element's name and line: a floor or an obstacle with fewer than three corners, without
+/// area, or crossing itself; walls, mounts and routes without length or height; routes outside the floor; a
+/// cell size that is not positive; numbers that are not finite; patterns whose angles do not rise or that
+/// hear nothing.
 [[nodiscard]] Result<void> check_scene(const Scene& scene);
 
-/// Errors: a beacon outside the floor or within something solid. @param sigma_m  of each beacon's place, which is allowed for
-[[nodiscard]] Result<void> check_beacon_places(const Scene& scene, const SurveyModel& model, const std::vector<double>& sigma_m);
+/// Errors: a beacon outside the floor or within something solid. @param sigma_m  of each beacon's place,
+/// which is allowed for
+[[nodiscard]] Result<void> check_beacon_places(const Scene& scene, const SurveyModel& model,
+                                               const std::vector<double>& sigma_m);
 
 }  // namespace octant::survey

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "survey/geometry/polygon.h"
@@ -41,8 +41,10 @@ Result<void> apply_acoustics(const Common& common, const Scene& scene, SurveyMod
   const SceneAcoustics& a = scene.acoustics;
   const auto& attenuation = common.attenuation;
   if (a.amplitude_1m_v.has_value() != a.threshold_v.has_value() && !attenuation)
-    return fail({.file = scene.path, .found = fmt::format("acoustics with {} alone", a.threshold_v ? "threshold_v" : "amplitude_1m_v"),
-                 .expected = "amplitude_1m_v and threshold_v, or neither"});
+    return fail(
+        {.file = scene.path,
+         .found = fmt::format("acoustics with {} alone", a.threshold_v ? "threshold_v" : "amplitude_1m_v"),
+         .expected = "amplitude_1m_v and threshold_v, or neither"});
   Hearing& hearing = model.hearing;
   hearing.range_m = std::min(a.range_m.value_or(std::numeric_limits<double>::infinity()), common.max_range_m);
   hearing.amplitude_1m_v = a.amplitude_1m_v.value_or(attenuation ? attenuation->amplitude_1m_v : 0.0);
@@ -51,7 +53,8 @@ Result<void> apply_acoustics(const Common& common, const Scene& scene, SurveyMod
     hearing.absorption_np_per_m = *a.absorption_np_per_m;
   } else if (a.frequency_hz) {
     hearing.absorption_np_per_m =
-        air_absorption_np_per_m(*a.frequency_hz, model.medium.temperature_degC, model.medium.relative_humidity, model.medium.pressure_pa);
+        air_absorption_np_per_m(*a.frequency_hz, model.medium.temperature_degC,
+                                model.medium.relative_humidity, model.medium.pressure_pa);
   } else if (attenuation) {
     hearing.absorption_np_per_m = attenuation->absorption_np_per_m;
   }
@@ -61,7 +64,8 @@ Result<void> apply_acoustics(const Common& common, const Scene& scene, SurveyMod
 /// A pattern's index: that of one alike, else a new one.
 std::size_t add_pattern(BeamPattern pattern, SurveyModel& model) {
   const auto alike = [&](const BeamPattern& p) {
-    return p.kind == pattern.kind && p.half_angle_rad == pattern.half_angle_rad && p.half_power_angle_rad == pattern.half_power_angle_rad;
+    return p.kind == pattern.kind && p.half_angle_rad == pattern.half_angle_rad &&
+           p.half_power_angle_rad == pattern.half_power_angle_rad;
   };
   const auto found = std::find_if(model.patterns.begin(), model.patterns.end(), alike);
   const auto index = static_cast<std::size_t>(found - model.patterns.begin());
@@ -69,7 +73,8 @@ std::size_t add_pattern(BeamPattern pattern, SurveyModel& model) {
   return index;
 }
 
-/// How a receiver hears that the scene says nothing of: as calibrated, else as widely as calibration has heard.
+/// How a receiver hears that the scene says nothing of: as calibrated, else as widely as calibration has
+/// heard.
 std::size_t pattern_of_receiver(const Common& common, double hearing_cosine, SurveyModel& model) {
   BeamPattern pattern;
   if (common.attenuation && common.attenuation->directional() && model.hearing.threshold_v > 0) {
@@ -87,27 +92,36 @@ Result<void> apply_patterns(const Common& common, const Scene& scene, SurveyMode
   for (SurveyBeacon& beacon : model.beacons)
     if (scene.beacon_pattern && !beacon.axis.isZero()) beacon.pattern = *scene.beacon_pattern;
   for (const SceneBeacon& described : scene.beacons) {
-    const auto found = std::find_if(model.beacons.begin(), model.beacons.end(), [&](const SurveyBeacon& b) { return b.name == described.name; });
+    const auto found = std::find_if(model.beacons.begin(), model.beacons.end(),
+                                    [&](const SurveyBeacon& b) { return b.name == described.name; });
     if (found == model.beacons.end()) {
-      if (std::find(common.left_out.begin(), common.left_out.end(), described.name) != common.left_out.end()) continue;
-      return fail({.file = scene.path, .line = described.line, .found = fmt::format("scene: beacon '{}' is not in the site", described.name),
+      if (std::find(common.left_out.begin(), common.left_out.end(), described.name) != common.left_out.end())
+        continue;
+      return fail({.file = scene.path,
+                   .line = described.line,
+                   .found = fmt::format("scene: beacon '{}' is not in the site", described.name),
                    .expected = "a beacon's id"});
     }
     if (described.axis) found->axis = described.axis->normalized();
     const auto pattern = described.pattern ? described.pattern : scene.beacon_pattern;
     if (pattern && found->axis.isZero())
-      return fail({.file = scene.path, .line = described.line, .found = fmt::format("scene: beacon '{}' has a pattern and no axis", described.name),
+      return fail({.file = scene.path,
+                   .line = described.line,
+                   .found = fmt::format("scene: beacon '{}' has a pattern and no axis", described.name),
                    .expected = "the direction it looks in, such as axis: [0, 0, -1]"});
     if (pattern) found->pattern = *pattern;
   }
   for (const SurveyBeacon& beacon : model.beacons)
     if (scene.beacon_pattern && beacon.axis.isZero())
-      return fail({.file = scene.path, .found = fmt::format("scene: beacon '{}' has no axis, and beacon_pattern applies to all", beacon.name),
+      return fail({.file = scene.path,
+                   .found = fmt::format("scene: beacon '{}' has no axis, and beacon_pattern applies to all",
+                                        beacon.name),
                    .expected = "an axis for each beacon"});
   for (std::size_t r = 0; r < model.receivers.size(); ++r) {
     SurveyReceiver& receiver = model.receivers[r];
     if (receiver.axis.isZero()) continue;
-    receiver.pattern = scene.receiver_pattern ? *scene.receiver_pattern : pattern_of_receiver(common, common.hearing_cosine[r], model);
+    receiver.pattern = scene.receiver_pattern ? *scene.receiver_pattern
+                                              : pattern_of_receiver(common, common.hearing_cosine[r], model);
   }
   return {};
 }
@@ -146,23 +160,31 @@ Result<SurveyModel> assemble(const Common& common, const Scene& scene, bool may_
   model.speed_sigma_mps = common.speed_sigma_mps;
   model.tolerance = common.tolerance;
   model.vehicle_z_m = common.motion == Motion::kSpatial ? scene.vehicle_z_m : 0.0;
-  if (model.beacons.empty() && !may_be_empty) return fail({.found = "not a single beacon has a place", .expected = "beacons with position_m", .advice = "calibrate first"});
-  if (model.receivers.empty()) return fail({.found = "the vehicle has no receivers", .expected = "receivers: what is to hear the beacons"});
-  for (const std::string& name : common.left_out) model.warnings.push_back(fmt::format("beacon '{}' has no known place and is left out", name));
+  if (model.beacons.empty() && !may_be_empty)
+    return fail({.found = "not a single beacon has a place",
+                 .expected = "beacons with position_m",
+                 .advice = "calibrate first"});
+  if (model.receivers.empty())
+    return fail(
+        {.found = "the vehicle has no receivers", .expected = "receivers: what is to hear the beacons"});
+  for (const std::string& name : common.left_out)
+    model.warnings.push_back(fmt::format("beacon '{}' has no known place and is left out", name));
   model.unknowns = unknowns_of(model.motion, model.clock, model.receivers);
   // A path there and back is timed as a whole: half its time is the way.
   const double by_time = model.speed_mps / (common.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0);
-  model.noise = {by_time * std::hypot(common.noise.tof_sigma_s, common.noise.pair_sigma_s.value_or(0.0)), scene.noise.sigma_m_per_m,
-                 scene.noise.sigma_m_per_sqrt_m};
+  model.noise = {by_time * std::hypot(common.noise.tof_sigma_s, common.noise.pair_sigma_s.value_or(0.0)),
+                 scene.noise.sigma_m_per_m, scene.noise.sigma_m_per_sqrt_m};
   if (const auto applied = apply_acoustics(common, scene, model); !applied) return fail(applied.error());
   if (const auto applied = apply_patterns(common, scene, model); !applied) return fail(applied.error());
   for (const SceneWall& wall : scene.walls) add_wall(wall, model);
   model.floor_m = scene.floor_m.empty() ? outline_of(common) : scene.floor_m;
-  if (const auto checked = check_beacon_places(scene, model, common.sigma_m); !checked) return fail(checked.error());
+  if (const auto checked = check_beacon_places(scene, model, common.sigma_m); !checked)
+    return fail(checked.error());
   return model;
 }
 
-void add_receiver(const std::string& name, const Eigen::Vector3d& p, const std::optional<Eigen::Vector3d>& axis, double hearing_cosine, Common& common) {
+void add_receiver(const std::string& name, const Eigen::Vector3d& p,
+                  const std::optional<Eigen::Vector3d>& axis, double hearing_cosine, Common& common) {
   common.receivers.push_back({name, p, axis.value_or(Eigen::Vector3d::Zero())});
   common.hearing_cosine.push_back(hearing_cosine);
 }
@@ -180,7 +202,8 @@ Unknowns unknowns_of(Motion motion, Clock clock, const std::vector<SurveyReceive
     if (arm.norm() > longest.norm()) longest = arm;
   }
   for (const SurveyReceiver& r : receivers)
-    widest = std::max(widest, longest.normalized().cross(r.p_vehicle_m - receivers.front().p_vehicle_m).norm());
+    widest =
+        std::max(widest, longest.normalized().cross(r.p_vehicle_m - receivers.front().p_vehicle_m).norm());
   if (motion == Motion::kPlanar) u.rotation = longest.norm() > kApart ? 1 : 0;
   if (motion == Motion::kSpatial) u.rotation = longest.norm() > kApart && widest > kApart ? 3 : 0;
   return u;
@@ -189,7 +212,9 @@ Unknowns unknowns_of(Motion motion, Clock clock, const std::vector<SurveyReceive
 double reach_m(const Hearing& hearing) {
   if (!(hearing.threshold_v > 0)) return hearing.range_m;
   // A(d) falls everywhere: bisection between a micrometre and where spreading alone has brought it below.
-  const auto heard = [&](double d) { return hearing.amplitude_1m_v * std::exp(-hearing.absorption_np_per_m * d) >= hearing.threshold_v * d; };
+  const auto heard = [&](double d) {
+    return hearing.amplitude_1m_v * std::exp(-hearing.absorption_np_per_m * d) >= hearing.threshold_v * d;
+  };
   double low = 0.0, high = hearing.amplitude_1m_v / hearing.threshold_v;
   for (int i = 0; i < 200; ++i) {
     const double middle = (low + high) / 2;
@@ -232,11 +257,15 @@ Common common_of(const Site& site, std::size_t vehicle) {
 
 }  // namespace
 
-Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene, std::size_t vehicle) { return assemble(common_of(site, vehicle), scene); }
+Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene, std::size_t vehicle) {
+  return assemble(common_of(site, vehicle), scene);
+}
 
 Result<SurveyModel> make_empty_survey_model(Site site, Scene scene, std::size_t vehicle) {
   if (scene.floor_m.empty())
-    return fail({.file = scene.path, .found = "the scene has no floor", .expected = "scene.floor_m: the outline over which vehicles are to be positioned"});
+    return fail({.file = scene.path,
+                 .found = "the scene has no floor",
+                 .expected = "scene.floor_m: the outline over which vehicles are to be positioned"});
   site.beacons.clear();
   scene.beacons.clear();
   return assemble(common_of(site, vehicle), scene, /*may_be_empty=*/true);
@@ -250,7 +279,8 @@ Result<SurveyModel> make_survey_model(const Deployment& d, const Scene& scene, s
   common.medium = d.medium;
   common.timing = d.timing;
   common.noise = d.noise;
-  common.noise.tof_sigma_s = std::hypot(d.noise.tof_sigma_s, d.correlated_noise.sigma_s, d.correlated_noise.pair_sigma_s);
+  common.noise.tof_sigma_s =
+      std::hypot(d.noise.tof_sigma_s, d.correlated_noise.sigma_s, d.correlated_noise.pair_sigma_s);
   common.attenuation = d.attenuation;
   common.speed_mps = d.speed_mps(d.medium.temperature_degC);
   common.speed_sigma_mps = d.speed_sigma_mps;
@@ -267,7 +297,8 @@ Result<SurveyModel> make_survey_model(const Deployment& d, const Scene& scene, s
   if (vehicle < d.vehicles.size())
     for (std::size_t r = 0; r < d.vehicles[vehicle].receiver_count; ++r) {
       const DeploymentReceiver& receiver = d.receivers[d.vehicles[vehicle].first_receiver + r];
-      add_receiver(receiver.name, receiver.position_m, receiver.axis, receiver.hearing_cosine.value_or(kHearingCosine), common);
+      add_receiver(receiver.name, receiver.position_m, receiver.axis,
+                   receiver.hearing_cosine.value_or(kHearingCosine), common);
     }
   return assemble(std::move(common), scene);
 }

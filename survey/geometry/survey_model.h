@@ -10,9 +10,9 @@
 #include <Eigen/Core>
 
 #include "models/deployment.h"
-#include "models/support/result.h"
 #include "models/scene.h"
 #include "models/site.h"
+#include "models/support/result.h"
 
 namespace octant::survey {
 
@@ -40,7 +40,8 @@ struct WallPiece {
 
 /// A(d) = A_1m / d exp(-alpha d) times both gains, against the threshold; and never beyond range_m.
 struct Hearing {
-  double amplitude_1m_v = 0.0, threshold_v = 0.0;  ///< threshold 0: heard up to range_m wherever both gains are above zero
+  double amplitude_1m_v = 0.0,
+         threshold_v = 0.0;  ///< threshold 0: heard up to range_m wherever both gains are above zero
   double absorption_np_per_m = 0.0;
   double range_m = std::numeric_limits<double>::infinity();
 };
@@ -50,34 +51,38 @@ struct RangeNoise {
   double constant_m = 0.0, per_m = 0.0, per_sqrt_m = 0.0;
   [[nodiscard]] bool grows() const { return per_m != 0.0 || per_sqrt_m != 0.0; }
   [[nodiscard]] double variance_m2(double distance_m) const {
-    return constant_m * constant_m + per_m * per_m * distance_m * distance_m + per_sqrt_m * per_sqrt_m * distance_m;
+    return constant_m * constant_m + per_m * per_m * distance_m * distance_m +
+           per_sqrt_m * per_sqrt_m * distance_m;
   }
 };
 
-/// The unknowns of a fix, in this order: x, y, z (spatial motion), rotation (heading, or three in the vehicle's frame), the
-/// clock's offset in metres. Rotations are unknowns where the receivers can tell them: planar with two receivers that stand
-/// apart, spatial with three that span a plane. Where they cannot, a fix is that of the receivers.
+/// The unknowns of a fix, in this order: x, y, z (spatial motion), rotation (heading, or three in the
+/// vehicle's frame), the clock's offset in metres. Rotations are unknowns where the receivers can tell them:
+/// planar with two receivers that stand apart, spatial with three that span a plane. Where they cannot, a fix
+/// is that of the receivers.
 struct Unknowns {
-  int position = 2;   ///< 2 or 3
-  int rotation = 0;   ///< 0, 1 (planar) or 3 (spatial)
+  int position = 2;  ///< 2 or 3
+  int rotation = 0;  ///< 0, 1 (planar) or 3 (spatial)
   bool clock = false;
   [[nodiscard]] int count() const { return position + rotation + (clock ? 1 : 0); }
   /// Of the packed upper triangle of a symmetric matrix, row by row.
   [[nodiscard]] int entries() const { return count() * (count() + 1) / 2; }
 };
 
-/// All that decides what a geometry is worth, in one flat value; changing a beacon in it is changing the geometry.
+/// All that decides what a geometry is worth, in one flat value; changing a beacon in it is changing the
+/// geometry.
 struct SurveyModel {
   std::string name;
   Motion motion = Motion::kPlanar;
   Clock clock = Clock::kSynchronised;
-  std::size_t vehicle = 0;                ///< index in the site or deployment
+  std::size_t vehicle = 0;  ///< index in the site or deployment
   Unknowns unknowns;
   std::vector<SurveyBeacon> beacons;      ///< those whose place is known
   std::vector<SurveyReceiver> receivers;  ///< of the vehicle that is looked at
   std::vector<BeamPattern> patterns;
   std::vector<WallPiece> walls;
-  std::vector<Eigen::Vector2d> floor_m;   ///< the scene's, else the calibrated area, else the beacons' hull; never empty
+  std::vector<Eigen::Vector2d>
+      floor_m;  ///< the scene's, else the calibrated area, else the beacons' hull; never empty
   Hearing hearing;
   RangeNoise noise;
   Medium medium;
@@ -88,12 +93,17 @@ struct SurveyModel {
   std::vector<std::string> warnings;
 };
 
-/// What of a site or a deployment a survey looks at; beacons without a place (or undetermined) are left out with a warning.
+/// What of a site or a deployment a survey looks at; beacons without a place (or undetermined) are left out
+/// with a warning.
 /// @param vehicle  index; its receivers hear
-/// Errors: no beacon with a place, no receivers; what check_scene finds; a scene's beacon that the site does not have.
-[[nodiscard]] Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene, std::size_t vehicle = 0);
-[[nodiscard]] Result<SurveyModel> make_survey_model(const Deployment& deployment, const Scene& scene, std::size_t vehicle = 0);
-/// The same place without any beacon, for whoever looks for places for all of them. Errors too: the scene has no floor.
+/// Errors: no beacon with a place, no receivers; what check_scene finds; a scene's beacon that the site does
+/// not have.
+[[nodiscard]] Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene,
+                                                    std::size_t vehicle = 0);
+[[nodiscard]] Result<SurveyModel> make_survey_model(const Deployment& deployment, const Scene& scene,
+                                                    std::size_t vehicle = 0);
+/// The same place without any beacon, for whoever looks for places for all of them. Errors too: the scene has
+/// no floor.
 [[nodiscard]] Result<SurveyModel> make_empty_survey_model(Site site, Scene scene, std::size_t vehicle = 0);
 
 /// The unknowns that receivers at these places allow.

@@ -11,7 +11,8 @@ namespace {
 using Rgb = std::array<std::uint8_t, 3>;
 
 /// Viridis at eighths.
-constexpr Rgb kColours[] = {{68, 1, 84}, {71, 44, 122}, {59, 81, 139}, {44, 113, 142}, {33, 144, 141}, {39, 173, 129}, {92, 200, 99}, {170, 220, 50}, {253, 231, 37}};
+constexpr Rgb kColours[] = {{68, 1, 84},    {71, 44, 122}, {59, 81, 139},  {44, 113, 142}, {33, 144, 141},
+                            {39, 173, 129}, {92, 200, 99}, {170, 220, 50}, {253, 231, 37}};
 constexpr Rgb kBeyond = {214, 39, 40}, kGrey = {120, 120, 120};
 
 void set_range(const FloorMap& map, BinnedMap& binned) {
@@ -25,19 +26,23 @@ void set_range(const FloorMap& map, BinnedMap& binned) {
 BinnedMap bin(const Survey& survey, const FloorMap& map, std::size_t by) {
   const FloorGrid& grid = survey.grid;
   BinnedMap binned;
-  binned.name = map.name, binned.title = map.title, binned.unit = map.unit, binned.low_is_bad = map.low_is_bad;
+  binned.name = map.name, binned.title = map.title, binned.unit = map.unit,
+  binned.low_is_bad = map.low_is_bad;
   binned.columns = (grid.columns + by - 1) / by, binned.rows = (grid.rows + by - 1) / by;
   binned.origin_m = grid.origin_m;
   binned.bin_m = grid.cell_m * static_cast<double>(by);
   binned.bins.assign(binned.columns * binned.rows, BinnedMap::Bin::kOffFloor);
   binned.values.assign(binned.bins.size(), 0.0);
   for (std::size_t i = 0; i < grid.cells.size(); ++i) {
-    const std::size_t at = grid.cells[i] / grid.columns / by * binned.columns + grid.cells[i] % grid.columns / by;
+    const std::size_t at =
+        grid.cells[i] / grid.columns / by * binned.columns + grid.cells[i] % grid.columns / by;
     const auto value = static_cast<double>(map.values[i]);
     BinnedMap::Bin& kind = binned.bins[at];
     if (std::isinf(value)) {
       kind = BinnedMap::Bin::kEmpty, binned.values[at] = 0.0;
-    } else if (kind == BinnedMap::Bin::kOffFloor || (kind == BinnedMap::Bin::kValue && (map.low_is_bad ? value < binned.values[at] : value > binned.values[at]))) {
+    } else if (kind == BinnedMap::Bin::kOffFloor ||
+               (kind == BinnedMap::Bin::kValue &&
+                (map.low_is_bad ? value < binned.values[at] : value > binned.values[at]))) {
       kind = BinnedMap::Bin::kValue, binned.values[at] = value;
     }
   }
@@ -62,7 +67,8 @@ Rgb colour_of(const BinnedMap& map, std::size_t at) {
   const auto k = std::min<std::size_t>(7, static_cast<std::size_t>(place));
   Rgb colour;
   for (std::size_t i = 0; i < 3; ++i)
-    colour[i] = static_cast<std::uint8_t>(std::lround(kColours[k][i] + (place - static_cast<double>(k)) * (kColours[k + 1][i] - kColours[k][i])));
+    colour[i] = static_cast<std::uint8_t>(std::lround(
+        kColours[k][i] + (place - static_cast<double>(k)) * (kColours[k + 1][i] - kColours[k][i])));
   return colour;
 }
 

@@ -14,7 +14,8 @@
 
 namespace octant::survey {
 
-/// A map as a rectangle of plain numbers, for pictures and reports. Row 0 is the lowest. A bin holds the worst of its cells.
+/// A map as a rectangle of plain numbers, for pictures and reports. Row 0 is the lowest. A bin holds the
+/// worst of its cells.
 struct BinnedMap {
   std::string name, title, unit;
   std::size_t columns = 0, rows = 0;
@@ -32,15 +33,15 @@ struct BinnedMap {
 /// One bin a cell.
 [[nodiscard]] BinnedMap cell_map(const Survey& survey, const FloorMap& map);
 
-/// Colour of a value, red, green, blue: from dark blue (good) to yellow (viridis by M. Bostock, S. van der Walt and N. Smith, CC0),
-/// red beyond the range, grey for no fix.
+/// Colour of a value, red, green, blue: from dark blue (good) to yellow (viridis by M. Bostock, S. van der
+/// Walt and N. Smith, CC0), red beyond the range, grey for no fix.
 [[nodiscard]] std::array<std::uint8_t, 3> colour_of(const BinnedMap& map, std::size_t bin);
 
 /// Pixels of one bin each, red, green, blue, opacity, from the top row down.
 [[nodiscard]] std::vector<std::uint8_t> pixels_of(const BinnedMap& map);
 
-/// Grey values of a costmap with one pixel a bin, row 0 the lowest: 254 the best, 1 at the range's end, 0 beyond or without a
-/// fix, 205 off the floor.
+/// Grey values of a costmap with one pixel a bin, row 0 the lowest: 254 the best, 1 at the range's end, 0
+/// beyond or without a fix, 205 off the floor.
 [[nodiscard]] std::vector<std::uint8_t> costs_of(const BinnedMap& map);
 
 }  // namespace octant::survey

@@ -25,7 +25,8 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& C) {
   Eigen::Index first = 0;
   while (first < values.size() && values[first] <= 1e-14 * values.size()) ++first;
   const Eigen::Index kept = values.size() - first;
-  return sigma.asDiagonal() * eigen.eigenvectors().rightCols(kept) * values.tail(kept).cwiseSqrt().asDiagonal();
+  return sigma.asDiagonal() * eigen.eigenvectors().rightCols(kept) *
+         values.tail(kept).cwiseSqrt().asDiagonal();
 }
 
 /// The joint covariance, or what stands for it.
@@ -35,7 +36,8 @@ JointCovariance joint_of(const Deployment& d) {
   const auto n = static_cast<Eigen::Index>(4 * d.beacons.size() + 1);
   joint.matrix = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t b = 0; b < d.beacons.size(); ++b) {
-    for (const char* what : {"/x_m", "/y_m", "/z_m", "/delay_s"}) joint.parameters.push_back("beacon/" + d.beacons[b].name + what);
+    for (const char* what : {"/x_m", "/y_m", "/z_m", "/delay_s"})
+      joint.parameters.push_back("beacon/" + d.beacons[b].name + what);
     const auto at = static_cast<Eigen::Index>(4 * b);
     joint.matrix.block<3, 3>(at, at) = d.beacons[b].covariance_m2;
     joint.matrix(at + 3, at + 3) = d.beacons[b].delay_sigma_s * d.beacons[b].delay_sigma_s;
@@ -56,21 +58,24 @@ CalibrationMap::CalibrationMap(const Deployment& d, const SurveyModel& model) {
     return found == joint.parameters.end() ? -1 : static_cast<int>(found - joint.parameters.begin());
   };
   const auto columns_of = [&](const std::string& prefix) {
-    return std::array<int, 4>{column(prefix + "/x_m"), column(prefix + "/y_m"), column(prefix + "/z_m"), column(prefix + "/delay_s")};
+    return std::array<int, 4>{column(prefix + "/x_m"), column(prefix + "/y_m"), column(prefix + "/z_m"),
+                              column(prefix + "/delay_s")};
   };
   for (const SurveyBeacon& b : model.beacons) beacon_.push_back(columns_of("beacon/" + b.name));
   const std::string vehicle = d.vehicles.empty() ? "robot" : d.vehicles[model.vehicle].name;
-  for (const SurveyReceiver& r : model.receivers) receiver_.push_back(columns_of("receiver/" + vehicle + "/" + r.name));
+  for (const SurveyReceiver& r : model.receivers)
+    receiver_.push_back(columns_of("receiver/" + vehicle + "/" + r.name));
   site_delay_ = column("site/delay_s");
   speed_ = column("medium/speed_mps");
-  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"), column("attenuation/rise_time_s"),
-                  column("attenuation/half_power_angle_rad")};
+  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"),
+                  column("attenuation/rise_time_s"), column("attenuation/half_power_angle_rad")};
   walk_ = d.attenuation;
   speed_mps_ = model.speed_mps;
   mps_by_delay_ = model.speed_mps / (d.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0);
 }
 
-void CalibrationMap::couple(const SurveyModel& model, const std::vector<HeardPath>& paths, double* x_row, double* y_row, Eigen::Index stride) const {
+void CalibrationMap::couple(const SurveyModel& model, const std::vector<HeardPath>& paths, double* x_row,
+                            double* y_row, Eigen::Index stride) const {
   const int n = model.unknowns.count();
   UnknownsMatrix A = UnknownsMatrix::Zero(n, n);
   for (const HeardPath& p : paths) A.noalias() += p.weight * p.row * p.row.transpose();
@@ -87,13 +92,17 @@ void CalibrationMap::couple(const SurveyModel& model, const std::vector<HeardPat
       add(beacon_[p.beacon][static_cast<std::size_t>(i)], -p.unit[i]);
       add(receiver_[p.receiver][static_cast<std::size_t>(i)], in_vehicle[i]);
     }
-    for (const int delay : {beacon_[p.beacon][3], receiver_[p.receiver][3], site_delay_}) add(delay, mps_by_delay_);
+    for (const int delay : {beacon_[p.beacon][3], receiver_[p.receiver][3], site_delay_})
+      add(delay, mps_by_delay_);
     add(speed_, -p.distance_m / speed_mps_);
     if (!walk_ || !(walk_->rise_time_s > 0)) continue;
     const Eigen::Vector3d& axis = model.receivers[p.receiver].axis;
     LogDirectivity gain;
-    if (walk_->directional() && !axis.isZero()) gain = log_directivity(-axis.dot(in_vehicle), walk_->half_power_angle_rad);
-    const double below = std::min(walk_->threshold_v / (amplitude_v(p.distance_m, *walk_) * std::exp(gain.value)), 0.99), by_part = walk_->rise_time_s * below / (1 - below);
+    if (walk_->directional() && !axis.isZero())
+      gain = log_directivity(-axis.dot(in_vehicle), walk_->half_power_angle_rad);
+    const double below = std::min(
+                     walk_->threshold_v / (amplitude_v(p.distance_m, *walk_) * std::exp(gain.value)), 0.99),
+                 by_part = walk_->rise_time_s * below / (1 - below);
     add(attenuation_[0], -mps_by_delay_ * by_part / walk_->amplitude_1m_v);
     add(attenuation_[1], mps_by_delay_ * by_part * p.distance_m);
     add(attenuation_[2], -mps_by_delay_ * std::log1p(-below));
@@ -101,12 +110,14 @@ void CalibrationMap::couple(const SurveyModel& model, const std::vector<HeardPat
   }
 }
 
-void CalibrationMap::systematic(const SurveyModel& model, std::span<const std::vector<HeardPath>> paths, std::span<SystematicPart> parts) const {
+void CalibrationMap::systematic(const SurveyModel& model, std::span<const std::vector<HeardPath>> paths,
+                                std::span<SystematicPart> parts) const {
   std::fill(parts.begin(), parts.end(), SystematicPart{});
   if (exact()) return;
   const auto count = static_cast<Eigen::Index>(paths.size());
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(2 * count, root_.rows());
-  for (Eigen::Index i = 0; i < count; ++i) couple(model, paths[static_cast<std::size_t>(i)], &S(2 * i, 0), &S(2 * i + 1, 0), S.outerStride());
+  for (Eigen::Index i = 0; i < count; ++i)
+    couple(model, paths[static_cast<std::size_t>(i)], &S(2 * i, 0), &S(2 * i + 1, 0), S.outerStride());
   const Eigen::MatrixXd spread = S * root_;
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto x = spread.row(2 * i), y = spread.row(2 * i + 1);

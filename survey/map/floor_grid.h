@@ -18,15 +18,18 @@ struct FloorGrid {
   Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();  ///< lower left corner of the first cell
   double cell_m = 0.25;
   std::size_t columns = 0, rows = 0;
-  /// Cells whose centre is on the floor and in nothing solid (row * columns + column), block by block: neighbours in this list are
-  /// neighbours on the floor, so that walls that matter to one matter to the next.
+  /// Cells whose centre is on the floor and in nothing solid (row * columns + column), block by block:
+  /// neighbours in this list are neighbours on the floor, so that walls that matter to one matter to the
+  /// next.
   std::vector<std::uint32_t> cells;
   [[nodiscard]] Eigen::Vector2d centre_m(std::uint32_t cell) const {
-    return origin_m + cell_m * Eigen::Vector2d(static_cast<double>(cell % columns) + 0.5, static_cast<double>(cell / columns) + 0.5);
+    return origin_m + cell_m * Eigen::Vector2d(static_cast<double>(cell % columns) + 0.5,
+                                               static_cast<double>(cell / columns) + 0.5);
   }
 };
 
-inline constexpr double kMostCells = 4e6;  ///< of the rectangle round the floor; some 90 bytes each while surveying
+inline constexpr double kMostCells =
+    4e6;  ///< of the rectangle round the floor; some 90 bytes each while surveying
 
 /// Errors, before any memory is taken: more than kMostCells cells. Also: not a single cell on the floor.
 [[nodiscard]] Result<FloorGrid> make_floor_grid(const SurveyModel& model, const Scene& scene);
@@ -34,12 +37,14 @@ inline constexpr double kMostCells = 4e6;  ///< of the rectangle round the floor
 [[nodiscard]] Result<FloorGrid> make_floor_grid(const SurveyModel& model, const Scene& scene, double cell_m);
 
 /// Poses at the centres of cells [first, first + count).
-[[nodiscard]] PoseList poses_of(const FloorGrid& grid, double heading_rad, double z_m, std::size_t first, std::size_t count);
+[[nodiscard]] PoseList poses_of(const FloorGrid& grid, double heading_rad, double z_m, std::size_t first,
+                                std::size_t count);
 [[nodiscard]] inline PoseList poses_of(const FloorGrid& grid, double heading_rad, double z_m = 0.0) {
   return poses_of(grid, heading_rad, z_m, 0, grid.cells.size());
 }
 
-/// Poses along a polyline, at most a step apart, heading along it; its corners included. As many as this, at most:
+/// Poses along a polyline, at most a step apart, heading along it; its corners included. As many as this, at
+/// most:
 [[nodiscard]] double most_poses_along(const SceneRoute& route, double step_m);
 [[nodiscard]] PoseList poses_along(const SceneRoute& route, double step_m, double z_m = 0.0);
 

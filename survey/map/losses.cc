@@ -26,7 +26,8 @@ void merge_into(std::vector<Loss>& all, const std::vector<Loss>& more) {
 
 }  // namespace
 
-LossAccount::LossAccount(const KernelModel& kernel, int at_once) : beacons_(kernel.beacons.size()), at_once_(at_once) {
+LossAccount::LossAccount(const KernelModel& kernel, int at_once)
+    : beacons_(kernel.beacons.size()), at_once_(at_once) {
   if (at_once < 1) return;
   const auto entries = static_cast<std::size_t>(kernel.unknowns.entries());
   layers_.resize(beacons_ * entries * kTilePoses);
@@ -46,15 +47,19 @@ LossAccount::LossAccount(const KernelModel& kernel, int at_once) : beacons_(kern
       }
 }
 
-void LossAccount::count(const double* before, const double* after, const Cells& cells, std::size_t size, Loss& loss) const {
+void LossAccount::count(const double* before, const double* after, const Cells& cells, std::size_t size,
+                        Loss& loss) const {
   const double limit2 = cells.tolerance_m * cells.tolerance_m;
   for (std::size_t i = 0; i < size; ++i) {
     if (std::isinf(before[i]) || after[i] == before[i]) continue;
     const bool fix = !std::isinf(after[i]);
     const double other = cells.other_m2[i];
-    if (!fix) ++loss.poses_without_fix;
-    else loss.worst_sigma_m = std::max(loss.worst_sigma_m, after[i]);
-    if (before[i] * before[i] + other <= limit2 && !(fix && after[i] * after[i] + other <= limit2)) ++loss.poses_out;
+    if (!fix)
+      ++loss.poses_without_fix;
+    else
+      loss.worst_sigma_m = std::max(loss.worst_sigma_m, after[i]);
+    if (before[i] * before[i] + other <= limit2 && !(fix && after[i] * after[i] + other <= limit2))
+      ++loss.poses_out;
     loss.spread_ppm += fix ? std::llround(1e6 * std::clamp(after[i] / before[i] - 1, 0.0, 10.0)) : 10'000'000;
   }
 }
@@ -62,7 +67,8 @@ void LossAccount::count(const double* before, const double* after, const Cells& 
 void LossAccount::add(const KernelModel& kernel, const KernelTile& tile, const Cells& cells) {
   if (at_once_ < 1) return;
   const int unknowns = kernel.unknowns.count();
-  const std::size_t entries = static_cast<std::size_t>(kernel.unknowns.entries()), size = entries * kTilePoses;
+  const std::size_t entries = static_cast<std::size_t>(kernel.unknowns.entries()),
+                    size = entries * kTilePoses;
   alignas(64) double before[kTilePoses], after[kTilePoses];
   std::fill(total_.begin(), total_.end(), 0.0);
   std::vector<std::size_t> here;
@@ -84,12 +90,14 @@ void LossAccount::add(const KernelModel& kernel, const KernelTile& tile, const C
     sigma_of_packed(unknowns, total_.data(), of_a, nullptr, kTilePoses, tile.count, after);
     for (std::size_t i = 0; i < tile.count; ++i) {
       if (heard_[a * kTilePoses + i] <= 0) after[i] = before[i];
-      if (after[i] > cells.one_m[i]) cells.one_m[i] = after[i], cells.one_beacon[i] = static_cast<std::int32_t>(a);
+      if (after[i] > cells.one_m[i])
+        cells.one_m[i] = after[i], cells.one_beacon[i] = static_cast<std::int32_t>(a);
     }
     count(before, after, cells, tile.count, singles_[a]);
     for (std::size_t m = k + 1; m < here.size() && at_once_ > 1; ++m) {
       const std::size_t b = here[m];
-      sigma_of_packed(unknowns, total_.data(), of_a, layers_.data() + b * size, kTilePoses, tile.count, after);
+      sigma_of_packed(unknowns, total_.data(), of_a, layers_.data() + b * size, kTilePoses, tile.count,
+                      after);
       for (std::size_t i = 0; i < tile.count; ++i) {
         if (heard_[a * kTilePoses + i] <= 0 && heard_[b * kTilePoses + i] <= 0) after[i] = before[i];
         cells.two_m[i] = std::max(cells.two_m[i], after[i]);
@@ -102,11 +110,13 @@ void LossAccount::add(const KernelModel& kernel, const KernelTile& tile, const C
   if (at_once_ < 2) return;
   // Beside a pair that is nowhere heard here, one of them alone fails: it counts for its pairs too.
   for (const std::size_t a : here) {
-    sigma_of_packed(unknowns, total_.data(), layers_.data() + a * size, nullptr, kTilePoses, tile.count, after);
+    sigma_of_packed(unknowns, total_.data(), layers_.data() + a * size, nullptr, kTilePoses, tile.count,
+                    after);
     for (std::size_t i = 0; i < tile.count; ++i)
       if (heard_[a * kTilePoses + i] <= 0) after[i] = before[i];
     for (std::size_t b = 0; b < beacons_; ++b)
-      if (std::find(here.begin(), here.end(), b) == here.end()) count(before, after, cells, tile.count, pairs_[pair_index(std::min(a, b), std::max(a, b))]);
+      if (std::find(here.begin(), here.end(), b) == here.end())
+        count(before, after, cells, tile.count, pairs_[pair_index(std::min(a, b), std::max(a, b))]);
   }
 }
 
@@ -123,7 +133,8 @@ std::vector<Loss> LossAccount::singles() const {
 
 std::vector<Loss> LossAccount::pairs(std::size_t most) const {
   std::vector<Loss> sorted;
-  std::copy_if(pairs_.begin(), pairs_.end(), std::back_inserter(sorted), [](const Loss& loss) { return loss.spread_ppm > 0; });
+  std::copy_if(pairs_.begin(), pairs_.end(), std::back_inserter(sorted),
+               [](const Loss& loss) { return loss.spread_ppm > 0; });
   std::stable_sort(sorted.begin(), sorted.end(), matters_more);
   sorted.resize(std::min(most, sorted.size()));
   return sorted;

@@ -17,22 +17,22 @@ struct Loss {
   std::size_t poses_out = 0;              ///< covered before, out of tolerance (or without a fix) after
   std::size_t poses_without_fix = 0;      ///< with a fix before
   double worst_sigma_m = 0.0;             ///< largest that is left where there still is a fix
-  std::int64_t spread_ppm = 0;            ///< sum of the relative growth of sigma, capped at 10 a cell: breaks ties
+  std::int64_t spread_ppm = 0;  ///< sum of the relative growth of sigma, capped at 10 a cell: breaks ties
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 };
 
-/// Counts failures, tile by tile, by taking a beacon's information away from the sum. One for each thread; merged at the end.
-/// Counts are whole numbers, so that the result does not depend on who took which tile.
+/// Counts failures, tile by tile, by taking a beacon's information away from the sum. One for each thread;
+/// merged at the end. Counts are whole numbers, so that the result does not depend on who took which tile.
 class LossAccount {
  public:
   /// @param at_once  how many may fail together: 0, 1 or 2
   LossAccount(const KernelModel& kernel, int at_once);
 
   struct Cells {
-    std::span<const double> other_m2;           ///< variance besides the arrivals' noise: the calibration's
-    double tolerance_m = 0.0;                   ///< infinity: only fixes count
-    std::span<double> one_m, two_m;             ///< out: worst sigma with one, with two beacons gone (noise alone)
-    std::span<std::int32_t> one_beacon;         ///< out: which one; -1: none matters
+    std::span<const double> other_m2;    ///< variance besides the arrivals' noise: the calibration's
+    double tolerance_m = 0.0;            ///< infinity: only fixes count
+    std::span<double> one_m, two_m;      ///< out: worst sigma with one, with two beacons gone (noise alone)
+    std::span<std::int32_t> one_beacon;  ///< out: which one; -1: none matters
   };
   void add(const KernelModel& kernel, const KernelTile& tile, const Cells& cells);
   void merge(const LossAccount& other);
@@ -43,8 +43,11 @@ class LossAccount {
   [[nodiscard]] std::vector<Loss> pairs(std::size_t most) const;
 
  private:
-  void count(const double* before, const double* after, const Cells& cells, std::size_t size, Loss& loss) const;
-  [[nodiscard]] std::size_t pair_index(std::size_t a, std::size_t b) const { return a * (2 * beacons_ - a - 1) / 2 + (b - a - 1); }
+  void count(const double* before, const double* after, const Cells& cells, std::size_t size,
+             Loss& loss) const;
+  [[nodiscard]] std::size_t pair_index(std::size_t a, std::size_t b) const {
+    return a * (2 * beacons_ - a - 1) / 2 + (b - a - 1);
+  }
 
   std::size_t beacons_;
   int at_once_;

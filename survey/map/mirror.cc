@@ -15,7 +15,8 @@ namespace octant::survey {
 namespace {
 
 constexpr double kToldApart = 45.8;
-constexpr double kHopeless = 1e5;  ///< of chi-square a path before any adjustment: off by hundreds of sigmas, no adjustment mends that
+constexpr double kHopeless =
+    1e5;  ///< of chi-square a path before any adjustment: off by hundreds of sigmas, no adjustment mends that
 constexpr int kSteps = 12;
 
 struct Line {
@@ -24,7 +25,8 @@ struct Line {
 
 Line line_through(const SurveyModel& model, const std::vector<std::size_t>& beacons) {
   Line line;
-  for (const std::size_t b : beacons) line.middle += model.beacons[b].p_map_m.head<2>() / static_cast<double>(beacons.size());
+  for (const std::size_t b : beacons)
+    line.middle += model.beacons[b].p_map_m.head<2>() / static_cast<double>(beacons.size());
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   for (const std::size_t b : beacons) {
     const Eigen::Vector2d arm = model.beacons[b].p_map_m.head<2>() - line.middle;
@@ -62,7 +64,8 @@ double adjust(const SurveyModel& model, const std::vector<HeardPath>& paths, Pos
 
 }  // namespace
 
-bool MirrorFilter::may_have_image(const SurveyModel& model, const PoseAt& pose, const std::vector<std::size_t>& heard) {
+bool MirrorFilter::may_have_image(const SurveyModel& model, const PoseAt& pose,
+                                  const std::vector<std::size_t>& heard) {
   if (heard != last_) {
     const Line line = line_through(model, heard);
     last_ = heard, middle_ = line.middle, along_ = line.along;
@@ -72,7 +75,8 @@ bool MirrorFilter::may_have_image(const SurveyModel& model, const PoseAt& pose, 
   double chi2 = 0.0;
   for (const std::size_t b : heard) {
     const Eigen::Vector3d& p = model.beacons[b].p_map_m;
-    const double here = std::hypot(p.x() - at.x(), p.y() - at.y(), p.z() - pose.z_m), there = std::hypot(p.x() - image.x(), p.y() - image.y(), p.z() - pose.z_m);
+    const double here = std::hypot(p.x() - at.x(), p.y() - at.y(), p.z() - pose.z_m),
+                 there = std::hypot(p.x() - image.x(), p.y() - image.y(), p.z() - pose.z_m);
     chi2 += (there - here) * (there - here) / model.noise.variance_m2(here);
   }
   // The receivers' own places against the vehicle's matter little here: the limit is far beyond.
@@ -95,7 +99,8 @@ MirrorImage mirror_image(const SurveyModel& model, const PoseAt& pose, const std
     const double chi2 = adjust(model, paths, there);
     const Eigen::Vector2d found(there.x_m, there.y_m);
     // Back at the true place, or beside the line, it is no second answer.
-    if (chi2 < kToldApart && normal.dot(found - line.middle) * side_m < 0 && (found - at).norm() > 1e-3) return {true, found};
+    if (chi2 < kToldApart && normal.dot(found - line.middle) * side_m < 0 && (found - at).norm() > 1e-3)
+      return {true, found};
   }
   return none;
 }

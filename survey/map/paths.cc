@@ -14,23 +14,30 @@ Eigen::Vector3d turned(const Eigen::Vector3d& v, double cosine, double sine) {
   return {cosine * v.x() - sine * v.y(), sine * v.x() + cosine * v.y(), v.z()};
 }
 
-double path_gain(const SurveyModel& model, std::size_t pattern, const Eigen::Vector3d& axis, const Eigen::Vector3d& towards) {
+double path_gain(const SurveyModel& model, std::size_t pattern, const Eigen::Vector3d& axis,
+                 const Eigen::Vector3d& towards) {
   return pattern == kAllRound || axis.isZero() ? 1.0 : beam_gain(model.patterns[pattern], axis.dot(towards));
 }
 
-bool loud_enough(const SurveyModel& model, const KernelModel& kernel, const HeardPath& path, const Eigen::Vector3d& receiver_axis) {
+bool loud_enough(const SurveyModel& model, const KernelModel& kernel, const HeardPath& path,
+                 const Eigen::Vector3d& receiver_axis) {
   if (path.distance_m > kernel.reach_m) return false;
   const SurveyBeacon& b = model.beacons[path.beacon];
-  const double both = path_gain(model, b.pattern, b.axis, path.unit) * path_gain(model, model.receivers[path.receiver].pattern, receiver_axis, -path.unit);
+  const double both = path_gain(model, b.pattern, b.axis, path.unit) *
+                      path_gain(model, model.receivers[path.receiver].pattern, receiver_axis, -path.unit);
   if (!(both > 0)) return false;
   const Hearing& h = model.hearing;
-  return !(h.threshold_v > 0) || both * h.amplitude_1m_v * std::exp(-h.absorption_np_per_m * path.distance_m) >= h.threshold_v * path.distance_m;
+  return !(h.threshold_v > 0) ||
+         both * h.amplitude_1m_v * std::exp(-h.absorption_np_per_m * path.distance_m) >=
+             h.threshold_v * path.distance_m;
 }
 
 bool stopped(const KernelWall& w, const Eigen::Vector3d& from, const Eigen::Vector3d& beacon) {
-  const double sp = w.wx_m * (from.y() - w.y_m) - w.wy_m * (from.x() - w.x_m), sb = w.wx_m * (beacon.y() - w.y_m) - w.wy_m * (beacon.x() - w.x_m);
+  const double sp = w.wx_m * (from.y() - w.y_m) - w.wy_m * (from.x() - w.x_m),
+               sb = w.wx_m * (beacon.y() - w.y_m) - w.wy_m * (beacon.x() - w.x_m);
   const double rx = beacon.x() - from.x(), ry = beacon.y() - from.y();
-  const double begin = rx * (w.y_m - from.y()) - ry * (w.x_m - from.x()), end = begin + rx * w.wy_m - ry * w.wx_m;
+  const double begin = rx * (w.y_m - from.y()) - ry * (w.x_m - from.x()),
+               end = begin + rx * w.wy_m - ry * w.wx_m;
   if (!(sp * sb < 0 && begin * end <= 0)) return false;
   const double z = from.z() + sp / (sp - sb) * (beacon.z() - from.z());
   return w.any_height || (z >= w.bottom_m && z <= w.top_m);
@@ -38,10 +45,12 @@ bool stopped(const KernelWall& w, const Eigen::Vector3d& from, const Eigen::Vect
 
 }  // namespace
 
-HeardPath path_between(const SurveyModel& model, std::size_t beacon, std::size_t receiver, const PoseAt& pose) {
+HeardPath path_between(const SurveyModel& model, std::size_t beacon, std::size_t receiver,
+                       const PoseAt& pose) {
   const double cosine = std::cos(pose.heading_rad), sine = std::sin(pose.heading_rad);
   const Eigen::Vector3d& lever = model.receivers[receiver].p_vehicle_m;
-  const Eigen::Vector3d way = Eigen::Vector3d(pose.x_m, pose.y_m, pose.z_m) + turned(lever, cosine, sine) - model.beacons[beacon].p_map_m;
+  const Eigen::Vector3d way = Eigen::Vector3d(pose.x_m, pose.y_m, pose.z_m) + turned(lever, cosine, sine) -
+                              model.beacons[beacon].p_map_m;
   HeardPath path;
   path.beacon = beacon, path.receiver = receiver, path.heading_rad = pose.heading_rad;
   path.distance_m = std::max(way.norm(), 1e-6);
@@ -57,7 +66,8 @@ HeardPath path_between(const SurveyModel& model, std::size_t beacon, std::size_t
   return path;
 }
 
-void heard_paths(const SurveyModel& model, const KernelModel& kernel, const KernelTile& tile, const PoseAt& pose, std::vector<HeardPath>& paths) {
+void heard_paths(const SurveyModel& model, const KernelModel& kernel, const KernelTile& tile,
+                 const PoseAt& pose, std::vector<HeardPath>& paths) {
   paths.clear();
   const double cosine = std::cos(pose.heading_rad), sine = std::sin(pose.heading_rad);
   for (std::size_t b = 0; b < model.beacons.size(); ++b) {
@@ -67,7 +77,8 @@ void heard_paths(const SurveyModel& model, const KernelModel& kernel, const Kern
       if (!loud_enough(model, kernel, path, turned(model.receivers[r].axis, cosine, sine))) continue;
       const Eigen::Vector3d receiver = model.beacons[b].p_map_m + path.distance_m * path.unit;
       bool hidden = false;
-      for (std::uint32_t w = tile.wall_first[b]; w < tile.wall_first[b + 1] && !hidden; ++w) hidden = stopped(tile.walls[w], receiver, model.beacons[b].p_map_m);
+      for (std::uint32_t w = tile.wall_first[b]; w < tile.wall_first[b + 1] && !hidden; ++w)
+        hidden = stopped(tile.walls[w], receiver, model.beacons[b].p_map_m);
       if (!hidden) paths.push_back(path);
     }
   }

@@ -28,9 +28,11 @@ struct PoseAt {
 };
 
 /// Range from a beacon to a receiver and its derivatives, heard or not.
-[[nodiscard]] HeardPath path_between(const SurveyModel& model, std::size_t beacon, std::size_t receiver, const PoseAt& pose);
+[[nodiscard]] HeardPath path_between(const SurveyModel& model, std::size_t beacon, std::size_t receiver,
+                                     const PoseAt& pose);
 
 /// The paths that are heard at pose i of a tile, beacon by beacon.
-void heard_paths(const SurveyModel& model, const KernelModel& kernel, const KernelTile& tile, const PoseAt& pose, std::vector<HeardPath>& paths);
+void heard_paths(const SurveyModel& model, const KernelModel& kernel, const KernelTile& tile,
+                 const PoseAt& pose, std::vector<HeardPath>& paths);
 
 }  // namespace octant::survey

@@ -11,10 +11,10 @@
 #include <numbers>
 
 #include "models/support/parallel.h"
-#include "survey/map/calibration_map.h"
 #include "survey/geometry/map_tiles.h"
-#include "survey/map/mirror.h"
 #include "survey/geometry/polygon.h"
+#include "survey/map/calibration_map.h"
+#include "survey/map/mirror.h"
 
 namespace octant::survey {
 namespace {
@@ -25,8 +25,26 @@ constexpr std::size_t kMostForPairs = 300;  ///< beacons; of more, pairs are too
 
 /// The maps of a survey, in the order in which they are shown.
 enum MapName : std::size_t {
-  kMapSigma, kMapTotal, kMapCalibration, kMapSpeedPart, kMapTemperature, kMapSigmaHeading, kMapHdop, kMapPdop, kMapVdop, kMapTdop, kMapGdop,
-  kMapHeadingDop, kMapBeacons, kMapBias, kMapProtection, kMapMirror, kMapLossOne, kMapLossBeacon, kMapLossTwo, kMaps
+  kMapSigma,
+  kMapTotal,
+  kMapCalibration,
+  kMapSpeedPart,
+  kMapTemperature,
+  kMapSigmaHeading,
+  kMapHdop,
+  kMapPdop,
+  kMapVdop,
+  kMapTdop,
+  kMapGdop,
+  kMapHeadingDop,
+  kMapBeacons,
+  kMapBias,
+  kMapProtection,
+  kMapMirror,
+  kMapLossOne,
+  kMapLossBeacon,
+  kMapLossTwo,
+  kMaps
 };
 
 struct Description {
@@ -54,7 +72,8 @@ constexpr Description kDescriptions[kMaps] = {
     {"loss_two_m", "expected standard deviation with the worst two gone", "m"}};
 
 /// Which maps make sense for this model.
-std::vector<bool> wanted_maps(const SurveyModel& model, const Survey& survey, const SurveyOptions& options, bool route) {
+std::vector<bool> wanted_maps(const SurveyModel& model, const Survey& survey, const SurveyOptions& options,
+                              bool route) {
   std::vector<bool> wanted(kMaps, true);
   wanted[kMapTotal] = wanted[kMapCalibration] = survey.calibrated;
   wanted[kMapSpeedPart] = model.speed_sigma_mps > 0;
@@ -72,32 +91,49 @@ std::vector<bool> wanted_maps(const SurveyModel& model, const Survey& survey, co
 /// Takes tiles of poses and writes maps; one for each thread.
 class Worker {
  public:
-  Worker(const SurveyModel& model, const KernelModel& kernel, const Survey& survey, const CalibrationMap* calibration, const SurveyOptions& options, int failures)
-      : losses(kernel, failures), model_(model), kernel_(kernel), survey_(survey), calibration_(calibration), options_(options), failures_(failures),
-        paths_(kTilePoses), systematic_(kTilePoses), other_m2_(kTilePoses), one_m_(kTilePoses), two_m_(kTilePoses), one_beacon_(kTilePoses),
+  Worker(const SurveyModel& model, const KernelModel& kernel, const Survey& survey,
+         const CalibrationMap* calibration, const SurveyOptions& options, int failures)
+      : losses(kernel, failures),
+        model_(model),
+        kernel_(kernel),
+        survey_(survey),
+        calibration_(calibration),
+        options_(options),
+        failures_(failures),
+        paths_(kTilePoses),
+        systematic_(kTilePoses),
+        other_m2_(kTilePoses),
+        one_m_(kTilePoses),
+        two_m_(kTilePoses),
+        one_beacon_(kTilePoses),
         mask_(kTilePoses) {}
 
-  /// Poses [first, first + count) of a list; at[i] is where pose i's values go. Where a heading before has already written, the
-  /// worse of both stays.
+  /// Poses [first, first + count) of a list; at[i] is where pose i's values go. Where a heading before has
+  /// already written, the worse of both stays.
   /// @param offset  a multiple of eight
-  void take(const PoseList& poses, std::size_t first, std::size_t count, std::size_t offset, bool again, std::vector<FloorMap*>& maps,
-            std::vector<std::vector<std::uint8_t>>& heard_bits) {
+  void take(const PoseList& poses, std::size_t first, std::size_t count, std::size_t offset, bool again,
+            std::vector<FloorMap*>& maps, std::vector<std::vector<std::uint8_t>>& heard_bits) {
     fill_tile(kernel_, model_.walls, poses, first, count, tile_);
     map_tile(kernel_, tile_, options_.integrity, work_, figures_);
     for (std::size_t b = 0; b < heard_bits.size(); ++b) {
-      if (count % 8 != 0) work_.heard_bits[b * (kTilePoses / 8) + count / 8] &= static_cast<std::uint8_t>((1U << (count % 8)) - 1);
-      for (std::size_t byte = 0; byte < (count + 7) / 8; ++byte) heard_bits[b][offset / 8 + byte] |= work_.heard_bits[b * (kTilePoses / 8) + byte];
+      if (count % 8 != 0)
+        work_.heard_bits[b * (kTilePoses / 8) + count / 8] &=
+            static_cast<std::uint8_t>((1U << (count % 8)) - 1);
+      for (std::size_t byte = 0; byte < (count + 7) / 8; ++byte)
+        heard_bits[b][offset / 8 + byte] |= work_.heard_bits[b * (kTilePoses / 8) + byte];
     }
     look_closer(poses, first, count);
     if (failures_ > 0) {
-      losses.add(kernel_, tile_, {.other_m2 = std::span(other_m2_).first(count),
-                                  .tolerance_m = model_.tolerance.fix_m.value_or(1e150),
-                                  .one_m = std::span(one_m_).first(count),
-                                  .two_m = std::span(two_m_).first(count),
-                                  .one_beacon = std::span(one_beacon_).first(count)});
+      losses.add(kernel_, tile_,
+                 {.other_m2 = std::span(other_m2_).first(count),
+                  .tolerance_m = model_.tolerance.fix_m.value_or(1e150),
+                  .one_m = std::span(one_m_).first(count),
+                  .two_m = std::span(two_m_).first(count),
+                  .one_beacon = std::span(one_beacon_).first(count)});
     }
     for (std::size_t i = 0; i < count; ++i) {
-      const bool worse = !again || !(figures_.value[kSigma][i] <= static_cast<double>(maps[kMapSigma]->values[offset + i]));
+      const bool worse =
+          !again || !(figures_.value[kSigma][i] <= static_cast<double>(maps[kMapSigma]->values[offset + i]));
       if (worse) write(i, offset + i, maps);
     }
   }
@@ -114,7 +150,8 @@ class Worker {
     std::fill(mask_.begin(), mask_.end(), 0);
     if (!calibrated && !mirrors) return;
     for (std::size_t i = 0; i < count; ++i) {
-      const PoseAt pose{poses.x_m[first + i], poses.y_m[first + i], poses.z_m[first + i], poses.heading_rad[first + i]};
+      const PoseAt pose{poses.x_m[first + i], poses.y_m[first + i], poses.z_m[first + i],
+                        poses.heading_rad[first + i]};
       paths_[i].clear();
       if (std::isinf(figures_.value[kSigma][i])) continue;
       const bool look = mirrors && mirrors_.may_have_image(model_, pose, heard_here(i));
@@ -148,7 +185,8 @@ class Worker {
     if (std::isinf(shift)) return shift;
     const SystematicPart& s = systematic_[i];
     const double sx = figures_.value[kSigmaX][i], sy = figures_.value[kSigmaY][i];
-    const double xx = sx * sx + s.xx_m2, yy = sy * sy + s.yy_m2, xy = figures_.value[kCovarianceXy][i] + s.xy_m2;
+    const double xx = sx * sx + s.xx_m2, yy = sy * sy + s.yy_m2,
+                 xy = figures_.value[kCovarianceXy][i] + s.xy_m2;
     return shift + 3.29 * std::sqrt((xx + yy) / 2 + std::hypot((xx - yy) / 2, xy));
   }
 
@@ -200,11 +238,18 @@ class Worker {
   std::vector<std::uint8_t> mask_;
 };
 
-std::vector<FloorMap> make_maps(const std::vector<bool>& wanted, std::size_t count, const SurveyModel& model, std::vector<FloorMap*>& by_name) {
+std::vector<FloorMap> make_maps(const std::vector<bool>& wanted, std::size_t count, const SurveyModel& model,
+                                std::vector<FloorMap*>& by_name) {
   std::vector<FloorMap> maps;
   for (std::size_t m = 0; m < kMaps; ++m) {
     if (!wanted[m]) continue;
-    FloorMap map{kDescriptions[m].name, kDescriptions[m].title, kDescriptions[m].unit, m == kMapBeacons, {}, std::vector<float>(count, kNone), {}};
+    FloorMap map{kDescriptions[m].name,
+                 kDescriptions[m].title,
+                 kDescriptions[m].unit,
+                 m == kMapBeacons,
+                 {},
+                 std::vector<float>(count, kNone),
+                 {}};
     const bool length = m == kMapSigma || m == kMapTotal || m == kMapLossOne || m == kMapLossTwo;
     if (length) map.limit = model.tolerance.fix_m;
     maps.push_back(std::move(map));
@@ -219,23 +264,27 @@ std::vector<FloorMap> make_maps(const std::vector<bool>& wanted, std::size_t cou
 double covered(const std::vector<FloorMap*>& maps, const SurveyModel& model) {
   const FloorMap& total = maps[kMapTotal] != nullptr ? *maps[kMapTotal] : *maps[kMapSigma];
   const double limit = model.tolerance.fix_m.value_or(std::numeric_limits<double>::max());
-  const auto within = std::count_if(total.values.begin(), total.values.end(), [&](float v) { return static_cast<double>(v) <= limit; });
+  const auto within = std::count_if(total.values.begin(), total.values.end(),
+                                    [&](float v) { return static_cast<double>(v) <= limit; });
   return total.values.empty() ? 0.0 : static_cast<double>(within) / static_cast<double>(total.values.size());
 }
 
-void look_at_floor(const SurveyModel& model, const KernelModel& kernel, const CalibrationMap* calibration, const SurveyOptions& options,
-                   std::vector<FloorMap*>& maps, Survey& survey) {
+void look_at_floor(const SurveyModel& model, const KernelModel& kernel, const CalibrationMap* calibration,
+                   const SurveyOptions& options, std::vector<FloorMap*>& maps, Survey& survey) {
   const std::size_t cells = survey.grid.cells.size(), tiles = (cells + kTilePoses - 1) / kTilePoses;
   const int threads = std::max(1, options.threads);
   std::vector<std::unique_ptr<Worker>> workers;
-  for (int t = 0; t < threads; ++t) workers.push_back(std::make_unique<Worker>(model, kernel, survey, calibration, options, options.failures));
+  for (int t = 0; t < threads; ++t)
+    workers.push_back(
+        std::make_unique<Worker>(model, kernel, survey, calibration, options, options.failures));
   std::atomic<std::size_t> next{0};
   for_each_parallel(static_cast<std::size_t>(threads), threads, [&](std::size_t thread) {
     for (std::size_t t = next.fetch_add(1); t < tiles; t = next.fetch_add(1)) {
       const std::size_t first = t * kTilePoses, count = std::min(kTilePoses, cells - first);
       for (int h = 0; h < survey.scene.headings; ++h) {
         const double heading = 2 * std::numbers::pi * h / survey.scene.headings;
-        workers[thread]->take(poses_of(survey.grid, heading, model.vehicle_z_m, first, count), 0, count, first, h > 0, maps, survey.heard_bits);
+        workers[thread]->take(poses_of(survey.grid, heading, model.vehicle_z_m, first, count), 0, count,
+                              first, h > 0, maps, survey.heard_bits);
       }
     }
   });
@@ -244,8 +293,8 @@ void look_at_floor(const SurveyModel& model, const KernelModel& kernel, const Ca
   survey.double_failures = workers[0]->losses.pairs(kPairsListed);
 }
 
-void look_along(const SceneRoute& route, const SurveyModel& model, const KernelModel& kernel, const CalibrationMap* calibration, const SurveyOptions& options,
-                Survey& survey) {
+void look_along(const SceneRoute& route, const SurveyModel& model, const KernelModel& kernel,
+                const CalibrationMap* calibration, const SurveyOptions& options, Survey& survey) {
   RouteSurvey along;
   along.name = route.name;
   along.poses = poses_along(route, survey.scene.cell_m, model.vehicle_z_m);
@@ -254,7 +303,8 @@ void look_along(const SceneRoute& route, const SurveyModel& model, const KernelM
   along.heard_bits.assign(model.beacons.size(), std::vector<std::uint8_t>((along.poses.size() + 7) / 8));
   Worker worker(model, kernel, survey, calibration, options, 0);
   for (std::size_t first = 0; first < along.poses.size(); first += kTilePoses)
-    worker.take(along.poses, first, std::min(kTilePoses, along.poses.size() - first), first, false, maps, along.heard_bits);
+    worker.take(along.poses, first, std::min(kTilePoses, along.poses.size() - first), first, false, maps,
+                along.heard_bits);
   for (FloorMap& map : along.maps) map.spread = spread_of(map.values);
   along.covered_fraction = covered(maps, model);
   survey.routes.push_back(std::move(along));
@@ -264,10 +314,13 @@ void sum_up(const std::vector<FloorMap*>& maps, Survey& survey) {
   for (FloorMap& map : survey.maps) map.spread = spread_of(map.values);
   const auto cells = static_cast<double>(survey.grid.cells.size());
   const auto fraction = [&](const FloorMap* map, auto holds) {
-    return map == nullptr ? 0.0 : static_cast<double>(std::count_if(map->values.begin(), map->values.end(), holds)) / cells;
+    return map == nullptr
+               ? 0.0
+               : static_cast<double>(std::count_if(map->values.begin(), map->values.end(), holds)) / cells;
   };
   survey.fix_fraction = fraction(maps[kMapSigma], [](float v) { return v < kNone; });
-  survey.k_covered_fraction = fraction(maps[kMapBeacons], [&](float v) { return v >= static_cast<float>(survey.coverage); });
+  survey.k_covered_fraction =
+      fraction(maps[kMapBeacons], [&](float v) { return v >= static_cast<float>(survey.coverage); });
   survey.mirror_fraction = fraction(maps[kMapMirror], [](float v) { return v > 0; });
   survey.covered_fraction = covered(maps, survey.model);
   for (const auto& bits : survey.heard_bits) {
@@ -277,9 +330,12 @@ void sum_up(const std::vector<FloorMap*>& maps, Survey& survey) {
   }
 }
 
-/// An error of the air's temperature as a relative error of all distances: what is timed at c1 is taken for c0.
+/// An error of the air's temperature as a relative error of all distances: what is timed at c1 is taken for
+/// c0.
 void set_temperature_error(const SurveyModel& model, const Scene& scene, Survey& survey) {
-  const double c0 = octant::speed_mps(model.medium), c1 = octant::speed_mps(model.medium, model.medium.temperature_degC + scene.temperature_error_degC);
+  const double c0 = octant::speed_mps(model.medium),
+               c1 = octant::speed_mps(model.medium,
+                                      model.medium.temperature_degC + scene.temperature_error_degC);
   if (c0 == c1 || !(c1 > 0)) return;
   survey.temperature_error_degC = scene.temperature_error_degC;
   survey.speed_error = c0 / c1 - 1;
@@ -294,34 +350,43 @@ Spread spread_of(std::vector<float> values) {
   spread.count = count, spread.without = values.size() - count;
   if (count == 0) return spread;
   const auto quantile = [&](double part) {
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::min(count - 1, static_cast<std::size_t>(part * static_cast<double>(count))));
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(std::min(
+                             count - 1, static_cast<std::size_t>(part * static_cast<double>(count))));
     std::nth_element(values.begin(), at, end);
     return static_cast<double>(*at);
   };
   spread.median = quantile(0.5), spread.p95 = quantile(0.95);
-  spread.min = static_cast<double>(*std::min_element(values.begin(), end)), spread.max = static_cast<double>(*std::max_element(values.begin(), end));
+  spread.min = static_cast<double>(*std::min_element(values.begin(), end)),
+  spread.max = static_cast<double>(*std::max_element(values.begin(), end));
   return spread;
 }
 
 const FloorMap* Survey::find(const std::string& name) const {
-  const auto found = std::find_if(maps.begin(), maps.end(), [&](const FloorMap& map) { return map.name == name; });
+  const auto found =
+      std::find_if(maps.begin(), maps.end(), [&](const FloorMap& map) { return map.name == name; });
   return found == maps.end() ? nullptr : &*found;
 }
 
-Result<Survey> run_survey(const SurveyModel& model, const Scene& scene, const Deployment* deployment, const SurveyOptions& asked) {
+Result<Survey> run_survey(const SurveyModel& model, const Scene& scene, const Deployment* deployment,
+                          const SurveyOptions& asked) {
   SurveyOptions options = asked;
   if (model.beacons.size() > kMostForPairs) options.failures = std::min(options.failures, 1);
   auto grid = make_floor_grid(model, scene);
   if (!grid) return fail(grid.error());
   for (const SceneRoute& route : scene.routes)
     if (!(most_poses_along(route, scene.cell_m) <= kMostCells))
-      return fail({.file = scene.path, .line = route.line, .found = "route '" + route.name + "' has more poses, a cell apart, than a floor may have cells",
-                   .expected = "a shorter one, or a larger cell_m"});
+      return fail(
+          {.file = scene.path,
+           .line = route.line,
+           .found = "route '" + route.name + "' has more poses, a cell apart, than a floor may have cells",
+           .expected = "a shorter one, or a larger cell_m"});
   Survey survey;
   survey.model = model;
   survey.scene = scene;
   survey.grid = std::move(*grid);
-  survey.coverage = scene.coverage > 0 ? scene.coverage : model.unknowns.position + (model.unknowns.clock ? 1 : 0) + 1;
+  survey.coverage =
+      scene.coverage > 0 ? scene.coverage : model.unknowns.position + (model.unknowns.clock ? 1 : 0) + 1;
   set_temperature_error(model, scene, survey);
   std::optional<CalibrationMap> calibration;
   if (deployment != nullptr) calibration.emplace(*deployment, model);
@@ -330,7 +395,8 @@ Result<Survey> run_survey(const SurveyModel& model, const Scene& scene, const De
   const KernelModel kernel = kernel_model(model, model.beacons);
   std::vector<FloorMap*> maps;
   survey.maps = make_maps(wanted_maps(model, survey, options, false), survey.grid.cells.size(), model, maps);
-  survey.heard_bits.assign(model.beacons.size(), std::vector<std::uint8_t>((survey.grid.cells.size() + 7) / 8));
+  survey.heard_bits.assign(model.beacons.size(),
+                           std::vector<std::uint8_t>((survey.grid.cells.size() + 7) / 8));
   look_at_floor(model, kernel, part, options, maps, survey);
   sum_up(maps, survey);
   for (const SceneRoute& route : scene.routes) look_along(route, model, kernel, part, options, survey);

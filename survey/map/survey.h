@@ -7,26 +7,26 @@
 #include <vector>
 
 #include "models/deployment.h"
-#include "models/support/result.h"
 #include "models/scene.h"
-#include "survey/map/floor_grid.h"
+#include "models/support/result.h"
 #include "survey/geometry/geometry_map.h"
-#include "survey/map/losses.h"
 #include "survey/geometry/survey_model.h"
+#include "survey/map/floor_grid.h"
+#include "survey/map/losses.h"
 
 namespace octant::survey {
 
 struct SurveyOptions {
   int threads = 1;
-  int failures = 2;      ///< how many beacons may fail at once: 0, 1 or 2 (up to 300 beacons)
-  bool integrity = true; ///< detectable biases, protection levels, mirror images
+  int failures = 2;       ///< how many beacons may fail at once: 0, 1 or 2 (up to 300 beacons)
+  bool integrity = true;  ///< detectable biases, protection levels, mirror images
 };
 
 /// Over the cells (or poses of a route) that have a value.
 struct Spread {
   double min = 0.0, median = 0.0, p95 = 0.0, max = 0.0;
-  std::size_t count = 0;       ///< cells with a value
-  std::size_t without = 0;     ///< cells without: no fix
+  std::size_t count = 0;    ///< cells with a value
+  std::size_t without = 0;  ///< cells without: no fix
 };
 [[nodiscard]] Spread spread_of(std::vector<float> values);
 
@@ -56,27 +56,34 @@ struct Survey {
   FloorGrid grid;
   std::vector<FloorMap> maps;
   std::vector<RouteSurvey> routes;
-  double fix_fraction = 0.0;      ///< of cells with a fix
-  double covered_fraction = 0.0;  ///< with a fix within tolerance.fix_m (noise and calibration); without a tolerance: with a fix
+  double fix_fraction = 0.0;  ///< of cells with a fix
+  double covered_fraction =
+      0.0;  ///< with a fix within tolerance.fix_m (noise and calibration); without a tolerance: with a fix
   double k_covered_fraction = 0.0;  ///< that hear `coverage` beacons or more
   int coverage = 0;
   double mirror_fraction = 0.0;
-  std::vector<double> heard_fraction;  ///< of each beacon: cells that hear it
+  std::vector<double> heard_fraction;                 ///< of each beacon: cells that hear it
   std::vector<std::vector<std::uint8_t>> heard_bits;  ///< of each beacon: bit i % 8 of byte i / 8 for cell i
   std::vector<Loss> failures, double_failures;
-  std::optional<double> temperature_error_degC;  ///< of the what-if; none where the medium's speed does not depend on it
-  double speed_error = 0.0;                      ///< relative error of distances that goes with it
-  bool calibrated = false;                       ///< the calibration's part is known
+  std::optional<double>
+      temperature_error_degC;  ///< of the what-if; none where the medium's speed does not depend on it
+  double speed_error = 0.0;    ///< relative error of distances that goes with it
+  bool calibrated = false;     ///< the calibration's part is known
 
   /// Cells times headings.
-  [[nodiscard]] std::size_t poses() const { return grid.cells.size() * static_cast<std::size_t>(scene.headings); }
+  [[nodiscard]] std::size_t poses() const {
+    return grid.cells.size() * static_cast<std::size_t>(scene.headings);
+  }
   [[nodiscard]] const FloorMap* find(const std::string& name) const;
   /// Whether beacon b is heard in the i-th of the grid's cells (at any of the headings).
-  [[nodiscard]] bool hears(std::size_t b, std::size_t i) const { return ((heard_bits[b][i / 8] >> (i % 8)) & 1) != 0; }
+  [[nodiscard]] bool hears(std::size_t b, std::size_t i) const {
+    return ((heard_bits[b][i / 8] >> (i % 8)) & 1) != 0;
+  }
 };
 
-/// Looks at every cell and along every route. @param deployment  the model's, for the calibration's part; null: a site that is
-/// not calibrated yet. Errors: those of make_floor_grid.
-[[nodiscard]] Result<Survey> run_survey(const SurveyModel& model, const Scene& scene, const Deployment* deployment, const SurveyOptions& options = {});
+/// Looks at every cell and along every route. @param deployment  the model's, for the calibration's part;
+/// null: a site that is not calibrated yet. Errors: those of make_floor_grid.
+[[nodiscard]] Result<Survey> run_survey(const SurveyModel& model, const Scene& scene,
+                                        const Deployment* deployment, const SurveyOptions& options = {});
 
 }  // namespace octant::survey

@@ -9,8 +9,8 @@
 
 namespace octant::survey {
 
-/// A document as one page: headings in order, tables with captions and scopes, drawings with captions, a skip link; light and
-/// dark, A4. Content security policy `default-src 'none'`.
+/// A document as one page: headings in order, tables with captions and scopes, drawings with captions, a skip
+/// link; light and dark, A4. Content security policy `default-src 'none'`.
 /// @param plotly  plotly.js as gzip in base64 (plotly_js.h); empty: the page has no script at all
 [[nodiscard]] std::string to_html(const ReportDocument& document, std::string_view plotly);
 

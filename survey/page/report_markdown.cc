@@ -17,7 +17,8 @@ struct MarkdownWriter {
 
   void operator()(const ReportList& list) {
     for (std::size_t i = 0; i < list.items.size(); ++i)
-      text += (list.numbered ? fmt::format("{}. ", i + 1) : std::string("- ")) + escape_markdown(list.items[i]) + "\n";
+      text += (list.numbered ? fmt::format("{}. ", i + 1) : std::string("- ")) +
+              escape_markdown(list.items[i]) + "\n";
     text += "\n";
   }
 
@@ -40,7 +41,8 @@ struct MarkdownWriter {
     text += "Drawing in the HTML report: " + escape_markdown(figure.caption);
     if (!figure.layers.empty()) {
       text += " " + escape_markdown(figure.legend) + ":";
-      for (const auto& layer : figure.layers) text += " " + escape_markdown(layer) + (&layer == &figure.layers.back() ? "." : ",");
+      for (const auto& layer : figure.layers)
+        text += " " + escape_markdown(layer) + (&layer == &figure.layers.back() ? "." : ",");
     }
     text += "\n\n";
   }
@@ -50,7 +52,8 @@ struct MarkdownWriter {
 
 std::string to_markdown(const ReportDocument& document) {
   MarkdownWriter writer;
-  writer.text = fmt::format("# {}\n\n{}\n\n**{}.** {}\n\n", escape_markdown(document.title), escape_markdown(document.subtitle), escape_markdown(document.grade),
+  writer.text = fmt::format("# {}\n\n{}\n\n**{}.** {}\n\n", escape_markdown(document.title),
+                            escape_markdown(document.subtitle), escape_markdown(document.grade),
                             escape_markdown(document.sentence));
   for (const auto& section : document.sections) {
     writer.text += "## " + escape_markdown(section.title) + "\n\n";

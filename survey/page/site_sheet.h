@@ -8,13 +8,17 @@
 
 namespace octant::survey {
 
-/// What the tag beside a beacon says to a camera: JSON with the site, the beacon, its position and the deployment's digest.
-[[nodiscard]] std::string beacon_tag(const Deployment& deployment, const DeploymentBeacon& beacon, const std::string& digest);
+/// What the tag beside a beacon says to a camera: JSON with the site, the beacon, its position and the
+/// deployment's digest.
+[[nodiscard]] std::string beacon_tag(const Deployment& deployment, const DeploymentBeacon& beacon,
+                                     const std::string& digest);
 
-/// A QR code (ISO/IEC 18004, level M) with its quiet zone, black on white. Empty where the text is too long for one.
+/// A QR code (ISO/IEC 18004, level M) with its quiet zone, black on white. Empty where the text is too long
+/// for one.
 [[nodiscard]] std::string qr_svg(const std::string& text);
 
-/// Sheets of paper to hang up and to cut: each beacon with its coordinates, its delay and its tag. One page without a script.
+/// Sheets of paper to hang up and to cut: each beacon with its coordinates, its delay and its tag. One page
+/// without a script.
 /// @param digest  of the deployment file, so that a sheet can be told from an older one
 [[nodiscard]] std::string site_sheet_html(const Deployment& deployment, const std::string& digest);
 

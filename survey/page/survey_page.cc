@@ -11,37 +11,53 @@
 #include "survey/drawing/figure_json.h"
 #include "survey/drawing/map_svg.h"
 #include "survey/drawing/plotly_js.h"
+#include "survey/drawing/site_plan.h"
 #include "survey/geometry/quantity.h"
 #include "survey/page/report_html.h"
-#include "survey/drawing/site_plan.h"
 
 namespace octant::survey {
 namespace {
 
-/// Bins along the longer side of the drawn maps and of those to point at: what a screen shows, and what a page can carry.
+/// Bins along the longer side of the drawn maps and of those to point at: what a screen shows, and what a
+/// page can carry.
 constexpr std::size_t kDrawnBins = 44, kLiveBins = 44;
 
 std::string percent(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
 
 ReportTable figures(const Survey& s) {
-  ReportTable table{"figures-table", "Figures over the floor", {{"figure", true}, {"least"}, {"median"}, {"95 %"}, {"largest"}, {"cells without a fix"}}, {}};
+  ReportTable table{"figures-table",
+                    "Figures over the floor",
+                    {{"figure", true}, {"least"}, {"median"}, {"95 %"}, {"largest"}, {"cells without a fix"}},
+                    {}};
   for (const FloorMap& map : s.maps) {
     if (map.name == "mirror" || map.name == "loss_one_beacon") continue;
     const Spread& v = map.spread;
-    table.rows.push_back({{map.title}, {figure_text(v.min, map.unit)}, {figure_text(v.median, map.unit)}, {figure_text(v.p95, map.unit)}, {figure_text(v.max, map.unit)},
+    table.rows.push_back({{map.title},
+                          {figure_text(v.min, map.unit)},
+                          {figure_text(v.median, map.unit)},
+                          {figure_text(v.p95, map.unit)},
+                          {figure_text(v.max, map.unit)},
                           {std::to_string(v.without)}});
   }
   return table;
 }
 
 ReportTable failures(const Survey& s) {
-  ReportTable table{"failures-table", "If beacons fail, worst first", {{"gone", true}, {"hears it"}, {"falls out of tolerance"}, {"loses its fix"}, {"worst left"}}, {}};
+  ReportTable table{
+      "failures-table",
+      "If beacons fail, worst first",
+      {{"gone", true}, {"hears it"}, {"falls out of tolerance"}, {"loses its fix"}, {"worst left"}},
+      {}};
   const auto poses = static_cast<double>(s.poses());
   const auto row = [&](const std::string& name, const std::string& heard, const Loss& loss) {
-    table.rows.push_back({{name}, {heard}, {percent(static_cast<double>(loss.poses_out) / poses)}, {percent(static_cast<double>(loss.poses_without_fix) / poses)},
+    table.rows.push_back({{name},
+                          {heard},
+                          {percent(static_cast<double>(loss.poses_out) / poses)},
+                          {percent(static_cast<double>(loss.poses_without_fix) / poses)},
                           {loss.worst_sigma_m > 0 ? figure_text(loss.worst_sigma_m, "m") : "-"}});
   };
-  for (const Loss& loss : s.failures) row(s.model.beacons[loss.first].name, percent(s.heard_fraction[loss.first]), loss);
+  for (const Loss& loss : s.failures)
+    row(s.model.beacons[loss.first].name, percent(s.heard_fraction[loss.first]), loss);
   for (std::size_t i = 0; i < std::min<std::size_t>(5, s.double_failures.size()); ++i) {
     const Loss& loss = s.double_failures[i];
     row(s.model.beacons[loss.first].name + " and " + s.model.beacons[loss.second].name, "-", loss);
@@ -50,10 +66,16 @@ ReportTable failures(const Survey& s) {
 }
 
 ReportTable routes(const Survey& s) {
-  ReportTable table{"routes-table", "Along the routes", {{"route", true}, {"poses"}, {"covered"}, {"median"}, {"worst"}}, {}};
+  ReportTable table{"routes-table",
+                    "Along the routes",
+                    {{"route", true}, {"poses"}, {"covered"}, {"median"}, {"worst"}},
+                    {}};
   for (const RouteSurvey& route : s.routes) {
     const Spread& v = route.maps.front().spread;
-    table.rows.push_back({{route.name}, {std::to_string(route.poses.size())}, {percent(route.covered_fraction)}, {figure_text(v.median, "m")},
+    table.rows.push_back({{route.name},
+                          {std::to_string(route.poses.size())},
+                          {percent(route.covered_fraction)},
+                          {figure_text(v.median, "m")},
                           {v.without > 0 ? "no fix" : figure_text(v.max, "m")}});
   }
   return table;
@@ -61,17 +83,22 @@ ReportTable routes(const Survey& s) {
 
 ReportSection firing(const Survey& s, const FloorSchedule& schedule) {
   const FiringPlan& plan = schedule.plan;
-  ReportTable table{"schedule-table", "Who fires when", {{"slot", true}, {"fires at"}, {"beacons", true}}, {}};
+  ReportTable table{
+      "schedule-table", "Who fires when", {{"slot", true}, {"fires at"}, {"beacons", true}}, {}};
   for (std::size_t g = 0; g < plan.groups.size(); ++g) {
     std::string names;
     for (const std::size_t b : plan.groups[g]) names += (names.empty() ? "" : ", ") + s.model.beacons[b].name;
-    table.rows.push_back({{std::to_string(g + 1)}, {time_text(static_cast<double>(g) * plan.slot_s)}, {std::move(names)}});
+    table.rows.push_back(
+        {{std::to_string(g + 1)}, {time_text(static_cast<double>(g) * plan.slot_s)}, {std::move(names)}});
   }
-  std::string text = fmt::format("A cycle takes {}: {} slots of {}, after which a pulse has gone (single echoes after {}, all together after {}; by Kleeman's "
-                                 "eq. 1 after {}), where walls give back {:g} of the amplitude. One by one it takes {}.",
-                                 time_text(plan.cycle_s()), plan.groups.size(), time_text(plan.slot_s), time_text(schedule.silent.single_echo_s),
-                                 time_text(schedule.silent.all_echoes_s), time_text(schedule.silent.kleeman_s), schedule.reverberance.wall_reflection,
-                                 time_text(plan.one_by_one_s()));
+  std::string text = fmt::format(
+      "A cycle takes {}: {} slots of {}, after which a pulse has gone (single echoes after {}, all together "
+      "after {}; by Kleeman's "
+      "eq. 1 after {}), where walls give back {:g} of the amplitude. One by one it takes {}.",
+      time_text(plan.cycle_s()), plan.groups.size(), time_text(plan.slot_s),
+      time_text(schedule.silent.single_echo_s), time_text(schedule.silent.all_echoes_s),
+      time_text(schedule.silent.kleeman_s), schedule.reverberance.wall_reflection,
+      time_text(plan.one_by_one_s()));
   ReportSection section{"schedule", "Firing schedule", {ReportText{std::move(text)}, std::move(table)}};
   if (!schedule.warnings.empty()) section.blocks.emplace_back(ReportList{schedule.warnings, false});
   return section;
@@ -81,12 +108,15 @@ NamedMap live_map(const Survey& s, const FloorMap& map) {
   const BinnedMap binned = binned_map(s, map, kLiveBins);
   NamedMap live{map.title, map.unit, binned.origin_m, binned.bin_m, binned.columns, {}};
   for (std::size_t i = 0; i < binned.bins.size(); ++i)
-    live.values.push_back(binned.bins[i] == BinnedMap::Bin::kValue ? binned.values[i] : std::numeric_limits<double>::quiet_NaN());
+    live.values.push_back(binned.bins[i] == BinnedMap::Bin::kValue
+                              ? binned.values[i]
+                              : std::numeric_limits<double>::quiet_NaN());
   return live;
 }
 
 ReportFigure maps(const Survey& s) {
-  ReportFigure figure{"figure-maps", "The chosen map; each bin holds the worst of its cells.", {}, {}, "Map", {}};
+  ReportFigure figure{
+      "figure-maps", "The chosen map; each bin holds the worst of its cells.", {}, {}, "Map", {}};
   PlanInput live;
   live.deployment.validity_area_m = s.model.floor_m;
   for (const SurveyBeacon& b : s.model.beacons) {
@@ -95,7 +125,8 @@ ReportFigure maps(const Survey& s) {
     live.deployment.beacons.back().position_m = b.p_map_m;
   }
   for (const FloorMap& map : s.maps) {
-    figure.svg += fmt::format("<div class='layer layer-{}'>{}</div>\n", figure.layers.size(), map_svg(s, binned_map(s, map, kDrawnBins)));
+    figure.svg += fmt::format("<div class='layer layer-{}'>{}</div>\n", figure.layers.size(),
+                              map_svg(s, binned_map(s, map, kDrawnBins)));
     figure.layers.push_back(map.title);
     live.maps.push_back(live_map(s, map));
   }
@@ -109,7 +140,8 @@ ReportFigure maps(const Survey& s) {
 }
 
 std::string grade(const Survey& s) {
-  return s.model.tolerance.fix_m ? fmt::format("{} of the floor within {}", percent(s.covered_fraction), figure_text(*s.model.tolerance.fix_m, "m"))
+  return s.model.tolerance.fix_m ? fmt::format("{} of the floor within {}", percent(s.covered_fraction),
+                                               figure_text(*s.model.tolerance.fix_m, "m"))
                                  : percent(s.covered_fraction) + " of the floor has a fix";
 }
 
@@ -120,19 +152,28 @@ ReportDocument survey_document(const Survey& s, const SurveyPageInput& input) {
   document.title = s.model.name.empty() ? input.input : s.model.name;
   document.subtitle = "Survey of " + input.created;
   document.grade = grade(s);
-  document.sentence = fmt::format("{} beacons, {} cells of {:g} m; a fix in {}, {} beacons or more heard in {}, a mirror image in {}.", s.model.beacons.size(),
-                                  s.grid.cells.size(), s.grid.cell_m, percent(s.fix_fraction), s.coverage, percent(s.k_covered_fraction), percent(s.mirror_fraction));
+  document.sentence = fmt::format(
+      "{} beacons, {} cells of {:g} m; a fix in {}, {} beacons or more heard in {}, a mirror image in {}.",
+      s.model.beacons.size(), s.grid.cells.size(), s.grid.cell_m, percent(s.fix_fraction), s.coverage,
+      percent(s.k_covered_fraction), percent(s.mirror_fraction));
   document.sections.push_back({"figures", "Figures over the floor", {figures(s)}});
   document.sections.push_back({"maps", "Maps", {maps(s)}});
   if (!s.failures.empty()) document.sections.push_back({"failures", "If beacons fail", {failures(s)}});
   if (!s.routes.empty()) document.sections.push_back({"routes", "Along the routes", {routes(s)}});
   if (input.schedule) document.sections.push_back(firing(s, *input.schedule));
   if (s.temperature_error_degC) {
-    document.sections.push_back({"what-if", "What if the air is warmer", {ReportText{fmt::format("Air {:g} degrees warmer than stated makes distances {:.0f} ppm wrong.",
-                                                                                                 *s.temperature_error_degC, 1e6 * s.speed_error)}}});
+    document.sections.push_back(
+        {"what-if",
+         "What if the air is warmer",
+         {ReportText{fmt::format("Air {:g} degrees warmer than stated makes distances {:.0f} ppm wrong.",
+                                 *s.temperature_error_degC, 1e6 * s.speed_error)}}});
   }
-  if (!input.warnings.empty()) document.sections.push_back({"warnings", "Warnings", {ReportList{input.warnings, false}}});
-  ReportTable from{"provenance-table", "Enough to run it again", {{"what", true}, {"value", true}}, {{{"program"}, {input.program}}, {{"input"}, {input.input}}}};
+  if (!input.warnings.empty())
+    document.sections.push_back({"warnings", "Warnings", {ReportList{input.warnings, false}}});
+  ReportTable from{"provenance-table",
+                   "Enough to run it again",
+                   {{"what", true}, {"value", true}},
+                   {{{"program"}, {input.program}}, {{"input"}, {input.input}}}};
   if (!input.command.empty()) from.rows.push_back({{"command"}, {input.command}});
   document.sections.push_back({"provenance", "Where this comes from", {std::move(from)}});
   return document;

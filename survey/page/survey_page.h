@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "survey/schedule/floor_schedule.h"
-#include "survey/report/report_document.h"
 #include "survey/map/survey.h"
+#include "survey/report/report_document.h"
+#include "survey/schedule/floor_schedule.h"
 
 namespace octant::survey {
 
 struct SurveyPageInput {
-  std::string input;    ///< file that was surveyed, as the user wrote it
+  std::string input;  ///< file that was surveyed, as the user wrote it
   std::string created, program, command;
   std::vector<std::string> warnings;
   std::optional<FloorSchedule> schedule;
@@ -22,7 +22,9 @@ struct SurveyPageInput {
 /// A survey as a document: figures, maps to choose from, failures, routes, firing schedule, what was assumed.
 [[nodiscard]] ReportDocument survey_document(const Survey& survey, const SurveyPageInput& input);
 
-/// That as one self-contained HTML page. @param interactive  with plotly.js inside, where it was at hand when this was built
-[[nodiscard]] std::string survey_html(const Survey& survey, const SurveyPageInput& input, bool interactive = true);
+/// That as one self-contained HTML page. @param interactive  with plotly.js inside, where it was at hand when
+/// this was built
+[[nodiscard]] std::string survey_html(const Survey& survey, const SurveyPageInput& input,
+                                      bool interactive = true);
 
 }  // namespace octant::survey

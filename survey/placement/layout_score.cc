@@ -12,12 +12,13 @@ namespace octant::survey {
 namespace {
 
 constexpr double kP95 = 0.95;
-constexpr double kVagueM = 20.0;     ///< sigma of the vague idea: position and clock
+constexpr double kVagueM = 20.0;  ///< sigma of the vague idea: position and clock
 constexpr double kVagueRad = 1.0;
 constexpr double kSoftPower = 8.0;  ///< soft() has it in multiplications
 
 double quantile_in_place(std::vector<double>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -44,17 +45,20 @@ void LayoutScore::resize() {
 }
 
 void LayoutScore::add_poses(const PoseList& more) {
-  for (std::size_t i = 0; i < more.size(); ++i) poses_.add(more.x_m[i], more.y_m[i], more.z_m[i], more.heading_rad[i]);
+  for (std::size_t i = 0; i < more.size(); ++i)
+    poses_.add(more.x_m[i], more.y_m[i], more.z_m[i], more.heading_rad[i]);
   resize();
 }
 
 void LayoutScore::Sum::add(const BeaconLayer& layer, int sign) {
   for (std::size_t i = 0; i < information.size(); ++i) information[i] += sign * layer.information[i];
-  for (std::size_t i = 0; i < heard.size(); ++i) heard[i] = static_cast<std::uint16_t>(heard[i] + sign * layer.heard[i]);
+  for (std::size_t i = 0; i < heard.size(); ++i)
+    heard[i] = static_cast<std::uint16_t>(heard[i] + sign * layer.heard[i]);
 }
 
 LayoutScore::Sum LayoutScore::no_beacons() const {
-  return {std::vector<double>(vague_.size() * poses_.size(), 0.0), std::vector<std::uint16_t>(poses_.size(), 0)};
+  return {std::vector<double>(vague_.size() * poses_.size(), 0.0),
+          std::vector<std::uint16_t>(poses_.size(), 0)};
 }
 
 double LayoutScore::value_with(const Sum& sum, const BeaconLayer* layer, bool soft_one) {
@@ -111,7 +115,8 @@ double LayoutScore::soft(std::span<const double> sigma_m, std::span<const std::u
   const bool mean = options_.goal == PlacementGoal::kMean;
   double sum = 0.0;
   for (std::size_t i = 0; i < sigma_m.size(); ++i) {
-    const double e = std::min(sigma_m[i], hopeless_m_) * (1 + std::max(0, options_.coverage - static_cast<int>(heard[i])));
+    const double e =
+        std::min(sigma_m[i], hopeless_m_) * (1 + std::max(0, options_.coverage - static_cast<int>(heard[i])));
     const double e2 = e * e, e4 = e2 * e2;
     sum += mean ? e : e4 * e4;
   }
@@ -121,7 +126,8 @@ double LayoutScore::soft(std::span<const double> sigma_m, std::span<const std::u
 
 LayoutFigures LayoutScore::of(const std::vector<SurveyBeacon>& beacons) {
   model_.beacons = beacons;
-  const GeometryFigures geometry = evaluate_poses(model_, poses_, {.threads = options_.threads, .integrity = false});
+  const GeometryFigures geometry =
+      evaluate_poses(model_, poses_, {.threads = options_.threads, .integrity = false});
   return figures(geometry.sigma_m, geometry.beacons);
 }
 
@@ -133,7 +139,9 @@ LayoutFigures LayoutScore::figures(std::span<const double> sigma_m, std::span<co
     errors_.push_back(error(sigma_m[i], heard[i]));
     if (errors_.back() < hopeless_m_) covered_.push_back(errors_.back());
   }
-  const auto mean = [](const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size()); };
+  const auto mean = [](const std::vector<double>& v) {
+    return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
+  };
   f.covered_fraction = static_cast<double>(covered_.size()) / static_cast<double>(errors_.size());
   f.mean_with_uncovered_m = mean(errors_);
   if (!covered_.empty()) {

@@ -21,12 +21,17 @@ class LayoutScore {
   /// The layout's own beacons, and nothing else.
   [[nodiscard]] LayoutFigures of(const std::vector<SurveyBeacon>& beacons);
   /// What a beacon tells at all poses; sums of layers stand for layouts.
-  [[nodiscard]] BeaconLayer layer(const SurveyBeacon& beacon) const { return beacon_layer(model_, beacon, poses_, options_.threads); }
+  [[nodiscard]] BeaconLayer layer(const SurveyBeacon& beacon) const {
+    return beacon_layer(model_, beacon, poses_, options_.threads);
+  }
   /// The objective, and the mean where that cannot tell two layouts apart.
-  [[nodiscard]] static double value(const LayoutFigures& figures) { return figures.objective_m + kMeanShare * figures.mean_with_uncovered_m; }
+  [[nodiscard]] static double value(const LayoutFigures& figures) {
+    return figures.objective_m + kMeanShare * figures.mean_with_uncovered_m;
+  }
 
-  /// What a search goes down on far from the best layout: as if a vague idea of the pose were there already, so that each beacon more
-  /// helps a little everywhere, and a high power mean for the worst cell (the plain mean for the goal kMean).
+  /// What a search goes down on far from the best layout: as if a vague idea of the pose were there already,
+  /// so that each beacon more helps a little everywhere, and a high power mean for the worst cell (the plain
+  /// mean for the goal kMean).
   [[nodiscard]] double soft_value(const std::vector<SurveyBeacon>& beacons);
 
   /// Layers added up, for searches that change one beacon at a time.
@@ -55,7 +60,7 @@ class LayoutScore {
   SurveyModel model_;
   PoseList poses_;
   PlacementOptions options_;
-  int required_ = 1;      ///< beacons below which there is no fix, or no coverage
+  int required_ = 1;  ///< beacons below which there is no fix, or no coverage
   double hopeless_m_ = 1.0;
   std::vector<double> errors_, covered_;
   std::vector<double> sigma_m_;

@@ -10,8 +10,9 @@
 namespace octant::survey {
 namespace {
 
-constexpr double kStandoffM = 0.02;  ///< a beacon's face before its wall, so that the wall is not in its own way
-constexpr double kPoleM = 1.0;       ///< length that a pole counts as beside the walls'
+constexpr double kStandoffM =
+    0.02;                       ///< a beacon's face before its wall, so that the wall is not in its own way
+constexpr double kPoleM = 1.0;  ///< length that a pole counts as beside the walls'
 constexpr double kHigher = 1e-6;
 
 /// The point itself, or the nearest one on the outline.
@@ -20,8 +21,10 @@ Eigen::Vector2d within(const Polygon& polygon, const Eigen::Vector2d& p) {
   Eigen::Vector2d nearest = polygon.front();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Eigen::Vector2d a = polygon[i], along = polygon[(i + 1) % polygon.size()] - a;
-    const double part = along.squaredNorm() > 0 ? std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
-    if (const Eigen::Vector2d q = a + part * along; (q - p).squaredNorm() < (nearest - p).squaredNorm()) nearest = q;
+    const double part =
+        along.squaredNorm() > 0 ? std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
+    if (const Eigen::Vector2d q = a + part * along; (q - p).squaredNorm() < (nearest - p).squaredNorm())
+      nearest = q;
   }
   return nearest;
 }
@@ -32,13 +35,16 @@ Result<MountSpace> MountSpace::of(const Scene& scene) {
   MountSpace space;
   for (const SceneMount& mount : scene.mounts) space.add(mount);
   if (space.pieces_.empty() || !(space.length_m_ > 0))
-    return fail({.file = scene.path, .found = "the scene says nowhere where beacons may be mounted", .expected = "scene.mounts: walls, ceilings or poles",
+    return fail({.file = scene.path,
+                 .found = "the scene says nowhere where beacons may be mounted",
+                 .expected = "scene.mounts: walls, ceilings or poles",
                  .advice = "add a mounts list to the scene block"});
   double end = 0.0;
   for (const Piece& piece : space.pieces_) {
     end += piece.length_m / space.length_m_;
     space.ends_.push_back(end);
-    space.wide_ = space.wide_ || piece.kind == SceneMount::Kind::kCeiling || piece.high_m > piece.low_m + kHigher;
+    space.wide_ =
+        space.wide_ || piece.kind == SceneMount::Kind::kCeiling || piece.high_m > piece.low_m + kHigher;
   }
   space.ends_.back() = 1.0;
   if (scene.beacon_pattern) space.pattern_ = *scene.beacon_pattern;
@@ -73,7 +79,8 @@ void MountSpace::add(const SceneMount& mount) {
     return;
   }
   piece.low = piece.high = piece.points_m.front();
-  for (const Eigen::Vector2d& p : piece.points_m) piece.low = piece.low.cwiseMin(p), piece.high = piece.high.cwiseMax(p);
+  for (const Eigen::Vector2d& p : piece.points_m)
+    piece.low = piece.low.cwiseMin(p), piece.high = piece.high.cwiseMax(p);
   piece.length_m = 2 * (piece.high - piece.low).sum();  // as the walls round it
   push(-Eigen::Vector3d::UnitZ());
 }
@@ -87,7 +94,8 @@ SurveyBeacon MountSpace::beacon(const MountPoint& point) const {
   const double along = std::clamp(point.along, 0.0, 1.0), across = std::clamp(point.across, 0.0, 1.0);
   const std::size_t i = piece_of(along);
   const Piece& piece = pieces_[i];
-  const double begin = i == 0 ? 0.0 : ends_[i - 1], part = std::clamp((along - begin) / (ends_[i] - begin), 0.0, 1.0);
+  const double begin = i == 0 ? 0.0 : ends_[i - 1],
+               part = std::clamp((along - begin) / (ends_[i] - begin), 0.0, 1.0);
   SurveyBeacon beacon;
   beacon.axis = piece.axis;
   beacon.pattern = piece.axis.isZero() ? kAllRound : pattern_;
@@ -120,13 +128,15 @@ std::vector<MountPoint> MountSpace::grid(std::size_t count) const {
       along = static_cast<std::size_t>(std::max(1.0, std::round(size.x() / side_m)));
       const auto rows = static_cast<std::size_t>(std::max(1.0, std::round(size.y() / side_m)));
       across.clear();
-      for (std::size_t r = 0; r < rows; ++r) across.push_back((static_cast<double>(r) + 0.5) / static_cast<double>(rows));
+      for (std::size_t r = 0; r < rows; ++r)
+        across.push_back((static_cast<double>(r) + 0.5) / static_cast<double>(rows));
     } else if (piece.high_m > piece.low_m + kHigher) {
       across = {0.0, 0.5, 1.0};
     }
     if (piece.kind == SceneMount::Kind::kPole) along = 1;
     for (std::size_t k = 0; k < along; ++k)
-      for (const double v : across) points.push_back({begin + share * (static_cast<double>(k) + 0.5) / static_cast<double>(along), v});
+      for (const double v : across)
+        points.push_back({begin + share * (static_cast<double>(k) + 0.5) / static_cast<double>(along), v});
   }
   return points;
 }
@@ -135,22 +145,26 @@ std::vector<MountPoint> MountSpace::regular(std::size_t count, double phase) con
   std::vector<MountPoint> points;
   const auto n = static_cast<double>(count);
   if (2 * ceiling_m_ <= length_m_) {
-    for (std::size_t k = 0; k < count; ++k) points.push_back({std::fmod((static_cast<double>(k) + phase) / n, 1.0), 0.5});
+    for (std::size_t k = 0; k < count; ++k)
+      points.push_back({std::fmod((static_cast<double>(k) + phase) / n, 1.0), 0.5});
     return points;
   }
   // The largest ceiling, in rows as square as the number allows; the last row takes what is left.
   std::size_t largest = 0;
   for (std::size_t i = 0; i < pieces_.size(); ++i)
-    if (pieces_[i].kind == SceneMount::Kind::kCeiling && pieces_[i].length_m > pieces_[largest].length_m) largest = i;
+    if (pieces_[i].kind == SceneMount::Kind::kCeiling && pieces_[i].length_m > pieces_[largest].length_m)
+      largest = i;
   const Piece& piece = pieces_[largest];
   const double begin = largest == 0 ? 0.0 : ends_[largest - 1], share = ends_[largest] - begin;
   const Eigen::Vector2d size = piece.high - piece.low;
-  const auto rows = static_cast<std::size_t>(std::clamp(std::round(std::sqrt(n * size.y() / std::max(size.x(), 1e-9))), 1.0, n));
+  const auto rows = static_cast<std::size_t>(
+      std::clamp(std::round(std::sqrt(n * size.y() / std::max(size.x(), 1e-9))), 1.0, n));
   for (std::size_t r = 0, placed = 0; r < rows; ++r) {
     const std::size_t columns = (count - placed) / (rows - r);
     for (std::size_t c = 0; c < columns; ++c)
-      points.push_back({begin + share * std::fmod((static_cast<double>(c) + phase) / static_cast<double>(columns), 1.0),
-                        (static_cast<double>(r) + 0.5) / static_cast<double>(rows)});
+      points.push_back(
+          {begin + share * std::fmod((static_cast<double>(c) + phase) / static_cast<double>(columns), 1.0),
+           (static_cast<double>(r) + 0.5) / static_cast<double>(rows)});
     placed += columns;
   }
   return points;

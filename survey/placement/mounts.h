@@ -8,15 +8,15 @@
 
 #include <Eigen/Core>
 
+#include "models/scene.h"
 #include "models/simulator/random.h"
 #include "models/support/result.h"
-#include "models/scene.h"
 #include "survey/geometry/survey_model.h"
 
 namespace octant::survey {
 
-/// A place among a scene's mounts in numbers from 0 to 1: `along` runs through all mounts one after the other, by their length;
-/// `across` is the height on walls and poles, and the other coordinate of a ceiling.
+/// A place among a scene's mounts in numbers from 0 to 1: `along` runs through all mounts one after the
+/// other, by their length; `across` is the height on walls and poles, and the other coordinate of a ceiling.
 struct MountPoint {
   double along = 0.0, across = 0.0;
 };
@@ -29,13 +29,17 @@ class MountSpace {
 
   /// A beacon there: its place, where it looks, its pattern. On a wall it stands two centimetres before it.
   [[nodiscard]] SurveyBeacon beacon(const MountPoint& point) const;
-  [[nodiscard]] const std::string& mount_name(const MountPoint& point) const { return pieces_[piece_of(point.along)].name; }
+  [[nodiscard]] const std::string& mount_name(const MountPoint& point) const {
+    return pieces_[piece_of(point.along)].name;
+  }
   /// Whether `across` matters anywhere: heights to choose from, or a ceiling.
   [[nodiscard]] bool is_wide() const { return wide_; }
 
-  /// Evenly spread places, about `count` of them, at the lowest, middle and highest height where there is a choice.
+  /// Evenly spread places, about `count` of them, at the lowest, middle and highest height where there is a
+  /// choice.
   [[nodiscard]] std::vector<MountPoint> grid(std::size_t count) const;
-  /// What one would drill without a plan: beacons evenly along the walls at half height (ceilings: in rows and columns).
+  /// What one would drill without a plan: beacons evenly along the walls at half height (ceilings: in rows
+  /// and columns).
   /// @param phase  from 0 to 1: where the first stands, in parts of the distance between two
   [[nodiscard]] std::vector<MountPoint> regular(std::size_t count, double phase) const;
   [[nodiscard]] std::vector<MountPoint> random(std::size_t count, Random& draws) const;

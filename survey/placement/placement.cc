@@ -8,54 +8,63 @@
 
 #include <fmt/format.h>
 
+#include "survey/geometry/polygon.h"
 #include "survey/map/floor_grid.h"
 #include "survey/placement/layout_score.h"
 #include "survey/placement/placement_search.h"
-#include "survey/geometry/polygon.h"
 
 namespace octant::survey {
 namespace {
 
-constexpr int kPhases = 8;             ///< of the regular layout
+constexpr int kPhases = 8;  ///< of the regular layout
 constexpr std::size_t kRandomLayouts = 25;
 constexpr int kSharpenings = 3;
 constexpr int kRefinements = 6;
 
 /// Cells of about this number over the floor, each in the scene's headings.
 Result<PoseList> poses_over(const SurveyModel& model, const Scene& scene, std::size_t cells) {
-  const double wanted_m = std::sqrt(std::abs(signed_area_m2(model.floor_m)) / static_cast<double>(std::max<std::size_t>(cells, 1)));
+  const double wanted_m = std::sqrt(std::abs(signed_area_m2(model.floor_m)) /
+                                    static_cast<double>(std::max<std::size_t>(cells, 1)));
   const auto grid = make_floor_grid(model, scene, std::max(wanted_m, scene.cell_m));
   if (!grid) return fail(grid.error());
   PoseList poses;
   const int headings = model.unknowns.rotation > 0 ? std::max(1, scene.headings) : 1;
   for (int h = 0; h < headings; ++h) {
     const PoseList more = poses_of(*grid, 2 * M_PI * h / headings, model.vehicle_z_m);
-    for (std::size_t i = 0; i < more.size(); ++i) poses.add(more.x_m[i], more.y_m[i], more.z_m[i], more.heading_rad[i]);
+    for (std::size_t i = 0; i < more.size(); ++i)
+      poses.add(more.x_m[i], more.y_m[i], more.z_m[i], more.heading_rad[i]);
   }
   return poses;
 }
 
-std::vector<SurveyBeacon> beacons_at(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, const std::vector<MountPoint>& points) {
+std::vector<SurveyBeacon> beacons_at(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
+                                     const std::vector<MountPoint>& points) {
   std::vector<SurveyBeacon> beacons = kept;
   for (const MountPoint& p : points) beacons.push_back(mounts.beacon(p));
   return beacons;
 }
 
-bool better(const LayoutFigures& a, const LayoutFigures& b) { return LayoutScore::value(a) < LayoutScore::value(b); }
+bool better(const LayoutFigures& a, const LayoutFigures& b) {
+  return LayoutScore::value(a) < LayoutScore::value(b);
+}
 
-LayoutFigures best_regular(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score) {
+LayoutFigures best_regular(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count,
+                           LayoutScore& score) {
   LayoutFigures best;
   for (int phase = 0; phase < kPhases; ++phase) {
-    const LayoutFigures f = score.of(beacons_at(mounts, kept, mounts.regular(count, static_cast<double>(phase) / kPhases)));
+    const LayoutFigures f =
+        score.of(beacons_at(mounts, kept, mounts.regular(count, static_cast<double>(phase) / kPhases)));
     if (phase == 0 || better(f, best)) best = f;
   }
   return best;
 }
 
-LayoutFigures median_random(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, std::uint64_t seed, LayoutScore& score) {
+LayoutFigures median_random(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
+                            std::size_t count, std::uint64_t seed, LayoutScore& score) {
   Random draws(seed, 1);
   std::vector<LayoutFigures> all;
-  for (std::size_t i = 0; i < kRandomLayouts; ++i) all.push_back(score.of(beacons_at(mounts, kept, mounts.random(count, draws))));
+  for (std::size_t i = 0; i < kRandomLayouts; ++i)
+    all.push_back(score.of(beacons_at(mounts, kept, mounts.random(count, draws))));
   std::nth_element(all.begin(), all.begin() + kRandomLayouts / 2, all.end(), better);
   return all[kRandomLayouts / 2];
 }
@@ -64,7 +73,8 @@ LayoutFigures median_random(const MountSpace& mounts, const std::vector<SurveyBe
 std::string next_name(const SurveyModel& model, std::size_t& number) {
   for (;; ++number) {
     std::string name = fmt::format("B{}", number);
-    if (std::none_of(model.beacons.begin(), model.beacons.end(), [&](const SurveyBeacon& b) { return b.name == name; })) {
+    if (std::none_of(model.beacons.begin(), model.beacons.end(),
+                     [&](const SurveyBeacon& b) { return b.name == name; })) {
       ++number;
       return name;
     }
@@ -84,13 +94,18 @@ Result<Ground> ground_of(const SurveyModel& model, const Scene& scene, const Pla
   auto coarse = poses_over(model, scene, options.cells), fine = poses_over(model, scene, options.final_cells);
   if (!coarse) return fail(coarse.error());
   if (!fine) return fail(fine.error());
-  return Ground{std::move(*mounts), options.keep ? model.beacons : std::vector<SurveyBeacon>{}, std::move(*coarse), std::move(*fine)};
+  return Ground{std::move(*mounts), options.keep ? model.beacons : std::vector<SurveyBeacon>{},
+                std::move(*coarse), std::move(*fine)};
 }
 
 Result<void> check_number(const SurveyModel& model, std::size_t beacons, const PlacementOptions& options) {
   if (options.keep && beacons <= model.beacons.size())
-    return fail({.code = Errc::kUsage, .found = fmt::format("{} beacons are asked for and {} are kept", beacons, model.beacons.size()), .expected = "more beacons than are kept"});
-  if (beacons == 0) return fail({.code = Errc::kUsage, .found = "no beacon is asked for", .expected = "a number above zero"});
+    return fail(
+        {.code = Errc::kUsage,
+         .found = fmt::format("{} beacons are asked for and {} are kept", beacons, model.beacons.size()),
+         .expected = "more beacons than are kept"});
+  if (beacons == 0)
+    return fail({.code = Errc::kUsage, .found = "no beacon is asked for", .expected = "a number above zero"});
   return {};
 }
 
@@ -100,24 +115,30 @@ PoseList worst_poses(const LayoutScore& score, std::size_t count) {
   std::vector<std::size_t> order(errors.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   count = std::min(count, order.size());
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(), [&](std::size_t a, std::size_t b) { return errors[a] > errors[b]; });
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
+                    [&](std::size_t a, std::size_t b) { return errors[a] > errors[b]; });
   PoseList poses;
   const PoseList& all = score.poses();
-  for (std::size_t k = 0; k < count; ++k) poses.add(all.x_m[order[k]], all.y_m[order[k]], all.z_m[order[k]], all.heading_rad[order[k]]);
+  for (std::size_t k = 0; k < count; ++k)
+    poses.add(all.x_m[order[k]], all.y_m[order[k]], all.z_m[order[k]], all.heading_rad[order[k]]);
   return poses;
 }
 
-std::vector<std::vector<MountPoint>> starts_of(const MountSpace& mounts, std::size_t count, const PlacementOptions& options) {
+std::vector<std::vector<MountPoint>> starts_of(const MountSpace& mounts, std::size_t count,
+                                               const PlacementOptions& options) {
   std::vector<std::vector<MountPoint>> starts;
   const int phases = std::min(kPhases, options.restarts + 2);
-  for (int phase = 0; phase < kPhases; phase += kPhases / phases) starts.push_back(mounts.regular(count, static_cast<double>(phase) / kPhases));
+  for (int phase = 0; phase < kPhases; phase += kPhases / phases)
+    starts.push_back(mounts.regular(count, static_cast<double>(phase) / kPhases));
   Random draws(options.seed, 2);
   for (int i = 0; i < options.restarts; ++i) starts.push_back(mounts.random(count, draws));
   return starts;
 }
 
-/// Before the search proper: cells that promising layouts of a quick one leave worst, between the cells that it looked at.
-void sharpen(const Ground& ground, std::size_t count, LayoutScore& coarse, LayoutScore& fine, const PlacementOptions& options) {
+/// Before the search proper: cells that promising layouts of a quick one leave worst, between the cells that
+/// it looked at.
+void sharpen(const Ground& ground, std::size_t count, LayoutScore& coarse, LayoutScore& fine,
+             const PlacementOptions& options) {
   if (options.goal != PlacementGoal::kWorst) return;
   PlacementOptions quick = options;
   quick.global = GlobalAlgorithm::kNone;
@@ -132,11 +153,14 @@ void sharpen(const Ground& ground, std::size_t count, LayoutScore& coarse, Layou
   }
 }
 
-/// The best of the search's layouts over the fine cells. Where the worst cell counts, cells that the search did not look at and that
-/// turn out worst join it, and the best layout is refined, a few times.
-std::vector<MountPoint> best_layout(const Ground& ground, SearchResult& found, LayoutScore& coarse, LayoutScore& fine, const PlacementOptions& options,
+/// The best of the search's layouts over the fine cells. Where the worst cell counts, cells that the search
+/// did not look at and that turn out worst join it, and the best layout is refined, a few times.
+std::vector<MountPoint> best_layout(const Ground& ground, SearchResult& found, LayoutScore& coarse,
+                                    LayoutScore& fine, const PlacementOptions& options,
                                     LayoutFigures& figures) {
-  const auto look = [&](const std::vector<MountPoint>& layout) { return fine.of(beacons_at(ground.mounts, ground.kept, layout)); };
+  const auto look = [&](const std::vector<MountPoint>& layout) {
+    return fine.of(beacons_at(ground.mounts, ground.kept, layout));
+  };
   std::vector<MountPoint> best = found.layouts.front();
   figures = look(best);
   const auto take = [&](const std::vector<MountPoint>& layout) {
@@ -157,11 +181,13 @@ std::vector<MountPoint> best_layout(const Ground& ground, SearchResult& found, L
   return best;
 }
 
-Placement place(const SurveyModel& model, const Ground& ground, std::size_t beacons, const PlacementOptions& options) {
+Placement place(const SurveyModel& model, const Ground& ground, std::size_t beacons,
+                const PlacementOptions& options) {
   const std::size_t count = beacons - ground.kept.size();
   LayoutScore coarse(model, ground.coarse, options), fine(model, ground.fine, options);
   sharpen(ground, count, coarse, fine, options);
-  SearchResult found = search_layout(ground.mounts, ground.kept, count, coarse, options, starts_of(ground.mounts, count, options));
+  SearchResult found = search_layout(ground.mounts, ground.kept, count, coarse, options,
+                                     starts_of(ground.mounts, count, options));
   Placement placement;
   placement.cells = fine.poses().size();
   placement.regular = best_regular(ground.mounts, ground.kept, count, fine);
@@ -174,30 +200,34 @@ Placement place(const SurveyModel& model, const Ground& ground, std::size_t beac
   std::size_t number = 0;
   for (const MountPoint& p : best) {
     placement.beacons.push_back({ground.mounts.beacon(p), ground.mounts.mount_name(p)});
-    placement.beacons.back().beacon.name = options.keep ? next_name(model, number) : fmt::format("B{}", number++);
+    placement.beacons.back().beacon.name =
+        options.keep ? next_name(model, number) : fmt::format("B{}", number++);
   }
   return placement;
 }
 
 }  // namespace
 
-Result<Placement> place_beacons(const SurveyModel& model, const Scene& scene, std::size_t beacons, const PlacementOptions& options) {
+Result<Placement> place_beacons(const SurveyModel& model, const Scene& scene, std::size_t beacons,
+                                const PlacementOptions& options) {
   if (const auto sound = check_number(model, beacons, options); !sound) return fail(sound.error());
   const auto ground = ground_of(model, scene, options);
   if (!ground) return fail(ground.error());
   return place(model, *ground, beacons, options);
 }
 
-Result<SmallestPlacement> smallest_placement(const SurveyModel& model, const Scene& scene, double tolerance_m, std::size_t most_beacons,
-                                             const PlacementOptions& options) {
+Result<SmallestPlacement> smallest_placement(const SurveyModel& model, const Scene& scene, double tolerance_m,
+                                             std::size_t most_beacons, const PlacementOptions& options) {
   const auto ground = ground_of(model, scene, options);
   if (!ground) return fail(ground.error());
   const std::size_t kept = ground->kept.size();
-  if (const auto sound = check_number(model, std::max(most_beacons, std::size_t{1}), options); !sound) return fail(sound.error());
+  if (const auto sound = check_number(model, std::max(most_beacons, std::size_t{1}), options); !sound)
+    return fail(sound.error());
   // Greedy choices tell how many are enough; from there downwards until a search finds none that is.
   LayoutScore fine(model, ground->fine, options);
   LayoutScore coarse(model, ground->coarse, options);
-  const std::vector<MountPoint> greedy = greedy_layout(ground->mounts, ground->kept, most_beacons - kept, coarse);
+  const std::vector<MountPoint> greedy =
+      greedy_layout(ground->mounts, ground->kept, most_beacons - kept, coarse);
   std::size_t enough = most_beacons;
   for (std::size_t n = 1; n <= greedy.size(); ++n) {
     const std::vector<MountPoint> first(greedy.begin(), greedy.begin() + static_cast<std::ptrdiff_t>(n));
@@ -217,7 +247,8 @@ Result<SmallestPlacement> smallest_placement(const SurveyModel& model, const Sce
   return smallest;
 }
 
-Result<LayoutFigures> layout_figures(const SurveyModel& model, const Scene& scene, const PlacementOptions& options) {
+Result<LayoutFigures> layout_figures(const SurveyModel& model, const Scene& scene,
+                                     const PlacementOptions& options) {
   auto poses = poses_over(model, scene, options.final_cells);
   if (!poses) return fail(poses.error());
   return LayoutScore(model, std::move(*poses), options).of(model.beacons);

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "models/support/result.h"
 #include "models/scene.h"
-#include "survey/placement/mounts.h"
+#include "models/support/result.h"
 #include "survey/geometry/survey_model.h"
+#include "survey/placement/mounts.h"
 
 namespace octant::survey {
 
@@ -38,29 +38,30 @@ struct PlacementOptions {
   GlobalAlgorithm global = GlobalAlgorithm::kCrs2;
   LocalAlgorithm local = LocalAlgorithm::kSbplx;
   std::uint64_t seed = 1;
-  bool keep = false;              ///< the model's beacons stay; others are added
-  int coverage = 0;               ///< beacons that each cell has to hear; 0: what a fix needs
-  int restarts = 6;               ///< random layouts from which searches set out, beside greedy and regular ones
-  std::size_t evaluations = 0;    ///< of each algorithm; 0: as many as the number of beacons asks for
-  std::size_t cells = 300;        ///< looked at while searching, about
-  std::size_t final_cells = 8000; ///< looked at for the figures that are stated, at most about
+  bool keep = false;  ///< the model's beacons stay; others are added
+  int coverage = 0;   ///< beacons that each cell has to hear; 0: what a fix needs
+  int restarts = 6;   ///< random layouts from which searches set out, beside greedy and regular ones
+  std::size_t evaluations = 0;     ///< of each algorithm; 0: as many as the number of beacons asks for
+  std::size_t cells = 300;         ///< looked at while searching, about
+  std::size_t final_cells = 8000;  ///< looked at for the figures that are stated, at most about
   int threads = 1;
   std::function<bool(double fraction)> on_progress;  ///< false stops with what there is
 };
 
-/// What a layout gives over the floor. Cells without a fix, or with fewer beacons than the coverage asks for, are not covered; they
-/// count as the hall's size times one and what is missing, so that fewer of them are better.
+/// What a layout gives over the floor. Cells without a fix, or with fewer beacons than the coverage asks for,
+/// are not covered; they count as the hall's size times one and what is missing, so that fewer of them are
+/// better.
 struct LayoutFigures {
   double worst_m = 0.0, p95_m = 0.0, mean_m = 0.0;  ///< of the covered cells' sigmas; 0 where there are none
   double covered_fraction = 0.0;
-  double objective_m = 0.0;             ///< the goal, uncovered cells included
+  double objective_m = 0.0;  ///< the goal, uncovered cells included
   double mean_with_uncovered_m = 0.0;
   [[nodiscard]] bool covers_all() const { return covered_fraction >= 1.0; }
 };
 
 struct PlacedBeacon {
   SurveyBeacon beacon;
-  std::string mount;    ///< name of the scene's mount; empty: it was there already
+  std::string mount;  ///< name of the scene's mount; empty: it was there already
 };
 
 struct Placement {
@@ -71,11 +72,13 @@ struct Placement {
   bool interrupted = false;
 };
 
-/// Where to put so many beacons (kept ones included) on the scene's mounts. Greedy choice from a grid of places, exchanges on that
-/// grid until none gains, then NLopt's global and local algorithm from there on the mounts themselves (S. G. Johnson, The NLopt
-/// nonlinear-optimization package); the best of all of them counts, so that it is never worse than greedy. Deterministic for a seed.
-/// Errors: a scene without mounts, fewer beacons than are kept, a floor without cells.
-[[nodiscard]] Result<Placement> place_beacons(const SurveyModel& model, const Scene& scene, std::size_t beacons, const PlacementOptions& options);
+/// Where to put so many beacons (kept ones included) on the scene's mounts. Greedy choice from a grid of
+/// places, exchanges on that grid until none gains, then NLopt's global and local algorithm from there on the
+/// mounts themselves (S. G. Johnson, The NLopt nonlinear-optimization package); the best of all of them
+/// counts, so that it is never worse than greedy. Deterministic for a seed. Errors: a scene without mounts,
+/// fewer beacons than are kept, a floor without cells.
+[[nodiscard]] Result<Placement> place_beacons(const SurveyModel& model, const Scene& scene,
+                                              std::size_t beacons, const PlacementOptions& options);
 
 /// The smallest number of beacons whose goal is within the tolerance and that covers every cell.
 struct SmallestPlacement {
@@ -83,10 +86,12 @@ struct SmallestPlacement {
   std::vector<std::pair<std::size_t, LayoutFigures>> tried;
   Placement placement;  ///< of the smallest number that reaches it, or of the last one tried
 };
-[[nodiscard]] Result<SmallestPlacement> smallest_placement(const SurveyModel& model, const Scene& scene, double tolerance_m, std::size_t most_beacons,
+[[nodiscard]] Result<SmallestPlacement> smallest_placement(const SurveyModel& model, const Scene& scene,
+                                                           double tolerance_m, std::size_t most_beacons,
                                                            const PlacementOptions& options);
 
 /// What a layout that is there gives, on the cells that a placement states its figures for.
-[[nodiscard]] Result<LayoutFigures> layout_figures(const SurveyModel& model, const Scene& scene, const PlacementOptions& options);
+[[nodiscard]] Result<LayoutFigures> layout_figures(const SurveyModel& model, const Scene& scene,
+                                                   const PlacementOptions& options);
 
 }  // namespace octant::survey

@@ -20,10 +20,16 @@ const char* name_of(Enum value, const std::pair<const char*, Enum> (&names)[N]) 
   return names[0].first;
 }
 
-constexpr std::pair<const char*, PlacementGoal> kGoals[] = {{"worst", PlacementGoal::kWorst}, {"p95", PlacementGoal::kP95}, {"mean", PlacementGoal::kMean}};
-constexpr std::pair<const char*, GlobalAlgorithm> kGlobals[] = {{"none", GlobalAlgorithm::kNone}, {"crs2", GlobalAlgorithm::kCrs2}, {"direct", GlobalAlgorithm::kDirect},
-                                                                {"isres", GlobalAlgorithm::kIsres}, {"esch", GlobalAlgorithm::kEsch}};
-constexpr std::pair<const char*, LocalAlgorithm> kLocals[] = {{"none", LocalAlgorithm::kNone}, {"bobyqa", LocalAlgorithm::kBobyqa}, {"cobyla", LocalAlgorithm::kCobyla},
+constexpr std::pair<const char*, PlacementGoal> kGoals[] = {
+    {"worst", PlacementGoal::kWorst}, {"p95", PlacementGoal::kP95}, {"mean", PlacementGoal::kMean}};
+constexpr std::pair<const char*, GlobalAlgorithm> kGlobals[] = {{"none", GlobalAlgorithm::kNone},
+                                                                {"crs2", GlobalAlgorithm::kCrs2},
+                                                                {"direct", GlobalAlgorithm::kDirect},
+                                                                {"isres", GlobalAlgorithm::kIsres},
+                                                                {"esch", GlobalAlgorithm::kEsch}};
+constexpr std::pair<const char*, LocalAlgorithm> kLocals[] = {{"none", LocalAlgorithm::kNone},
+                                                              {"bobyqa", LocalAlgorithm::kBobyqa},
+                                                              {"cobyla", LocalAlgorithm::kCobyla},
                                                               {"sbplx", LocalAlgorithm::kSbplx}};
 
 }  // namespace

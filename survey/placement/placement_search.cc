@@ -12,11 +12,11 @@ namespace octant::survey {
 namespace {
 
 constexpr std::size_t kGridPlaces = 160;
-constexpr int kSweeps = 20;                       ///< of exchanges, at most
-constexpr std::size_t kDescents = 5;              ///< of NLopt's local algorithm, from the best choices
-constexpr int kKicks = 8;                         ///< exchanges of a layout found, each with a descent after it
-constexpr double kGains = 1e-4;                   ///< an exchange has to gain more than this part
-constexpr std::size_t kEvaluationsPerNumber = 400; ///< of NLopt, for each unknown and algorithm
+constexpr int kSweeps = 20;           ///< of exchanges, at most
+constexpr std::size_t kDescents = 5;  ///< of NLopt's local algorithm, from the best choices
+constexpr int kKicks = 8;             ///< exchanges of a layout found, each with a descent after it
+constexpr double kGains = 1e-4;       ///< an exchange has to gain more than this part
+constexpr std::size_t kEvaluationsPerNumber = 400;  ///< of NLopt, for each unknown and algorithm
 
 /// A beacon of a layout with what it tells.
 struct Spot {
@@ -34,7 +34,8 @@ std::vector<MountPoint> search_points_of(const Layout& layout) {
 /// Choices from a grid of places whose layers are made once.
 class GridSearch {
  public:
-  GridSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, LayoutScore& score) : mounts_(mounts), score_(score), kept_(score.no_beacons()) {
+  GridSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, LayoutScore& score)
+      : mounts_(mounts), score_(score), kept_(score.no_beacons()) {
     for (const SurveyBeacon& b : kept) kept_.add(score.layer(b));
     for (const MountPoint& p : mounts.grid(kGridPlaces)) places_.push_back(spot(p));
   }
@@ -70,7 +71,8 @@ class GridSearch {
         LayoutScore::Sum without = sum;
         without.add(*layout[k].layer, -1);
         ++evaluations_;
-        if (const double value = score_.value_with(without, nullptr, /*soft=*/true); value < least) least = value, least_missed = k;
+        if (const double value = score_.value_with(without, nullptr, /*soft=*/true); value < least)
+          least = value, least_missed = k;
       }
       layout.erase(layout.begin() + static_cast<std::ptrdiff_t>(least_missed));
       sum = total(layout, layout.size());  // anew, so that differences leave no rounding
@@ -78,12 +80,14 @@ class GridSearch {
     return layout;
   }
 
-  /// Takes each beacon in turn to the place of the grid where it helps most, until none moves. Returns the value reached.
+  /// Takes each beacon in turn to the place of the grid where it helps most, until none moves. Returns the
+  /// value reached.
   double exchange(Layout& layout, bool soft) {
     double value = score_.value_with(total(layout, layout.size()), nullptr, soft);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       const double before = value;
-      for (std::size_t k = 0; k < layout.size(); ++k) value = best_for(total(layout, k), layout[k], value, soft);
+      for (std::size_t k = 0; k < layout.size(); ++k)
+        value = best_for(total(layout, k), layout[k], value, soft);
       if (!(value < before * (1 - kGains))) break;
     }
     return value;
@@ -92,7 +96,9 @@ class GridSearch {
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
 
  private:
-  [[nodiscard]] Spot spot(const MountPoint& p) const { return {p, std::make_shared<BeaconLayer>(score_.layer(mounts_.beacon(p)))}; }
+  [[nodiscard]] Spot spot(const MountPoint& p) const {
+    return {p, std::make_shared<BeaconLayer>(score_.layer(mounts_.beacon(p)))};
+  }
 
   /// All but one (none: the layout's size).
   [[nodiscard]] LayoutScore::Sum total(const Layout& layout, std::size_t but) const {
@@ -138,15 +144,18 @@ nlopt::algorithm algorithm_of(LocalAlgorithm a) {
   }
 }
 
-/// NLopt over the mounts themselves: one number for each beacon, two where heights or ceilings leave a choice.
+/// NLopt over the mounts themselves: one number for each beacon, two where heights or ceilings leave a
+/// choice.
 class ContinuousSearch {
  public:
-  ContinuousSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, LayoutScore& score, const PlacementOptions& options, std::size_t count)
+  ContinuousSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, LayoutScore& score,
+                   const PlacementOptions& options, std::size_t count)
       : mounts_(mounts), kept_(kept), score_(score), options_(options), count_(count) {}
 
   /// The best point that was looked at from `start` on, `start` included.
   /// @param soft  goes down on the soft value instead of the goal
-  [[nodiscard]] std::vector<MountPoint> run(nlopt::algorithm algorithm, const std::vector<MountPoint>& start, double first_step, bool soft) {
+  [[nodiscard]] std::vector<MountPoint> run(nlopt::algorithm algorithm, const std::vector<MountPoint>& start,
+                                            double first_step, bool soft) {
     soft_ = soft;
     const auto n = static_cast<unsigned>(count_ * numbers());
     nlopt::opt opt(algorithm, n);
@@ -198,7 +207,8 @@ class ContinuousSearch {
   }
   [[nodiscard]] std::vector<MountPoint> search_points_of(const std::vector<double>& x) const {
     std::vector<MountPoint> points;
-    for (std::size_t k = 0; k < count_; ++k) points.push_back({x[k * numbers()], numbers() == 2 ? x[2 * k + 1] : 0.5});
+    for (std::size_t k = 0; k < count_; ++k)
+      points.push_back({x[k * numbers()], numbers() == 2 ? x[2 * k + 1] : 0.5});
     return points;
   }
 
@@ -213,7 +223,8 @@ class ContinuousSearch {
     auto& search = *static_cast<ContinuousSearch*>(self);
     constexpr std::size_t kAtOnce = 64;
     const double part = std::min(1.0, static_cast<double>(search.asked_) / static_cast<double>(search.most_));
-    if (++search.asked_ % kAtOnce == 0 && !search.report(search.from_ + part * (search.to_ - search.from_))) throw nlopt::forced_stop();
+    if (++search.asked_ % kAtOnce == 0 && !search.report(search.from_ + part * (search.to_ - search.from_)))
+      throw nlopt::forced_stop();
     const double value = search.value(x);
     if (value < search.least_) {
       search.least_ = value;
@@ -234,7 +245,8 @@ class ContinuousSearch {
 
 }  // namespace
 
-std::vector<MountPoint> greedy_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score) {
+std::vector<MountPoint> greedy_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
+                                      std::size_t count, LayoutScore& score) {
   return search_points_of(GridSearch(mounts, kept, score).greedy(count));
 }
 
@@ -243,8 +255,12 @@ namespace {
 /// The whole search, stage by stage.
 class LayoutSearch {
  public:
-  LayoutSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score, const PlacementOptions& options)
-      : options_(options), grid_(mounts, kept, score), nlopt_(mounts, kept, score, options, count), count_(count) {}
+  LayoutSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count,
+               LayoutScore& score, const PlacementOptions& options)
+      : options_(options),
+        grid_(mounts, kept, score),
+        nlopt_(mounts, kept, score, options, count),
+        count_(count) {}
 
   SearchResult run(const std::vector<std::vector<MountPoint>>& starts) {
     choose(starts);
@@ -265,7 +281,9 @@ class LayoutSearch {
       keep(start);
       layouts.push_back(grid_.layout(start));
     }
-    for (std::size_t i = 0; i < layouts.size() && nlopt_.report(0.3 * static_cast<double>(i) / static_cast<double>(layouts.size())); ++i) {
+    for (std::size_t i = 0; i < layouts.size() &&
+                            nlopt_.report(0.3 * static_cast<double>(i) / static_cast<double>(layouts.size()));
+         ++i) {
       static_cast<void>(grid_.exchange(layouts[i], /*soft=*/true));
       keep(search_points_of(layouts[i]));
       static_cast<void>(grid_.exchange(layouts[i], /*soft=*/false));
@@ -282,7 +300,8 @@ class LayoutSearch {
     std::sort(order.begin(), order.end());
     const std::size_t most = std::min(kDescents, order.size());
     for (std::size_t i = 0; i < most && !nlopt_.interrupted(); ++i) {
-      nlopt_.set_stage(0.3 + 0.3 * static_cast<double>(i) / static_cast<double>(most), 0.3 + 0.3 * static_cast<double>(i + 1) / static_cast<double>(most));
+      nlopt_.set_stage(0.3 + 0.3 * static_cast<double>(i) / static_cast<double>(most),
+                       0.3 + 0.3 * static_cast<double>(i + 1) / static_cast<double>(most));
       const auto& start = ranked[order[i].second];
       if (i == 0) keep(nlopt_.run(algorithm_of(options_.local), start, 0.02, /*soft=*/false));
       const auto near = nlopt_.run(algorithm_of(options_.local), start, 0.04, /*soft=*/true);
@@ -304,7 +323,8 @@ class LayoutSearch {
       Layout layout = grid_.layout(best_);
       static_cast<void>(grid_.exchange(layout, /*soft=*/false));
       keep(search_points_of(layout));
-      if (options_.local != LocalAlgorithm::kNone) keep(nlopt_.run(algorithm_of(options_.local), search_points_of(layout), 0.02, /*soft=*/false));
+      if (options_.local != LocalAlgorithm::kNone)
+        keep(nlopt_.run(algorithm_of(options_.local), search_points_of(layout), 0.02, /*soft=*/false));
       if (!(best_value_ < before * (1 - kGains))) return;
     }
   }
@@ -328,12 +348,14 @@ class LayoutSearch {
 
 }  // namespace
 
-SearchResult search_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score,
-                           const PlacementOptions& options, const std::vector<std::vector<MountPoint>>& starts) {
+SearchResult search_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count,
+                           LayoutScore& score, const PlacementOptions& options,
+                           const std::vector<std::vector<MountPoint>>& starts) {
   return LayoutSearch(mounts, kept, count, score, options).run(starts);
 }
 
-std::vector<MountPoint> refine_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, const std::vector<MountPoint>& start, LayoutScore& score,
+std::vector<MountPoint> refine_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
+                                      const std::vector<MountPoint>& start, LayoutScore& score,
                                       const PlacementOptions& options, SearchResult& result) {
   ContinuousSearch search(mounts, kept, score, options, start.size());
   search.set_stage(1.0, 1.0);

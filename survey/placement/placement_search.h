@@ -18,14 +18,20 @@ struct SearchResult {
 };
 
 /// One place after the other from a grid, each where it helps most.
-[[nodiscard]] std::vector<MountPoint> greedy_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score);
+[[nodiscard]] std::vector<MountPoint> greedy_layout(const MountSpace& mounts,
+                                                    const std::vector<SurveyBeacon>& kept, std::size_t count,
+                                                    LayoutScore& score);
 
 /// @param starts  further layouts from which the local algorithm sets out
-[[nodiscard]] SearchResult search_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count, LayoutScore& score,
-                                         const PlacementOptions& options, const std::vector<std::vector<MountPoint>>& starts);
+[[nodiscard]] SearchResult search_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
+                                         std::size_t count, LayoutScore& score,
+                                         const PlacementOptions& options,
+                                         const std::vector<std::vector<MountPoint>>& starts);
 
 /// The local algorithm once more from a layout, over the poses that the score looks at now.
-[[nodiscard]] std::vector<MountPoint> refine_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, const std::vector<MountPoint>& start,
-                                                    LayoutScore& score, const PlacementOptions& options, SearchResult& result);
+[[nodiscard]] std::vector<MountPoint> refine_layout(const MountSpace& mounts,
+                                                    const std::vector<SurveyBeacon>& kept,
+                                                    const std::vector<MountPoint>& start, LayoutScore& score,
+                                                    const PlacementOptions& options, SearchResult& result);
 
 }  // namespace octant::survey

@@ -13,17 +13,22 @@
 namespace octant::survey {
 
 std::string speed_in_words(const Deployment& d) {
-  std::string text = fmt::format("{:.8g} m/s, sigma {:.2g} m/s", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps);
+  std::string text =
+      fmt::format("{:.8g} m/s, sigma {:.2g} m/s", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps);
   if (d.medium.model == MediumModel::kConstant) return text;
-  return text + fmt::format(", at {:g} degC (model {})", d.medium.temperature_degC, std::string(to_string(d.medium.model)));
+  return text + fmt::format(", at {:g} degC (model {})", d.medium.temperature_degC,
+                            std::string(to_string(d.medium.model)));
 }
 
 std::string directivity_in_words(const Deployment& d) {
   constexpr double kDegree = std::numbers::pi / 180;
-  std::string text = fmt::format("3 dB less at {:.4g} degrees off the axis", d.attenuation->half_power_angle_rad / kDegree);
+  std::string text =
+      fmt::format("3 dB less at {:.4g} degrees off the axis", d.attenuation->half_power_angle_rad / kDegree);
   const auto& names = d.covariance.parameters;
   const auto at = std::find(names.begin(), names.end(), "attenuation/half_power_angle_rad") - names.begin();
-  return at >= d.covariance.matrix.rows() ? text : text + fmt::format(", sigma {:.2g} degrees", std::sqrt(d.covariance.matrix(at, at)) / kDegree);
+  return at >= d.covariance.matrix.rows()
+             ? text
+             : text + fmt::format(", sigma {:.2g} degrees", std::sqrt(d.covariance.matrix(at, at)) / kDegree);
 }
 
 double radius95_m(const DeploymentBeacon& beacon) {
@@ -55,13 +60,21 @@ ReportDocument report_document(const ReportInput& input) {
   const Verdict v = verdict(input);
   ReportDocument document;
   document.title = input.plan.deployment.site.empty() ? "Site" : input.plan.deployment.site;
-  document.subtitle = input.kind + (input.plan.deployment.created.empty() ? "" : (input.kind == "Verification" ? " of the calibration of " : " of ") + input.plan.deployment.created);
+  document.subtitle =
+      input.kind + (input.plan.deployment.created.empty()
+                        ? ""
+                        : (input.kind == "Verification" ? " of the calibration of " : " of ") +
+                              input.plan.deployment.created);
   document.grade = to_string(v.grade);
-  document.tone = v.grade == Grade::kGood ? Tone::kGood : v.grade == Grade::kUnjudged ? Tone::kAttention : Tone::kBad;
+  document.tone = v.grade == Grade::kGood       ? Tone::kGood
+                  : v.grade == Grade::kUnjudged ? Tone::kAttention
+                                                : Tone::kBad;
   document.sentence = v.sentence;
   using MakeSection = std::optional<ReportSection> (*)(const ReportInput&);
-  constexpr MakeSection kSections[] = {verdict_section, plan_section, beacons_section, verification_section, residuals_section, weak_section,
-                                       loss_section, changes_section, next_section, warnings_section, provenance_section};
+  constexpr MakeSection kSections[] = {verdict_section,      plan_section,      beacons_section,
+                                       verification_section, residuals_section, weak_section,
+                                       loss_section,         changes_section,   next_section,
+                                       warnings_section,     provenance_section};
   for (const MakeSection make : kSections)
     if (auto section = make(input)) document.sections.push_back(std::move(*section));
   return document;

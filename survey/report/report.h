@@ -9,9 +9,9 @@
 
 #include "models/deployment.h"
 #include "survey/changes.h"
+#include "survey/drawing/site_plan.h"
 #include "survey/evaluate.h"
 #include "survey/report/report_document.h"
-#include "survey/drawing/site_plan.h"
 
 namespace octant::survey {
 
@@ -33,17 +33,18 @@ struct LeftOutNote {
 struct BeaconNote {
   std::string name;
   std::size_t used = 0, rejected = 0;
-  double redundancy = 0.0;                       ///< mean redundancy number of its arrivals
-  std::optional<double> rms_s;                   ///< of its residuals
-  std::optional<double> variance_factor;         ///< of its residuals, over the stated variance
-  std::optional<double> mdb_s;                   ///< minimal detectable bias of one arrival, median
-  std::optional<double> influence_m;             ///< largest shift of a coordinate by one that is not detected
-  std::optional<double> lateness_mdb_s, lateness_influence_m;  ///< the same for a lateness of all its arrivals
+  double redundancy = 0.0;                ///< mean redundancy number of its arrivals
+  std::optional<double> rms_s;            ///< of its residuals
+  std::optional<double> variance_factor;  ///< of its residuals, over the stated variance
+  std::optional<double> mdb_s;            ///< minimal detectable bias of one arrival, median
+  std::optional<double> influence_m;      ///< largest shift of a coordinate by one that is not detected
+  std::optional<double> lateness_mdb_s,
+      lateness_influence_m;  ///< the same for a lateness of all its arrivals
 };
 
 /// Residuals of one bin, or of one beacon.
 struct ResidualBin {
-  std::string name;             ///< empty for a bin
+  std::string name;  ///< empty for a bin
   double from = 0.0, to = 0.0;
   std::size_t count = 0;
   double mean_s = 0.0, rms_s = 0.0;
@@ -65,45 +66,45 @@ struct Histogram {
 /// What the place is worth when one beacon falls silent.
 struct BeaconLoss {
   std::string beacon;
-  double covered_fraction = 0.0;             ///< of the calibrated area: where a fix is still possible
-  std::optional<double> median, p95;         ///< of the figure that the map shows, where it is covered
+  double covered_fraction = 0.0;      ///< of the calibrated area: where a fix is still possible
+  std::optional<double> median, p95;  ///< of the figure that the map shows, where it is covered
   std::optional<NamedMap> map;
 };
 
 enum class Outcome {
   kCalibrated,
-  kRefused,        ///< the data cannot tell; nothing was exported
+  kRefused,  ///< the data cannot tell; nothing was exported
   kNotConverged
 };
 
 /// All that a report says, as plain values.
 struct ReportInput {
-  std::string kind = "Calibration";      ///< of report: "Calibration", "Survey", "Verification"
+  std::string kind = "Calibration";  ///< of report: "Calibration", "Survey", "Verification"
   Outcome outcome = Outcome::kCalibrated;
-  std::string message;                   ///< of the solver, where there is something to say
+  std::string message;  ///< of the solver, where there is something to say
   PlanInput plan;
   std::vector<BeaconNote> beacons;
   std::vector<WeakNote> weak;
   std::vector<LeftOutNote> left_out;
   std::vector<ResidualChart> residuals;
-  std::optional<Histogram> standardised; ///< residuals over their sigmas
-  std::size_t looked_at = 0;             ///< arrivals that residuals and redundancies are of
+  std::optional<Histogram> standardised;  ///< residuals over their sigmas
+  std::size_t looked_at = 0;              ///< arrivals that residuals and redundancies are of
   std::optional<Evaluation> evaluation;
-  std::optional<BeaconLoss> no_loss;     ///< all beacons at work
-  std::vector<BeaconLoss> losses;        ///< worst first; their figure is loss_name
+  std::optional<BeaconLoss> no_loss;  ///< all beacons at work
+  std::vector<BeaconLoss> losses;     ///< worst first; their figure is loss_name
   std::string loss_name, loss_unit;
-  std::optional<Changes> changes;        ///< since an earlier deployment
+  std::optional<Changes> changes;  ///< since an earlier deployment
   std::vector<std::string> warnings;
-  std::string command;                   ///< that wrote this report
-  std::vector<std::string> options;      ///< in words, beside the command: "threads 2"
+  std::string command;               ///< that wrote this report
+  std::vector<std::string> options;  ///< in words, beside the command: "threads 2"
 };
 
 enum class Grade {
   kGood,
-  kUnjudged,  ///< nothing is wrong, but the site states no tolerance to hold it against
-  kPoor,      ///< a gate is not kept
+  kUnjudged,      ///< nothing is wrong, but the site states no tolerance to hold it against
+  kPoor,          ///< a gate is not kept
   kContradicted,  ///< the data speak against what the site file states
-  kRefused    ///< nothing was exported
+  kRefused        ///< nothing was exported
 };
 [[nodiscard]] const char* to_string(Grade grade);
 
@@ -126,18 +127,19 @@ struct Verdict {
 
 /// "343.21 m/s, sigma 0.04 m/s, at 21 degC (model cramer1993)".
 [[nodiscard]] std::string speed_in_words(const Deployment& deployment);
-/// "3 dB less at 22.5 degrees off the axis, sigma 0.1 degrees". @param deployment  with a directional attenuation
+/// "3 dB less at 22.5 degrees off the axis, sigma 0.1 degrees". @param deployment  with a directional
+/// attenuation
 [[nodiscard]] std::string directivity_in_words(const Deployment& deployment);
 
-/// The report's content: verdict, plan, beacons, verification, residuals, weak directions, loss of a beacon, changes, what next,
-/// provenance. Sections of which nothing is known are left out.
+/// The report's content: verdict, plan, beacons, verification, residuals, weak directions, loss of a beacon,
+/// changes, what next, provenance. Sections of which nothing is known are left out.
 [[nodiscard]] ReportDocument report_document(const ReportInput& input);
 
 struct ReportOptions {
   bool interactive = true;  ///< with plotly.js inside, where it was at hand when the program was built
 };
-/// The report as one self-contained HTML page: nothing is fetched (content security policy `default-src 'none'`), whole without
-/// a script, light and dark, prints on paper.
+/// The report as one self-contained HTML page: nothing is fetched (content security policy `default-src
+/// 'none'`), whole without a script, light and dark, prints on paper.
 [[nodiscard]] std::string report_html(const ReportInput& input, const ReportOptions& options = {});
 /// The same content without the drawings.
 [[nodiscard]] std::string report_markdown(const ReportInput& input);

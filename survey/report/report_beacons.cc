@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "survey/geometry/quantity.h"
 #include "models/trajectory/decompositions.h"
+#include "survey/geometry/quantity.h"
 #include "survey/report/report_sections.h"
 
 namespace octant::survey {
@@ -16,7 +16,9 @@ namespace {
 
 constexpr double kCoverage = 2.0;  // U = k sigma, some 95 %
 
-double sigma_m(const DeploymentBeacon& beacon, int axis) { return std::sqrt(std::max(0.0, beacon.covariance_m2(axis, axis))); }
+double sigma_m(const DeploymentBeacon& beacon, int axis) {
+  return std::sqrt(std::max(0.0, beacon.covariance_m2(axis, axis)));
+}
 
 /// Units of the columns, each chosen by the column's largest number.
 struct Units {
@@ -35,7 +37,8 @@ Units units_of(const ReportInput& input) {
     shift_m = std::max({shift_m, n.influence_m.value_or(0.0), n.lateness_influence_m.value_or(0.0)});
     late_s = std::max(late_s, n.lateness_mdb_s.value_or(0.0));
   }
-  return {length_unit(length_m), time_unit(time_s), time_unit(mdb_s), length_unit(shift_m), time_unit(late_s)};
+  return {length_unit(length_m), time_unit(time_s), time_unit(mdb_s), length_unit(shift_m),
+          time_unit(late_s)};
 }
 
 /// Least well known first where not all have room, otherwise in their order.
@@ -43,17 +46,22 @@ std::vector<std::size_t> rows_of(const Deployment& d) {
   std::vector<std::size_t> order(d.beacons.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (order.size() <= kMaxRows) return order;
-  const auto badness = [&](std::size_t i) { return d.beacons[i].status == BeaconStatus::kUndetermined ? INFINITY : d.beacons[i].covariance_m2.trace(); };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return badness(a) > badness(b); });
+  const auto badness = [&](std::size_t i) {
+    return d.beacons[i].status == BeaconStatus::kUndetermined ? INFINITY : d.beacons[i].covariance_m2.trace();
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return badness(a) > badness(b); });
   order.resize(kMaxRows);
   return order;
 }
 
-std::vector<ReportText> row_of(const DeploymentBeacon& b, const BeaconNote* note, const Units& units, bool delays) {
+std::vector<ReportText> row_of(const DeploymentBeacon& b, const BeaconNote* note, const Units& units,
+                               bool delays) {
   std::vector<ReportText> row = {{b.name}};
   const bool known = b.status != BeaconStatus::kUndetermined;
   for (int i = 0; i < 3; ++i) row.push_back({known ? fmt::format("{:.4f}", b.position_m[i]) : "-"});
-  for (int i = 0; i < 3; ++i) row.push_back({known ? fmt::format("{:.2f}", units.length.per_si * kCoverage * sigma_m(b, i)) : "-"});
+  for (int i = 0; i < 3; ++i)
+    row.push_back({known ? fmt::format("{:.2f}", units.length.per_si * kCoverage * sigma_m(b, i)) : "-"});
   if (delays) {
     row.push_back({known ? fmt::format("{:.3f}", units.time.per_si * b.delay_s) : "-"});
     row.push_back({known ? fmt::format("{:.3f}", units.time.per_si * kCoverage * b.delay_sigma_s) : "-"});
@@ -67,27 +75,41 @@ std::vector<ReportText> row_of(const DeploymentBeacon& b, const BeaconNote* note
   return row;
 }
 
-ReportTable reliability_table(const ReportInput& input, const std::vector<std::size_t>& rows, const std::map<std::string, const BeaconNote*>& notes,
-                              const Units& units) {
-  ReportTable table{"reliability", "Residuals of each beacon, and what an error that nobody notices would do. Variance: of the residuals over the stated one. "
-                                   "Lateness: of all arrivals of the beacon alike, smallest that is noticed.",
-                    {{"beacon", true}, {fmt::format("RMS [{}]", units.mdb.symbol)}, {"variance"}, {fmt::format("one arrival moves it [{}]", units.shift.symbol)},
-                     {fmt::format("lateness [{}]", units.late.symbol)}, {fmt::format("that moves it [{}]", units.shift.symbol)}, {"95 % ellipse a [mm]"},
-                     {"b [mm]"}, {"azimuth [deg]"}}, {}};
+ReportTable reliability_table(const ReportInput& input, const std::vector<std::size_t>& rows,
+                              const std::map<std::string, const BeaconNote*>& notes, const Units& units) {
+  ReportTable table{"reliability",
+                    "Residuals of each beacon, and what an error that nobody notices would do. Variance: of "
+                    "the residuals over the stated one. "
+                    "Lateness: of all arrivals of the beacon alike, smallest that is noticed.",
+                    {{"beacon", true},
+                     {fmt::format("RMS [{}]", units.mdb.symbol)},
+                     {"variance"},
+                     {fmt::format("one arrival moves it [{}]", units.shift.symbol)},
+                     {fmt::format("lateness [{}]", units.late.symbol)},
+                     {fmt::format("that moves it [{}]", units.shift.symbol)},
+                     {"95 % ellipse a [mm]"},
+                     {"b [mm]"},
+                     {"azimuth [deg]"}},
+                    {}};
   for (const std::size_t i : rows) {
     const auto& b = input.plan.deployment.beacons[i];
     const auto at = notes.find(b.name);
     if (at == notes.end() || at->second->used == 0) continue;
     const BeaconNote& n = *at->second;
-    std::vector<ReportText> row = {{b.name}, number_cell(n.rms_s, units.mdb.per_si, 2), number_cell(n.variance_factor, 1, 2),
-                                   number_cell(n.influence_m, units.shift.per_si, 2), number_cell(n.lateness_mdb_s, units.late.per_si, 1),
+    std::vector<ReportText> row = {{b.name},
+                                   number_cell(n.rms_s, units.mdb.per_si, 2),
+                                   number_cell(n.variance_factor, 1, 2),
+                                   number_cell(n.influence_m, units.shift.per_si, 2),
+                                   number_cell(n.lateness_mdb_s, units.late.per_si, 1),
                                    number_cell(n.lateness_influence_m, units.shift.per_si, 2)};
     if (b.status == BeaconStatus::kCalibrated) {
       const SymmetricEigen<Eigen::Matrix2d> flat(b.covariance_m2.topLeftCorner<2, 2>());
       const Eigen::Vector2d half_mm = 1e3 * kEllipse95 * flat.eigenvalues().cwiseMax(0.0).cwiseSqrt();
       double azimuth = std::atan2(flat.eigenvectors()(1, 1), flat.eigenvectors()(0, 1)) * 180 / M_PI;
       azimuth = azimuth > 90 ? azimuth - 180 : azimuth <= -90 ? azimuth + 180 : azimuth;
-      row.insert(row.end(), {{fmt::format("{:.2f}", half_mm[1])}, {fmt::format("{:.2f}", half_mm[0])}, {fmt::format("{:.0f}", azimuth)}});
+      row.insert(row.end(), {{fmt::format("{:.2f}", half_mm[1])},
+                             {fmt::format("{:.2f}", half_mm[0])},
+                             {fmt::format("{:.0f}", azimuth)}});
     }
     row.resize(table.columns.size(), {"-"});
     table.rows.push_back(std::move(row));
@@ -101,29 +123,49 @@ std::optional<ReportSection> beacons_section(const ReportInput& input) {
   const Deployment& d = input.plan.deployment;
   if (d.beacons.empty()) return {};
   ReportSection section{"beacons", "Beacons", {}};
-  if (input.beacons.empty() && std::all_of(d.beacons.begin(), d.beacons.end(), [](const auto& b) { return b.status == BeaconStatus::kUndetermined; })) {
-    section.blocks.emplace_back(ReportText{fmt::format("Of none of the {} beacons is the place known.", d.beacons.size()), Tone::kBad});
+  if (input.beacons.empty() && std::all_of(d.beacons.begin(), d.beacons.end(), [](const auto& b) {
+        return b.status == BeaconStatus::kUndetermined;
+      })) {
+    section.blocks.emplace_back(ReportText{
+        fmt::format("Of none of the {} beacons is the place known.", d.beacons.size()), Tone::kBad});
     return section;
   }
   const Units units = units_of(input);
-  const bool delays = std::any_of(d.beacons.begin(), d.beacons.end(), [](const auto& b) { return b.delay_s != 0.0 || b.delay_sigma_s > 0.0; });
+  const bool delays = std::any_of(d.beacons.begin(), d.beacons.end(),
+                                  [](const auto& b) { return b.delay_s != 0.0 || b.delay_sigma_s > 0.0; });
   std::map<std::string, const BeaconNote*> notes;
   for (const auto& note : input.beacons) notes[note.name] = &note;
   const std::string u = units.length.symbol;
-  ReportTable table{"beacon-table", "Positions in the map with their expanded uncertainty U (k = 2, some 95 %); r: mean redundancy number of the arrivals, 0 to 1; "
-                                    "MDB: smallest bias of one arrival that is found (0.1 %, power 80 %).",
-                    {{"beacon", true}, {"x [m]"}, {"y [m]"}, {"z [m]"}, {"U x [" + u + "]"}, {"U y [" + u + "]"}, {"U z [" + u + "]"}}, {}};
-  if (delays) table.columns.insert(table.columns.end(), {{"delay [" + units.time.symbol + "]"}, {"U delay [" + units.time.symbol + "]"}});
-  table.columns.insert(table.columns.end(), {{"r"}, {"MDB [" + units.mdb.symbol + "]"}, {"arrivals"}, {"rejected"}, {"status", true}});
+  ReportTable table{"beacon-table",
+                    "Positions in the map with their expanded uncertainty U (k = 2, some 95 %); r: mean "
+                    "redundancy number of the arrivals, 0 to 1; "
+                    "MDB: smallest bias of one arrival that is found (0.1 %, power 80 %).",
+                    {{"beacon", true},
+                     {"x [m]"},
+                     {"y [m]"},
+                     {"z [m]"},
+                     {"U x [" + u + "]"},
+                     {"U y [" + u + "]"},
+                     {"U z [" + u + "]"}},
+                    {}};
+  if (delays)
+    table.columns.insert(table.columns.end(),
+                         {{"delay [" + units.time.symbol + "]"}, {"U delay [" + units.time.symbol + "]"}});
+  table.columns.insert(
+      table.columns.end(),
+      {{"r"}, {"MDB [" + units.mdb.symbol + "]"}, {"arrivals"}, {"rejected"}, {"status", true}});
   const std::vector<std::size_t> rows = rows_of(d);
   for (const std::size_t i : rows) {
     const auto note = notes.find(d.beacons[i].name);
     table.rows.push_back(row_of(d.beacons[i], note == notes.end() ? nullptr : note->second, units, delays));
   }
   if (rows.size() < d.beacons.size())
-    section.blocks.emplace_back(ReportText{fmt::format("The {} of {} beacons that are known least well; all are in the deployment file.", rows.size(), d.beacons.size())});
+    section.blocks.emplace_back(ReportText{
+        fmt::format("The {} of {} beacons that are known least well; all are in the deployment file.",
+                    rows.size(), d.beacons.size())});
   section.blocks.emplace_back(std::move(table));
-  if (ReportTable more = reliability_table(input, rows, notes, units); !more.rows.empty()) section.blocks.emplace_back(std::move(more));
+  if (ReportTable more = reliability_table(input, rows, notes, units); !more.rows.empty())
+    section.blocks.emplace_back(std::move(more));
   return section;
 }
 

@@ -34,16 +34,24 @@ ReportTable table_of(const Changes& changes) {
     time_s = std::max({time_s, std::abs(c.delay_change_s), c.delay_sigma_s});
   }
   const Unit length = length_unit(length_m), time = time_unit(time_s);
-  ReportTable table{"changes-table", fmt::format("New less old, with the sigma of the difference; moved, delay changed: so large a difference comes by chance less than once in {:.0f}",
-                                                 1 / changes.limit_p),
-                    {{"beacon", true}}, {}};
+  ReportTable table{"changes-table",
+                    fmt::format("New less old, with the sigma of the difference; moved, delay changed: so "
+                                "large a difference comes by chance less than once in {:.0f}",
+                                1 / changes.limit_p),
+                    {{"beacon", true}},
+                    {}};
   for (const char* axis : {"x", "y", "z"}) {
     table.columns.push_back({fmt::format("{} [{}]", axis, length.symbol)});
     table.columns.push_back({fmt::format("sigma {} [{}]", axis, length.symbol)});
   }
-  table.columns.insert(table.columns.end(), {{"p"}, {fmt::format("delay [{}]", time.symbol)}, {fmt::format("sigma [{}]", time.symbol)}, {"p"}, {"verdict", true}});
+  table.columns.insert(table.columns.end(), {{"p"},
+                                             {fmt::format("delay [{}]", time.symbol)},
+                                             {fmt::format("sigma [{}]", time.symbol)},
+                                             {"p"},
+                                             {"verdict", true}});
   std::vector<BeaconChange> rows = changes.beacons;
-  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return least_p(a) < least_p(b); });
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const auto& a, const auto& b) { return least_p(a) < least_p(b); });
   for (const auto& c : rows) {
     if (table.rows.size() >= kMaxRows) break;
     std::vector<ReportText> row = {{c.name}};
@@ -63,19 +71,24 @@ ReportTable table_of(const Changes& changes) {
 
 std::string doubt_sentence(const Changes& changes) {
   const bool one = changes.doubted_control_points.size() == 1;
-  return fmt::format("Control point{} {} held where the site file has {}, and {} changed by more than chance. If {} knocked, the shifts of the "
-                     "others are those of the frame: measure {} again before anything is said to have moved.",
-                     one ? "" : "s", joined(changes.doubted_control_points) + (one ? " is" : " are"), one ? "it" : "them", one ? "its delay" : "their delays",
-                     one ? "it was" : "they were", one ? "it" : "them");
+  return fmt::format(
+      "Control point{} {} held where the site file has {}, and {} changed by more than chance. If {} "
+      "knocked, the shifts of the "
+      "others are those of the frame: measure {} again before anything is said to have moved.",
+      one ? "" : "s", joined(changes.doubted_control_points) + (one ? " is" : " are"), one ? "it" : "them",
+      one ? "its delay" : "their delays", one ? "it was" : "they were", one ? "it" : "them");
 }
 
 }  // namespace
 
 std::string changes_sentence(const Changes& changes) {
-  const auto count = [&changes](auto&& which) { return std::count_if(changes.beacons.begin(), changes.beacons.end(), which); };
+  const auto count = [&changes](auto&& which) {
+    return std::count_if(changes.beacons.begin(), changes.beacons.end(), which);
+  };
   const auto moved = count([](const BeaconChange& c) { return c.moved(); });
   const auto delays = count([](const BeaconChange& c) { return c.delay_significant; });
-  return fmt::format("Since {}: {} of {} beacons moved by more than chance explains{}.", changes.since, moved, changes.beacons.size(),
+  return fmt::format("Since {}: {} of {} beacons moved by more than chance explains{}.", changes.since, moved,
+                     changes.beacons.size(),
                      delays > 0 ? fmt::format(", the delay of {} changed", delays) : "");
 }
 
@@ -87,11 +100,16 @@ std::optional<ReportSection> changes_section(const ReportInput& input) {
   if (!changes.doubted_control_points.empty())
     section.blocks.emplace_back(ReportText{doubt_sentence(changes), Tone::kAttention});
   if (!changes.same_datum)
-    section.blocks.emplace_back(ReportText{"The datum is another one: a part of the differences is that of the frame, not of the beacons.", Tone::kAttention});
-  if (!changes.gone.empty()) section.blocks.emplace_back(ReportText{"No longer there: " + joined(changes.gone) + "."});
+    section.blocks.emplace_back(ReportText{
+        "The datum is another one: a part of the differences is that of the frame, not of the beacons.",
+        Tone::kAttention});
+  if (!changes.gone.empty())
+    section.blocks.emplace_back(ReportText{"No longer there: " + joined(changes.gone) + "."});
   if (!changes.added.empty()) section.blocks.emplace_back(ReportText{"New: " + joined(changes.added) + "."});
   if (changes.speed_change_mps)
-    section.blocks.emplace_back(ReportText{fmt::format("Speed at the same temperature: {:+.3f} m/s, sigma {:.3f} m/s.", *changes.speed_change_mps, changes.speed_sigma_mps)});
+    section.blocks.emplace_back(
+        ReportText{fmt::format("Speed at the same temperature: {:+.3f} m/s, sigma {:.3f} m/s.",
+                               *changes.speed_change_mps, changes.speed_sigma_mps)});
   if (!changes.beacons.empty()) section.blocks.emplace_back(table_of(changes));
   return section;
 }

@@ -42,8 +42,8 @@ struct ReportFigure {
   std::string caption;
   std::string svg;          ///< trusted: made by this room
   std::string interactive;  ///< JSON object {data, layout}; empty: none
-  /// Layers of the SVG (elements of class "layer layer-0", "layer layer-1", ...), of which the reader chooses one. In the
-  /// interactive figure a trace with the key "layer" belongs to one.
+  /// Layers of the SVG (elements of class "layer layer-0", "layer layer-1", ...), of which the reader chooses
+  /// one. In the interactive figure a trace with the key "layer" belongs to one.
   std::string legend;
   std::vector<std::string> layers;
 };
@@ -61,8 +61,8 @@ struct ReportDocument {
   std::string title;
   std::string subtitle;
   Tone tone = Tone::kPlain;
-  std::string grade;      ///< the verdict in a word or two
-  std::string sentence;   ///< and in a sentence
+  std::string grade;     ///< the verdict in a word or two
+  std::string sentence;  ///< and in a sentence
   std::vector<ReportSection> sections;
 };
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "survey/map/floor_grid.h"
 #include "survey/geometry/geometry_map.h"
 #include "survey/geometry/quantity.h"
+#include "survey/map/floor_grid.h"
 #include "survey/map/survey.h"
 
 namespace octant::survey {
@@ -25,36 +25,45 @@ double cell_of(const SurveyModel& model, double cells_across) {
   return std::max(1e-3, (high - low).maxCoeff() / cells_across);
 }
 
-double or_nothing(double value) { return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN(); }
+double or_nothing(double value) {
+  return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+}
 
-NamedMap map_of(const FloorGrid& grid, std::string name, std::string unit, const std::vector<double>& values, double per_si) {
+NamedMap map_of(const FloorGrid& grid, std::string name, std::string unit, const std::vector<double>& values,
+                double per_si) {
   NamedMap map{std::move(name), std::move(unit), grid.origin_m, grid.cell_m, grid.columns, {}};
   map.values.assign(grid.columns * grid.rows, std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t i = 0; i < grid.cells.size(); ++i) map.values[grid.cells[i]] = or_nothing(per_si * values[i]);
+  for (std::size_t i = 0; i < grid.cells.size(); ++i)
+    map.values[grid.cells[i]] = or_nothing(per_si * values[i]);
   return map;
 }
 
 std::vector<double> finite_of(const std::vector<double>& values) {
   std::vector<double> finite;
-  std::copy_if(values.begin(), values.end(), std::back_inserter(finite), [](double v) { return std::isfinite(v); });
+  std::copy_if(values.begin(), values.end(), std::back_inserter(finite),
+               [](double v) { return std::isfinite(v); });
   std::sort(finite.begin(), finite.end());
   return finite;
 }
 
-double quantile_of_ascending(const std::vector<double>& ascending, double q) { return ascending[static_cast<std::size_t>(q * static_cast<double>(ascending.size() - 1))]; }
+double quantile_of_ascending(const std::vector<double>& ascending, double q) {
+  return ascending[static_cast<std::size_t>(q * static_cast<double>(ascending.size() - 1))];
+}
 
-BeaconLoss loss_of(const std::string& beacon, const FloorGrid& grid, const std::vector<double>& sigma_m, const std::string& name, const Unit& unit) {
+BeaconLoss loss_of(const std::string& beacon, const FloorGrid& grid, const std::vector<double>& sigma_m,
+                   const std::string& name, const Unit& unit) {
   BeaconLoss loss{beacon, 0.0, {}, {}, map_of(grid, name, unit.symbol, sigma_m, unit.per_si)};
   const std::vector<double> finite = finite_of(sigma_m);
-  loss.covered_fraction = static_cast<double>(finite.size()) / static_cast<double>(std::max<std::size_t>(1, sigma_m.size()));
+  loss.covered_fraction =
+      static_cast<double>(finite.size()) / static_cast<double>(std::max<std::size_t>(1, sigma_m.size()));
   if (finite.empty()) return loss;
   loss.median = unit.per_si * quantile_of_ascending(finite, 0.5);
   loss.p95 = unit.per_si * quantile_of_ascending(finite, 0.95);
   return loss;
 }
 
-/// The information of all beacons but one is that of those before it and those after it: sums of positive terms only, where a
-/// difference would leave rounding in place of what is not determined.
+/// The information of all beacons but one is that of those before it and those after it: sums of positive
+/// terms only, where a difference would leave rounding in place of what is not determined.
 void add_losses(const SurveyModel& model, int threads, ReportInput& input) {
   if (model.beacons.size() < 2 || model.beacons.size() > kMostLosses) return;
   const auto grid = make_floor_grid(model, Scene{}, cell_of(model, kCellsAcrossForLoss));
@@ -69,7 +78,8 @@ void add_losses(const SurveyModel& model, int threads, ReportInput& input) {
     return sum;
   };
   std::vector<std::vector<double>> own;
-  for (const auto& beacon : model.beacons) own.push_back(beacon_layer(model, beacon, poses, threads).information);
+  for (const auto& beacon : model.beacons)
+    own.push_back(beacon_layer(model, beacon, poses, threads).information);
   for (std::size_t b = model.beacons.size(); b-- > 0;) after[b] = add(after[b + 1], own[b]);
 
   std::vector<double> sigma_m(poses.size()), before(entries, 0.0);
@@ -97,13 +107,15 @@ void add_geometry(ReportInput& input, int threads) {
   if (!model) return;
   Scene open_air;
   open_air.cell_m = cell_of(*model, kCellsAcross);
-  const auto survey = run_survey(*model, open_air, &input.plan.deployment, {.threads = threads, .failures = 0, .integrity = true});
+  const auto survey = run_survey(*model, open_air, &input.plan.deployment,
+                                 {.threads = threads, .failures = 0, .integrity = true});
   if (!survey) return;
   for (const char* name : {"total_m", "sigma_m", "hdop", "protection_m"}) {
     const FloorMap* map = survey->find(name);
     if (map == nullptr || map->spread.count == 0) continue;
     const Unit unit = map->unit == "m" ? length_unit(map->spread.p95) : Unit{};
-    input.plan.maps.push_back(map_of(survey->grid, map->title, unit.symbol, {map->values.begin(), map->values.end()}, unit.per_si));
+    input.plan.maps.push_back(
+        map_of(survey->grid, map->title, unit.symbol, {map->values.begin(), map->values.end()}, unit.per_si));
   }
   add_losses(*model, threads, input);
 }

@@ -17,14 +17,27 @@ std::optional<ReportSection> loss_section(const ReportInput& input) {
   if (input.losses.empty()) return {};
   ReportSection section{"loss", "When a beacon falls silent", {}};
   const std::string figure = input.loss_name + (input.loss_unit.empty() ? "" : " [" + input.loss_unit + "]");
-  ReportTable table{"loss-table", "The site without one of its beacons, worst first: how much of the area still has a fix, and " + input.loss_name + " there.",
-                    {{"without", true}, {"covered [%]"}, {figure + ", median"}, {"95 %"}}, {}};
+  ReportTable table{
+      "loss-table",
+      "The site without one of its beacons, worst first: how much of the area still has a fix, and " +
+          input.loss_name + " there.",
+      {{"without", true}, {"covered [%]"}, {figure + ", median"}, {"95 %"}},
+      {}};
   PlanInput plan;
   plan.deployment = input.plan.deployment;
-  ReportFigure drawing{"figure-loss", fmt::format("{} over the site when the chosen beacon (crossed out) is silent.", input.loss_name), {}, {}, "Silent beacon", {}};
+  ReportFigure drawing{
+      "figure-loss",
+      fmt::format("{} over the site when the chosen beacon (crossed out) is silent.", input.loss_name),
+      {},
+      {},
+      "Silent beacon",
+      {}};
   const auto add = [&](const BeaconLoss& loss, const std::string& name) {
     if (table.rows.size() < kMaxRows)
-      table.rows.push_back({{name}, {fmt::format("{:.1f}", 100 * loss.covered_fraction)}, number_cell(loss.median, 1, 2), number_cell(loss.p95, 1, 2)});
+      table.rows.push_back({{name},
+                            {fmt::format("{:.1f}", 100 * loss.covered_fraction)},
+                            number_cell(loss.median, 1, 2),
+                            number_cell(loss.p95, 1, 2)});
     if (!loss.map || plan.maps.size() >= kMostMaps) return;
     plan.maps.push_back(*loss.map);
     plan.maps.back().silent_beacon = loss.beacon;
@@ -34,13 +47,16 @@ std::optional<ReportSection> loss_section(const ReportInput& input) {
   for (const auto& loss : input.losses) add(loss, loss.beacon);
   if (!plan.maps.empty()) {
     NamedMap together;
-    for (const auto& map : plan.maps) together.values.insert(together.values.end(), map.values.begin(), map.values.end());
-    for (auto& map : plan.maps) map.limits = map_classes(together);  // one scale, so that they can be compared
+    for (const auto& map : plan.maps)
+      together.values.insert(together.values.end(), map.values.begin(), map.values.end());
+    for (auto& map : plan.maps)
+      map.limits = map_classes(together);  // one scale, so that they can be compared
     drawing.svg = site_plan_svg(plan);
     drawing.interactive = plan_figure_json(plan);
     section.blocks.emplace_back(std::move(drawing));
   }
-  if (plan.maps.size() == kMostMaps && input.losses.size() >= kMostMaps) section.blocks.emplace_back(ReportText{"Maps of the beacons whose loss is worst."});
+  if (plan.maps.size() == kMostMaps && input.losses.size() >= kMostMaps)
+    section.blocks.emplace_back(ReportText{"Maps of the beacons whose loss is worst."});
   section.blocks.emplace_back(std::move(table));
   return section;
 }

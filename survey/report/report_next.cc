@@ -10,7 +10,8 @@
 namespace octant::survey {
 namespace {
 
-/// Below this mean redundancy number most of an arrival's error goes into the beacon and not into its residual.
+/// Below this mean redundancy number most of an arrival's error goes into the beacon and not into its
+/// residual.
 constexpr double kLittleRedundancy = 0.3;
 /// Beyond these the stated noise is wrong, whatever the test says of a small number of arrivals.
 constexpr double kNoisy = 2.0, kQuiet = 0.5;
@@ -37,42 +38,63 @@ void add_beacons(const ReportInput& input, std::vector<std::string>& steps) {
   const Deployment& d = input.plan.deployment;
   for (const auto& beacon : d.beacons) {
     if (beacon.status == BeaconStatus::kUndetermined) lost.push_back(beacon.name);
-    if (beacon.status == BeaconStatus::kCalibrated && d.tolerance.beacon_m && radius95_m(beacon) > *d.tolerance.beacon_m) beyond.push_back(beacon.name);
+    if (beacon.status == BeaconStatus::kCalibrated && d.tolerance.beacon_m &&
+        radius95_m(beacon) > *d.tolerance.beacon_m)
+      beyond.push_back(beacon.name);
   }
   for (const auto& note : input.beacons) {
     const bool counts = std::find(lost.begin(), lost.end(), note.name) == lost.end();
     if (counts && note.used > 0 && note.redundancy < kLittleRedundancy) bare.push_back(note.name);
   }
   if (!lost.empty() && input.outcome == Outcome::kCalibrated)
-    steps.push_back(fmt::format("Hear {} from more places, well apart: not determined, localizers leave {} out.", names(lost), lost.size() > 1 ? "them" : "it"));
-  if (!beyond.empty()) steps.push_back(fmt::format("Record more stations around {}: beyond the tolerance for beacons.", names(beyond)));
+    steps.push_back(
+        fmt::format("Hear {} from more places, well apart: not determined, localizers leave {} out.",
+                    names(lost), lost.size() > 1 ? "them" : "it"));
+  if (!beyond.empty())
+    steps.push_back(
+        fmt::format("Record more stations around {}: beyond the tolerance for beacons.", names(beyond)));
   if (!bare.empty())
-    steps.push_back(fmt::format("Record more stations that hear {}: with redundancy numbers below {} errors of single arrivals stay unseen.", names(bare),
-                                kLittleRedundancy));
+    steps.push_back(
+        fmt::format("Record more stations that hear {}: with redundancy numbers below {} errors of single "
+                    "arrivals stay unseen.",
+                    names(bare), kLittleRedundancy));
 }
 
 void add_noise(const ReportInput& input, std::vector<std::string>& steps) {
   const CalibrationStatistics& s = input.plan.deployment.statistics;
   if (s.redundancy < 10 || s.variance_factor <= 0) return;
-  if (input.plan.deployment.contradictions.empty() && (s.variance_factor > kNoisy || s.variance_factor < kQuiet))
-    steps.push_back(fmt::format("State the noise as it is: residuals have {:.2g} times the variance of noise.tof_sigma_s in the site file.", s.variance_factor));
+  if (input.plan.deployment.contradictions.empty() &&
+      (s.variance_factor > kNoisy || s.variance_factor < kQuiet))
+    steps.push_back(
+        fmt::format("State the noise as it is: residuals have {:.2g} times the variance of noise.tof_sigma_s "
+                    "in the site file.",
+                    s.variance_factor));
   std::size_t left_out = s.rejected, all = s.arrivals + s.rejected;
   if (all > 0 && left_out * 4 > all)
-    steps.push_back(fmt::format("Look for reflecting walls and swapped channels: {} of {} arrivals were left out.", left_out, all));
+    steps.push_back(fmt::format(
+        "Look for reflecting walls and swapped channels: {} of {} arrivals were left out.", left_out, all));
 }
 
 void add_verification(const ReportInput& input, std::vector<std::string>& steps) {
   const Tolerance& tolerance = input.plan.deployment.tolerance;
   if (!input.evaluation) {
-    steps.emplace_back("Verify with a run that took no part in the calibration and whose poses are known: octant verify.");
+    steps.emplace_back(
+        "Verify with a run that took no part in the calibration and whose poses are known: octant verify.");
   } else if (!input.evaluation->pass()) {
-    steps.emplace_back(input.evaluation->matched == 0 ? "Record a held-out run whose truth.tum covers the fixes in time."
-                                                      : "Fixes are outside their tolerance: look at the plan for where, and add a beacon or stations there.");
+    steps.emplace_back(input.evaluation->matched == 0
+                           ? "Record a held-out run whose truth.tum covers the fixes in time."
+                           : "Fixes are outside their tolerance: look at the plan for where, and add a "
+                             "beacon or stations there.");
   } else if (input.evaluation->nees_mean && *input.evaluation->nees_mean > 3.0) {
-    steps.push_back(fmt::format("Do not trust the stated sigmas of fixes: errors are {:.2g} times as large squared; look for reflections and unmodelled delays.",
-                                *input.evaluation->nees_mean));
+    steps.push_back(
+        fmt::format("Do not trust the stated sigmas of fixes: errors are {:.2g} times as large squared; look "
+                    "for reflections and unmodelled delays.",
+                    *input.evaluation->nees_mean));
   }
-  if (!tolerance.beacon_m && !tolerance.fix_m) steps.emplace_back("State in the site file what the site must reach (tolerance: beacon_m, fix_m), so that it can be judged.");
+  if (!tolerance.beacon_m && !tolerance.fix_m)
+    steps.emplace_back(
+        "State in the site file what the site must reach (tolerance: beacon_m, fix_m), so that it can be "
+        "judged.");
 }
 
 }  // namespace
@@ -81,10 +103,12 @@ std::vector<std::string> next_steps(const ReportInput& input) {
   std::vector<std::string> steps;
   for (const Contradiction& c : input.plan.deployment.contradictions) {
     const std::string step = as_sentence(c.remedy);
-    if (!c.remedy.empty() && std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
+    if (!c.remedy.empty() && std::find(steps.begin(), steps.end(), step) == steps.end())
+      steps.push_back(step);
   }
   if (!steps.empty()) {
-    steps.emplace_back("Then calibrate again: what else is to be measured shows when nothing is contradicted any more.");
+    steps.emplace_back(
+        "Then calibrate again: what else is to be measured shows when nothing is contradicted any more.");
     return steps;
   }
   if (input.outcome == Outcome::kNotConverged)
@@ -98,15 +122,24 @@ std::vector<std::string> next_steps(const ReportInput& input) {
       if (c.delay_significant && !c.moved()) delayed.push_back(c.name);
     }
     const std::vector<std::string>& doubted = input.changes->doubted_control_points;
-    if (!doubted.empty()) steps.push_back(fmt::format("Measure {} again: held as a control point, with another delay than in the earlier deployment.", names(doubted)));
-    if (!moved.empty()) steps.push_back(fmt::format("Look at {} on site: moved since the earlier deployment.", names(moved)));
-    if (!delayed.empty()) steps.push_back(fmt::format("Look at {} on site: another delay than in the earlier deployment, as of another device.", names(delayed)));
+    if (!doubted.empty())
+      steps.push_back(fmt::format(
+          "Measure {} again: held as a control point, with another delay than in the earlier deployment.",
+          names(doubted)));
+    if (!moved.empty())
+      steps.push_back(fmt::format("Look at {} on site: moved since the earlier deployment.", names(moved)));
+    if (!delayed.empty())
+      steps.push_back(fmt::format(
+          "Look at {} on site: another delay than in the earlier deployment, as of another device.",
+          names(delayed)));
   }
   if (input.outcome == Outcome::kCalibrated) {
     add_noise(input, steps);
     add_verification(input, steps);
   }
-  if (steps.empty()) steps.emplace_back("Nothing needs to be measured; keep this report to compare the next calibration with it.");
+  if (steps.empty())
+    steps.emplace_back(
+        "Nothing needs to be measured; keep this report to compare the next calibration with it.");
   return steps;
 }
 

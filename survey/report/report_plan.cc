@@ -11,8 +11,10 @@ namespace octant::survey {
 namespace {
 
 bool anything_placed(const PlanInput& plan) {
-  return std::any_of(plan.deployment.beacons.begin(), plan.deployment.beacons.end(), [](const auto& b) { return b.status != BeaconStatus::kUndetermined; }) ||
-         std::any_of(plan.tracks.begin(), plan.tracks.end(), [](const auto& t) { return !t.points_m.empty(); });
+  return std::any_of(plan.deployment.beacons.begin(), plan.deployment.beacons.end(),
+                     [](const auto& b) { return b.status != BeaconStatus::kUndetermined; }) ||
+         std::any_of(plan.tracks.begin(), plan.tracks.end(),
+                     [](const auto& t) { return !t.points_m.empty(); });
 }
 
 }  // namespace
@@ -20,21 +22,34 @@ bool anything_placed(const PlanInput& plan) {
 std::optional<ReportSection> plan_section(const ReportInput& input) {
   if (!anything_placed(input.plan)) return {};
   ReportSection section{"plan", "Plan of the site", {}};
-  ReportFigure plan{"figure-plan", "The site from above: beacons with their 95 % error ellipses (2.45 sigma, drawn larger by the factor in the legend), "
-                                   "the calibrated area and where the vehicle was.", site_plan_svg(input.plan), plan_figure_json(input.plan), {}, {}};
+  ReportFigure plan{"figure-plan",
+                    "The site from above: beacons with their 95 % error ellipses (2.45 sigma, drawn larger "
+                    "by the factor in the legend), "
+                    "the calibrated area and where the vehicle was.",
+                    site_plan_svg(input.plan),
+                    plan_figure_json(input.plan),
+                    {},
+                    {}};
   if (!input.plan.maps.empty()) {
     plan.legend = "Map";
-    for (const auto& map : input.plan.maps) plan.layers.push_back(map.unit.empty() ? map.name : map.name + " [" + map.unit + "]");
+    for (const auto& map : input.plan.maps)
+      plan.layers.push_back(map.unit.empty() ? map.name : map.name + " [" + map.unit + "]");
   }
   section.blocks.emplace_back(std::move(plan));
-  section.blocks.emplace_back(ReportFigure{"figure-space", "The site from the side; in space with 95 % error ellipsoids (2.80 sigma) where the page may run its script.",
-                                           elevation_svg(input.plan), space_figure_json(input.plan), {}, {}});
+  section.blocks.emplace_back(ReportFigure{"figure-space",
+                                           "The site from the side; in space with 95 % error ellipsoids "
+                                           "(2.80 sigma) where the page may run its script.",
+                                           elevation_svg(input.plan),
+                                           space_figure_json(input.plan),
+                                           {},
+                                           {}});
   std::size_t states = 0, shown = 0;
   for (const auto& track : input.plan.tracks) {
     states += std::max(track.thinned_from, track.points_m.size());
     shown += thinned(track.points_m).size();
   }
-  if (shown < states) section.blocks.emplace_back(ReportText{fmt::format("Of {} vehicle states {} are drawn.", states, shown)});
+  if (shown < states)
+    section.blocks.emplace_back(ReportText{fmt::format("Of {} vehicle states {} are drawn.", states, shown)});
   return section;
 }
 

@@ -10,7 +10,8 @@ std::optional<ReportSection> warnings_section(const ReportInput& input) {
   ReportList list{input.warnings, false};
   if (list.items.size() > kMaxRows) {
     list.items.resize(kMaxRows);
-    list.items.push_back(std::to_string(input.warnings.size() - kMaxRows) + " more; the program lists them all with --json.");
+    list.items.push_back(std::to_string(input.warnings.size() - kMaxRows) +
+                         " more; the program lists them all with --json.");
   }
   section.blocks.emplace_back(std::move(list));
   return section;
@@ -29,7 +30,8 @@ std::optional<ReportSection> provenance_section(const ReportInput& input) {
   if (input.command != d.program_command) row("report by", input.command);
   for (const auto& option : input.options) row("option", option);
   section.blocks.emplace_back(std::move(table));
-  ReportTable inputs{"inputs", "Files that were read, by their SHA-256", {{"file", true}, {"sha256", true}}, {}};
+  ReportTable inputs{
+      "inputs", "Files that were read, by their SHA-256", {{"file", true}, {"sha256", true}}, {}};
   for (const auto& file : d.inputs)
     if (inputs.rows.size() < kMaxRows) inputs.rows.push_back({{file.path}, {file.sha256}});
   if (!inputs.rows.empty()) section.blocks.emplace_back(std::move(inputs));

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "survey/drawing/figure_json.h"
+#include "survey/drawing/svg_chart.h"
 #include "survey/geometry/quantity.h"
 #include "survey/report/report_sections.h"
-#include "survey/drawing/svg_chart.h"
 
 namespace octant::survey {
 namespace {
@@ -16,7 +16,8 @@ namespace {
 ResidualChart worst_of(const ResidualChart& chart) {
   ResidualChart few = chart;
   if (few.bins.size() <= kMaxRows) return few;
-  std::stable_sort(few.bins.begin(), few.bins.end(), [](const auto& a, const auto& b) { return a.rms_s > b.rms_s; });
+  std::stable_sort(few.bins.begin(), few.bins.end(),
+                   [](const auto& a, const auto& b) { return a.rms_s > b.rms_s; });
   few.bins.resize(kMaxRows);
   return few;
 }
@@ -26,12 +27,19 @@ ReportTable residual_table_of(const ResidualChart& chart) {
   for (const auto& bin : chart.bins) largest_s = std::max(largest_s, bin.rms_s);
   const Unit time = time_unit(largest_s);
   const bool names = chart.unit.empty();
-  ReportTable table{"residuals-by-" + chart.by, "Residuals by " + chart.by,
-                    {{names ? chart.by : fmt::format("{} [{}]", chart.by, chart.unit), true}, {"arrivals"}, {fmt::format("mean [{}]", time.symbol)},
-                     {fmt::format("RMS [{}]", time.symbol)}}, {}, true};
+  ReportTable table{"residuals-by-" + chart.by,
+                    "Residuals by " + chart.by,
+                    {{names ? chart.by : fmt::format("{} [{}]", chart.by, chart.unit), true},
+                     {"arrivals"},
+                     {fmt::format("mean [{}]", time.symbol)},
+                     {fmt::format("RMS [{}]", time.symbol)}},
+                    {},
+                    true};
   for (const auto& bin : chart.bins) {
-    table.rows.push_back({{names ? bin.name : fmt::format("{:.4g} to {:.4g}", bin.from, bin.to)}, {std::to_string(bin.count)},
-                          {fmt::format("{:.2f}", time.per_si * bin.mean_s)}, {fmt::format("{:.2f}", time.per_si * bin.rms_s)}});
+    table.rows.push_back({{names ? bin.name : fmt::format("{:.4g} to {:.4g}", bin.from, bin.to)},
+                          {std::to_string(bin.count)},
+                          {fmt::format("{:.2f}", time.per_si * bin.mean_s)},
+                          {fmt::format("{:.2f}", time.per_si * bin.rms_s)}});
   }
   return table;
 }
@@ -42,23 +50,39 @@ std::optional<ReportSection> residuals_section(const ReportInput& input) {
   if (input.residuals.empty()) return {};
   ReportSection section{"residuals", "Residuals", {}};
   const std::size_t used = input.plan.deployment.statistics.arrivals;
-  std::string what = "Observed less adjusted times of flight; positive: late. Each mark is a bin of many arrivals; a trend that leaves the band of the others is "
-                     "something that the model does not know.";
-  if (input.looked_at > 0 && input.looked_at < used) what += fmt::format(" Of {} of the {} arrivals, at even distances; the adjustment used all.", input.looked_at, used);
+  std::string what =
+      "Observed less adjusted times of flight; positive: late. Each mark is a bin of many arrivals; a trend "
+      "that leaves the band of the others is "
+      "something that the model does not know.";
+  if (input.looked_at > 0 && input.looked_at < used)
+    what += fmt::format(" Of {} of the {} arrivals, at even distances; the adjustment used all.",
+                        input.looked_at, used);
   section.blocks.emplace_back(ReportText{what});
   for (const auto& whole : input.residuals) {
     if (whole.bins.empty()) continue;
     const ResidualChart chart = worst_of(whole);
-    const std::string bins = chart.bins.size() == whole.bins.size() ? fmt::format("{} bins", chart.bins.size())
-                                                                   : fmt::format("the {} of {} bins whose RMS is largest", chart.bins.size(), whole.bins.size());
-    section.blocks.emplace_back(ReportFigure{"figure-residuals-" + chart.by, fmt::format("Residuals by {}: {}.", chart.by, bins),
-                                             residual_chart_svg(chart), residual_chart_json(chart), {}, {}});
+    const std::string bins =
+        chart.bins.size() == whole.bins.size()
+            ? fmt::format("{} bins", chart.bins.size())
+            : fmt::format("the {} of {} bins whose RMS is largest", chart.bins.size(), whole.bins.size());
+    section.blocks.emplace_back(ReportFigure{"figure-residuals-" + chart.by,
+                                             fmt::format("Residuals by {}: {}.", chart.by, bins),
+                                             residual_chart_svg(chart),
+                                             residual_chart_json(chart),
+                                             {},
+                                             {}});
     section.blocks.emplace_back(residual_table_of(chart));
   }
   if (input.standardised && !input.standardised->counts.empty())
-    section.blocks.emplace_back(ReportFigure{"figure-standardised",
-                                             fmt::format("Standardised residuals in {} bins (Baarda's w): beyond 3.29 one in a thousand is expected.", input.standardised->counts.size()),
-                                             histogram_svg(*input.standardised), histogram_json(*input.standardised), {}, {}});
+    section.blocks.emplace_back(ReportFigure{
+        "figure-standardised",
+        fmt::format(
+            "Standardised residuals in {} bins (Baarda's w): beyond 3.29 one in a thousand is expected.",
+            input.standardised->counts.size()),
+        histogram_svg(*input.standardised),
+        histogram_json(*input.standardised),
+        {},
+        {}});
   return section;
 }
 

@@ -35,13 +35,19 @@ std::vector<ReportGate> gates_of(const ReportInput& input, const Beacons& n) {
   const Deployment& d = input.plan.deployment;
   std::vector<ReportGate> gates;
   const bool converged = input.outcome == Outcome::kCalibrated && d.statistics.converged;
-  gates.push_back({"adjustment", input.outcome == Outcome::kRefused ? "the data cannot tell" : converged ? "converged" : "did not converge", "converged",
-                   converged});
+  gates.push_back({"adjustment",
+                   input.outcome == Outcome::kRefused ? "the data cannot tell"
+                   : converged                        ? "converged"
+                                                      : "did not converge",
+                   "converged", converged});
   if (!d.beacons.empty()) {
-    gates.push_back({"beacons determined", fmt::format("{} of {}", n.calibrated + n.control, d.beacons.size()), "all", n.undetermined == 0});
+    gates.push_back({"beacons determined",
+                     fmt::format("{} of {}", n.calibrated + n.control, d.beacons.size()), "all",
+                     n.undetermined == 0});
   }
   if (d.tolerance.beacon_m && n.calibrated > 0) {
-    gates.push_back({"largest error of a beacon in the plane (95 %)", fmt::format("{} ({})", length_text(n.worst_m), n.worst),
+    gates.push_back({"largest error of a beacon in the plane (95 %)",
+                     fmt::format("{} ({})", length_text(n.worst_m), n.worst),
                      length_text(*d.tolerance.beacon_m), n.worst_m <= *d.tolerance.beacon_m});
   }
   for (const Contradiction& c : d.contradictions)
@@ -49,10 +55,11 @@ std::vector<ReportGate> gates_of(const ReportInput& input, const Beacons& n) {
   if (!input.evaluation) return gates;
   for (const auto& gate : input.evaluation->gates) {
     if (gate.name == "matched") {
-      gates.push_back({"held-out fixes with a reference", fmt::format("{:.0f}", gate.value), fmt::format("at least {:.0f}", gate.limit), gate.pass});
+      gates.push_back({"held-out fixes with a reference", fmt::format("{:.0f}", gate.value),
+                       fmt::format("at least {:.0f}", gate.limit), gate.pass});
     } else {
-      gates.push_back({gate.name == "fix_m" ? "position error of the held-out fixes (RMSE)" : gate.name, length_text(gate.value),
-                       length_text(gate.limit), gate.pass});
+      gates.push_back({gate.name == "fix_m" ? "position error of the held-out fixes (RMSE)" : gate.name,
+                       length_text(gate.value), length_text(gate.limit), gate.pass});
     }
   }
   return gates;
@@ -74,29 +81,36 @@ std::string contradictions_in_words(const std::vector<Contradiction>& all) {
 
 std::string sentence_of(const ReportInput& input, const Beacons& n) {
   const Deployment& d = input.plan.deployment;
-  if (is_contradicted(input)) return contradictions_in_words(d.contradictions) + "The result hangs on these statements: do not use it before they are settled.";
+  if (is_contradicted(input))
+    return contradictions_in_words(d.contradictions) +
+           "The result hangs on these statements: do not use it before they are settled.";
   if (input.outcome != Outcome::kCalibrated) {
-    const std::string why = !input.message.empty()                    ? input.message
-                            : input.outcome == Outcome::kRefused      ? "the data do not determine what is asked for"
-                                                                      : "the adjustment did not converge";
+    const std::string why = !input.message.empty() ? input.message
+                            : input.outcome == Outcome::kRefused
+                                ? "the data do not determine what is asked for"
+                                : "the adjustment did not converge";
     // The solver may have said so already.
     const bool said = why.find("nothing is exported") != std::string::npos;
     return (said ? as_sentence(why) : as_sentence("nothing was exported: " + why));
   }
   std::string text = d.statistics.converged ? "" : "The adjustment did not converge. ";
   text += n.calibrated == 0 ? std::string("No beacon was asked for")
-                            : fmt::format("{} beacon{} calibrated, the worst within {} in the plane (95 %)", n.calibrated, n.calibrated == 1 ? "" : "s",
-                                          length_text(n.worst_m));
+                            : fmt::format("{} beacon{} calibrated, the worst within {} in the plane (95 %)",
+                                          n.calibrated, n.calibrated == 1 ? "" : "s", length_text(n.worst_m));
   if (d.tolerance.beacon_m && n.calibrated > 0) {
-    text += fmt::format(", {} the tolerance of {}", n.worst_m <= *d.tolerance.beacon_m ? "inside" : "outside", length_text(*d.tolerance.beacon_m));
+    text += fmt::format(", {} the tolerance of {}", n.worst_m <= *d.tolerance.beacon_m ? "inside" : "outside",
+                        length_text(*d.tolerance.beacon_m));
   }
   if (n.undetermined > 0) text += fmt::format("; {} could not be determined", n.undetermined);
   if (input.evaluation) {
     const Evaluation& e = *input.evaluation;
-    text += e.fixes == 0     ? fmt::format("; there is no fix to hold against the reference ({} failed)", e.no_fix)
-            : e.matched == 0 ? fmt::format("; none of {} fixes has a reference at its time", e.fixes)
-                           : fmt::format("; fixes are {} RMSE off the reference", length_text(e.position_rmse_m));
-    if (e.matched > 0 && !e.gates.empty()) text += e.pass() ? ", inside their tolerance" : ", outside their tolerance";
+    text += e.fixes == 0
+                ? fmt::format("; there is no fix to hold against the reference ({} failed)", e.no_fix)
+            : e.matched == 0
+                ? fmt::format("; none of {} fixes has a reference at its time", e.fixes)
+                : fmt::format("; fixes are {} RMSE off the reference", length_text(e.position_rmse_m));
+    if (e.matched > 0 && !e.gates.empty())
+      text += e.pass() ? ", inside their tolerance" : ", outside their tolerance";
   }
   return text + ".";
 }
@@ -120,9 +134,13 @@ Verdict verdict(const ReportInput& input) {
   v.gates = gates_of(input, n);
   v.sentence = sentence_of(input, n);
   const bool kept = std::all_of(v.gates.begin(), v.gates.end(), [](const ReportGate& g) { return g.pass; });
-  const bool judged = input.plan.deployment.tolerance.beacon_m || (input.evaluation && !input.evaluation->gates.empty());
-  v.grade = is_contradicted(input) ? Grade::kContradicted
-            : input.outcome != Outcome::kCalibrated ? Grade::kRefused : !kept ? Grade::kPoor : judged ? Grade::kGood : Grade::kUnjudged;
+  const bool judged =
+      input.plan.deployment.tolerance.beacon_m || (input.evaluation && !input.evaluation->gates.empty());
+  v.grade = is_contradicted(input)                  ? Grade::kContradicted
+            : input.outcome != Outcome::kCalibrated ? Grade::kRefused
+            : !kept                                 ? Grade::kPoor
+            : judged                                ? Grade::kGood
+                                                    : Grade::kUnjudged;
   if (v.grade == Grade::kUnjudged) v.sentence += " The site states no tolerance to hold that against.";
   return v;
 }
@@ -132,12 +150,22 @@ std::optional<ReportSection> verdict_section(const ReportInput& input) {
   ReportSection section{"verdict", "Verdict", {}};
   ReportTable table{"gates", "What must hold", {{"gate", true}, {"found"}, {"limit"}, {"verdict", true}}, {}};
   for (const auto& gate : v.gates)
-    table.rows.push_back({{gate.name}, {gate.value}, {gate.limit}, {gate.pass ? "kept" : "not kept", gate.pass ? Tone::kGood : Tone::kBad}});
+    table.rows.push_back({{gate.name},
+                          {gate.value},
+                          {gate.limit},
+                          {gate.pass ? "kept" : "not kept", gate.pass ? Tone::kGood : Tone::kBad}});
   section.blocks.emplace_back(std::move(table));
   if (const auto& contradictions = input.plan.deployment.contradictions; !contradictions.empty()) {
-    ReportTable found{"contradictions", "What the data speak against", {{"what", true}, {"stated", true}, {"found", true}, {"sigmas"}, {"what to do", true}}, {}};
+    ReportTable found{"contradictions",
+                      "What the data speak against",
+                      {{"what", true}, {"stated", true}, {"found", true}, {"sigmas"}, {"what to do", true}},
+                      {}};
     for (const Contradiction& c : contradictions)
-      found.rows.push_back({{c.subject, Tone::kBad}, {c.stated}, {c.found}, {c.sigmas > 0 ? fmt::format("{:.1f}", c.sigmas) : "-"}, {c.remedy}});
+      found.rows.push_back({{c.subject, Tone::kBad},
+                            {c.stated},
+                            {c.found},
+                            {c.sigmas > 0 ? fmt::format("{:.1f}", c.sigmas) : "-"},
+                            {c.remedy}});
     section.blocks.emplace_back(std::move(found));
   }
   section.blocks.emplace_back(ReportText{"Next: " + next_steps(input).front()});

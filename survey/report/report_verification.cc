@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "survey/drawing/figure_json.h"
+#include "survey/drawing/svg_chart.h"
 #include "survey/geometry/quantity.h"
 #include "survey/report/report_sections.h"
-#include "survey/drawing/svg_chart.h"
 
 namespace octant::survey {
 
@@ -13,8 +13,13 @@ std::optional<ReportSection> verification_section(const ReportInput& input) {
   if (!input.evaluation) return {};
   const Evaluation& e = *input.evaluation;
   ReportSection section{"verification", "Verification with held-out runs", {}};
-  ReportTable table{"verification-table", "Fixes of runs that took no part in the calibration, against their reference", {{"what", true}, {"value", true}}, {}};
-  const auto row = [&](const char* what, std::string value) { table.rows.push_back({{what}, {std::move(value)}}); };
+  ReportTable table{"verification-table",
+                    "Fixes of runs that took no part in the calibration, against their reference",
+                    {{"what", true}, {"value", true}},
+                    {}};
+  const auto row = [&](const char* what, std::string value) {
+    table.rows.push_back({{what}, {std::move(value)}});
+  };
   row("fixes", fmt::format("{}, of which {} have a reference", e.fixes, e.matched));
   row("no fix", fmt::format("{} epochs or instants", e.no_fix));
   if (e.matched > 0) {
@@ -23,12 +28,19 @@ std::optional<ReportSection> verification_section(const ReportInput& input) {
     row("position error, largest", length_text(e.max_error_m));
   }
   if (e.heading_rmse_rad) row("heading error, RMSE", fmt::format("{:.4f} rad", *e.heading_rmse_rad));
-  if (e.nees_mean) row("NEES over its degrees of freedom", fmt::format("{:.2f} (1: the stated sigmas are honest)", *e.nees_mean));
+  if (e.nees_mean)
+    row("NEES over its degrees of freedom",
+        fmt::format("{:.2f} (1: the stated sigmas are honest)", *e.nees_mean));
   section.blocks.emplace_back(std::move(table));
   if (e.error_quantiles_m.size() > 1) {
     const auto& limit = input.plan.deployment.tolerance.fix_m;
-    section.blocks.emplace_back(ReportFigure{"figure-errors", "Share of the fixes that are closer to the reference than so much.",
-                                             error_curve_svg(e.error_quantiles_m, limit), error_curve_json(e.error_quantiles_m, limit), {}, {}});
+    section.blocks.emplace_back(
+        ReportFigure{"figure-errors",
+                     "Share of the fixes that are closer to the reference than so much.",
+                     error_curve_svg(e.error_quantiles_m, limit),
+                     error_curve_json(e.error_quantiles_m, limit),
+                     {},
+                     {}});
   }
   return section;
 }

@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "survey/map/floor_grid.h"
 #include "survey/geometry/geometry_map.h"
 #include "survey/geometry/polygon.h"
+#include "survey/map/floor_grid.h"
 
 namespace octant::survey {
 namespace {
 
 constexpr double kAboveBeaconsM = 0.5;
-constexpr double kCells = 4000;       ///< looked at, about
-constexpr int kHeadings = 4;          ///< of receivers with axes: heard in any of them
+constexpr double kCells = 4000;  ///< looked at, about
+constexpr int kHeadings = 4;     ///< of receivers with axes: heard in any of them
 
 Reverberance reverberance_of(const SurveyModel& model, const FloorScheduleOptions& options, double height_m) {
   Reverberance r;
@@ -29,7 +29,8 @@ Reverberance reverberance_of(const SurveyModel& model, const FloorScheduleOption
   double round_m = 0.0, widest_m = 0.0;
   for (std::size_t i = 0; i < model.floor_m.size(); ++i) {
     round_m += (model.floor_m[(i + 1) % model.floor_m.size()] - model.floor_m[i]).norm();
-    for (const Eigen::Vector2d& other : model.floor_m) widest_m = std::max(widest_m, (other - model.floor_m[i]).norm());
+    for (const Eigen::Vector2d& other : model.floor_m)
+      widest_m = std::max(widest_m, (other - model.floor_m[i]).norm());
   }
   const double area_m2 = std::abs(signed_area_m2(model.floor_m));
   r.volume_m3 = area_m2 * height_m;
@@ -52,7 +53,9 @@ Audience audience_of(const SurveyModel& model, const FloorGrid& grid, int thread
     for (std::size_t i = 0; i < poses.size(); ++i) {
       double nearest_m = INFINITY;
       for (const SurveyReceiver& r : model.receivers)
-        nearest_m = std::min(nearest_m, (beacon.p_map_m - Eigen::Vector3d(poses.x_m[i], poses.y_m[i], poses.z_m[i] + r.p_vehicle_m.z())).norm());
+        nearest_m = std::min(nearest_m, (beacon.p_map_m - Eigen::Vector3d(poses.x_m[i], poses.y_m[i],
+                                                                          poses.z_m[i] + r.p_vehicle_m.z()))
+                                            .norm());
       distances.push_back(nearest_m);
     }
   }
@@ -61,26 +64,37 @@ Audience audience_of(const SurveyModel& model, const FloorGrid& grid, int thread
 
 }  // namespace
 
-Result<FloorSchedule> floor_schedule(const SurveyModel& model, const Scene& scene, const FloorScheduleOptions& options) {
+Result<FloorSchedule> floor_schedule(const SurveyModel& model, const Scene& scene,
+                                     const FloorScheduleOptions& options) {
   FloorSchedule out;
   out.reach_m = reach_m(model.hearing);
   if (!std::isfinite(out.reach_m))
-    return fail({.file = scene.path, .found = "neither file nor scene say how far a pulse is heard", .expected = "attenuation with a threshold_v, scene.acoustics, or gates.max_range_m",
+    return fail({.file = scene.path,
+                 .found = "neither file nor scene say how far a pulse is heard",
+                 .expected = "attenuation with a threshold_v, scene.acoustics, or gates.max_range_m",
                  .advice = "a schedule waits until a pulse has gone, and nothing says when that is"});
   double highest_m = 0.0;
   for (const SurveyBeacon& b : model.beacons) highest_m = std::max(highest_m, b.p_map_m.z());
   out.height_m = options.height_m.value_or(highest_m + kAboveBeaconsM);
   out.reverberance = reverberance_of(model, options, out.height_m);
   if (!(model.hearing.threshold_v > 0))
-    out.warnings.push_back("no threshold is stated: a pulse is taken to weaken with the distance alone and to be heard exactly as far as the range says");
+    out.warnings.push_back(
+        "no threshold is stated: a pulse is taken to weaken with the distance alone and to be heard exactly "
+        "as far as the range says");
   if (model.clock == Clock::kCycleOffset)
-    out.warnings.push_back("receivers without a common clock tell beacons by their turn: of beacons that fire together they must know by their place which one it is");
+    out.warnings.push_back(
+        "receivers without a common clock tell beacons by their turn: of beacons that fire together they "
+        "must know by their place which one it is");
   const double cell_m = std::max(scene.cell_m, std::sqrt(std::abs(signed_area_m2(model.floor_m)) / kCells));
   const auto grid = make_floor_grid(model, scene, cell_m);
   if (!grid) return fail(grid.error());
   out.silent = fall_silent(out.reverberance);
   out.plan = share_slots(audience_of(model, *grid, options.threads),
-                         {.reach_m = out.reach_m + cell_m, .trust_walls = options.trust_walls, .by_time = options.by_time, .guard_s = 2 * options.pulse_s, .speed_mps = model.speed_mps},
+                         {.reach_m = out.reach_m + cell_m,
+                          .trust_walls = options.trust_walls,
+                          .by_time = options.by_time,
+                          .guard_s = 2 * options.pulse_s,
+                          .speed_mps = model.speed_mps},
                          out.silent.slot_s);
   return out;
 }

@@ -12,14 +12,17 @@
 namespace octant::survey {
 namespace {
 
-constexpr double kRareSigmas = 3.0;  ///< of the sum of echoes: an envelope's square is exponential, so exp(-9) of the time above
+constexpr double kRareSigmas =
+    3.0;  ///< of the sum of echoes: an envelope's square is exponential, so exp(-9) of the time above
 
 /// Longest path at whose end an echo is still above the threshold, each wall met taking its part.
 double last_single_echo_m(const Reverberance& r) {
   const auto excess = [&](double d, double walls) {
-    return r.amplitude_1m_v / d * std::exp(-r.absorption_np_per_m * d) * std::pow(r.wall_reflection, walls) - r.threshold_v;
+    return r.amplitude_1m_v / d * std::exp(-r.absorption_np_per_m * d) * std::pow(r.wall_reflection, walls) -
+           r.threshold_v;
   };
-  // Within a stretch between multiples of the longest line the number of walls is the same and the amplitude falls.
+  // Within a stretch between multiples of the longest line the number of walls is the same and the amplitude
+  // falls.
   for (double walls = 0.0;; walls += 1.0) {
     double low = std::max(walls * r.longest_m, 1e-6), high = (walls + 1.0) * r.longest_m;
     if (excess(low, walls) <= 0) return walls * r.longest_m;
@@ -35,8 +38,11 @@ double last_single_echo_m(const Reverberance& r) {
 /// Eq. 1 with the number of reflections that its own answer makes room for.
 double kleeman_s(const Reverberance& r) {
   for (int n = 0;; ++n) {
-    const double fire_s = shortest_fire_s({.amplitude_1m_v = r.amplitude_1m_v, .threshold_v = r.threshold_v, .absorbed_fraction = 1 - r.wall_reflection,
-                                           .reflections = n, .speed_mps = r.speed_mps});
+    const double fire_s = shortest_fire_s({.amplitude_1m_v = r.amplitude_1m_v,
+                                           .threshold_v = r.threshold_v,
+                                           .absorbed_fraction = 1 - r.wall_reflection,
+                                           .reflections = n,
+                                           .speed_mps = r.speed_mps});
     if (fire_s * r.speed_mps <= (n + 1) * r.longest_m) return fire_s;
   }
 }
@@ -67,13 +73,16 @@ std::size_t greedy_clique(const FiringPlan& plan) {
   for (std::size_t first = 0; first < plan.beacons; ++first) {
     std::vector<std::size_t> clique = {first};
     for (std::size_t b = 0; b < plan.beacons; ++b)
-      if (b != first && std::all_of(clique.begin(), clique.end(), [&](std::size_t c) { return plan.between(b, c) == Sharing::kConfused; })) clique.push_back(b);
+      if (b != first && std::all_of(clique.begin(), clique.end(),
+                                    [&](std::size_t c) { return plan.between(b, c) == Sharing::kConfused; }))
+        clique.push_back(b);
     largest = std::max(largest, clique.size());
   }
   return largest;
 }
 
-/// DSATUR: of the beacons without a group the one next to the most groups, then the one with the most neighbours.
+/// DSATUR: of the beacons without a group the one next to the most groups, then the one with the most
+/// neighbours.
 std::vector<std::vector<std::size_t>> colour(const FiringPlan& plan) {
   const std::size_t n = plan.beacons;
   std::vector<std::set<std::size_t>> taken(n);  // groups of a beacon's neighbours
@@ -86,7 +95,9 @@ std::vector<std::vector<std::size_t>> colour(const FiringPlan& plan) {
     std::size_t next = n;
     for (std::size_t b = 0; b < n; ++b) {
       if (placed[b]) continue;
-      if (next == n || taken[b].size() > taken[next].size() || (taken[b].size() == taken[next].size() && neighbours[b] > neighbours[next])) next = b;
+      if (next == n || taken[b].size() > taken[next].size() ||
+          (taken[b].size() == taken[next].size() && neighbours[b] > neighbours[next]))
+        next = b;
     }
     std::size_t group = 0;
     while (taken[next].contains(group)) ++group;
@@ -108,10 +119,14 @@ FallSilent fall_silent(const Reverberance& r) {
   silent.single_echo_s = last_single_echo_m(r) / r.speed_mps;
   silent.kleeman_s = kleeman_s(r);
   // Nepers of energy lost a second.
-  const double decay = r.speed_mps * (-2 * std::log(std::max(r.wall_reflection, 1e-9)) * r.surface_m2 / (4 * r.volume_m3) + 2 * r.absorption_np_per_m);
+  const double decay =
+      r.speed_mps * (-2 * std::log(std::max(r.wall_reflection, 1e-9)) * r.surface_m2 / (4 * r.volume_m3) +
+                     2 * r.absorption_np_per_m);
   silent.t60_s = 6 * std::log(10.0) / decay;
-  const double energy_at_0 = r.amplitude_1m_v * r.amplitude_1m_v * 4 * M_PI * r.speed_mps * r.pulse_s / r.volume_m3;
-  silent.all_echoes_s = std::max(0.0, std::log(kRareSigmas * kRareSigmas * energy_at_0 / (r.threshold_v * r.threshold_v)) / decay);
+  const double energy_at_0 =
+      r.amplitude_1m_v * r.amplitude_1m_v * 4 * M_PI * r.speed_mps * r.pulse_s / r.volume_m3;
+  silent.all_echoes_s = std::max(
+      0.0, std::log(kRareSigmas * kRareSigmas * energy_at_0 / (r.threshold_v * r.threshold_v)) / decay);
   silent.slot_s = std::max(silent.single_echo_s, silent.all_echoes_s) + r.pulse_s;
   return silent;
 }
@@ -122,7 +137,9 @@ FiringPlan share_slots(const Audience& audience, const ShareOptions& options, do
   plan.slot_s = slot_s;
   plan.sharing.assign(plan.beacons * plan.beacons, Sharing::kConfused);
   for (std::size_t a = 0; a < plan.beacons; ++a)
-    for (std::size_t b = 0; b < a; ++b) plan.sharing[a * plan.beacons + b] = plan.sharing[b * plan.beacons + a] = sharing_of(audience, options, a, b);
+    for (std::size_t b = 0; b < a; ++b)
+      plan.sharing[a * plan.beacons + b] = plan.sharing[b * plan.beacons + a] =
+          sharing_of(audience, options, a, b);
   plan.least_groups = greedy_clique(plan);
   plan.groups = colour(plan);
   return plan;

@@ -9,29 +9,34 @@
 
 namespace octant::survey {
 
-/// What decides how long a pulse lingers in a hall. Amplitudes are those of models/physics/attenuation.h: A_1m / d exp(-alpha d).
+/// What decides how long a pulse lingers in a hall. Amplitudes are those of models/physics/attenuation.h:
+/// A_1m / d exp(-alpha d).
 struct Reverberance {
   double amplitude_1m_v = 0.0, threshold_v = 0.0;  ///< only their ratio counts
   double absorption_np_per_m = 0.0;                ///< of the air
-  double wall_reflection = 0.96;   ///< of the amplitude, at each wall; 0.96 is what Kleeman's 150 ms need (models/localizers/kleeman/kleeman_schedule.h)
-  double volume_m3 = 0.0, surface_m2 = 0.0;        ///< of the hall: floor, ceiling and walls
-  double longest_m = 0.0;          ///< longest straight line within it
-  double pulse_s = 2.5e-3;         ///< length of a pulse
+  double wall_reflection = 0.96;  ///< of the amplitude, at each wall; 0.96 is what Kleeman's 150 ms need
+                                  ///< (models/localizers/kleeman/kleeman_schedule.h)
+  double volume_m3 = 0.0, surface_m2 = 0.0;  ///< of the hall: floor, ceiling and walls
+  double longest_m = 0.0;                    ///< longest straight line within it
+  double pulse_s = 2.5e-3;                   ///< length of a pulse
   double speed_mps = 343.0;
 };
 
 /// Times after which a pulse is no longer heard, from its firing [s].
 struct FallSilent {
-  /// No single echo is above the threshold any more. A path of length d in a hall whose longest line is D has met at least
-  /// ceil(d / D) - 1 walls, so its amplitude is at most A_1m / d exp(-alpha d) R^(ceil(d / D) - 1): Kleeman's eq. 1 with the number of
-  /// reflections counted (they grow with the path) and the air's absorption. Image sources: J. B. Allen, D. A. Berkley, J. Acoust.
-  /// Soc. Am. 65 (1979) 943.
+  /// No single echo is above the threshold any more. A path of length d in a hall whose longest line is D has
+  /// met at least ceil(d / D) - 1 walls, so its amplitude is at most A_1m / d exp(-alpha d) R^(ceil(d / D) -
+  /// 1): Kleeman's eq. 1 with the number of reflections counted (they grow with the path) and the air's
+  /// absorption. Image sources: J. B. Allen, D. A. Berkley, J. Acoust. Soc. Am. 65 (1979) 943.
   double single_echo_s = 0.0;
-  /// All echoes together stay below it but for a chance of exp(-9) in a pulse's length. Image sources are 4 pi c^3 t^2 / V a second
-  /// (H. Kuttruff, Room Acoustics, 4.1), so that with energies R^2 a mean free path of 4 V / S, as in Eyring's formula,
-  ///   A_rms(t)^2 = A_1m^2 4 pi c t_pulse / V exp(-2 alpha c t) R^(2 c t S / 4 V),   3 A_rms(t) = V_threshold.
+  /// All echoes together stay below it but for a chance of exp(-9) in a pulse's length. Image sources are 4
+  /// pi c^3 t^2 / V a second (H. Kuttruff, Room Acoustics, 4.1), so that with energies R^2 a mean free path
+  /// of 4 V / S, as in Eyring's formula,
+  ///   A_rms(t)^2 = A_1m^2 4 pi c t_pulse / V exp(-2 alpha c t) R^(2 c t S / 4 V),   3 A_rms(t) =
+  ///   V_threshold.
   double all_echoes_s = 0.0;
-  /// Kleeman's eq. 1 as it stands: no absorption of air, as many reflections as the longest line fits into the silence it gives.
+  /// Kleeman's eq. 1 as it stands: no absorption of air, as many reflections as the longest line fits into
+  /// the silence it gives.
   double kleeman_s = 0.0;
   /// Reverberation time (60 dB) by Eyring (J. Acoust. Soc. Am. 1 (1930) 217) with the air's absorption.
   double t60_s = 0.0;
@@ -43,16 +48,17 @@ struct FallSilent {
 
 /// Whom each pose may hear: one row of poses for each beacon.
 struct Audience {
-  std::vector<std::vector<std::uint8_t>> heard;   ///< 1: the direct pulse
-  std::vector<std::vector<double>> distance_m;    ///< straight, walls or not
+  std::vector<std::vector<std::uint8_t>> heard;  ///< 1: the direct pulse
+  std::vector<std::vector<double>> distance_m;   ///< straight, walls or not
 };
 
 struct ShareOptions {
-  double reach_m = 0.0;        ///< beyond it neither a pulse nor its echoes are heard
-  /// Walls and beams are taken at their word: two beacons that no pose hears both of may fire together, though an echo may go round.
+  double reach_m = 0.0;  ///< beyond it neither a pulse nor its echoes are heard
+  /// Walls and beams are taken at their word: two beacons that no pose hears both of may fire together,
+  /// though an echo may go round.
   bool trust_walls = false;
-  /// Beacons heard together may fire together where the times at which they come are apart by guard_s all over the area. A receiver
-  /// must then tell an echo of the near one from the far one by other means.
+  /// Beacons heard together may fire together where the times at which they come are apart by guard_s all
+  /// over the area. A receiver must then tell an echo of the near one from the far one by other means.
   bool by_time = false;
   double guard_s = 5e-3;
   double speed_mps = 343.0;
@@ -66,15 +72,16 @@ struct FiringPlan {
   std::size_t beacons = 0;
   std::vector<std::vector<std::size_t>> groups;  ///< beacons that fire together, in the order of their slots
   std::vector<Sharing> sharing;                  ///< beacon-major, beacons by beacons
-  std::size_t least_groups = 0;                  ///< so many beacons confuse each other pairwise: fewer groups cannot do
+  std::size_t least_groups = 0;  ///< so many beacons confuse each other pairwise: fewer groups cannot do
   double slot_s = 0.0;
   [[nodiscard]] double cycle_s() const { return slot_s * static_cast<double>(groups.size()); }
   [[nodiscard]] double one_by_one_s() const { return slot_s * static_cast<double>(beacons); }
   [[nodiscard]] Sharing between(std::size_t a, std::size_t b) const { return sharing[a * beacons + b]; }
 };
 
-/// Groups of beacons that no receiver in the area can confuse, by greedy colouring of the graph of those that can be confused, the
-/// most constrained first (DSATUR: D. Brelaz, Commun. ACM 22 (1979) 251). Ties go by the beacon's number.
+/// Groups of beacons that no receiver in the area can confuse, by greedy colouring of the graph of those that
+/// can be confused, the most constrained first (DSATUR: D. Brelaz, Commun. ACM 22 (1979) 251). Ties go by the
+/// beacon's number.
 [[nodiscard]] FiringPlan share_slots(const Audience& audience, const ShareOptions& options, double slot_s);
 
 }  // namespace octant::survey

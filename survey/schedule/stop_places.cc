@@ -17,7 +17,8 @@ constexpr double kMostPlaces = 2e5;
 
 }  // namespace
 
-Result<StopPlaces> stop_places(const SurveyModel& model, const Scene& scene, double spacing_m, double clearance_m) {
+Result<StopPlaces> stop_places(const SurveyModel& model, const Scene& scene, double spacing_m,
+                               double clearance_m) {
   StopPlaces stops;
   const double area_m2 = std::abs(signed_area_m2(model.floor_m));
   stops.spacing_m = spacing_m > 0 ? spacing_m : std::max(1.0, std::sqrt(area_m2 / kUsualPlaces));
@@ -26,14 +27,19 @@ Result<StopPlaces> stop_places(const SurveyModel& model, const Scene& scene, dou
     if (wall.solid && wall.blocks_vehicle) in_the_way.push_back(wall.points_m);
   stops.may_stop = [floor = model.floor_m, in_the_way, clearance_m](const Eigen::Vector2d& p) {
     if (!is_inside(floor, p) || distance_to_outline_m(floor, p) < clearance_m) return false;
-    return std::none_of(in_the_way.begin(), in_the_way.end(), [&](const Polygon& o) { return is_inside(o, p) || distance_to_outline_m(o, p) < clearance_m; });
+    return std::none_of(in_the_way.begin(), in_the_way.end(), [&](const Polygon& o) {
+      return is_inside(o, p) || distance_to_outline_m(o, p) < clearance_m;
+    });
   };
   Eigen::Vector2d low = model.floor_m.front(), high = low;
   for (const Eigen::Vector2d& p : model.floor_m) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const Eigen::Vector2d size = high - low;
   if (!(size.x() * size.y() / (stops.spacing_m * stops.spacing_m) <= kMostPlaces))
-    return fail({.file = scene.path, .found = fmt::format("a grid of {:g} m makes {:.3g} places", stops.spacing_m, size.x() * size.y() / (stops.spacing_m * stops.spacing_m)),
-                 .expected = fmt::format("{:.0e} places at most", kMostPlaces), .advice = "a wider grid: stops are shifted between its places anyway"});
+    return fail({.file = scene.path,
+                 .found = fmt::format("a grid of {:g} m makes {:.3g} places", stops.spacing_m,
+                                      size.x() * size.y() / (stops.spacing_m * stops.spacing_m)),
+                 .expected = fmt::format("{:.0e} places at most", kMostPlaces),
+                 .advice = "a wider grid: stops are shifted between its places anyway"});
   // Middles of equal cells, so that the places are as far from both edges.
   const Eigen::Array2d count = (size / stops.spacing_m).array().ceil().max(1.0), step = size.array() / count;
   for (double i = 0; i < count.x(); ++i)
@@ -42,8 +48,11 @@ Result<StopPlaces> stop_places(const SurveyModel& model, const Scene& scene, dou
       if (stops.may_stop(p)) stops.places_m.push_back(p);
     }
   if (stops.places_m.empty())
-    return fail({.file = scene.path, .found = fmt::format("no place on the floor is {:g} m from its edge and from obstacles", clearance_m),
-                 .expected = "room for the vehicle", .advice = "a smaller clearance or grid"});
+    return fail({.file = scene.path,
+                 .found = fmt::format("no place on the floor is {:g} m from its edge and from obstacles",
+                                      clearance_m),
+                 .expected = "room for the vehicle",
+                 .advice = "a smaller clearance or grid"});
   return stops;
 }
 

@@ -21,15 +21,20 @@ class Batch : public ::testing::Test {
   void SetUp() override {
     spit(box / "scenario.yaml", hall_scenario("epochs: 150", "epochs: 40"));
     for (const char* seed : {"1", "2"})
-      ASSERT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / (std::string("hall") + seed), "--seed", seed}).exit, 0);
+      ASSERT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / (std::string("hall") + seed), "--seed",
+                        seed})
+                    .exit,
+                0);
   }
   /// A list: hall 1, a site that is not there, a run that is none, hall 2 with a report.
   void list(const std::string& more = "") const {
-    spit(box / "sites.yaml", "octant_batch: 1\nsites:\n"
-                             "- {site: hall1/site.yaml, runs: [hall1/run], output: one.json}\n"
-                             "- {site: nowhere/site.yaml, runs: [hall1/run], output: two.json}\n"
-                             "- {name: third, site: hall1/site.yaml, runs: [hall1], output: three.json, report: three.html}\n"
-                             "- {site: hall2/site.yaml, runs: [hall2/run], output: four.json, report: four.html}\n" + more);
+    spit(box / "sites.yaml",
+         "octant_batch: 1\nsites:\n"
+         "- {site: hall1/site.yaml, runs: [hall1/run], output: one.json}\n"
+         "- {site: nowhere/site.yaml, runs: [hall1/run], output: two.json}\n"
+         "- {name: third, site: hall1/site.yaml, runs: [hall1], output: three.json, report: three.html}\n"
+         "- {site: hall2/site.yaml, runs: [hall2/run], output: four.json, report: four.html}\n" +
+             more);
   }
   [[nodiscard]] Outcome batch(std::vector<std::string> more = {}) const {
     std::vector<std::string> words = {"batch", box / "sites.yaml", "-o", box / "out"};
@@ -43,7 +48,8 @@ class Batch : public ::testing::Test {
   }
   [[nodiscard]] std::vector<std::string> outputs() const {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(box / "out")) names.push_back(entry.path().filename().string());
+    for (const auto& entry : std::filesystem::directory_iterator(box / "out"))
+      names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     return names;
   }
@@ -79,7 +85,10 @@ TEST_F(Batch, ABrokenSiteDoesNotStopTheOthers) {
 
 TEST_F(Batch, IsWhatCalibrateFindsWhateverTheThreads) {
   list();
-  ASSERT_EQ(octant({"calibrate", box / "hall2/site.yaml", box / "hall2/run", "-o", box / "alone.json"}, made_at_zero()).exit, 0);
+  ASSERT_EQ(octant({"calibrate", box / "hall2/site.yaml", box / "hall2/run", "-o", box / "alone.json"},
+                   made_at_zero())
+                .exit,
+            0);
   for (const char* threads : {"1", "3"}) {
     EXPECT_EQ(batch({"--threads", threads}).exit, 3);
     EXPECT_EQ(content(box / "out/four.json"), content(box / "alone.json")) << threads;
@@ -98,7 +107,8 @@ TEST_F(Batch, TellsPeopleInATable) {
 
 TEST_F(Batch, ShardsShareTheList) {
   list();
-  const auto first = batch({"--shard", "1/3", "--json"}).json(), second = batch({"--shard", "2/3", "--json"}).json();
+  const auto first = batch({"--shard", "1/3", "--json"}).json(),
+             second = batch({"--shard", "2/3", "--json"}).json();
   ASSERT_EQ(first["sites"].size(), 2u);
   EXPECT_EQ(first["status"], "ok");
   EXPECT_THAT(outputs(), ElementsAre("four.html", "four.json", "one.json"));
@@ -107,7 +117,8 @@ TEST_F(Batch, ShardsShareTheList) {
   const Outcome beyond = batch({"--shard", "9/9", "--json"});
   EXPECT_EQ(beyond.exit, 0) << "there may be more jobs than sites";
   EXPECT_THAT(beyond.json()["sites"], IsEmpty());
-  for (const char* bad : {"0/3", "4/3", "1", "a/b", "1/3x", "-1/3", "1/0"}) EXPECT_EQ(batch({"--shard", bad}).exit, 2) << bad;
+  for (const char* bad : {"0/3", "4/3", "1", "a/b", "1/3x", "-1/3", "1/0"})
+    EXPECT_EQ(batch({"--shard", bad}).exit, 2) << bad;
 }
 
 TEST_F(Batch, RefusesAListThatIsNone) {
@@ -118,11 +129,13 @@ TEST_F(Batch, RefusesAListThatIsNone) {
 
 TEST_F(Batch, AnInterruptionLeavesWholeFiles) {
   std::string more;
-  for (int i = 0; i < 60; ++i) more += "- {site: hall2/site.yaml, runs: [hall2/run], output: more" + std::to_string(i) + ".json}\n";
+  for (int i = 0; i < 60; ++i)
+    more += "- {site: hall2/site.yaml, runs: [hall2/run], output: more" + std::to_string(i) + ".json}\n";
   list(more);
   RunOptions options;
   options.interrupt_signal = SIGINT;  // as soon as the first site is reported
-  const Outcome stopped = octant({"batch", box / "sites.yaml", "-o", box / "out", "--json", "--threads", "2"}, options);
+  const Outcome stopped =
+      octant({"batch", box / "sites.yaml", "-o", box / "out", "--json", "--threads", "2"}, options);
   EXPECT_EQ(stopped.exit, 130) << stopped.err;
   EXPECT_EQ(stopped.json()["status"], "interrupted");
   EXPECT_EQ(stopped.json()["sites"].size(), 64u);

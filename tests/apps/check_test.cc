@@ -21,7 +21,8 @@ using ::testing::IsEmpty;
 class Check : public ::testing::Test {
  protected:
   void SetUp() override {
-    const std::string fewer = std::regex_replace(hall_scenario(), std::regex("epochs: [0-9]+, epoch_period_s"), "epochs: 40, epoch_period_s");
+    const std::string fewer = std::regex_replace(
+        hall_scenario(), std::regex("epochs: [0-9]+, epoch_period_s"), "epochs: 40, epoch_period_s");
     spit(box / "scenario.yaml", fewer);
     ASSERT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / "hall"}).exit, 0);
   }
@@ -32,7 +33,8 @@ class Check : public ::testing::Test {
     return octant(words);
   }
   /// tof.csv with its rows changed: by the header's names.
-  void rewrite(const std::function<bool(std::vector<std::string>& cells, const std::vector<std::string>& header)>& keep) const {
+  void rewrite(const std::function<bool(std::vector<std::string>& cells,
+                                        const std::vector<std::string>& header)>& keep) const {
     std::istringstream in(slurp(hall("run/tof.csv")));
     std::string line, out;
     std::vector<std::string> header;
@@ -41,8 +43,10 @@ class Check : public ::testing::Test {
       std::istringstream row(line);
       for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
       if (!line.empty() && line.back() == ',') cells.emplace_back();
-      if (header.empty()) header = cells;
-      else if (!keep(cells, header)) continue;
+      if (header.empty())
+        header = cells;
+      else if (!keep(cells, header))
+        continue;
       for (std::size_t i = 0; i < cells.size(); ++i) out += (i > 0 ? "," : "") + cells[i];
       out += "\n";
     }
@@ -63,7 +67,8 @@ TEST_F(Check, AGoodHallIsExit0WithTableAndForecast) {
   const Outcome fine = check();
   EXPECT_EQ(fine.exit, 0) << fine.err;
   EXPECT_THAT(fine.err, IsEmpty());
-  for (const char* word : {"beacon", "arrivals", "robot/r7", "clock jumps", "forecast", "speed", "these data can determine", "present (not opened)"})
+  for (const char* word : {"beacon", "arrivals", "robot/r7", "clock jumps", "forecast", "speed",
+                           "these data can determine", "present (not opened)"})
     EXPECT_THAT(fine.out, HasSubstr(word));
 }
 
@@ -139,29 +144,34 @@ TEST_F(Check, CalibrateNamesExchangedReceiversAndExportsNothing) {
     receiver = receiver == "r0" ? "r4" : receiver == "r4" ? "r0" : receiver;
     return true;
   });
-  const Outcome refused = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "d.json", "--json", "--progress", "none"});
+  const Outcome refused = octant(
+      {"calibrate", hall("site.yaml"), hall("run"), "-o", box / "d.json", "--json", "--progress", "none"});
   EXPECT_EQ(refused.exit, 6) << refused.out;
   const auto object = refused.json();
   EXPECT_EQ(object["verdict"]["grade"], "Contradicted");
   ASSERT_EQ(object["verdict"]["contradictions"].size(), 1U) << "the rest are its consequences";
   EXPECT_EQ(object["verdict"]["contradictions"][0]["kind"], "wiring");
-  EXPECT_THAT(object["error"]["message"].get<std::string>(), HasSubstr("receivers r0 and r4 of robot are exchanged"));
+  EXPECT_THAT(object["error"]["message"].get<std::string>(),
+              HasSubstr("receivers r0 and r4 of robot are exchanged"));
   EXPECT_FALSE(std::filesystem::exists(box / "d.json"));
 }
 
 TEST_F(Check, WithoutEpochsCalibrateSaysSo) {
   std::string text = slurp(hall("run/tof.csv"));
   spit(hall("run/tof.csv"), std::regex_replace(text, std::regex("^([^,]*,)(.*)epoch"), "$1$2colour"));
-  const Outcome refused = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "d.json", "--json", "--progress", "none"});
+  const Outcome refused = octant(
+      {"calibrate", hall("site.yaml"), hall("run"), "-o", box / "d.json", "--json", "--progress", "none"});
   EXPECT_EQ(refused.exit, 5) << refused.out;
   EXPECT_THAT(refused.json()["error"]["advice"].get<std::string>(), HasSubstr("column epoch"));
-  EXPECT_THAT(refused.json()["error"]["message"].get<std::string>(), ::testing::Not(HasSubstr("approximate positions")));
+  EXPECT_THAT(refused.json()["error"]["message"].get<std::string>(),
+              ::testing::Not(HasSubstr("approximate positions")));
   EXPECT_THAT(check().err, HasSubstr("column epoch"));
 }
 
 TEST_F(Check, UndeterminedIsExit5WithCalibratesWords) {
   rewrite([](auto& cells, const auto& header) { return std::stoi(cells[at(header, "epoch")]) < 2; });
-  const Outcome calibrate = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "d.json", "--json", "--progress", "none"});
+  const Outcome calibrate = octant(
+      {"calibrate", hall("site.yaml"), hall("run"), "-o", box / "d.json", "--json", "--progress", "none"});
   ASSERT_EQ(calibrate.exit, 5) << calibrate.out;
   const Outcome refused = check({"--json"});
   EXPECT_EQ(refused.exit, 5);

@@ -20,7 +20,8 @@ TEST(Convert, ACarmenLogBecomesARun) {
   const TemporaryFolder box;
   std::string log = "ODOM 0 0 0 0 0 0 1 h 0.0\n";
   for (int k = 1; k < 4; ++k)
-    log += "FLASER 4 1.0 1.1 1.2 1.3 0 0 0 " + std::to_string(0.5 * k) + " 0 0 1 h " + std::to_string(k) + ".0\n";
+    log += "FLASER 4 1.0 1.1 1.2 1.3 0 0 0 " + std::to_string(0.5 * k) + " 0 0 1 h " + std::to_string(k) +
+           ".0\n";
   spit(box / "log.clf", log);
   const Outcome done = octant({"convert", box / "log.clf", "-o", box / "run", "--json"});
   ASSERT_EQ(done.exit, 0) << done.err;
@@ -35,12 +36,16 @@ TEST(Convert, ACarmenLogBecomesARun) {
 }
 
 constexpr const char* kSite =
-    "octant_site: 1\nname: room\nmotion: planar\nmedium: {model: constant, speed_mps: 345.0}\ntiming: {clock: cycle_offset, delay_per: none}\n"
-    "noise: {tof_sigma_s: 1.0e-5}\nbeacons:\n  - {id: B0, position_m: [0.0, 0.0, 2.0], sigma_m: 0.0}\n  - {id: B1, position_m: [9.0, 0.0, 2.0], sigma_m: 0.0}\n"
-    "  - {id: B2, position_m: [9.0, 8.0, 2.0], sigma_m: 0.0}\n  - {id: B3, position_m: [0.0, 8.0, 2.0], sigma_m: 0.0}\nvehicles:\n"
+    "octant_site: 1\nname: room\nmotion: planar\nmedium: {model: constant, speed_mps: 345.0}\ntiming: "
+    "{clock: cycle_offset, delay_per: none}\n"
+    "noise: {tof_sigma_s: 1.0e-5}\nbeacons:\n  - {id: B0, position_m: [0.0, 0.0, 2.0], sigma_m: 0.0}\n  - "
+    "{id: B1, position_m: [9.0, 0.0, 2.0], sigma_m: 0.0}\n"
+    "  - {id: B2, position_m: [9.0, 8.0, 2.0], sigma_m: 0.0}\n  - {id: B3, position_m: [0.0, 8.0, 2.0], "
+    "sigma_m: 0.0}\nvehicles:\n"
     "  - {id: robot, receivers: {layout: octagon, side_m: 0.050, height_m: 0.30, sigma_m: 0.0}}\n";
 
-/// Unlabelled pulses of a schedule: the first of each channel in a beacon's slot is that beacon's, echoes are dropped.
+/// Unlabelled pulses of a schedule: the first of each channel in a beacon's slot is that beacon's, echoes are
+/// dropped.
 TEST(Convert, APulseLogIsLabelled) {
   const TemporaryFolder box;
   spit(box / "site.yaml", kSite);
@@ -50,13 +55,15 @@ TEST(Convert, APulseLogIsLabelled) {
   for (int cycle = 0; cycle < 6; ++cycle)
     for (int beacon = 0; beacon < 4; ++beacon)
       for (int twice = 0; twice < (beacon == 0 ? 2 : 1); ++twice) {
-        const double flight_s = std::sqrt(std::pow(x[beacon] - 4.0, 2) + std::pow(y[beacon] - 3.0, 2) + 1.7 * 1.7) / 345.0;
+        const double flight_s =
+            std::sqrt(std::pow(x[beacon] - 4.0, 2) + std::pow(y[beacon] - 3.0, 2) + 1.7 * 1.7) / 345.0;
         const double time_s = 100.0 + (4 * cycle + beacon) * 0.150 + twice * 5.5e-3 + flight_s;
         pulses << std::to_string(time_s) << ",0,0.0025,2.0\n";
         if (twice == (beacon == 0)) pulses << std::to_string(time_s + 0.02) << ",0,0.0025,0.4\n";  // an echo
       }
   pulses.close();
-  const Outcome done = octant({"convert", box / "pulses.csv", "-o", box / "run", "--format", "pulses", "--site", box / "site.yaml", "--json"});
+  const Outcome done = octant({"convert", box / "pulses.csv", "-o", box / "run", "--format", "pulses",
+                               "--site", box / "site.yaml", "--json"});
   ASSERT_EQ(done.exit, 0) << done.err;
   std::vector<std::string> beacons;
   for (const char* b : {"B0", "B1", "B2", "B3"}) beacons.emplace_back(b);
@@ -72,11 +79,13 @@ TEST(Convert, APulseLogIsLabelled) {
     const std::size_t b = a.beacon.index();
     const double flight_s = std::sqrt(std::pow(x[b] - 4.0, 2) + std::pow(y[b] - 3.0, 2) + 1.7 * 1.7) / 345.0;
     const double first_s = std::sqrt(16.0 + 9.0 + 1.7 * 1.7) / 345.0;
-    EXPECT_NEAR(a.tof_s, flight_s - first_s, 2e-6) << a.epoch << " " << b;  // times are written to a microsecond
+    EXPECT_NEAR(a.tof_s, flight_s - first_s, 2e-6)
+        << a.epoch << " " << b;  // times are written to a microsecond
   }
   // Noise without a double pulse is no log of such a system.
   spit(box / "noise.csv", "time_s,channel,duration_s,amplitude_v\n1.0,0,0.0025,1.0\n1.3,0,0.0025,1.0\n");
-  const Outcome none = octant({"convert", box / "noise.csv", "-o", box / "none", "--format", "pulses", "--site", box / "site.yaml"});
+  const Outcome none = octant(
+      {"convert", box / "noise.csv", "-o", box / "none", "--format", "pulses", "--site", box / "site.yaml"});
   EXPECT_EQ(none.exit, 3);
   EXPECT_THAT(none.err, HasSubstr("double pulse"));
   EXPECT_FALSE(std::filesystem::exists(box / "none"));
@@ -84,10 +93,12 @@ TEST(Convert, APulseLogIsLabelled) {
 
 TEST(Convert, CountersNeedASite) {
   const TemporaryFolder box;
-  spit(box / "counts.csv", "time_s,epoch,beacon,receiver,counts\n0.0,0,B1,r0,200000\n0.1,0,B1,r0,200004\n0.2,0,B2,r0,300000\n");
+  spit(box / "counts.csv",
+       "time_s,epoch,beacon,receiver,counts\n0.0,0,B1,r0,200000\n0.1,0,B1,r0,200004\n0.2,0,B2,r0,300000\n");
   EXPECT_EQ(octant({"convert", box / "counts.csv", "-o", box / "run", "--format", "counters"}).exit, 2);
   spit(box / "site.yaml", kSite);
-  const Outcome done = octant({"convert", box / "counts.csv", "-o", box / "run", "--site", box / "site.yaml", "--json"});
+  const Outcome done =
+      octant({"convert", box / "counts.csv", "-o", box / "run", "--site", box / "site.yaml", "--json"});
   ASSERT_EQ(done.exit, 0) << done.err;
   EXPECT_EQ(done.json()["arrivals"], 2);
   EXPECT_THAT(slurp((box / "run") + "/tof.csv"), HasSubstr("0.0100001"));

@@ -13,7 +13,8 @@
 
 namespace octant::test {
 
-/// A simulated hall in a folder of its own, smaller than the demo's, and a folder beside it for what is made of it.
+/// A simulated hall in a folder of its own, smaller than the demo's, and a folder beside it for what is made
+/// of it.
 class HallFolder : public ::testing::Test {
  protected:
   void SetUp() override { make(40); }
@@ -27,13 +28,15 @@ class HallFolder : public ::testing::Test {
   [[nodiscard]] std::string hall(const std::string& name) const { return box / ("hall/" + name); }
   [[nodiscard]] std::string out(const std::string& name) const { return box / ("out/" + name); }
   [[nodiscard]] Outcome calibrate(std::vector<std::string> more = {}) const {
-    std::vector<std::string> words = {"calibrate", hall("site.yaml"), hall("run"), "-o", out("d.json"), "--progress", "none"};
+    std::vector<std::string> words = {"calibrate",   hall("site.yaml"), hall("run"), "-o",
+                                      out("d.json"), "--progress",      "none"};
     words.insert(words.end(), more.begin(), more.end());
     return octant(words);
   }
   [[nodiscard]] std::vector<std::string> outputs() const {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(box / "out")) names.push_back(entry.path().filename().string());
+    for (const auto& entry : std::filesystem::directory_iterator(box / "out"))
+      names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     return names;
   }

@@ -16,17 +16,21 @@ using ::testing::HasSubstr;
 class Methods : public ::testing::Test {
  protected:
   void make(const std::string& folder) {
-    const Outcome made = octant({"simulate", std::string(OCTANT_SOURCE_DIR) + "/datasets/" + folder + "/scenario.yaml", "-o", box / "w"});
+    const Outcome made =
+        octant({"simulate", std::string(OCTANT_SOURCE_DIR) + "/datasets/" + folder + "/scenario.yaml", "-o",
+                box / "w"});
     ASSERT_EQ(made.exit, 0) << made.err;
   }
   [[nodiscard]] Outcome localize(const std::vector<std::string>& more) const {
-    std::vector<std::string> words = {"localize", box / "w/deployment.true.json", box / "w/heldout", "-o", box / "f.tum", "--json"};
+    std::vector<std::string> words = {
+        "localize", box / "w/deployment.true.json", box / "w/heldout", "-o", box / "f.tum", "--json"};
     words.insert(words.end(), more.begin(), more.end());
     return octant(words);
   }
   /// Rows of verify --all-methods by name.
   [[nodiscard]] std::map<std::string, nlohmann::json> compare() const {
-    const Outcome said = octant({"verify", box / "w/deployment.true.json", box / "w/heldout", "--all-methods", "--json"});
+    const Outcome said =
+        octant({"verify", box / "w/deployment.true.json", box / "w/heldout", "--all-methods", "--json"});
     EXPECT_EQ(said.exit, 0) << said.err;
     std::map<std::string, nlohmann::json> rows;
     const nlohmann::json object = said.json();
@@ -42,7 +46,8 @@ TEST_F(Methods, AreComparedOnTheSameRun) {
   EXPECT_EQ(rows.size(), 9U);
   for (const char* method : {"head_tail", "least_squares", "one_beacon"}) {
     ASSERT_TRUE(rows.at(method)["possible"].get<bool>()) << method;
-    EXPECT_LT(rows.at(method)["position_rmse_m"].get<double>(), 0.002) << method;  // the datasets' README: 1.3 mm
+    EXPECT_LT(rows.at(method)["position_rmse_m"].get<double>(), 0.002)
+        << method;  // the datasets' README: 1.3 mm
     EXPECT_GE(rows.at(method)["fixes"].get<int>(), 38) << method;
   }
   EXPECT_FALSE(rows.at("rail")["possible"].get<bool>());
@@ -68,12 +73,13 @@ TEST_F(Methods, AutoMatchesUnlabelledBearings) {
   EXPECT_GE(said["fixes"].get<int>(), 55);
 }
 
-/// `--heading`: from which receivers hear, as published and as sectors, and interpolated; datasets/kleeman/README.md.
+/// `--heading`: from which receivers hear, as published and as sectors, and interpolated;
+/// datasets/kleeman/README.md.
 TEST_F(Methods, KleemansHeadingIsChosen) {
   make("kleeman");
   const auto heading_rad = [&](const char* from) {
-    const Outcome said =
-        octant({"verify", box / "w/deployment.true.json", box / "w/heldout", "--method", "kleeman", "--heading", from, "--json"});
+    const Outcome said = octant({"verify", box / "w/deployment.true.json", box / "w/heldout", "--method",
+                                 "kleeman", "--heading", from, "--json"});
     EXPECT_EQ(said.exit, 0) << said.err;
     return said.json()["heading_rmse_rad"].get<double>();
   };

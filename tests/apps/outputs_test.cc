@@ -31,14 +31,18 @@ TEST_F(Outputs, NoneIsWrittenOverAnInput) {
   expect_kept({"calibrate", site, run, "-o", site}, site);
   expect_kept({"calibrate", site, run, "-o", run + "/tof.csv"}, run + "/tof.csv");
   expect_kept({"calibrate", site, run, "-o", run + "/../run/./tof.csv"}, run + "/tof.csv");
-  expect_kept({"calibrate", site, run, "-o", out("e.json"), "--report", out("e.html"), "--since", d, "--report", d}, d);
+  expect_kept(
+      {"calibrate", site, run, "-o", out("e.json"), "--report", out("e.html"), "--since", d, "--report", d},
+      d);
   expect_kept({"localize", d, heldout, "-o", d}, d);
-  expect_kept({"localize", d, heldout, "-o", out("f.tum"), "--csv", heldout + "/run.yaml"}, heldout + "/run.yaml");
+  expect_kept({"localize", d, heldout, "-o", out("f.tum"), "--csv", heldout + "/run.yaml"},
+              heldout + "/run.yaml");
   expect_kept({"verify", d, heldout, "--report", d}, d);
   expect_kept({"report", d, "-o", d}, d);
   expect_kept({"survey", site, "-o", site}, site);
   expect_kept({"plan", site, "--stations", "1", "--csv", site}, site);
-  expect_kept({"convert", run + "/tof.csv", "--site", site, "--format", "counters", "-o", run}, run + "/tof.csv");
+  expect_kept({"convert", run + "/tof.csv", "--site", site, "--format", "counters", "-o", run},
+              run + "/tof.csv");
   expect_kept({"simulate", hall("scenario.yaml"), "-o", box / "hall"}, hall("scenario.yaml"));
   // A name that a run gives meaning to is the run's, whether it lies there or not.
   EXPECT_EQ(octant({"localize", d, run, "-o", run + "/bearings.csv"}).exit, 2);
@@ -54,12 +58,16 @@ TEST_F(Outputs, LinksAreFollowed) {
 }
 
 TEST_F(Outputs, NoneIsWrittenOverAnother) {
-  const Outcome twice = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", out("a.html"), "--report", out("a.html"), "--json"});
+  const Outcome twice = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", out("a.html"), "--report",
+                                out("a.html"), "--json"});
   EXPECT_EQ(twice.exit, 2);
   EXPECT_EQ(twice.json()["error"]["code"], "usage");
   EXPECT_FALSE(std::filesystem::exists(out("a.html")));
   std::filesystem::create_symlink(out("b.json"), out("to_b.md"));  // which leads nowhere yet
-  EXPECT_EQ(octant({"calibrate", hall("site.yaml"), hall("run"), "-o", out("b.json"), "--report", out("to_b.md")}).exit, 2);
+  EXPECT_EQ(
+      octant({"calibrate", hall("site.yaml"), hall("run"), "-o", out("b.json"), "--report", out("to_b.md")})
+          .exit,
+      2);
   EXPECT_EQ(calibrate({"--report", out("c.html")}).exit, 0) << "two files of their own";
 }
 
@@ -128,7 +136,8 @@ TEST(Words, HelpIsACommandToo) {
 
 TEST(Words, TheSchemaOfARunListsTheColumnsOfAllItsFiles) {
   const std::string schema = octant({"schema", "run"}).out;
-  for (const char* column : {"dx_m", "dheading_rad", "bearing_rad", "angle_increment_rad", "distance_m", "level_dbm", "heading_sigma_rad"})
+  for (const char* column : {"dx_m", "dheading_rad", "bearing_rad", "angle_increment_rad", "distance_m",
+                             "level_dbm", "heading_sigma_rad"})
     EXPECT_THAT(schema, HasSubstr(column));
 }
 

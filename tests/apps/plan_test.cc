@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// octant plan as a process: stops, beacons, schedules; exit codes, one JSON object, outputs whole or not at all.
+// octant plan as a process: stops, beacons, schedules; exit codes, one JSON object, outputs whole or not at
+// all.
 #include <algorithm>
 #include <filesystem>
 #include <regex>
@@ -21,7 +22,8 @@ class Plan : public ::testing::Test {
  protected:
   /// The bundled hall with a floor, mounts and a range.
   void SetUp() override {
-    const std::string fewer = std::regex_replace(hall_scenario(), std::regex("epochs: [0-9]+, epoch_period_s"), "epochs: 30, epoch_period_s");
+    const std::string fewer = std::regex_replace(
+        hall_scenario(), std::regex("epochs: [0-9]+, epoch_period_s"), "epochs: 30, epoch_period_s");
     spit(box / "scenario.yaml", fewer);
     ASSERT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / "hall"}).exit, 0);
     site = box / "site.yaml";
@@ -46,7 +48,8 @@ scene:
 TEST_F(Plan, StopsAsTextJsonAndCsv) {
   const Outcome text = plan({"--stations", "3", "--grid", "3", "--csv", box / "stops.csv"});
   EXPECT_EQ(text.exit, 0) << text.err;
-  for (const char* word : {"3 stops, the best first", "heading [deg]", "mean sigma", "random stops"}) EXPECT_THAT(text.out, HasSubstr(word));
+  for (const char* word : {"3 stops, the best first", "heading [deg]", "mean sigma", "random stops"})
+    EXPECT_THAT(text.out, HasSubstr(word));
   EXPECT_THAT(slurp(box / "stops.csv"), HasSubstr("order,x_m,y_m,heading_rad"));
   const auto object = plan({"--stations", "3", "--grid", "3", "--json"}).json();
   EXPECT_EQ(object["status"], "ok");
@@ -56,7 +59,8 @@ TEST_F(Plan, StopsAsTextJsonAndCsv) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& stop = object["stations"][i];
-    EXPECT_THAT(csv, HasSubstr(fmt::format("\n{},{:.3f},{:.3f},{:.4f},", i + 1, stop["x_m"].get<double>(), stop["y_m"].get<double>(), stop["heading_rad"].get<double>())));
+    EXPECT_THAT(csv, HasSubstr(fmt::format("\n{},{:.3f},{:.3f},{:.4f},", i + 1, stop["x_m"].get<double>(),
+                                           stop["y_m"].get<double>(), stop["heading_rad"].get<double>())));
   }
   double sigma = object["before"]["mean_sigma_m"];
   for (const auto& stop : object["stations"]) {
@@ -74,9 +78,11 @@ TEST_F(Plan, StopsAfterARecordingAndAfterADeployment) {
   const auto after_run = plan({box / "hall/run", "--stations", "2", "--grid", "3", "--json"});
   ASSERT_EQ(after_run.exit, 0) << after_run.out;
   ASSERT_EQ(octant({"calibrate", site, box / "hall/run", "-o", box / "d.json", "-q"}).exit, 0);
-  const auto after_deployment = octant({"plan", box / "d.json", "--stations", "2", "--grid", "3", "--range", "12", "--json", "--progress", "none"});
+  const auto after_deployment = octant({"plan", box / "d.json", "--stations", "2", "--grid", "3", "--range",
+                                        "12", "--json", "--progress", "none"});
   ASSERT_EQ(after_deployment.exit, 0) << after_deployment.out;
-  const double a = after_run.json()["before"]["mean_sigma_m"], b = after_deployment.json()["before"]["mean_sigma_m"];
+  const double a = after_run.json()["before"]["mean_sigma_m"],
+               b = after_deployment.json()["before"]["mean_sigma_m"];
   EXPECT_NEAR(a, b, 1e-6 * a) << "both know what the calibration knew";
   EXPECT_LT(after_run.json()["after"]["mean_sigma_m"].get<double>(), a);
   EXPECT_EQ(octant({"plan", box / "d.json", box / "hall/run", "--stations", "2", "--json"}).exit, 2);
@@ -85,13 +91,15 @@ TEST_F(Plan, StopsAfterARecordingAndAfterADeployment) {
 TEST_F(Plan, BeaconsIntoANewSiteThatCanBeSurveyed) {
   const std::vector<std::string> cheap = {"--evaluations", "40", "--algorithm", "none", "--restarts", "0"};
   auto words = cheap;
-  words.insert(words.end(), {"--beacons", "4", "-o", box / "new.yaml", "--report", box / "proof.html", "--json"});
+  words.insert(words.end(),
+               {"--beacons", "4", "-o", box / "new.yaml", "--report", box / "proof.html", "--json"});
   const Outcome made = plan(words);
   ASSERT_EQ(made.exit, 0) << made.out << made.err;
   const auto object = made.json();
   EXPECT_EQ(object["beacons"].size(), 4U);
   EXPECT_EQ(object["proof"].size(), 1U);
-  EXPECT_LE(object["figures"]["objective_m"].get<double>(), object["proof"][0]["greedy"]["objective_m"].get<double>());
+  EXPECT_LE(object["figures"]["objective_m"].get<double>(),
+            object["proof"][0]["greedy"]["objective_m"].get<double>());
   EXPECT_THAT(slurp(box / "proof.html"), HasSubstr("</html>"));
   const std::string text = slurp(box / "new.yaml");
   EXPECT_THAT(text, HasSubstr("id: B3"));
@@ -107,7 +115,8 @@ TEST_F(Plan, BeaconsIntoANewSiteThatCanBeSurveyed) {
 }
 
 TEST_F(Plan, AToleranceOutOfReachIsExit6) {
-  const Outcome never = plan({"--tolerance", "1e-6", "--most", "4", "--evaluations", "20", "--algorithm", "none", "--restarts", "0", "--json"});
+  const Outcome never = plan({"--tolerance", "1e-6", "--most", "4", "--evaluations", "20", "--algorithm",
+                              "none", "--restarts", "0", "--json"});
   EXPECT_EQ(never.exit, 6) << never.out;
   const auto object = never.json();
   EXPECT_EQ(object["status"], "gate_failed");
@@ -118,13 +127,16 @@ TEST_F(Plan, AToleranceOutOfReachIsExit6) {
 TEST_F(Plan, ScheduleOfTheHall) {
   const Outcome text = plan({"--schedule", "--wall-reflection", "0.7"});
   EXPECT_EQ(text.exit, 0) << text.err;
-  for (const char* word : {"Kleeman's eq. 1", "cycle", "fires at", "Eyring"}) EXPECT_THAT(text.out, HasSubstr(word));
+  for (const char* word : {"Kleeman's eq. 1", "cycle", "fires at", "Eyring"})
+    EXPECT_THAT(text.out, HasSubstr(word));
   const auto object = plan({"--schedule", "--json"}).json();
   std::size_t beacons = 0;
   for (const auto& group : object["groups"]) beacons += group["beacons"].size();
   EXPECT_EQ(beacons, 8U);
-  EXPECT_DOUBLE_EQ(object["cycle_s"].get<double>(), object["slot_s"].get<double>() * static_cast<double>(object["groups"].size()));
-  EXPECT_EQ(octant({"plan", box / "hall/site.yaml", "--schedule", "--json"}).exit, 3) << "nothing says how far a pulse is heard";
+  EXPECT_DOUBLE_EQ(object["cycle_s"].get<double>(),
+                   object["slot_s"].get<double>() * static_cast<double>(object["groups"].size()));
+  EXPECT_EQ(octant({"plan", box / "hall/site.yaml", "--schedule", "--json"}).exit, 3)
+      << "nothing says how far a pulse is heard";
 }
 
 TEST_F(Plan, WrongWordsAndBadInput) {
@@ -140,13 +152,16 @@ TEST_F(Plan, WrongWordsAndBadInput) {
   EXPECT_EQ(plan({"--stations", "2", "--clearance", "7"}).exit, 3);
   EXPECT_EQ(plan({"--beacons", "3", "-o", box / "nowhere/new.yaml", "--json"}).exit, 3);
   EXPECT_EQ(octant({"plan", box / "missing.yaml", "--schedule", "--json"}).exit, 3);
-  EXPECT_THAT(box.names(), ElementsAre("hall", "scenario.yaml", "site.yaml")) << "nothing is written on failure";
+  EXPECT_THAT(box.names(), ElementsAre("hall", "scenario.yaml", "site.yaml"))
+      << "nothing is written on failure";
 }
 
 TEST_F(Plan, HelpSaysWhatIsPlanned) {
   const Outcome help = octant({"plan", "--help"});
   EXPECT_EQ(help.exit, 0);
-  for (const char* word : {"--beacons", "--stations", "--schedule", "--keep", "Where to stop next", "octant plan hall/site.yaml --stations 5"}) EXPECT_THAT(help.out, HasSubstr(word));
+  for (const char* word : {"--beacons", "--stations", "--schedule", "--keep", "Where to stop next",
+                           "octant plan hall/site.yaml --stations 5"})
+    EXPECT_THAT(help.out, HasSubstr(word));
 }
 
 }  // namespace

@@ -34,7 +34,8 @@ Channel pipe_channel(std::string* text) {
 Channel terminal_channel(std::string* text) {
   Channel channel;
   channel.text = text;
-  if (openpty(&channel.ours, &channel.theirs, nullptr, nullptr, nullptr) != 0) throw std::runtime_error("openpty");
+  if (openpty(&channel.ours, &channel.theirs, nullptr, nullptr, nullptr) != 0)
+    throw std::runtime_error("openpty");
   fcntl(channel.ours, F_SETFD, FD_CLOEXEC);
   return channel;
 }
@@ -51,7 +52,8 @@ bool has_terminals() {
 
 namespace {
 
-[[noreturn]] void become_octant(const std::vector<std::string>& words, const RunOptions& options, int out, int err) {
+[[noreturn]] void become_octant(const std::vector<std::string>& words, const RunOptions& options, int out,
+                                int err) {
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
@@ -133,7 +135,8 @@ TemporaryFolder::~TemporaryFolder() {
 
 std::vector<std::string> TemporaryFolder::names() const {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(path_)) names.push_back(entry.path().filename().string());
+  for (const auto& entry : std::filesystem::directory_iterator(path_))
+    names.push_back(entry.path().filename().string());
   std::sort(names.begin(), names.end());
   return names;
 }

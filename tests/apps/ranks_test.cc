@@ -20,19 +20,25 @@ struct Shell {
   std::string out, err;
 };
 
-/// `mpirun -n ranks octant ...` as root and with more processes than cores, as in a container of continuous integration.
-Shell mpirun(int ranks, const std::string& words, const TemporaryFolder& folder, const std::string& before = "") {
+/// `mpirun -n ranks octant ...` as root and with more processes than cores, as in a container of continuous
+/// integration.
+Shell mpirun(int ranks, const std::string& words, const TemporaryFolder& folder,
+             const std::string& before = "") {
   const std::string out = folder / "out", err = folder / "err";
   // OpenMPI itself keeps what it allocates, which the address sanitizer would call leaks of ours.
-  const std::string command = before + " ASAN_OPTIONS=detect_leaks=0 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n " + std::to_string(ranks) +
-                              " " OCTANT_MPI_BINARY " " + words + " > '" + out + "' 2> '" + err + "'";
+  const std::string command = before +
+                              " ASAN_OPTIONS=detect_leaks=0 OMPI_ALLOW_RUN_AS_ROOT=1 "
+                              "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n " +
+                              std::to_string(ranks) + " " OCTANT_MPI_BINARY " " + words + " > '" + out +
+                              "' 2> '" + err + "'";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(out), slurp(err)};
 }
 
 std::string simulated_hall(const TemporaryFolder& folder) {
   const std::string world = folder / "hall";
-  EXPECT_EQ(octant({"simulate", OCTANT_SOURCE_DIR "/datasets/hall/scenario.yaml", "-o", world, "-q"}).exit, 0);
+  EXPECT_EQ(octant({"simulate", OCTANT_SOURCE_DIR "/datasets/hall/scenario.yaml", "-o", world, "-q"}).exit,
+            0);
   return world;
 }
 
@@ -43,7 +49,10 @@ TEST(Ranks, FourGiveTheAnswerOfOne) {
   int i = 0;
   for (const int ranks : {1, 4}) {
     const std::string deployment = folder / ("deployment" + std::to_string(ranks) + ".json");
-    const Shell done = mpirun(ranks, "calibrate '" + world + "/site.yaml' '" + world + "/run' -o '" + deployment + "' --json --threads 1", folder);
+    const Shell done = mpirun(
+        ranks,
+        "calibrate '" + world + "/site.yaml' '" + world + "/run' -o '" + deployment + "' --json --threads 1",
+        folder);
     ASSERT_EQ(done.exit, 0) << done.err;
     answer[i++] = nlohmann::json::parse(slurp(deployment));
     // One rank talks: one object, not four.
@@ -52,10 +61,12 @@ TEST(Ranks, FourGiveTheAnswerOfOne) {
   ASSERT_EQ(answer[0]["beacons"].size(), answer[1]["beacons"].size());
   for (std::size_t b = 0; b < answer[0]["beacons"].size(); ++b)
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double one = answer[0]["beacons"][b]["position_m"][axis], four = answer[1]["beacons"][b]["position_m"][axis];
+      const double one = answer[0]["beacons"][b]["position_m"][axis],
+                   four = answer[1]["beacons"][b]["position_m"][axis];
       EXPECT_NEAR(one, four, 1e-9 * std::max(1.0, std::abs(one)));
     }
-  const auto &one = answer[0]["covariance"]["upper_triangle"], &four = answer[1]["covariance"]["upper_triangle"];
+  const auto &one = answer[0]["covariance"]["upper_triangle"],
+             &four = answer[1]["covariance"]["upper_triangle"];
   ASSERT_EQ(one.size(), four.size());
   double largest = 0.0, off = 0.0;
   for (std::size_t k = 0; k < one.size(); ++k) {
@@ -75,7 +86,10 @@ TEST(Ranks, ShareALogThatIsStreamed) {
   std::vector<nlohmann::json> answers;
   for (const int ranks : {1, 2, 4}) {
     const std::string deployment = folder / ("deployment" + std::to_string(ranks) + ".json");
-    const Shell done = mpirun(ranks, "calibrate '" + world + "/site.yaml' '" + world + "/run' -o '" + deployment + "' --memory-mb 1 --json --threads 1", folder);
+    const Shell done = mpirun(ranks,
+                              "calibrate '" + world + "/site.yaml' '" + world + "/run' -o '" + deployment +
+                                  "' --memory-mb 1 --json --threads 1",
+                              folder);
     ASSERT_EQ(done.exit, 0) << done.err;
     EXPECT_EQ(nlohmann::json::parse(done.out)["streamed"]["epochs"], 1500);
     answers.push_back(nlohmann::json::parse(slurp(deployment)));
@@ -83,7 +97,8 @@ TEST(Ranks, ShareALogThatIsStreamed) {
   for (const nlohmann::json& answer : answers) {
     for (std::size_t b = 0; b < answer["beacons"].size(); ++b)
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double one = answers[0]["beacons"][b]["position_m"][axis], many = answer["beacons"][b]["position_m"][axis];
+        const double one = answers[0]["beacons"][b]["position_m"][axis],
+                     many = answer["beacons"][b]["position_m"][axis];
         EXPECT_NEAR(one, many, 1e-9 * std::max(1.0, std::abs(one)));
       }
     EXPECT_EQ(answer["statistics"]["arrivals"], answers[0]["statistics"]["arrivals"]);
@@ -95,7 +110,10 @@ TEST(Ranks, ShareALogThatIsStreamed) {
 TEST(Ranks, BadInputIsSaidOnce) {
   const TemporaryFolder folder;
   spit(folder / "site.yaml", "octant_site: 1\nname: [\n");
-  const Shell done = mpirun(3, "calibrate '" + (folder / "site.yaml") + "' '" + (folder / "nowhere") + "' -o '" + (folder / "d.json") + "'", folder);
+  const Shell done = mpirun(3,
+                            "calibrate '" + (folder / "site.yaml") + "' '" + (folder / "nowhere") + "' -o '" +
+                                (folder / "d.json") + "'",
+                            folder);
   EXPECT_EQ(done.exit, 3);
   const std::size_t first = done.err.find("site.yaml");
   ASSERT_NE(first, std::string::npos) << done.err;
@@ -106,12 +124,15 @@ TEST(Ranks, BadInputIsSaidOnce) {
 TEST(Ranks, OneThatFailsEndsTheJob) {
   const TemporaryFolder folder;
   const std::string world = simulated_hall(folder);
-  const std::string words = "calibrate '" + world + "/site.yaml' '" + world + "/run' -o '" + (folder / "d.json") + "'";
+  const std::string words =
+      "calibrate '" + world + "/site.yaml' '" + world + "/run' -o '" + (folder / "d.json") + "'";
   // The second rank is given a run that is not there.
   const std::string out = folder / "out", err = folder / "err";
-  const std::string command = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpirun --oversubscribe -n 1 " OCTANT_MPI_BINARY " " + words +
-                              " : -n 1 " OCTANT_MPI_BINARY " calibrate '" + world + "/site.yaml' '" + (folder / "nowhere") + "' -o '" + (folder / "d.json") + "' > '" + out +
-                              "' 2> '" + err + "'";
+  const std::string command =
+      "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpirun --oversubscribe -n "
+      "1 " OCTANT_MPI_BINARY " " +
+      words + " : -n 1 " OCTANT_MPI_BINARY " calibrate '" + world + "/site.yaml' '" + (folder / "nowhere") +
+      "' -o '" + (folder / "d.json") + "' > '" + out + "' 2> '" + err + "'";
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 3) << slurp(err);
@@ -122,10 +143,11 @@ TEST(Ranks, OneThatFailsEndsTheJob) {
 TEST(Ranks, ShareABatch) {
   const TemporaryFolder folder;
   const std::string world = simulated_hall(folder);
-  spit(folder / "sites.yaml", "octant_batch: 1\nsites:\n"
-                              "  - {name: first, site: hall/site.yaml, runs: [hall/run], output: first.json}\n"
-                              "  - {name: broken, site: hall/none.yaml, runs: [hall/run], output: broken.json}\n"
-                              "  - {name: last, site: hall/site.yaml, runs: [hall/run], output: last.json}\n");
+  spit(folder / "sites.yaml",
+       "octant_batch: 1\nsites:\n"
+       "  - {name: first, site: hall/site.yaml, runs: [hall/run], output: first.json}\n"
+       "  - {name: broken, site: hall/none.yaml, runs: [hall/run], output: broken.json}\n"
+       "  - {name: last, site: hall/site.yaml, runs: [hall/run], output: last.json}\n");
   const Shell done = mpirun(2, "batch '" + (folder / "sites.yaml") + "' --json --threads 1", folder);
   EXPECT_EQ(done.exit, 3) << done.err;
   const auto object = nlohmann::json::parse(done.out);

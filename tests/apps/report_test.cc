@@ -24,7 +24,8 @@ using ::testing::Not;
 class Report : public HallFolder {};
 
 TEST_F(Report, AllFormsFromOneCalibration) {
-  const Outcome done = calibrate({"--report", out("r.html"), "--report", out("r.md"), "--report", out("r.json"), "--report-static", "--json"});
+  const Outcome done = calibrate({"--report", out("r.html"), "--report", out("r.md"), "--report",
+                                  out("r.json"), "--report-static", "--json"});
   ASSERT_EQ(done.exit, 0) << done.err;
   EXPECT_THAT(outputs(), ElementsAre("d.json", "r.html", "r.json", "r.md"));
   // Numbers and their units are tied together in the page.
@@ -44,7 +45,8 @@ TEST_F(Report, SavedResultMakesTheSameReport) {
   const Outcome again = octant({"report", out("r.json"), "-o", out("again.html"), "-o", out("again.json")});
   ASSERT_EQ(again.exit, 0) << again.err;
   // The command that wrote the report is another one; all else is the same.
-  auto saved = nlohmann::json::parse(slurp(out("r.json"))), copy = nlohmann::json::parse(slurp(out("again.json")));
+  auto saved = nlohmann::json::parse(slurp(out("r.json"))),
+       copy = nlohmann::json::parse(slurp(out("again.json")));
   EXPECT_NE(saved["command"], copy["command"]);
   copy["command"] = saved["command"];
   EXPECT_EQ(saved, copy);
@@ -60,12 +62,14 @@ TEST_F(Report, FromADeploymentAloneAndWithARun) {
   ASSERT_EQ(octant({"report", out("d.json"), "-o", out("r.md")}).exit, 0);
   EXPECT_THAT(slurp(out("r.md")), Not(HasSubstr("## Verification")));
   EXPECT_THAT(slurp(out("r.md")), HasSubstr("## When a beacon falls silent"));
-  const Outcome with_run = octant({"report", out("d.json"), box / "hall/heldout", "-o", out("r.md"), "--since", box / "hall/deployment.true.json", "--json"});
+  const Outcome with_run = octant({"report", out("d.json"), box / "hall/heldout", "-o", out("r.md"),
+                                   "--since", box / "hall/deployment.true.json", "--json"});
   ASSERT_EQ(with_run.exit, 0) << with_run.err;
   EXPECT_THAT(slurp(out("r.md")), HasSubstr("## Verification"));
   EXPECT_THAT(slurp(out("r.md")), HasSubstr("## Changes since an earlier deployment"));
   EXPECT_TRUE(with_run.json()["verdict"]["next"].is_array());
-  const Outcome verified = octant({"verify", out("d.json"), box / "hall/heldout", "--report", out("v.html"), "--report-static"});
+  const Outcome verified =
+      octant({"verify", out("d.json"), box / "hall/heldout", "--report", out("v.html"), "--report-static"});
   ASSERT_EQ(verified.exit, 0) << verified.err;
   EXPECT_THAT(slurp(out("v.html")), HasSubstr("Verification with held-out runs"));
 }
@@ -98,7 +102,8 @@ TEST_F(Report, SiteSheetNamesTheDeployment) {
   const std::string sheet = slurp(out("s.html"));
   EXPECT_THAT(sheet, HasSubstr(nlohmann::json::parse(slurp(out("d.json")))["digest"].get<std::string>()));
   std::size_t codes = 0;
-  for (std::size_t at = sheet.find("QR code"); at != std::string::npos; at = sheet.find("QR code", at + 1)) ++codes;
+  for (std::size_t at = sheet.find("QR code"); at != std::string::npos; at = sheet.find("QR code", at + 1))
+    ++codes;
   EXPECT_EQ(codes, 8u);
 }
 
@@ -120,11 +125,13 @@ TEST_F(Report, WrongFilesAreExit3) {
 TEST_F(Report, NothingIsReplacedUnlessAllCanBe) {
   ASSERT_EQ(calibrate({"--report", out("r.html")}).exit, 0);
   const std::string page = slurp(out("r.html")), deployment = slurp(out("d.json"));
-  const Outcome refused = octant({"calibrate", box / "hall/site.yaml", box / "hall/run", "-o", box / "missing/d.json", "--report", out("r.html"), "--json"});
+  const Outcome refused = octant({"calibrate", box / "hall/site.yaml", box / "hall/run", "-o",
+                                  box / "missing/d.json", "--report", out("r.html"), "--json"});
   EXPECT_EQ(refused.exit, 3);
   EXPECT_EQ(refused.json()["error"]["code"], "output");
   EXPECT_EQ(octant({"report", out("d.json"), "-o", box / "missing/r.html"}).exit, 3);
-  EXPECT_EQ(octant({"report", out("d.json"), "-o", "/dev/full"}).exit, 2);  // has no ending that is understood
+  EXPECT_EQ(octant({"report", out("d.json"), "-o", "/dev/full"}).exit,
+            2);  // has no ending that is understood
   EXPECT_EQ(slurp(out("r.html")), page);
   EXPECT_EQ(slurp(out("d.json")), deployment);
 }
@@ -135,7 +142,8 @@ TEST_F(Report, AFullDiskLeavesTheOldReportAlone) {
   if (::geteuid() != 0 || ::mount("octant-test", (box / "small").c_str(), "tmpfs", 0, "size=256k") != 0)
     GTEST_SKIP() << "a small disk can be mounted by root alone, and not in every container";
   spit(box / "small/r.html", "the old one");
-  const Outcome full = octant({"calibrate", box / "hall/site.yaml", box / "hall/run", "-o", out("new.json"), "--report", box / "small/r.html", "--json"});
+  const Outcome full = octant({"calibrate", box / "hall/site.yaml", box / "hall/run", "-o", out("new.json"),
+                               "--report", box / "small/r.html", "--json"});
   const Outcome again = octant({"report", out("d.json"), "-o", box / "small/r.html"});
   const std::string kept = slurp(box / "small/r.html");
   const auto left = std::distance(std::filesystem::directory_iterator(box / "small"), {});
@@ -146,7 +154,7 @@ TEST_F(Report, AFullDiskLeavesTheOldReportAlone) {
   EXPECT_THAT(full.err, HasSubstr("No space left on device"));
   EXPECT_EQ(again.exit, 3);
   EXPECT_EQ(kept, "the old one");
-  EXPECT_EQ(left, 1);  // no half-written file beside it
+  EXPECT_EQ(left, 1);                             // no half-written file beside it
   EXPECT_THAT(outputs(), ElementsAre("d.json"));  // nor a deployment without its report
 }
 

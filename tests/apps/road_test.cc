@@ -21,7 +21,8 @@ using ::testing::Not;
 class Road : public HallFolder {};
 
 TEST_F(Road, SimulateMakesAWorldAndReplacesOnlyWorlds) {
-  for (const char* name : {"site.yaml", "run/tof.csv", "run/run.yaml", "heldout/tof.csv", "heldout/truth.tum", "deployment.true.json"}) {
+  for (const char* name : {"site.yaml", "run/tof.csv", "run/run.yaml", "heldout/tof.csv", "heldout/truth.tum",
+                           "deployment.true.json"}) {
     EXPECT_TRUE(std::filesystem::exists(hall(name))) << name;
   }
   const std::string before = slurp(hall("run/tof.csv"));
@@ -51,8 +52,11 @@ TEST_F(Road, CalibrateSaysWhatTheContractNames) {
   ASSERT_EQ(done.exit, 0) << done.err;
   const auto object = done.json();
   ASSERT_TRUE(object.is_object()) << done.out;
-  for (const char* key : {"status", "converged", "iterations", "seconds", "arrivals", "rejected", "unknowns", "redundancy", "variance_factor", "chi2_p",
-                          "rms_s", "speed_mps", "speed_sigma_mps", "beacons", "receivers", "attenuation", "undetermined", "warnings", "weak", "datum",
+  for (const char* key : {"status",          "converged", "iterations", "seconds",
+                          "arrivals",        "rejected",  "unknowns",   "redundancy",
+                          "variance_factor", "chi2_p",    "rms_s",      "speed_mps",
+                          "speed_sigma_mps", "beacons",   "receivers",  "attenuation",
+                          "undetermined",    "warnings",  "weak",       "datum",
                           "left_out"}) {
     EXPECT_TRUE(object.contains(key)) << key;
   }
@@ -65,7 +69,8 @@ TEST_F(Road, CalibrateSaysWhatTheContractNames) {
   EXPECT_EQ(object["beacons"][1]["sigma_m"].size(), 3u);
   for (const char* kind : {"arrivals", "bearings", "poses"}) {
     ASSERT_TRUE(object["left_out"].contains(kind)) << kind;
-    EXPECT_TRUE(object["left_out"][kind].contains("total") && object["left_out"][kind].contains("by_reason")) << kind;
+    EXPECT_TRUE(object["left_out"][kind].contains("total") && object["left_out"][kind].contains("by_reason"))
+        << kind;
   }
   EXPECT_EQ(object["left_out"]["arrivals"]["total"], object["rejected"]);
   EXPECT_EQ(object["receivers"].size(), 8u);
@@ -74,13 +79,16 @@ TEST_F(Road, CalibrateSaysWhatTheContractNames) {
 }
 
 TEST_F(Road, CalibrateForPeople) {
-  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "--report", box / "out/r.html"});
+  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json",
+                               "--report", box / "out/r.html"});
   ASSERT_EQ(done.exit, 0) << done.err;
-  for (const char* word : {"B7", "control point", "speed", "datum", "variance factor", "d.json", "r.html"}) EXPECT_THAT(done.out, HasSubstr(word));
+  for (const char* word : {"B7", "control point", "speed", "datum", "variance factor", "d.json", "r.html"})
+    EXPECT_THAT(done.out, HasSubstr(word));
   EXPECT_THAT(done.err, HasSubstr(" % "));  // plain progress lines where there is no terminal
   EXPECT_THAT(done.err, Not(HasSubstr("\r")));
   EXPECT_THAT(slurp(box / "out/r.html"), HasSubstr("<svg"));
-  EXPECT_THAT(octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "-q"}).err, Not(HasSubstr(" % ")));
+  EXPECT_THAT(octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "-q"}).err,
+              Not(HasSubstr(" % ")));
 }
 
 TEST_F(Road, CalibrateToStandardOutput) {
@@ -91,7 +99,8 @@ TEST_F(Road, CalibrateToStandardOutput) {
 }
 
 TEST_F(Road, CreatedHonoursSourceDateEpoch) {
-  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", "-", "-q"}, {.environment = {"SOURCE_DATE_EPOCH=86400"}});
+  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", "-", "-q"},
+                              {.environment = {"SOURCE_DATE_EPOCH=86400"}});
   const auto object = nlohmann::json::parse(done.out, nullptr, false);
   EXPECT_EQ(object["created"], "1970-01-02T00:00:00Z");
   EXPECT_THAT(object["program"]["command"].get<std::string>(), HasSubstr("calibrate"));
@@ -111,21 +120,26 @@ TEST_F(Road, NobodyButVerifyOpensTheTruth) {
 
 TEST_F(Road, LocalizeAndVerify) {
   const std::string deployment = hall("deployment.true.json");
-  const Outcome fixes = octant({"localize", deployment, hall("heldout"), "-o", box / "out/f.tum", "--csv", box / "out/f.csv", "--json"});
+  const Outcome fixes = octant({"localize", deployment, hall("heldout"), "-o", box / "out/f.tum", "--csv",
+                                box / "out/f.csv", "--json"});
   ASSERT_EQ(fixes.exit, 0) << fixes.err;
   const auto found = fixes.json();
-  for (const char* key : {"status", "fixes", "no_fix", "seconds", "arrivals", "rejected", "method", "no_fix_reasons"}) EXPECT_TRUE(found.contains(key)) << key;
+  for (const char* key :
+       {"status", "fixes", "no_fix", "seconds", "arrivals", "rejected", "method", "no_fix_reasons"})
+    EXPECT_TRUE(found.contains(key)) << key;
   EXPECT_GT(found["fixes"].get<int>(), 30);
   EXPECT_EQ(found["method"], "least_squares");
   const std::string tum = slurp(box / "out/f.tum"), csv = slurp(box / "out/f.csv");
-  EXPECT_EQ(std::count(tum.begin(), tum.end(), '\n') - std::count(tum.begin(), tum.end(), '#'), found["fixes"].get<int>());
+  EXPECT_EQ(std::count(tum.begin(), tum.end(), '\n') - std::count(tum.begin(), tum.end(), '#'),
+            found["fixes"].get<int>());
   EXPECT_THAT(csv, HasSubstr("protection_level_m"));
   EXPECT_EQ(octant({"localize", deployment, hall("heldout"), "-o", "-", "-q"}).out, tum);
 
   const Outcome checked = octant({"verify", deployment, hall("heldout"), "--json"});
   ASSERT_EQ(checked.exit, 0) << checked.err;
   const auto verdict = checked.json();
-  for (const char* key : {"status", "matched", "position_rmse_m", "position_p95_m", "heading_rmse_rad", "max_error_m", "nees_mean", "gates"}) {
+  for (const char* key : {"status", "matched", "position_rmse_m", "position_p95_m", "heading_rmse_rad",
+                          "max_error_m", "nees_mean", "gates"}) {
     EXPECT_TRUE(verdict.contains(key)) << key;
   }
   EXPECT_LT(verdict["position_rmse_m"].get<double>(), 0.01);
@@ -154,7 +168,8 @@ TEST_F(Road, ABrokenGateIsExit6) {
 TEST_F(Road, NoFixAtAllIsSaidAndIsNoFailure) {
   // One arrival an epoch determines nothing.
   spit(hall("heldout/tof.csv"), "time_s,epoch,beacon,receiver,tof_s\n1,1,B1,r0,0.01\n6,2,B2,r0,0.01\n");
-  const Outcome none = octant({"localize", hall("deployment.true.json"), hall("heldout"), "-o", box / "out/f.tum", "--json"});
+  const Outcome none =
+      octant({"localize", hall("deployment.true.json"), hall("heldout"), "-o", box / "out/f.tum", "--json"});
   EXPECT_EQ(none.exit, 0) << none.err;
   EXPECT_EQ(none.json()["status"], "no_fix");
   EXPECT_EQ(none.json()["fixes"], 0);
@@ -184,7 +199,8 @@ TEST_F(Road, BadInputNamesFileAndLine) {
 }
 
 TEST_F(Road, AnOutputThatCannotBeWrittenIsSaidBeforeTheWork) {
-  const Outcome refused = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "missing/d.json", "--json"});
+  const Outcome refused =
+      octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "missing/d.json", "--json"});
   EXPECT_EQ(refused.exit, 3);
   EXPECT_EQ(refused.json()["error"]["code"], "output");
   EXPECT_EQ(octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out"}).exit, 3);
@@ -207,7 +223,8 @@ TEST_F(Road, UndeterminedExportsNothing) {
 TEST_F(Road, InterruptedLeavesNothingBehind) {
   make(hall_scenario("epochs: 150", "epochs: 3000"));
   for (const int signal : {SIGINT, SIGTERM}) {
-    const Outcome stopped = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "--json", "--progress", "json"},
+    const Outcome stopped = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json",
+                                    "--json", "--progress", "json"},
                                    {.interrupt_signal = signal});
     EXPECT_EQ(stopped.exit, 130) << stopped.err;
     EXPECT_EQ(stopped.json()["status"], "interrupted") << stopped.out;
@@ -216,7 +233,8 @@ TEST_F(Road, InterruptedLeavesNothingBehind) {
 }
 
 TEST_F(Road, ProgressAsJsonLines) {
-  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "--json", "--progress", "json"});
+  const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json",
+                               "--json", "--progress", "json"});
   ASSERT_EQ(done.exit, 0) << done.err;
   const std::string first = done.err.substr(0, done.err.find('\n'));
   EXPECT_TRUE(nlohmann::json::parse(first, nullptr, false).contains("stage")) << first;
@@ -237,7 +255,8 @@ TEST(Demo, KeepsItsPromise) {
     EXPECT_EQ(gate["limit"], 0.01);
     EXPECT_LT(gate["value"].get<double>(), 0.01);
   }
-  for (const auto& path : object["outputs"]) EXPECT_TRUE(std::filesystem::exists(path.get<std::string>())) << path;
+  for (const auto& path : object["outputs"])
+    EXPECT_TRUE(std::filesystem::exists(path.get<std::string>())) << path;
 }
 
 }  // namespace

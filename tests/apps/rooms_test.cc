@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The arrows between the rooms: apps -> {calib, survey, io} -> models, and the middle three do not include each other.
+// The arrows between the rooms: apps -> {calib, survey, io} -> models, and the middle three do not include
+// each other.
 #include <filesystem>
 #include <map>
 #include <regex>
@@ -14,13 +15,15 @@
 namespace octant::test {
 namespace {
 
-const std::map<std::string, std::set<std::string>> kMayInclude = {{"models", {"models"}},
-                                                                  {"io", {"io", "models"}},
-                                                                  {"calib", {"calib", "models"}},
-                                                                  {"survey", {"survey", "models"}},
-                                                                  {"apps", {"apps", "calib", "survey", "io", "models"}}};
+const std::map<std::string, std::set<std::string>> kMayInclude = {
+    {"models", {"models"}},
+    {"io", {"io", "models"}},
+    {"calib", {"calib", "models"}},
+    {"survey", {"survey", "models"}},
+    {"apps", {"apps", "calib", "survey", "io", "models"}}};
 /// Third parties that stay in one room, and out of every header but Eigen, tl::expected and what apps need.
-const std::map<std::string, std::string> kOnlyIn = {{"ceres/", "calib"}, {"nlopt", "survey"}, {"yaml-cpp/", "io"}, {"CLI/", "apps"}};
+const std::map<std::string, std::string> kOnlyIn = {
+    {"ceres/", "calib"}, {"nlopt", "survey"}, {"yaml-cpp/", "io"}, {"CLI/", "apps"}};
 
 struct Include {
   int line = 0;
@@ -42,7 +45,8 @@ std::vector<Include> includes_of(const std::filesystem::path& file) {
 
 template <class Visit>
 void for_each_source(const std::string& room, Visit visit) {
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::filesystem::path(OCTANT_SOURCE_DIR) / room)) {
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(std::filesystem::path(OCTANT_SOURCE_DIR) / room)) {
     const auto extension = entry.path().extension();
     if (extension == ".h" || extension == ".cc") visit(entry.path());
   }
@@ -54,8 +58,9 @@ TEST(Rooms, ArrowsGoDownOnly) {
       for (const auto& include : includes_of(file)) {
         if (!include.quoted) continue;
         const std::string to = include.what.substr(0, include.what.find('/'));
-        EXPECT_TRUE(may.count(to) == 1) << file.string() << ":" << include.line << ": " << where << " may not include \"" << include.what
-                                        << "\" (and includes are spelled from the root)";
+        EXPECT_TRUE(may.count(to) == 1)
+            << file.string() << ":" << include.line << ": " << where << " may not include \"" << include.what
+            << "\" (and includes are spelled from the root)";
       }
     });
   }
@@ -66,8 +71,8 @@ TEST(Rooms, ThirdPartiesStayWhereTheyBelong) {
     for_each_source(room, [&, &where = room](const std::filesystem::path& file) {
       for (const auto& include : includes_of(file)) {
         for (const auto& [prefix, only] : kOnlyIn) {
-          EXPECT_TRUE(include.what.rfind(prefix, 0) != 0 || where == only) << file.string() << ":" << include.line << ": " << include.what
-                                                                           << " belongs in " << only;
+          EXPECT_TRUE(include.what.rfind(prefix, 0) != 0 || where == only)
+              << file.string() << ":" << include.line << ": " << include.what << " belongs in " << only;
         }
       }
     });

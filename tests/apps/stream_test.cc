@@ -40,9 +40,9 @@ TEST_F(Stream, GivesTheAnswerOfTheWhole) {
   make(4100);  // so many begin with a part, streamed or not
   // Rows that are no measurement, and one in quotes, behind which the reader goes another way.
   spit(hall("run/tof.csv"), changed(tof(), 997, [](const std::string& row) {
-    const std::size_t tof = row.find(',', row.find(',') + 1) + 1;  // time_s,beacon,tof_s,...
-    return row.substr(0, tof) + "nan" + row.substr(row.find(',', tof));
-  }));
+         const std::size_t tof = row.find(',', row.find(',') + 1) + 1;  // time_s,beacon,tof_s,...
+         return row.substr(0, tof) + "nan" + row.substr(row.find(',', tof));
+       }));
   std::string text = tof();
   const std::size_t middle = text.find('\n', text.size() / 2) + 1, comma = text.find(',', middle);
   text = text.substr(0, middle) + "\"" + text.substr(middle, comma - middle) + "\"" + text.substr(comma);
@@ -57,14 +57,17 @@ TEST_F(Stream, GivesTheAnswerOfTheWhole) {
   EXPECT_THAT(streamed.err, HasSubstr("read in chunks"));
   const auto a = whole.json(), b = streamed.json();
   EXPECT_EQ(b["streamed"]["epochs"], 4100);
-  for (const char* key : {"arrivals", "rejected", "unknowns", "redundancy", "undetermined", "left_out", "warnings", "datum"}) EXPECT_EQ(a[key], b[key]) << key;
+  for (const char* key :
+       {"arrivals", "rejected", "unknowns", "redundancy", "undetermined", "left_out", "warnings", "datum"})
+    EXPECT_EQ(a[key], b[key]) << key;
   EXPECT_EQ(a["reliability"]["beacons"].size(), b["reliability"]["beacons"].size());
   const auto found = deployment();
   EXPECT_EQ(found["inputs"], expected["inputs"]);
   EXPECT_EQ(found["validity"]["temperature_degC"], expected["validity"]["temperature_degC"]);
   for (std::size_t i = 0; i < expected["beacons"].size(); ++i)
     for (std::size_t axis = 0; axis < 3; ++axis)
-      EXPECT_NEAR(found["beacons"][i]["position_m"][axis].get<double>(), expected["beacons"][i]["position_m"][axis].get<double>(), 1e-6);
+      EXPECT_NEAR(found["beacons"][i]["position_m"][axis].get<double>(),
+                  expected["beacons"][i]["position_m"][axis].get<double>(), 1e-6);
   EXPECT_THAT(slurp(out("r.md")), HasSubstr("B7"));
 }
 
@@ -92,7 +95,8 @@ TEST_F(Stream, SmallLogsAreNot) {
 
 TEST_F(Stream, InterruptedLeavesNothingBehind) {
   for (const int signal : {SIGINT, SIGTERM}) {
-    const Outcome stopped = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", out("d.json"), "--json", "--progress", "json", "--memory-mb", "1"},
+    const Outcome stopped = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", out("d.json"),
+                                    "--json", "--progress", "json", "--memory-mb", "1"},
                                    {.interrupt_signal = signal});
     EXPECT_EQ(stopped.exit, 130) << stopped.err;
     EXPECT_EQ(stopped.json()["status"], "interrupted") << stopped.out;

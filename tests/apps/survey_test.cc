@@ -43,7 +43,8 @@ TEST(SurveyCommand, KeysOfTheContract) {
   EXPECT_EQ(object["failures"].size(), 18u);
   EXPECT_EQ(object["routes"].size(), 3u);
   EXPECT_FALSE(object.contains("maps"));
-  const auto bins = octant({"survey", kAisles, "--json", "--cell", "0.5", "--bins", "20"}).json()["maps"]["sigma_m"];
+  const auto bins =
+      octant({"survey", kAisles, "--json", "--cell", "0.5", "--bins", "20"}).json()["maps"]["sigma_m"];
   EXPECT_EQ(bins["rows"].size(), 12u);
   EXPECT_EQ(bins["rows"][0].size(), 20u);
 }
@@ -61,9 +62,11 @@ TEST(SurveyCommand, SaysWhoFiresWhen) {
   std::size_t beacons = 0;
   for (const auto& group : told["groups"]) beacons += group["beacons"].size();
   EXPECT_EQ(beacons, 18U);
-  for (const auto& [key, value] : told.items()) EXPECT_EQ(value, planned[key]) << key;  // the same as when asked for
+  for (const auto& [key, value] : told.items())
+    EXPECT_EQ(value, planned[key]) << key;  // the same as when asked for
   // Nothing says how far a pulse is heard: no schedule, and no fault.
-  spit(folder / "site.yaml", aisles("  acoustics: {frequency_hz: 40000, amplitude_1m_v: 8.0, threshold_v: 0.02}\n", ""));
+  spit(folder / "site.yaml",
+       aisles("  acoustics: {frequency_hz: 40000, amplitude_1m_v: 8.0, threshold_v: 0.02}\n", ""));
   const auto silent = octant({"survey", folder / "site.yaml", "--json", "--cell", "0.5", "--failures", "0"});
   EXPECT_EQ(silent.exit, 0) << silent.err;
   EXPECT_TRUE(silent.json().at("schedule").is_null());
@@ -71,16 +74,19 @@ TEST(SurveyCommand, SaysWhoFiresWhen) {
 
 TEST(SurveyCommand, WritesPageTableAndEveryMap) {
   const TemporaryFolder folder;
-  const Outcome survey = octant({"survey", kAisles, "--cell", "0.5", "-o", folder / "r.html", "--csv", folder / "c.csv", "--maps", folder / "maps"});
+  const Outcome survey = octant({"survey", kAisles, "--cell", "0.5", "-o", folder / "r.html", "--csv",
+                                 folder / "c.csv", "--maps", folder / "maps"});
   EXPECT_EQ(survey.exit, 0) << survey.err;
   EXPECT_THAT(survey.out, HasSubstr("within tolerance"));
   EXPECT_THAT(slurp(folder / "r.html"), HasSubstr("default-src 'none'"));
   EXPECT_THAT(slurp(folder / "c.csv"), HasSubstr("x_m,y_m,sigma_m,"));
-  for (const char* file : {"sigma_m.svg", "sigma_m.png", "sigma_m.pgm", "sigma_m.yaml", "hdop.png", "loss_two_m.svg", "cells.csv", "routes.csv"})
+  for (const char* file : {"sigma_m.svg", "sigma_m.png", "sigma_m.pgm", "sigma_m.yaml", "hdop.png",
+                           "loss_two_m.svg", "cells.csv", "routes.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder / (std::string("maps/") + file))) << file;
   EXPECT_EQ(slurp(folder / "maps/hdop.png").substr(1, 3), "PNG");
   // A map of its own that the next survey reads as a scene.
-  spit(folder / "scene.yaml", "octant_scene: 1\nimport: [{ros_map: maps/mirror.yaml, top_m: 0.1}]\ncell_m: 0.5\n");
+  spit(folder / "scene.yaml",
+       "octant_scene: 1\nimport: [{ros_map: maps/mirror.yaml, top_m: 0.1}]\ncell_m: 0.5\n");
   const Outcome again = octant({"survey", kAisles, "--scene", folder / "scene.yaml", "--json"});
   EXPECT_EQ(again.exit, 0) << again.err;
 }
@@ -112,10 +118,14 @@ TEST(SurveyCommand, BadScenesAreExit3AndNamed) {
     EXPECT_TRUE(object.is_object());
     return object.is_object() ? object["error"]["message"].get<std::string>() : std::string();
   };
-  EXPECT_THAT(error_of(aisles("[30, 0], [30, 18], [0, 18]]", "[30, 18], [30, 0], [0, 18]]")), HasSubstr("the floor crosses itself"));
-  EXPECT_THAT(error_of(aisles("[3, 3.4], [27, 3.4], [27, 5.6]", "[3, 3.4], [27, 5.6], [27, 3.4]")), HasSubstr("obstacle 'rack1' crosses itself"));
-  EXPECT_THAT(error_of(aisles("position_m: [3.0, 0.5, 4.8]", "position_m: [5.0, 4.5, 2.0]")), HasSubstr("beacon 'C0'"));
-  EXPECT_THAT(error_of(aisles("position_m: [3.0, 0.5, 4.8]", "position_m: [3.0, -4.5, 2.0]")), HasSubstr("outside the floor"));
+  EXPECT_THAT(error_of(aisles("[30, 0], [30, 18], [0, 18]]", "[30, 18], [30, 0], [0, 18]]")),
+              HasSubstr("the floor crosses itself"));
+  EXPECT_THAT(error_of(aisles("[3, 3.4], [27, 3.4], [27, 5.6]", "[3, 3.4], [27, 5.6], [27, 3.4]")),
+              HasSubstr("obstacle 'rack1' crosses itself"));
+  EXPECT_THAT(error_of(aisles("position_m: [3.0, 0.5, 4.8]", "position_m: [5.0, 4.5, 2.0]")),
+              HasSubstr("beacon 'C0'"));
+  EXPECT_THAT(error_of(aisles("position_m: [3.0, 0.5, 4.8]", "position_m: [3.0, -4.5, 2.0]")),
+              HasSubstr("outside the floor"));
   EXPECT_THAT(error_of(aisles("cell_m: 0.25", "cell_m: 0")), HasSubstr("cell_m"));
   EXPECT_THAT(error_of(slurp(kAisles), {"--cell", "0"}), HasSubstr("cell_m"));
   EXPECT_THAT(error_of(aisles("cell_m: 0.25", "cell_m: 0.0007")), HasSubstr("1.1e+09 cells"));
@@ -142,17 +152,22 @@ tolerance: {fix_m: 0.02}
   }
   for (int i = 0; i < 60; ++i) {
     const double x = 3 + 37 * i % 90, y = 2 + 53 * i % 95;
-    walls += fmt::format("    - {{points_m: [[{}, {}], [{}, {}]], top_m: {}}}\n", x, y, x + 6, y + i % 5, 1 + i % 4);
+    walls += fmt::format("    - {{points_m: [[{}, {}], [{}, {}]], top_m: {}}}\n", x, y, x + 6, y + i % 5,
+                         1 + i % 4);
   }
-  return site + beacons + "scene:\n  floor_m: [[0, 0], [100, 0], [100, 100], [0, 100]]\n  cell_m: 0.1\n"
-         "  patterns: [{id: p, kind: cosine_power, exponent: 1.5, half_angle_rad: 1.5}]\n  beacon_pattern: p\n"
-         "  acoustics: {frequency_hz: 40000, amplitude_1m_v: 300, threshold_v: 0.01}\n" + axes + walls;
+  return site + beacons +
+         "scene:\n  floor_m: [[0, 0], [100, 0], [100, 100], [0, 100]]\n  cell_m: 0.1\n"
+         "  patterns: [{id: p, kind: cosine_power, exponent: 1.5, half_angle_rad: 1.5}]\n  beacon_pattern: "
+         "p\n"
+         "  acoustics: {frequency_hz: 40000, amplitude_1m_v: 300, threshold_v: 0.01}\n" +
+         axes + walls;
 }
 
 TEST(SurveyCommand, AMillionCellsTakeLittleMemory) {
   const TemporaryFolder folder;
   spit(folder / "site.yaml", million_cells());
-  const Outcome survey = octant({"survey", folder / "site.yaml", "--threads", "2", "--failures", "1", "--json"});
+  const Outcome survey =
+      octant({"survey", folder / "site.yaml", "--threads", "2", "--failures", "1", "--json"});
   ASSERT_EQ(survey.exit, 0) << survey.err;
   EXPECT_EQ(survey.json()["cells"], 1'000'000);
   EXPECT_GT(survey.json()["fix_fraction"], 0.5);

@@ -13,14 +13,18 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const std::vector<std::string> kCommands = {"demo", "simulate", "calibrate", "localize", "verify", "check", "survey", "schema", "batch", "convert", "plan", "report"};
+const std::vector<std::string> kCommands = {"demo",   "simulate", "calibrate", "localize",
+                                            "verify", "check",    "survey",    "schema",
+                                            "batch",  "convert",  "plan",      "report"};
 
 TEST(Usage, EveryCommandHelpsWithAnExample) {
   for (const auto& command : kCommands) {
     const Outcome help = octant({command, "--help"});
     EXPECT_EQ(help.exit, 0) << command;
     EXPECT_THAT(help.out, HasSubstr("Example:\n  octant " + command));
-    for (const char* common : {"--json", "--quiet", "--verbose", "--progress", "--threads", "--seed", "--version"}) EXPECT_THAT(help.out, HasSubstr(common));
+    for (const char* common :
+         {"--json", "--quiet", "--verbose", "--progress", "--threads", "--seed", "--version"})
+      EXPECT_THAT(help.out, HasSubstr(common));
     EXPECT_THAT(help.err, IsEmpty());
   }
   const Outcome all = octant({"--help"});
@@ -38,14 +42,34 @@ TEST(Usage, Version) {
 
 TEST(Usage, WrongWordsAreExit2) {
   const std::vector<std::vector<std::string>> wrong = {
-      {}, {"fly"}, {"calibrate"}, {"calibrate", "site.yaml"}, {"calibrate", "site.yaml", "run"}, {"calibrate", "s", "r", "-o", "d", "--what"},
-      {"localize", "d.json", "run", "-o", "f", "--method", "magic"}, {"schema", "nothing"}, {"schema"}, {"simulate", "s.yaml"},
-      {"verify", "d.json"}, {"schema", "site", "--threads", "-1"}, {"schema", "site", "--threads", "many"}, {"schema", "site", "--seed", "x"},
-      {"schema", "site", "--progress", "loud"}, {"demo", "too", "many"},
-      {"calibrate", "s", "r", "-o", "-", "--json"}, {"calibrate", "s", "r", "-o", "-", "--report", "-"},
-      {"report"}, {"report", "d", "-o", "-", "--site-sheet", "-"}, {"calibrate", "s", "r", "-o", "d", "--report", "r.pdf"},
-      {"calibrate", "s", "r", "-o", "d", "--report", "r.html", "--no-report"}, {"verify", "d", "r", "--all-methods", "--report", "r.html"},
-      {"localize", "d", "r", "-o", "-", "--csv", "-"}, {"localize", "d", "r", "-o", "-", "--json"}, {"survey"}, {"survey", "s", "-o", "-", "--csv", "-"}, {"survey", "s", "--failures", "3"},
+      {},
+      {"fly"},
+      {"calibrate"},
+      {"calibrate", "site.yaml"},
+      {"calibrate", "site.yaml", "run"},
+      {"calibrate", "s", "r", "-o", "d", "--what"},
+      {"localize", "d.json", "run", "-o", "f", "--method", "magic"},
+      {"schema", "nothing"},
+      {"schema"},
+      {"simulate", "s.yaml"},
+      {"verify", "d.json"},
+      {"schema", "site", "--threads", "-1"},
+      {"schema", "site", "--threads", "many"},
+      {"schema", "site", "--seed", "x"},
+      {"schema", "site", "--progress", "loud"},
+      {"demo", "too", "many"},
+      {"calibrate", "s", "r", "-o", "-", "--json"},
+      {"calibrate", "s", "r", "-o", "-", "--report", "-"},
+      {"report"},
+      {"report", "d", "-o", "-", "--site-sheet", "-"},
+      {"calibrate", "s", "r", "-o", "d", "--report", "r.pdf"},
+      {"calibrate", "s", "r", "-o", "d", "--report", "r.html", "--no-report"},
+      {"verify", "d", "r", "--all-methods", "--report", "r.html"},
+      {"localize", "d", "r", "-o", "-", "--csv", "-"},
+      {"localize", "d", "r", "-o", "-", "--json"},
+      {"survey"},
+      {"survey", "s", "-o", "-", "--csv", "-"},
+      {"survey", "s", "--failures", "3"},
       {"survey", "s", "-o", "-", "--json"}};
   for (const auto& words : wrong) {
     const Outcome plain = octant(words);
@@ -62,7 +86,8 @@ TEST(Usage, WrongWordsAreExit2) {
     EXPECT_EQ(object["status"], "error");
     EXPECT_EQ(object["error"]["code"], "usage");
     EXPECT_EQ(object["error"]["exit"], 2);
-    for (const char* key : {"message", "file", "line", "column", "found", "expected", "advice"}) EXPECT_TRUE(object["error"].contains(key)) << key;
+    for (const char* key : {"message", "file", "line", "column", "found", "expected", "advice"})
+      EXPECT_TRUE(object["error"].contains(key)) << key;
   }
 }
 
@@ -93,8 +118,10 @@ TEST(Usage, ColourOnlyOnATerminalAndNotWithNoColor) {
   const std::vector<std::string> words = {"fly"};
   EXPECT_THAT(octant(words, {.on_terminal = true}).err, HasSubstr("\033["));
   EXPECT_THAT(octant(words).err, Not(HasSubstr("\033[")));
-  EXPECT_THAT(octant(words, {.environment = {"NO_COLOR=1"}, .on_terminal = true}).err, Not(HasSubstr("\033[")));
-  EXPECT_THAT(octant(words, {.environment = {"TERM=dumb"}, .on_terminal = true}).err, Not(HasSubstr("\033[")));
+  EXPECT_THAT(octant(words, {.environment = {"NO_COLOR=1"}, .on_terminal = true}).err,
+              Not(HasSubstr("\033[")));
+  EXPECT_THAT(octant(words, {.environment = {"TERM=dumb"}, .on_terminal = true}).err,
+              Not(HasSubstr("\033[")));
 }
 
 TEST(Usage, AFullDiskUnderStandardOutputIsNoSuccess) {

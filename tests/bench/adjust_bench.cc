@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// One adjustment by plain squares from the same start: the tiles, and Ceres with a residual an arrival and automatic derivatives,
-// as most people write it (sparse normal equations) and as it does best here (Schur complement, vehicle states first). `cost` is
-// the optimum that each found. 40 beacons, some 17 arrivals a stop, as the `large` worlds of ../shared/check; with
-// OCTANT_LARGE_WORLD=FOLDER (a site.yaml and a run in it) such a world itself.
+// One adjustment by plain squares from the same start: the tiles, and Ceres with a residual an arrival and
+// automatic derivatives, as most people write it (sparse normal equations) and as it does best here (Schur
+// complement, vehicle states first). `cost` is the optimum that each found. 40 beacons, some 17 arrivals a
+// stop, as the `large` worlds of ../shared/check; with OCTANT_LARGE_WORLD=FOLDER (a site.yaml and a run in
+// it) such a world itself.
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -18,9 +19,9 @@
 #include <ceres/ceres.h>
 
 #include "calib/adjust/adjust.h"
+#include "calib/adjust/tile_sum.h"
 #include "calib/calibrate.h"
 #include "calib/start/start.h"
-#include "calib/adjust/tile_sum.h"
 #include "io/run/run_folder.h"
 #include "io/site/site_yaml.h"
 #include "tests/support/worlds.h"
@@ -31,7 +32,8 @@ namespace {
 /// Relative change of the cost at which all stop, Ceres' own default.
 constexpr double kTolerance = 1e-6;
 
-/// A hall like the `large` worlds of ../shared/check: 60 x 40 m, a beacon every 7.5 m, all but three known to 0.3 m.
+/// A hall like the `large` worlds of ../shared/check: 60 x 40 m, a beacon every 7.5 m, all but three known to
+/// 0.3 m.
 Scenario forty_beacons(int epochs) {
   Scenario s = hall_scenario();
   s.hall_m = {60.0, 40.0};
@@ -39,9 +41,10 @@ Scenario forty_beacons(int epochs) {
   for (int i = 0; i < 40; ++i) {
     const int row = i / 8;
     const double x = 4.0 + 7.4 * (i % 8), y = 4.0 + 8.0 * row;
-    s.site.beacons.push_back(beacon("B" + std::to_string(i),
-                                    {x + 0.9 * std::sin(3.0 * i), y + 0.9 * std::cos(5.0 * i), 3.0 + 0.4 * std::sin(7.0 * i)},
-                                    i == 0 || i == 7 || i == 32 ? 0.0 : 0.3));
+    s.site.beacons.push_back(
+        beacon("B" + std::to_string(i),
+               {x + 0.9 * std::sin(3.0 * i), y + 0.9 * std::cos(5.0 * i), 3.0 + 0.4 * std::sin(7.0 * i)},
+               i == 0 || i == 7 || i == 32 ? 0.0 : 0.3));
   }
   s.path.epochs = epochs;
   s.heldout_path.epochs = 1;
@@ -76,17 +79,18 @@ calib::Problem problem_with(int epochs) {
   return must(calib::make_problem(site, {must(io::read_run(folder + "/run", names_of(site), site.timing))}));
 }
 
-/// Leaves out the arrivals of stops that the search among rough beacons turned about, of a hundred thousand a few: plain squares
-/// do not turn them back, or some of them, and then the optima are not the same.
+/// Leaves out the arrivals of stops that the search among rough beacons turned about, of a hundred thousand a
+/// few: plain squares do not turn them back, or some of them, and then the optima are not the same.
 void leave_out_misplaced(Trajectory& t, Trajectory& solved) {
   constexpr double kTurnedRad = 0.5;
   for (const Segment& s : t.segments) {
-    const double off_rad =
-        t.nodes[s.first_node].T_map_vehicle.heading_rad() - solved.nodes[s.first_node].T_map_vehicle.heading_rad();
+    const double off_rad = t.nodes[s.first_node].T_map_vehicle.heading_rad() -
+                           solved.nodes[s.first_node].T_map_vehicle.heading_rad();
     for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
       const bool placed = t.nodes[s.first_node].placed && std::abs(wrap_angle(off_rad)) < kTurnedRad;
       const bool used = solved.arrivals[i].rejection == Rejection::kUsed;
-      t.arrivals[i].rejection = solved.arrivals[i].rejection = used && placed ? Rejection::kUsed : Rejection::kNoPose;
+      t.arrivals[i].rejection = solved.arrivals[i].rejection =
+          used && placed ? Rejection::kUsed : Rejection::kNoPose;
     }
   }
 }
@@ -105,8 +109,8 @@ const Start& start_of(int epochs, From from) {
     s.trajectories = solution.trajectories;
     for (std::size_t b = 0; b < state.beacon_p_map_m.size(); ++b)
       if (!s.problem.site.beacons[b].is_control_point())
-        state.beacon_p_map_m[b] +=
-            0.01 * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)), std::cos(3.0 * static_cast<double>(b)), 0.5);
+        state.beacon_p_map_m[b] += 0.01 * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)),
+                                                          std::cos(3.0 * static_cast<double>(b)), 0.5);
     for (double& v : state.speed_offset_mps) v += 0.1;
   } else {
     calib::Start start = calib::initial_values(s.problem, 2);
@@ -131,11 +135,13 @@ void report(benchmark::State& state, const Start& start, double cost) {
   state.counters["arrivals"] = static_cast<double>(arrivals);
   state.counters["cost"] = cost;
   state.counters["above_best"] = cost / start.best_cost - 1.0;
-  state.counters["per_arrival"] = benchmark::Counter(static_cast<double>(arrivals),
-                                                     benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_arrival"] =
+      benchmark::Counter(static_cast<double>(arrivals),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// As `calibrate` does with a long log: an evenly spread part of the stops first, headings held until the beacons are about right.
+/// As `calibrate` does with a long log: an evenly spread part of the stops first, headings held until the
+/// beacons are about right.
 void adjust_part(const Start& start, const std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
                  calib::AdjustOptions options) {
   constexpr std::size_t kStops = 1200;
@@ -169,7 +175,8 @@ void adjust_tiles(benchmark::State& state) {
   report(state, start, cost);
 }
 
-/// The parts of an evaluation, the states beginning where the adjustment's do: what an arrival costs in nanoseconds.
+/// The parts of an evaluation, the states beginning where the adjustment's do: what an arrival costs in
+/// nanoseconds.
 void tiles_part(benchmark::State& state, int part) {
   const Start& start = start_of(static_cast<int>(state.range(0)), From::kNear);
   std::vector<Trajectory> trajectories = start.trajectories;
@@ -196,8 +203,9 @@ struct ArrivalError {
     const T dx = pose[0] + c * receiver[0] - s * receiver[1] - beacon[0],
             dy = pose[1] + s * receiver[0] + c * receiver[1] - beacon[1];
     const T dz = receiver[2] - beacon[2];
-    residual[0] =
-        (tof_s - ceres::sqrt(dx * dx + dy * dy + dz * dz) / (model_speed_mps + *speed_offset) - 1e-6 * *delay_us) / sigma_s;
+    residual[0] = (tof_s - ceres::sqrt(dx * dx + dy * dy + dz * dz) / (model_speed_mps + *speed_offset) -
+                   1e-6 * *delay_us) /
+                  sigma_s;
     return true;
   }
 };
@@ -223,15 +231,15 @@ class PerArrival {
     speed_offset_ = state.speed_offset_mps[0];
     const Trajectory& t = start.trajectories[0];
     for (const Node& node : t.nodes)
-      poses_.push_back(
-          {node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(), node.T_map_vehicle.heading_rad()});
+      poses_.push_back({node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(),
+                        node.T_map_vehicle.heading_rad()});
     auto* order = new ceres::ParameterBlockOrdering;
     for (const ArrivalObservation& a : t.arrivals) {
       if (a.rejection != Rejection::kUsed) continue;
       problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ArrivalError, 1, 3, 1, 1, 3, 3>(
                                     new ArrivalError{a.tof_s, a.sigma_s, a.model_speed_mps}),
-                                nullptr, beacons_[a.beacon.index()].data(), &delays_us_[a.beacon.index()], &speed_offset_,
-                                receivers_[a.receiver.index()].data(), poses_[a.node].data());
+                                nullptr, beacons_[a.beacon.index()].data(), &delays_us_[a.beacon.index()],
+                                &speed_offset_, receivers_[a.receiver.index()].data(), poses_[a.node].data());
     }
     for (std::size_t b = 0; b < beacons_.size(); ++b) {
       const SiteBeacon& beacon = site_.beacons[b];
@@ -244,7 +252,8 @@ class PerArrival {
     }
     for (std::size_t r = 0; r < receivers_.size(); ++r)
       for (int i = 0; i < 3; ++i)
-        add_prior<3>(receivers_[r].data(), i, site_.receivers[r].position_m[i], site_.receivers[r].sigma_m[i]);
+        add_prior<3>(receivers_[r].data(), i, site_.receivers[r].position_m[i],
+                     site_.receivers[r].sigma_m[i]);
     add_prior<1>(&speed_offset_, 0, 0.0, site_.speed_sigma_mps);
     if (states_first) {
       std::vector<double*> blocks;
@@ -273,7 +282,8 @@ class PerArrival {
   template <int kSize>
   void add_prior(double* block, int index, double mean, double sigma) {
     if (sigma > 0)
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, kSize>(new Prior{index, mean, sigma}), nullptr, block);
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<Prior, 1, kSize>(new Prior{index, mean, sigma}), nullptr, block);
   }
 
   const Site& site_;
@@ -292,7 +302,8 @@ void adjust_per_arrival(benchmark::State& state, bool states_first) {
     const auto began = std::chrono::steady_clock::now();
     std::optional<PerArrival> problem;
     problem.emplace(start, states_first);
-    state.counters["building_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    state.counters["building_s"] =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     state.ResumeTiming();
     const ceres::Solver::Summary summary = problem->solve(static_cast<int>(state.range(1)));
     cost = summary.final_cost;

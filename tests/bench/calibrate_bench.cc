@@ -57,7 +57,8 @@ void solve(benchmark::State& state, const char* kind) {
   for (auto _ : state) benchmark::DoNotOptimize(calib::solve(problem, options).final_cost);
   const auto arrivals = static_cast<double>(arrivals_of(problem));
   state.counters["arrivals"] = arrivals;
-  state.counters["per_arrival"] = benchmark::Counter(arrivals, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_arrival"] = benchmark::Counter(
+      arrivals, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK_CAPTURE(solve, stops, "stops")->Arg(100)->Arg(1000)->Arg(5000)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(solve, cycle_offset, "cycle_offset")->Arg(1000)->Unit(benchmark::kMillisecond);
@@ -66,7 +67,8 @@ BENCHMARK_CAPTURE(solve, attenuation, "attenuation")->Arg(1000)->Unit(benchmark:
 BENCHMARK_CAPTURE(solve, drive, "drive")->Arg(120)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(solve, motion_prior, "motion_prior")->Arg(120)->Unit(benchmark::kMillisecond);
 
-/// One Ceres residual an arrival, automatic derivatives, from the tiles' optimum: what is left is its price of an iteration.
+/// One Ceres residual an arrival, automatic derivatives, from the tiles' optimum: what is left is its price
+/// of an iteration.
 void per_arrival_ceres(benchmark::State& state) {
   const calib::Problem& problem = problem_for("stops", static_cast<int>(state.range(0)));
   const calib::Solution solution = calib::solve(problem);

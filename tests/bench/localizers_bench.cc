@@ -7,9 +7,9 @@
 
 #include "io/site/scenario_yaml.h"
 #include "models/localizers/drive/drive_tracker.h"
+#include "models/localizers/drive/odometry_track.h"
 #include "models/localizers/line_map/line_map.h"
 #include "models/localizers/methods.h"
-#include "models/localizers/drive/odometry_track.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
@@ -19,7 +19,11 @@ const World& world_of(const std::string& folder) {
   static std::map<std::string, World> worlds;
   const auto found = worlds.find(folder);
   if (found != worlds.end()) return found->second;
-  return worlds.emplace(folder, must(simulate(must(io::read_scenario(OCTANT_SOURCE_DIR "/datasets/" + folder + "/scenario.yaml")), 1))).first->second;
+  return worlds
+      .emplace(folder,
+               must(simulate(
+                   must(io::read_scenario(OCTANT_SOURCE_DIR "/datasets/" + folder + "/scenario.yaml")), 1)))
+      .first->second;
 }
 
 void fix(benchmark::State& state, const char* folder, Method method) {
@@ -27,19 +31,24 @@ void fix(benchmark::State& state, const char* folder, Method method) {
   std::size_t fixes = 0;
   for (auto _ : state) fixes = must(locate_run(method, world.truth, world.heldout)).size();
   state.counters["fixes"] = static_cast<double>(fixes);
-  state.counters["per_fix"] = benchmark::Counter(static_cast<double>(fixes), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_fix"] =
+      benchmark::Counter(static_cast<double>(fixes),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK_CAPTURE(fix, hall_least_squares, "hall", Method::kLeastSquares)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fix, kleeman, "kleeman", Method::kKleeman)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(fix, kleeman_least_squares, "kleeman", Method::kLeastSquares)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fix, kleeman_least_squares, "kleeman", Method::kLeastSquares)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fix, head_tail, "head_tail", Method::kHeadTail)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(fix, head_tail_least_squares, "head_tail", Method::kLeastSquares)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fix, head_tail_least_squares, "head_tail", Method::kLeastSquares)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fix, one_beacon, "greenhouse", Method::kOneBeacon)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fix, rail, "greenhouse", Method::kRail)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fix, reflectors, "reflectors", Method::kReflectors)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fix, binaural, "binaural", Method::kBinaural)->Unit(benchmark::kMillisecond);
 
-/// The tracker as a robot runs it: every odometry row and every instant of arrivals of a drive, the search for the start included.
+/// The tracker as a robot runs it: every odometry row and every instant of arrivals of a drive, the search
+/// for the start included.
 void drive_tracker(benchmark::State& state) {
   static const World world = must(simulate(drive_scenario(60.0), 1));
   std::size_t fixes = 0;
@@ -53,24 +62,30 @@ void drive_tracker(benchmark::State& state) {
     const auto& arrivals = world.heldout.arrivals;
     for (std::size_t first = 0, last = 0; first < arrivals.size(); first = last, ++fixes) {
       while (last < arrivals.size() && arrivals[last].time_s == arrivals[first].time_s) ++last;
-      cursor.advance_to(arrivals[first].time_s, [&](const OdometryStep& step, double part) { tracker.move(step, part); });
+      cursor.advance_to(arrivals[first].time_s,
+                        [&](const OdometryStep& step, double part) { tracker.move(step, part); });
       tracker.locate(Observations{std::span(arrivals).subspan(first, last - first), {}}, fix);
     }
   }
   state.counters["fixes"] = static_cast<double>(fixes);
-  state.counters["per_fix"] = benchmark::Counter(static_cast<double>(fixes), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_fix"] =
+      benchmark::Counter(static_cast<double>(fixes),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(drive_tracker)->Unit(benchmark::kMillisecond);
 
 void line_map(benchmark::State& state) {
   const World& world = world_of("driveway");
   const auto map = build_line_map(world.run);
-  if (!map || !line_map_fits(*map, world.heldout)) return state.SkipWithError("no map, or a run that cannot be located on it");
+  if (!map || !line_map_fits(*map, world.heldout))
+    return state.SkipWithError("no map, or a run that cannot be located on it");
   LineMapLocalizer localizer(*map);
   std::size_t scans = 0;
   for (auto _ : state) scans = localizer.locate(world.heldout).size();
   state.counters["scans"] = static_cast<double>(scans);
-  state.counters["per_fix"] = benchmark::Counter(static_cast<double>(scans), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_fix"] =
+      benchmark::Counter(static_cast<double>(scans),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(line_map)->Unit(benchmark::kMillisecond);
 

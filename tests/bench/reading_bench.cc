@@ -11,9 +11,9 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
 #include "io/run/run_folder.h"
 #include "io/run/run_stream.h"
+#include "io/text/atomic_file.h"
 #include "models/simulator/random.h"
 #include "tests/support/worlds.h"
 
@@ -35,14 +35,15 @@ std::string long_log() {
   for (int e = 0; e < kEpochs; ++e) {
     for (int a = 0; a < kArrivalsAnEpoch; ++a) {
       const int mix = (e * 7919 + a * 104729) & 0xFFFFF;
-      text += fmt::format("{:.6f},{},B{},r{},{:.8f}\n", 10.0 + 5.0 * e + 0.037 * a, e, mix % kBeacons, mix / 64 % kReceivers,
-                          0.003 + 1e-7 * (mix % 400'000));
+      text += fmt::format("{:.6f},{},B{},r{},{:.8f}\n", 10.0 + 5.0 * e + 0.037 * a, e, mix % kBeacons,
+                          mix / 64 % kReceivers, 0.003 + 1e-7 * (mix % 400'000));
     }
   }
   return text;
 }
 
-/// The folder OCTANT_BENCH_RUN, made if it is not there, for whoever wants to read the same file; otherwise one that goes with the program.
+/// The folder OCTANT_BENCH_RUN, made if it is not there, for whoever wants to read the same file; otherwise
+/// one that goes with the program.
 const std::string& run_folder() {
   struct Folder {
     std::string path;
@@ -54,17 +55,22 @@ const std::string& run_folder() {
   };
   static const Folder folder = [] {
     const char* wanted = std::getenv("OCTANT_BENCH_RUN");
-    Folder f{wanted != nullptr ? wanted : (std::filesystem::temp_directory_path() / fmt::format("octant_bench.{}", ::getpid())).string(),
-             wanted != nullptr};
+    Folder f{
+        wanted != nullptr
+            ? wanted
+            : (std::filesystem::temp_directory_path() / fmt::format("octant_bench.{}", ::getpid())).string(),
+        wanted != nullptr};
     std::filesystem::create_directories(f.path);
-    if (!std::filesystem::exists(f.path + "/tof.csv") && !io::write_file(f.path + "/tof.csv", long_log())) throw std::runtime_error("cannot write " + f.path);
+    if (!std::filesystem::exists(f.path + "/tof.csv") && !io::write_file(f.path + "/tof.csv", long_log()))
+      throw std::runtime_error("cannot write " + f.path);
     return f;
   }();
   return folder.path;
 }
 
 void count_bytes(benchmark::State& state) {
-  state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * std::filesystem::file_size(run_folder() + "/tof.csv")));
+  state.SetBytesProcessed(
+      static_cast<std::int64_t>(state.iterations() * std::filesystem::file_size(run_folder() + "/tof.csv")));
 }
 
 void read_whole(benchmark::State& state) {
@@ -85,14 +91,27 @@ void read_blocks(benchmark::State& state) {
   std::vector<Arrival> block;
   (void)run_folder();
   for (auto _ : state) {
-    auto stream = must(io::RunStream::open(run_folder(), table, {}, {.threads = static_cast<int>(state.range(0))}));
+    auto stream =
+        must(io::RunStream::open(run_folder(), table, {}, {.threads = static_cast<int>(state.range(0))}));
     while (must(stream.next(block))) benchmark::DoNotOptimize(block.data());
   }
   count_bytes(state);
 }
 
-BENCHMARK(read_whole)->Name("read/whole/threads")->RangeMultiplier(2)->Range(1, 8)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
-BENCHMARK(read_blocks)->Name("read/blocks/threads")->RangeMultiplier(2)->Range(1, 8)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(read_whole)
+    ->Name("read/whole/threads")
+    ->RangeMultiplier(2)
+    ->Range(1, 8)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+BENCHMARK(read_blocks)
+    ->Name("read/blocks/threads")
+    ->RangeMultiplier(2)
+    ->Range(1, 8)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace octant::test

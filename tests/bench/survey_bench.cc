@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// A million cells and forty beacons: everything that a survey looks at, and plain dilution. survey.py holds NumPy against it.
+// A million cells and forty beacons: everything that a survey looks at, and plain dilution. survey.py holds
+// NumPy against it.
 #include <cmath>
 #include <cstdlib>
 
@@ -19,7 +20,8 @@ constexpr double kWidth = 100.0, kHeight = 100.0;
 std::vector<Eigen::Vector3d> forty() {
   Random draw(40);
   std::vector<Eigen::Vector3d> places;
-  for (int i = 0; i < 40; ++i) places.emplace_back(draw.uniform(0, kWidth), draw.uniform(0, kHeight), draw.uniform(3, 5));
+  for (int i = 0; i < 40; ++i)
+    places.emplace_back(draw.uniform(0, kWidth), draw.uniform(0, kHeight), draw.uniform(3, 5));
   return places;
 }
 
@@ -42,7 +44,8 @@ survey::SurveyModel million_model() {
   for (int i = 0; i < 60; ++i) {
     const Eigen::Vector2d from(draw.uniform(0, kWidth), draw.uniform(0, kHeight));
     const double turn = draw.uniform(-3.14, 3.14), length = draw.uniform(3, 12);
-    model.walls.push_back({from, from + length * Eigen::Vector2d(std::cos(turn), std::sin(turn)), 0.0, i % 2 ? 2.5 : 6.0});
+    model.walls.push_back(
+        {from, from + length * Eigen::Vector2d(std::cos(turn), std::sin(turn)), 0.0, i % 2 ? 2.5 : 6.0});
   }
   model.floor_m = {{0, 0}, {kWidth, 0}, {kWidth, kHeight}, {0, kHeight}};
   model.tolerance.fix_m = 0.05;
@@ -54,16 +57,33 @@ void survey_million(benchmark::State& state, int failures, bool integrity) {
   Scene scene;
   scene.cell_m = 0.1;
   for (auto _ : state)
-    benchmark::DoNotOptimize(must(survey::run_survey(model, scene, nullptr, {.threads = static_cast<int>(state.range(0)), .failures = failures, .integrity = integrity})).covered_fraction);
+    benchmark::DoNotOptimize(
+        must(survey::run_survey(
+                 model, scene, nullptr,
+                 {.threads = static_cast<int>(state.range(0)), .failures = failures, .integrity = integrity}))
+            .covered_fraction);
 }
-BENCHMARK_CAPTURE(survey_million, maps, 0, false)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK_CAPTURE(survey_million, integrity, 0, true)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(survey_million, maps, 0, false)
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(survey_million, integrity, 0, true)
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK_CAPTURE(survey_million, one_failure, 1, true)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK_CAPTURE(survey_million, two_failures, 2, true)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(survey_million, two_failures, 2, true)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 void survey_plain_hdop(benchmark::State& state) {
   const auto places = forty();
-  for (auto _ : state) benchmark::DoNotOptimize(survey::plain_hdop(places, 0.3, {{0, 0}, 0.1, 1000, 1000}, static_cast<int>(state.range(0))).data());
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        survey::plain_hdop(places, 0.3, {{0, 0}, 0.1, 1000, 1000}, static_cast<int>(state.range(0))).data());
 }
 BENCHMARK(survey_plain_hdop)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 
@@ -73,10 +93,12 @@ void survey_scalar_hdop(benchmark::State& state) {
   std::vector<double> hdop(1000 * 1000);
   for (auto _ : state) {
     for (std::size_t i = 0; i < hdop.size(); ++i) {
-      const double x = 0.1 * (static_cast<double>(i % 1000) + 0.5), y = 0.1 * (static_cast<double>(i / 1000) + 0.5);
+      const double x = 0.1 * (static_cast<double>(i % 1000) + 0.5),
+                   y = 0.1 * (static_cast<double>(i / 1000) + 0.5);
       double xx = 0, xy = 0, yy = 0;
       for (const auto& b : places) {
-        const double dx = x - b.x(), dy = y - b.y(), dz = 0.3 - b.z(), inverse = 1 / (dx * dx + dy * dy + dz * dz);
+        const double dx = x - b.x(), dy = y - b.y(), dz = 0.3 - b.z(),
+                     inverse = 1 / (dx * dx + dy * dy + dz * dz);
         xx += dx * dx * inverse, xy += dx * dy * inverse, yy += dy * dy * inverse;
       }
       hdop[i] = std::sqrt((xx + yy) / (xx * yy - xy * xy));

@@ -14,7 +14,9 @@
 
 namespace octant::test {
 
-inline calib::Problem problem_of(const World& world) { return must(calib::make_problem(world.site, {world.run})); }
+inline calib::Problem problem_of(const World& world) {
+  return must(calib::make_problem(world.site, {world.run}));
+}
 inline calib::Solution solution_of(const World& world, const calib::SolveOptions& options = {}) {
   return calib::solve(problem_of(world), options);
 }
@@ -47,7 +49,8 @@ inline BeaconErrors beacon_errors(const World& world, const calib::Solution& sol
   std::vector<double> error;
   const char* axis[3] = {"/x_m", "/y_m", "/z_m"};
   std::map<std::string, Eigen::Index> index;
-  for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i) index[solution.covariance.parameters[i]] = static_cast<Eigen::Index>(i);
+  for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i)
+    index[solution.covariance.parameters[i]] = static_cast<Eigen::Index>(i);
   for (std::size_t b = 0; b < world.truth.beacons.size(); ++b)
     for (int i = 0; i < 3; ++i) {
       const auto found = index.find("beacon/" + world.truth.beacons[b].name + axis[i]);
@@ -61,7 +64,8 @@ inline BeaconErrors beacon_errors(const World& world, const calib::Solution& sol
   out.covariance.resize(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j)
-      out.covariance(i, j) = solution.covariance.matrix(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]);
+      out.covariance(i, j) =
+          solution.covariance.matrix(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]);
   return out;
 }
 

@@ -26,7 +26,8 @@ class MemorySource : public ArrivalSource {
       }
     return {};
   }
-  [[nodiscard]] Result<void> read(std::size_t run, std::size_t first, std::size_t last, std::vector<Arrival>& arrivals) const override {
+  [[nodiscard]] Result<void> read(std::size_t run, std::size_t first, std::size_t last,
+                                  std::vector<Arrival>& arrivals) const override {
     const auto& all = arrivals_[run];
     const std::size_t begin = std::min(first * block_, all.size()), end = std::min(last * block_, all.size());
     rows_read += end - begin;

@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Parameters that a site switches on: the drift of a clock, the array as one piece, a motion prior, directional receivers.
+// Parameters that a site switches on: the drift of a clock, the array as one piece, a motion prior,
+// directional receivers.
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "models/trajectory/linearise.h"
-#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/drive/tracker.h"
+#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/trajectory/linearise.h"
 #include "tests/calib/calib_support.h"
 #include "tests/support/statistics.h"
 
@@ -17,7 +18,9 @@ namespace {
 
 double sigma_of(const calib::Solution& solution, const std::string& name) {
   for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i)
-    if (solution.covariance.parameters[i] == name) return std::sqrt(solution.covariance.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
+    if (solution.covariance.parameters[i] == name)
+      return std::sqrt(
+          solution.covariance.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
   ADD_FAILURE() << "no parameter " << name;
   return NAN;
 }
@@ -25,7 +28,8 @@ double sigma_of(const calib::Solution& solution, const std::string& name) {
 Scenario drifting_hall() {
   Scenario s = hall_scenario();
   s.path.epochs = 60;
-  // With one firing of each beacon a cycle a drift looks like a delay of each beacon; the second firing tells them apart.
+  // With one firing of each beacon a cycle a drift looks like a delay of each beacon; the second firing tells
+  // them apart.
   s.path.rounds = 2;
   s.site.timing.clock = Clock::kCycleOffset;
   s.site.timing.delay_per = {};
@@ -34,7 +38,8 @@ Scenario drifting_hall() {
   return s;
 }
 
-// 100 ppm over a cycle of 0.8 s are 27 mm: seen in every epoch, and the beacons are wrong where it is not taken out.
+// 100 ppm over a cycle of 0.8 s are 27 mm: seen in every epoch, and the beacons are wrong where it is not
+// taken out.
 TEST(ClockDrift, IsCalibratedWithinItsSigma) {
   double squares = 0.0;
   const int seeds = 5;
@@ -97,16 +102,20 @@ TEST(ArrayShape, RadiusAndTurnAreCalibratedWithinTheirSigmas) {
     const World world = must(simulate(s, seed));
     const calib::Solution solution = solution_of(world);
     ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
-    const Eigen::Vector3d o = solution.state.receiver_p_vehicle_m[0], o_true = world.truth.receivers[0].position_m;
-    const double radius_sigma_m = sigma_of(solution, "array/robot/radius_m"), turn_sigma_rad = sigma_of(solution, "array/robot/turn_rad");
+    const Eigen::Vector3d o = solution.state.receiver_p_vehicle_m[0],
+                          o_true = world.truth.receivers[0].position_m;
+    const double radius_sigma_m = sigma_of(solution, "array/robot/radius_m"),
+                 turn_sigma_rad = sigma_of(solution, "array/robot/turn_rad");
     EXPECT_LT(radius_sigma_m, 0.001);
     EXPECT_LT(turn_sigma_rad, 0.005);
     squares += std::pow((o.head<2>().norm() - o_true.head<2>().norm()) / radius_sigma_m, 2);
-    squares += std::pow(wrap_angle(std::atan2(o.y(), o.x()) - std::atan2(o_true.y(), o_true.x())) / turn_sigma_rad, 2);
+    squares += std::pow(
+        wrap_angle(std::atan2(o.y(), o.x()) - std::atan2(o_true.y(), o_true.x())) / turn_sigma_rad, 2);
     // The deployment states them by receiver: across the radius by the turn, along it by the radius.
     const Deployment d = calib::make_deployment(problem_of(world), solution, {});
     EXPECT_NEAR(d.receivers[0].sigma_m.x(), radius_sigma_m, 0.05 * radius_sigma_m);
-    EXPECT_NEAR(d.receivers[0].sigma_m.y(), o.head<2>().norm() * turn_sigma_rad, 0.05 * o.head<2>().norm() * turn_sigma_rad);
+    EXPECT_NEAR(d.receivers[0].sigma_m.y(), o.head<2>().norm() * turn_sigma_rad,
+                0.05 * o.head<2>().norm() * turn_sigma_rad);
   }
   EXPECT_LT(squares, 22.5);  // chi-square of six degrees of freedom, 99.9 %
 }
@@ -172,7 +181,8 @@ TEST(MotionPrior, DerivativesMatchNumericOnes) {
   calib::Problem problem = problem_of(world);
   Trajectory& t = problem.trajectories.at(0);
   for (std::size_t k = 0; k < 3; ++k) {
-    t.nodes[k].T_map_vehicle = Pose::planar(1.0 + 0.1 * static_cast<double>(k), 2.0, 0.3 - 0.2 * static_cast<double>(k));
+    t.nodes[k].T_map_vehicle =
+        Pose::planar(1.0 + 0.1 * static_cast<double>(k), 2.0, 0.3 - 0.2 * static_cast<double>(k));
     t.nodes[k].velocity = {0.4, -0.2, 0.7 * static_cast<double>(k)};
   }
   for (std::size_t index = 0; index < 3; ++index) {
@@ -185,21 +195,26 @@ TEST(MotionPrior, DerivativesMatchNumericOnes) {
         const double step = 1e-6;
         Trajectory moved = t;
         Node& node = moved.nodes[t.motion_steps[index].node + (next ? 1 : 0)];
-        if (column < 3) node.T_map_vehicle = retract(node.T_map_vehicle, step * Eigen::Vector3d::Unit(column), Motion::kPlanar);
-        else node.velocity[column - 3] += step;
+        if (column < 3)
+          node.T_map_vehicle =
+              retract(node.T_map_vehicle, step * Eigen::Vector3d::Unit(column), Motion::kPlanar);
+        else
+          node.velocity[column - 3] += step;
         ObservationRow there[6];
         motion_rows(moved, index, there);
         for (int i = 0; i < count; ++i) {
           if (index == 0 && i == 0) continue;  // the open heading has no residual
           const double analytic = next ? rows[i].by_next[column] : rows[i].by_node[column];
-          EXPECT_NEAR((there[i].residual - rows[i].residual) / step, analytic, 1e-5 * (1 + std::abs(analytic))) << index << " " << i << " " << column;
+          EXPECT_NEAR((there[i].residual - rows[i].residual) / step, analytic,
+                      1e-5 * (1 + std::abs(analytic)))
+              << index << " " << i << " " << column;
         }
       }
   }
 }
 
-/// The array's directivity is calibrated with all else, from amplitudes. Against the same logs read as if receivers heard all round
-/// alike: what is off the axis is then late for no reason.
+/// The array's directivity is calibrated with all else, from amplitudes. Against the same logs read as if
+/// receivers heard all round alike: what is off the axis is then late for no reason.
 TEST(Directivity, IsCalibratedFromAmplitudes) {
   double nees = 0.0, dof = 0.0, squares = 0.0, squares_blind = 0.0;
   for (std::uint64_t seed = 5; seed <= 12; ++seed) {
@@ -213,13 +228,15 @@ TEST(Directivity, IsCalibratedFromAmplitudes) {
     World world = must(simulate(s, seed));
     const calib::Solution solution = solution_of(world);
     ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << "seed " << seed << ": " << solution.message;
-    const double error = solution.state.attenuation->half_power_angle_rad - world.truth.attenuation->half_power_angle_rad;
+    const double error =
+        solution.state.attenuation->half_power_angle_rad - world.truth.attenuation->half_power_angle_rad;
     const double sigma = sigma_of(solution, "attenuation/half_power_angle_rad");
     EXPECT_LT(sigma, 0.005) << "a tenth of a radian beforehand";
     const BeaconErrors errors = beacon_errors(world, solution);
     nees += errors.nees() + error * error / (sigma * sigma);
     dof += 1 + static_cast<double>(errors.error.size());
-    EXPECT_LT(solution.statistics.rejected, 10u) << "seed " << seed << ": weak arrivals are late by what their amplitude says, and no echoes";
+    EXPECT_LT(solution.statistics.rejected, 10u)
+        << "seed " << seed << ": weak arrivals are late by what their amplitude says, and no echoes";
     if (seed > 5) continue;  // what fits so badly takes its time
     squares += errors.error.squaredNorm();
     world.site.attenuation->half_power_angle_rad = {};
@@ -233,7 +250,8 @@ TEST(Directivity, IsCalibratedFromAmplitudes) {
   EXPECT_LT(25 * squares, squares_blind) << "five times the error";
 }
 
-/// What calibration found is what fixes are made with: in time and in amplitude, by the walk off the axis as well.
+/// What calibration found is what fixes are made with: in time and in amplitude, by the walk off the axis as
+/// well.
 TEST(Directivity, ServesTheFixes) {
   double nees = 0.0, dof = 0.0;
   for (std::uint64_t seed = 21; seed <= 32; ++seed) {

@@ -1,19 +1,20 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Public recordings that lie beside the repository, against an independent solution of each. Skipped where they are absent.
+// Public recordings that lie beside the repository, against an independent solution of each. Skipped where
+// they are absent.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 
-#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "io/run/run_folder.h"
 #include "io/site/site_yaml.h"
-#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/drive/tracker.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "survey/evaluate.h"
 #include "tests/calib/calib_support.h"
 
@@ -38,44 +39,57 @@ class Recordings : public testing::Test {
     if (!fs::exists(kRecordings)) GTEST_SKIP() << "no recordings beside the repository";
   }
 
-  static Recording calibrate(const std::string& dataset, const std::string& run, const std::string& site_file = "site.yaml") {
-    return calibrate(must(io::read_site((kRecordings / dataset / site_file).string())), {dataset + "/" + run});
+  static Recording calibrate(const std::string& dataset, const std::string& run,
+                             const std::string& site_file = "site.yaml") {
+    return calibrate(must(io::read_site((kRecordings / dataset / site_file).string())),
+                     {dataset + "/" + run});
   }
   static Recording calibrate(const Site& site, const std::vector<std::string>& runs) {
     Recording r;
     r.site = site;
     std::vector<MeasurementLog> logs;
-    for (const std::string& run : runs) logs.push_back(must(io::read_run((kRecordings / run).string(), names_of(site), site.timing)));
+    for (const std::string& run : runs)
+      logs.push_back(must(io::read_run((kRecordings / run).string(), names_of(site), site.timing)));
     r.problem = must(calib::make_problem(r.site, std::move(logs)));
     r.solution = calib::solve(r.problem);
-    if (r.solution.status == SolveStatus::kConverged) r.deployment = calib::make_deployment(r.problem, r.solution, {});
+    if (r.solution.status == SolveStatus::kConverged)
+      r.deployment = calib::make_deployment(r.problem, r.solution, {});
     return r;
   }
 
   static survey::Evaluation locate(const Recording& r, const std::string& run, bool bearings = true) {
-    MeasurementLog log = must(io::read_run((kRecordings / run).string(), names_of(r.deployment), r.deployment.timing, {.read_truth = true, .read_poses = false}));
+    MeasurementLog log = must(io::read_run((kRecordings / run).string(), names_of(r.deployment),
+                                           r.deployment.timing, {.read_truth = true, .read_poses = false}));
     if (!bearings) log.bearings.clear();
-    const std::vector<Fix> fixes = log.has_epochs ? LeastSquaresLocalizer(r.deployment).locate(log) : track(log, r.deployment);
-    return survey::evaluate(fixes, log.truth, log.truth_accuracy, r.deployment.motion, r.deployment.tolerance);
+    const std::vector<Fix> fixes =
+        log.has_epochs ? LeastSquaresLocalizer(r.deployment).locate(log) : track(log, r.deployment);
+    return survey::evaluate(fixes, log.truth, log.truth_accuracy, r.deployment.motion,
+                            r.deployment.tolerance);
   }
 
-  /// Distances of the beacons from their survey, ascending; after a rigid motion in the plane where the frame is free.
-  static std::vector<double> off_reference(const Recording& r, const std::string& dataset, bool align = false) {
+  /// Distances of the beacons from their survey, ascending; after a rigid motion in the plane where the frame
+  /// is free.
+  static std::vector<double> off_reference(const Recording& r, const std::string& dataset,
+                                           bool align = false) {
     std::ifstream file(kRecordings / dataset / "reference.json");
     const nlohmann::json reference = nlohmann::json::parse(file);
     Eigen::Matrix3Xd found(3, 0), truth(3, 0);
     for (const auto& b : reference["beacons"]) {
       for (std::size_t i = 0; i < r.site.beacons.size(); ++i) {
-        if (r.site.beacons[i].name != b["id"].get<std::string>() || r.solution.beacon_status[i] == BeaconStatus::kUndetermined) continue;
+        if (r.site.beacons[i].name != b["id"].get<std::string>() ||
+            r.solution.beacon_status[i] == BeaconStatus::kUndetermined)
+          continue;
         found.conservativeResize(3, found.cols() + 1);
         truth.conservativeResize(3, truth.cols() + 1);
         found.col(found.cols() - 1) = r.solution.state.beacon_p_map_m[i];
-        for (int k = 0; k < 3; ++k) truth(k, truth.cols() - 1) = b["position_m"][static_cast<std::size_t>(k)].get<double>();
+        for (int k = 0; k < 3; ++k)
+          truth(k, truth.cols() - 1) = b["position_m"][static_cast<std::size_t>(k)].get<double>();
       }
     }
     if (align) {
       const Eigen::Matrix3d T = Eigen::umeyama(found.topRows(2), truth.topRows(2), false);
-      for (Eigen::Index i = 0; i < found.cols(); ++i) found.col(i).head<2>() = (T * found.col(i).head<2>().homogeneous()).head<2>().eval();
+      for (Eigen::Index i = 0; i < found.cols(); ++i)
+        found.col(i).head<2>() = (T * found.col(i).head<2>().homogeneous()).head<2>().eval();
     }
     std::vector<double> off;
     for (Eigen::Index i = 0; i < found.cols(); ++i) off.push_back((found.col(i) - truth.col(i)).norm());
@@ -85,7 +99,9 @@ class Recordings : public testing::Test {
   static double median(const std::vector<double>& sorted) {
     return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
   }
-  static double speed(const Recording& r) { return speed_mps(r.site.medium) + r.solution.state.speed_offset_mps[0]; }
+  static double speed(const Recording& r) {
+    return speed_mps(r.site.medium) + r.solution.state.speed_offset_mps[0];
+  }
 };
 
 // Limits below are those that the independent solution states, or ten per cent beyond its figures.
@@ -102,7 +118,8 @@ TEST_F(Recordings, Plaza1) {
 
 TEST_F(Recordings, Plaza1FromOdometryAlone) {
   Site site = must(io::read_site((kRecordings / "plaza1/site.yaml").string()));
-  for (SiteBeacon& b : site.beacons) b.position_m[0] = b.position_m[1] = b.sigma_m[0] = b.sigma_m[1] = std::nullopt;
+  for (SiteBeacon& b : site.beacons)
+    b.position_m[0] = b.position_m[1] = b.sigma_m[0] = b.sigma_m[1] = std::nullopt;
   const Recording r = calibrate(site, {"plaza1/driven"});
   ASSERT_EQ(r.solution.status, SolveStatus::kConverged) << r.solution.message;
   EXPECT_LT(off_reference(r, "plaza1", true).back(), 0.5);
@@ -132,7 +149,8 @@ TEST_F(Recordings, LiasStatic) {
   std::ifstream file(kRecordings / "lias-static-0814/reference.json");
   const nlohmann::json reference = nlohmann::json::parse(file);
   for (std::size_t i = 0; i < 3; ++i) {
-    const Eigen::Vector2d truth(reference["receivers"][i]["position_m"][0].get<double>(), reference["receivers"][i]["position_m"][1].get<double>());
+    const Eigen::Vector2d truth(reference["receivers"][i]["position_m"][0].get<double>(),
+                                reference["receivers"][i]["position_m"][1].get<double>());
     EXPECT_LT((r.solution.state.receiver_p_vehicle_m[i].head<2>() - truth).norm(), 0.05);
   }
   EXPECT_LT(locate(r, "lias-static-0814/fix").position_rmse_m, 0.0245);
@@ -171,7 +189,8 @@ TEST_F(Recordings, ADelayThatTheDataDoNotSupportLeavesTheBeacons) {
     EXPECT_LT((with.solution.state.beacon_p_map_m[b] - without.solution.state.beacon_p_map_m[b]).norm(), 0.2);
 }
 
-/// A table of readings over taped distances: the pair's delay, scale and attenuation, as one beacon and measured poses.
+/// A table of readings over taped distances: the pair's delay, scale and attenuation, as one beacon and
+/// measured poses.
 TEST_F(Recordings, HyuStatic) {
   std::ifstream table(kRecordings / "hyu-static" / "static_los.csv");
   if (!table) GTEST_SKIP() << "no hyu-static beside the repository";
@@ -184,7 +203,10 @@ TEST_F(Recordings, HyuStatic) {
   site.timing.delay_sigma_s = 2e-9;
   site.noise.tof_sigma_s = 2e-10;
   site.noise.amplitude_relative_sigma = 0.42;  // the scatter stated there, 3.67 dB
-  site.attenuation = AttenuationPrior{.amplitude_1m_v = {2e-4, 2e-4}, .absorption_np_per_m = {0.0, 0.1}, .rise_time_s = {0.0, 0.0}, .threshold_v = 0.0};
+  site.attenuation = AttenuationPrior{.amplitude_1m_v = {2e-4, 2e-4},
+                                      .absorption_np_per_m = {0.0, 0.1},
+                                      .rise_time_s = {0.0, 0.0},
+                                      .threshold_v = 0.0};
   site.beacons.push_back(beacon("B", {0, 0, 0}, 0.0));
   add_receivers(site, {Eigen::Vector3d::Zero()});
   MeasurementLog log;
@@ -196,7 +218,8 @@ TEST_F(Recordings, HyuStatic) {
   double time_s = 0.0;
   while (std::getline(table, line)) {
     double field[6] = {};
-    for (std::size_t i = 0, at = 0; i < 6; ++i, at = line.find(',', at) + 1) field[i] = std::stod(line.substr(at));
+    for (std::size_t i = 0, at = 0; i < 6; ++i, at = line.find(',', at) + 1)
+      field[i] = std::stod(line.substr(at));
     const std::string place = line.substr(0, line.find(',', line.find(',') + 1));
     time_s += place == last ? 1e-3 : 10.0;
     if (place != last) log.poses.push_back({time_s, Pose::planar(field[0], 0.0, 0.0)});
@@ -215,9 +238,9 @@ TEST_F(Recordings, HyuStatic) {
   const calib::Problem problem = must(calib::make_problem(site, {log}));
   const calib::Solution solution = calib::solve(problem);
   ASSERT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
-  // range = s distance + o with s 1.00407, o 0.0999 m, and A = 1.5553e-4 V, a = -0.02790 Np/m. Ours is a least-squares fit of the
-  // readings within four sigmas, theirs a robust one of all: a tenth of the residual sigma (0.05 m) in the offset, and that over
-  // 60 m in the scale.
+  // range = s distance + o with s 1.00407, o 0.0999 m, and A = 1.5553e-4 V, a = -0.02790 Np/m. Ours is a
+  // least-squares fit of the readings within four sigmas, theirs a robust one of all: a tenth of the residual
+  // sigma (0.05 m) in the offset, and that over 60 m in the scale.
   const double speed_mps = 299792458.0 + solution.state.speed_offset_mps[0];
   EXPECT_NEAR(299792458.0 / speed_mps, 1.00407, 0.001);
   EXPECT_NEAR(299792458.0 * solution.state.site_delay_s, 0.0999, 0.03);

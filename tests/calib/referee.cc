@@ -11,15 +11,17 @@
 namespace octant::test {
 namespace {
 
-/// One arrival. Parameters: beacon 3, beacon delay 1, receiver delay 1, site delay 1, speed offset 1, receiver 3, attenuation 3,
-/// state before 4 and state after 4 (x, y, heading, cycle offset). Delays and offsets in microseconds.
+/// One arrival. Parameters: beacon 3, beacon delay 1, receiver delay 1, site delay 1, speed offset 1,
+/// receiver 3, attenuation 3, state before 4 and state after 4 (x, y, heading, cycle offset). Delays and
+/// offsets in microseconds.
 struct ArrivalResidual {
   ArrivalObservation a;
   double threshold_v;
   bool attenuated;
   template <class T>
-  bool operator()(const T* beacon, const T* beacon_delay, const T* receiver_delay, const T* site_delay, const T* speed, const T* o,
-                  const T* attenuation, const T* before, const T* after, T* residual) const {
+  bool operator()(const T* beacon, const T* beacon_delay, const T* receiver_delay, const T* site_delay,
+                  const T* speed, const T* o, const T* attenuation, const T* before, const T* after,
+                  T* residual) const {
     using std::cos;
     using std::exp;
     using std::log;
@@ -31,12 +33,14 @@ struct ArrivalResidual {
     const T y = pose[1] + sin(pose[2]) * o[0] + cos(pose[2]) * o[1] - beacon[1];
     const T z = o[2] - beacon[2];
     const T d = sqrt(x * x + y * y + z * z);
-    T tof = d / (T(a.model_speed_mps) + speed[0]) + T(1e-6) * (beacon_delay[0] + receiver_delay[0] + site_delay[0] + before[3]);
+    T tof = d / (T(a.model_speed_mps) + speed[0]) +
+            T(1e-6) * (beacon_delay[0] + receiver_delay[0] + site_delay[0] + before[3]);
     residual[1] = T(0);
     if (attenuated) {
       const T log_amplitude = log(attenuation[0]) - log(d) - attenuation[1] * d;
       tof = tof - T(1e-6) * attenuation[2] * log(T(1) - T(threshold_v) / exp(log_amplitude));
-      if (a.log_amplitude_sigma > 0) residual[1] = (T(a.log_amplitude) - log_amplitude) / T(a.log_amplitude_sigma);
+      if (a.log_amplitude_sigma > 0)
+        residual[1] = (T(a.log_amplitude) - log_amplitude) / T(a.log_amplitude_sigma);
     }
     residual[0] = (T(a.tof_s) - tof) / T(a.sigma_s);
     return true;
@@ -50,8 +54,10 @@ struct OdometryResidual {
     using std::cos;
     using std::sin;
     const T dx = b[0] - a[0], dy = b[1] - a[1];
-    residual[0] = (T(o.T_before_after.translation_m.x()) - (cos(a[2]) * dx + sin(a[2]) * dy)) / T(o.distance_sigma_m);
-    residual[1] = (T(o.T_before_after.translation_m.y()) - (cos(a[2]) * dy - sin(a[2]) * dx)) / T(o.distance_sigma_m);
+    residual[0] =
+        (T(o.T_before_after.translation_m.x()) - (cos(a[2]) * dx + sin(a[2]) * dy)) / T(o.distance_sigma_m);
+    residual[1] =
+        (T(o.T_before_after.translation_m.y()) - (cos(a[2]) * dy - sin(a[2]) * dx)) / T(o.distance_sigma_m);
     residual[2] = (T(o.T_before_after.heading_rad()) - (b[2] - a[2])) / T(o.heading_sigma_rad);
     return true;
   }
@@ -93,7 +99,8 @@ struct TapeResidual {
 
 class Referee {
  public:
-  Referee(const calib::Problem& problem, const calib::Solution& solution) : problem_(problem), site_(problem.site), solution_(solution) {}
+  Referee(const calib::Problem& problem, const calib::Solution& solution)
+      : problem_(problem), site_(problem.site), solution_(solution) {}
 
   RefereeResult run() {
     load();
@@ -125,22 +132,27 @@ class Referee {
     for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
       beacons_.push_back({s.beacon_p_map_m[b].x(), s.beacon_p_map_m[b].y(), s.beacon_p_map_m[b].z()});
       for (std::size_t i = 0; i < 3; ++i)
-        if (site_.beacons[b].sigma_m[i].value_or(1.0) > 0) beacons_[b][i] += nudge * std::sin(static_cast<double>(3 * b + i));
+        if (site_.beacons[b].sigma_m[i].value_or(1.0) > 0)
+          beacons_[b][i] += nudge * std::sin(static_cast<double>(3 * b + i));
       beacon_delays_.push_back(1e6 * s.beacon_delay_s[b]);
     }
     for (std::size_t r = 0; r < site_.receivers.size(); ++r) {
-      receivers_.push_back({s.receiver_p_vehicle_m[r].x(), s.receiver_p_vehicle_m[r].y(), s.receiver_p_vehicle_m[r].z()});
+      receivers_.push_back(
+          {s.receiver_p_vehicle_m[r].x(), s.receiver_p_vehicle_m[r].y(), s.receiver_p_vehicle_m[r].z()});
       receiver_delays_.push_back(1e6 * s.receiver_delay_s[r]);
     }
     site_delay_ = 1e6 * s.site_delay_s;
     speed_ = s.speed_offset_mps[0];
-    if (s.attenuation) attenuation_ = {s.attenuation->amplitude_1m_v, s.attenuation->absorption_np_per_m, 1e6 * s.attenuation->rise_time_s};
+    if (s.attenuation)
+      attenuation_ = {s.attenuation->amplitude_1m_v, s.attenuation->absorption_np_per_m,
+                      1e6 * s.attenuation->rise_time_s};
     states_.resize(solution_.trajectories.size());
     for (std::size_t i = 0; i < states_.size(); ++i) {
       double unwrapped = 0.0;
       for (const Node& node : solution_.trajectories[i].nodes) {
         unwrapped += wrap_angle(node.T_map_vehicle.heading_rad() - unwrapped);
-        states_[i].push_back({node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(), unwrapped, 1e6 * node.cycle_offset_s});
+        states_[i].push_back({node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(),
+                              unwrapped, 1e6 * node.cycle_offset_s});
       }
     }
   }
@@ -153,8 +165,9 @@ class Referee {
         if (t.arrivals[k].rejection == Rejection::kUsed) add_arrival(i, t.arrivals[k]);
       for (std::size_t k = segment.first_odometry; k < segment.last_odometry; ++k) {
         auto& s = states_[i];
-        ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<OdometryResidual, 3, 4, 4>(new OdometryResidual{t.odometry[k]}), nullptr,
-                                s[t.odometry[k].node].data(), s[t.odometry[k].node + 1].data());
+        ceres_.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<OdometryResidual, 3, 4, 4>(new OdometryResidual{t.odometry[k]}),
+            nullptr, s[t.odometry[k].node].data(), s[t.odometry[k].node + 1].data());
       }
       for (std::size_t k = segment.first_pose; k < segment.last_pose; ++k) add_pose(i, t.poses[k]);
     }
@@ -169,23 +182,30 @@ class Referee {
   }
 
   void add_arrival(std::size_t i, const ArrivalObservation& a) {
-    auto* functor = new ArrivalResidual{a, solution_.state.attenuation ? solution_.state.attenuation->threshold_v : 0.0, solution_.state.attenuation.has_value()};
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<ArrivalResidual, 2, 3, 1, 1, 1, 1, 3, 3, 4, 4>(functor), nullptr,
-                            beacons_[a.beacon.index()].data(), &beacon_delays_[a.beacon.index()], &receiver_delays_[a.receiver.index()], &site_delay_,
-                            &speed_, receivers_[a.receiver.index()].data(), attenuation_.data(), states_[i][a.node].data(), next_state(i, a.node, a.alpha));
+    auto* functor =
+        new ArrivalResidual{a, solution_.state.attenuation ? solution_.state.attenuation->threshold_v : 0.0,
+                            solution_.state.attenuation.has_value()};
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<ArrivalResidual, 2, 3, 1, 1, 1, 1, 3, 3, 4, 4>(functor), nullptr,
+        beacons_[a.beacon.index()].data(), &beacon_delays_[a.beacon.index()],
+        &receiver_delays_[a.receiver.index()], &site_delay_, &speed_, receivers_[a.receiver.index()].data(),
+        attenuation_.data(), states_[i][a.node].data(), next_state(i, a.node, a.alpha));
   }
 
   void add_pose(std::size_t i, const PoseObservation& p) {
     double* before = states_[i][p.node].data();
     const double heading = before[2] + wrap_angle(p.T_map_vehicle.heading_rad() - before[2]);
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PoseResidual, 3, 4, 4>(new PoseResidual{p, heading}), nullptr, before,
-                            next_state(i, p.node, p.alpha));
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PoseResidual, 3, 4, 4>(new PoseResidual{p, heading}), nullptr, before,
+        next_state(i, p.node, p.alpha));
   }
 
   template <int kSize>
   void prior(double* block, int index, double mean, double sigma) {
     if (sigma > 0 && std::isfinite(sigma))
-      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual, 1, kSize>(new PriorResidual{mean, sigma, index}), nullptr, block);
+      ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PriorResidual, 1, kSize>(new PriorResidual{mean, sigma, index}),
+          nullptr, block);
   }
 
   void add_priors() {
@@ -196,22 +216,28 @@ class Referee {
         if (site_.beacons[b].position_m[static_cast<std::size_t>(i)])
           prior<3>(beacons_[b].data(), i, *site_.beacons[b].position_m[static_cast<std::size_t>(i)],
                    site_.beacons[b].sigma_m[static_cast<std::size_t>(i)].value_or(INFINITY));
-      if (site_.timing.delay_per.beacon) prior<1>(&beacon_delays_[b], 0, 1e6 * mean.beacon_delay_s[b], delay_sigma);
+      if (site_.timing.delay_per.beacon)
+        prior<1>(&beacon_delays_[b], 0, 1e6 * mean.beacon_delay_s[b], delay_sigma);
     }
     for (std::size_t r = 0; r < receivers_.size(); ++r) {
-      for (int i = 0; i < 3; ++i) prior<3>(receivers_[r].data(), i, site_.receivers[r].position_m[i], site_.receivers[r].sigma_m[i]);
-      if (site_.timing.delay_per.receiver) prior<1>(&receiver_delays_[r], 0, 1e6 * mean.receiver_delay_s[r], delay_sigma);
+      for (int i = 0; i < 3; ++i)
+        prior<3>(receivers_[r].data(), i, site_.receivers[r].position_m[i], site_.receivers[r].sigma_m[i]);
+      if (site_.timing.delay_per.receiver)
+        prior<1>(&receiver_delays_[r], 0, 1e6 * mean.receiver_delay_s[r], delay_sigma);
     }
     if (site_.timing.delay_per.site) prior<1>(&site_delay_, 0, 1e6 * mean.site_delay_s, delay_sigma);
     prior<1>(&speed_, 0, 0.0, site_.speed_sigma_mps);
     if (site_.attenuation) {
-      prior<3>(attenuation_.data(), 0, site_.attenuation->amplitude_1m_v.value, site_.attenuation->amplitude_1m_v.sigma);
-      prior<3>(attenuation_.data(), 1, site_.attenuation->absorption_np_per_m.value, site_.attenuation->absorption_np_per_m.sigma);
-      prior<3>(attenuation_.data(), 2, 1e6 * site_.attenuation->rise_time_s.value, 1e6 * site_.attenuation->rise_time_s.sigma);
+      prior<3>(attenuation_.data(), 0, site_.attenuation->amplitude_1m_v.value,
+               site_.attenuation->amplitude_1m_v.sigma);
+      prior<3>(attenuation_.data(), 1, site_.attenuation->absorption_np_per_m.value,
+               site_.attenuation->absorption_np_per_m.sigma);
+      prior<3>(attenuation_.data(), 2, 1e6 * site_.attenuation->rise_time_s.value,
+               1e6 * site_.attenuation->rise_time_s.sigma);
     }
     for (const ControlDistance& d : site_.distances)
-      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<TapeResidual, 1, 3, 3>(new TapeResidual{d}), nullptr, beacons_[d.from.index()].data(),
-                              beacons_[d.to.index()].data());
+      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<TapeResidual, 1, 3, 3>(new TapeResidual{d}),
+                              nullptr, beacons_[d.from.index()].data(), beacons_[d.to.index()].data());
   }
 
   void hold(double* block) {
@@ -221,7 +247,8 @@ class Referee {
     if (ceres_.HasParameterBlock(block)) free_.push_back({block, 0, name, si});
   }
   /// Fixed coordinates of a block are held; the free ones are listed by name.
-  void free_three(double* block, const std::array<bool, 3>& fixed, const std::array<std::string, 3>& names, const std::array<double, 3>& si) {
+  void free_three(double* block, const std::array<bool, 3>& fixed, const std::array<std::string, 3>& names,
+                  const std::array<double, 3>& si) {
     if (!ceres_.HasParameterBlock(block)) return;
     std::vector<int> held;
     for (int i = 0; i < 3; ++i) {
@@ -243,31 +270,39 @@ class Referee {
     const bool delays = timing.delay_sigma_s > 0;
     for (std::size_t b = 0; b < beacons_.size(); ++b) {
       std::array<bool, 3> fixed;
-      for (std::size_t i = 0; i < 3; ++i) fixed[i] = site_.beacons[b].position_m[i] && site_.beacons[b].sigma_m[i].value_or(1.0) == 0.0;
+      for (std::size_t i = 0; i < 3; ++i)
+        fixed[i] = site_.beacons[b].position_m[i] && site_.beacons[b].sigma_m[i].value_or(1.0) == 0.0;
       const std::string prefix = "beacon/" + site_.beacons[b].name;
       free_three(beacons_[b].data(), fixed, {prefix + "/x_m", prefix + "/y_m", prefix + "/z_m"}, {1, 1, 1});
-      delays && timing.delay_per.beacon ? free_one(&beacon_delays_[b], prefix + "/delay_s", 1e-6) : hold(&beacon_delays_[b]);
+      delays&& timing.delay_per.beacon ? free_one(&beacon_delays_[b], prefix + "/delay_s", 1e-6)
+                                       : hold(&beacon_delays_[b]);
     }
     for (std::size_t r = 0; r < receivers_.size(); ++r) {
       const SiteReceiver& receiver = site_.receivers[r];
-      const std::string prefix = "receiver/" + site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name;
-      free_three(receivers_[r].data(), {receiver.sigma_m[0] == 0, receiver.sigma_m[1] == 0, receiver.sigma_m[2] == 0},
+      const std::string prefix =
+          "receiver/" + site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name;
+      free_three(receivers_[r].data(),
+                 {receiver.sigma_m[0] == 0, receiver.sigma_m[1] == 0, receiver.sigma_m[2] == 0},
                  {prefix + "/x_m", prefix + "/y_m", prefix + "/z_m"}, {1, 1, 1});
-      delays && timing.delay_per.receiver ? free_one(&receiver_delays_[r], prefix + "/delay_s", 1e-6) : hold(&receiver_delays_[r]);
+      delays&& timing.delay_per.receiver ? free_one(&receiver_delays_[r], prefix + "/delay_s", 1e-6)
+                                         : hold(&receiver_delays_[r]);
     }
-    delays && timing.delay_per.site ? free_one(&site_delay_, "site/delay_s", 1e-6) : hold(&site_delay_);
+    delays&& timing.delay_per.site ? free_one(&site_delay_, "site/delay_s", 1e-6) : hold(&site_delay_);
     site_.speed_sigma_mps > 0 ? free_one(&speed_, "medium/speed_mps", 1.0) : hold(&speed_);
     if (site_.attenuation) {
       const AttenuationPrior& a = *site_.attenuation;
-      free_three(attenuation_.data(), {a.amplitude_1m_v.sigma == 0, a.absorption_np_per_m.sigma == 0, a.rise_time_s.sigma == 0},
-                 {"attenuation/amplitude_1m_v", "attenuation/absorption_np_per_m", "attenuation/rise_time_s"}, {1, 1, 1e-6});
+      free_three(attenuation_.data(),
+                 {a.amplitude_1m_v.sigma == 0, a.absorption_np_per_m.sigma == 0, a.rise_time_s.sigma == 0},
+                 {"attenuation/amplitude_1m_v", "attenuation/absorption_np_per_m", "attenuation/rise_time_s"},
+                 {1, 1, 1e-6});
     } else {
       hold(attenuation_.data());
     }
     const bool offset = timing.clock == octant::Clock::kCycleOffset;
     for (auto& states : states_)
       for (State& state : states)
-        if (!offset && ceres_.HasParameterBlock(state.data())) ceres_.SetManifold(state.data(), new ceres::SubsetManifold(4, {3}));
+        if (!offset && ceres_.HasParameterBlock(state.data()))
+          ceres_.SetManifold(state.data(), new ceres::SubsetManifold(4, {3}));
   }
 
   void collect(RefereeResult& result) {
@@ -319,6 +354,8 @@ class Referee {
 
 }  // namespace
 
-RefereeResult referee(const calib::Problem& problem, const calib::Solution& solution) { return Referee(problem, solution).run(); }
+RefereeResult referee(const calib::Problem& problem, const calib::Solution& solution) {
+  return Referee(problem, solution).run();
+}
 
 }  // namespace octant::test

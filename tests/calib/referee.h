@@ -12,8 +12,8 @@
 
 namespace octant::test {
 
-/// What the referee finds: cost at the optimum, values and joint covariance of the free shared parameters, in SI units and in
-/// the order of `parameters` (names as in the joint covariance of a solution).
+/// What the referee finds: cost at the optimum, values and joint covariance of the free shared parameters, in
+/// SI units and in the order of `parameters` (names as in the joint covariance of a solution).
 struct RefereeResult {
   bool converged = false;
   double cost = 0.0;
@@ -22,9 +22,10 @@ struct RefereeResult {
   Eigen::MatrixXd covariance;
 };
 
-/// The plain way: every arrival, odometry step, measured pose and prior a residual block with automatic derivatives, all states
-/// and parameters at once in Ceres, covariance by ceres::Covariance (a rank-revealing QR of the whole Jacobian). Planar motion.
-/// Starts from a solution moved off by some sigmas and uses the arrivals that the solution uses.
+/// The plain way: every arrival, odometry step, measured pose and prior a residual block with automatic
+/// derivatives, all states and parameters at once in Ceres, covariance by ceres::Covariance (a rank-revealing
+/// QR of the whole Jacobian). Planar motion. Starts from a solution moved off by some sigmas and uses the
+/// arrivals that the solution uses.
 [[nodiscard]] RefereeResult referee(const calib::Problem& problem, const calib::Solution& solution);
 
 }  // namespace octant::test

@@ -21,17 +21,21 @@ void expect_same(const Scenario& scenario, std::uint64_t seed) {
   ASSERT_TRUE(other.converged);
   EXPECT_NEAR(solution.final_cost, other.cost, 1e-6 * other.cost);
   std::map<std::string, Eigen::Index> index;
-  for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i) index[solution.covariance.parameters[i]] = static_cast<Eigen::Index>(i);
+  for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i)
+    index[solution.covariance.parameters[i]] = static_cast<Eigen::Index>(i);
   ASSERT_EQ(solution.covariance.parameters.size(), other.parameters.size());
   for (std::size_t i = 0; i < other.parameters.size(); ++i) {
     ASSERT_TRUE(index.count(other.parameters[i])) << other.parameters[i];
     const Eigen::Index a = index[other.parameters[i]];
-    const double sigma = std::sqrt(other.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
+    const double sigma =
+        std::sqrt(other.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
     for (std::size_t j = 0; j <= i; ++j) {
       const auto ii = static_cast<Eigen::Index>(i), jj = static_cast<Eigen::Index>(j);
       const double scale = std::sqrt(other.covariance(ii, ii) * other.covariance(jj, jj));
-      // Gauss-Newton matrices of the same state differ by rounding and by how far the two stopped from the optimum.
-      EXPECT_NEAR(solution.covariance.matrix(a, index[other.parameters[j]]), other.covariance(ii, jj), 1e-3 * scale)
+      // Gauss-Newton matrices of the same state differ by rounding and by how far the two stopped from the
+      // optimum.
+      EXPECT_NEAR(solution.covariance.matrix(a, index[other.parameters[j]]), other.covariance(ii, jj),
+                  1e-3 * scale)
           << other.parameters[i] << " with " << other.parameters[j];
     }
     EXPECT_GT(sigma, 0.0);
@@ -44,8 +48,11 @@ void expect_same(const Scenario& scenario, std::uint64_t seed) {
     std::size_t b = 0;
     while (name.find("/" + world.truth.beacons[b].name + "/") == std::string::npos) ++b;
     const auto axis = static_cast<Eigen::Index>(name[name.size() - 3] - 'x');
-    const double sigma = std::sqrt(other.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
-    EXPECT_NEAR(solution.state.beacon_p_map_m[b][axis], other.values[static_cast<Eigen::Index>(i)], 1e-2 * sigma) << name;
+    const double sigma =
+        std::sqrt(other.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
+    EXPECT_NEAR(solution.state.beacon_p_map_m[b][axis], other.values[static_cast<Eigen::Index>(i)],
+                1e-2 * sigma)
+        << name;
     ++row;
   }
   EXPECT_EQ(row, ours.error.size());
@@ -92,7 +99,10 @@ TEST(Referee, DriveWithOdometry) { expect_same(drive_scenario(30.0), 6); }
 TEST(Referee, TapedDistances) {
   Scenario s = short_hall();
   s.site.distances = {{BeaconId(1), BeaconId(4), 0.0, 0.003}};
-  const auto at = [&](std::size_t b) { return Eigen::Vector3d(*s.site.beacons[b].position_m[0], *s.site.beacons[b].position_m[1], *s.site.beacons[b].position_m[2]); };
+  const auto at = [&](std::size_t b) {
+    return Eigen::Vector3d(*s.site.beacons[b].position_m[0], *s.site.beacons[b].position_m[1],
+                           *s.site.beacons[b].position_m[2]);
+  };
   s.site.distances[0].distance_m = (at(1) - at(4)).norm() + 0.002;
   expect_same(s, 7);
 }

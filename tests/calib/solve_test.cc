@@ -35,7 +35,8 @@ TEST(Solve, NoiseFreeWorldGivesTheTruth) {
   const calib::Solution solution = solution_of(world);
   ASSERT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
   EXPECT_LT(worst_beacon_m(world, solution), 1e-5);
-  EXPECT_NEAR(speed_mps(world.site.medium) + solution.state.speed_offset_mps[0], world.truth.speed_mps(world.site.medium.temperature_degC), 1e-5);
+  EXPECT_NEAR(speed_mps(world.site.medium) + solution.state.speed_offset_mps[0],
+              world.truth.speed_mps(world.site.medium.temperature_degC), 1e-5);
 }
 
 TEST(Solve, ErrorsAreWhatTheCovarianceSays) {
@@ -50,7 +51,8 @@ TEST(Solve, ErrorsAreWhatTheCovarianceSays) {
     nees += errors.nees();
     dof += static_cast<double>(errors.error.size());
   }
-  // One run in ten thousand fails by chance; the curvature of the problem adds some per cent (as the external gates allow).
+  // One run in ten thousand fails by chance; the curvature of the problem adds some per cent (as the external
+  // gates allow).
   EXPECT_GT(nees, 0.85 * chi2_quantile(1e-4, dof));
   EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));
 }
@@ -64,7 +66,8 @@ TEST(Solve, FixesOfACalibratedSiteAreWhatTheirCovarianceSays) {
     const World world = must(simulate(s, seed));
     const calib::Problem problem = problem_of(world);
     const calib::Solution solution = calib::solve(problem);
-    if (solution.status != SolveStatus::kConverged) continue;  // thirty stops do not always reach the tolerance
+    if (solution.status != SolveStatus::kConverged)
+      continue;  // thirty stops do not always reach the tolerance
     LeastSquaresLocalizer localizer(calib::make_deployment(problem, solution, {}));
     // One fix a world: those of one calibration share its errors.
     const std::vector<Fix> fixes = localizer.locate(world.heldout);
@@ -76,7 +79,10 @@ TEST(Solve, FixesOfACalibratedSiteAreWhatTheirCovarianceSays) {
   }
   EXPECT_GT(dof, 75.0);
   EXPECT_GT(nees, 0.85 * chi2_quantile(1e-4, dof));
-  EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));  // without the calibration's part it is 1.5 to 2 of the degrees of freedom
+  EXPECT_LT(
+      nees,
+      1.15 * chi2_quantile(1 - 1e-4,
+                           dof));  // without the calibration's part it is 1.5 to 2 of the degrees of freedom
 }
 
 TEST(Solve, HeadingsDoNotFlipWhileTheBeaconsAreRough) {
@@ -102,7 +108,8 @@ TEST(Solve, OrderOfRowsWithinAnEpochDoesNotMatter) {
   for (std::size_t first = 0; first < rows.size();) {
     std::size_t last = first;
     while (last < rows.size() && rows[last].epoch == rows[first].epoch) ++last;
-    std::shuffle(rows.begin() + static_cast<std::ptrdiff_t>(first), rows.begin() + static_cast<std::ptrdiff_t>(last), random);
+    std::shuffle(rows.begin() + static_cast<std::ptrdiff_t>(first),
+                 rows.begin() + static_cast<std::ptrdiff_t>(last), random);
     first = last;
   }
   const calib::Solution b = solution_of(world);
@@ -135,7 +142,8 @@ TEST(Solve, EchoesAreLeftOutAndListed) {
   const calib::Solution solution = solution_of(world);
   ASSERT_EQ(solution.status, SolveStatus::kConverged);
   EXPECT_LT(worst_beacon_m(world, solution), 0.02);
-  // Where three beacons with two direct arrivals each and seven in all agree, an echo must not be taken for direct.
+  // Where three beacons with two direct arrivals each and seven in all agree, an echo must not be taken for
+  // direct.
   std::map<std::int64_t, std::map<BeaconId, int>> direct;
   for (std::size_t i = 0; i < world.run.arrivals.size(); ++i)
     if (world.run_lateness_s[i] == 0.0) ++direct[world.run.arrivals[i].epoch][world.run.arrivals[i].beacon];
@@ -181,7 +189,10 @@ TEST(Solve, TwoWayRanging) {
 
 TEST(Solve, NothingKnownButTapesGivesAFreeNetwork) {
   Scenario s = hall_scenario();
-  const auto at = [&](std::size_t b) { return Eigen::Vector3d(*s.site.beacons[b].position_m[0], *s.site.beacons[b].position_m[1], *s.site.beacons[b].position_m[2]); };
+  const auto at = [&](std::size_t b) {
+    return Eigen::Vector3d(*s.site.beacons[b].position_m[0], *s.site.beacons[b].position_m[1],
+                           *s.site.beacons[b].position_m[2]);
+  };
   for (const auto& [i, j] : {std::pair<std::size_t, std::size_t>{0, 4}, {2, 6}})
     s.site.distances.push_back({BeaconId(i), BeaconId(j), (at(i) - at(j)).norm(), 0.003});
   World world = must(simulate(s, 8));
@@ -196,15 +207,20 @@ TEST(Solve, NothingKnownButTapesGivesAFreeNetwork) {
     EXPECT_GT(solution.state.beacon_p_map_m[i].z(), 0.3);
     for (std::size_t j = 0; j < i; ++j) {
       const double truth_m = (world.truth.beacons[i].position_m - world.truth.beacons[j].position_m).norm();
-      EXPECT_NEAR((solution.state.beacon_p_map_m[i] - solution.state.beacon_p_map_m[j]).norm(), truth_m, 0.02);
+      EXPECT_NEAR((solution.state.beacon_p_map_m[i] - solution.state.beacon_p_map_m[j]).norm(), truth_m,
+                  0.02);
     }
   }
   // Inner constraints: the covariance says nothing of motions of the whole.
   double translation = 0.0;
   for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i)
     for (std::size_t j = 0; j < solution.covariance.parameters.size(); ++j) {
-      const auto is_x = [&](std::size_t k) { return solution.covariance.parameters[k].find("beacon/") == 0 && solution.covariance.parameters[k].find("/x_m") != std::string::npos; };
-      if (is_x(i) && is_x(j)) translation += solution.covariance.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      const auto is_x = [&](std::size_t k) {
+        return solution.covariance.parameters[k].find("beacon/") == 0 &&
+               solution.covariance.parameters[k].find("/x_m") != std::string::npos;
+      };
+      if (is_x(i) && is_x(j))
+        translation += solution.covariance.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
     }
   EXPECT_LT(std::abs(translation), 1e-9);
 }
@@ -215,7 +231,8 @@ TEST(Solve, ExchangedBeaconsAreRecoveredAndNamed) {
   const calib::Solution solution = solution_of(world);
   ASSERT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
   EXPECT_LT(worst_beacon_m(world, solution), 0.02);
-  EXPECT_THAT(solution.warnings, Contains(testing::AllOf(HasSubstr("B1"), HasSubstr("B4"), HasSubstr("exchanged"))));
+  EXPECT_THAT(solution.warnings,
+              Contains(testing::AllOf(HasSubstr("B1"), HasSubstr("B4"), HasSubstr("exchanged"))));
 }
 
 TEST(Solve, ABeaconThatWasNotHeardDoesNotBlockTheOthers) {
@@ -255,7 +272,8 @@ TEST(Solve, ADelayThatTheDataDoNotSupportLeavesTheBeacons) {
   world.site.timing.delay_sigma_s = 1e-5;
   const calib::Solution with = solution_of(world);
   ASSERT_EQ(with.status, SolveStatus::kConverged) << with.message;
-  for (std::size_t b = 0; b < 8; ++b) EXPECT_LT((with.state.beacon_p_map_m[b] - without.state.beacon_p_map_m[b]).norm(), 0.01);
+  for (std::size_t b = 0; b < 8; ++b)
+    EXPECT_LT((with.state.beacon_p_map_m[b] - without.state.beacon_p_map_m[b]).norm(), 0.01);
 }
 
 TEST(Solve, StopsWhenToldTo) {
@@ -272,7 +290,8 @@ TEST(Solve, ThreadsDoNotChangeTheAnswer) {
   s.path.epochs = 40;
   const World world = must(simulate(s, 14));
   const calib::Solution one = solution_of(world, {.threads = 1}), two = solution_of(world, {.threads = 2});
-  for (std::size_t b = 0; b < 8; ++b) EXPECT_LT((one.state.beacon_p_map_m[b] - two.state.beacon_p_map_m[b]).norm(), 1e-9);
+  for (std::size_t b = 0; b < 8; ++b)
+    EXPECT_LT((one.state.beacon_p_map_m[b] - two.state.beacon_p_map_m[b]).norm(), 1e-9);
 }
 
 }  // namespace

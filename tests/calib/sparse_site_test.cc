@@ -11,10 +11,10 @@
 
 #include "calib/adjust/adjust.h"
 #include "calib/adjust/covariance.h"
-#include "calib/verdict/observability.h"
 #include "calib/adjust/sparse_factor.h"
 #include "calib/errors/statistics.h"
 #include "calib/errors/variances.h"
+#include "calib/verdict/observability.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
@@ -24,8 +24,8 @@ using ::testing::HasSubstr;
 
 constexpr double kSpacingM = 4.5;
 
-/// A hall with a beacon every 4.5 m, every 25th a control point, the others known to 0.3 m; stops along its aisles hear the six
-/// to eight within 7 m at three receivers.
+/// A hall with a beacon every 4.5 m, every 25th a control point, the others known to 0.3 m; stops along its
+/// aisles hear the six to eight within 7 m at three receivers.
 Scenario wide_hall(int along, int across, int epochs, double sigma_m = 0.3) {
   Scenario s;
   s.site.name = "wide hall";
@@ -41,7 +41,9 @@ Scenario wide_hall(int along, int across, int epochs, double sigma_m = 0.3) {
       const std::size_t b = s.site.beacons.size();
       std::string name = "B";
       name += std::to_string(b);
-      s.site.beacons.push_back(beacon(name, {kSpacingM * (i + 0.5) + aside_m(random), kSpacingM * (j + 0.5) + aside_m(random), 2.75 + 0.5 * aside_m(random)},
+      s.site.beacons.push_back(beacon(name,
+                                      {kSpacingM * (i + 0.5) + aside_m(random),
+                                       kSpacingM * (j + 0.5) + aside_m(random), 2.75 + 0.5 * aside_m(random)},
                                       b % 25 == 0 ? 0.0 : sigma_m));
     }
   s.hall_m = {along * kSpacingM, across * kSpacingM};
@@ -54,7 +56,8 @@ Scenario wide_hall(int along, int across, int epochs, double sigma_m = 0.3) {
   s.heldout_path.epochs = 40;
   for (int j = 0; j < 2 * across; ++j) {
     const double y_m = (j + 0.5) * kSpacingM / 2, near_m = 0.5, far_m = s.hall_m[0] - 0.5;
-    for (const double x_m : {j % 2 == 0 ? near_m : far_m, j % 2 == 0 ? far_m : near_m}) s.path.waypoints_m.emplace_back(x_m, y_m);
+    for (const double x_m : {j % 2 == 0 ? near_m : far_m, j % 2 == 0 ? far_m : near_m})
+      s.path.waypoints_m.emplace_back(x_m, y_m);
   }
   s.heldout_path.waypoints_m = s.path.waypoints_m;
   return s;
@@ -66,19 +69,24 @@ calib::Solution sparsely(const World& world) {
   return solution_of(world, options);
 }
 
-/// All that both ways tell of the parameters; they differ by rounding alone, of which the covariance sees the square root.
+/// All that both ways tell of the parameters; they differ by rounding alone, of which the covariance sees the
+/// square root.
 void expect_same(const calib::Solution& dense, const calib::Solution& sparse) {
   ASSERT_EQ(dense.status, sparse.status);
   ASSERT_TRUE(sparse.covariance.parameters.empty());
   EXPECT_EQ(sparse.marginals.parameters, dense.covariance.parameters);
   for (std::size_t b = 0; b < dense.state.beacon_p_map_m.size(); ++b) {
-    EXPECT_LT((dense.state.beacon_p_map_m[b] - sparse.state.beacon_p_map_m[b]).norm(), 1e-9 * dense.state.beacon_p_map_m[b].norm()) << b;
+    EXPECT_LT((dense.state.beacon_p_map_m[b] - sparse.state.beacon_p_map_m[b]).norm(),
+              1e-9 * dense.state.beacon_p_map_m[b].norm())
+        << b;
     EXPECT_EQ(dense.beacon_status[b], sparse.beacon_status[b]) << b;
   }
   for (Eigen::Index k = 0; k < sparse.marginals.matrix.outerSize(); ++k)
     for (Eigen::SparseMatrix<double>::InnerIterator it(sparse.marginals.matrix, k); it; ++it) {
-      const double scale = std::sqrt(dense.covariance.matrix(it.row(), it.row()) * dense.covariance.matrix(it.col(), it.col()));
-      EXPECT_NEAR(it.value(), dense.covariance.matrix(it.row(), it.col()), 1e-6 * scale) << sparse.marginals.parameters[static_cast<std::size_t>(k)];
+      const double scale = std::sqrt(dense.covariance.matrix(it.row(), it.row()) *
+                                     dense.covariance.matrix(it.col(), it.col()));
+      EXPECT_NEAR(it.value(), dense.covariance.matrix(it.row(), it.col()), 1e-6 * scale)
+          << sparse.marginals.parameters[static_cast<std::size_t>(k)];
     }
   ASSERT_EQ(dense.weak.size(), sparse.weak.size());
   for (std::size_t i = 0; i < dense.weak.size(); ++i) {
@@ -119,11 +127,14 @@ TEST(SparseSite, IsSolvedAsADenseOne) {
   ASSERT_TRUE(a.ok && b.ok);
   ASSERT_EQ(a.arrivals.size(), b.arrivals.size());
   EXPECT_NEAR(a.redundancy_sum, b.redundancy_sum, 1e-6 * a.redundancy_sum);
-  for (std::size_t i = 0; i < a.arrivals.size(); ++i) EXPECT_NEAR(a.arrivals[i].w, b.arrivals[i].w, 1e-5) << i;
+  for (std::size_t i = 0; i < a.arrivals.size(); ++i)
+    EXPECT_NEAR(a.arrivals[i].w, b.arrivals[i].w, 1e-5) << i;
   for (std::size_t i = 0; i < a.beacons.size(); ++i) {
     ASSERT_TRUE(a.beacons[i].lateness_mdb_s && b.beacons[i].lateness_mdb_s);
-    EXPECT_NEAR(*a.beacons[i].lateness_mdb_s, *b.beacons[i].lateness_mdb_s, 1e-5 * *a.beacons[i].lateness_mdb_s);
-    EXPECT_NEAR(*a.beacons[i].lateness_influence_m, *b.beacons[i].lateness_influence_m, 1e-4 * *a.beacons[i].lateness_influence_m);
+    EXPECT_NEAR(*a.beacons[i].lateness_mdb_s, *b.beacons[i].lateness_mdb_s,
+                1e-5 * *a.beacons[i].lateness_mdb_s);
+    EXPECT_NEAR(*a.beacons[i].lateness_influence_m, *b.beacons[i].lateness_influence_m,
+                1e-4 * *a.beacons[i].lateness_influence_m);
     // Of the beacons heard at the stop alone; an arrival moves those most.
     EXPECT_LE(*b.beacons[i].influence_worst_m, *a.beacons[i].influence_worst_m * (1 + 1e-6));
     EXPECT_GE(*b.beacons[i].influence_worst_m, 0.9 * *a.beacons[i].influence_worst_m);
@@ -136,19 +147,22 @@ TEST(SparseSite, FreeNetworkHasTheSameCovarianceInBothWays) {
   const calib::Solution solution = calib::solve(problem);
   calib::Problem all_free = problem;
   for (SiteBeacon& b : all_free.site.beacons) b.sigma_m.fill(1e4);
-  const calib::ParameterLayout layout = calib::make_layout(all_free, solution.state, std::vector<bool>(16, false));
+  const calib::ParameterLayout layout =
+      calib::make_layout(all_free, solution.state, std::vector<bool>(16, false));
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   std::vector<Trajectory> trajectories = solution.trajectories;
   const calib::Information information = calib::information_at(all_free, layout, trajectories, x);
   const Eigen::SparseMatrix<double> N = calib::sparse_information_at(all_free, layout, trajectories, x);
-  EXPECT_LT((Eigen::MatrixXd(N) - information.data - information.prior).norm(), 1e-12 * information.data.norm());
+  EXPECT_LT((Eigen::MatrixXd(N) - information.data - information.prior).norm(),
+            1e-12 * information.data.norm());
   const Eigen::MatrixXd datum = calib::free_datum(all_free, layout, solution.state, N);
   ASSERT_EQ(datum.cols(), 3);
   const calib::Covariance dense(Eigen::MatrixXd(N), datum), sparse(N, datum);
   ASSERT_EQ(sparse.matrix(), nullptr);
   // The freedoms cost digits in either way: the map's place is unknown by 1e4 m, its shape known to 1e-3 m.
   for (int i = 0; i < layout.size(); ++i)
-    for (int j = 0; j <= i; ++j) EXPECT_NEAR(sparse(i, j), dense(i, j), 1e-5 * std::sqrt(dense(i, i) * dense(j, j))) << i << " " << j;
+    for (int j = 0; j <= i; ++j)
+      EXPECT_NEAR(sparse(i, j), dense(i, j), 1e-5 * std::sqrt(dense(i, i) * dense(j, j))) << i << " " << j;
 }
 
 TEST(SparseSite, RefusesWhatADenseOneRefuses) {
@@ -167,21 +181,25 @@ TEST(SparseSite, BeaconsBeyondTheDenseLimitAreAsGoodAsTheirCovarianceSays) {
   ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
   ASSERT_GT(solution.marginals.parameters.size(), static_cast<std::size_t>(calib::kDenseLimit));
   ASSERT_TRUE(solution.covariance.parameters.empty());
-  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state, std::vector<bool>(168, false));
+  const calib::ParameterLayout layout =
+      calib::make_layout(problem, solution.state, std::vector<bool>(168, false));
   std::vector<Trajectory> trajectories = solution.trajectories;
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   const Eigen::SparseMatrix<double> N = calib::sparse_information_at(problem, layout, trajectories, x);
   // All errors at once: e' N e against chi-square, which one seed in ten thousand would miss by chance.
   const Eigen::VectorXd error = x - layout.vector_of(shared_state(world.truth));
   const double nees = error.dot(N * error);
-  EXPECT_GT(calib::chi_square_p(nees, static_cast<double>(layout.size())), 1e-4) << nees << " of " << layout.size();
+  EXPECT_GT(calib::chi_square_p(nees, static_cast<double>(layout.size())), 1e-4)
+      << nees << " of " << layout.size();
   // The marginals against Eigen's own factor, a method without a selected inverse.
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(N);
   const calib::Variances variances(solution);
   for (const int column : {7, 320, layout.beacon_delay[85], layout.speed[0], layout.receiver[2][1]}) {
     const calib::Parameter& p = layout.parameters[static_cast<std::size_t>(column)];
     const double variance = ldlt.solve(Eigen::VectorXd::Unit(layout.size(), column))[column];
-    EXPECT_NEAR(variances.sigma(p.name), p.si_per_unit * std::sqrt(variance), 1e-6 * p.si_per_unit * std::sqrt(variance)) << p.name;
+    EXPECT_NEAR(variances.sigma(p.name), p.si_per_unit * std::sqrt(variance),
+                1e-6 * p.si_per_unit * std::sqrt(variance))
+        << p.name;
   }
   const Deployment d = calib::make_deployment(problem, solution, {});
   EXPECT_TRUE(d.covariance.parameters.empty());

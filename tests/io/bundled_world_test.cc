@@ -28,14 +28,17 @@ TEST_F(BundledWorld, SiteFile) {
   EXPECT_TRUE(site.warnings.empty()) << site.warnings[0];
   ASSERT_EQ(site.beacons.size(), 8u);
   for (std::size_t b = 0; b < 8; ++b) {
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(*site.beacons[b].position_m[i], *world.site.beacons[b].position_m[i], 1e-9);
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(*site.beacons[b].position_m[i], *world.site.beacons[b].position_m[i], 1e-9);
     EXPECT_EQ(site.beacons[b].is_control_point(), b % 3 == 0);
   }
 }
 
 TEST_F(BundledWorld, Recordings) {
-  for (const auto& [folder, simulated] : {std::pair("/run", &world.run), std::pair("/heldout", &world.heldout)}) {
-    const MeasurementLog log = must(read_run(kHall + folder, names_of(world.site), world.site.timing, {.read_truth = true}));
+  for (const auto& [folder, simulated] :
+       {std::pair("/run", &world.run), std::pair("/heldout", &world.heldout)}) {
+    const MeasurementLog log =
+        must(read_run(kHall + folder, names_of(world.site), world.site.timing, {.read_truth = true}));
     EXPECT_TRUE(log.warnings.empty() && log.rejected.empty());
     ASSERT_EQ(log.arrivals.size(), simulated->arrivals.size());
     ASSERT_EQ(log.truth.size(), simulated->truth.size());

@@ -15,8 +15,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "models/support/result.h"
 #include "models/site.h"
+#include "models/support/result.h"
 
 namespace octant::io::test {
 
@@ -27,7 +27,8 @@ class TemporaryFolder {
     // In memory where there is such a place: the files are flushed to disk one by one otherwise.
     const bool memory = ::access("/dev/shm", W_OK) == 0;
     std::string pattern =
-        ((memory ? std::filesystem::path("/dev/shm") : std::filesystem::temp_directory_path()) / "octant_io_test.XXXXXX")
+        ((memory ? std::filesystem::path("/dev/shm") : std::filesystem::temp_directory_path()) /
+         "octant_io_test.XXXXXX")
             .string();
     path_ = ::mkdtemp(pattern.data());
   }
@@ -37,7 +38,9 @@ class TemporaryFolder {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
-  [[nodiscard]] std::string path(const std::string& name = "") const { return name.empty() ? path_ : path_ + "/" + name; }
+  [[nodiscard]] std::string path(const std::string& name = "") const {
+    return name.empty() ? path_ : path_ + "/" + name;
+  }
   std::string write(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories(std::filesystem::path(path(name)).parent_path());
     std::ofstream(path(name), std::ios::binary) << text;
@@ -73,7 +76,9 @@ inline double some_number() {
   return std::ldexp(static_cast<double>(mantissa), *rc::gen::inRange(-90, -33));
 }
 inline double some_positive() { return std::abs(some_number()) + 1e-12; }
-inline double some_fraction() { return std::ldexp(static_cast<double>(*rc::gen::inRange<std::int64_t>(0, 1LL << 53)), -53); }
+inline double some_fraction() {
+  return std::ldexp(static_cast<double>(*rc::gen::inRange<std::int64_t>(0, 1LL << 53)), -53);
+}
 inline std::optional<double> maybe(double value) {
   return *rc::gen::arbitrary<bool>() ? std::optional<double>(value) : std::nullopt;
 }
@@ -81,7 +86,10 @@ inline std::optional<double> maybe(double value) {
 inline std::optional<Rail> some_rail() {
   switch (*rc::gen::inRange(0, 3)) {
     case 0: return Rail{.from_m = {some_number(), some_number()}, .to_m = {some_number(), 1.0}};
-    case 1: return Rail{.shape = Rail::Shape::kArc, .centre_m = {some_number(), some_number()}, .radius_m = some_positive()};
+    case 1:
+      return Rail{.shape = Rail::Shape::kArc,
+                  .centre_m = {some_number(), some_number()},
+                  .radius_m = some_positive()};
     default: return std::nullopt;
   }
 }

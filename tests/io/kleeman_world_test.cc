@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The headings in the worlds of datasets/kleeman are as its README states: of the run that ships, and of 2000 stops anywhere.
+// The headings in the worlds of datasets/kleeman are as its README states: of the run that ships, and of 2000
+// stops anywhere.
 #include <cmath>
 #include <iostream>
 
@@ -54,7 +55,8 @@ Tally headings(const Scenario& s, KleemanHeading heading, bool amplitudes = true
       ++t.none;
       continue;
     }
-    while (truth + 1 < world.heldout.truth.size() && world.heldout.truth[truth + 1].time_s <= fix.time_s) ++truth;
+    while (truth + 1 < world.heldout.truth.size() && world.heldout.truth[truth + 1].time_s <= fix.time_s)
+      ++truth;
     const double true_rad = world.heldout.truth[truth].T_map_vehicle.heading_rad();
     const double degrees = std::abs(wrap_angle(fix.T_map_vehicle.heading_rad() - true_rad)) * 180 / M_PI;
     ++t.fixes;
@@ -62,20 +64,23 @@ Tally headings(const Scenario& s, KleemanHeading heading, bool amplitudes = true
     t.within_1 += degrees <= 1;
     t.within_10 += degrees <= 10;
     t.worst = std::max(t.worst, degrees);
-    const Eigen::Vector3d away_m = fix.T_map_vehicle.translation_m - world.heldout.truth[truth].T_map_vehicle.translation_m;
+    const Eigen::Vector3d away_m =
+        fix.T_map_vehicle.translation_m - world.heldout.truth[truth].T_map_vehicle.translation_m;
     t.worst_place_m = std::max(t.worst_place_m, away_m.head<2>().norm());
   }
   t.rms = std::sqrt(t.rms / t.fixes);
   t.within_1 /= t.fixes;
   t.within_10 /= t.fixes;
   std::cout << s.site.name << ": " << t.fixes << " of " << t.fixes + t.none << ", rms " << t.rms
-            << ", within 1: " << 100 * t.within_1 << " %, within 10: " << 100 * t.within_10 << " %, worst " << t.worst << "\n";
+            << ", within 1: " << 100 * t.within_1 << " %, within 10: " << 100 * t.within_10 << " %, worst "
+            << t.worst << "\n";
   return t;
 }
 
 /// "The orientation error was within 10 degrees, since pulse arrivals are resolved to 45 degrees only".
 TEST(KleemanWorld, HeadingFromHearingIsWithinTenDegrees) {
-  const Tally published = headings(anywhere(), KleemanHeading::kMeanAxes), room = headings(anywhere(), KleemanHeading::kHearing),
+  const Tally published = headings(anywhere(), KleemanHeading::kMeanAxes),
+              room = headings(anywhere(), KleemanHeading::kHearing),
               run = headings(scenario(), KleemanHeading::kHearing);
   EXPECT_GE(room.fixes, 1900);
   EXPECT_LT(room.rms, 2.5);
@@ -91,7 +96,8 @@ TEST(KleemanWorld, HeadingFromHearingIsWithinTenDegrees) {
 
 /// "This can be improved later by interpolation between receivers."
 TEST(KleemanWorld, InterpolatedHeadingIsWithinADegree) {
-  const Tally room = headings(anywhere(), KleemanHeading::kInterpolation), run = headings(scenario(), KleemanHeading::kInterpolation);
+  const Tally room = headings(anywhere(), KleemanHeading::kInterpolation),
+              run = headings(scenario(), KleemanHeading::kInterpolation);
   EXPECT_GE(room.fixes, 1900);
   EXPECT_LT(room.rms, 0.37);
   EXPECT_GE(room.within_1, 0.99);

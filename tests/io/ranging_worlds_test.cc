@@ -37,7 +37,8 @@ Tally run(Localizer& localizer, const MeasurementLog& log) {
       continue;
     }
     while (truth + 1 < log.truth.size() && log.truth[truth + 1].time_s <= fix.time_s) ++truth;
-    const double error_m = (fix.T_map_vehicle.translation_m - log.truth[truth].T_map_vehicle.translation_m).norm();
+    const double error_m =
+        (fix.T_map_vehicle.translation_m - log.truth[truth].T_map_vehicle.translation_m).norm();
     ++out.fixes;
     out.rmse_m += error_m * error_m;
     out.worst_m = std::max(out.worst_m, error_m);

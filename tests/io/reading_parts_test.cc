@@ -9,9 +9,9 @@
 #include "io/text/csv_marks.h"
 #include "io/text/mapped_file.h"
 #include "io/text/name_index.h"
+#include "io/text/sha256.h"
 #include "io/tof/order_watch.h"
 #include "io/tof/ordered_work.h"
-#include "io/text/sha256.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {
@@ -53,11 +53,14 @@ TEST(Sha256, DoesNotDependOnThePieces) {
 
 TEST(CsvMarks, FindsAllAndNothingElse) {
   EXPECT_TRUE(rc::check("against a loop over the bytes", [] {
-    const auto text = *rc::gen::container<std::string>(rc::gen::weightedOneOf<char>(
-        {{20, rc::gen::element('a', '1', ' ', '-', '+', '/', '\t', '\r')}, {8, rc::gen::element(',', '.', '\n')}, {1, rc::gen::arbitrary<char>()}}));
+    const auto text = *rc::gen::container<std::string>(
+        rc::gen::weightedOneOf<char>({{20, rc::gen::element('a', '1', ' ', '-', '+', '/', '\t', '\r')},
+                                      {8, rc::gen::element(',', '.', '\n')},
+                                      {1, rc::gen::arbitrary<char>()}}));
     std::vector<std::uint32_t> expected;
     for (std::size_t i = 0; i < text.size(); ++i)
-      if (text[i] == ',' || text[i] == '.' || text[i] == '\n') expected.push_back(static_cast<std::uint32_t>(i));
+      if (text[i] == ',' || text[i] == '.' || text[i] == '\n')
+        expected.push_back(static_cast<std::uint32_t>(i));
     CsvMarks marks;
     marks.find(std::string(200, ','));  // what was found before is forgotten
     marks.find(text);
@@ -65,7 +68,8 @@ TEST(CsvMarks, FindsAllAndNothingElse) {
     RC_ASSERT(marks.offsets == expected);
     RC_ASSERT(marks.has_quote == (text.find('"') != std::string::npos));
     RC_ASSERT(marks.has_nul == (text.find('\0') != std::string::npos));
-    RC_ASSERT(marks.has_high == std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; }));
+    RC_ASSERT(marks.has_high == std::any_of(text.begin(), text.end(),
+                                            [](char c) { return static_cast<unsigned char>(c) >= 0x80; }));
   }));
 }
 
@@ -79,11 +83,13 @@ TEST(NameIndex, FindsEachNameAndNoOther) {
     asked.insert(asked.end(), names.begin(), names.end());
     for (const auto& name : asked) {
       const auto found = std::find(names.begin(), names.end(), name);
-      RC_ASSERT(index.find(name) == (found == names.end() ? -1 : static_cast<std::int32_t>(found - names.begin())));
+      RC_ASSERT(index.find(name) ==
+                (found == names.end() ? -1 : static_cast<std::int32_t>(found - names.begin())));
     }
   }));
   // Alike in their ends and their length.
-  const std::vector<std::string_view> alike = {"the first eight ... the last eight", "the first eight --- the last eight"};
+  const std::vector<std::string_view> alike = {"the first eight ... the last eight",
+                                               "the first eight --- the last eight"};
   EXPECT_EQ(NameIndex(alike).find(alike[1]), 1);
   EXPECT_EQ(NameIndex(alike).find("the first eight *** the last eight"), -1);
 }
@@ -107,7 +113,8 @@ TEST(OrderedWork, HandsOverInOrder) {
     std::vector<std::size_t> slots(OrderedWork::slots(threads));
     std::atomic<int> done{0}, beside{0};
     OrderedWork work(
-        100, threads, [&](std::size_t task, std::size_t slot) { slots[slot] = task * task, ++done; }, [&] { ++beside; });
+        100, threads, [&](std::size_t task, std::size_t slot) { slots[slot] = task * task, ++done; },
+        [&] { ++beside; });
     for (std::size_t task = 0; task < 100; ++task) {
       ASSERT_TRUE(work.wait());
       EXPECT_EQ(slots[work.slot()], task * task);
@@ -128,7 +135,8 @@ TEST(OrderedWork, StopsEarlyAndWithoutTasks) {
     ASSERT_TRUE(work.wait());
   }
   EXPECT_LE(done, 6 + 1) << "no more than there are slots for";
-  OrderedWork none(0, 3, [&](std::size_t, std::size_t) {}, [&] { ++beside; });
+  OrderedWork none(
+      0, 3, [&](std::size_t, std::size_t) {}, [&] { ++beside; });
   EXPECT_FALSE(none.wait());
   none.finish();
   EXPECT_EQ(beside, 1);

@@ -48,7 +48,8 @@ walls_m: [[0, 0, 5, 0], [5, 0, 5, 3]]
 
 TEST(ScenarioSensors, BundledWorldsAreSimulated) {
   for (const std::string name : {"binaural", "reflectors", "driveway"}) {
-    const Scenario s = must(read_scenario(std::string(OCTANT_SOURCE_DIR) + "/datasets/" + name + "/scenario.yaml"));
+    const Scenario s =
+        must(read_scenario(std::string(OCTANT_SOURCE_DIR) + "/datasets/" + name + "/scenario.yaml"));
     const World world = must(simulate(s, 1));
     EXPECT_EQ(world.heldout.arrivals.empty(), name != "binaural") << name;
     EXPECT_EQ(world.heldout.bearings.empty(), name != "reflectors") << name;

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Whether a simulated world's noise has the distributions that the scenario states. Bounds are chi-square and binomial
-// quantiles at 1e-4 a side; seeds are fixed.
+// Whether a simulated world's noise has the distributions that the scenario states. Bounds are chi-square and
+// binomial quantiles at 1e-4 a side; seeds are fixed.
 #include <cmath>
 #include <map>
 
 #include <gtest/gtest.h>
 
 #include "models/physics/measurement.h"
-#include "models/trajectory/shared_state.h"
 #include "models/simulator/synthetic.h"
+#include "models/trajectory/shared_state.h"
 #include "tests/support/statistics.h"
 #include "tests/support/worlds.h"
 
@@ -132,7 +132,8 @@ TEST(SyntheticNoise, EchoesAreAsManyAndAsLateAsAsked) {
   const World w = must(simulate(s, 4));
   const std::vector<double> errors = errors_s(w);
   double late = 0, early = 0, lateness_chi2 = 0, log_mean = 0;
-  std::map<std::pair<std::int64_t, int>, std::map<double, int>> groups;  // of an epoch's beacon: how often each lateness
+  std::map<std::pair<std::int64_t, int>, std::map<double, int>>
+      groups;  // of an epoch's beacon: how often each lateness
   const double n = static_cast<double>(errors.size());
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const double late_s = w.run_lateness_s[i];
@@ -160,7 +161,8 @@ TEST(SyntheticNoise, EchoesAreAsManyAndAsLateAsAsked) {
   EXPECT_NEAR(late, 0.3 * 0.98 * n, 3.9 * spread);
   EXPECT_NEAR(early, 0.02 * n, 3.9 * std::sqrt(0.02 * 0.98 * n));
   EXPECT_NEAR(log_mean / log_count, 0.5, 3.9 / std::sqrt(12 * log_count));  // log-uniform
-  // 15 % of the beacons of an epoch are shadowed; those heard once do not show, those with an early arrival still do.
+  // 15 % of the beacons of an epoch are shadowed; those heard once do not show, those with an early arrival
+  // still do.
   double plural = 0;
   for (const auto& [key, latenesses] : groups) {
     int m = 0;
@@ -191,7 +193,8 @@ TEST(SyntheticNoise, SiteFileKnowsBeaconsToTheirSigma) {
     for (std::size_t b = 0; b < 8; ++b) {
       for (std::size_t i = 0; i < 3; ++i) {
         const double error = *w.site.beacons[b].position_m[i] - *s.site.beacons[b].position_m[i];
-        EXPECT_EQ(w.truth.beacons[b].position_m[static_cast<Eigen::Index>(i)], *s.site.beacons[b].position_m[i]);
+        EXPECT_EQ(w.truth.beacons[b].position_m[static_cast<Eigen::Index>(i)],
+                  *s.site.beacons[b].position_m[i]);
         if (b % 3 == 0)
           EXPECT_EQ(error, 0.0);
         else
@@ -231,14 +234,15 @@ TEST(SyntheticNoise, WhatNobodyKnowsIsNotInTheSiteFile) {
 TEST(SyntheticNoise, SpeedIsOffAsStatedOrAsThePriorSays) {
   Scenario s = hall_scenario();
   s.path.epochs = s.heldout_path.epochs = 1;
-  EXPECT_NEAR(must(simulate(s, 1)).truth.speed_offset_mps, speed_mps(s.site.medium, 22.5) - speed_mps(s.site.medium, 21.0),
-              1e-12);
+  EXPECT_NEAR(must(simulate(s, 1)).truth.speed_offset_mps,
+              speed_mps(s.site.medium, 22.5) - speed_mps(s.site.medium, 21.0), 1e-12);
   s.true_speed_offset_mps = -1.25;
   EXPECT_EQ(must(simulate(s, 1)).truth.speed_offset_mps, -1.25);
   s.true_speed_offset_mps.reset();
   s.true_temperature_offset_degC.reset();
   double chi2 = 0;
-  for (std::uint64_t seed = 0; seed < 200; ++seed) chi2 += std::pow(must(simulate(s, seed)).truth.speed_offset_mps / 2.0, 2);
+  for (std::uint64_t seed = 0; seed < 200; ++seed)
+    chi2 += std::pow(must(simulate(s, seed)).truth.speed_offset_mps / 2.0, 2);
   EXPECT_GT(chi2 / 0.9205, test::chi2_quantile(1e-4, 200));
   EXPECT_LT(chi2 / 0.9205, test::chi2_quantile(1 - 1e-4, 200));
 }

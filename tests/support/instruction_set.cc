@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// OCTANT_SIMD=AVX2 octant_calib_test: the tests as a machine runs them whose best vector instructions are those. Names are
-// Highway's: EMU128 (the baseline), SSE4, AVX2, AVX3 (AVX-512). Exit code 77 where this machine does not have them.
+// OCTANT_SIMD=AVX2 octant_calib_test: the tests as a machine runs them whose best vector instructions are
+// those. Names are Highway's: EMU128 (the baseline), SSE4, AVX2, AVX3 (AVX-512). Exit code 77 where this
+// machine does not have them.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -29,6 +30,7 @@ class InstructionSet : public testing::Environment {
   }
 };
 
-[[maybe_unused]] const testing::Environment* const instruction_set = testing::AddGlobalTestEnvironment(new InstructionSet);
+[[maybe_unused]] const testing::Environment* const instruction_set =
+    testing::AddGlobalTestEnvironment(new InstructionSet);
 
 }  // namespace

@@ -6,7 +6,8 @@
 
 namespace octant::test {
 
-/// Derivative of a vector function by central differences, column by column. Error some step^2, and rounding of f / step.
+/// Derivative of a vector function by central differences, column by column. Error some step^2, and rounding
+/// of f / step.
 template <class F>
 Eigen::MatrixXd numeric_jacobian(const F& f, const Eigen::VectorXd& x, double step = 1e-6) {
   Eigen::MatrixXd J;

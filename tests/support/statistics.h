@@ -43,8 +43,8 @@ inline double chi2_quantile(double probability, double dof) {
 
 inline double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
 
-/// Kolmogorov's bound of the largest distance between the distribution of n samples and the true one, exceeded with a
-/// probability of alpha (asymptotic; Stephens' correction for small n).
+/// Kolmogorov's bound of the largest distance between the distribution of n samples and the true one,
+/// exceeded with a probability of alpha (asymptotic; Stephens' correction for small n).
 inline double kolmogorov_bound(double n, double alpha) {
   const double root = std::sqrt(n);
   return std::sqrt(-0.5 * std::log(alpha / 2)) / (root + 0.12 + 0.11 / root);

@@ -24,7 +24,8 @@ T must(Result<T> result) {
 }
 
 /// A beacon known to sigma_m; 0 is a control point, nothing means nobody knows where it is.
-inline SiteBeacon beacon(const std::string& name, const Eigen::Vector3d& p_map_m, std::optional<double> sigma_m) {
+inline SiteBeacon beacon(const std::string& name, const Eigen::Vector3d& p_map_m,
+                         std::optional<double> sigma_m) {
   SiteBeacon b;
   b.name = name;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -35,7 +36,8 @@ inline SiteBeacon beacon(const std::string& name, const Eigen::Vector3d& p_map_m
 }
 
 /// Adds a vehicle with Kleeman's octagon, 50 mm sides.
-inline void add_octagon(Site& site, double height_m = 0.3, double sigma_m = 0.001, const std::string& name = "robot") {
+inline void add_octagon(Site& site, double height_m = 0.3, double sigma_m = 0.001,
+                        const std::string& name = "robot") {
   const VehicleId vehicle(site.vehicles.size());
   site.vehicles.push_back({.name = name, .first_receiver = site.receivers.size(), .receiver_count = 8});
   int i = 0;
@@ -54,7 +56,8 @@ inline void add_octagon(Site& site, double height_m = 0.3, double sigma_m = 0.00
 inline void add_receivers(Site& site, const std::vector<Eigen::Vector3d>& p_vehicle_m, double sigma_m = 0.0,
                           const std::string& name = "robot") {
   const VehicleId vehicle(site.vehicles.size());
-  site.vehicles.push_back({.name = name, .first_receiver = site.receivers.size(), .receiver_count = p_vehicle_m.size()});
+  site.vehicles.push_back(
+      {.name = name, .first_receiver = site.receivers.size(), .receiver_count = p_vehicle_m.size()});
   for (std::size_t i = 0; i < p_vehicle_m.size(); ++i) {
     std::string receiver = "r";
     receiver += std::to_string(i);
@@ -66,8 +69,8 @@ inline void add_receivers(Site& site, const std::vector<Eigen::Vector3d>& p_vehi
   }
 }
 
-/// A hall of 20 x 12 m with eight beacons round the walls (B0, B3, B6 control points, the others to 0.3 m), an octagon, delays
-/// by beacon, 1.5 degrees of temperature error, 120 stops with some 16 arrivals each.
+/// A hall of 20 x 12 m with eight beacons round the walls (B0, B3, B6 control points, the others to 0.3 m),
+/// an octagon, delays by beacon, 1.5 degrees of temperature error, 120 stops with some 16 arrivals each.
 inline Scenario hall_scenario() {
   Scenario s;
   s.site.name = "hall";
@@ -77,12 +80,14 @@ inline Scenario hall_scenario() {
   s.site.timing.delay_s = 1e-4;
   s.site.timing.delay_sigma_s = 5e-5;
   s.site.noise.tof_sigma_s = 1e-5;
-  const double places[8][3] = {{3.90, 0.05, 2.520},   {11.85, 0.05, 2.455}, {19.95, 0.30, 2.560}, {19.95, 8.15, 2.480},
-                               {16.20, 11.95, 2.505}, {7.70, 11.95, 2.610}, {0.05, 11.50, 2.430}, {0.05, 3.70, 2.540}};
+  const double places[8][3] = {{3.90, 0.05, 2.520},  {11.85, 0.05, 2.455},  {19.95, 0.30, 2.560},
+                               {19.95, 8.15, 2.480}, {16.20, 11.95, 2.505}, {7.70, 11.95, 2.610},
+                               {0.05, 11.50, 2.430}, {0.05, 3.70, 2.540}};
   for (int i = 0; i < 8; ++i) {
     std::string name = "B";
     name += std::to_string(i);
-    s.site.beacons.push_back(beacon(name, {places[i][0], places[i][1], places[i][2]}, i % 3 == 0 ? 0.0 : 0.3));
+    s.site.beacons.push_back(
+        beacon(name, {places[i][0], places[i][1], places[i][2]}, i % 3 == 0 ? 0.0 : 0.3));
   }
   add_octagon(s.site);
   s.site.tolerance = {.beacon_m = 0.03, .fix_m = 0.05};
@@ -107,16 +112,20 @@ inline Scenario drive_scenario(double duration_s = 120.0) {
 inline Scenario without_noise(Scenario s) {
   s.site.noise.tof_sigma_s = 0.0;
   s.site.noise.amplitude_relative_sigma = 0.0;
-  s.odometry_accuracy = {
-      .distance_sigma_m_per_sqrt_m = 0.0, .heading_sigma_rad_per_sqrt_m = 0.0, .floor_m = 0.0, .floor_rad = 0.0};
+  s.odometry_accuracy = {.distance_sigma_m_per_sqrt_m = 0.0,
+                         .heading_sigma_rad_per_sqrt_m = 0.0,
+                         .floor_m = 0.0,
+                         .floor_rad = 0.0};
   s.pose_accuracy = {.position_sigma_m = 0.0, .heading_sigma_rad = 0.0, .attitude_sigma_rad = 0.0};
   return s;
 }
 
 /// Attenuation with lateness of some 4 to 280 us out to 14 m.
 inline void add_attenuation(Scenario& s) {
-  s.site.attenuation = AttenuationPrior{
-      .amplitude_1m_v = {12.5, 1.25}, .absorption_np_per_m = {0.12, 0.02}, .rise_time_s = {4.5e-4, 1e-4}, .threshold_v = 0.05};
+  s.site.attenuation = AttenuationPrior{.amplitude_1m_v = {12.5, 1.25},
+                                        .absorption_np_per_m = {0.12, 0.02},
+                                        .rise_time_s = {4.5e-4, 1e-4},
+                                        .threshold_v = 0.05};
   s.range_m = 14.0;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the maps must agree with: one arrival at a time, plain geometry, dense inverse; shares no code with survey/.
+// What the maps must agree with: one arrival at a time, plain geometry, dense inverse; shares no code with
+// survey/.
 
 #include <cmath>
 #include <numbers>
@@ -31,12 +32,14 @@ inline bool crosses(const survey::WallPiece& wall, const Eigen::Vector3d& from, 
   return z >= wall.bottom_m && z <= wall.top_m;
 }
 
-inline double gain_at(const survey::SurveyModel& model, std::size_t pattern, const Eigen::Vector3d& axis, const Eigen::Vector3d& towards) {
+inline double gain_at(const survey::SurveyModel& model, std::size_t pattern, const Eigen::Vector3d& axis,
+                      const Eigen::Vector3d& towards) {
   if (pattern == survey::kAllRound || axis.isZero()) return 1.0;
   return beam_gain(model.patterns[pattern], axis.dot(towards));
 }
 
-inline std::vector<BruteArrival> brute_arrivals(const survey::SurveyModel& model, double x, double y, double z, double heading) {
+inline std::vector<BruteArrival> brute_arrivals(const survey::SurveyModel& model, double x, double y,
+                                                double z, double heading) {
   const Eigen::Matrix3d R = Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   const survey::Unknowns& u = model.unknowns;
   std::vector<BruteArrival> arrivals;
@@ -46,14 +49,19 @@ inline std::vector<BruteArrival> brute_arrivals(const survey::SurveyModel& model
       const Eigen::Vector3d place = Eigen::Vector3d(x, y, z) + R * receiver.p_vehicle_m;
       BruteArrival a{b, Eigen::VectorXd::Zero(u.count()), (place - beacon.p_map_m).norm()};
       const Eigen::Vector3d unit = (place - beacon.p_map_m) / a.distance_m;
-      const double gain = gain_at(model, beacon.pattern, beacon.axis, unit) * gain_at(model, receiver.pattern, R * receiver.axis, -unit);
+      const double gain = gain_at(model, beacon.pattern, beacon.axis, unit) *
+                          gain_at(model, receiver.pattern, R * receiver.axis, -unit);
       const auto& h = model.hearing;
       if (a.distance_m > h.range_m || gain <= 0) continue;
-      if (h.threshold_v > 0 && gain * h.amplitude_1m_v / a.distance_m * std::exp(-h.absorption_np_per_m * a.distance_m) < h.threshold_v) continue;
+      if (h.threshold_v > 0 &&
+          gain * h.amplitude_1m_v / a.distance_m * std::exp(-h.absorption_np_per_m * a.distance_m) <
+              h.threshold_v)
+        continue;
       bool hidden = false;
       for (const auto& wall : model.walls) hidden = hidden || crosses(wall, place, beacon.p_map_m);
       if (hidden) continue;
-      a.sigma_m = std::sqrt(model.noise.constant_m * model.noise.constant_m + std::pow(model.noise.per_m * a.distance_m, 2) +
+      a.sigma_m = std::sqrt(model.noise.constant_m * model.noise.constant_m +
+                            std::pow(model.noise.per_m * a.distance_m, 2) +
                             model.noise.per_sqrt_m * model.noise.per_sqrt_m * a.distance_m);
       a.row.head(u.position) = unit.head(u.position);
       // By numbers: the range after a small turn about an axis of the vehicle.
@@ -68,7 +76,8 @@ inline std::vector<BruteArrival> brute_arrivals(const survey::SurveyModel& model
 }
 
 /// Of rows divided by their sigmas, or as they are.
-inline Eigen::MatrixXd information_of(const survey::SurveyModel& model, const std::vector<BruteArrival>& arrivals, bool weighted) {
+inline Eigen::MatrixXd information_of(const survey::SurveyModel& model,
+                                      const std::vector<BruteArrival>& arrivals, bool weighted) {
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(model.unknowns.count(), model.unknowns.count());
   for (const auto& a : arrivals) A += a.row * a.row.transpose() / (weighted ? a.sigma_m * a.sigma_m : 1.0);
   return A;

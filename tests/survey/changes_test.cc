@@ -12,7 +12,8 @@ namespace octant::survey {
 namespace {
 
 TEST(Changes, TailOfChiSquare) {
-  // NIST/SEMATECH e-Handbook, table 1.3.6.7.4: upper critical values at 0.05 and 0.001; printed to three decimals.
+  // NIST/SEMATECH e-Handbook, table 1.3.6.7.4: upper critical values at 0.05 and 0.001; printed to three
+  // decimals.
   EXPECT_NEAR(chi_square_tail(3.841, 1), 0.05, 2e-5);
   EXPECT_NEAR(chi_square_tail(5.991, 2), 0.05, 2e-5);
   EXPECT_NEAR(chi_square_tail(7.815, 3), 0.05, 2e-5);

@@ -21,12 +21,15 @@ Fix fix_at(double time_s, const Pose& pose) {
   return fix;
 }
 
-const std::vector<TimedPose> kStraight = {{10.0, Pose::planar(0, 0, 0)}, {10.5, Pose::planar(1, 0, 0)}, {11.0, Pose::planar(2, 0, 0)}};
+const std::vector<TimedPose> kStraight = {
+    {10.0, Pose::planar(0, 0, 0)}, {10.5, Pose::planar(1, 0, 0)}, {11.0, Pose::planar(2, 0, 0)}};
 const PoseAccuracy kExact = {.position_sigma_m = 0.0, .heading_sigma_rad = 0.0};
 
 TEST(Evaluate, ClosedFormFigures) {
-  // Offsets of 3, 4 and 0 mm: RMSE sqrt(25/3), and p95 interpolated between the two largest of three: 3 + 0.9 (4 - 3).
-  const std::vector<Fix> fixes = {fix_at(10.0, Pose::planar(0.003, 0, 0.1)), fix_at(10.5, Pose::planar(1, 0.004, -0.1)),
+  // Offsets of 3, 4 and 0 mm: RMSE sqrt(25/3), and p95 interpolated between the two largest of three: 3 + 0.9
+  // (4 - 3).
+  const std::vector<Fix> fixes = {fix_at(10.0, Pose::planar(0.003, 0, 0.1)),
+                                  fix_at(10.5, Pose::planar(1, 0.004, -0.1)),
                                   fix_at(11.0, Pose::planar(2, 0, 0.1))};
   const Evaluation e = evaluate(fixes, kStraight, kExact, Motion::kPlanar, {.beacon_m = {}, .fix_m = 0.0029});
   EXPECT_EQ(e.fixes, 3u);
@@ -52,7 +55,8 @@ TEST(Evaluate, GateFailsAndNoToleranceHasNoGate) {
 }
 
 TEST(Evaluate, InterpolatesBetweenSamples) {
-  const Evaluation e = evaluate({fix_at(10.75, Pose::planar(1.5, 0, 0))}, kStraight, kExact, Motion::kPlanar, {});
+  const Evaluation e =
+      evaluate({fix_at(10.75, Pose::planar(1.5, 0, 0))}, kStraight, kExact, Motion::kPlanar, {});
   EXPECT_EQ(e.matched, 1u);
   EXPECT_NEAR(e.max_error_m, 0.0, 1e-12);
 }
@@ -65,17 +69,29 @@ TEST(Evaluate, TurnsTheShortWay) {
 
 TEST(Evaluate, NeverBeyondTheEndsNorOverGaps) {
   const Pose here = Pose::planar(0, 0, 0);
-  EXPECT_EQ(evaluate({fix_at(9.99, here), fix_at(11.01, here)}, kStraight, kExact, Motion::kPlanar, {}).matched, 0u);
+  EXPECT_EQ(
+      evaluate({fix_at(9.99, here), fix_at(11.01, here)}, kStraight, kExact, Motion::kPlanar, {}).matched,
+      0u);
   // A rounding error beside the last sample is still that sample.
-  EXPECT_EQ(evaluate({fix_at(11.0 + 1e-9, here), fix_at(10.0 - 1e-9, here)}, kStraight, kExact, Motion::kPlanar, {}).matched, 2u);
+  EXPECT_EQ(
+      evaluate({fix_at(11.0 + 1e-9, here), fix_at(10.0 - 1e-9, here)}, kStraight, kExact, Motion::kPlanar, {})
+          .matched,
+      2u);
   const std::vector<TimedPose> sparse = {{0.0, here}, {100.0, Pose::planar(0.01, 0, 0)}};
-  EXPECT_EQ(evaluate({fix_at(0.0, here), fix_at(50.0, here), fix_at(100.0, here)}, sparse, kExact, Motion::kPlanar, {}).matched, 2u);
+  EXPECT_EQ(evaluate({fix_at(0.0, here), fix_at(50.0, here), fix_at(100.0, here)}, sparse, kExact,
+                     Motion::kPlanar, {})
+                .matched,
+            2u);
 }
 
 TEST(Evaluate, AVehicleThatStandsHasAReferenceHoweverSeldomItIsRead) {
   const Pose here = Pose::planar(3, 2, 1);
-  const std::vector<TimedPose> stops = {{0.0, here}, {60.0, here}, {500.0, Pose::planar(9, 2, 1)}, {560.0, Pose::planar(9, 2, 1)}};
-  EXPECT_EQ(evaluate({fix_at(30.0, here), fix_at(250.0, here), fix_at(530.0, here)}, stops, kExact, Motion::kPlanar, {}).matched, 2u);
+  const std::vector<TimedPose> stops = {
+      {0.0, here}, {60.0, here}, {500.0, Pose::planar(9, 2, 1)}, {560.0, Pose::planar(9, 2, 1)}};
+  EXPECT_EQ(evaluate({fix_at(30.0, here), fix_at(250.0, here), fix_at(530.0, here)}, stops, kExact,
+                     Motion::kPlanar, {})
+                .matched,
+            2u);
 }
 
 TEST(Evaluate, NothingMatchedNeverPasses) {
@@ -90,7 +106,8 @@ TEST(Evaluate, NothingMatchedNeverPasses) {
 TEST(Evaluate, CountsEpochsWithoutFix) {
   Fix none;
   none.time_s = 10.0;
-  const Evaluation e = evaluate({none, fix_at(10.0, Pose::planar(0, 0, 0))}, kStraight, kExact, Motion::kPlanar, {});
+  const Evaluation e =
+      evaluate({none, fix_at(10.0, Pose::planar(0, 0, 0))}, kStraight, kExact, Motion::kPlanar, {});
   EXPECT_EQ(e.no_fix, 1u);
   EXPECT_EQ(e.fixes, 1u);
 }
@@ -98,7 +115,8 @@ TEST(Evaluate, CountsEpochsWithoutFix) {
 TEST(Evaluate, UnknownHeadingLeavesTheHeadingOut) {
   PoseAccuracy accuracy = kExact;
   accuracy.heading_known = false;
-  const Evaluation e = evaluate({fix_at(10.0, Pose::planar(0.01, 0, 2.0))}, kStraight, accuracy, Motion::kPlanar, {});
+  const Evaluation e =
+      evaluate({fix_at(10.0, Pose::planar(0.01, 0, 2.0))}, kStraight, accuracy, Motion::kPlanar, {});
   EXPECT_FALSE(e.heading_rmse_rad);
   EXPECT_NEAR(e.nees_mean.value(), 0.5, 1e-9);  // one sigma in x, two degrees of freedom
 }
@@ -127,15 +145,22 @@ TEST(Evaluate, RunsTogetherAreOneSample) {
   EXPECT_NEAR(e.position_rmse_m, std::sqrt(12.5) * 1e-3, 1e-12);
 }
 
-/// Quantile of chi-square over its degrees of freedom, Wilson and Hilferty; 0.1 % exact at the sizes used here.
-double chi2_over_dof(double z, double dof) { return std::pow(1 - 2 / (9 * dof) + z * std::sqrt(2 / (9 * dof)), 3); }
+/// Quantile of chi-square over its degrees of freedom, Wilson and Hilferty; 0.1 % exact at the sizes used
+/// here.
+double chi2_over_dof(double z, double dof) {
+  return std::pow(1 - 2 / (9 * dof) + z * std::sqrt(2 / (9 * dof)), 3);
+}
 
 void expect_honest_nees(Motion motion, bool heading_known, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   const int n = pose_dof(motion), count = 4000;
-  const auto draw = [&](int rows) { return Eigen::VectorXd::NullaryExpr(rows, [&] { return normal(random); }).eval(); };
-  const PoseAccuracy accuracy = {.position_sigma_m = 0.004, .heading_sigma_rad = 0.003, .heading_known = heading_known,
+  const auto draw = [&](int rows) {
+    return Eigen::VectorXd::NullaryExpr(rows, [&] { return normal(random); }).eval();
+  };
+  const PoseAccuracy accuracy = {.position_sigma_m = 0.004,
+                                 .heading_sigma_rad = 0.003,
+                                 .heading_known = heading_known,
                                  .attitude_sigma_rad = 0.002};
   std::vector<Fix> fixes;
   std::vector<TimedPose> truth;
@@ -144,15 +169,16 @@ void expect_honest_nees(Motion motion, bool heading_known, unsigned seed) {
     const Eigen::MatrixXd C = 1e-5 * (A * A.transpose() + Eigen::MatrixXd::Identity(n, n));
     Eigen::VectorXd pose = draw(n);
     const Pose T_true = retract(Pose{}, pose, motion);
-    Fix fix = fix_at(i, retract(T_true, Eigen::VectorXd(Eigen::LLT<Eigen::MatrixXd>(C).matrixL() * draw(n)), motion));
+    Fix fix = fix_at(
+        i, retract(T_true, Eigen::VectorXd(Eigen::LLT<Eigen::MatrixXd>(C).matrixL() * draw(n)), motion));
     fix.covariance = C;
     Eigen::VectorXd noise = draw(n);
     noise.head(motion == Motion::kPlanar ? 2 : 3) *= accuracy.position_sigma_m;
     if (motion == Motion::kPlanar) {
       noise[2] *= accuracy.heading_sigma_rad;
     } else {  // about the map's axes, then into the vehicle frame
-      const Eigen::Vector3d about_map = noise.tail<3>().cwiseProduct(
-          Eigen::Vector3d(accuracy.attitude_sigma_rad, accuracy.attitude_sigma_rad, accuracy.heading_sigma_rad));
+      const Eigen::Vector3d about_map = noise.tail<3>().cwiseProduct(Eigen::Vector3d(
+          accuracy.attitude_sigma_rad, accuracy.attitude_sigma_rad, accuracy.heading_sigma_rad));
       noise.tail<3>() = T_true.rotation.conjugate() * about_map;
     }
     truth.push_back({double(i), retract(T_true, noise, motion)});

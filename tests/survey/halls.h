@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Three halls for placement: a rectangle, an L, and a warehouse with aisles. A vehicle with one receiver all round; in the first two
-// without a common clock, as in Kleeman's system, in the warehouse with one. Noise grows with the distance by a millimetre a metre.
+// Three halls for placement: a rectangle, an L, and a warehouse with aisles. A vehicle with one receiver all
+// round; in the first two without a common clock, as in Kleeman's system, in the warehouse with one. Noise
+// grows with the distance by a millimetre a metre.
 
 #include <string>
 #include <vector>
@@ -30,7 +31,8 @@ inline Site one_receiver_site(const std::string& name, double height_m = 0.3) {
   return site;
 }
 
-inline SceneMount wall_mount(const std::string& name, const std::vector<Eigen::Vector2d>& points, double low_m, double high_m) {
+inline SceneMount wall_mount(const std::string& name, const std::vector<Eigen::Vector2d>& points,
+                             double low_m, double high_m) {
   SceneMount mount;
   mount.name = name;
   mount.points_m = points;
@@ -49,7 +51,8 @@ inline SceneWall rack(const std::string& name, double x0, double y0, double x1, 
 }
 
 /// The outline's walls, which stop sound where the outline is not convex.
-inline void add_outline(Hall& hall, const std::vector<Eigen::Vector2d>& corners, double low_m, double high_m) {
+inline void add_outline(Hall& hall, const std::vector<Eigen::Vector2d>& corners, double low_m,
+                        double high_m) {
   hall.scene.floor_m = corners;
   std::vector<Eigen::Vector2d> closed = corners;
   closed.push_back(corners.front());
@@ -78,8 +81,8 @@ inline Hall l_hall() {
   return hall;
 }
 
-/// Three racks of 3 m with aisles of 3.2 m and more between them, beacons under the ceiling at 6 m, the receiver on a forklift's roof,
-/// which keeps 0.7 m from the racks.
+/// Three racks of 3 m with aisles of 3.2 m and more between them, beacons under the ceiling at 6 m, the
+/// receiver on a forklift's roof, which keeps 0.7 m from the racks.
 inline Hall warehouse_hall() {
   Hall hall{"aisles", one_receiver_site("aisles", 2.2), {}};
   const std::vector<Eigen::Vector2d> outline = {{0, 0}, {26, 0}, {26, 16}, {0, 16}};

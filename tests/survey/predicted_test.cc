@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What the maps predict against what the localizer achieves: Monte Carlo over noise and over the calibration's own errors.
+// What the maps predict against what the localizer achieves: Monte Carlo over noise and over the
+// calibration's own errors.
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -9,8 +10,8 @@
 
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/simulator/random.h"
-#include "survey/map/calibration_map.h"
 #include "survey/geometry/map_tiles.h"
+#include "survey/map/calibration_map.h"
 #include "survey/map/survey.h"
 #include "tests/support/statistics.h"
 #include "tests/support/worlds.h"
@@ -28,16 +29,19 @@ void add_covariance(Deployment& d, Random& draw) {
   auto& names = d.covariance.parameters;
   std::vector<double> sigma;
   for (const auto& b : d.beacons) {
-    for (const char* what : {"/x_m", "/y_m", "/z_m"}) names.push_back("beacon/" + b.name + what), sigma.push_back(3e-3);
+    for (const char* what : {"/x_m", "/y_m", "/z_m"})
+      names.push_back("beacon/" + b.name + what), sigma.push_back(3e-3);
     names.push_back("beacon/" + b.name + "/delay_s"), sigma.push_back(6e-6);
   }
   for (const auto& r : d.receivers)
-    for (const char* what : {"/x_m", "/y_m", "/z_m"}) names.push_back("receiver/robot/" + r.name + what), sigma.push_back(5e-4);
+    for (const char* what : {"/x_m", "/y_m", "/z_m"})
+      names.push_back("receiver/robot/" + r.name + what), sigma.push_back(5e-4);
   names.push_back("medium/speed_mps"), sigma.push_back(0.1);
   const auto n = static_cast<Eigen::Index>(names.size());
   Eigen::MatrixXd mix(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) mix(i, j) = draw.normal() / std::sqrt(2.0 * static_cast<double>(n)) + (i == j ? std::sqrt(0.5) : 0.0);
+    for (Eigen::Index j = 0; j < n; ++j)
+      mix(i, j) = draw.normal() / std::sqrt(2.0 * static_cast<double>(n)) + (i == j ? std::sqrt(0.5) : 0.0);
   const Eigen::MatrixXd root = Eigen::Map<const Eigen::VectorXd>(sigma.data(), n).asDiagonal() * mix;
   d.covariance.matrix = root * root.transpose();
 }
@@ -55,19 +59,24 @@ Deployment with_errors(Deployment d, const Eigen::VectorXd& error) {
   return d;
 }
 
-std::vector<Arrival> arrivals_at(const Deployment& truth, const SurveyModel& model, const PoseAt& pose, double offset_s, Random& draw) {
+std::vector<Arrival> arrivals_at(const Deployment& truth, const SurveyModel& model, const PoseAt& pose,
+                                 double offset_s, Random& draw) {
   std::vector<Arrival> arrivals;
   const double speed = truth.speed_mps(truth.medium.temperature_degC);
   for (std::size_t b = 0; b < model.beacons.size(); ++b)
     for (std::size_t r = 0; r < model.receivers.size(); ++r) {
       const HeardPath path = path_between(model, b, r, pose);
-      const Eigen::Vector3d axis = Eigen::AngleAxisd(pose.heading_rad, Eigen::Vector3d::UnitZ()) * model.receivers[r].axis;
-      if (path.distance_m > model.hearing.range_m || test::gain_at(model, model.receivers[r].pattern, axis, -path.unit) <= 0) continue;
+      const Eigen::Vector3d axis =
+          Eigen::AngleAxisd(pose.heading_rad, Eigen::Vector3d::UnitZ()) * model.receivers[r].axis;
+      if (path.distance_m > model.hearing.range_m ||
+          test::gain_at(model, model.receivers[r].pattern, axis, -path.unit) <= 0)
+        continue;
       Arrival a;
       a.time_s = 0.05 * static_cast<double>(b);
       a.epoch = 1;
       a.beacon = BeaconId(b), a.receiver = ReceiverId(r), a.vehicle = VehicleId(std::size_t{0});
-      a.tof_s = path.distance_m / speed + truth.beacons[b].delay_s + truth.receivers[r].delay_s + offset_s + truth.noise.tof_sigma_s * draw.normal();
+      a.tof_s = path.distance_m / speed + truth.beacons[b].delay_s + truth.receivers[r].delay_s + offset_s +
+                truth.noise.tof_sigma_s * draw.normal();
       arrivals.push_back(a);
     }
   return arrivals;
@@ -79,7 +88,8 @@ struct Achieved {
   int fixes = 0;
 };
 
-void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& places, bool calibrated, std::uint64_t seed) {
+void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& places, bool calibrated,
+             std::uint64_t seed) {
   Random draw(seed);
   if (calibrated) add_covariance(truth, draw);
   const SurveyModel model = must(make_survey_model(truth, scene));
@@ -96,7 +106,9 @@ void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& pl
   calibration.systematic(model, paths, parts);
 
   std::vector<Achieved> achieved(places.size());
-  const Eigen::MatrixXd root = calibrated ? Eigen::MatrixXd(Eigen::LLT<Eigen::MatrixXd>(truth.covariance.matrix).matrixL()) : Eigen::MatrixXd();
+  const Eigen::MatrixXd root =
+      calibrated ? Eigen::MatrixXd(Eigen::LLT<Eigen::MatrixXd>(truth.covariance.matrix).matrixL())
+                 : Eigen::MatrixXd();
   for (int k = 0; k < kDraws; ++k) {
     Deployment believed = truth;
     if (calibrated) {
@@ -106,27 +118,35 @@ void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& pl
     }
     LeastSquaresLocalizer localizer(believed, {.rejection_sigmas = 8.0});  // no arrival is at fault here
     for (std::size_t i = 0; i < places.size(); ++i) {
-      const Fix fix = localizer.locate(arrivals_at(truth, model, places[i], truth.timing.clock == Clock::kCycleOffset ? draw.uniform(0, 0.05) : 0.0, draw));
+      const Fix fix = localizer.locate(
+          arrivals_at(truth, model, places[i],
+                      truth.timing.clock == Clock::kCycleOffset ? draw.uniform(0, 0.05) : 0.0, draw));
       if (!fix.ok()) continue;  // the search found two answers, once in some hundred times with cycle offsets
       ++achieved[i].fixes;
-      const Eigen::Vector2d e = fix.T_map_vehicle.translation_m.head<2>() - Eigen::Vector2d(places[i].x_m, places[i].y_m);
+      const Eigen::Vector2d e =
+          fix.T_map_vehicle.translation_m.head<2>() - Eigen::Vector2d(places[i].x_m, places[i].y_m);
       Eigen::Matrix2d C;
-      C << std::pow(map.sigma_x_m[i], 2) + parts[i].xx_m2, map.covariance_xy_m2[i] + parts[i].xy_m2, 0, std::pow(map.sigma_y_m[i], 2) + parts[i].yy_m2;
+      C << std::pow(map.sigma_x_m[i], 2) + parts[i].xx_m2, map.covariance_xy_m2[i] + parts[i].xy_m2, 0,
+          std::pow(map.sigma_y_m[i], 2) + parts[i].yy_m2;
       C(1, 0) = C(0, 1);
       achieved[i].square_m2 += e.squaredNorm();
       achieved[i].nees += e.dot(C.inverse() * e);
-      achieved[i].heading_rad2 += std::pow(wrap_angle(fix.T_map_vehicle.heading_rad() - places[i].heading_rad), 2);
+      achieved[i].heading_rad2 +=
+          std::pow(wrap_angle(fix.T_map_vehicle.heading_rad() - places[i].heading_rad), 2);
     }
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
-    // NEES of both coordinates over all draws is chi-square; bounds of 1e-4 a side, as there are some dozens of places.
+    // NEES of both coordinates over all draws is chi-square; bounds of 1e-4 a side, as there are some dozens
+    // of places.
     const int fixes = achieved[i].fixes;
     ASSERT_GT(fixes, 0.98 * kDraws);
     EXPECT_GT(achieved[i].nees, test::chi2_quantile(1e-4, 2 * fixes)) << i << ", seed " << seed;
     EXPECT_LT(achieved[i].nees, test::chi2_quantile(1 - 1e-4, 2 * fixes)) << i << ", seed " << seed;
     const double predicted = std::sqrt(map.sigma_m[i] * map.sigma_m[i] + parts[i].xx_m2 + parts[i].yy_m2);
     EXPECT_NEAR(std::sqrt(achieved[i].square_m2 / fixes) / predicted, 1.0, 0.1) << i << ", seed " << seed;
-    if (calibrated) EXPECT_GT(parts[i].xx_m2 + parts[i].yy_m2, 0.2 * map.sigma_m[i] * map.sigma_m[i]) << "the part that is tested counts";
+    if (calibrated)
+      EXPECT_GT(parts[i].xx_m2 + parts[i].yy_m2, 0.2 * map.sigma_m[i] * map.sigma_m[i])
+          << "the part that is tested counts";
     if (!calibrated && model.unknowns.rotation == 1) {
       const double chi2 = achieved[i].heading_rad2 / std::pow(map.sigma_heading_rad[i], 2);
       EXPECT_GT(chi2, test::chi2_quantile(1e-4, fixes));
@@ -162,7 +182,8 @@ SystematicPart part_at(const Deployment& d, const SurveyModel& model, const Pose
   return parts[0];
 }
 
-/// A calibrated parameter: its name in the joint covariance, a small error, and where it stands in a deployment.
+/// A calibrated parameter: its name in the joint covariance, a small error, and where it stands in a
+/// deployment.
 struct Parameter {
   std::string name;
   double error = 0.0;
@@ -173,18 +194,29 @@ std::vector<Parameter> parameters_of(const Deployment& d) {
   std::vector<Parameter> all;
   const char* axes[] = {"/x_m", "/y_m", "/z_m"};
   for (const std::size_t b : {std::size_t{1}, std::size_t{4}}) {
-    for (int i = 0; i < 3; ++i) all.push_back({"beacon/" + d.beacons[b].name + axes[i], 1e-3, [b, i](Deployment& x, double e) { x.beacons[b].position_m[i] += e; }});
-    all.push_back({"beacon/" + d.beacons[b].name + "/delay_s", 2e-6, [b](Deployment& x, double e) { x.beacons[b].delay_s += e; }});
+    for (int i = 0; i < 3; ++i)
+      all.push_back({"beacon/" + d.beacons[b].name + axes[i], 1e-3,
+                     [b, i](Deployment& x, double e) { x.beacons[b].position_m[i] += e; }});
+    all.push_back({"beacon/" + d.beacons[b].name + "/delay_s", 2e-6,
+                   [b](Deployment& x, double e) { x.beacons[b].delay_s += e; }});
   }
   for (const std::size_t r : {std::size_t{0}, std::size_t{3}}) {
-    for (int i = 0; i < 3; ++i) all.push_back({"receiver/robot/" + d.receivers[r].name + axes[i], 1e-3, [r, i](Deployment& x, double e) { x.receivers[r].position_m[i] += e; }});
-    all.push_back({"receiver/robot/" + d.receivers[r].name + "/delay_s", 2e-6, [r](Deployment& x, double e) { x.receivers[r].delay_s += e; }});
+    for (int i = 0; i < 3; ++i)
+      all.push_back({"receiver/robot/" + d.receivers[r].name + axes[i], 1e-3,
+                     [r, i](Deployment& x, double e) { x.receivers[r].position_m[i] += e; }});
+    all.push_back({"receiver/robot/" + d.receivers[r].name + "/delay_s", 2e-6,
+                   [r](Deployment& x, double e) { x.receivers[r].delay_s += e; }});
   }
-  all.push_back({"site/delay_s", 2e-6, [](Deployment& x, double e) { for (auto& b : x.beacons) b.delay_s += e; }});
+  all.push_back({"site/delay_s", 2e-6, [](Deployment& x, double e) {
+                   for (auto& b : x.beacons) b.delay_s += e;
+                 }});
   all.push_back({"medium/speed_mps", 0.1, [](Deployment& x, double e) { x.speed_offset_mps += e; }});
-  all.push_back({"attenuation/amplitude_1m_v", 0.2, [](Deployment& x, double e) { x.attenuation->amplitude_1m_v += e; }});
-  all.push_back({"attenuation/absorption_np_per_m", 2e-3, [](Deployment& x, double e) { x.attenuation->absorption_np_per_m += e; }});
-  all.push_back({"attenuation/rise_time_s", 1e-5, [](Deployment& x, double e) { x.attenuation->rise_time_s += e; }});
+  all.push_back({"attenuation/amplitude_1m_v", 0.2,
+                 [](Deployment& x, double e) { x.attenuation->amplitude_1m_v += e; }});
+  all.push_back({"attenuation/absorption_np_per_m", 2e-3,
+                 [](Deployment& x, double e) { x.attenuation->absorption_np_per_m += e; }});
+  all.push_back(
+      {"attenuation/rise_time_s", 1e-5, [](Deployment& x, double e) { x.attenuation->rise_time_s += e; }});
   return all;
 }
 
@@ -205,11 +237,12 @@ TEST(Predicted, NoiseOfAnOctagonInTheHall) { compare(hall_truth(), {}, grid_of_p
 
 TEST(Predicted, WithTheCalibrationsPart) { compare(hall_truth(), {}, grid_of_places(-0.4), true, 12); }
 
-// Each kind of parameter on its own, as among all of them the small ones would not be missed: the shift of a noise-free fix in a
-// deployment that is wrong in that alone.
+// Each kind of parameter on its own, as among all of them the small ones would not be missed: the shift of a
+// noise-free fix in a deployment that is wrong in that alone.
 TEST(Predicted, EachParametersErrorMovesTheFixAsTheMapSays) {
   Deployment truth = hall_truth();
-  truth.attenuation = AttenuationModel{.amplitude_1m_v = 12.5, .absorption_np_per_m = 0.08, .threshold_v = 0.05, .rise_time_s = 4.5e-4};
+  truth.attenuation = AttenuationModel{
+      .amplitude_1m_v = 12.5, .absorption_np_per_m = 0.08, .threshold_v = 0.05, .rise_time_s = 4.5e-4};
   const SurveyModel model = must(make_survey_model(truth, {}));
   const PoseAt place{7.2, 4.4, 0.0, 0.6};
   const auto arrivals = exact_arrivals(truth, model, place);
@@ -244,7 +277,8 @@ TEST(Predicted, WithoutAJointCovarianceEachBeaconsOwnCounts) {
     const double s = 1e-3 * static_cast<double>(b + 1);
     own.beacons[b].covariance_m2 << 2 * s * s, s * s / 2, 0, s * s / 2, s * s, 0, 0, 0, s * s;
     own.beacons[b].delay_sigma_s = 1e-6 * static_cast<double>(b + 1);
-    for (const char* what : {"/x_m", "/y_m", "/z_m", "/delay_s"}) joint.covariance.parameters.push_back("beacon/" + own.beacons[b].name + what);
+    for (const char* what : {"/x_m", "/y_m", "/z_m", "/delay_s"})
+      joint.covariance.parameters.push_back("beacon/" + own.beacons[b].name + what);
     const auto at = static_cast<Eigen::Index>(4 * b);
     joint.covariance.matrix.block<3, 3>(at, at) = own.beacons[b].covariance_m2;
     joint.covariance.matrix(at + 3, at + 3) = std::pow(own.beacons[b].delay_sigma_s, 2);
@@ -253,14 +287,16 @@ TEST(Predicted, WithoutAJointCovarianceEachBeaconsOwnCounts) {
   joint.covariance.parameters.emplace_back("medium/speed_mps");
   joint.covariance.matrix(n - 1, n - 1) = 0.04;
   const SurveyModel model = must(make_survey_model(own, {}));
-  const SystematicPart a = part_at(own, model, {7.2, 4.4, 0, 0.6}), b = part_at(joint, model, {7.2, 4.4, 0, 0.6});
+  const SystematicPart a = part_at(own, model, {7.2, 4.4, 0, 0.6}),
+                       b = part_at(joint, model, {7.2, 4.4, 0, 0.6});
   EXPECT_GT(a.xx_m2, 0.0);
   EXPECT_NEAR(a.xx_m2, b.xx_m2, 1e-9 * b.xx_m2);
   EXPECT_NEAR(a.xy_m2, b.xy_m2, 1e-9 * b.xx_m2);
   EXPECT_NEAR(a.yy_m2, b.yy_m2, 1e-9 * b.yy_m2);
 }
 
-// One receiver, beacons off by a millimetre each way: sum over beacons of D^-1 h w (u'u mm^2) w h' D^-1, by dense matrices.
+// One receiver, beacons off by a millimetre each way: sum over beacons of D^-1 h w (u'u mm^2) w h' D^-1, by
+// dense matrices.
 TEST(Predicted, CalibrationsPartWeighsRangesByTheirNoise) {
   Deployment truth = hall_truth();
   truth.receivers.resize(1);
@@ -287,8 +323,9 @@ TEST(Predicted, CalibrationsPartWeighsRangesByTheirNoise) {
   }
 }
 
-// A fix that weighs each range by its own noise is as good as the map says: Gauss and Newton's steps from the true place, for a
-// vehicle with one receiver. One that takes all ranges for equally good, as the localizers do, is not: README.md says by how much.
+// A fix that weighs each range by its own noise is as good as the map says: Gauss and Newton's steps from the
+// true place, for a vehicle with one receiver. One that takes all ranges for equally good, as the localizers
+// do, is not: README.md says by how much.
 TEST(Predicted, NoiseThatGrowsWithTheRange) {
   for (const Clock clock : {Clock::kSynchronised, Clock::kCycleOffset}) {
     Deployment truth = hall_truth();

@@ -6,7 +6,8 @@
 
 namespace octant::survey {
 
-[[nodiscard]] DeploymentBeacon test_beacon(const std::string& name, double x_m, double y_m, double sigma_m, BeaconStatus status);
+[[nodiscard]] DeploymentBeacon test_beacon(const std::string& name, double x_m, double y_m, double sigma_m,
+                                           BeaconStatus status);
 /// Three beacons on 10 x 8 m, all sections of a report filled.
 [[nodiscard]] ReportInput full_report();
 /// The same with every text that comes from people or files replaced.

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "apps/octant/commands/batch_sites.h"
 #include "apps/octant/commands.h"
+#include "apps/octant/commands/batch_sites.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/ranks.h"
@@ -41,9 +41,12 @@ std::string summary(const io::Batch& batch, const std::vector<SiteOutcome>& outc
     const bool adjusted = o.contains("arrivals");
     std::string undetermined;
     if (adjusted)
-      for (const auto& name : o["undetermined"]) undetermined += (undetermined.empty() ? "" : ", ") + name.get<std::string>();
-    table.rows.push_back({batch.sites[outcome.number].name, o["status"].get<std::string>(), adjusted ? fmt::format("{}", o["arrivals"].get<std::size_t>()) : "-",
-                          fmt::format("{:.2f}", o["seconds"].get<double>()), adjusted ? fmt::format("{:.3f}", o["variance_factor"].get<double>()) : "-",
+      for (const auto& name : o["undetermined"])
+        undetermined += (undetermined.empty() ? "" : ", ") + name.get<std::string>();
+    table.rows.push_back({batch.sites[outcome.number].name, o["status"].get<std::string>(),
+                          adjusted ? fmt::format("{}", o["arrivals"].get<std::size_t>()) : "-",
+                          fmt::format("{:.2f}", o["seconds"].get<double>()),
+                          adjusted ? fmt::format("{:.3f}", o["variance_factor"].get<double>()) : "-",
                           undetermined});
   }
   return table.text();
@@ -53,17 +56,23 @@ std::string summary(const io::Batch& batch, const std::vector<SiteOutcome>& outc
 std::vector<SiteOutcome> gathered(const std::vector<SiteOutcome>& mine, const Job& job) {
   Json told = Json::array();
   for (const auto& outcome : mine)
-    told.push_back({{"number", outcome.number}, {"exit", static_cast<int>(outcome.exit)}, {"message", outcome.message}, {"object", outcome.object}});
+    told.push_back({{"number", outcome.number},
+                    {"exit", static_cast<int>(outcome.exit)},
+                    {"message", outcome.message},
+                    {"object", outcome.object}});
   std::vector<SiteOutcome> all;
   for (const std::string& text : job.gather(dump(told)))
     for (const Json& one : Json::parse(text))
-      all.push_back({one["number"].get<std::size_t>(), static_cast<Exit>(one["exit"].get<int>()), one["message"].get<std::string>(), one["object"]});
-  std::sort(all.begin(), all.end(), [](const SiteOutcome& a, const SiteOutcome& b) { return a.number < b.number; });
+      all.push_back({one["number"].get<std::size_t>(), static_cast<Exit>(one["exit"].get<int>()),
+                     one["message"].get<std::string>(), one["object"]});
+  std::sort(all.begin(), all.end(),
+            [](const SiteOutcome& a, const SiteOutcome& b) { return a.number < b.number; });
   return all;
 }
 
 /// The list was gone through; what of the sites?
-int end(const io::Batch& batch, const std::vector<SiteOutcome>& outcomes, const Json& object, Session& session) {
+int end(const io::Batch& batch, const std::vector<SiteOutcome>& outcomes, const Json& object,
+        Session& session) {
   std::size_t failed = 0, unfinished = 0;
   const SiteOutcome* first = nullptr;
   for (const auto& outcome : outcomes) {
@@ -72,19 +81,25 @@ int end(const io::Batch& batch, const std::vector<SiteOutcome>& outcomes, const 
     if (outcome.exit != kDone && first == nullptr) first = &outcome;
   }
   if (unfinished > 0) {
-    const std::string message = fmt::format("interrupted; {} of {} sites were done before, nothing is half-written", outcomes.size() - unfinished, outcomes.size());
+    const std::string message =
+        fmt::format("interrupted; {} of {} sites were done before, nothing is half-written",
+                    outcomes.size() - unfinished, outcomes.size());
     return session.fail({"interrupted", "interrupted", kInterrupted, message, ""}, object);
   }
   if (first == nullptr) return session.finish(object);
-  const std::string message = fmt::format("{} of {} sites failed, the first is {}", failed, outcomes.size(), batch.sites[first->number].name);
-  return session.fail({first->object["status"].get<std::string>(), "sites_failed", first->exit, message, ""}, object);
+  const std::string message = fmt::format("{} of {} sites failed, the first is {}", failed, outcomes.size(),
+                                          batch.sites[first->number].name);
+  return session.fail({first->object["status"].get<std::string>(), "sites_failed", first->exit, message, ""},
+                      object);
 }
 
 int run(const BatchArgs& words, Session& session) {
   Shard shard;
   if (!words.shard.empty()) {
     const auto given = shard_of(words.shard);
-    if (!given) return session.fail({"error", "usage", kUsage, fmt::format("--shard is '{}'", words.shard), "i/N with i from 1 to N, such as 1/10"});
+    if (!given)
+      return session.fail({"error", "usage", kUsage, fmt::format("--shard is '{}'", words.shard),
+                           "i/N with i from 1 to N, such as 1/10"});
     shard = *given;
   }
   const calib::Ranks* ranks = session.job != nullptr ? session.job->ranks() : nullptr;
@@ -105,8 +120,12 @@ int run(const BatchArgs& words, Session& session) {
   session.warn(batch->warnings);
   if (!words.folder.empty()) {
     std::error_code error;
-    std::filesystem::create_directories(words.folder, error);  // another job of the array may have been faster
-    if (error) return session.fail(Error{.code = Errc::kOutput, .file = words.folder, .found = "the folder cannot be made: " + error.message()});
+    std::filesystem::create_directories(words.folder,
+                                        error);  // another job of the array may have been faster
+    if (error)
+      return session.fail(Error{.code = Errc::kOutput,
+                                .file = words.folder,
+                                .found = "the folder cannot be made: " + error.message()});
   }
 
   std::size_t done = 0;
@@ -129,13 +148,19 @@ int run(const BatchArgs& words, Session& session) {
   for (const auto& outcome : outcomes) {
     good += outcome.exit == kDone;
     for (const auto& warning : outcome.object["warnings"])
-      warnings.push_back(fmt::format("{}: {}", batch->sites[outcome.number].name, warning.get<std::string>()));
+      warnings.push_back(
+          fmt::format("{}: {}", batch->sites[outcome.number].name, warning.get<std::string>()));
     sites.push_back(outcome.object);
   }
   session.warn(warnings);
   session.result(summary(*batch, outcomes));
-  const Json object = {{"sites", sites}, {"calibrated", good}, {"failed", outcomes.size() - good}, {"seconds", session.seconds()},
-                       {"shard", {{"index", shard.index + 1}, {"count", shard.count}, {"sites_in_list", batch->sites.size()}}}};
+  const Json object = {
+      {"sites", sites},
+      {"calibrated", good},
+      {"failed", outcomes.size() - good},
+      {"seconds", session.seconds()},
+      {"shard",
+       {{"index", shard.index + 1}, {"count", shard.count}, {"sites_in_list", batch->sites.size()}}}};
   return end(*batch, outcomes, object, session);
 }
 
@@ -143,15 +168,28 @@ int run(const BatchArgs& words, Session& session) {
 
 void add_batch(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<BatchArgs>();
-  CLI::App* command = add_command(app, common, "batch", "Calibrate many sites; one that fails does not stop the others",
-                                  "octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10");
-  command->add_option("sites", words->list, "List of sites, with their runs and outputs (octant schema batch)")->required()->type_name("SITES.yaml");
-  command->add_option("-o,--output", words->folder, "Folder at which outputs and reports begin, made if it is not there; else the list's")->type_name("DIR");
-  command->add_option("--shard", words->shard, "Only every N-th site, from the i-th on (i from 1 to N): a job of an array")->type_name("i/N");
+  CLI::App* command =
+      add_command(app, common, "batch", "Calibrate many sites; one that fails does not stop the others",
+                  "octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10");
+  command
+      ->add_option("sites", words->list, "List of sites, with their runs and outputs (octant schema batch)")
+      ->required()
+      ->type_name("SITES.yaml");
+  command
+      ->add_option("-o,--output", words->folder,
+                   "Folder at which outputs and reports begin, made if it is not there; else the list's")
+      ->type_name("DIR");
+  command
+      ->add_option("--shard", words->shard,
+                   "Only every N-th site, from the i-th on (i from 1 to N): a job of an array")
+      ->type_name("i/N");
   command->add_flag("--strict", words->strict, "A single undetermined beacon is a site's exit 5");
-  command->footer("Example:\n  octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10\n\n"
-                  "Exit code: 0 if all sites are calibrated, else that of the first site in the list that is not (the table and --json tell each).");
-  command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  command->footer(
+      "Example:\n  octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10\n\n"
+      "Exit code: 0 if all sites are calibrated, else that of the first site in the list that is not (the "
+      "table and --json tell each).");
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 
 }  // namespace octant::app

@@ -45,8 +45,13 @@ void calibrate_site(const io::BatchSite& site, bool strict, Session& session, Si
 SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, bool strict, Session session) {
   SiteOutcome outcome;
   outcome.number = number;
-  outcome.object = {{"name", site.name}, {"site", site.site}, {"runs", site.runs}, {"output", site.output},
-                    {"report", site.report.empty() ? Json(nullptr) : Json(site.report)}, {"status", "ok"}, {"exit", 0}};
+  outcome.object = {{"name", site.name},
+                    {"site", site.site},
+                    {"runs", site.runs},
+                    {"output", site.output},
+                    {"report", site.report.empty() ? Json(nullptr) : Json(site.report)},
+                    {"status", "ok"},
+                    {"exit", 0}};
   try {
     if (interrupted()) {
       end_with({kInterrupted, interrupted_object(), "interrupted"}, outcome);
@@ -55,7 +60,8 @@ SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, bool stric
     }
   } catch (const std::exception& error) {
     const std::string message = fmt::format("a fault of octant: {}", error.what());
-    end_with(ending(Failure{"error", "internal", kFault, message, "please report it with the site"}), outcome);
+    end_with(ending(Failure{"error", "internal", kFault, message, "please report it with the site"}),
+             outcome);
   }
   outcome.object["exit"] = static_cast<int>(outcome.exit);
   outcome.object["seconds"] = session.seconds();
@@ -65,7 +71,8 @@ SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, bool stric
 
 }  // namespace
 
-std::vector<SiteOutcome> calibrate_sites(const io::Batch& batch, Shard shard, bool strict, const Session& session,
+std::vector<SiteOutcome> calibrate_sites(const io::Batch& batch, Shard shard, bool strict,
+                                         const Session& session,
                                          const std::function<void(const SiteOutcome&)>& on_done) {
   // While one site is being written, the reading of another must not end the program.
   const NoExitAtOnce others_may_write;
@@ -80,7 +87,8 @@ std::vector<SiteOutcome> calibrate_sites(const io::Batch& batch, Shard shard, bo
   const auto work = [&] {
     for (std::size_t i = next++; i < outcomes.size(); i = next++) {
       const std::size_t number = outcomes[i].number;
-      outcomes[i] = outcome_of(batch.sites[number], number, strict, session.part(static_cast<int>(threads / workers)));
+      outcomes[i] =
+          outcome_of(batch.sites[number], number, strict, session.part(static_cast<int>(threads / workers)));
       const std::lock_guard lock(one_at_a_time);
       on_done(outcomes[i]);
     }

@@ -7,15 +7,15 @@
 
 #include <fmt/format.h>
 
-#include "apps/octant/text/changes_text.h"
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
-#include "apps/octant/steps/reporting.h"
 #include "apps/octant/ranks.h"
+#include "apps/octant/steps/reporting.h"
+#include "apps/octant/text/changes_text.h"
 #include "calib/errors/variances.h"
-#include "io/text/atomic_file.h"
 #include "io/deployment/deployment_json.h"
+#include "io/text/atomic_file.h"
 
 namespace octant::app {
 namespace {
@@ -32,31 +32,40 @@ Json solution_json(const Calibration& c, const Session& session) {
   const calib::Solution& s = c.solution;
   Json weak = Json::array();
   for (const auto& w : s.weak) {
-    weak.push_back({{"description", w.description}, {"parameters", w.parameters}, {"sigma_m", w.sigma_m}, {"consequence_m", w.consequence_m},
-                    {"remedy", w.remedy}, {"blocking", w.blocking}});
+    weak.push_back({{"description", w.description},
+                    {"parameters", w.parameters},
+                    {"sigma_m", w.sigma_m},
+                    {"consequence_m", w.consequence_m},
+                    {"remedy", w.remedy},
+                    {"blocking", w.blocking}});
   }
-  return {{"converged", s.status == calib::SolveStatus::kConverged},
-          {"iterations", s.iterations},
-          {"seconds", session.seconds()},
-          {"arrivals", s.statistics.arrivals},
-          {"rejected", s.statistics.rejected},
-          {"unknowns", s.statistics.unknowns},
-          {"redundancy", s.statistics.redundancy},
-          {"variance_factor", s.statistics.variance_factor},
-          {"chi2_p", s.statistics.chi2_p},
-          {"rms_s", s.statistics.rms_s},
-          {"speed_mps", nullptr},
-          {"speed_sigma_mps", nullptr},
-          {"beacons", Json::array()},
-          {"receivers", Json::array()},
-          {"attenuation", nullptr},
-          {"undetermined", s.undetermined},
-          {"weak", weak},
-          {"datum", {{"description", s.datum.description}, {"position", s.datum.position}, {"orientation", s.datum.orientation},
-                     {"scale", s.datum.scale}, {"control_points", s.datum.control_points}}},
-          {"left_out", left_out_json(c)},
-          {"streamed", s.whole ? Json{{"epochs", s.whole->epochs}, {"every", s.whole->every}} : Json(nullptr)},
-          {"reliability", reliability_json(c)}};
+  return {
+      {"converged", s.status == calib::SolveStatus::kConverged},
+      {"iterations", s.iterations},
+      {"seconds", session.seconds()},
+      {"arrivals", s.statistics.arrivals},
+      {"rejected", s.statistics.rejected},
+      {"unknowns", s.statistics.unknowns},
+      {"redundancy", s.statistics.redundancy},
+      {"variance_factor", s.statistics.variance_factor},
+      {"chi2_p", s.statistics.chi2_p},
+      {"rms_s", s.statistics.rms_s},
+      {"speed_mps", nullptr},
+      {"speed_sigma_mps", nullptr},
+      {"beacons", Json::array()},
+      {"receivers", Json::array()},
+      {"attenuation", nullptr},
+      {"undetermined", s.undetermined},
+      {"weak", weak},
+      {"datum",
+       {{"description", s.datum.description},
+        {"position", s.datum.position},
+        {"orientation", s.datum.orientation},
+        {"scale", s.datum.scale},
+        {"control_points", s.datum.control_points}}},
+      {"left_out", left_out_json(c)},
+      {"streamed", s.whole ? Json{{"epochs", s.whole->epochs}, {"every", s.whole->every}} : Json(nullptr)},
+      {"reliability", reliability_json(c)}};
 }
 
 void add_deployment(Json& object, const Deployment& d) {
@@ -64,16 +73,25 @@ void add_deployment(Json& object, const Deployment& d) {
   object["speed_sigma_mps"] = d.speed_sigma_mps;
   for (const auto& b : d.beacons) {
     const Eigen::Vector3d sigma_m = b.covariance_m2.diagonal().cwiseMax(0.0).cwiseSqrt();
-    object["beacons"].push_back({{"id", b.name}, {"position_m", to_json(b.position_m)}, {"sigma_m", to_json(sigma_m)}, {"delay_s", b.delay_s},
-                                 {"delay_sigma_s", b.delay_sigma_s}, {"status", to_string(b.status)}});
+    object["beacons"].push_back({{"id", b.name},
+                                 {"position_m", to_json(b.position_m)},
+                                 {"sigma_m", to_json(sigma_m)},
+                                 {"delay_s", b.delay_s},
+                                 {"delay_sigma_s", b.delay_sigma_s},
+                                 {"status", to_string(b.status)}});
   }
   for (const auto& r : d.receivers) {
-    object["receivers"].push_back({{"vehicle", d.vehicles[r.vehicle.index()].name}, {"id", r.name}, {"position_m", to_json(r.position_m)}});
+    object["receivers"].push_back({{"vehicle", d.vehicles[r.vehicle.index()].name},
+                                   {"id", r.name},
+                                   {"position_m", to_json(r.position_m)}});
   }
   if (d.attenuation) {
-    object["attenuation"] = {{"amplitude_1m_v", d.attenuation->amplitude_1m_v}, {"absorption_np_per_m", d.attenuation->absorption_np_per_m},
-                             {"threshold_v", d.attenuation->threshold_v}, {"rise_time_s", d.attenuation->rise_time_s}};
-    if (d.attenuation->directional()) object["attenuation"]["half_power_angle_rad"] = d.attenuation->half_power_angle_rad;
+    object["attenuation"] = {{"amplitude_1m_v", d.attenuation->amplitude_1m_v},
+                             {"absorption_np_per_m", d.attenuation->absorption_np_per_m},
+                             {"threshold_v", d.attenuation->threshold_v},
+                             {"rise_time_s", d.attenuation->rise_time_s}};
+    if (d.attenuation->directional())
+      object["attenuation"]["half_power_angle_rad"] = d.attenuation->half_power_angle_rad;
   }
 }
 
@@ -82,9 +100,11 @@ void add_deployment(Json& object, const Deployment& d) {
 std::optional<Failure> failure_of(const Calibration& calibration) {
   const calib::Solution& s = calibration.solution;
   if (s.status == calib::SolveStatus::kUndetermined) {
-    std::string message = s.message.empty() ? "the data do not determine what is asked for" : s.message, advice;
+    std::string message = s.message.empty() ? "the data do not determine what is asked for" : s.message,
+                advice;
     if (s.message.empty())
-      for (const auto& name : s.undetermined) message += (&name == &s.undetermined.front() ? ": " : ", ") + name;
+      for (const auto& name : s.undetermined)
+        message += (&name == &s.undetermined.front() ? ": " : ", ") + name;
     for (const Contradiction& c : s.contradictions) {
       message += "; " + in_words(c);
       advice += (advice.empty() ? "" : "; ") + c.remedy;
@@ -102,11 +122,13 @@ std::optional<Failure> failure_of(const Calibration& calibration) {
       message += (&c == &s.contradictions.front() ? ": " : " ") + in_words(c);
       if (advice.find(c.remedy) == std::string::npos) advice += (advice.empty() ? "" : "; ") + c.remedy;
     }
-    if (calibration.deployment && !calibration.accepted) advice += "; --accept exports it all the same, marked";
+    if (calibration.deployment && !calibration.accepted)
+      advice += "; --accept exports it all the same, marked";
     return Failure{"contradicted", "contradicted", kGateFailed, message, advice};
   }
   if (calibration.deployment) return std::nullopt;
-  return Failure{"not_converged", "not_converged", kNotConverged, s.message.empty() ? "the adjustment did not converge" : s.message,
+  return Failure{"not_converged", "not_converged", kNotConverged,
+                 s.message.empty() ? "the adjustment did not converge" : s.message,
                  "are the units, the beacon ids and the approximate positions right?"};
 }
 
@@ -126,7 +148,8 @@ namespace {
 int run(const CalibrateArgs& words, Session& session) {
   const int files_on_stdout = (words.output == "-") + on_stdout(words.report);
   if (files_on_stdout + session.options.json > 1)
-    return session.fail({"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
+    return session.fail(
+        {"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
   if (files_on_stdout > 0) session.result_to_stderr();
   CommandFiles files{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
   files.inputs.insert(files.inputs.end(), {words.site, words.report.since});
@@ -137,7 +160,8 @@ int run(const CalibrateArgs& words, Session& session) {
 
   auto calibration = calibrate_files(words.site, words.runs, words.options, session);
   if (!calibration) return session.fail(calibration.error());
-  if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
+  if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
+    return session.interrupted();
   Json object = calibration_json(*calibration, session);
   const auto failure = failure_of(*calibration);
   if (session.job != nullptr && !session.job->is_first())  // the first rank writes
@@ -147,13 +171,15 @@ int run(const CalibrateArgs& words, Session& session) {
   if (!input) return session.fail(input.error());
   object["verdict"] = verdict_json(*input);
   add_changes_json(*input, object);
-  if (auto written = write_calibration(words.output, words.report, *calibration, *input); !written) return session.fail(written.error());
+  if (auto written = write_calibration(words.output, words.report, *calibration, *input); !written)
+    return session.fail(written.error());
   if (!calibration->deployment) {
     session.result(report_lines(words.report));
     return session.fail(*failure, object);
   }
   session.result(calibration_text(*calibration) + changes_text(*input) + "\n" + verdict_text(*input));
-  if (calibration->exported() && words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
+  if (calibration->exported() && words.output != "-")
+    session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
   session.result(report_lines(words.report));
   return failure ? session.fail(*failure, object) : session.finish(object);
 }
@@ -162,17 +188,30 @@ int run(const CalibrateArgs& words, Session& session) {
 
 void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<CalibrateArgs>();
-  CLI::App* command = add_command(app, common, "calibrate", "Find beacons, delays, speed and receivers from recordings",
-                                  "octant calibrate hall/site.yaml hall/run -o hall/deployment.json --report hall/report.html");
-  command->add_option("site", words->site, "Site file: what is known beforehand")->required()->type_name("SITE.yaml");
+  CLI::App* command = add_command(
+      app, common, "calibrate", "Find beacons, delays, speed and receivers from recordings",
+      "octant calibrate hall/site.yaml hall/run -o hall/deployment.json --report hall/report.html");
+  command->add_option("site", words->site, "Site file: what is known beforehand")
+      ->required()
+      ->type_name("SITE.yaml");
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
-  command->add_option("-o,--output", words->output, "Deployment file to write; - is standard output")->required()->type_name("DEPLOYMENT.json");
+  command->add_option("-o,--output", words->output, "Deployment file to write; - is standard output")
+      ->required()
+      ->type_name("DEPLOYMENT.json");
   add_report_options(*command, words->report, true);
   command->add_flag("--strict", words->options.strict, "A single undetermined beacon is exit 5");
-  command->add_flag("--accept", words->options.accept, "Write the deployment, marked, although the data contradict what the site file states (exit 6 all the same)");
-  command->add_option("--memory-mb", words->options.memory_mb, "Bound of the memory: recordings of stops that would take more are read in chunks, several times")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))->type_name("N")->capture_default_str();
-  command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  command->add_flag("--accept", words->options.accept,
+                    "Write the deployment, marked, although the data contradict what the site file states "
+                    "(exit 6 all the same)");
+  command
+      ->add_option(
+          "--memory-mb", words->options.memory_mb,
+          "Bound of the memory: recordings of stops that would take more are read in chunks, several times")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))
+      ->type_name("N")
+      ->capture_default_str();
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 
 }  // namespace octant::app

@@ -41,7 +41,8 @@ Logs examine(const Site& site, const std::vector<MeasurementLog>& runs) {
     logs.findings.insert(logs.findings.end(), found.begin(), found.end());
     std::error_code ignored;
     const std::filesystem::path folder(run.path);
-    logs.has_truth.push_back(std::filesystem::exists(folder / "truth.tum", ignored) || std::filesystem::exists(folder / "truth.csv", ignored));
+    logs.has_truth.push_back(std::filesystem::exists(folder / "truth.tum", ignored) ||
+                             std::filesystem::exists(folder / "truth.csv", ignored));
   }
   for (auto& f : calib::silent_links(site, logs.runs)) logs.findings.push_back(std::move(f));
   return logs;
@@ -49,11 +50,17 @@ Logs examine(const Site& site, const std::vector<MeasurementLog>& runs) {
 
 Json links_json(const std::vector<calib::LinkHealth>& links) {
   Json list = Json::array();
-  for (const auto& l : links) list.push_back({{"id", l.name}, {"arrivals", l.arrivals}, {"rate_hz", l.rate_hz}, {"longest_silence_s", l.longest_silence_s}});
+  for (const auto& l : links)
+    list.push_back({{"id", l.name},
+                    {"arrivals", l.arrivals},
+                    {"rate_hz", l.rate_hz},
+                    {"longest_silence_s", l.longest_silence_s}});
   return list;
 }
 
-Json coverage_json(const calib::Coverage& c) { return {{"rows", c.rows}, {"arrivals_covered", c.share}, {"longest_gap_s", c.longest_gap_s}}; }
+Json coverage_json(const calib::Coverage& c) {
+  return {{"rows", c.rows}, {"arrivals_covered", c.share}, {"longest_gap_s", c.longest_gap_s}};
+}
 
 Json run_json(const calib::RunHealth& h, bool has_truth) {
   Json gaps = Json::array(), steps = Json::array();
@@ -83,7 +90,8 @@ Json run_json(const calib::RunHealth& h, bool has_truth) {
 
 Json health_json(const Logs& logs) {
   Json runs = Json::array(), findings = Json::array();
-  for (std::size_t i = 0; i < logs.runs.size(); ++i) runs.push_back(run_json(logs.runs[i], logs.has_truth[i]));
+  for (std::size_t i = 0; i < logs.runs.size(); ++i)
+    runs.push_back(run_json(logs.runs[i], logs.has_truth[i]));
   for (const auto& f : logs.findings) findings.push_back({{"kind", f.kind}, {"text", f.text}});
   return {{"runs", runs}, {"findings", findings}};
 }
@@ -92,7 +100,11 @@ Json forecast_verdict_json(const calib::Forecast& f) {
   const calib::Solution& s = f.solution;
   Json weak = Json::array();
   for (const auto& w : s.weak)
-    weak.push_back({{"description", w.description}, {"parameters", w.parameters}, {"sigma_m", w.sigma_m}, {"consequence_m", w.consequence_m}, {"remedy", w.remedy},
+    weak.push_back({{"description", w.description},
+                    {"parameters", w.parameters},
+                    {"sigma_m", w.sigma_m},
+                    {"consequence_m", w.consequence_m},
+                    {"remedy", w.remedy},
                     {"blocking", w.blocking}});
   return {{"status", calib::to_string(s.status)},
           {"forecast", true},
@@ -111,39 +123,60 @@ Json forecast_verdict_json(const calib::Forecast& f) {
 Json beacons_json(const calib::Forecast& f) {
   Json list = Json::array();
   for (const auto& b : f.beacons)
-    list.push_back({{"id", b.name}, {"status", to_string(b.status)}, {"arrivals", b.arrivals},
-                    {"position_m", b.position_m ? to_json(*b.position_m) : Json(nullptr)}, {"sigma_m", b.sigma_m ? to_json(*b.sigma_m) : Json(nullptr)},
+    list.push_back({{"id", b.name},
+                    {"status", to_string(b.status)},
+                    {"arrivals", b.arrivals},
+                    {"position_m", b.position_m ? to_json(*b.position_m) : Json(nullptr)},
+                    {"sigma_m", b.sigma_m ? to_json(*b.sigma_m) : Json(nullptr)},
                     {"delay_sigma_s", b.delay_sigma_s}});
   return list;
 }
 
-void add_line(std::string& text, const char* name, const std::string& what) { text += fmt::format("{:<17}{}\n", name, what); }
+void add_line(std::string& text, const char* name, const std::string& what) {
+  text += fmt::format("{:<17}{}\n", name, what);
+}
 
 std::string coverage_words(const calib::Coverage& c) {
-  return c.rows == 0 ? "none" : fmt::format("{} rows, with {:.0f} % of the arrivals, longest gap {:.3g} s", c.rows, 100 * c.share, c.longest_gap_s);
+  return c.rows == 0 ? "none"
+                     : fmt::format("{} rows, with {:.0f} % of the arrivals, longest gap {:.3g} s", c.rows,
+                                   100 * c.share, c.longest_gap_s);
 }
 
 std::string health_text(const calib::RunHealth& h, bool has_truth) {
-  std::string text = fmt::format("{}: {:.4g} s, {} rows, {} arrivals at {} instants{}\n", h.path, h.duration_s, h.rows, h.arrivals, h.instants,
-                                 h.bearings > 0 ? fmt::format(", {} bearings", h.bearings) : "");
+  std::string text =
+      fmt::format("{}: {:.4g} s, {} rows, {} arrivals at {} instants{}\n", h.path, h.duration_s, h.rows,
+                  h.arrivals, h.instants, h.bearings > 0 ? fmt::format(", {} bearings", h.bearings) : "");
   for (const auto* links : {&h.beacons, &h.receivers}) {
     if (links == &h.receivers && links->size() < 2) continue;
-    Table table{"lrrr", {{links == &h.beacons ? "beacon" : "receiver", "arrivals", "rate [Hz]", "longest silence [s]"}}};
+    Table table{
+        "lrrr",
+        {{links == &h.beacons ? "beacon" : "receiver", "arrivals", "rate [Hz]", "longest silence [s]"}}};
     for (const auto& l : *links)
-      table.rows.push_back(l.arrivals == 0 ? std::vector<std::string>{l.name, "0", "-", "-"}
-                                           : std::vector<std::string>{l.name, fmt::format("{}", l.arrivals), fmt::format("{:.3g}", l.rate_hz), fmt::format("{:.1f}", l.longest_silence_s)});
+      table.rows.push_back(l.arrivals == 0
+                               ? std::vector<std::string>{l.name, "0", "-", "-"}
+                               : std::vector<std::string>{l.name, fmt::format("{}", l.arrivals),
+                                                          fmt::format("{:.3g}", l.rate_hz),
+                                                          fmt::format("{:.1f}", l.longest_silence_s)});
     text += "\n" + table.text();
   }
   std::string rejected;
-  for (const auto& [reason, count] : h.rejected) rejected += fmt::format("{}{} {}", rejected.empty() ? "" : ", ", count, reason);
+  for (const auto& [reason, count] : h.rejected)
+    rejected += fmt::format("{}{} {}", rejected.empty() ? "" : ", ", count, reason);
   text += "\n";
   add_line(text, "rejected rows", rejected.empty() ? "none" : rejected);
   add_line(text, "duplicate rows", fmt::format("{}", h.duplicates));
-  add_line(text, "pauses", h.gaps.empty() ? "none" : fmt::format("{}, the longest {:.3g} s", h.gaps.size(), h.gaps[0].to_s - h.gaps[0].from_s));
-  add_line(text, "clock jumps", h.clock_steps.empty() ? "none seen" : fmt::format("{}", h.clock_steps.size()));
+  add_line(text, "pauses",
+           h.gaps.empty()
+               ? "none"
+               : fmt::format("{}, the longest {:.3g} s", h.gaps.size(), h.gaps[0].to_s - h.gaps[0].from_s));
+  add_line(text, "clock jumps",
+           h.clock_steps.empty() ? "none seen" : fmt::format("{}", h.clock_steps.size()));
   add_line(text, "median range", length_text(h.median_range_m));
   if (h.resolution_s > 0) add_line(text, "resolution", time_text(h.resolution_s));
-  add_line(text, "temperature", h.temperature_share > 0 ? fmt::format("with {:.0f} % of the arrivals", 100 * h.temperature_share) : h.temperature_of_run ? "of the run" : "of the site only");
+  add_line(text, "temperature",
+           h.temperature_share > 0 ? fmt::format("with {:.0f} % of the arrivals", 100 * h.temperature_share)
+           : h.temperature_of_run  ? "of the run"
+                                   : "of the site only");
   add_line(text, "odometry", coverage_words(h.odometry));
   add_line(text, "measured poses", coverage_words(h.poses));
   add_line(text, "truth.tum", has_truth ? "present (not opened)" : "none");
@@ -161,14 +194,18 @@ std::string state_in_words(const calib::BeaconForecast& b) {
 std::string check_beacon_table(const calib::Forecast& f) {
   double largest_m = 0.0, largest_delay_s = 0.0;
   for (const auto& b : f.beacons) {
-    if (b.sigma_m && b.status != BeaconStatus::kUndetermined) largest_m = std::max(largest_m, b.sigma_m->maxCoeff());
+    if (b.sigma_m && b.status != BeaconStatus::kUndetermined)
+      largest_m = std::max(largest_m, b.sigma_m->maxCoeff());
     largest_delay_s = std::max(largest_delay_s, b.delay_sigma_s);
   }
   const Unit length = length_unit(largest_m), time = time_unit(largest_delay_s);
-  Table table{"lrrrrrl", {{"beacon", "arrivals", fmt::format("sx [{}]", length.name), "sy", "sz", largest_delay_s > 0 ? fmt::format("s delay [{}]", time.name) : "", ""}}};
+  Table table{"lrrrrrl",
+              {{"beacon", "arrivals", fmt::format("sx [{}]", length.name), "sy", "sz",
+                largest_delay_s > 0 ? fmt::format("s delay [{}]", time.name) : "", ""}}};
   for (const auto& b : f.beacons) {
     std::vector<std::string> row = {b.name, fmt::format("{}", b.arrivals)};
-    for (int i = 0; i < 3; ++i) row.push_back(b.sigma_m ? fmt::format("{:.2f}", length.per_si * (*b.sigma_m)[i]) : "-");
+    for (int i = 0; i < 3; ++i)
+      row.push_back(b.sigma_m ? fmt::format("{:.2f}", length.per_si * (*b.sigma_m)[i]) : "-");
     row.push_back(largest_delay_s > 0 ? fmt::format("{:.3f}", time.per_si * b.delay_sigma_s) : "");
     row.push_back(state_in_words(b));
     table.rows.push_back(std::move(row));
@@ -178,23 +215,34 @@ std::string check_beacon_table(const calib::Forecast& f) {
 
 std::string forecast_verdict_text(const calib::Forecast& f, const std::string& site) {
   const calib::Solution& s = f.solution;
-  const std::string from = f.is_thinned() ? fmt::format("a quick adjustment of {} of the {} arrivals, scaled to all of them", f.arrivals_used, f.arrivals)
-                                          : fmt::format("an adjustment of all {} arrivals", f.arrivals);
-  std::string text = fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})\n\n", site, from);
+  const std::string from =
+      f.is_thinned() ? fmt::format("a quick adjustment of {} of the {} arrivals, scaled to all of them",
+                                   f.arrivals_used, f.arrivals)
+                     : fmt::format("an adjustment of all {} arrivals", f.arrivals);
+  std::string text =
+      fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})\n\n", site, from);
   if (!s.beacon_status.empty()) {
     text += check_beacon_table(f) + "\n";
-    if (f.speed_sigma_mps) add_line(text, "speed", fmt::format("{:.2f} m/s, predicted sigma {:.2g} m/s", f.speed_mps, *f.speed_sigma_mps));
+    if (f.speed_sigma_mps)
+      add_line(text, "speed",
+               fmt::format("{:.2f} m/s, predicted sigma {:.2g} m/s", f.speed_mps, *f.speed_sigma_mps));
     add_line(text, "datum", s.datum.description);
   }
   for (const auto& w : s.weak) {
-    const std::string at_robot = w.consequence_m > 0 && std::isfinite(w.consequence_m) ? fmt::format(": up to {} at the robot", length_text(w.consequence_m)) : "";
-    add_line(text, w.blocking ? "undetermined" : "weak", fmt::format("{}{}; settled by: {}", w.description, at_robot, w.remedy));
+    const std::string at_robot = w.consequence_m > 0 && std::isfinite(w.consequence_m)
+                                     ? fmt::format(": up to {} at the robot", length_text(w.consequence_m))
+                                     : "";
+    add_line(text, w.blocking ? "undetermined" : "weak",
+             fmt::format("{}{}; settled by: {}", w.description, at_robot, w.remedy));
   }
-  const char* verdict = s.status == calib::SolveStatus::kConverged      ? "these data can determine what the site asks for"
-                        : s.status == calib::SolveStatus::kUndetermined ? "these data cannot determine what the site asks for: calibrate would refuse"
-                                                                        : "the adjustment did not converge: calibrate may not either";
+  const char* verdict = s.status == calib::SolveStatus::kConverged
+                            ? "these data can determine what the site asks for"
+                        : s.status == calib::SolveStatus::kUndetermined
+                            ? "these data cannot determine what the site asks for: calibrate would refuse"
+                            : "the adjustment did not converge: calibrate may not either";
   const bool some = s.status == calib::SolveStatus::kConverged && !s.undetermined.empty();
-  add_line(text, "verdict", some ? "these data can determine the rest, but not what is listed as weak" : verdict);
+  add_line(text, "verdict",
+           some ? "these data can determine the rest, but not what is listed as weak" : verdict);
   return text;
 }
 
@@ -215,7 +263,8 @@ calib::Forecast forecast(const calib::Problem& problem, const CheckArgs& words, 
 /// What the quick adjustment shows: contradictions, or what is suspicious where there are none.
 std::vector<calib::Finding> findings_of(const calib::Forecast& f, Logs& logs) {
   std::vector<calib::Finding> findings;
-  for (const Contradiction& c : f.solution.contradictions) findings.push_back({to_string(c.kind), in_words(c) + " " + c.remedy});
+  for (const Contradiction& c : f.solution.contradictions)
+    findings.push_back({to_string(c.kind), in_words(c) + " " + c.remedy});
   return findings.empty() ? calib::suspicions(f, logs.runs) : findings;
 }
 
@@ -223,10 +272,15 @@ std::vector<calib::Finding> findings_of(const calib::Forecast& f, Logs& logs) {
 int refuse(const Error& error, const Logs& logs, Session& session) {
   const auto text = [](const std::string& s) { return s.empty() ? Json(nullptr) : Json(s); };
   Json object = {{"health", health_json(logs)}, {"verdict", nullptr}, {"beacons", Json::array()}};
-  object["error"] = {{"code", "bad_input"},        {"exit", static_cast<int>(kBadInput)}, {"message", error.message()},
-                     {"file", text(error.file)},   {"line", error.line > 0 ? Json(error.line) : Json(nullptr)},
-                     {"column", nullptr},          {"found", text(error.found)},
-                     {"expected", text(error.expected)}, {"advice", text(error.advice)}};
+  object["error"] = {{"code", "bad_input"},
+                     {"exit", static_cast<int>(kBadInput)},
+                     {"message", error.message()},
+                     {"file", text(error.file)},
+                     {"line", error.line > 0 ? Json(error.line) : Json(nullptr)},
+                     {"column", nullptr},
+                     {"found", text(error.found)},
+                     {"expected", text(error.expected)},
+                     {"advice", text(error.advice)}};
   return session.fail({"error", "bad_input", kBadInput, error.message(), ""}, object);
 }
 
@@ -238,14 +292,16 @@ int run(const CheckArgs& words, Session& session) {
   auto site = io::read_site(words.site);
   if (!site) return session.fail(site.error());
   session.warn(site->warnings);
-  auto runs = read_runs(words.runs, names_of(*site), site->timing, {.constant_speed_mps = constant_speed_mps(site->medium)}, session);
+  auto runs = read_runs(words.runs, names_of(*site), site->timing,
+                        {.constant_speed_mps = constant_speed_mps(site->medium)}, session);
   if (!runs) return session.fail(runs.error());
   Logs logs = examine(*site, *runs);
   warn_of(logs.findings, session);
   const std::string name = site->name;
   auto problem = calib::make_problem(std::move(*site), std::move(*runs), session.threads());
   if (!problem) {
-    for (std::size_t i = 0; i < logs.runs.size(); ++i) session.result(health_text(logs.runs[i], logs.has_truth[i]));
+    for (std::size_t i = 0; i < logs.runs.size(); ++i)
+      session.result(health_text(logs.runs[i], logs.has_truth[i]));
     return refuse(problem.error(), logs, session);
   }
   const calib::Forecast f = forecast(*problem, words, session);
@@ -255,12 +311,19 @@ int run(const CheckArgs& words, Session& session) {
   logs.findings.insert(logs.findings.end(), suspected.begin(), suspected.end());
   session.warn(f.solution.warnings);
 
-  for (std::size_t i = 0; i < logs.runs.size(); ++i) session.result(health_text(logs.runs[i], logs.has_truth[i]));
+  for (std::size_t i = 0; i < logs.runs.size(); ++i)
+    session.result(health_text(logs.runs[i], logs.has_truth[i]));
   session.result(forecast_verdict_text(f, name));
-  const Json object = {{"health", health_json(logs)}, {"verdict", forecast_verdict_json(f)}, {"beacons", beacons_json(f)}, {"seconds", session.seconds()}};
-  if (f.solution.status == calib::SolveStatus::kUndetermined) return session.fail({"undetermined", "undetermined", kUndetermined, f.solution.message, ""}, object);
+  const Json object = {{"health", health_json(logs)},
+                       {"verdict", forecast_verdict_json(f)},
+                       {"beacons", beacons_json(f)},
+                       {"seconds", session.seconds()}};
+  if (f.solution.status == calib::SolveStatus::kUndetermined)
+    return session.fail({"undetermined", "undetermined", kUndetermined, f.solution.message, ""}, object);
   if (f.solution.status == calib::SolveStatus::kNotConverged)
-    return session.fail({"not_converged", "not_converged", kNotConverged, f.solution.message, "are the units, the beacon ids and the approximate positions right?"}, object);
+    return session.fail({"not_converged", "not_converged", kNotConverged, f.solution.message,
+                         "are the units, the beacon ids and the approximate positions right?"},
+                        object);
   return session.finish(object);
 }
 
@@ -268,12 +331,17 @@ int run(const CheckArgs& words, Session& session) {
 
 void add_check(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<CheckArgs>();
-  CLI::App* command = add_command(app, common, "check", "Tell what recordings are worth: their health, and what they can and cannot determine",
-                                  "octant check hall/site.yaml hall/run");
-  command->add_option("site", words->site, "Site file: what is known beforehand")->required()->type_name("SITE.yaml");
+  CLI::App* command =
+      add_command(app, common, "check",
+                  "Tell what recordings are worth: their health, and what they can and cannot determine",
+                  "octant check hall/site.yaml hall/run");
+  command->add_option("site", words->site, "Site file: what is known beforehand")
+      ->required()
+      ->type_name("SITE.yaml");
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
   command->add_flag("--strict", words->strict, "A single undetermined beacon is exit 5");
-  command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 
 }  // namespace octant::app

@@ -27,7 +27,8 @@ Result<MeasurementLog> from_counters(const ConvertArgs& words, const NameTable& 
   MeasurementLog log;
   log.arrivals = arrivals_of_counters(*readings, words.spread_s, words.clock_hz);
   log.has_epochs = !log.arrivals.empty() && log.arrivals.front().epoch != kNoEpoch;
-  std::stable_sort(log.arrivals.begin(), log.arrivals.end(), [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
+  std::stable_sort(log.arrivals.begin(), log.arrivals.end(),
+                   [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
   return log;
 }
 
@@ -44,10 +45,15 @@ Result<MeasurementLog> from_pulses(const ConvertArgs& words, const NameTable& na
     for (const Arrival& a : sync.push(pulse))
       if (a.receiver.index() < names.receivers.size()) log.arrivals.push_back(a);
   if (log.arrivals.empty())
-    return fail({.code = Errc::kBadInput, .file = words.input, .found = "no double pulse in the stream that could be beacon 0's",
-                 .expected = fmt::format("two pulses of {} s, {} s apart, every {} s", words.schedule.pulse_s, words.schedule.double_s, cycle_s(options.schedule)),
-                 .advice = "check --pulse-s, --double-s and --fire-s, and that the site file lists the beacons in the order in which they fire"});
-  std::stable_sort(log.arrivals.begin(), log.arrivals.end(), [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
+    return fail({.code = Errc::kBadInput,
+                 .file = words.input,
+                 .found = "no double pulse in the stream that could be beacon 0's",
+                 .expected = fmt::format("two pulses of {} s, {} s apart, every {} s", words.schedule.pulse_s,
+                                         words.schedule.double_s, cycle_s(options.schedule)),
+                 .advice = "check --pulse-s, --double-s and --fire-s, and that the site file lists the "
+                           "beacons in the order in which they fire"});
+  std::stable_sort(log.arrivals.begin(), log.arrivals.end(),
+                   [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
   return log;
 }
 
@@ -60,8 +66,11 @@ std::string format_of(const ConvertArgs& words) {
 int run(const ConvertArgs& words, Session& session) {
   const std::string format = format_of(words);
   if (format != "carmen" && words.site.empty())
-    return session.fail({"error", "usage", kUsage, fmt::format("--format {} needs --site", format), "the site file names beacons and receivers"});
-  if (auto fit = check_no_overwriting({.inputs = {words.input, words.site}, .outputs = {}, .run_outputs = {words.output}}); !fit)
+    return session.fail({"error", "usage", kUsage, fmt::format("--format {} needs --site", format),
+                         "the site file names beacons and receivers"});
+  if (auto fit = check_no_overwriting(
+          {.inputs = {words.input, words.site}, .outputs = {}, .run_outputs = {words.output}});
+      !fit)
     return session.fail(fit.error());
   NameTable names;
   names.vehicles = {"robot"};
@@ -71,15 +80,25 @@ int run(const ConvertArgs& words, Session& session) {
     session.warn(site->warnings);
     names = names_of(*site);
     if (format == "pulses" && (names.beacons.size() < 3 || names.beacons.size() > 16))
-      return session.fail(Error{.code = Errc::kBadInput, .file = words.site, .found = fmt::format("{} beacons", names.beacons.size()), .expected = "3 to 16, in the order in which they fire"});
+      return session.fail(Error{.code = Errc::kBadInput,
+                                .file = words.site,
+                                .found = fmt::format("{} beacons", names.beacons.size()),
+                                .expected = "3 to 16, in the order in which they fire"});
   }
-  auto log = format == "carmen" ? io::read_carmen_log(words.input) : format == "counters" ? from_counters(words, names) : from_pulses(words, names);
+  auto log = format == "carmen"     ? io::read_carmen_log(words.input)
+             : format == "counters" ? from_counters(words, names)
+                                    : from_pulses(words, names);
   if (!log) return session.fail(log.error());
   session.warn(log->warnings);
   log->vehicle = VehicleId(0);
   if (auto written = io::write_run(words.output, *log, names); !written) return session.fail(written.error());
-  session.result(fmt::format("{:<17}{}: {} arrivals, {} scans, {} odometry rows\n", "run", words.output, log->arrivals.size(), log->scans.size(), log->odometry.size()));
-  return session.finish({{"format", format}, {"run", words.output}, {"arrivals", log->arrivals.size()}, {"scans", log->scans.size()}, {"odometry", log->odometry.size()}});
+  session.result(fmt::format("{:<17}{}: {} arrivals, {} scans, {} odometry rows\n", "run", words.output,
+                             log->arrivals.size(), log->scans.size(), log->odometry.size()));
+  return session.finish({{"format", format},
+                         {"run", words.output},
+                         {"arrivals", log->arrivals.size()},
+                         {"scans", log->scans.size()},
+                         {"odometry", log->odometry.size()}});
 }
 
 }  // namespace
@@ -87,19 +106,43 @@ int run(const ConvertArgs& words, Session& session) {
 void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<ConvertArgs>();
   words->format = "auto";
-  CLI::App* command = add_command(app, common, "convert", "Make a run folder of another program's or device's log", "octant convert intel.clf -o intel");
-  command->add_option("input", words->input, "CARMEN log; counter log (time_s, beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)")
-      ->required()->type_name("INPUT");
+  CLI::App* command =
+      add_command(app, common, "convert", "Make a run folder of another program's or device's log",
+                  "octant convert intel.clf -o intel");
+  command
+      ->add_option("input", words->input,
+                   "CARMEN log; counter log (time_s, beacon, counts; epoch, receiver); pulse log (time_s, "
+                   "channel, duration_s, amplitude_v)")
+      ->required()
+      ->type_name("INPUT");
   command->add_option("-o,--output", words->output, "Run folder to write")->required()->type_name("RUN");
-  command->add_option("--format", words->format, "auto, carmen, counters or pulses; auto: counters where --site is given, else carmen")
-      ->check(CLI::IsMember({"auto", "carmen", "counters", "pulses"}))->type_name("FORMAT");
-  command->add_option("--site", words->site, "Site file that names beacons and receivers (counters, pulses)")->type_name("SITE.yaml");
-  command->add_option("--clock-hz", words->clock_hz, "Clock of the counter [Hz]")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_option("--spread-s", words->spread_s, "Readings of one beacon agree within this; others are left out [s]")->check(CLI::NonNegativeNumber)->capture_default_str();
-  command->add_option("--fire-s", words->schedule.fire_s, "Between the firings of successive beacons [s]")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_option("--pulse-s", words->schedule.pulse_s, "Length of a pulse [s]")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_option("--double-s", words->schedule.double_s, "Between the starts of beacon 0's two pulses [s]")->check(CLI::PositiveNumber)->capture_default_str();
-  command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  command
+      ->add_option("--format", words->format,
+                   "auto, carmen, counters or pulses; auto: counters where --site is given, else carmen")
+      ->check(CLI::IsMember({"auto", "carmen", "counters", "pulses"}))
+      ->type_name("FORMAT");
+  command->add_option("--site", words->site, "Site file that names beacons and receivers (counters, pulses)")
+      ->type_name("SITE.yaml");
+  command->add_option("--clock-hz", words->clock_hz, "Clock of the counter [Hz]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--spread-s", words->spread_s,
+                   "Readings of one beacon agree within this; others are left out [s]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--fire-s", words->schedule.fire_s, "Between the firings of successive beacons [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--pulse-s", words->schedule.pulse_s, "Length of a pulse [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--double-s", words->schedule.double_s, "Between the starts of beacon 0's two pulses [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 
 }  // namespace octant::app

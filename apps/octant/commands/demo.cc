@@ -10,10 +10,10 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/steps/reporting.h"
 #include "apps/octant/text/table.h"
-#include "io/text/atomic_file.h"
 #include "io/deployment/deployment_json.h"
-#include "io/site/scenario_yaml.h"
 #include "io/run/tum.h"
+#include "io/site/scenario_yaml.h"
+#include "io/text/atomic_file.h"
 
 namespace octant::app {
 namespace {
@@ -25,9 +25,12 @@ constexpr double kBeaconLimit_m = 0.010, kFixLimit_m = 0.010;
 struct Places {
   explicit Places(std::string f) : folder(std::move(f)) {}
   std::string folder;
-  [[nodiscard]] std::string in(const char* name) const { return (std::filesystem::path(folder) / name).string(); }
-  std::string site = in("site.yaml"), run = in("run"), heldout = in("heldout"), deployment = in("deployment.json"), fixes = in("fixes.tum"),
-              csv = in("fixes.csv"), plan = in("plan.svg"), report = in("report.html");
+  [[nodiscard]] std::string in(const char* name) const {
+    return (std::filesystem::path(folder) / name).string();
+  }
+  std::string site = in("site.yaml"), run = in("run"), heldout = in("heldout"),
+              deployment = in("deployment.json"), fixes = in("fixes.tum"), csv = in("fixes.csv"),
+              plan = in("plan.svg"), report = in("report.html");
 };
 
 Result<Deployment> simulate_hall(const Places& at, Session& session) {
@@ -41,13 +44,15 @@ Result<Deployment> simulate_hall(const Places& at, Session& session) {
   world->truth.created = created_now();
   world->truth.program_version = OCTANT_VERSION;
   world->truth.program_command = session.command_line;
-  if (auto written = write_world(at.folder, *world, io::bundled_scenario(), {"deployment.json", "fixes.tum", "fixes.csv", "plan.svg", "report.html"});
+  if (auto written = write_world(at.folder, *world, io::bundled_scenario(),
+                                 {"deployment.json", "fixes.tum", "fixes.csv", "plan.svg", "report.html"});
       !written) {
     return fail(written.error());
   }
-  session.result(fmt::format("$ octant simulate {} --seed {} -o {}\n{} beacons, {} arrivals to calibrate with, {} held out\n\n",
-                             at.in("scenario.yaml"), session.options.seed, at.folder, world->site.beacons.size(), world->run.arrivals.size(),
-                             world->heldout.arrivals.size()));
+  session.result(fmt::format(
+      "$ octant simulate {} --seed {} -o {}\n{} beacons, {} arrivals to calibrate with, {} held out\n\n",
+      at.in("scenario.yaml"), session.options.seed, at.folder, world->site.beacons.size(),
+      world->run.arrivals.size(), world->heldout.arrivals.size()));
   return world->truth;
 }
 
@@ -60,43 +65,54 @@ Result<Checked> localize_and_verify(const Places& at, Session& session) {
   // From the file, as a robot would.
   const auto deployment = io::read_deployment(at.deployment);
   if (!deployment) return fail(deployment.error());
-  const auto runs = read_runs({at.heldout}, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = false, .constant_speed_mps = constant_speed_mps(deployment->medium)}, session);
+  const auto runs = read_runs(
+      {at.heldout}, names_of(*deployment), deployment->timing,
+      {.read_truth = true, .read_poses = false, .constant_speed_mps = constant_speed_mps(deployment->medium)},
+      session);
   if (!runs) return fail(runs.error());
   const auto located = localize_runs(*deployment, *runs, Method::kAuto);
   if (!located) return fail(located.error());
   Checked checked{{}, *located};
   const Localization& found = checked.found;
   const std::vector<Fix> fixes = found.all();
-  if (auto written = io::write_file(at.fixes, io::fixes_to_tum(fixes)); !written) return fail(written.error());
-  if (auto written = io::write_file(at.csv, io::fixes_to_csv(fixes, names_of(*deployment))); !written) return fail(written.error());
-  session.result(fmt::format("$ octant localize {} {} -o {} --csv {}\n{} fixes, {} times no fix\n\n", at.deployment, at.heldout, at.fixes, at.csv,
-                             found.ok, found.no_fix));
+  if (auto written = io::write_file(at.fixes, io::fixes_to_tum(fixes)); !written)
+    return fail(written.error());
+  if (auto written = io::write_file(at.csv, io::fixes_to_csv(fixes, names_of(*deployment))); !written)
+    return fail(written.error());
+  session.result(fmt::format("$ octant localize {} {} -o {} --csv {}\n{} fixes, {} times no fix\n\n",
+                             at.deployment, at.heldout, at.fixes, at.csv, found.ok, found.no_fix));
   const auto evaluation = verify_fixes(*deployment, *runs, found);
   if (!evaluation) return fail(evaluation.error());
   checked.evaluation = *evaluation;
-  session.result(fmt::format("$ octant verify {} {}\n{}\n", at.deployment, at.heldout, evaluation_text(*evaluation, found)));
+  session.result(fmt::format("$ octant verify {} {}\n{}\n", at.deployment, at.heldout,
+                             evaluation_text(*evaluation, found)));
   return checked;
 }
 
 /// The demo's own gates: against the simulated truth, which no real site has.
-std::vector<survey::Gate> gates_of(const Deployment& found, const Deployment& truth, const survey::Evaluation& evaluation) {
+std::vector<survey::Gate> gates_of(const Deployment& found, const Deployment& truth,
+                                   const survey::Evaluation& evaluation) {
   double worst_m = 0.0;
   const auto errors = survey::beacon_errors(found, truth);
   for (const auto& beacon : errors) worst_m = std::max(worst_m, beacon.error_m);
   return {{"largest beacon error", kBeaconLimit_m, worst_m, !errors.empty() && worst_m <= kBeaconLimit_m},
-          {"fix RMSE", kFixLimit_m, evaluation.position_rmse_m, evaluation.matched > 0 && evaluation.position_rmse_m <= kFixLimit_m}};
+          {"fix RMSE", kFixLimit_m, evaluation.position_rmse_m,
+           evaluation.matched > 0 && evaluation.position_rmse_m <= kFixLimit_m}};
 }
 
 int close(const Places& at, const std::vector<survey::Gate>& gates, Session& session) {
   std::string text = "Against the simulated truth:\n", broken;
   Json list = Json::array();
   for (const auto& gate : gates) {
-    text += fmt::format("  {:<22}{:7.2f} mm   limit {:.0f} mm   {}\n", gate.name, 1e3 * gate.value, 1e3 * gate.limit, gate.pass ? "kept" : "NOT KEPT");
+    text += fmt::format("  {:<22}{:7.2f} mm   limit {:.0f} mm   {}\n", gate.name, 1e3 * gate.value,
+                        1e3 * gate.limit, gate.pass ? "kept" : "NOT KEPT");
     list.push_back({{"name", gate.name}, {"limit", gate.limit}, {"value", gate.value}, {"pass", gate.pass}});
-    if (!gate.pass) broken += (broken.empty() ? "" : "; ") + fmt::format("{} is {:.2f} mm", gate.name, 1e3 * gate.value);
+    if (!gate.pass)
+      broken += (broken.empty() ? "" : "; ") + fmt::format("{} is {:.2f} mm", gate.name, 1e3 * gate.value);
   }
   text += "\nOutputs:\n";
-  const std::vector<std::string> outputs = {at.site, at.run, at.heldout, at.fixes, at.csv, at.plan, at.report, at.deployment};
+  const std::vector<std::string> outputs = {at.site, at.run,  at.heldout, at.fixes,
+                                            at.csv,  at.plan, at.report,  at.deployment};
   for (const auto& path : outputs) text += "  " + path + "\n";
   session.result(text);
   Json object = {{"gates", list}, {"outputs", outputs}, {"seed", session.options.seed}};
@@ -111,10 +127,13 @@ int run(const std::string& folder, Session& session) {
 
   const auto calibration = calibrate_files(at.site, {at.run}, {}, session);
   if (!calibration) return session.fail(calibration.error());
-  if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
+  if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
+    return session.interrupted();
   if (const auto failure = failure_of(*calibration)) return session.fail(*failure);
-  if (auto written = io::write_deployment(at.deployment, *calibration->deployment); !written) return session.fail(written.error());
-  session.result(fmt::format("$ octant calibrate {} {} -o {} --report {}\n{}\n", at.site, at.run, at.deployment, at.report, calibration_text(*calibration)));
+  if (auto written = io::write_deployment(at.deployment, *calibration->deployment); !written)
+    return session.fail(written.error());
+  session.result(fmt::format("$ octant calibrate {} {} -o {} --report {}\n{}\n", at.site, at.run,
+                             at.deployment, at.report, calibration_text(*calibration)));
 
   const auto checked = localize_and_verify(at, session);
   if (!checked) return session.fail(checked.error());
@@ -122,8 +141,10 @@ int run(const std::string& folder, Session& session) {
   survey::ReportInput report = report_input(*calibration, session);
   add_verification(report, checked->found, checked->evaluation);
   survey::add_geometry(report, session.threads());
-  if (auto written = io::write_file(at.plan, survey::site_plan_svg(report.plan)); !written) return session.fail(written.error());
-  if (auto written = io::write_file(at.report, survey::report_html(report)); !written) return session.fail(written.error());
+  if (auto written = io::write_file(at.plan, survey::site_plan_svg(report.plan)); !written)
+    return session.fail(written.error());
+  if (auto written = io::write_file(at.report, survey::report_html(report)); !written)
+    return session.fail(written.error());
   session.result(verdict_text(report) + "\n");
   return close(at, gates_of(*calibration->deployment, *truth, checked->evaluation), session);
 }
@@ -132,10 +153,13 @@ int run(const std::string& folder, Session& session) {
 
 void add_demo(CLI::App& app, CommonOptions& common, Action& action) {
   auto folder = std::make_shared<std::string>("octant-demo");
-  CLI::App* command = add_command(app, common, "demo", "Simulate a hall, calibrate it, localize in it, verify against truth, write a report",
-                                  "octant demo -o /tmp/hall");
+  CLI::App* command =
+      add_command(app, common, "demo",
+                  "Simulate a hall, calibrate it, localize in it, verify against truth, write a report",
+                  "octant demo -o /tmp/hall");
   command->add_option("-o,--output", *folder, "Folder to make")->capture_default_str()->type_name("DIR");
-  command->callback([folder, &action] { action = [folder](Session& session) { return run(*folder, session); }; });
+  command->callback(
+      [folder, &action] { action = [folder](Session& session) { return run(*folder, session); }; });
 }
 
 }  // namespace octant::app

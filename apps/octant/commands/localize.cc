@@ -9,9 +9,9 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/steps.h"
-#include "io/text/atomic_file.h"
 #include "io/deployment/deployment_json.h"
 #include "io/run/tum.h"
+#include "io/text/atomic_file.h"
 
 namespace octant::app {
 namespace {
@@ -23,9 +23,11 @@ struct LocalizeArgs {
 };
 
 /// Both files or none.
-Result<void> write_outputs(const LocalizeArgs& words, const Deployment& deployment, const std::vector<Fix>& fixes) {
+Result<void> write_outputs(const LocalizeArgs& words, const Deployment& deployment,
+                           const std::vector<Fix>& fixes) {
   if (!words.csv.empty()) {
-    if (auto written = io::write_file(words.csv, io::fixes_to_csv(fixes, names_of(deployment))); !written) return written;
+    if (auto written = io::write_file(words.csv, io::fixes_to_csv(fixes, names_of(deployment))); !written)
+      return written;
   }
   auto written = io::write_file(words.output, io::fixes_to_tum(fixes));
   if (!written && !words.csv.empty() && words.csv != "-") std::remove(words.csv.c_str());
@@ -36,7 +38,9 @@ void warn_of_fixes(const Localization& found, const std::vector<Fix>& fixes, Ses
   if (found.ok == 0) session.warn("there is not a single fix; is this the right deployment for the run?");
   for (std::size_t i = 1; i < fixes.size(); ++i) {
     if (fixes[i].ok() && fixes[i - 1].ok() && fixes[i].time_s < fixes[i - 1].time_s) {
-      session.warn("the recordings or vehicles overlap in time, so the rows of the TUM file do not increase; localize them one by one");
+      session.warn(
+          "the recordings or vehicles overlap in time, so the rows of the TUM file do not increase; localize "
+          "them one by one");
       return;
     }
   }
@@ -44,7 +48,9 @@ void warn_of_fixes(const Localization& found, const std::vector<Fix>& fixes, Ses
 
 int run(const LocalizeArgs& words, Session& session) {
   const int on_stdout = (words.output == "-") + (words.csv == "-") + session.options.json;
-  if (on_stdout > 1) return session.fail({"error", "usage", kUsage, "only one of -o -, --csv - and --json can have standard output", ""});
+  if (on_stdout > 1)
+    return session.fail(
+        {"error", "usage", kUsage, "only one of -o -, --csv - and --json can have standard output", ""});
   if (words.output == "-" || words.csv == "-") session.result_to_stderr();
   CommandFiles files{.inputs = words.runs, .outputs = {words.output, words.csv}, .run_outputs = {}};
   files.inputs.insert(files.inputs.end(), {words.deployment, words.how.map});
@@ -55,8 +61,11 @@ int run(const LocalizeArgs& words, Session& session) {
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, words.deployment, session);
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = false, .read_poses = looks_at_poses(words.how),
-                                                                                             .constant_speed_mps = constant_speed_mps(deployment->medium)}, session);
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing,
+                              {.read_truth = false,
+                               .read_poses = looks_at_poses(words.how),
+                               .constant_speed_mps = constant_speed_mps(deployment->medium)},
+                              session);
   if (!runs) return session.fail(runs.error());
   const auto input = method_input(words.how, *deployment);
   if (!input) return session.fail(input.error());
@@ -74,8 +83,9 @@ int run(const LocalizeArgs& words, Session& session) {
     reasons[reason] = count;
     why += fmt::format("{}{} {}", why.empty() ? ": " : ", ", count, reason);
   }
-  session.result(fmt::format("{:<17}{} ({}{}), {} times no fix{}\n{:<17}{} used, {} left out\n", "fixes", found.ok, found.method,
-                             found.why.empty() ? "" : ": " + found.why, found.no_fix, why, "arrivals", found.arrivals, found.rejected));
+  session.result(fmt::format("{:<17}{} ({}{}), {} times no fix{}\n{:<17}{} used, {} left out\n", "fixes",
+                             found.ok, found.method, found.why.empty() ? "" : ": " + found.why, found.no_fix,
+                             why, "arrivals", found.arrivals, found.rejected));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "written", words.output));
   return session.finish({{"status", found.ok > 0 ? "ok" : "no_fix"},
                          {"method", found.method},
@@ -92,14 +102,20 @@ int run(const LocalizeArgs& words, Session& session) {
 
 void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<LocalizeArgs>();
-  CLI::App* command = add_command(app, common, "localize", "Tell where the vehicle was",
-                                  "octant localize hall/deployment.json hall/heldout -o hall/fixes.tum --csv hall/fixes.csv");
-  command->add_option("deployment", words->deployment, "Deployment file, from calibrate")->required()->type_name("DEPLOYMENT.json");
+  CLI::App* command =
+      add_command(app, common, "localize", "Tell where the vehicle was",
+                  "octant localize hall/deployment.json hall/heldout -o hall/fixes.tum --csv hall/fixes.csv");
+  command->add_option("deployment", words->deployment, "Deployment file, from calibrate")
+      ->required()
+      ->type_name("DEPLOYMENT.json");
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
-  command->add_option("-o,--output", words->output, "Fixes to write, TUM format; - is standard output")->required()->type_name("FIXES.tum");
+  command->add_option("-o,--output", words->output, "Fixes to write, TUM format; - is standard output")
+      ->required()
+      ->type_name("FIXES.tum");
   command->add_option("--csv", words->csv, "Fixes with sigmas and reasons to write")->type_name("F.csv");
   add_method_options(*command, words->how);
-  command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 
 }  // namespace octant::app

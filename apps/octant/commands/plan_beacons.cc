@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include "apps/octant/commands/plan.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
-#include "apps/octant/commands/plan.h"
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/survey_input.h"
 #include "apps/octant/text/table.h"
-#include "io/text/atomic_file.h"
 #include "io/site/site_beacons.h"
+#include "io/text/atomic_file.h"
 #include "survey/page/proof_sheet.h"
 
 namespace octant::app {
@@ -43,22 +43,27 @@ survey::PlacementOptions options_of(const PlanWords& words, ProgressReporter& re
   return o;
 }
 
-Result<BeaconPlan> plan_of(const PlanWords& words, const SurveyInput& input, const survey::PlacementOptions& options) {
+Result<BeaconPlan> plan_of(const PlanWords& words, const SurveyInput& input,
+                           const survey::PlacementOptions& options) {
   BeaconPlan plan;
   if (words.tolerance_m && !words.beacons) {
-    auto smallest = survey::smallest_placement(input.model, input.scene, *words.tolerance_m, static_cast<std::size_t>(words.most), options);
+    auto smallest = survey::smallest_placement(input.model, input.scene, *words.tolerance_m,
+                                               static_cast<std::size_t>(words.most), options);
     if (!smallest) return fail(smallest.error());
     plan.placement = std::move(smallest->placement);
     plan.reached = smallest->reached;
   } else {
-    auto placement = survey::place_beacons(input.model, input.scene, static_cast<std::size_t>(*words.beacons), options);
+    auto placement =
+        survey::place_beacons(input.model, input.scene, static_cast<std::size_t>(*words.beacons), options);
     if (!placement) return fail(placement.error());
     plan.placement = std::move(*placement);
     plan.reached = !words.tolerance_m || plan.placement.figures.objective_m <= *words.tolerance_m;
   }
-  const std::size_t own = plan.placement.beacons.size(), most = std::max<std::size_t>(own, static_cast<std::size_t>(words.proof));
+  const std::size_t own = plan.placement.beacons.size(),
+                    most = std::max<std::size_t>(own, static_cast<std::size_t>(words.proof));
   const std::size_t kept = words.keep ? input.model.beacons.size() : 0;
-  for (std::size_t n = std::max(kept + 1, most > kProofRows ? most - kProofRows + 1 : 1); words.proof > 0 && n <= most && !plan.placement.interrupted; ++n) {
+  for (std::size_t n = std::max(kept + 1, most > kProofRows ? most - kProofRows + 1 : 1);
+       words.proof > 0 && n <= most && !plan.placement.interrupted; ++n) {
     if (n < static_cast<std::size_t>(input.model.unknowns.position) && n != own) continue;
     const auto row = n == own ? plan.placement : survey::place_beacons(input.model, input.scene, n, options);
     if (!row) return fail(row.error());
@@ -70,37 +75,67 @@ Result<BeaconPlan> plan_of(const PlanWords& words, const SurveyInput& input, con
 }
 
 Json figures_json(const survey::LayoutFigures& f) {
-  return {{"objective_m", f.covers_all() ? Json(f.objective_m) : Json(nullptr)}, {"worst_m", f.worst_m}, {"p95_m", f.p95_m}, {"mean_m", f.mean_m}, {"covered_fraction", f.covered_fraction}};
+  return {{"objective_m", f.covers_all() ? Json(f.objective_m) : Json(nullptr)},
+          {"worst_m", f.worst_m},
+          {"p95_m", f.p95_m},
+          {"mean_m", f.mean_m},
+          {"covered_fraction", f.covered_fraction}};
 }
 
 Json plan_json(const PlanWords& words, const BeaconPlan& plan, const Session& session) {
   Json beacons = Json::array(), proof = Json::array();
   for (const auto& b : plan.placement.beacons)
-    beacons.push_back({{"id", b.beacon.name}, {"position_m", to_json(b.beacon.p_map_m)}, {"axis", b.beacon.axis.isZero() ? Json(nullptr) : to_json(b.beacon.axis)},
-                       {"mount", b.mount.empty() ? Json(nullptr) : Json(b.mount)}, {"kept", b.mount.empty()}});
+    beacons.push_back({{"id", b.beacon.name},
+                       {"position_m", to_json(b.beacon.p_map_m)},
+                       {"axis", b.beacon.axis.isZero() ? Json(nullptr) : to_json(b.beacon.axis)},
+                       {"mount", b.mount.empty() ? Json(nullptr) : Json(b.mount)},
+                       {"kept", b.mount.empty()}});
   for (const auto& row : plan.proof)
-    proof.push_back({{"beacons", row.beacons}, {"plan", figures_json(row.plan)}, {"greedy", figures_json(row.greedy)}, {"regular", figures_json(row.regular)}, {"random", figures_json(row.random)}});
-  return {{"plan", "beacons"}, {"goal", words.goal}, {"algorithm", words.algorithm}, {"local", words.local}, {"seed", session.options.seed}, {"coverage", words.coverage},
-          {"tolerance_m", words.tolerance_m ? Json(*words.tolerance_m) : Json(nullptr)}, {"reached", plan.reached}, {"poses", plan.placement.cells},
-          {"evaluations", plan.placement.evaluations}, {"figures", figures_json(plan.placement.figures)}, {"beacons", beacons}, {"proof", proof},
+    proof.push_back({{"beacons", row.beacons},
+                     {"plan", figures_json(row.plan)},
+                     {"greedy", figures_json(row.greedy)},
+                     {"regular", figures_json(row.regular)},
+                     {"random", figures_json(row.random)}});
+  return {{"plan", "beacons"},
+          {"goal", words.goal},
+          {"algorithm", words.algorithm},
+          {"local", words.local},
+          {"seed", session.options.seed},
+          {"coverage", words.coverage},
+          {"tolerance_m", words.tolerance_m ? Json(*words.tolerance_m) : Json(nullptr)},
+          {"reached", plan.reached},
+          {"poses", plan.placement.cells},
+          {"evaluations", plan.placement.evaluations},
+          {"figures", figures_json(plan.placement.figures)},
+          {"beacons", beacons},
+          {"proof", proof},
           {"seconds", session.seconds()}};
 }
 
-std::string figure(const survey::LayoutFigures& f) { return f.covers_all() ? length_text(f.objective_m) : fmt::format("{:.1f} % covered", 100 * f.covered_fraction); }
+std::string figure(const survey::LayoutFigures& f) {
+  return f.covers_all() ? length_text(f.objective_m)
+                        : fmt::format("{:.1f} % covered", 100 * f.covered_fraction);
+}
 
-std::string plan_text(const PlanWords& words, const BeaconPlan& plan, const std::string& site, const Session& session) {
+std::string plan_text(const PlanWords& words, const BeaconPlan& plan, const std::string& site,
+                      const Session& session) {
   const survey::Placement& p = plan.placement;
   std::string text = fmt::format("{}: {} beacons, {:.1f} s\n\n", site, p.beacons.size(), session.seconds());
   Table table{"lrrrl", {{"beacon", "x [m]", "y [m]", "z [m]", "mount"}}};
   for (const auto& b : p.beacons)
-    table.rows.push_back({b.beacon.name, fmt::format("{:.2f}", b.beacon.p_map_m.x()), fmt::format("{:.2f}", b.beacon.p_map_m.y()), fmt::format("{:.2f}", b.beacon.p_map_m.z()),
-                          b.mount.empty() ? "kept" : b.mount});
+    table.rows.push_back({b.beacon.name, fmt::format("{:.2f}", b.beacon.p_map_m.x()),
+                          fmt::format("{:.2f}", b.beacon.p_map_m.y()),
+                          fmt::format("{:.2f}", b.beacon.p_map_m.z()), b.mount.empty() ? "kept" : b.mount});
   text += table.text() + "\n";
-  text += fmt::format("{:<17}worst {}, 95 % {}, mean {}; {:.1f} % of {} poses covered\n", "expected error", length_text(p.figures.worst_m), length_text(p.figures.p95_m),
+  text += fmt::format("{:<17}worst {}, 95 % {}, mean {}; {:.1f} % of {} poses covered\n", "expected error",
+                      length_text(p.figures.worst_m), length_text(p.figures.p95_m),
                       length_text(p.figures.mean_m), 100 * p.figures.covered_fraction, p.cells);
-  text += fmt::format("{:<17}{}: NLopt {} and {}, seed {}, {} layouts looked at\n\n", "goal", words.goal, words.algorithm, words.local, session.options.seed, p.evaluations);
+  text += fmt::format("{:<17}{}: NLopt {} and {}, seed {}, {} layouts looked at\n\n", "goal", words.goal,
+                      words.algorithm, words.local, session.options.seed, p.evaluations);
   Table proof{"rrrrr", {{"beacons", "plan", "greedy", "regular", "random"}}};
-  for (const auto& row : plan.proof) proof.rows.push_back({fmt::format("{}", row.beacons), figure(row.plan), figure(row.greedy), figure(row.regular), figure(row.random)});
+  for (const auto& row : plan.proof)
+    proof.rows.push_back({fmt::format("{}", row.beacons), figure(row.plan), figure(row.greedy),
+                          figure(row.regular), figure(row.random)});
   return text + proof.text();
 }
 
@@ -119,7 +154,8 @@ Result<std::string> new_site(const PlanWords& words, const BeaconPlan& plan, Ses
   return std::move(site->text);
 }
 
-Result<Json> write_plan_outputs(const PlanWords& words, const SurveyInput& input, const BeaconPlan& plan, Session& session) {
+Result<Json> write_plan_outputs(const PlanWords& words, const SurveyInput& input, const BeaconPlan& plan,
+                                Session& session) {
   Json written = Json::array();
   const auto write = [&](const std::string& path, const std::string& content) -> Result<void> {
     if (auto done = io::write_file(path, content); !done) return done;
@@ -132,9 +168,17 @@ Result<Json> write_plan_outputs(const PlanWords& words, const SurveyInput& input
     if (auto done = write(words.output, *site); !done) return fail(done.error());
   }
   if (!words.report.empty()) {
-    const survey::ProofSheetInput sheet{.name = input.model.name, .settings = fmt::format("goal {}, NLopt {} and {}, seed {}", words.goal, words.algorithm, words.local, session.options.seed),
-                                        .created = created_now(), .program = "octant " OCTANT_VERSION, .rows = plan.proof, .placement = plan.placement,
-                                        .floor_m = input.model.floor_m, .walls = input.model.walls, .tolerance_m = words.tolerance_m};
+    const survey::ProofSheetInput sheet{
+        .name = input.model.name,
+        .settings = fmt::format("goal {}, NLopt {} and {}, seed {}", words.goal, words.algorithm, words.local,
+                                session.options.seed),
+        .created = created_now(),
+        .program = "octant " OCTANT_VERSION,
+        .rows = plan.proof,
+        .placement = plan.placement,
+        .floor_m = input.model.floor_m,
+        .walls = input.model.walls,
+        .tolerance_m = words.tolerance_m};
     if (auto done = write(words.report, survey::proof_sheet_html(sheet)); !done) return fail(done.error());
   }
   return written;
@@ -144,13 +188,19 @@ Result<Json> write_plan_outputs(const PlanWords& words, const SurveyInput& input
 
 int plan_beacons(const PlanWords& words, Session& session) {
   if (words.output == "-" || words.report == "-") session.result_to_stderr();
-  if (auto fit = check_no_overwriting({.inputs = {words.input, words.scene}, .outputs = {words.output, words.report}, .run_outputs = {}}); !fit)
+  if (auto fit = check_no_overwriting(
+          {.inputs = {words.input, words.scene}, .outputs = {words.output, words.report}, .run_outputs = {}});
+      !fit)
     return session.fail(fit.error());
   for (const auto& path : {words.output, words.report})
     if (auto fit = check_output(path); !path.empty() && !fit) return session.fail(fit.error());
-  const auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session, /*without_beacons=*/!words.keep);
+  const auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session,
+                                       /*without_beacons=*/!words.keep);
   if (!input) return session.fail(input.error());
-  if (!input->site) return session.fail(Error{.file = words.input, .found = "a deployment", .expected = "a site file: beacons are planned before they are calibrated"});
+  if (!input->site)
+    return session.fail(Error{.file = words.input,
+                              .found = "a deployment",
+                              .expected = "a site file: beacons are planned before they are calibrated"});
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   const auto plan = plan_of(words, *input, options_of(words, reporter, session));
   reporter.finish();
@@ -159,13 +209,16 @@ int plan_beacons(const PlanWords& words, Session& session) {
   const auto written = write_plan_outputs(words, *input, *plan, session);
   if (!written) return session.fail(written.error());
   session.result(plan_text(words, *plan, input->model.name, session));
-  for (const auto& file : *written) session.result(fmt::format("{:<17}{}\n", "written", file.get<std::string>()));
+  for (const auto& file : *written)
+    session.result(fmt::format("{:<17}{}\n", "written", file.get<std::string>()));
   Json object = plan_json(words, *plan, session);
   object["written"] = *written;
   if (plan->reached) return session.finish(object);
   return session.fail({"gate_failed", "gate_failed", kGateFailed,
-                       fmt::format("{} beacons reach {}, the tolerance is {}", plan->placement.beacons.size(), figure(plan->placement.figures), length_text(*words.tolerance_m)),
-                       "allow more beacons (--most), more mounts, or a larger tolerance"}, object);
+                       fmt::format("{} beacons reach {}, the tolerance is {}", plan->placement.beacons.size(),
+                                   figure(plan->placement.figures), length_text(*words.tolerance_m)),
+                       "allow more beacons (--most), more mounts, or a larger tolerance"},
+                      object);
 }
 
 }  // namespace octant::app

@@ -5,17 +5,17 @@
 
 #include <fmt/format.h>
 
+#include "apps/octant/commands/plan.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
-#include "apps/octant/commands/plan.h"
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/survey_input.h"
 #include "apps/octant/text/table.h"
 #include "calib/plan/stations.h"
 #include "io/text/atomic_file.h"
-#include "survey/map/floor_grid.h"
 #include "survey/geometry/hearing.h"
+#include "survey/map/floor_grid.h"
 #include "survey/schedule/stop_places.h"
 
 namespace octant::app {
@@ -32,7 +32,8 @@ struct Ground {
 
 /// A calibration of what was recorded so far, and of what it says about hearing.
 Result<Ground> ground_from_runs(const PlanWords& words, const Site& site, Session& session) {
-  auto runs = read_runs(words.runs, names_of(site), site.timing, {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
+  auto runs = read_runs(words.runs, names_of(site), site.timing,
+                        {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
   if (!runs) return fail(runs.error());
   auto problem = calib::make_problem(site, std::move(*runs));
   if (!problem) return fail(problem.error());
@@ -44,8 +45,10 @@ Result<Ground> ground_from_runs(const PlanWords& words, const Site& site, Sessio
     return !interrupted();
   };
   const calib::Solution solution = calib::solve(*problem, options);
-  if (solution.status == calib::SolveStatus::kInterrupted) return fail({.code = Errc::kInterrupted, .found = "interrupted"});
-  if (solution.status != calib::SolveStatus::kConverged) session.warn("the recordings alone would not be exported: " + solution.message);
+  if (solution.status == calib::SolveStatus::kInterrupted)
+    return fail({.code = Errc::kInterrupted, .found = "interrupted"});
+  if (solution.status != calib::SolveStatus::kConverged)
+    session.warn("the recordings alone would not be exported: " + solution.message);
   auto knowledge = calib::knowledge_of(*problem, solution, session.threads());
   if (!knowledge) return fail(knowledge.error());
   Ground ground{std::move(*knowledge), calib::hearing_of(solution, site), {}};
@@ -55,7 +58,11 @@ Result<Ground> ground_from_runs(const PlanWords& words, const Site& site, Sessio
 }
 
 Result<Ground> ground_of(const PlanWords& words, const SurveyInput& input, Session& session) {
-  if (!words.runs.empty() && !input.site) return fail({.code = Errc::kUsage, .file = words.input, .found = "recordings beside a deployment", .expected = "a site file with recordings, or a deployment alone"});
+  if (!words.runs.empty() && !input.site)
+    return fail({.code = Errc::kUsage,
+                 .file = words.input,
+                 .found = "recordings beside a deployment",
+                 .expected = "a site file with recordings, or a deployment alone"});
   if (!words.runs.empty()) return ground_from_runs(words, *input.site, session);
   auto knowledge = input.site ? calib::knowledge_of(*input.site) : calib::knowledge_of(*input.deployment);
   if (!knowledge) {
@@ -66,8 +73,10 @@ Result<Ground> ground_of(const PlanWords& words, const SurveyInput& input, Sessi
   return Ground{std::move(*knowledge), {}, {}};
 }
 
-/// Range and angle by the words, else by the recordings; walls and beams by the scene, with the beacons where they are known now.
-void complete_hearing(const PlanWords& words, const SurveyInput& input, survey::SurveyModel& model, Ground& ground) {
+/// Range and angle by the words, else by the recordings; walls and beams by the scene, with the beacons where
+/// they are known now.
+void complete_hearing(const PlanWords& words, const SurveyInput& input, survey::SurveyModel& model,
+                      Ground& ground) {
   calib::HearingModel& hearing = ground.hearing;
   hearing.range_m = words.range_m.value_or(std::min(hearing.range_m, survey::reach_m(model.hearing)));
   if (words.hearing_deg) hearing.half_angle_rad = *words.hearing_deg / kDegrees;
@@ -82,18 +91,23 @@ void complete_hearing(const PlanWords& words, const SurveyInput& input, survey::
       }
   const auto& vehicles = input.site ? input.site->vehicles : input.deployment->vehicles;
   const std::size_t first_receiver = vehicles[model.vehicle].first_receiver;
-  hearing.also = [&model, of_model, first_receiver](BeaconId beacon, ReceiverId receiver, const Pose& T_map_vehicle) {
+  hearing.also = [&model, of_model, first_receiver](BeaconId beacon, ReceiverId receiver,
+                                                    const Pose& T_map_vehicle) {
     const std::size_t m = of_model[beacon.index()];
-    return m >= model.beacons.size() || survey::hears(model, m, receiver.index() - first_receiver, T_map_vehicle);
+    return m >= model.beacons.size() ||
+           survey::hears(model, m, receiver.index() - first_receiver, T_map_vehicle);
   };
 }
 
 Json known_json(const calib::BeaconKnowledge& k, const std::vector<std::string>& names) {
-  return {{"mean_sigma_m", k.mean_m}, {"worst_sigma_m", k.worst_m}, {"worst_beacon", names.empty() ? Json(nullptr) : Json(names[k.worst_beacon])}};
+  return {{"mean_sigma_m", k.mean_m},
+          {"worst_sigma_m", k.worst_m},
+          {"worst_beacon", names.empty() ? Json(nullptr) : Json(names[k.worst_beacon])}};
 }
 
 std::string why(const calib::Station& s, const std::vector<std::string>& names) {
-  return fmt::format("{} {} to {}", names[s.most_improved], length_text(s.improved_from_m), length_text(s.improved_to_m));
+  return fmt::format("{} {} to {}", names[s.most_improved], length_text(s.improved_from_m),
+                     length_text(s.improved_to_m));
 }
 
 std::string heard_words(const calib::Station& s, const std::vector<std::string>& names) {
@@ -103,49 +117,83 @@ std::string heard_words(const calib::Station& s, const std::vector<std::string>&
   return words;
 }
 
-Json stations_plan_json(const PlanWords& words, const calib::StationPlan& plan, const std::vector<std::string>& names, double random_mean_m, const Session& session) {
+Json stations_plan_json(const PlanWords& words, const calib::StationPlan& plan,
+                        const std::vector<std::string>& names, double random_mean_m, const Session& session) {
   Json stations = Json::array(), beacons = Json::array();
   for (std::size_t i = 0; i < plan.stations.size(); ++i) {
     const calib::Station& s = plan.stations[i];
     Json heard = Json::array();
     for (std::size_t b = 0; b < names.size(); ++b)
       if (s.arrivals[b] > 0) heard.push_back(names[b]);
-    stations.push_back({{"order", i + 1}, {"x_m", s.position_m.x()}, {"y_m", s.position_m.y()}, {"heading_rad", s.heading_rad}, {"beacons", heard},
-                        {"arrivals", s.arrival_count}, {"most_for", names[s.most_improved]}, {"sigma_before_m", s.improved_from_m}, {"sigma_after_m", s.improved_to_m},
-                        {"mean_sigma_m", s.after.mean_m}, {"worst_sigma_m", s.after.worst_m}});
+    stations.push_back({{"order", i + 1},
+                        {"x_m", s.position_m.x()},
+                        {"y_m", s.position_m.y()},
+                        {"heading_rad", s.heading_rad},
+                        {"beacons", heard},
+                        {"arrivals", s.arrival_count},
+                        {"most_for", names[s.most_improved]},
+                        {"sigma_before_m", s.improved_from_m},
+                        {"sigma_after_m", s.improved_to_m},
+                        {"mean_sigma_m", s.after.mean_m},
+                        {"worst_sigma_m", s.after.worst_m}});
   }
   for (std::size_t b = 0; b < names.size(); ++b)
-    beacons.push_back({{"id", names[b]}, {"sigma_before_m", plan.before.sigma_m[b] < 0 ? Json(nullptr) : Json(plan.before.sigma_m[b])},
-                       {"sigma_after_m", plan.after.sigma_m[b] < 0 ? Json(nullptr) : Json(plan.after.sigma_m[b])}});
-  return {{"plan", "stations"}, {"criterion", words.criterion}, {"before", known_json(plan.before, names)}, {"after", known_json(plan.after, names)},
-          {"random_mean_sigma_m", random_mean_m}, {"stations", stations}, {"beacons", beacons}, {"candidates", plan.candidates}, {"exchanges", plan.exchanges},
+    beacons.push_back(
+        {{"id", names[b]},
+         {"sigma_before_m", plan.before.sigma_m[b] < 0 ? Json(nullptr) : Json(plan.before.sigma_m[b])},
+         {"sigma_after_m", plan.after.sigma_m[b] < 0 ? Json(nullptr) : Json(plan.after.sigma_m[b])}});
+  return {{"plan", "stations"},
+          {"criterion", words.criterion},
+          {"before", known_json(plan.before, names)},
+          {"after", known_json(plan.after, names)},
+          {"random_mean_sigma_m", random_mean_m},
+          {"stations", stations},
+          {"beacons", beacons},
+          {"candidates", plan.candidates},
+          {"exchanges", plan.exchanges},
           {"seconds", session.seconds()}};
 }
 
 std::string plan_csv(const calib::StationPlan& plan, const std::vector<std::string>& names) {
-  std::string csv = "order,x_m,y_m,heading_rad,heading_deg,arrivals,beacons,most_for,mean_sigma_m,worst_sigma_m\n";
+  std::string csv =
+      "order,x_m,y_m,heading_rad,heading_deg,arrivals,beacons,most_for,mean_sigma_m,worst_sigma_m\n";
   for (std::size_t i = 0; i < plan.stations.size(); ++i) {
     const calib::Station& s = plan.stations[i];
-    csv += fmt::format("{},{:.3f},{:.3f},{:.4f},{:.1f},{},{},{},{:.6g},{:.6g}\n", i + 1, s.position_m.x(), s.position_m.y(), s.heading_rad, s.heading_rad * kDegrees, s.arrival_count,
-                       csv_field(heard_words(s, names)), csv_field(names[s.most_improved]), s.after.mean_m, s.after.worst_m);
+    csv += fmt::format("{},{:.3f},{:.3f},{:.4f},{:.1f},{},{},{},{:.6g},{:.6g}\n", i + 1, s.position_m.x(),
+                       s.position_m.y(), s.heading_rad, s.heading_rad * kDegrees, s.arrival_count,
+                       csv_field(heard_words(s, names)), csv_field(names[s.most_improved]), s.after.mean_m,
+                       s.after.worst_m);
   }
   return csv;
 }
 
-std::string stations_plan_text(const calib::StationPlan& plan, const std::vector<std::string>& names, double random_mean_m, const std::string& site) {
+std::string stations_plan_text(const calib::StationPlan& plan, const std::vector<std::string>& names,
+                               double random_mean_m, const std::string& site) {
   std::string text = fmt::format("{}: {} stops, the best first\n\n", site, plan.stations.size());
-  Table table{"rrrrrlrrl", {{"stop", "x [m]", "y [m]", "heading [deg]", "arrivals", "hears", "mean sigma", "worst", "does most for"}}};
-  table.rows.push_back({"", "", "", "", "", "(now)", length_text(plan.before.mean_m), length_text(plan.before.worst_m), ""});
+  Table table{"rrrrrlrrl",
+              {{"stop", "x [m]", "y [m]", "heading [deg]", "arrivals", "hears", "mean sigma", "worst",
+                "does most for"}}};
+  table.rows.push_back(
+      {"", "", "", "", "", "(now)", length_text(plan.before.mean_m), length_text(plan.before.worst_m), ""});
   for (std::size_t i = 0; i < plan.stations.size(); ++i) {
     const calib::Station& s = plan.stations[i];
-    table.rows.push_back({fmt::format("{}", i + 1), fmt::format("{:.2f}", s.position_m.x()), fmt::format("{:.2f}", s.position_m.y()), fmt::format("{:.0f}", s.heading_rad * kDegrees),
-                          fmt::format("{}", s.arrival_count), heard_words(s, names), length_text(s.after.mean_m), length_text(s.after.worst_m), why(s, names)});
+    table.rows.push_back({fmt::format("{}", i + 1), fmt::format("{:.2f}", s.position_m.x()),
+                          fmt::format("{:.2f}", s.position_m.y()),
+                          fmt::format("{:.0f}", s.heading_rad * kDegrees), fmt::format("{}", s.arrival_count),
+                          heard_words(s, names), length_text(s.after.mean_m), length_text(s.after.worst_m),
+                          why(s, names)});
   }
   text += table.text() + "\n";
-  text += fmt::format("{:<17}mean {} -> {}, worst {} -> {} ({})\n", "predicted sigma", length_text(plan.before.mean_m), length_text(plan.after.mean_m),
-                      length_text(plan.before.worst_m), length_text(plan.after.worst_m), names[plan.after.worst_beacon]);
-  text += fmt::format("{:<17}mean {} (median of 25 plans with as many stops)\n", "random stops", length_text(random_mean_m));
-  return text + fmt::format("{:<17}sigmas are the root of the sum of a beacon's three variances, as the calibration would state them\n", "");
+  text += fmt::format("{:<17}mean {} -> {}, worst {} -> {} ({})\n", "predicted sigma",
+                      length_text(plan.before.mean_m), length_text(plan.after.mean_m),
+                      length_text(plan.before.worst_m), length_text(plan.after.worst_m),
+                      names[plan.after.worst_beacon]);
+  text += fmt::format("{:<17}mean {} (median of 25 plans with as many stops)\n", "random stops",
+                      length_text(random_mean_m));
+  return text + fmt::format(
+                    "{:<17}sigmas are the root of the sum of a beacon's three variances, as the calibration "
+                    "would state them\n",
+                    "");
 }
 
 }  // namespace
@@ -163,7 +211,8 @@ int plan_stations(const PlanWords& words, Session& session) {
   if (!ground) return session.fail(ground.error());
   session.warn(ground->knowledge.warnings);
   complete_hearing(words, *input, input->model, *ground);
-  const auto places = survey::stop_places(input->model, input->scene, words.grid_m.value_or(0.0), words.clearance_m);
+  const auto places =
+      survey::stop_places(input->model, input->scene, words.grid_m.value_or(0.0), words.clearance_m);
   if (!places) return session.fail(places.error());
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::StationOptions options;
@@ -187,11 +236,13 @@ int plan_stations(const PlanWords& words, Session& session) {
   reporter.finish();
   if (!plan) return session.fail(plan.error());
   if (plan->interrupted || interrupted()) return session.interrupted();
-  const double random_mean_m = calib::random_stations_mean_m(ground->knowledge, options, session.options.seed);
+  const double random_mean_m =
+      calib::random_stations_mean_m(ground->knowledge, options, session.options.seed);
   const auto names = input->site ? names_of(*input->site).beacons : names_of(*input->deployment).beacons;
   Json object = stations_plan_json(words, *plan, names, random_mean_m, session);
   if (!words.csv.empty())
-    if (auto done = io::write_file(words.csv, plan_csv(*plan, names)); !done) return session.fail(done.error());
+    if (auto done = io::write_file(words.csv, plan_csv(*plan, names)); !done)
+      return session.fail(done.error());
   session.result(stations_plan_text(*plan, names, random_mean_m, input->model.name));
   return session.finish(object);
 }

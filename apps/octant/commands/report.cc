@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/octant/text/changes_text.h"
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
-#include "apps/octant/text/report_json.h"
 #include "apps/octant/steps/reporting.h"
+#include "apps/octant/text/changes_text.h"
+#include "apps/octant/text/report_json.h"
 #include "io/deployment/deployment_json.h"
 #include "survey/page/site_sheet.h"
 
@@ -45,12 +45,17 @@ Result<survey::ReportInput> read_saved(const std::string& text, const ReportArgs
   return input;
 }
 
-Result<void> verify_with(const std::vector<std::string>& folders, survey::ReportInput& input, Session& session) {
+Result<void> verify_with(const std::vector<std::string>& folders, survey::ReportInput& input,
+                         Session& session) {
   if (folders.empty()) return {};
   const Deployment& d = input.plan.deployment;
   if (input.outcome != survey::Outcome::kCalibrated)
-    return fail({.code = Errc::kUsage, .found = "runs beside the report of a calibration that exported nothing", .expected = "a report or a deployment that has beacons"});
-  const auto runs = read_runs(folders, names_of(d), d.timing, {.read_truth = true, .read_poses = false, .constant_speed_mps = constant_speed_mps(d.medium)}, session);
+    return fail({.code = Errc::kUsage,
+                 .found = "runs beside the report of a calibration that exported nothing",
+                 .expected = "a report or a deployment that has beacons"});
+  const auto runs = read_runs(
+      folders, names_of(d), d.timing,
+      {.read_truth = true, .read_poses = false, .constant_speed_mps = constant_speed_mps(d.medium)}, session);
   if (!runs) return fail(runs.error());
   const auto found = localize_runs(d, *runs, Method::kAuto);
   if (!found) return fail(found.error());
@@ -63,7 +68,8 @@ Result<void> verify_with(const std::vector<std::string>& folders, survey::Report
 int run(const ReportArgs& words, Session& session) {
   const int files_on_stdout = on_stdout(words.report) + (words.site_sheet == "-");
   if (files_on_stdout + session.options.json > 1)
-    return session.fail({"error", "usage", kUsage, "only one of -o -, --site-sheet - and --json can have standard output", ""});
+    return session.fail({"error", "usage", kUsage,
+                         "only one of -o -, --site-sheet - and --json can have standard output", ""});
   if (files_on_stdout > 0) session.result_to_stderr();
   CommandFiles of_command{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
   of_command.inputs.insert(of_command.inputs.end(), {words.saved, words.report.since});
@@ -76,15 +82,18 @@ int run(const ReportArgs& words, Session& session) {
   if (!text) return session.fail(text.error());
   auto input = read_saved(*text, words, session);
   if (!input) return session.fail(input.error());
-  if (auto verified = verify_with(words.runs, *input, session); !verified) return session.fail(verified.error());
+  if (auto verified = verify_with(words.runs, *input, session); !verified)
+    return session.fail(verified.error());
   if (interrupted()) return session.interrupted();
   if (auto added = add_changes(*input, words.report.since); !added) return session.fail(added.error());
 
   auto files = report_files(words.report, *input);
-  if (!words.site_sheet.empty()) files.push_back({words.site_sheet, survey::site_sheet_html(input->plan.deployment, digest_of(*text))});
+  if (!words.site_sheet.empty())
+    files.push_back({words.site_sheet, survey::site_sheet_html(input->plan.deployment, digest_of(*text))});
   if (auto written = io::write_files(files); !written) return session.fail(written.error());
   session.result(changes_text(*input) + verdict_text(*input) + report_lines(words.report));
-  if (!words.site_sheet.empty() && words.site_sheet != "-") session.result(fmt::format("{:<17}{}\n", "site sheet", words.site_sheet));
+  if (!words.site_sheet.empty() && words.site_sheet != "-")
+    session.result(fmt::format("{:<17}{}\n", "site sheet", words.site_sheet));
   Json object = {{"verdict", verdict_json(*input)}};
   add_changes_json(*input, object);
   return session.finish(object);
@@ -94,16 +103,31 @@ int run(const ReportArgs& words, Session& session) {
 
 void add_report(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<ReportArgs>();
-  CLI::App* command = add_command(app, common, "report", "Make a report or a site sheet from saved results", "octant report hall/deployment.json hall/heldout -o hall/report.html");
-  command->add_option("saved", words->saved, "Deployment file, or what --report R.json kept (it knows more: residuals, weak directions, the track)")->required()
+  CLI::App* command = add_command(app, common, "report", "Make a report or a site sheet from saved results",
+                                  "octant report hall/deployment.json hall/heldout -o hall/report.html");
+  command
+      ->add_option("saved", words->saved,
+                   "Deployment file, or what --report R.json kept (it knows more: residuals, weak "
+                   "directions, the track)")
+      ->required()
       ->type_name("SAVED.json");
   command->add_option("run", words->runs, "Run folders with truth.tum, to verify with")->type_name("RUN");
-  command->add_option("-o,--output,--report", words->report.paths, "Report to write: .html, .md or .json; may be given several times")->type_name("R")->expected(1)
+  command
+      ->add_option("-o,--output,--report", words->report.paths,
+                   "Report to write: .html, .md or .json; may be given several times")
+      ->type_name("R")
+      ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_flag("--report-static", words->report.still, "Pages without the interactive layer: no script, and small");
-  command->add_option("--since", words->report.since, "Report what changed since this earlier deployment")->type_name("OLD.json");
-  command->add_option("--site-sheet", words->site_sheet, "Sheets to print: each beacon with coordinates, delay and a QR code")->type_name("S.html");
-  command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  command->add_flag("--report-static", words->report.still,
+                    "Pages without the interactive layer: no script, and small");
+  command->add_option("--since", words->report.since, "Report what changed since this earlier deployment")
+      ->type_name("OLD.json");
+  command
+      ->add_option("--site-sheet", words->site_sheet,
+                   "Sheets to print: each beacon with coordinates, delay and a QR code")
+      ->type_name("S.html");
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 
 }  // namespace octant::app

@@ -12,8 +12,11 @@ namespace octant::app {
 
 void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
   auto format = std::make_shared<std::string>();
-  CLI::App* command = add_command(app, common, "schema", "Print the JSON Schema of a file format", "octant schema deployment > deployment.schema.json");
-  command->add_option("format", *format, "site, run, deployment, scenario, scene or batch")->required()->check(CLI::IsMember({"site", "run", "deployment", "scenario", "scene", "batch"}))
+  CLI::App* command = add_command(app, common, "schema", "Print the JSON Schema of a file format",
+                                  "octant schema deployment > deployment.schema.json");
+  command->add_option("format", *format, "site, run, deployment, scenario, scene or batch")
+      ->required()
+      ->check(CLI::IsMember({"site", "run", "deployment", "scenario", "scene", "batch"}))
       ->type_name("FORMAT");
   command->callback([format, &action] {
     action = [format](Session& session) {

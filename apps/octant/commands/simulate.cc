@@ -8,8 +8,8 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/steps.h"
-#include "io/text/atomic_file.h"
 #include "io/site/scenario_yaml.h"
+#include "io/text/atomic_file.h"
 
 namespace octant::app {
 namespace {
@@ -31,9 +31,11 @@ Result<World> make_world(const SimulateArgs& words, Session& session, std::strin
 
 int run(const SimulateArgs& words, Session& session) {
   const std::string& folder = words.folder;
-  if (auto fit = check_no_overwriting({.inputs = {words.scenario},
-                                       .outputs = {folder + "/scenario.yaml", folder + "/site.yaml", folder + "/deployment.true.json"},
-                                       .run_outputs = {folder + "/run", folder + "/heldout"}}); !fit)
+  if (auto fit = check_no_overwriting(
+          {.inputs = {words.scenario},
+           .outputs = {folder + "/scenario.yaml", folder + "/site.yaml", folder + "/deployment.true.json"},
+           .run_outputs = {folder + "/run", folder + "/heldout"}});
+      !fit)
     return session.fail(fit.error());
   std::string text;
   auto world = make_world(words, session, text);
@@ -42,9 +44,10 @@ int run(const SimulateArgs& words, Session& session) {
   world->truth.program_version = OCTANT_VERSION;
   world->truth.program_command = session.command_line;
   if (auto written = write_world(words.folder, *world, text); !written) return session.fail(written.error());
-  session.result(fmt::format("{}: {} beacons, {} arrivals to calibrate with, {} held out, seed {}\nwritten          {}\n", world->site.name,
-                             world->site.beacons.size(), world->run.arrivals.size(), world->heldout.arrivals.size(), session.options.seed,
-                             words.folder));
+  session.result(fmt::format(
+      "{}: {} beacons, {} arrivals to calibrate with, {} held out, seed {}\nwritten          {}\n",
+      world->site.name, world->site.beacons.size(), world->run.arrivals.size(),
+      world->heldout.arrivals.size(), session.options.seed, words.folder));
   return session.finish({{"folder", words.folder},
                          {"beacons", world->site.beacons.size()},
                          {"arrivals", world->run.arrivals.size()},
@@ -56,11 +59,18 @@ int run(const SimulateArgs& words, Session& session) {
 
 void add_simulate(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<SimulateArgs>();
-  CLI::App* command = add_command(app, common, "simulate", "Simulate a world with known truth: site, recordings, true deployment",
+  CLI::App* command = add_command(app, common, "simulate",
+                                  "Simulate a world with known truth: site, recordings, true deployment",
                                   "octant simulate datasets/hall/scenario.yaml --seed 7 -o hall");
-  command->add_option("scenario", words->scenario, "Scenario file (octant schema scenario)")->required()->type_name("SCENARIO.yaml");
-  command->add_option("-o,--output", words->folder, "Folder to make; an older simulated world there is replaced")->required()->type_name("DIR");
-  command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  command->add_option("scenario", words->scenario, "Scenario file (octant schema scenario)")
+      ->required()
+      ->type_name("SCENARIO.yaml");
+  command
+      ->add_option("-o,--output", words->folder, "Folder to make; an older simulated world there is replaced")
+      ->required()
+      ->type_name("DIR");
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 
 }  // namespace octant::app

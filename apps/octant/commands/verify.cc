@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "apps/octant/text/changes_text.h"
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/reporting.h"
+#include "apps/octant/text/changes_text.h"
 #include "apps/octant/text/table.h"
 #include "io/deployment/deployment_json.h"
 
@@ -31,14 +31,18 @@ std::string gates_in_words(const survey::Evaluation& evaluation, const Localizat
     if (gate.pass) continue;
     if (!words.empty()) words += "; ";
     words += gate.name == "matched" ? unmatched_text(found)
-                                    : fmt::format("{}: {} is beyond the limit of {}", gate.name, length_text(gate.value), length_text(gate.limit));
+                                    : fmt::format("{}: {} is beyond the limit of {}", gate.name,
+                                                  length_text(gate.value), length_text(gate.limit));
   }
   return words;
 }
 
 /// One row a method: figures, or why it is not possible here.
-int compare(const Deployment& deployment, const std::vector<MeasurementLog>& runs, const MethodInput& input, Session& session) {
-  Table table{"lrrrrrrrr", {{"method", "fixes", "no fix", "RMSE [mm]", "95 %", "largest", "heading [mrad]", "NEES", "us a fix"}}};
+int compare(const Deployment& deployment, const std::vector<MeasurementLog>& runs, const MethodInput& input,
+            Session& session) {
+  Table table{
+      "lrrrrrrrr",
+      {{"method", "fixes", "no fix", "RMSE [mm]", "95 %", "largest", "heading [mrad]", "NEES", "us a fix"}}};
   Json rows = Json::array();
   std::string not_possible;
   for (const auto& [name, method] : method_names()) {
@@ -49,28 +53,37 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     if (!found) {
       rows.push_back({{"method", name}, {"possible", false}, {"reason", found.error().message()}});
-      not_possible += fmt::format("{:<17}{}; expected {}\n", name, found.error().found, found.error().expected);
+      not_possible +=
+          fmt::format("{:<17}{}; expected {}\n", name, found.error().found, found.error().expected);
       continue;
     }
     const auto e = verify_fixes(deployment, runs, *found);
     if (!e) return session.fail(e.error());
-    const double each_us = 1e6 * seconds / static_cast<double>(std::max<std::size_t>(1, found->ok + found->no_fix));
+    const double each_us =
+        1e6 * seconds / static_cast<double>(std::max<std::size_t>(1, found->ok + found->no_fix));
     Json row = evaluation_json(*e);
     row.erase("gates");
     row.update({{"method", name}, {"possible", true}, {"seconds_per_fix", 1e-6 * each_us}});
     rows.push_back(std::move(row));
-    const auto figure = [&](double value) { return e->matched > 0 ? fmt::format("{:.1f}", value) : std::string("-"); };
-    table.rows.push_back({std::string(name), fmt::format("{}", found->ok), fmt::format("{}", found->no_fix), figure(1e3 * e->position_rmse_m),
-               figure(1e3 * e->position_p95_m), figure(1e3 * e->max_error_m), e->heading_rmse_rad ? figure(1e3 * *e->heading_rmse_rad) : "-",
-               e->nees_mean ? fmt::format("{:.2f}", *e->nees_mean) : "-", fmt::format("{:.0f}", each_us)});
+    const auto figure = [&](double value) {
+      return e->matched > 0 ? fmt::format("{:.1f}", value) : std::string("-");
+    };
+    table.rows.push_back(
+        {std::string(name), fmt::format("{}", found->ok), fmt::format("{}", found->no_fix),
+         figure(1e3 * e->position_rmse_m), figure(1e3 * e->position_p95_m), figure(1e3 * e->max_error_m),
+         e->heading_rmse_rad ? figure(1e3 * *e->heading_rmse_rad) : "-",
+         e->nees_mean ? fmt::format("{:.2f}", *e->nees_mean) : "-", fmt::format("{:.0f}", each_us)});
   }
   session.result(table.text() + (not_possible.empty() ? "" : "\nnot possible here:\n" + not_possible));
   return session.finish({{"status", "ok"}, {"methods", rows}});
 }
 
 int run(const VerifyArgs& words, Session& session) {
-  if (on_stdout(words.report) + session.options.json > 1) return session.fail({"error", "usage", kUsage, "only one of --report - and --json can have standard output", ""});
-  if (words.all_methods && !words.report.paths.empty()) return session.fail({"error", "usage", kUsage, "--all-methods is a table without a report", ""});
+  if (on_stdout(words.report) + session.options.json > 1)
+    return session.fail(
+        {"error", "usage", kUsage, "only one of --report - and --json can have standard output", ""});
+  if (words.all_methods && !words.report.paths.empty())
+    return session.fail({"error", "usage", kUsage, "--all-methods is a table without a report", ""});
   if (on_stdout(words.report) > 0) session.result_to_stderr();
   CommandFiles files{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
   files.inputs.insert(files.inputs.end(), {words.deployment, words.how.map, words.report.since});
@@ -79,8 +92,11 @@ int run(const VerifyArgs& words, Session& session) {
   const auto deployment = io::read_deployment(words.deployment);
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, words.deployment, session);
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing, {.read_truth = true, .read_poses = looks_at_poses(words.how),
-                                                                                             .constant_speed_mps = constant_speed_mps(deployment->medium)}, session);
+  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing,
+                              {.read_truth = true,
+                               .read_poses = looks_at_poses(words.how),
+                               .constant_speed_mps = constant_speed_mps(deployment->medium)},
+                              session);
   if (!runs) return session.fail(runs.error());
   // Before the long computation: is there a reference at all?
   for (const auto& log : *runs) {
@@ -104,12 +120,15 @@ int run(const VerifyArgs& words, Session& session) {
   add_verification(report, found, *evaluation);
   if (auto added = add_changes(report, words.report.since); !added) return session.fail(added.error());
   if (!words.report.paths.empty()) survey::add_geometry(report, session.threads());
-  if (auto written = io::write_files(report_files(words.report, report)); !written) return session.fail(written.error());
+  if (auto written = io::write_files(report_files(words.report, report)); !written)
+    return session.fail(written.error());
   session.result(evaluation_text(*evaluation, found) + changes_text(report) + report_lines(words.report));
   Json object = evaluation_json(*evaluation);
   object["no_fix_reasons"] = no_fix_json(found);
   add_changes_json(report, object);
-  if (!evaluation->pass()) return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation, found), ""}, object);
+  if (!evaluation->pass())
+    return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation, found), ""},
+                        object);
   return session.finish(object);
 }
 
@@ -117,14 +136,20 @@ int run(const VerifyArgs& words, Session& session) {
 
 void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<VerifyArgs>();
-  CLI::App* command = add_command(app, common, "verify", "Localize held-out recordings and hold the fixes against truth.tum and the tolerance",
-                                  "octant verify hall/deployment.json hall/heldout");
-  command->add_option("deployment", words->deployment, "Deployment file, from calibrate")->required()->type_name("DEPLOYMENT.json");
+  CLI::App* command =
+      add_command(app, common, "verify",
+                  "Localize held-out recordings and hold the fixes against truth.tum and the tolerance",
+                  "octant verify hall/deployment.json hall/heldout");
+  command->add_option("deployment", words->deployment, "Deployment file, from calibrate")
+      ->required()
+      ->type_name("DEPLOYMENT.json");
   command->add_option("run", words->runs, "Run folders with truth.tum")->required()->type_name("RUN");
-  command->add_flag("--all-methods", words->all_methods, "Compare all methods on these runs, as a table; no gates");
+  command->add_flag("--all-methods", words->all_methods,
+                    "Compare all methods on these runs, as a table; no gates");
   add_method_options(*command, words->how);
   add_report_options(*command, words->report, true);
-  command->callback([words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
 
 }  // namespace octant::app

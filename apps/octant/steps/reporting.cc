@@ -25,20 +25,33 @@ Form form_of(const std::string& path) {
 }  // namespace
 
 void add_report_options(CLI::App& command, ReportWords& words, bool with_since) {
-  auto* report = command.add_option("--report", words.paths, "Report to write: a page (.html), Markdown (.md), or the content (.json) from which `octant report` "
-                                                             "makes the others later; may be given several times")
-                     ->type_name("R")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_flag("--report-static", words.still, "Pages without the interactive layer: no script, and small");
-  command.add_flag("--no-report", words.none, "None: verdict, table and next steps in the terminal only")->excludes(report);
-  if (with_since) command.add_option("--since", words.since, "Report what changed since this earlier deployment")->type_name("OLD.json");
+  auto* report = command
+                     .add_option("--report", words.paths,
+                                 "Report to write: a page (.html), Markdown (.md), or the content (.json) "
+                                 "from which `octant report` "
+                                 "makes the others later; may be given several times")
+                     ->type_name("R")
+                     ->expected(1)
+                     ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_flag("--report-static", words.still,
+                   "Pages without the interactive layer: no script, and small");
+  command.add_flag("--no-report", words.none, "None: verdict, table and next steps in the terminal only")
+      ->excludes(report);
+  if (with_since)
+    command.add_option("--since", words.since, "Report what changed since this earlier deployment")
+        ->type_name("OLD.json");
 }
 
-int on_stdout(const ReportWords& words) { return static_cast<int>(std::count(words.paths.begin(), words.paths.end(), "-")); }
+int on_stdout(const ReportWords& words) {
+  return static_cast<int>(std::count(words.paths.begin(), words.paths.end(), "-"));
+}
 
 Result<void> check_report(const ReportWords& words) {
   for (const auto& path : words.paths) {
     if (form_of(path) == Form::kUnknown) {
-      return fail({.code = Errc::kUsage, .found = fmt::format("--report {}", path), .expected = "a name that ends in .html, .md or .json"});
+      return fail({.code = Errc::kUsage,
+                   .found = fmt::format("--report {}", path),
+                   .expected = "a name that ends in .html, .md or .json"});
     }
     if (auto fit = check_output(path); !fit) return fit;
   }
@@ -56,7 +69,8 @@ Result<void> add_changes(survey::ReportInput& input, const std::string& since) {
   return {};
 }
 
-void add_verification(survey::ReportInput& input, const Localization& localization, const survey::Evaluation& evaluation) {
+void add_verification(survey::ReportInput& input, const Localization& localization,
+                      const survey::Evaluation& evaluation) {
   input.evaluation = evaluation;
   std::vector<Eigen::Vector3d> places;
   for (const auto& run : localization.fixes)
@@ -77,7 +91,8 @@ std::vector<io::FileContent> report_files(const ReportWords& words, const survey
   return files;
 }
 
-Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportWords& words, const Session& session) {
+Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportWords& words,
+                                               const Session& session) {
   survey::ReportInput input = report_input(calibration, session);
   if (!calibration.deployment) return input;
   if (auto added = add_changes(input, words.since); !added) return fail(added.error());
@@ -86,7 +101,8 @@ Result<survey::ReportInput> calibration_report(const Calibration& calibration, c
   return input;
 }
 
-Result<void> write_calibration(const std::string& output, const ReportWords& words, const Calibration& calibration, const survey::ReportInput& input) {
+Result<void> write_calibration(const std::string& output, const ReportWords& words,
+                               const Calibration& calibration, const survey::ReportInput& input) {
   auto files = report_files(words, input);
   if (calibration.exported()) {
     auto deployment = io::checked_deployment_json(output, *calibration.deployment);
@@ -113,13 +129,21 @@ std::string verdict_text(const survey::ReportInput& input) {
 Json verdict_json(const survey::ReportInput& input) {
   const survey::Verdict v = survey::verdict(input);
   Json gates = Json::array();
-  for (const auto& gate : v.gates) gates.push_back({{"name", gate.name}, {"value", gate.value}, {"limit", gate.limit}, {"pass", gate.pass}});
+  for (const auto& gate : v.gates)
+    gates.push_back({{"name", gate.name}, {"value", gate.value}, {"limit", gate.limit}, {"pass", gate.pass}});
   Json contradictions = Json::array();
   for (const Contradiction& c : input.plan.deployment.contradictions) {
-    contradictions.push_back(
-        {{"kind", to_string(c.kind)}, {"subject", c.subject}, {"stated", c.stated}, {"found", c.found}, {"sigmas", c.sigmas}, {"remedy", c.remedy}});
+    contradictions.push_back({{"kind", to_string(c.kind)},
+                              {"subject", c.subject},
+                              {"stated", c.stated},
+                              {"found", c.found},
+                              {"sigmas", c.sigmas},
+                              {"remedy", c.remedy}});
   }
-  return {{"grade", survey::to_string(v.grade)}, {"sentence", v.sentence}, {"contradictions", contradictions}, {"gates", gates},
+  return {{"grade", survey::to_string(v.grade)},
+          {"sentence", v.sentence},
+          {"contradictions", contradictions},
+          {"gates", gates},
           {"next", survey::next_steps(input)}};
 }
 

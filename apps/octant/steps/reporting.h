@@ -17,9 +17,10 @@ namespace octant::app {
 
 /// What the user says of reports.
 struct ReportWords {
-  std::vector<std::string> paths;  ///< .html, .md, or .json to make others from later; - is a page on standard output
-  std::string since;               ///< an earlier deployment, to say what changed
-  bool still = false;              ///< without the interactive layer
+  std::vector<std::string>
+      paths;           ///< .html, .md, or .json to make others from later; - is a page on standard output
+  std::string since;   ///< an earlier deployment, to say what changed
+  bool still = false;  ///< without the interactive layer
   bool none = false;
 };
 /// --report, --report-static, --no-report and, where a deployment is judged, --since.
@@ -27,7 +28,8 @@ void add_report_options(CLI::App& command, ReportWords& words, bool with_since);
 
 /// How many of the outputs go to standard output.
 [[nodiscard]] int on_stdout(const ReportWords& words);
-/// Before the long computation: endings that are understood, folders that exist, an earlier deployment that can be read.
+/// Before the long computation: endings that are understood, folders that exist, an earlier deployment that
+/// can be read.
 [[nodiscard]] Result<void> check_report(const ReportWords& words);
 
 /// What a calibration says, converged or refused.
@@ -35,17 +37,24 @@ void add_report_options(CLI::App& command, ReportWords& words, bool with_since);
 /// What a deployment alone says.
 [[nodiscard]] survey::ReportInput report_input(const Deployment& deployment, const Session& session);
 /// Adds fixes and their evaluation.
-void add_verification(survey::ReportInput& input, const Localization& localization, const survey::Evaluation& evaluation);
+void add_verification(survey::ReportInput& input, const Localization& localization,
+                      const survey::Evaluation& evaluation);
 /// Adds the changes since an earlier deployment, if one is given.
 [[nodiscard]] Result<void> add_changes(survey::ReportInput& input, const std::string& since);
 
-/// The report of a calibration with all that the user asked for; of a refused one too. Errors: the earlier deployment.
-[[nodiscard]] Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportWords& words, const Session& session);
+/// The report of a calibration with all that the user asked for; of a refused one too. Errors: the earlier
+/// deployment.
+[[nodiscard]] Result<survey::ReportInput> calibration_report(const Calibration& calibration,
+                                                             const ReportWords& words,
+                                                             const Session& session);
 /// Deployment (where there is one) and reports, all or none.
-[[nodiscard]] Result<void> write_calibration(const std::string& output, const ReportWords& words, const Calibration& calibration, const survey::ReportInput& input);
+[[nodiscard]] Result<void> write_calibration(const std::string& output, const ReportWords& words,
+                                             const Calibration& calibration,
+                                             const survey::ReportInput& input);
 
 /// The files of a report, not yet written: so that a command can write them together with its other outputs.
-[[nodiscard]] std::vector<io::FileContent> report_files(const ReportWords& words, const survey::ReportInput& input);
+[[nodiscard]] std::vector<io::FileContent> report_files(const ReportWords& words,
+                                                        const survey::ReportInput& input);
 /// "report           R.html", a line each, for people.
 [[nodiscard]] std::string report_lines(const ReportWords& words);
 

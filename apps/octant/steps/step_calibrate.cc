@@ -15,8 +15,8 @@
 #include "apps/octant/text/table.h"
 #include "calib/statements/hints.h"
 #include "calib/stream/streamed.h"
-#include "io/text/atomic_file.h"
 #include "io/site/site_yaml.h"
+#include "io/text/atomic_file.h"
 #include "survey/report/report.h"
 
 namespace octant::app {
@@ -38,8 +38,8 @@ std::string in_words(Rejection reason) {
   return "other";
 }
 
-calib::Provenance provenance(const std::string& site_path, const std::string& site_sha256, const std::vector<const MeasurementLog*>& runs,
-                             const Session& session) {
+calib::Provenance provenance(const std::string& site_path, const std::string& site_sha256,
+                             const std::vector<const MeasurementLog*>& runs, const Session& session) {
   calib::Provenance from;
   from.created = created_now();
   from.version = OCTANT_VERSION;
@@ -66,22 +66,26 @@ auto with_progress(bool strict, Session& session, Solve&& solve) {
 }
 
 /// Recordings that are to be streamed; none where they fit into memory or cannot be, which is said.
-Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vector<std::string>& runs, std::size_t memory_mb, Session& session) {
+Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vector<std::string>& runs,
+                                               std::size_t memory_mb, Session& session) {
   constexpr std::size_t kMega = std::size_t{1} << 20;
   if (fits_for_sure(runs, memory_mb * kMega)) return nullptr;
   const ExitAtOnce nothing_written_yet;
-  auto source = StreamSource::open(runs, names_of(site), site.timing, session, constant_speed_mps(site.medium));
+  auto source =
+      StreamSource::open(runs, names_of(site), site.timing, session, constant_speed_mps(site.medium));
   if (!source) return fail(source.error());
   const std::size_t rows = (*source)->rows_estimate(), needed_mb = calib::memory_of_whole(rows) / kMega;
   if (needed_mb <= memory_mb) return nullptr;
-  const std::string much = fmt::format("these recordings would take about {} MB of memory, more than --memory-mb {}", needed_mb, memory_mb);
+  const std::string much = fmt::format(
+      "these recordings would take about {} MB of memory, more than --memory-mb {}", needed_mb, memory_mb);
   if (const auto why = calib::why_not_streamed(site, (*source)->logs())) {
     session.warn(fmt::format("{}, and cannot be streamed: {}", much, *why));
     return nullptr;
   }
   const std::size_t least_mb = calib::least_memory_streamed(rows) / kMega;
-  session.note(fmt::format("{}: they are read in chunks, several times{}", much,
-                           least_mb > memory_mb ? fmt::format("; about {} MB is the least that takes", least_mb) : ""));
+  session.note(fmt::format(
+      "{}: they are read in chunks, several times{}", much,
+      least_mb > memory_mb ? fmt::format("; about {} MB is the least that takes", least_mb) : ""));
   return source;
 }
 
@@ -90,9 +94,11 @@ void warn_of_hints(const std::vector<calib::Finding>& findings, Session& session
 }
 
 /// All of the recordings at once.
-Result<void> read_problem(Site site, const std::vector<std::string>& run_paths, const std::string& site_sha256, Session& session, Calibration& result) {
+Result<void> read_problem(Site site, const std::vector<std::string>& run_paths,
+                          const std::string& site_sha256, Session& session, Calibration& result) {
   const ExitAtOnce nothing_written_yet;
-  auto runs = read_runs(run_paths, names_of(site), site.timing, {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
+  auto runs = read_runs(run_paths, names_of(site), site.timing,
+                        {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
   if (!runs) return fail(runs.error());
   std::vector<const MeasurementLog*> logs;
   for (const MeasurementLog& run : *runs) logs.push_back(&run);
@@ -108,12 +114,15 @@ std::string beacon_table(const Deployment& deployment) {
   double largest_sigma_m = 0.0, largest_delay_s = 0.0;
   for (const auto& b : deployment.beacons) {
     if (b.status == BeaconStatus::kUndetermined) continue;
-    largest_sigma_m = std::max(largest_sigma_m, std::sqrt(std::max(0.0, b.covariance_m2.diagonal().maxCoeff())));
+    largest_sigma_m =
+        std::max(largest_sigma_m, std::sqrt(std::max(0.0, b.covariance_m2.diagonal().maxCoeff())));
     largest_delay_s = std::max({largest_delay_s, std::abs(b.delay_s), b.delay_sigma_s});
   }
   const Unit length = length_unit(largest_sigma_m), time = time_unit(largest_delay_s);
-  const bool delays = largest_delay_s > 0.0;  // else none is asked for, and columns of zeros would only distract
-  Table table{delays ? "lrrrrrrrrl" : "lrrrrrrl", {{"beacon", "x [m]", "y [m]", "z [m]", fmt::format("sx [{}]", length.name), "sy", "sz"}}};
+  const bool delays =
+      largest_delay_s > 0.0;  // else none is asked for, and columns of zeros would only distract
+  Table table{delays ? "lrrrrrrrrl" : "lrrrrrrl",
+              {{"beacon", "x [m]", "y [m]", "z [m]", fmt::format("sx [{}]", length.name), "sy", "sz"}}};
   if (delays) table.rows[0].insert(table.rows[0].end(), {fmt::format("delay [{}]", time.name), "s"});
   for (const auto& b : deployment.beacons) {
     std::vector<std::string> row = {b.name};
@@ -122,8 +131,11 @@ std::string beacon_table(const Deployment& deployment) {
       row.emplace_back("undetermined");
     } else {
       for (int i = 0; i < 3; ++i) row.push_back(fmt::format("{:.4f}", b.position_m[i]));
-      for (int i = 0; i < 3; ++i) row.push_back(fmt::format("{:.2f}", length.per_si * std::sqrt(std::max(0.0, b.covariance_m2(i, i)))));
-      if (delays) row.insert(row.end(), {fmt::format("{:.3f}", time.per_si * b.delay_s), fmt::format("{:.3f}", time.per_si * b.delay_sigma_s)});
+      for (int i = 0; i < 3; ++i)
+        row.push_back(fmt::format("{:.2f}", length.per_si * std::sqrt(std::max(0.0, b.covariance_m2(i, i)))));
+      if (delays)
+        row.insert(row.end(), {fmt::format("{:.3f}", time.per_si * b.delay_s),
+                               fmt::format("{:.3f}", time.per_si * b.delay_sigma_s)});
       row.emplace_back(b.status == BeaconStatus::kControlPoint ? "control point" : "");
     }
     table.rows.push_back(std::move(row));
@@ -133,8 +145,8 @@ std::string beacon_table(const Deployment& deployment) {
 
 }  // namespace
 
-Result<Calibration> calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths, const CalibrateOptions& how,
-                                    Session& session) {
+Result<Calibration> calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths,
+                                    const CalibrateOptions& how, Session& session) {
   Calibration result;
   result.accepted = how.accept;
   auto site = io::read_site(site_path);
@@ -154,14 +166,16 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
     result.problem = std::move(streamed->problem);
     result.solution = std::move(streamed->solution);
   } else {
-    if (auto ok = read_problem(std::move(*site), run_paths, sha256, session, result); !ok) return fail(ok.error());
+    if (auto ok = read_problem(std::move(*site), run_paths, sha256, session, result); !ok)
+      return fail(ok.error());
     session.warn(result.problem.warnings);
     result.solution = with_progress(how.strict, session, [&](const calib::SolveOptions& options) {
       calib::Solution solution = calib::solve_in_place(result.problem, options);
       calib::explain(result.problem, result.problem, solution, options);
       return solution;
     });
-    if (result.solution.contradictions.empty()) warn_of_hints(calib::outcome_hints(result.problem, result.solution), session);
+    if (result.solution.contradictions.empty())
+      warn_of_hints(calib::outcome_hints(result.problem, result.solution), session);
   }
   session.warn(result.solution.warnings);
   if (result.solution.status == calib::SolveStatus::kConverged) {
@@ -176,7 +190,8 @@ std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibra
   if (const auto& whole = calibration.solution.whole) {
     for (const auto& of_beacon : whole->of_beacon)
       for (std::size_t reason = 0; reason < of_beacon.size(); ++reason)
-        if (const auto r = static_cast<Rejection>(reason); r != Rejection::kUsed && of_beacon[reason] > 0) counts[in_words(r)] += of_beacon[reason];
+        if (const auto r = static_cast<Rejection>(reason); r != Rejection::kUsed && of_beacon[reason] > 0)
+          counts[in_words(r)] += of_beacon[reason];
   }
   for (const auto& run : calibration.problem.runs)
     for (const auto& row : run.rejected) ++counts[row.reason];
@@ -185,7 +200,8 @@ std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibra
 
 void warn_if_contradicted(const Deployment& deployment, const std::string& path, Session& session) {
   for (const Contradiction& c : deployment.contradictions)
-    session.warn(fmt::format("{} was exported although its data contradict its site file: {} {}", path, in_words(c), c.remedy));
+    session.warn(fmt::format("{} was exported although its data contradict its site file: {} {}", path,
+                             in_words(c), c.remedy));
 }
 
 namespace {
@@ -198,7 +214,9 @@ class LeftOutCounts {
     total_ += count;
   }
   void add_of(const std::string& subject, std::size_t count = 1) { by_subject_[subject] += count; }
-  [[nodiscard]] Json json(const char* subject) const { return {{"total", total_}, {"by_reason", by_reason_}, {subject, by_subject_}}; }
+  [[nodiscard]] Json json(const char* subject) const {
+    return {{"total", total_}, {"by_reason", by_reason_}, {subject, by_subject_}};
+  }
 
  private:
   std::size_t total_ = 0;
@@ -210,14 +228,17 @@ Json arrivals_left_out(const Calibration& calibration) {
   LeftOutCounts counts;
   for (const auto& [reason, count] : left_out_by_reason(calibration)) counts.add(reason, count);
   for (const auto& left : calibration.solution.left_out) {
-    if (left.run >= calibration.problem.runs.size() || left.arrival >= calibration.problem.runs[left.run].arrivals.size()) continue;
+    if (left.run >= calibration.problem.runs.size() ||
+        left.arrival >= calibration.problem.runs[left.run].arrivals.size())
+      continue;
     const BeaconId beacon = calibration.problem.runs[left.run].arrivals[left.arrival].beacon;
     if (beacon.valid() && beacon.index() < beacons.size()) counts.add_of(beacons[beacon.index()].name);
   }
   if (const auto& whole = calibration.solution.whole) {
     for (std::size_t b = 0; b < whole->of_beacon.size(); ++b) {
       const auto& of_beacon = whole->of_beacon[b];
-      const std::size_t out = std::accumulate(of_beacon.begin() + 1, of_beacon.end(), std::size_t{0});  // all but kUsed
+      const std::size_t out =
+          std::accumulate(of_beacon.begin() + 1, of_beacon.end(), std::size_t{0});  // all but kUsed
       if (out > 0) counts.add_of(beacons[b].name, out);
     }
   }
@@ -238,7 +259,8 @@ Json bearings_left_out(const Calibration& calibration) {
 Json poses_left_out(const Calibration& calibration) {
   LeftOutCounts counts;
   for (const auto& left : calibration.solution.left_out_poses) {
-    counts.add(left.reason == Rejection::kNotNeeded ? "nothing was heard or seen at its time" : in_words(left.reason));
+    counts.add(left.reason == Rejection::kNotNeeded ? "nothing was heard or seen at its time"
+                                                    : in_words(left.reason));
     counts.add_of(calibration.problem.runs[left.run].path);
   }
   return counts.json("by_run");
@@ -247,30 +269,43 @@ Json poses_left_out(const Calibration& calibration) {
 }  // namespace
 
 Json left_out_json(const Calibration& calibration) {
-  return {{"arrivals", arrivals_left_out(calibration)}, {"bearings", bearings_left_out(calibration)}, {"poses", poses_left_out(calibration)}};
+  return {{"arrivals", arrivals_left_out(calibration)},
+          {"bearings", bearings_left_out(calibration)},
+          {"poses", poses_left_out(calibration)}};
 }
 
 std::string calibration_text(const Calibration& calibration) {
   const Deployment& d = *calibration.deployment;
   const calib::Solution& s = calibration.solution;
-  std::string text = fmt::format("{}: calibrated, {} iterations, {:.2f} s\n\n", d.site.empty() ? "site without a name" : d.site, s.iterations, s.seconds) + beacon_table(d) + "\n";
-  const auto line = [&](const char* name, const std::string& what) { text += fmt::format("{:<17}{}\n", name, what); };
+  std::string text = fmt::format("{}: calibrated, {} iterations, {:.2f} s\n\n",
+                                 d.site.empty() ? "site without a name" : d.site, s.iterations, s.seconds) +
+                     beacon_table(d) + "\n";
+  const auto line = [&](const char* name, const std::string& what) {
+    text += fmt::format("{:<17}{}\n", name, what);
+  };
   line("speed", survey::speed_in_words(d));
   if (d.attenuation) {
-    line("time-walk", fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, rise time constant {}", d.attenuation->amplitude_1m_v,
-                                  d.attenuation->absorption_np_per_m, time_text(d.attenuation->rise_time_s)));
+    line("time-walk", fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, rise time constant {}",
+                                  d.attenuation->amplitude_1m_v, d.attenuation->absorption_np_per_m,
+                                  time_text(d.attenuation->rise_time_s)));
     if (d.attenuation->directional()) line("receivers", survey::directivity_in_words(d));
   }
   std::string reasons;
-  for (const auto& [reason, count] : left_out_by_reason(calibration)) reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, reason);
-  line("arrivals", fmt::format("{} used, {} left out{}", d.statistics.arrivals, d.statistics.rejected, reasons.empty() ? "" : ": " + reasons));
+  for (const auto& [reason, count] : left_out_by_reason(calibration))
+    reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, reason);
+  line("arrivals", fmt::format("{} used, {} left out{}", d.statistics.arrivals, d.statistics.rejected,
+                               reasons.empty() ? "" : ": " + reasons));
   line("unknowns", fmt::format("{}, redundancy {:.0f}", d.statistics.unknowns, d.statistics.redundancy));
-  line("residuals", fmt::format("{} RMS; variance factor {:.3f}, p = {:.2g}", time_text(d.statistics.rms_s), d.statistics.variance_factor,
-                                d.statistics.chi2_p));
+  line("residuals", fmt::format("{} RMS; variance factor {:.3f}, p = {:.2g}", time_text(d.statistics.rms_s),
+                                d.statistics.variance_factor, d.statistics.chi2_p));
   line("datum", d.datum.description);
   for (const auto& weak : s.weak) {
-    const std::string known = weak.sigma_m > 0 ? fmt::format(" known to {}, {} at the robot", length_text(weak.sigma_m), length_text(weak.consequence_m)) : "";
-    line("weak", fmt::format("{}{}{}", weak.description, known, weak.remedy.empty() ? "" : "; settled by: " + weak.remedy));
+    const std::string known = weak.sigma_m > 0
+                                  ? fmt::format(" known to {}, {} at the robot", length_text(weak.sigma_m),
+                                                length_text(weak.consequence_m))
+                                  : "";
+    line("weak", fmt::format("{}{}{}", weak.description, known,
+                             weak.remedy.empty() ? "" : "; settled by: " + weak.remedy));
   }
   return text + reliability_text(calibration);
 }

@@ -11,8 +11,9 @@
 
 namespace octant::app {
 
-Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
-                                              io::ReadRunOptions options, Session& session) {
+Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names,
+                                              const Timing& timing, io::ReadRunOptions options,
+                                              Session& session) {
   const ExitAtOnce nothing_written_yet;
   options.threads = session.threads();
   std::vector<MeasurementLog> runs;
@@ -20,8 +21,9 @@ Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& fo
     auto run = io::read_run(folder, names, timing, options);
     if (!run) return fail(run.error());
     session.warn(run->warnings);
-    session.detail(fmt::format("{}: {} arrivals, {} rows that are none, {} odometry rows, {} measured poses", folder, run->arrivals.size(),
-                               run->rejected.size(), run->odometry.size(), run->poses.size()));
+    session.detail(fmt::format("{}: {} arrivals, {} rows that are none, {} odometry rows, {} measured poses",
+                               folder, run->arrivals.size(), run->rejected.size(), run->odometry.size(),
+                               run->poses.size()));
     runs.push_back(std::move(*run));
   }
   return runs;
@@ -33,10 +35,12 @@ std::vector<Fix> Localization::all() const {
   return together;
 }
 
-Result<Localization> localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method wanted, const MethodInput& input) {
+Result<Localization> localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
+                                   Method wanted, const MethodInput& input) {
   Localization result;
   for (const auto& run : runs) {
-    const MethodChoice choice = wanted == Method::kAuto ? choose_method(deployment, run, input) : MethodChoice{wanted, ""};
+    const MethodChoice choice =
+        wanted == Method::kAuto ? choose_method(deployment, run, input) : MethodChoice{wanted, ""};
     {
       const ExitAtOnce nothing_written_yet;
       auto fixes = locate_run(choice.method, deployment, run, input);
@@ -45,7 +49,8 @@ Result<Localization> localize_runs(const Deployment& deployment, const std::vect
         error.code = Errc::kBadInput;
         if (error.file.empty()) error.file = run.path;
         const std::string name = to_string(choice.method);
-        error.found = error.found.rfind(name, 0) == 0 ? "method " + error.found : fmt::format("method {}: {}", name, error.found);
+        error.found = error.found.rfind(name, 0) == 0 ? "method " + error.found
+                                                      : fmt::format("method {}: {}", name, error.found);
         return fail(std::move(error));
       }
       result.fixes.push_back(std::move(*fixes));
@@ -53,7 +58,8 @@ Result<Localization> localize_runs(const Deployment& deployment, const std::vect
     const std::string name = to_string(choice.method);
     if (result.method.find(name) == std::string::npos) {
       result.method += (result.method.empty() ? "" : "+") + name;
-      if (wanted == Method::kAuto) result.why += fmt::format("{}{}", result.why.empty() ? "" : "; ", choice.why);
+      if (wanted == Method::kAuto)
+        result.why += fmt::format("{}{}", result.why.empty() ? "" : "; ", choice.why);
     }
     result.rejected += run.rejected.size();
     for (const Fix& fix : result.fixes.back()) {
@@ -70,7 +76,8 @@ Result<MethodInput> method_input(const MethodWords& words, const Deployment& dep
   MethodInput input;
   input.kleeman_heading = words.heading;
   if (words.map.empty()) return input;
-  const auto mapped = io::read_run(words.map, names_of(deployment), deployment.timing, {.read_truth = false, .read_poses = true});
+  const auto mapped = io::read_run(words.map, names_of(deployment), deployment.timing,
+                                   {.read_truth = false, .read_poses = true});
   if (!mapped) return fail(mapped.error());
   auto map = build_line_map(*mapped);
   if (!map) return fail(map.error());
@@ -78,17 +85,24 @@ Result<MethodInput> method_input(const MethodWords& words, const Deployment& dep
   return input;
 }
 
-Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs, const Localization& localization) {
+Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
+                                        const Localization& localization) {
   std::vector<survey::ReferencedRun> referenced;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (runs[i].truth.empty()) {
-      return fail({.code = Errc::kBadInput, .file = runs[i].path + "/truth.tum", .found = "there is no reference trajectory",
-                   .expected = "a file truth.tum with at least one pose, or truth.csv with at least one point", .advice = "verify needs a run whose true poses are known; localize does not"});
+      return fail(
+          {.code = Errc::kBadInput,
+           .file = runs[i].path + "/truth.tum",
+           .found = "there is no reference trajectory",
+           .expected = "a file truth.tum with at least one pose, or truth.csv with at least one point",
+           .advice = "verify needs a run whose true poses are known; localize does not"});
     }
     survey::ReferencedRun run{{}, runs[i].truth, runs[i].truth_accuracy};
     // truth.tum follows one vehicle; the others of the run have no reference.
     std::copy_if(localization.fixes[i].begin(), localization.fixes[i].end(), std::back_inserter(run.fixes),
-                 [&](const Fix& fix) { return !runs[i].vehicle.valid() || !fix.vehicle.valid() || fix.vehicle == runs[i].vehicle; });
+                 [&](const Fix& fix) {
+                   return !runs[i].vehicle.valid() || !fix.vehicle.valid() || fix.vehicle == runs[i].vehicle;
+                 });
     referenced.push_back(std::move(run));
   }
   return survey::evaluate(referenced, deployment.motion, deployment.tolerance);
@@ -97,7 +111,8 @@ Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std:
 Json evaluation_json(const survey::Evaluation& e) {
   const auto figure = [&](double value) { return e.matched > 0 ? Json(value) : Json(nullptr); };
   Json gates = Json::array();
-  for (const auto& gate : e.gates) gates.push_back({{"name", gate.name}, {"limit", gate.limit}, {"value", gate.value}, {"pass", gate.pass}});
+  for (const auto& gate : e.gates)
+    gates.push_back({{"name", gate.name}, {"limit", gate.limit}, {"value", gate.value}, {"pass", gate.pass}});
   return {{"fixes", e.fixes},
           {"no_fix", e.no_fix},
           {"matched", e.matched},
@@ -117,30 +132,39 @@ Json no_fix_json(const Localization& localization) {
 
 std::string unmatched_text(const Localization& localization) {
   if (localization.ok > 0)
-    return fmt::format("none of the {} fixes has a reference at its time (poses of truth.tum at most 1 s apart around it, or truth.csv with its epoch)",
-                       localization.ok);
+    return fmt::format(
+        "none of the {} fixes has a reference at its time (poses of truth.tum at most 1 s apart around it, "
+        "or truth.csv with its epoch)",
+        localization.ok);
   std::string why;
-  for (const auto& [reason, count] : localization.no_fix_reasons) why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, reason);
+  for (const auto& [reason, count] : localization.no_fix_reasons)
+    why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, reason);
   if (localization.no_fix == 0) return "there is no fix, as nothing was heard";
-  return fmt::format("there is no fix to hold against the reference: {} of {} failed ({}, by {})", localization.no_fix, localization.no_fix, why,
-                     localization.method);
+  return fmt::format("there is no fix to hold against the reference: {} of {} failed ({}, by {})",
+                     localization.no_fix, localization.no_fix, why, localization.method);
 }
 
 std::string evaluation_text(const survey::Evaluation& e, const Localization& localization) {
   std::string text;
-  const auto line = [&](const char* name, const std::string& what) { text += fmt::format("{:<17}{}\n", name, what); };
-  line("fixes", fmt::format("{}, {} of them with a reference; {} times no fix", e.fixes, e.matched, e.no_fix));
+  const auto line = [&](const char* name, const std::string& what) {
+    text += fmt::format("{:<17}{}\n", name, what);
+  };
+  line("fixes",
+       fmt::format("{}, {} of them with a reference; {} times no fix", e.fixes, e.matched, e.no_fix));
   if (e.matched > 0) {
-    line("position error", fmt::format("RMSE {}, 95 % {}, largest {}", length_text(e.position_rmse_m), length_text(e.position_p95_m),
-                                       length_text(e.max_error_m)));
+    line("position error", fmt::format("RMSE {}, 95 % {}, largest {}", length_text(e.position_rmse_m),
+                                       length_text(e.position_p95_m), length_text(e.max_error_m)));
   }
   if (e.heading_rmse_rad) line("heading error", fmt::format("RMSE {:.4f} rad", *e.heading_rmse_rad));
-  if (e.nees_mean) line("NEES", fmt::format("{:.2f} of its degrees of freedom (1: the stated sigmas are honest)", *e.nees_mean));
+  if (e.nees_mean)
+    line("NEES",
+         fmt::format("{:.2f} of its degrees of freedom (1: the stated sigmas are honest)", *e.nees_mean));
   for (const auto& gate : e.gates) {
     if (gate.name == "matched") {
       line("gate matched", "NOT KEPT: " + unmatched_text(localization));
     } else {
-      line(("gate " + gate.name).c_str(), fmt::format("{}: {}, limit {}", gate.pass ? "kept" : "NOT KEPT", length_text(gate.value), length_text(gate.limit)));
+      line(("gate " + gate.name).c_str(), fmt::format("{}: {}, limit {}", gate.pass ? "kept" : "NOT KEPT",
+                                                      length_text(gate.value), length_text(gate.limit)));
     }
   }
   if (e.gates.empty()) line("gates", "none: the site states no tolerance for fixes");

@@ -18,14 +18,19 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
 Json component_json(const calib::VarianceComponent& c) {
-  return {{"kind", c.name}, {"observations", c.observations}, {"redundancy", number(c.redundancy)}, {"factor", number(c.factor)},
+  return {{"kind", c.name},
+          {"observations", c.observations},
+          {"redundancy", number(c.redundancy)},
+          {"factor", number(c.factor)},
           {"chi2_p", number(c.chi2_p)}};
 }
 
 Json ellipse_json(const calib::ErrorEllipse& e) {
   Json axes = Json::array();
   for (const double a : e.semi_axes_m) axes.push_back(number(a));
-  return {{"semi_major_m", number(e.semi_major_m)}, {"semi_minor_m", number(e.semi_minor_m)}, {"azimuth_rad", number(e.azimuth_rad)},
+  return {{"semi_major_m", number(e.semi_major_m)},
+          {"semi_minor_m", number(e.semi_minor_m)},
+          {"azimuth_rad", number(e.azimuth_rad)},
           {"semi_axes_3d_m", axes}};
 }
 
@@ -51,7 +56,11 @@ Json groups_json(const std::vector<ResidualGroup>& groups, const char* from, con
   for (const auto& g : groups) {
     if (g.count == 0) continue;
     Json one = from == nullptr ? Json{{"id", g.name}} : Json{{from, number(g.from)}, {to, number(g.to)}};
-    one.update({{"count", g.count}, {"mean_s", number(g.mean_s)}, {"rms_s", number(g.rms_s)}, {"mean_m", number(g.mean_m)}, {"rms_m", number(g.rms_m)}});
+    one.update({{"count", g.count},
+                {"mean_s", number(g.mean_s)},
+                {"rms_s", number(g.rms_s)},
+                {"mean_m", number(g.mean_m)},
+                {"rms_m", number(g.rms_m)}});
     list.push_back(std::move(one));
   }
   return list;
@@ -64,7 +73,8 @@ struct Place {
 };
 Place place_of(const calib::ArrivalReliability& a, const calib::Problem& problem) {
   const MeasurementLog& run = problem.runs[a.run];
-  return {run.path, problem.site.beacons[a.beacon.index()].name, problem.site.receivers[a.receiver.index()].name, run.arrivals[a.arrival].line};
+  return {run.path, problem.site.beacons[a.beacon.index()].name,
+          problem.site.receivers[a.receiver.index()].name, run.arrivals[a.arrival].line};
 }
 
 double or_zero(const std::optional<double>& value) { return value.value_or(0.0); }
@@ -82,25 +92,34 @@ std::string cell(const std::optional<double>& value, double per_si, int digits) 
 }
 
 std::string reliability_table(const Reliability& r) {
-  const Unit time = time_unit(largest(r, [](const auto& b) { return std::max(b.rms_s, or_zero(b.mdb_median_s)); }));
+  const Unit time =
+      time_unit(largest(r, [](const auto& b) { return std::max(b.rms_s, or_zero(b.mdb_median_s)); }));
   const Unit late = time_unit(largest(r, [](const auto& b) { return or_zero(b.lateness_mdb_s); }));
-  const Unit shift = length_unit(largest(r, [](const auto& b) { return std::max(or_zero(b.influence_worst_m), or_zero(b.lateness_influence_m)); }));
-  const Unit axis = length_unit(largest(r, [](const auto& b) { return b.ellipse ? b.ellipse->semi_axes_m[0] : 0.0; }));
+  const Unit shift = length_unit(largest(r, [](const auto& b) {
+    return std::max(or_zero(b.influence_worst_m), or_zero(b.lateness_influence_m));
+  }));
+  const Unit axis =
+      length_unit(largest(r, [](const auto& b) { return b.ellipse ? b.ellipse->semi_axes_m[0] : 0.0; }));
   Table table{"lrrrrrrrrrrrrrr",
-              {{"beacon", "used", "late", "early", "r", fmt::format("RMS [{}]", time.name), "variance", "p", fmt::format("MDB [{}]", time.name),
-                fmt::format("moves [{}]", shift.name), fmt::format("all late [{}]", late.name), fmt::format("moves [{}]", shift.name),
+              {{"beacon", "used", "late", "early", "r", fmt::format("RMS [{}]", time.name), "variance", "p",
+                fmt::format("MDB [{}]", time.name), fmt::format("moves [{}]", shift.name),
+                fmt::format("all late [{}]", late.name), fmt::format("moves [{}]", shift.name),
                 fmt::format("95 % a [{}]", axis.name), "b", "azimuth"}}};
   for (const auto& b : r.beacons) {
-    std::vector<std::string> row = {b.name, fmt::format("{}", b.used), fmt::format("{}", b.late), fmt::format("{}", b.early)};
+    std::vector<std::string> row = {b.name, fmt::format("{}", b.used), fmt::format("{}", b.late),
+                                    fmt::format("{}", b.early)};
     if (b.used == 0) {
       row.resize(table.align.size(), "-");
     } else {
-      row.insert(row.end(), {fmt::format("{:.2f}", b.mean_redundancy), cell(b.rms_s, time.per_si, 2), cell(b.component.factor, 1, 2),
-                             b.component.chi2_p ? fmt::format("{:.2g}", *b.component.chi2_p) : "-", cell(b.mdb_median_s, time.per_si, 1),
-                             cell(b.influence_worst_m, shift.per_si, 2), cell(b.lateness_mdb_s, late.per_si, 1),
-                             cell(b.lateness_influence_m, shift.per_si, 2)});
+      row.insert(row.end(),
+                 {fmt::format("{:.2f}", b.mean_redundancy), cell(b.rms_s, time.per_si, 2),
+                  cell(b.component.factor, 1, 2),
+                  b.component.chi2_p ? fmt::format("{:.2g}", *b.component.chi2_p) : "-",
+                  cell(b.mdb_median_s, time.per_si, 1), cell(b.influence_worst_m, shift.per_si, 2),
+                  cell(b.lateness_mdb_s, late.per_si, 1), cell(b.lateness_influence_m, shift.per_si, 2)});
       if (b.ellipse) {
-        row.insert(row.end(), {cell(b.ellipse->semi_major_m, axis.per_si, 2), cell(b.ellipse->semi_minor_m, axis.per_si, 2),
+        row.insert(row.end(), {cell(b.ellipse->semi_major_m, axis.per_si, 2),
+                               cell(b.ellipse->semi_minor_m, axis.per_si, 2),
                                fmt::format("{:.0f} deg", b.ellipse->azimuth_rad * 180.0 / M_PI)});
       }
       row.resize(table.align.size(), "-");
@@ -110,11 +129,13 @@ std::string reliability_table(const Reliability& r) {
   return table.text();
 }
 
-void add_groups(Table& table, const std::vector<ResidualGroup>& groups, const char* unit, const Unit& time, const Unit& length) {
+void add_groups(Table& table, const std::vector<ResidualGroup>& groups, const char* unit, const Unit& time,
+                const Unit& length) {
   for (const auto& g : groups) {
     if (g.count == 0) continue;
-    table.rows.push_back({unit == nullptr ? g.name : fmt::format("{:.1f} to {:.1f} {}", g.from, g.to, unit), fmt::format("{}", g.count),
-                          cell(g.mean_s, time.per_si, 2), cell(g.rms_s, time.per_si, 2), cell(g.mean_m, length.per_si, 2),
+    table.rows.push_back({unit == nullptr ? g.name : fmt::format("{:.1f} to {:.1f} {}", g.from, g.to, unit),
+                          fmt::format("{}", g.count), cell(g.mean_s, time.per_si, 2),
+                          cell(g.rms_s, time.per_si, 2), cell(g.mean_m, length.per_si, 2),
                           cell(g.rms_m, length.per_si, 2)});
   }
 }
@@ -128,11 +149,12 @@ std::string residual_table(const Reliability& r) {
     }
   const Unit time = time_unit(largest_s), length = length_unit(largest_m);
   Table table{"lrrrrr",
-              {{"residuals", "count", fmt::format("mean [{}]", time.name), fmt::format("RMS [{}]", time.name), fmt::format("mean [{}]", length.name),
-                fmt::format("RMS [{}]", length.name)}}};
+              {{"residuals", "count", fmt::format("mean [{}]", time.name), fmt::format("RMS [{}]", time.name),
+                fmt::format("mean [{}]", length.name), fmt::format("RMS [{}]", length.name)}}};
   add_groups(table, r.by_distance, "m", time, length);
   add_groups(table, r.by_temperature, "degC", time, length);
-  if (std::count_if(r.by_receiver.begin(), r.by_receiver.end(), [](const auto& g) { return g.count > 0; }) > 1)
+  if (std::count_if(r.by_receiver.begin(), r.by_receiver.end(), [](const auto& g) { return g.count > 0; }) >
+      1)
     add_groups(table, r.by_receiver, nullptr, time, length);
   return table.text();
 }
@@ -148,8 +170,14 @@ Json reliability_json(const Calibration& calibration) {
   for (const std::size_t i : r.worst) {
     const auto& a = r.arrivals[i];
     const Place at = place_of(a, calibration.problem);
-    worst.push_back({{"run", at.run}, {"line", at.line}, {"beacon", at.beacon}, {"receiver", at.receiver}, {"w", number(a.w)},
-                     {"residual_s", number(a.residual_s)}, {"redundancy_number", number(a.redundancy)}, {"mdb_s", number(a.mdb_s)}});
+    worst.push_back({{"run", at.run},
+                     {"line", at.line},
+                     {"beacon", at.beacon},
+                     {"receiver", at.receiver},
+                     {"w", number(a.w)},
+                     {"residual_s", number(a.residual_s)},
+                     {"redundancy_number", number(a.redundancy)},
+                     {"mdb_s", number(a.mdb_s)}});
   }
   return {{"critical_w", calib::kCriticalW},
           {"beyond_critical", r.beyond_critical},
@@ -174,9 +202,12 @@ std::string reliability_text(const Calibration& calibration) {
   if (!r.ok || r.arrivals.empty()) return "";
   std::string text = "\n" + reliability_table(r);
   text +=
-      "r: mean redundancy number. variance: of the residuals over the stated one. MDB: smallest bias of one arrival that is found\n"
-      "(0.1 %, power 80 %; median), and how far the worst that is not moves a beacon coordinate. all late: the same for a lateness\n"
-      "of all arrivals of a beacon. 95 %: half axes of the horizontal error ellipse, azimuth counter-clockwise from +x.\n\n";
+      "r: mean redundancy number. variance: of the residuals over the stated one. MDB: smallest bias of one "
+      "arrival that is found\n"
+      "(0.1 %, power 80 %; median), and how far the worst that is not moves a beacon coordinate. all late: "
+      "the same for a lateness\n"
+      "of all arrivals of a beacon. 95 %: half axes of the horizontal error ellipse, azimuth "
+      "counter-clockwise from +x.\n\n";
   text += residual_table(r) + "\n";
   std::string kinds;
   for (const auto& kind : r.kinds) {
@@ -185,14 +216,18 @@ std::string reliability_text(const Calibration& calibration) {
   }
   text += fmt::format("{:<17}{}\n", "variances", kinds);
   if (r.every > 1)
-    text += fmt::format("{:<17}redundancy, w, detectable biases, residual groups and variances are those of every {}th epoch; the adjustment used all\n",
-                        "looked at", r.every);
-  text += fmt::format("{:<17}{} of {} beyond {:.2f} ({:.1f} expected)", "Baarda's w", r.beyond_critical, r.arrivals.size(), calib::kCriticalW,
-                      0.001 * static_cast<double>(r.arrivals.size()));
-  for (std::size_t i = 0; i < r.worst.size() && i < 3 && std::abs(r.arrivals[r.worst[i]].w) > calib::kCriticalW; ++i) {
+    text += fmt::format(
+        "{:<17}redundancy, w, detectable biases, residual groups and variances are those of every {}th "
+        "epoch; the adjustment used all\n",
+        "looked at", r.every);
+  text += fmt::format("{:<17}{} of {} beyond {:.2f} ({:.1f} expected)", "Baarda's w", r.beyond_critical,
+                      r.arrivals.size(), calib::kCriticalW, 0.001 * static_cast<double>(r.arrivals.size()));
+  for (std::size_t i = 0;
+       i < r.worst.size() && i < 3 && std::abs(r.arrivals[r.worst[i]].w) > calib::kCriticalW; ++i) {
     const auto& a = r.arrivals[r.worst[i]];
     const Place at = place_of(a, calibration.problem);
-    text += fmt::format("{}{}/tof.csv:{} {} {} w = {:.2f}", i == 0 ? "; worst: " : ", ", at.run, at.line, at.beacon, at.receiver, a.w);
+    text += fmt::format("{}{}/tof.csv:{} {} {} w = {:.2f}", i == 0 ? "; worst: " : ", ", at.run, at.line,
+                        at.beacon, at.receiver, a.w);
   }
   return text + "\n";
 }

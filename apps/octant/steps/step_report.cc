@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Core>
 #include <fmt/format.h>
+#include <Eigen/Core>
 
 #include "apps/octant/steps/reporting.h"
 #include "calib/deployment_head.h"
@@ -17,12 +17,17 @@ namespace {
 constexpr double kFarthest_sigmas = 6.0, kBin_sigmas = 0.25;
 
 double finite(double value) { return std::isfinite(value) ? value : 0.0; }
-std::optional<double> finite(const std::optional<double>& value) { return value && std::isfinite(*value) ? value : std::nullopt; }
+std::optional<double> finite(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
 
-survey::ResidualChart chart(const char* by, const char* unit, const std::vector<calib::ResidualGroup>& groups, double per_si = 1.0) {
+survey::ResidualChart chart(const char* by, const char* unit, const std::vector<calib::ResidualGroup>& groups,
+                            double per_si = 1.0) {
   survey::ResidualChart out{by, unit, {}};
   for (const auto& g : groups)
-    if (g.count > 0) out.bins.push_back({g.name, per_si * finite(g.from), per_si * finite(g.to), g.count, finite(g.mean_s), finite(g.rms_s)});
+    if (g.count > 0)
+      out.bins.push_back({g.name, per_si * finite(g.from), per_si * finite(g.to), g.count, finite(g.mean_s),
+                          finite(g.rms_s)});
   return out;
 }
 
@@ -34,7 +39,9 @@ void add_residuals(const calib::Reliability& r, survey::ReportInput& input) {
   input.residuals.push_back(chart("incidence", "deg", r.by_incidence, 180 / M_PI));
   if (!r.by_temperature.empty()) input.residuals.push_back(chart("temperature", "degC", r.by_temperature));
   input.residuals.push_back(chart("time", "s", r.by_time));
-  survey::Histogram h{-kFarthest_sigmas, kBin_sigmas, std::vector<std::size_t>(static_cast<std::size_t>(2 * kFarthest_sigmas / kBin_sigmas), 0)};
+  survey::Histogram h{
+      -kFarthest_sigmas, kBin_sigmas,
+      std::vector<std::size_t>(static_cast<std::size_t>(2 * kFarthest_sigmas / kBin_sigmas), 0)};
   for (const auto& a : r.arrivals) {
     if (!a.controlled || !std::isfinite(a.w)) continue;
     const double bin = std::floor((a.w + kFarthest_sigmas) / kBin_sigmas);
@@ -45,8 +52,16 @@ void add_residuals(const calib::Reliability& r, survey::ReportInput& input) {
 
 void add_beacon_notes(const calib::Reliability& r, survey::ReportInput& input) {
   for (const auto& b : r.beacons) {
-    survey::BeaconNote note{b.name, b.used, b.late + b.early + b.other, finite(b.mean_redundancy), {}, finite(b.component.factor), finite(b.mdb_median_s),
-                            finite(b.influence_worst_m), finite(b.lateness_mdb_s), finite(b.lateness_influence_m)};
+    survey::BeaconNote note{b.name,
+                            b.used,
+                            b.late + b.early + b.other,
+                            finite(b.mean_redundancy),
+                            {},
+                            finite(b.component.factor),
+                            finite(b.mdb_median_s),
+                            finite(b.influence_worst_m),
+                            finite(b.lateness_mdb_s),
+                            finite(b.lateness_influence_m)};
     if (b.used > 0) note.rms_s = finite(b.rms_s);
     input.beacons.push_back(std::move(note));
   }
@@ -56,9 +71,12 @@ void add_beacon_notes(const calib::Reliability& r, survey::ReportInput& input) {
 Deployment partial_deployment(const Calibration& c) {
   const calib::Solution& s = c.solution;
   const Site& site = c.problem.site;
-  const bool solved = s.beacon_status.size() == site.beacons.size() && s.state.beacon_p_map_m.size() == site.beacons.size() &&
-                      s.state.beacon_delay_s.size() == site.beacons.size() && s.state.receiver_p_vehicle_m.size() == site.receivers.size() &&
-                      s.state.receiver_delay_s.size() == site.receivers.size() && !s.state.speed_offset_mps.empty() && s.covariance.matrix.allFinite();
+  const bool solved = s.beacon_status.size() == site.beacons.size() &&
+                      s.state.beacon_p_map_m.size() == site.beacons.size() &&
+                      s.state.beacon_delay_s.size() == site.beacons.size() &&
+                      s.state.receiver_p_vehicle_m.size() == site.receivers.size() &&
+                      s.state.receiver_delay_s.size() == site.receivers.size() &&
+                      !s.state.speed_offset_mps.empty() && s.covariance.matrix.allFinite();
   Deployment d;
   if (solved) {
     d = calib::make_deployment(c.problem, s, c.provenance);
@@ -74,7 +92,8 @@ Deployment partial_deployment(const Calibration& c) {
   }
   for (auto& b : d.beacons) {
     // Known no better than the site is large is not known.
-    const bool known = b.position_m.allFinite() && b.covariance_m2.allFinite() && b.covariance_m2.trace() < std::pow(c.problem.typical_range_m, 2) &&
+    const bool known = b.position_m.allFinite() && b.covariance_m2.allFinite() &&
+                       b.covariance_m2.trace() < std::pow(c.problem.typical_range_m, 2) &&
                        std::isfinite(b.delay_s) && std::isfinite(b.delay_sigma_s);
     if (known) continue;
     b.status = BeaconStatus::kUndetermined;
@@ -84,13 +103,16 @@ Deployment partial_deployment(const Calibration& c) {
   }
   auto& st = d.statistics;
   st.converged = false;
-  for (double* value : {&st.redundancy, &st.variance_factor, &st.chi2_p, &st.rms_s, &d.speed_offset_mps, &d.speed_sigma_mps, &d.noise.tof_sigma_s}) *value = finite(*value);
+  for (double* value : {&st.redundancy, &st.variance_factor, &st.chi2_p, &st.rms_s, &d.speed_offset_mps,
+                        &d.speed_sigma_mps, &d.noise.tof_sigma_s})
+    *value = finite(*value);
   return d;
 }
 
 std::vector<std::string> options_in_words(const Session& session) {
   return {fmt::format("threads {}, seed {}", session.threads(), session.options.seed),
-          fmt::format("Eigen {}.{}.{}, compiler {}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, __VERSION__)};
+          fmt::format("Eigen {}.{}.{}, compiler {}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                      EIGEN_MINOR_VERSION, __VERSION__)};
 }
 
 }  // namespace
@@ -98,9 +120,9 @@ std::vector<std::string> options_in_words(const Session& session) {
 survey::ReportInput report_input(const Calibration& c, const Session& session) {
   survey::ReportInput input;
   const calib::Solution& s = c.solution;
-  input.outcome = c.deployment                                             ? survey::Outcome::kCalibrated
+  input.outcome = c.deployment                                    ? survey::Outcome::kCalibrated
                   : s.status == calib::SolveStatus::kUndetermined ? survey::Outcome::kRefused
-                                                                           : survey::Outcome::kNotConverged;
+                                                                  : survey::Outcome::kNotConverged;
   input.message = s.message;
   input.plan.deployment = c.deployment ? *c.deployment : partial_deployment(c);
   for (const auto& trajectory : s.trajectories) {
@@ -112,7 +134,8 @@ survey::ReportInput report_input(const Calibration& c, const Session& session) {
     track.points_m = survey::thinned(track.points_m);
     input.plan.tracks.push_back(std::move(track));
   }
-  for (const auto& weak : s.weak) input.weak.push_back({weak.description, weak.remedy, finite(weak.consequence_m), weak.blocking});
+  for (const auto& weak : s.weak)
+    input.weak.push_back({weak.description, weak.remedy, finite(weak.consequence_m), weak.blocking});
   for (const auto& [reason, count] : left_out_by_reason(c)) input.left_out.push_back({reason, count});
   add_beacon_notes(s.reliability, input);
   add_residuals(s.reliability, input);

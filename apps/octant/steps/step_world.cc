@@ -12,9 +12,9 @@
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/steps/steps.h"
-#include "io/text/atomic_file.h"
 #include "io/deployment/deployment_json.h"
 #include "io/site/site_yaml.h"
+#include "io/text/atomic_file.h"
 
 namespace octant::app {
 namespace {
@@ -51,7 +51,9 @@ std::optional<fs::path> stranger_in(const fs::path& folder, const std::vector<st
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     const bool run_folder = it.depth() == 0 && (name == "run" || name == "heldout");
-    if (it->is_symlink() || it->is_directory() != run_folder || (it.depth() == 0 ? known : known_of_run).count(name) == 0) return it->path();
+    if (it->is_symlink() || it->is_directory() != run_folder ||
+        (it.depth() == 0 ? known : known_of_run).count(name) == 0)
+      return it->path();
   }
   if (error) return folder;
   return std::nullopt;
@@ -63,7 +65,9 @@ Result<void> check_world_folder(const fs::path& folder, const std::vector<std::s
   if (!fs::exists(status)) return {};
   if (!fs::is_directory(status)) return fail(output_error(folder, "is a file", "name a folder"));
   if (const auto stranger = stranger_in(folder, may_replace)) {
-    return fail(output_error(folder, fmt::format("holds something that is not a simulated world ({})", stranger->lexically_relative(folder).string()),
+    return fail(output_error(folder,
+                             fmt::format("holds something that is not a simulated world ({})",
+                                         stranger->lexically_relative(folder).string()),
                              "name an empty or a new folder"));
   }
   return {};
@@ -75,7 +79,8 @@ Result<fs::path> make_sibling(const fs::path& folder) {
   fs::create_directories(parent, error);
   if (error) return fail(output_error(parent, error.message()));
   std::string pattern = fmt::format("{}/.{}.XXXXXX", parent.string(), folder.filename().string());
-  if (mkdtemp(pattern.data()) == nullptr) return fail(output_error(parent, std::strerror(errno), "choose a folder that can be written"));
+  if (mkdtemp(pattern.data()) == nullptr)
+    return fail(output_error(parent, std::strerror(errno), "choose a folder that can be written"));
   // mkdtemp makes it private; what is kept is an ordinary folder.
   const mode_t mask = umask(0);
   umask(mask);
@@ -87,7 +92,9 @@ Result<void> write_content(const fs::path& at, const World& world, std::string_v
   const NameTable names = names_of(world.site);
   Result<void> done;
   const auto then = [&](auto&& write) {
-    if (interrupted()) done = fail({.code = Errc::kInterrupted, .file = {}, .found = "interrupted", .expected = {}, .advice = {}});
+    if (interrupted())
+      done = fail(
+          {.code = Errc::kInterrupted, .file = {}, .found = "interrupted", .expected = {}, .advice = {}});
     if (done) done = write();
   };
   then([&] { return io::write_file(at / "site.yaml", io::site_to_yaml(world.site)); });
@@ -98,13 +105,15 @@ Result<void> write_content(const fs::path& at, const World& world, std::string_v
   return done;
 }
 
-/// Moves every entry of `fresh` into `target`, what stood there before into `old`. The folder itself stays, as somebody may
-/// be standing in it.
+/// Moves every entry of `fresh` into `target`, what stood there before into `old`. The folder itself stays,
+/// as somebody may be standing in it.
 std::error_code exchange_content(const fs::path& fresh, const fs::path& target, const fs::path& old) {
   std::error_code error;
   std::vector<fs::path> names, before;
-  for (fs::directory_iterator it(fresh, error), end; !error && it != end; it.increment(error)) names.push_back(it->path().filename());
-  for (fs::directory_iterator it(target, error), end; !error && it != end; it.increment(error)) before.push_back(it->path().filename());
+  for (fs::directory_iterator it(fresh, error), end; !error && it != end; it.increment(error))
+    names.push_back(it->path().filename());
+  for (fs::directory_iterator it(target, error), end; !error && it != end; it.increment(error))
+    before.push_back(it->path().filename());
   for (const auto& name : before)
     if (!error) fs::rename(target / name, old / name, error);
   for (const auto& name : names)
@@ -120,12 +129,14 @@ Result<void> check_output(const std::string& path) {
   if (fs::is_directory(path, error)) return fail(output_error(path, "is a folder", "name a file"));
   const fs::path parent = fs::path(path).parent_path();
   if (!parent.empty() && !fs::is_directory(parent, error)) {
-    return fail(output_error(path, fmt::format("the folder '{}' does not exist", parent.string()), "create it first"));
+    return fail(output_error(path, fmt::format("the folder '{}' does not exist", parent.string()),
+                             "create it first"));
   }
   return {};
 }
 
-Result<void> write_world(const std::string& folder, const World& world, std::string_view scenario_text, const std::vector<std::string>& may_replace) {
+Result<void> write_world(const std::string& folder, const World& world, std::string_view scenario_text,
+                         const std::vector<std::string>& may_replace) {
   std::error_code error;
   fs::path target = fs::weakly_canonical(folder, error);
   if (error) return fail(output_error(folder, error.message()));

@@ -12,12 +12,12 @@
 #include "apps/octant/session.h"
 #include "calib/calibrate.h"
 #include "io/run/run_folder.h"
-#include "models/localizers/methods.h"
 #include "models/deployment.h"
 #include "models/fix.h"
-#include "models/support/result.h"
+#include "models/localizers/methods.h"
 #include "models/run.h"
 #include "models/simulator/synthetic.h"
+#include "models/support/result.h"
 #include "survey/evaluate.h"
 
 // The steps of the road, shared by the commands that walk a part of it and by the demo that walks all of it.
@@ -26,19 +26,23 @@ namespace octant::app {
 /// Fails early where an output could not be written anyway: its folder is missing, or it is a folder.
 [[nodiscard]] Result<void> check_output(const std::string& path);
 
-/// At which a column distance_m of tof.csv is read; 0 where the medium's speed is not constant, and there may be none.
+/// At which a column distance_m of tof.csv is read; 0 where the medium's speed is not constant, and there may
+/// be none.
 [[nodiscard]] inline double constant_speed_mps(const Medium& medium) {
   return medium.model == MediumModel::kConstant ? medium.speed_mps : 0.0;
 }
 
 /// Reads recordings in order; warnings go to the session.
-[[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,
+[[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders,
+                                                            const NameTable& names, const Timing& timing,
                                                             io::ReadRunOptions options, Session& session);
 
-/// Writes a simulated world as a folder that is complete or not there: site.yaml, run/, heldout/, deployment.true.json and
-/// the scenario's text. An older world of the same place is replaced; a folder that holds anything else is refused.
+/// Writes a simulated world as a folder that is complete or not there: site.yaml, run/, heldout/,
+/// deployment.true.json and the scenario's text. An older world of the same place is replaced; a folder that
+/// holds anything else is refused.
 /// @param may_replace  names of further files that may lie there and are dropped
-[[nodiscard]] Result<void> write_world(const std::string& folder, const World& world, std::string_view scenario_text,
+[[nodiscard]] Result<void> write_world(const std::string& folder, const World& world,
+                                       std::string_view scenario_text,
                                        const std::vector<std::string>& may_replace = {});
 
 /// A calibration with all that is said of it.
@@ -47,18 +51,19 @@ struct Calibration {
   calib::Solution solution;
   std::optional<Deployment> deployment;  ///< where the solver converged
   calib::Provenance provenance;
-  bool accepted = false;                 ///< to be exported, marked, although the data contradict what was stated
+  bool accepted = false;  ///< to be exported, marked, although the data contradict what was stated
   /// Whether the deployment is to be written.
   [[nodiscard]] bool exported() const { return deployment && (accepted || solution.contradictions.empty()); }
 };
 struct CalibrateOptions {
-  bool strict = false;            ///< a single undetermined beacon refuses the whole
-  bool accept = false;            ///< exports, marked, what the data contradict
-  std::size_t memory_mb = 1500;   ///< recordings that would take more are streamed
+  bool strict = false;           ///< a single undetermined beacon refuses the whole
+  bool accept = false;           ///< exports, marked, what the data contradict
+  std::size_t memory_mb = 1500;  ///< recordings that would take more are streamed
 };
 /// Errors of reading; numerical trouble is in the solution.
-[[nodiscard]] Result<Calibration> calibrate_files(const std::string& site, const std::vector<std::string>& runs, const CalibrateOptions& options,
-                                                  Session& session);
+[[nodiscard]] Result<Calibration> calibrate_files(const std::string& site,
+                                                  const std::vector<std::string>& runs,
+                                                  const CalibrateOptions& options, Session& session);
 /// The object of `octant calibrate`.
 [[nodiscard]] Json calibration_json(const Calibration& calibration, const Session& session);
 /// Why there is no deployment, or none that is to be trusted; none where all is well.
@@ -68,7 +73,8 @@ void warn_if_contradicted(const Deployment& deployment, const std::string& path,
 /// Arrivals and rows left out, by reason and by beacon.
 [[nodiscard]] Json left_out_json(const Calibration& calibration);
 [[nodiscard]] std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration);
-/// Redundancy numbers, detectable biases, ellipses, variance components, residuals by group; null without a covariance.
+/// Redundancy numbers, detectable biases, ellipses, variance components, residuals by group; null without a
+/// covariance.
 [[nodiscard]] Json reliability_json(const Calibration& calibration);
 /// Tables for people.
 [[nodiscard]] std::string calibration_text(const Calibration& calibration);
@@ -77,14 +83,15 @@ void warn_if_contradicted(const Deployment& deployment, const std::string& path,
 /// Fixes of some recordings, one list for each.
 struct Localization {
   std::vector<std::vector<Fix>> fixes;
-  std::string method;   ///< as used; joined by '+' where recordings differ
-  std::string why;      ///< of Method::kAuto: why these
+  std::string method;  ///< as used; joined by '+' where recordings differ
+  std::string why;     ///< of Method::kAuto: why these
   std::size_t ok = 0, no_fix = 0, arrivals = 0, rejected = 0;
   std::map<std::string, std::size_t> no_fix_reasons;
   [[nodiscard]] std::vector<Fix> all() const;
 };
 /// Fixes of all runs by a method. Errors: a run for which the method is not made, named.
-[[nodiscard]] Result<Localization> localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Method method,
+[[nodiscard]] Result<Localization> localize_runs(const Deployment& deployment,
+                                                 const std::vector<MeasurementLog>& runs, Method method,
                                                  const MethodInput& input = {});
 
 /// --method and what some methods take beside deployment and run.
@@ -101,13 +108,16 @@ struct MethodWords {
 }
 
 /// Fixes of the vehicle that truth.tum follows against it. Errors: a run without truth.
-[[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
+[[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment,
+                                                      const std::vector<MeasurementLog>& runs,
                                                       const Localization& localization);
 [[nodiscard]] Json evaluation_json(const survey::Evaluation& evaluation);
-[[nodiscard]] std::string evaluation_text(const survey::Evaluation& evaluation, const Localization& localization);
+[[nodiscard]] std::string evaluation_text(const survey::Evaluation& evaluation,
+                                          const Localization& localization);
 /// How often there was no fix, by reason.
 [[nodiscard]] Json no_fix_json(const Localization& localization);
-/// Why no fix could be held against the reference: there was none, and for what reasons, or none where the reference is.
+/// Why no fix could be held against the reference: there was none, and for what reasons, or none where the
+/// reference is.
 [[nodiscard]] std::string unmatched_text(const Localization& localization);
 
 }  // namespace octant::app

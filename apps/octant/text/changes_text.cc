@@ -39,19 +39,25 @@ std::string changes_text(const survey::ReportInput& input) {
     time_s = std::max({time_s, std::abs(c.delay_change_s), c.delay_sigma_s});
   }
   const Unit length = length_unit(length_m), time = time_unit(time_s);
-  Table table{"lrrrrrrrrrrl", {{"changes", fmt::format("dx [{}]", length.symbol), "s", "dy", "s", "dz", "s", "p", fmt::format("delay [{}]", time.symbol), "s", "p", ""}}};
+  Table table{"lrrrrrrrrrrl",
+              {{"changes", fmt::format("dx [{}]", length.symbol), "s", "dy", "s", "dz", "s", "p",
+                fmt::format("delay [{}]", time.symbol), "s", "p", ""}}};
   for (const auto& c : changes.beacons) {
     std::vector<std::string> row = {c.name};
     for (int i = 0; i < 3; ++i) {
       row.push_back(fmt::format("{:.2f}", length.per_si * c.shift_m[i]));
       row.push_back(fmt::format("{:.2f}", length.per_si * c.sigma_m[i]));
     }
-    row.insert(row.end(), {chance(c.p), fmt::format("{:.2f}", time.per_si * c.delay_change_s), fmt::format("{:.2f}", time.per_si * c.delay_sigma_s),
-                           chance(c.delay_p), verdict_of(c)});
+    row.insert(row.end(),
+               {chance(c.p), fmt::format("{:.2f}", time.per_si * c.delay_change_s),
+                fmt::format("{:.2f}", time.per_si * c.delay_sigma_s), chance(c.delay_p), verdict_of(c)});
     table.rows.push_back(std::move(row));
   }
-  std::string text = "\n" + table.text() + fmt::format("\n{:<17}{}\n", "changes", survey::changes_sentence(changes));
-  if (!changes.same_datum) text += fmt::format("{:<17}the datum is another one: a part of the differences is that of the frame\n", "");
+  std::string text =
+      "\n" + table.text() + fmt::format("\n{:<17}{}\n", "changes", survey::changes_sentence(changes));
+  if (!changes.same_datum)
+    text +=
+        fmt::format("{:<17}the datum is another one: a part of the differences is that of the frame\n", "");
   return text;
 }
 
@@ -59,12 +65,19 @@ bool add_changes_json(const survey::ReportInput& input, Json& object) {
   if (!input.changes) return false;
   Json list = Json::array();
   const double tests = survey::kSignificance / input.changes->limit_p;
-  const auto add = [&](const char* kind, const std::string& subject, double size, double sigma, const char* unit, const std::optional<double>& p) {
-    list.push_back({{"kind", kind}, {"subject", subject}, {"size", size}, {"sigma", sigma}, {"unit", unit}, {"p", p ? std::min(1.0, *p * tests) : 0.0}});
+  const auto add = [&](const char* kind, const std::string& subject, double size, double sigma,
+                       const char* unit, const std::optional<double>& p) {
+    list.push_back({{"kind", kind},
+                    {"subject", subject},
+                    {"size", size},
+                    {"sigma", sigma},
+                    {"unit", unit},
+                    {"p", p ? std::min(1.0, *p * tests) : 0.0}});
   };
   for (const auto& c : input.changes->beacons) {
     if (c.moved()) add("beacon_moved", c.name, c.shift_m.norm(), sigma_along(c), "m", c.p);
-    if (c.delay_significant) add("delay", c.name, std::abs(c.delay_change_s), c.delay_sigma_s, "s", c.delay_p);
+    if (c.delay_significant)
+      add("delay", c.name, std::abs(c.delay_change_s), c.delay_sigma_s, "s", c.delay_p);
   }
   object["changes"] = std::move(list);
   return true;

@@ -23,8 +23,12 @@ struct adl_serializer<std::optional<T>> {
 
 template <int N>
 struct adl_serializer<Eigen::Matrix<double, N, 1>> {
-  static void to_json(json& j, const Eigen::Matrix<double, N, 1>& v) { j = std::vector<double>(v.data(), v.data() + N); }
-  static void from_json(const json& j, Eigen::Matrix<double, N, 1>& v) { v = Eigen::Map<const Eigen::Matrix<double, N, 1>>(j.get<std::array<double, N>>().data()); }
+  static void to_json(json& j, const Eigen::Matrix<double, N, 1>& v) {
+    j = std::vector<double>(v.data(), v.data() + N);
+  }
+  static void from_json(const json& j, Eigen::Matrix<double, N, 1>& v) {
+    v = Eigen::Map<const Eigen::Matrix<double, N, 1>>(j.get<std::array<double, N>>().data());
+  }
 };
 
 }  // namespace nlohmann
@@ -33,25 +37,34 @@ namespace octant::survey {
 
 using nlohmann::json;
 
-NLOHMANN_JSON_SERIALIZE_ENUM(Outcome, {{Outcome::kCalibrated, "calibrated"}, {Outcome::kRefused, "refused"}, {Outcome::kNotConverged, "not_converged"}})
+NLOHMANN_JSON_SERIALIZE_ENUM(Outcome, {{Outcome::kCalibrated, "calibrated"},
+                                       {Outcome::kRefused, "refused"},
+                                       {Outcome::kNotConverged, "not_converged"}})
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Track, moving, points_m, thinned_from)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WeakNote, description, remedy, consequence_m, blocking)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LeftOutNote, reason, count)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconNote, name, used, rejected, redundancy, rms_s, variance_factor, mdb_s, influence_m, lateness_mdb_s,
-                                   lateness_influence_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconNote, name, used, rejected, redundancy, rms_s, variance_factor,
+                                   mdb_s, influence_m, lateness_mdb_s, lateness_influence_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResidualBin, name, from, to, count, mean_s, rms_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResidualChart, by, unit, bins)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Histogram, from, width, counts)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Gate, name, limit, value, pass)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Evaluation, fixes, no_fix, matched, position_rmse_m, position_p95_m, max_error_m, error_quantiles_m, heading_rmse_rad,
-                                   nees_mean, gates)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(BeaconChange, name, shift_m, sigma_m, p, delay_change_s, delay_sigma_s, delay_p, significant, delay_significant,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Evaluation, fixes, no_fix, matched, position_rmse_m, position_p95_m,
+                                   max_error_m, error_quantiles_m, heading_rmse_rad, nees_mean, gates)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(BeaconChange, name, shift_m, sigma_m, p, delay_change_s,
+                                                delay_sigma_s, delay_p, significant, delay_significant,
                                                 by_datum)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Changes, since, same_datum, beacons, gone, added, limit_p, doubted_control_points, speed_change_mps, speed_sigma_mps)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Changes, since, same_datum, beacons, gone, added, limit_p,
+                                                doubted_control_points, speed_change_mps, speed_sigma_mps)
 
 /// Cells without a value are NaN in memory and null in JSON.
 void to_json(json& j, const NamedMap& map) {
-  j = {{"name", map.name}, {"unit", map.unit}, {"corner_m", map.corner_m}, {"cell_m", map.cell_m}, {"columns", map.columns}, {"values", map.values},
+  j = {{"name", map.name},
+       {"unit", map.unit},
+       {"corner_m", map.corner_m},
+       {"cell_m", map.cell_m},
+       {"columns", map.columns},
+       {"values", map.values},
        {"silent_beacon", map.silent_beacon}};
 }
 void from_json(const json& j, NamedMap& map) {
@@ -61,17 +74,35 @@ void from_json(const json& j, NamedMap& map) {
   map.cell_m = j.at("cell_m");
   map.columns = j.at("columns");
   map.silent_beacon = j.at("silent_beacon");
-  for (const auto& value : j.at("values")) map.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());
+  for (const auto& value : j.at("values"))
+    map.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());
 }
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconLoss, beacon, covered_fraction, median, p95, map)
 
 /// All but the deployment, which has a format of its own.
 void to_json(json& j, const ReportInput& r) {
-  j = {{"kind", r.kind}, {"outcome", r.outcome}, {"message", r.message}, {"tracks", r.plan.tracks}, {"fixes_m", r.plan.fixes_m}, {"maps", r.plan.maps},
-       {"beacons", r.beacons}, {"weak", r.weak}, {"left_out", r.left_out}, {"residuals", r.residuals}, {"standardised", r.standardised},
-       {"looked_at", r.looked_at}, {"evaluation", r.evaluation}, {"no_loss", r.no_loss}, {"losses", r.losses}, {"loss_name", r.loss_name}, {"loss_unit", r.loss_unit},
-       {"changes", r.changes}, {"warnings", r.warnings}, {"command", r.command}, {"options", r.options}};
+  j = {{"kind", r.kind},
+       {"outcome", r.outcome},
+       {"message", r.message},
+       {"tracks", r.plan.tracks},
+       {"fixes_m", r.plan.fixes_m},
+       {"maps", r.plan.maps},
+       {"beacons", r.beacons},
+       {"weak", r.weak},
+       {"left_out", r.left_out},
+       {"residuals", r.residuals},
+       {"standardised", r.standardised},
+       {"looked_at", r.looked_at},
+       {"evaluation", r.evaluation},
+       {"no_loss", r.no_loss},
+       {"losses", r.losses},
+       {"loss_name", r.loss_name},
+       {"loss_unit", r.loss_unit},
+       {"changes", r.changes},
+       {"warnings", r.warnings},
+       {"command", r.command},
+       {"options", r.options}};
 }
 void from_json(const json& j, ReportInput& r) {
   j.at("kind").get_to(r.kind);
@@ -125,7 +156,10 @@ Result<survey::ReportInput> report_from_json(const std::string& text, const std:
   try {
     const json j = json::parse(text);
     if (j.at("version") != 1) {
-      return fail({.code = Errc::kBadInput, .file = file, .found = fmt::format("version {}", j.at("version").dump()), .expected = "1",
+      return fail({.code = Errc::kBadInput,
+                   .file = file,
+                   .found = fmt::format("version {}", j.at("version").dump()),
+                   .expected = "1",
                    .advice = "make the report with the octant that saved it, or from the deployment file"});
     }
     auto input = j.get<survey::ReportInput>();
@@ -134,8 +168,11 @@ Result<survey::ReportInput> report_from_json(const std::string& text, const std:
     input.plan.deployment = std::move(*deployment);
     return input;
   } catch (const json::exception& e) {
-    return fail({.code = Errc::kBadInput, .file = file, .found = std::string("this is no saved report: ") + e.what(),
-                 .expected = "a file that octant wrote with --report R.json", .advice = "save it again, or name the deployment file"});
+    return fail({.code = Errc::kBadInput,
+                 .file = file,
+                 .found = std::string("this is no saved report: ") + e.what(),
+                 .expected = "a file that octant wrote with --report R.json",
+                 .advice = "save it again, or name the deployment file"});
   }
 }
 

@@ -9,8 +9,8 @@
 
 namespace octant::app {
 
-/// A report's content as a file, from which `octant report` makes any form of it: type "octant_report", version 1. It belongs to
-/// the version of the program that wrote it, unlike a deployment.
+/// A report's content as a file, from which `octant report` makes any form of it: type "octant_report",
+/// version 1. It belongs to the version of the program that wrote it, unlike a deployment.
 [[nodiscard]] std::string report_to_json(const survey::ReportInput& input);
 /// Reads it back: read(write(x)) == x.
 [[nodiscard]] Result<survey::ReportInput> report_from_json(const std::string& text, const std::string& file);

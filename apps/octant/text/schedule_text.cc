@@ -18,11 +18,24 @@ Json schedule_json(const survey::FloorSchedule& s, const survey::SurveyModel& mo
     groups.push_back({{"fires_at_s", static_cast<double>(g) * s.plan.slot_s}, {"beacons", names}});
   }
   const auto time = [](double t) { return std::isfinite(t) ? Json(t) : Json(nullptr); };
-  return {{"slot_s", s.plan.slot_s}, {"cycle_s", s.plan.cycle_s()}, {"one_by_one_s", s.plan.one_by_one_s()}, {"least_groups", s.plan.least_groups},
-          {"groups", groups}, {"reach_m", s.reach_m},
-          {"silence", {{"single_echo_s", time(s.silent.single_echo_s)}, {"all_echoes_s", time(s.silent.all_echoes_s)}, {"kleeman_s", time(s.silent.kleeman_s)}, {"t60_s", time(s.silent.t60_s)}}},
-          {"hall", {{"volume_m3", s.reverberance.volume_m3}, {"surface_m2", s.reverberance.surface_m2}, {"longest_m", s.reverberance.longest_m}, {"height_m", s.height_m},
-                    {"wall_reflection", s.reverberance.wall_reflection}, {"absorption_np_per_m", s.reverberance.absorption_np_per_m}}}};
+  return {{"slot_s", s.plan.slot_s},
+          {"cycle_s", s.plan.cycle_s()},
+          {"one_by_one_s", s.plan.one_by_one_s()},
+          {"least_groups", s.plan.least_groups},
+          {"groups", groups},
+          {"reach_m", s.reach_m},
+          {"silence",
+           {{"single_echo_s", time(s.silent.single_echo_s)},
+            {"all_echoes_s", time(s.silent.all_echoes_s)},
+            {"kleeman_s", time(s.silent.kleeman_s)},
+            {"t60_s", time(s.silent.t60_s)}}},
+          {"hall",
+           {{"volume_m3", s.reverberance.volume_m3},
+            {"surface_m2", s.reverberance.surface_m2},
+            {"longest_m", s.reverberance.longest_m},
+            {"height_m", s.height_m},
+            {"wall_reflection", s.reverberance.wall_reflection},
+            {"absorption_np_per_m", s.reverberance.absorption_np_per_m}}}};
 }
 
 std::string slots_text(const survey::FloorSchedule& s, const survey::SurveyModel& model) {
@@ -30,11 +43,14 @@ std::string slots_text(const survey::FloorSchedule& s, const survey::SurveyModel
   for (std::size_t g = 0; g < s.plan.groups.size(); ++g) {
     std::string names;
     for (const std::size_t b : s.plan.groups[g]) names += (names.empty() ? "" : " ") + model.beacons[b].name;
-    table.rows.push_back({fmt::format("{}", g + 1), time_text(static_cast<double>(g) * s.plan.slot_s), names});
+    table.rows.push_back(
+        {fmt::format("{}", g + 1), time_text(static_cast<double>(g) * s.plan.slot_s), names});
   }
-  return table.text() + fmt::format("\n{:<17}{}; one by one {}{}\n", "cycle", time_text(s.plan.cycle_s()), time_text(s.plan.one_by_one_s()),
-                                    s.plan.groups.size() == s.plan.least_groups ? std::string("; no fewer slots are possible")
-                                                                                : fmt::format("; at least {} slots are needed", s.plan.least_groups));
+  return table.text() + fmt::format("\n{:<17}{}; one by one {}{}\n", "cycle", time_text(s.plan.cycle_s()),
+                                    time_text(s.plan.one_by_one_s()),
+                                    s.plan.groups.size() == s.plan.least_groups
+                                        ? std::string("; no fewer slots are possible")
+                                        : fmt::format("; at least {} slots are needed", s.plan.least_groups));
 }
 
 }  // namespace octant::app

@@ -11,11 +11,11 @@
 
 #include "apps/octant/text/schedule_text.h"
 #include "apps/octant/text/table.h"
-#include "io/text/atomic_file.h"
 #include "io/import/plan_import.h"
 #include "io/import/png.h"
-#include "survey/map/binned_map.h"
+#include "io/text/atomic_file.h"
 #include "survey/drawing/map_svg.h"
+#include "survey/map/binned_map.h"
 #include "survey/map/survey_csv.h"
 
 namespace octant::app {
@@ -26,7 +26,8 @@ using survey::Loss;
 using survey::Survey;
 
 Json spread_json(const survey::Spread& s) {
-  if (s.count == 0) return {{"min", nullptr}, {"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"no_fix", s.without}};
+  if (s.count == 0)
+    return {{"min", nullptr}, {"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"no_fix", s.without}};
   return {{"min", s.min}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"no_fix", s.without}};
 }
 
@@ -37,7 +38,8 @@ Json values_json(const Survey& survey, const FloorMap& map, std::size_t bins) {
     Json values = Json::array();
     for (std::size_t column = 0; column < binned.columns; ++column) {
       const std::size_t at = row * binned.columns + column;
-      values.push_back(binned.bins[at] == survey::BinnedMap::Bin::kValue ? Json(binned.values[at]) : Json(nullptr));
+      values.push_back(binned.bins[at] == survey::BinnedMap::Bin::kValue ? Json(binned.values[at])
+                                                                         : Json(nullptr));
     }
     rows.push_back(std::move(values));
   }
@@ -60,19 +62,25 @@ Json losses_json(const Survey& survey, const std::vector<Loss>& losses) {
 
 bool is_number(const FloorMap& map) { return map.name != "loss_one_beacon" && map.name != "mirror"; }
 
-Result<void> write(const std::string& folder, const std::string& name, std::string_view content, std::vector<std::string>& written) {
+Result<void> write(const std::string& folder, const std::string& name, std::string_view content,
+                   std::vector<std::string>& written) {
   auto done = io::write_file((std::filesystem::path(folder) / name).string(), content);
   if (done) written.push_back(name);
   return done;
 }
 
-Result<void> write_map(const Survey& survey, const FloorMap& map, const std::string& folder, std::vector<std::string>& written) {
+Result<void> write_map(const Survey& survey, const FloorMap& map, const std::string& folder,
+                       std::vector<std::string>& written) {
   const auto cells = survey::cell_map(survey, map);
-  if (auto done = write(folder, map.name + ".svg", survey::map_svg(survey, survey::binned_map(survey, map)), written); !done) return done;
+  if (auto done =
+          write(folder, map.name + ".svg", survey::map_svg(survey, survey::binned_map(survey, map)), written);
+      !done)
+    return done;
   const auto png = io::png_of(survey::pixels_of(cells), cells.columns, cells.rows);
   if (!png) return fail(png.error());
   if (auto done = write(folder, map.name + ".png", *png, written); !done) return done;
-  const auto costmap = io::costmap_text(survey::costs_of(cells), cells.columns, cells.rows, cells.bin_m, cells.origin_m, map.name + ".pgm");
+  const auto costmap = io::costmap_text(survey::costs_of(cells), cells.columns, cells.rows, cells.bin_m,
+                                        cells.origin_m, map.name + ".pgm");
   if (auto done = write(folder, map.name + ".pgm", costmap.pgm, written); !done) return done;
   return write(folder, map.name + ".yaml", costmap.yaml, written);
 }
@@ -84,12 +92,15 @@ std::string losses_text(const Survey& survey) {
   Table table{"lrrrr", {{"if gone", "heard in", "out of tolerance", "without a fix", "worst left"}}};
   const double poses = static_cast<double>(survey.poses());
   const auto row = [&](std::string names, std::string heard, const Loss& loss) {
-    table.rows.push_back({std::move(names), std::move(heard), percent(static_cast<double>(loss.poses_out) / poses),
-                          percent(static_cast<double>(loss.poses_without_fix) / poses), loss.worst_sigma_m > 0 ? length_text(loss.worst_sigma_m) : "-"});
+    table.rows.push_back({std::move(names), std::move(heard),
+                          percent(static_cast<double>(loss.poses_out) / poses),
+                          percent(static_cast<double>(loss.poses_without_fix) / poses),
+                          loss.worst_sigma_m > 0 ? length_text(loss.worst_sigma_m) : "-"});
   };
   const auto& beacons = survey.model.beacons;
   for (std::size_t i = 0; i < std::min<std::size_t>(10, survey.failures.size()); ++i)
-    row(beacons[survey.failures[i].first].name, percent(survey.heard_fraction[survey.failures[i].first]), survey.failures[i]);
+    row(beacons[survey.failures[i].first].name, percent(survey.heard_fraction[survey.failures[i].first]),
+        survey.failures[i]);
   for (std::size_t i = 0; i < std::min<std::size_t>(3, survey.double_failures.size()); ++i) {
     const Loss& loss = survey.double_failures[i];
     row(beacons[loss.first].name + " and " + beacons[loss.second].name, "", loss);
@@ -102,7 +113,8 @@ std::string routes_text(const Survey& survey) {
   Table table{"lrrrr", {{"route", "poses", "covered", "median", "worst"}}};
   for (const auto& route : survey.routes) {
     const survey::Spread& s = route.maps.front().spread;
-    table.rows.push_back({route.name, fmt::format("{}", route.poses.size()), percent(route.covered_fraction), survey::figure_text(s.median, "m"),
+    table.rows.push_back({route.name, fmt::format("{}", route.poses.size()), percent(route.covered_fraction),
+                          survey::figure_text(s.median, "m"),
                           s.without > 0 ? "no fix" : survey::figure_text(s.max, "m")});
   }
   return "\n" + table.text();
@@ -110,7 +122,8 @@ std::string routes_text(const Survey& survey) {
 
 }  // namespace
 
-Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule, std::size_t bins) {
+Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule,
+                 std::size_t bins) {
   Json object = {{"cells", survey.grid.cells.size()},
                  {"cell_m", survey.grid.cell_m},
                  {"beacons", survey.model.beacons.size()},
@@ -121,19 +134,24 @@ Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule
                  {"k_covered_fraction", survey.k_covered_fraction},
                  {"mirror_fraction", survey.mirror_fraction}};
   object["tolerance_m"] = survey.model.tolerance.fix_m ? Json(*survey.model.tolerance.fix_m) : Json(nullptr);
-  object["reach_m"] = std::isfinite(survey::reach_m(survey.model.hearing)) ? Json(survey::reach_m(survey.model.hearing)) : Json(nullptr);
+  object["reach_m"] = std::isfinite(survey::reach_m(survey.model.hearing))
+                          ? Json(survey::reach_m(survey.model.hearing))
+                          : Json(nullptr);
   object["absorption_np_per_m"] = survey.model.hearing.absorption_np_per_m;
-  object["temperature_error_degC"] = survey.temperature_error_degC ? Json(*survey.temperature_error_degC) : Json(nullptr);
+  object["temperature_error_degC"] =
+      survey.temperature_error_degC ? Json(*survey.temperature_error_degC) : Json(nullptr);
   for (const FloorMap& map : survey.maps)
     if (is_number(map)) object[map.name] = spread_json(map.spread);
   Json heard = Json::object();
-  for (std::size_t b = 0; b < survey.model.beacons.size(); ++b) heard[survey.model.beacons[b].name] = survey.heard_fraction[b];
+  for (std::size_t b = 0; b < survey.model.beacons.size(); ++b)
+    heard[survey.model.beacons[b].name] = survey.heard_fraction[b];
   object["heard_fraction"] = heard;
   object["failures"] = losses_json(survey, survey.failures);
   object["double_failures"] = losses_json(survey, survey.double_failures);
   Json routes = Json::array();
   for (const auto& route : survey.routes) {
-    Json item = {{"id", route.name}, {"poses", route.poses.size()}, {"covered_fraction", route.covered_fraction}};
+    Json item = {
+        {"id", route.name}, {"poses", route.poses.size()}, {"covered_fraction", route.covered_fraction}};
     for (const FloorMap& map : route.maps)
       if (is_number(map)) item[map.name] = spread_json(map.spread);
     routes.push_back(std::move(item));
@@ -149,21 +167,34 @@ Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule
 }
 
 std::string survey_text(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule) {
-  std::string text = fmt::format("{}: {} beacons, {} cells of {:g} m\n\n", survey.model.name, survey.model.beacons.size(), survey.grid.cells.size(), survey.grid.cell_m);
-  const auto line = [&](const char* name, const std::string& value) { text += fmt::format("{:<17}{}\n", name, value); };
+  std::string text = fmt::format("{}: {} beacons, {} cells of {:g} m\n\n", survey.model.name,
+                                 survey.model.beacons.size(), survey.grid.cells.size(), survey.grid.cell_m);
+  const auto line = [&](const char* name, const std::string& value) {
+    text += fmt::format("{:<17}{}\n", name, value);
+  };
   line("fix", percent(survey.fix_fraction) + " of the floor");
-  if (survey.model.tolerance.fix_m) line("within tolerance", percent(survey.covered_fraction) + " (" + length_text(*survey.model.tolerance.fix_m) + ")");
-  line("coverage", fmt::format("{} hear {} beacons or more", percent(survey.k_covered_fraction), survey.coverage));
-  if (survey.find("mirror") != nullptr) line("mirror image", percent(survey.mirror_fraction) + " of the floor");
+  if (survey.model.tolerance.fix_m)
+    line("within tolerance",
+         percent(survey.covered_fraction) + " (" + length_text(*survey.model.tolerance.fix_m) + ")");
+  line("coverage",
+       fmt::format("{} hear {} beacons or more", percent(survey.k_covered_fraction), survey.coverage));
+  if (survey.find("mirror") != nullptr)
+    line("mirror image", percent(survey.mirror_fraction) + " of the floor");
   const double reach = survey::reach_m(survey.model.hearing);
-  line("reach", std::isfinite(reach) ? fmt::format("{:.1f} m on the axes, absorption {:.3f} dB/m", reach, 8.685889638 * survey.model.hearing.absorption_np_per_m)
+  line("reach", std::isfinite(reach) ? fmt::format("{:.1f} m on the axes, absorption {:.3f} dB/m", reach,
+                                                   8.685889638 * survey.model.hearing.absorption_np_per_m)
                                      : "everywhere: the scene states neither threshold nor range_m");
-  if (survey.temperature_error_degC) line("what-if", fmt::format("{:+g} degC not accounted for: {:+.0f} ppm", *survey.temperature_error_degC, 1e6 * survey.speed_error));
+  if (survey.temperature_error_degC)
+    line("what-if", fmt::format("{:+g} degC not accounted for: {:+.0f} ppm", *survey.temperature_error_degC,
+                                1e6 * survey.speed_error));
   Table table{"lrrrrr", {{"", "least", "median", "95 %", "largest", "no fix"}}};
   for (const FloorMap& map : survey.maps) {
     if (!is_number(map)) continue;
-    const auto figure = [&](double value) { return map.spread.count > 0 ? survey::figure_text(value, map.unit) : std::string("-"); };
-    table.rows.push_back({map.name, figure(map.spread.min), figure(map.spread.median), figure(map.spread.p95), figure(map.spread.max), fmt::format("{}", map.spread.without)});
+    const auto figure = [&](double value) {
+      return map.spread.count > 0 ? survey::figure_text(value, map.unit) : std::string("-");
+    };
+    table.rows.push_back({map.name, figure(map.spread.min), figure(map.spread.median), figure(map.spread.p95),
+                          figure(map.spread.max), fmt::format("{}", map.spread.without)});
   }
   text += "\n" + table.text() + losses_text(survey) + routes_text(survey);
   if (!schedule) return text;
@@ -174,13 +205,18 @@ Result<std::vector<std::string>> write_maps(const Survey& survey, const std::str
   std::error_code trouble;
   std::filesystem::create_directory(folder, trouble);
   if (trouble || !std::filesystem::is_directory(folder))
-    return fail({.code = Errc::kOutput, .file = folder, .found = "no folder, and none can be made: " + trouble.message(), .expected = "a folder for the maps"});
+    return fail({.code = Errc::kOutput,
+                 .file = folder,
+                 .found = "no folder, and none can be made: " + trouble.message(),
+                 .expected = "a folder for the maps"});
   std::vector<std::string> written;
   for (const FloorMap& map : survey.maps)
     if (auto done = write_map(survey, map, folder, written); !done) return fail(done.error());
-  if (auto done = write(folder, "cells.csv", survey::survey_csv(survey), written); !done) return fail(done.error());
+  if (auto done = write(folder, "cells.csv", survey::survey_csv(survey), written); !done)
+    return fail(done.error());
   if (!survey.routes.empty())
-    if (auto done = write(folder, "routes.csv", survey::routes_csv(survey), written); !done) return fail(done.error());
+    if (auto done = write(folder, "routes.csv", survey::routes_csv(survey), written); !done)
+      return fail(done.error());
   return written;
 }
 

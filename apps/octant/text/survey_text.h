@@ -6,17 +6,21 @@
 #include <string>
 
 #include "apps/octant/session.h"
-#include "survey/schedule/floor_schedule.h"
 #include "survey/map/survey.h"
+#include "survey/schedule/floor_schedule.h"
 
 namespace octant::app {
 
-/// The object of `octant survey --json`. @param schedule  that goes with it; none: null. @param bins  along the longer side of each map's values; 0: no values
-[[nodiscard]] Json survey_json(const survey::Survey& survey, const std::optional<survey::FloorSchedule>& schedule, std::size_t bins);
-[[nodiscard]] std::string survey_text(const survey::Survey& survey, const std::optional<survey::FloorSchedule>& schedule);
+/// The object of `octant survey --json`. @param schedule  that goes with it; none: null. @param bins  along
+/// the longer side of each map's values; 0: no values
+[[nodiscard]] Json survey_json(const survey::Survey& survey,
+                               const std::optional<survey::FloorSchedule>& schedule, std::size_t bins);
+[[nodiscard]] std::string survey_text(const survey::Survey& survey,
+                                      const std::optional<survey::FloorSchedule>& schedule);
 
-/// Every map into a folder, which is made: NAME.svg, NAME.png (a pixel a cell), NAME.pgm and NAME.yaml (for ROS' map_server);
-/// cells.csv, routes.csv. Each file whole or not at all.
-[[nodiscard]] Result<std::vector<std::string>> write_maps(const survey::Survey& survey, const std::string& folder);
+/// Every map into a folder, which is made: NAME.svg, NAME.png (a pixel a cell), NAME.pgm and NAME.yaml (for
+/// ROS' map_server); cells.csv, routes.csv. Each file whole or not at all.
+[[nodiscard]] Result<std::vector<std::string>> write_maps(const survey::Survey& survey,
+                                                          const std::string& folder);
 
 }  // namespace octant::app

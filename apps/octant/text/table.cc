@@ -9,7 +9,8 @@ namespace {
 
 /// Code points, so that names beyond ASCII do not bend the columns.
 std::size_t width(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 }  // namespace
@@ -17,7 +18,8 @@ std::size_t width(const std::string& text) {
 std::string Table::text() const {
   std::vector<std::size_t> widths(align.size(), 0);
   for (const auto& row : rows)
-    for (std::size_t i = 0; i < row.size() && i < widths.size(); ++i) widths[i] = std::max(widths[i], width(row[i]));
+    for (std::size_t i = 0; i < row.size() && i < widths.size(); ++i)
+      widths[i] = std::max(widths[i], width(row[i]));
   std::string out;
   for (const auto& row : rows) {
     std::string line;

@@ -11,7 +11,7 @@ namespace octant::app {
 
 /// Columns of text for people.
 struct Table {
-  std::string align;  ///< a letter for each column: l or r
+  std::string align;                           ///< a letter for each column: l or r
   std::vector<std::vector<std::string>> rows;  ///< the first is the heading
   [[nodiscard]] std::string text() const;
 };

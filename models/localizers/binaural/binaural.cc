@@ -18,7 +18,9 @@ constexpr int kWalkSteps = 20, kSteps = 20;
 double bearing(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
 
 Eigen::Matrix2d rotation(double angle_rad) {
-  return (Eigen::Matrix2d() << std::cos(angle_rad), -std::sin(angle_rad), std::sin(angle_rad), std::cos(angle_rad)).finished();
+  return (Eigen::Matrix2d() << std::cos(angle_rad), -std::sin(angle_rad), std::sin(angle_rad),
+          std::cos(angle_rad))
+      .finished();
 }
 
 double walk_of_amplitude_s(double amplitude, const AttenuationModel& model) {
@@ -32,10 +34,11 @@ double beam_gain(double off_axis_rad, const BeamLimits& beam) {
   return std::cos(std::clamp(share, 0.0, 1.0) * std::numbers::pi / 2);
 }
 
-std::optional<Eigen::Vector2d> intersect_circles(const Eigen::Vector2d& p1_m, double r1_m, const Eigen::Vector2d& p2_m,
-                                                 double r2_m, const Eigen::Vector2d& facing) noexcept {
-  // eq. 3-6 solve for y = M x + N, the circles' common chord, and divide by y2 - y1, which is zero for the paper's own
-  // receivers. The same chord in the receivers' frame: along them and square to them.
+std::optional<Eigen::Vector2d> intersect_circles(const Eigen::Vector2d& p1_m, double r1_m,
+                                                 const Eigen::Vector2d& p2_m, double r2_m,
+                                                 const Eigen::Vector2d& facing) noexcept {
+  // eq. 3-6 solve for y = M x + N, the circles' common chord, and divide by y2 - y1, which is zero for the
+  // paper's own receivers. The same chord in the receivers' frame: along them and square to them.
   const Eigen::Vector2d chord = p2_m - p1_m;
   const double b = chord.norm();
   if (!(b > 1e-9)) return std::nullopt;
@@ -54,7 +57,8 @@ std::optional<double> level_range_m(double range_m, double height_m) noexcept {
   return std::sqrt(squared);
 }
 
-Binaural::Binaural(const Deployment& deployment, const BinauralOptions& options) : deployment_(deployment), options_(options) {
+Binaural::Binaural(const Deployment& deployment, const BinauralOptions& options)
+    : deployment_(deployment), options_(options) {
   const auto roles = binaural_roles(deployment, options);
   if (!roles) return;
   roles_ = *roles;
@@ -68,8 +72,8 @@ Binaural::Binaural(const Deployment& deployment, const BinauralOptions& options)
     links_[i].beacon = beacons[i];
     links_[i].receiver = receivers[i];
     links_[i].p_beacon_m = deployment.beacons[beacons[i].index()].position_m;
-    links_[i].p_receiver_m =
-        level * deployment.receivers[receivers[i].index()].position_m + Eigen::Vector3d(0, 0, options.height_difference_m);
+    links_[i].p_receiver_m = level * deployment.receivers[receivers[i].index()].position_m +
+                             Eigen::Vector3d(0, 0, options.height_difference_m);
   }
 }
 
@@ -87,7 +91,8 @@ void Binaural::locate(const Observations& observations, Fix& fix) noexcept {
   if (fix.ok()) fix.status = adjust(pose, fix);
   if (!fix.ok()) return;
   fix.T_map_vehicle = Pose::planar(pose.p_m.x(), pose.p_m.y(), pose.heading_rad);
-  for (const Rejection r : fix.rejections) ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  for (const Rejection r : fix.rejections)
+    ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
 }
 
 /// Brings the arrivals to the four links, and the fix to its blank state.
@@ -130,35 +135,39 @@ void Binaural::collect(const Observations& observations, Fix& fix) noexcept {
 }
 
 double Binaural::range_m(const Arrival& arrival, double& speed_mps) const noexcept {
-  const double temperature =
-      std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC : deployment_.medium.temperature_degC;
+  const double temperature = std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC
+                                                                     : deployment_.medium.temperature_degC;
   speed_mps = deployment_.speed_mps(temperature);
   const double time_s = arrival.tof_s - deployment_.beacons[arrival.beacon.index()].delay_s -
                         deployment_.receivers[arrival.receiver.index()].delay_s;
   double range = speed_mps * time_s;
   if (!deployment_.attenuation || !(range > 0)) return range;
   const AttenuationModel& model = *deployment_.attenuation;
-  if (model.measures(arrival.amplitude_v)) return speed_mps * (time_s - walk_of_amplitude_s(arrival.amplitude_v, model));
-  for (int i = 0; i < kWalkSteps; ++i) range = speed_mps * (time_s - walk_of_amplitude_s(amplitude_v(std::max(range, 1e-3), model), model));
+  if (model.measures(arrival.amplitude_v))
+    return speed_mps * (time_s - walk_of_amplitude_s(arrival.amplitude_v, model));
+  for (int i = 0; i < kWalkSteps; ++i)
+    range = speed_mps * (time_s - walk_of_amplitude_s(amplitude_v(std::max(range, 1e-3), model), model));
   return range;
 }
 
 FixStatus Binaural::closed_form(PlanarPose& pose) const noexcept {
   std::array<double, 4> r{};
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto level = level_range_m(links_[i].range_m, links_[i].p_beacon_m.z() - links_[i].p_receiver_m.z());
+    const auto level =
+        level_range_m(links_[i].range_m, links_[i].p_beacon_m.z() - links_[i].p_receiver_m.z());
     if (!level) return FixStatus::kPoorGeometry;
     r[i] = *level;
   }
   // eq. 3-6 on each robot: the other's transmitter in its frame.
-  const auto p_t2_vehicle =
-      intersect_circles(links_[0].p_receiver_m.head<2>(), r[0], links_[1].p_receiver_m.head<2>(), r[1], roles_->facing1);
-  const auto p_t1_map =
-      intersect_circles(links_[2].p_beacon_m.head<2>(), r[2], links_[3].p_beacon_m.head<2>(), r[3], options_.facing_map);
+  const auto p_t2_vehicle = intersect_circles(links_[0].p_receiver_m.head<2>(), r[0],
+                                              links_[1].p_receiver_m.head<2>(), r[1], roles_->facing1);
+  const auto p_t1_map = intersect_circles(links_[2].p_beacon_m.head<2>(), r[2],
+                                          links_[3].p_beacon_m.head<2>(), r[3], options_.facing_map);
   if (!p_t2_vehicle || !p_t1_map) return FixStatus::kPoorGeometry;
 
-  // eq. 7, 8: the angles under which each transmitter sees the other. The paper takes one from the lateral axis and the
-  // other from the forward one (its special cases contradict each other otherwise); here both are bearings from x.
+  // eq. 7, 8: the angles under which each transmitter sees the other. The paper takes one from the lateral
+  // axis and the other from the forward one (its special cases contradict each other otherwise); here both
+  // are bearings from x.
   const double alpha1 = bearing(*p_t2_vehicle - links_[2].p_receiver_m.head<2>());
   const double alpha2 = bearing(*p_t1_map - links_[0].p_beacon_m.head<2>());
   // eq. 9: the same ray seen from its two ends differs by half a turn and by the orientation.
@@ -169,7 +178,8 @@ FixStatus Binaural::closed_form(PlanarPose& pose) const noexcept {
 
 bool Binaural::within_beam(const PlanarPose& pose) const noexcept {
   const Eigen::Matrix2d R = rotation(pose.heading_rad);
-  const Eigen::Vector2d sight = pose.p_m + R * links_[2].p_receiver_m.head<2>() - links_[0].p_beacon_m.head<2>();
+  const Eigen::Vector2d sight =
+      pose.p_m + R * links_[2].p_receiver_m.head<2>() - links_[0].p_beacon_m.head<2>();
   const double off2 = std::abs(wrap_angle(bearing(sight) - bearing(options_.facing_map)));
   const double off1 = std::abs(wrap_angle(bearing(-sight) - bearing(R * roles_->facing1)));
   return std::max(off1, off2) <= options_.beam.limit_rad && std::min(off1, off2) <= options_.beam.both_rad;
@@ -179,7 +189,8 @@ FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) const noexcept {
   Eigen::Vector4d noise_m;
   for (int i = 0; i < 4; ++i) {
     const Link& link = links_[static_cast<std::size_t>(i)];
-    noise_m[i] = std::max(link.speed_mps * deployment_.noise.tof_sigma_s / std::sqrt(link.arrivals), kRounding_m);
+    noise_m[i] =
+        std::max(link.speed_mps * deployment_.noise.tof_sigma_s / std::sqrt(link.arrivals), kRounding_m);
   }
   const Eigen::Vector4d weight = noise_m.cwiseAbs2().cwiseInverse();
   Eigen::Matrix<double, 4, 3> J, toward;
@@ -224,7 +235,8 @@ FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) const noexcept {
 }
 
 /// Of the four ranges: noise, and what calibration leaves uncertain, which several of them share.
-Binaural::Covariance4 Binaural::range_covariance(const Eigen::Matrix<double, 4, 3>& toward, double heading_rad) const noexcept {
+Binaural::Covariance4 Binaural::range_covariance(const Eigen::Matrix<double, 4, 3>& toward,
+                                                 double heading_rad) const noexcept {
   Covariance4 V = Covariance4::Zero();
   for (int i = 0; i < 4; ++i) {
     const Link& a = links_[static_cast<std::size_t>(i)];
@@ -243,8 +255,10 @@ Binaural::Covariance4 Binaural::range_covariance(const Eigen::Matrix<double, 4, 
         const DeploymentReceiver& receiver = deployment_.receivers[a.receiver.index()];
         Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
         R.topLeftCorner<2, 2>() = rotation(heading_rad);
-        const Eigen::Vector3d sigma_i = (R.transpose() * toward.row(i).transpose()).cwiseProduct(receiver.sigma_m);
-        const Eigen::Vector3d sigma_j = (R.transpose() * toward.row(j).transpose()).cwiseProduct(receiver.sigma_m);
+        const Eigen::Vector3d sigma_i =
+            (R.transpose() * toward.row(i).transpose()).cwiseProduct(receiver.sigma_m);
+        const Eigen::Vector3d sigma_j =
+            (R.transpose() * toward.row(j).transpose()).cwiseProduct(receiver.sigma_m);
         V(i, j) += sigma_i.dot(sigma_j) + cc * receiver.delay_sigma_s * receiver.delay_sigma_s;
       }
     }

@@ -12,7 +12,9 @@ namespace {
 constexpr double kMaxImplicitShare = 0.995;  // as in the measurement equation: the logarithm is held beyond
 constexpr double kMinImplicitDistance_m = 1e-6;
 
-double walk_of_share_s(double share, const AttenuationModel& a) { return -a.rise_time_s * std::log1p(-share); }
+double walk_of_share_s(double share, const AttenuationModel& a) {
+  return -a.rise_time_s * std::log1p(-share);
+}
 
 struct ImplicitWalk {
   double walk_s = 0.0;
@@ -27,8 +29,10 @@ ImplicitWalk predicted_walk(double distance_m, const AttenuationModel& a) {
 }
 
 /// legs d + c walk(d) = path: the left side rises with d, so Newton's step is kept within a bracket.
-void solve_with_predicted_walk(double path_m, double legs, double tof_sigma_s, const AttenuationModel& a, ArrivalRange& out) {
-  double low_m = kMinImplicitDistance_m, high_m = std::max(path_m / legs, kMinImplicitDistance_m), d_m = high_m;
+void solve_with_predicted_walk(double path_m, double legs, double tof_sigma_s, const AttenuationModel& a,
+                               ArrivalRange& out) {
+  double low_m = kMinImplicitDistance_m, high_m = std::max(path_m / legs, kMinImplicitDistance_m),
+         d_m = high_m;
   double slope = legs;
   for (int i = 0; i < 80; ++i) {
     const ImplicitWalk walk = predicted_walk(d_m, a);
@@ -53,8 +57,9 @@ ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment)
   const bool two_way = deployment.timing.ranging == Ranging::kTwoWay;
   const double legs = two_way ? 2.0 : 1.0;
   // Chang eq. 2 where the medium's model is linear_temperature.
-  out.speed_mps = deployment.speed_mps(std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC
-                                                                               : deployment.medium.temperature_degC);
+  out.speed_mps =
+      deployment.speed_mps(std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC
+                                                                   : deployment.medium.temperature_degC);
   // Chang eq. 1; the t of Thamma eq. 4.
   const double flight_s = arrival.tof_s - deployment.beacons[arrival.beacon.index()].delay_s -
                           deployment.receivers[arrival.receiver.index()].delay_s -
@@ -68,13 +73,15 @@ ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment)
   if (!deployment.attenuation) return out;
   const AttenuationModel& a = *deployment.attenuation;
   const double share = a.threshold_v / arrival.amplitude_v;
-  if (!a.measures(arrival.amplitude_v) || !(share < kMaxImplicitShare)) {  // not logged, or (noise) not above the threshold
+  if (!a.measures(arrival.amplitude_v) ||
+      !(share < kMaxImplicitShare)) {  // not logged, or (noise) not above the threshold
     solve_with_predicted_walk(path_m, legs, tof_sigma_s, a, out);
     if (a.directional() && deployment.receivers[arrival.receiver.index()].axis) {
       // From where it hears is not known here: as much later as off the axis by the half-power angle.
       AttenuationModel off_axis = a;
       off_axis.amplitude_1m_v /= std::numbers::sqrt2;
-      out.sigma_m = std::hypot(out.sigma_m, out.gain_mps * (predicted_walk(out.range_m, off_axis).walk_s - predicted_walk(out.range_m, a).walk_s));
+      out.sigma_m = std::hypot(out.sigma_m, out.gain_mps * (predicted_walk(out.range_m, off_axis).walk_s -
+                                                            predicted_walk(out.range_m, a).walk_s));
     }
     return out;
   }

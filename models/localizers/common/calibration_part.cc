@@ -18,18 +18,20 @@ CalibrationPart::CalibrationPart(const Deployment& deployment) : covariance_(dep
     return found == names.end() ? -1 : static_cast<int>(found - names.begin());
   };
   const auto columns_of = [&column](const std::string& prefix) {
-    return std::array<int, 4>{column(prefix + "/x_m"), column(prefix + "/y_m"), column(prefix + "/z_m"), column(prefix + "/delay_s")};
+    return std::array<int, 4>{column(prefix + "/x_m"), column(prefix + "/y_m"), column(prefix + "/z_m"),
+                              column(prefix + "/delay_s")};
   };
   for (const DeploymentBeacon& b : deployment.beacons) beacon_.push_back(columns_of("beacon/" + b.name));
   for (const DeploymentReceiver& r : deployment.receivers)
     receiver_.push_back(columns_of("receiver/" + deployment.vehicles[r.vehicle.index()].name + "/" + r.name));
   site_delay_ = column("site/delay_s");
   speed_ = column("medium/speed_mps");
-  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"), column("attenuation/rise_time_s"),
-                  column("attenuation/half_power_angle_rad")};
+  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"),
+                  column("attenuation/rise_time_s"), column("attenuation/half_power_angle_rad")};
 }
 
-void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, const Segment& segment, const SharedState& state) const {
+void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, const Segment& segment,
+                             const SharedState& state) const {
   const Eigen::MatrixXd& C = covariance_;
   if (C.rows() == 0) return;
   const int n = t.block_size(), dof = pose_dof(t.motion);
@@ -50,7 +52,8 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
     });
   });
   // Rotations that nothing observes are as unknown as an angle can be.
-  for (int i = t.motion == Motion::kPlanar ? 2 : 3; i < dof; ++i) D(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
+  for (int i = t.motion == Motion::kPlanar ? 2 : 3; i < dof; ++i)
+    D(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
   const Eigen::LDLT<NodeBlock> ldlt(D);
   if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() <= 0) return;
   for (NodeVector& column : G) column = NodeVector(ldlt.solve(column));  // D^-1 G

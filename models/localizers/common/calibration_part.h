@@ -14,16 +14,18 @@
 
 namespace octant {
 
-/// The part of a fix's uncertainty that comes from the calibration and does not average out: with C the joint covariance of the
-/// calibrated parameters, D the information of the state and G its coupling to them,
+/// The part of a fix's uncertainty that comes from the calibration and does not average out: with C the joint
+/// covariance of the calibrated parameters, D the information of the state and G its coupling to them,
 ///   P = D^-1 + D^-1 G C G' D^-1
 /// `chain_calibration.h` has the same for the states of a drive, `drive_filter.h` for a filter.
 class CalibrationPart {
  public:
   explicit CalibrationPart(const Deployment& deployment);
 
-  /// Adds the second term to the covariance of a fix whose state the segment holds; no change where nothing is stated.
-  void add_to(PoseCovariance& covariance, const Trajectory& trajectory, const Segment& segment, const SharedState& state) const;
+  /// Adds the second term to the covariance of a fix whose state the segment holds; no change where nothing
+  /// is stated.
+  void add_to(PoseCovariance& covariance, const Trajectory& trajectory, const Segment& segment,
+              const SharedState& state) const;
 
   /// C; empty where nothing is stated.
   [[nodiscard]] const Eigen::MatrixXd& covariance() const { return covariance_; }
@@ -40,7 +42,8 @@ class CalibrationPart {
     if (!row.receiver.valid()) return;
     const auto& receiver = receiver_[row.receiver.index()];
     for (std::size_t i = 0; i < 3; ++i) couple(receiver[i], row.by_receiver[static_cast<int>(i)]);
-    for (std::size_t i = 0; i < attenuation_.size(); ++i) couple(attenuation_[i], row.by_attenuation[static_cast<int>(i)]);
+    for (std::size_t i = 0; i < attenuation_.size(); ++i)
+      couple(attenuation_[i], row.by_attenuation[static_cast<int>(i)]);
     couple(beacon[3], row.by_delay);
     couple(receiver[3], row.by_delay);
     couple(site_delay_, row.by_delay);
@@ -49,7 +52,8 @@ class CalibrationPart {
 
  private:
   Eigen::MatrixXd covariance_;
-  std::vector<std::array<int, 4>> beacon_, receiver_;  ///< columns of x, y, z, delay in the joint covariance; -1: not in it
+  std::vector<std::array<int, 4>> beacon_,
+      receiver_;  ///< columns of x, y, z, delay in the joint covariance; -1: not in it
   int site_delay_ = -1, speed_ = -1;
   std::array<int, kAttenuationUnknowns> attenuation_ = {-1, -1, -1, -1};
 };

@@ -19,7 +19,8 @@ double single_arrival_sigma_s(const Deployment& deployment) {
   return std::hypot(deployment.noise.tof_sigma_s, noise.sigma_s, noise.pair_sigma_s);
 }
 
-CorrelatedArrivals::CorrelatedArrivals(Trajectory& t, const Segment& segment, const CorrelatedNoise& noise, Side side)
+CorrelatedArrivals::CorrelatedArrivals(Trajectory& t, const Segment& segment, const CorrelatedNoise& noise,
+                                       Side side)
     : trajectory_(t), segment_(segment), noise_(noise), side_(side) {
   if (!noise.any()) return;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
@@ -30,7 +31,8 @@ CorrelatedArrivals::CorrelatedArrivals(Trajectory& t, const Segment& segment, co
     const ArrivalObservation& a = t.arrivals[i];
     return std::make_tuple(a.beacon.index(), a.receiver.index(), a.time_s, i);
   };
-  std::sort(by_pair_.begin(), by_pair_.end(), [&key](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  std::sort(by_pair_.begin(), by_pair_.end(),
+            [&key](std::size_t a, std::size_t b) { return key(a) < key(b); });
 }
 
 void CorrelatedArrivals::weigh() {
@@ -50,31 +52,38 @@ void CorrelatedArrivals::weigh() {
       for (auto i = begin; i != end; ++i) {
         const ArrivalObservation& a = arrivals[*i];
         if (a.rejection != Rejection::kUsed) continue;
-        sum *= noise_.time_s > 0 ? std::exp(-std::abs(a.time_s - before_s) / noise_.time_s) : a.time_s == before_s ? 1.0 : 0.0;
+        sum *= noise_.time_s > 0      ? std::exp(-std::abs(a.time_s - before_s) / noise_.time_s)
+               : a.time_s == before_s ? 1.0
+                                      : 0.0;
         shared[static_cast<std::size_t>(&*i - &by_pair_[first])] += sum;
         sum += 1.0;
         used += 0.5;
         before_s = a.time_s;
       }
     };
-    const auto begin = by_pair_.begin() + static_cast<std::ptrdiff_t>(first), end = by_pair_.begin() + static_cast<std::ptrdiff_t>(last);
+    const auto begin = by_pair_.begin() + static_cast<std::ptrdiff_t>(first),
+               end = by_pair_.begin() + static_cast<std::ptrdiff_t>(last);
     sweep(begin, end);
     sweep(std::make_reverse_iterator(end), std::make_reverse_iterator(begin));
-    // At one place the mean of a pair's arrivals is what counts, and they see it alike: one weight for all of them.
+    // At one place the mean of a pair's arrivals is what counts, and they see it alike: one weight for all of
+    // them.
     double mean = 0.0;
     for (const double s : shared) mean += s / std::max(used, 1.0);
     for (std::size_t i = first; i < last; ++i) {
       ArrivalObservation& a = arrivals[by_pair_[i]];
       if (a.rejection != Rejection::kUsed) continue;
-      const double correlated = noise_.sigma_s * noise_.sigma_s * (side_ == Side::kSame ? mean : shared[i - first]);
-      const double lasting = side_ == Side::kSame ? noise_.pair_sigma_s * noise_.pair_sigma_s * (used - 1.0) : 0.0;
+      const double correlated =
+          noise_.sigma_s * noise_.sigma_s * (side_ == Side::kSame ? mean : shared[i - first]);
+      const double lasting =
+          side_ == Side::kSame ? noise_.pair_sigma_s * noise_.pair_sigma_s * (used - 1.0) : 0.0;
       a.sigma_s = std::sqrt(a.sigma_s * a.sigma_s + correlated + lasting);
     }
   }
 }
 
 void CorrelatedArrivals::restore() {
-  for (std::size_t i = 0; i < single_s_.size(); ++i) trajectory_.arrivals[segment_.first_arrival + i].sigma_s = single_s_[i];
+  for (std::size_t i = 0; i < single_s_.size(); ++i)
+    trajectory_.arrivals[segment_.first_arrival + i].sigma_s = single_s_[i];
 }
 
 }  // namespace octant

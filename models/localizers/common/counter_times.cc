@@ -7,7 +7,8 @@
 
 namespace octant {
 
-std::vector<Arrival> arrivals_of_counters(std::span<const CounterReading> readings, double spread_s, double clock_hz) {
+std::vector<Arrival> arrivals_of_counters(std::span<const CounterReading> readings, double spread_s,
+                                          double clock_hz) {
   struct Group {
     const CounterReading* first;
     std::vector<double> time_s;

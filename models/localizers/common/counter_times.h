@@ -37,8 +37,9 @@ struct AgreeingMean {
   std::size_t agreeing = 0;
 };
 
-/// Thamma eq. 2, Ta = (T1 + T2 + T3 + T4) / 4, of any number of values, without the odd one out: the largest group of values
-/// within `spread` of each other is averaged; of groups equally large the earliest, because an echo is late.
+/// Thamma eq. 2, Ta = (T1 + T2 + T3 + T4) / 4, of any number of values, without the odd one out: the largest
+/// group of values within `spread` of each other is averaged; of groups equally large the earliest, because
+/// an echo is late.
 /// @param values finite, at least one, any order  @param spread >= 0, unit of the values
 [[nodiscard]] inline AgreeingMean mean_of_agreeing(std::span<const double> values, double spread) {
   AgreeingMean best;
@@ -52,14 +53,17 @@ struct AgreeingMean {
       ++group.agreeing;
     }
     group.mean = low + sum / static_cast<double>(group.agreeing);
-    if (group.agreeing > best.agreeing || (group.agreeing == best.agreeing && group.low < best.low)) best = group;
+    if (group.agreeing > best.agreeing || (group.agreeing == best.agreeing && group.low < best.low))
+      best = group;
   }
   return best;
 }
 
-/// Arrivals of a counter log: the readings of a beacon at a receiver in one epoch (without epochs: at one time), four in the
-/// paper, become one arrival by eq. 1 and 2 without the odd one out, in the order of their first readings.
+/// Arrivals of a counter log: the readings of a beacon at a receiver in one epoch (without epochs: at one
+/// time), four in the paper, become one arrival by eq. 1 and 2 without the odd one out, in the order of their
+/// first readings.
 /// @param spread_s  within which readings agree
-[[nodiscard]] std::vector<Arrival> arrivals_of_counters(std::span<const CounterReading> readings, double spread_s, double clock_hz = kCounterClock_hz);
+[[nodiscard]] std::vector<Arrival> arrivals_of_counters(std::span<const CounterReading> readings,
+                                                        double spread_s, double clock_hz = kCounterClock_hz);
 
 }  // namespace octant

@@ -19,7 +19,8 @@ double threshold_v(double distance_m, const AlterableThreshold& threshold) {
   return std::max(threshold.least_v, threshold.share * amplitude_v(distance_m, threshold.model));
 }
 
-Result<double> crossing_time_s(double distance_m, double level_v, const AttenuationModel& model, double speed_mps) {
+Result<double> crossing_time_s(double distance_m, double level_v, const AttenuationModel& model,
+                               double speed_mps) {
   AttenuationModel at_level = model;
   at_level.threshold_v = level_v;
   const Result<double> walk_s = time_walk_s(amplitude_v(distance_m, model), at_level);

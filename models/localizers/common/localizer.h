@@ -11,7 +11,8 @@
 
 namespace octant {
 
-/// What one pose of one vehicle is fixed from: the arrivals and bearings of an epoch, in the order of the run.
+/// What one pose of one vehicle is fixed from: the arrivals and bearings of an epoch, in the order of the
+/// run.
 struct Observations {
   std::span<const Arrival> arrivals;
   std::span<const Bearing> bearings;
@@ -25,15 +26,16 @@ inline void clear(Fix& fix) {
   fix.rejections = std::move(rejections);
 }
 
-/// A way of finding a vehicle, constructed from a `Deployment`. All memory is taken at construction: a call allocates
-/// nothing once `fix` has held a fix of as many arrivals, throws nothing, and ends in bounded time. What cannot be fixed is
-/// a fix with the reason in its status, never NaN.
+/// A way of finding a vehicle, constructed from a `Deployment`. All memory is taken at construction: a call
+/// allocates nothing once `fix` has held a fix of as many arrivals, throws nothing, and ends in bounded time.
+/// What cannot be fixed is a fix with the reason in its status, never NaN.
 class Localizer {
  public:
   virtual ~Localizer() = default;
 
-  /// Overwrites `fix`, reusing its memory; `fix.rejections` gets one entry an arrival (an entry a bearing where the method
-  /// takes bearings alone). Methods that keep a state (where the vehicle was) update it only when the fix is kOk.
+  /// Overwrites `fix`, reusing its memory; `fix.rejections` gets one entry an arrival (an entry a bearing
+  /// where the method takes bearings alone). Methods that keep a state (where the vehicle was) update it only
+  /// when the fix is kOk.
   virtual void locate(const Observations& observations, Fix& fix) noexcept = 0;
 
   [[nodiscard]] Fix locate(const Observations& observations) {

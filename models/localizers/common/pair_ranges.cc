@@ -11,7 +11,9 @@
 namespace octant {
 
 PairRanges::PairRanges(const Deployment& deployment, PairRangesOptions options)
-    : options_(options), receivers_(deployment.receivers.size()), slots_(deployment.beacons.size() * receivers_) {
+    : options_(options),
+      receivers_(deployment.receivers.size()),
+      slots_(deployment.beacons.size() * receivers_) {
   const std::size_t room = slots_.size() * kRoom;
   gated_.reserve(room);
   single_.reserve(room);
@@ -20,20 +22,23 @@ PairRanges::PairRanges(const Deployment& deployment, PairRangesOptions options)
   pairs_.reserve(slots_.size());
 }
 
-void PairRanges::reduce(std::span<const Arrival> arrivals, const Deployment& deployment, std::vector<Rejection>& rejections) {
+void PairRanges::reduce(std::span<const Arrival> arrivals, const Deployment& deployment,
+                        std::vector<Rejection>& rejections) {
   double speed_mps = 0.0;
   gated_.clear();
   single_.clear();
   for (std::size_t i = 0; i < arrivals.size(); ++i) {
     const Arrival& arrival = arrivals[i];
-    gated_.push_back({arrival.beacon, arrival.receiver, arrival.time_s, std::numeric_limits<double>::quiet_NaN()});
+    gated_.push_back(
+        {arrival.beacon, arrival.receiver, arrival.time_s, std::numeric_limits<double>::quiet_NaN()});
     single_.push_back({.beacon = arrival.beacon, .receiver = arrival.receiver});
     if (!arrival.beacon.valid() || arrival.beacon.index() >= deployment.beacons.size() ||
         deployment.beacons[arrival.beacon.index()].status == BeaconStatus::kUndetermined) {
       rejections[i] = Rejection::kBeaconUnusable;
       continue;
     }
-    if (!arrival.receiver.valid() || arrival.receiver.index() >= receivers_ || arrival.vehicle != arrivals.front().vehicle) {
+    if (!arrival.receiver.valid() || arrival.receiver.index() >= receivers_ ||
+        arrival.vehicle != arrivals.front().vehicle) {
       rejections[i] = Rejection::kNoPose;
       continue;
     }
@@ -48,8 +53,8 @@ void PairRanges::reduce(std::span<const Arrival> arrivals, const Deployment& dep
   apply_range_gates(gated_, options_.gates, speed_mps, rejections);
 }
 
-void PairRanges::average(std::span<const Arrival> arrivals, std::vector<Rejection>& rejections, double pair_sigma_s,
-                         std::size_t slot) {
+void PairRanges::average(std::span<const Arrival> arrivals, std::vector<Rejection>& rejections,
+                         double pair_sigma_s, std::size_t slot) {
   values_.clear();
   double spread_m = 0.0;
   for (int i = slots_[slot].first; i >= 0; i = next_[static_cast<std::size_t>(i)]) {
@@ -97,13 +102,16 @@ std::span<PairRange> PairRanges::collect(std::span<const Arrival> arrivals, cons
     slot.last = at;
   }
   for (std::size_t slot = 0; slot < slots_.size(); ++slot)
-    if (slots_[slot].first >= 0) average(arrivals, rejections, deployment.noise.pair_sigma_s.value_or(0.0), slot);
+    if (slots_[slot].first >= 0)
+      average(arrivals, rejections, deployment.noise.pair_sigma_s.value_or(0.0), slot);
   return pairs_;
 }
 
-void reject_pair(std::span<const Arrival> arrivals, const PairRange& pair, Rejection reason, std::span<Rejection> rejections) {
+void reject_pair(std::span<const Arrival> arrivals, const PairRange& pair, Rejection reason,
+                 std::span<Rejection> rejections) {
   for (std::size_t i = 0; i < arrivals.size(); ++i) {
-    if (rejections[i] == Rejection::kUsed && arrivals[i].beacon == pair.beacon && arrivals[i].receiver == pair.receiver)
+    if (rejections[i] == Rejection::kUsed && arrivals[i].beacon == pair.beacon &&
+        arrivals[i].receiver == pair.receiver)
       rejections[i] = reason;
   }
 }
@@ -130,7 +138,8 @@ void end_fix(FixStatus status, Fix& fix) {
     fix.rejections.clear();
     return;
   }
-  fix.arrivals_used = static_cast<int>(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed));
+  fix.arrivals_used =
+      static_cast<int>(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed));
   fix.arrivals_rejected = static_cast<int>(fix.rejections.size()) - fix.arrivals_used;
 }
 

@@ -25,28 +25,31 @@ struct PairRange {
 
 struct PairRangesOptions {
   RangeGates gates{};  ///< Chang's two rules
-  /// Widest spread of repeated times of a pair, in standard deviations of one. The range of four normal variables stays below
-  /// 5.3 of them with 99.9 %.
+  /// Widest spread of repeated times of a pair, in standard deviations of one. The range of four normal
+  /// variables stays below 5.3 of them with 99.9 %.
   double spread_sigmas = 6.0;
 };
 
-/// Turns an epoch's arrivals into one range for each pair of beacon and receiver: undetermined beacons, gates, mean of the
-/// repeated times without the odd ones out. Beacons in their order, and receivers in theirs for each.
+/// Turns an epoch's arrivals into one range for each pair of beacon and receiver: undetermined beacons,
+/// gates, mean of the repeated times without the odd ones out. Beacons in their order, and receivers in
+/// theirs for each.
 class PairRanges {
  public:
   explicit PairRanges(const Deployment& deployment, PairRangesOptions options = {});
 
-  /// Overwrites `rejections`, one an arrival: kUsed, kBeaconUnusable, kOutOfRange, kReflection, kOutvoted, kNoPose (of
-  /// another vehicle than the first arrival). What is returned lives until the next call. Allocates nothing while there are
-  /// at most kRoom arrivals for each pair, unless `rejections` has to grow.
+  /// Overwrites `rejections`, one an arrival: kUsed, kBeaconUnusable, kOutOfRange, kReflection, kOutvoted,
+  /// kNoPose (of another vehicle than the first arrival). What is returned lives until the next call.
+  /// Allocates nothing while there are at most kRoom arrivals for each pair, unless `rejections` has to grow.
   [[nodiscard]] std::span<PairRange> collect(std::span<const Arrival> arrivals, const Deployment& deployment,
                                              std::vector<Rejection>& rejections) noexcept;
 
   static constexpr std::size_t kRoom = 16;
 
  private:
-  void reduce(std::span<const Arrival> arrivals, const Deployment& deployment, std::vector<Rejection>& rejections);
-  void average(std::span<const Arrival> arrivals, std::vector<Rejection>& rejections, double pair_sigma_s, std::size_t slot);
+  void reduce(std::span<const Arrival> arrivals, const Deployment& deployment,
+              std::vector<Rejection>& rejections);
+  void average(std::span<const Arrival> arrivals, std::vector<Rejection>& rejections, double pair_sigma_s,
+               std::size_t slot);
 
   struct Slot {
     int first = -1, last = -1;  ///< arrivals of the pair, a list through next_
@@ -62,10 +65,11 @@ class PairRanges {
 };
 
 /// Marks the arrivals of a pair that are kUsed with a reason.
-void reject_pair(std::span<const Arrival> arrivals, const PairRange& pair, Rejection reason, std::span<Rejection> rejections);
+void reject_pair(std::span<const Arrival> arrivals, const PairRange& pair, Rejection reason,
+                 std::span<Rejection> rejections);
 
-/// Sets instant (the middle arrival's), vehicle and epoch of a fix from the arrivals given, and all else as if nothing were
-/// known.
+/// Sets instant (the middle arrival's), vehicle and epoch of a fix from the arrivals given, and all else as
+/// if nothing were known.
 void begin_fix(std::span<const Arrival> arrivals, Fix& fix);
 
 /// Closes a fix: counts of used and rejected arrivals; no rejections where there is no fix.

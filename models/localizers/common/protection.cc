@@ -14,9 +14,9 @@
 namespace octant {
 namespace {
 
-constexpr double kNoise = 3.29;         ///< sigmas, two-sided 0.1 %
-constexpr double kNonCentrality = 4.13; ///< 3.29 + 0.84
-constexpr double kUnnoticed = 1e-6;     ///< of a beacon's own information
+constexpr double kNoise = 3.29;          ///< sigmas, two-sided 0.1 %
+constexpr double kNonCentrality = 4.13;  ///< 3.29 + 0.84
+constexpr double kUnnoticed = 1e-6;      ///< of a beacon's own information
 
 struct OfBeacon {
   BeaconId beacon;
@@ -26,14 +26,16 @@ struct OfBeacon {
 
 }  // namespace
 
-double horizontal_protection_m(const Trajectory& t, const Segment& segment, const SharedState& state, const PoseCovariance& covariance) {
+double horizontal_protection_m(const Trajectory& t, const Segment& segment, const SharedState& state,
+                               const PoseCovariance& covariance) {
   const int n = t.block_size();
   NodeBlock A = NodeBlock::Zero(n, n);
   std::pmr::vector<OfBeacon> beacons(scratch());
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
     A.noalias() += row.by_node.transpose() * row.by_node;
     if (row.kind != RowKind::kTof) return;
-    auto at = std::find_if(beacons.begin(), beacons.end(), [&](const OfBeacon& b) { return b.beacon == row.beacon; });
+    auto at = std::find_if(beacons.begin(), beacons.end(),
+                           [&](const OfBeacon& b) { return b.beacon == row.beacon; });
     if (at == beacons.end()) {
       beacons.push_back({row.beacon, 0.0, NodeVector::Zero(n)});
       at = beacons.end() - 1;

@@ -6,9 +6,10 @@
 
 namespace octant {
 
-Sight sight_of(const Pose& T_map_vehicle, BeaconId beacon, ReceiverId receiver, const Deployment& deployment) {
-  const Eigen::Vector3d v =
-      T_map_vehicle * deployment.receivers[receiver.index()].position_m - deployment.beacons[beacon.index()].position_m;
+Sight sight_of(const Pose& T_map_vehicle, BeaconId beacon, ReceiverId receiver,
+               const Deployment& deployment) {
+  const Eigen::Vector3d v = T_map_vehicle * deployment.receivers[receiver.index()].position_m -
+                            deployment.beacons[beacon.index()].position_m;
   Sight sight{.distance_m = v.norm()};
   if (sight.distance_m > 0) sight.direction = v / sight.distance_m;
   return sight;
@@ -19,8 +20,9 @@ double calibration_variance_m2(const PairRange& pair, const Deployment& deployme
   const DeploymentBeacon& beacon = deployment.beacons[pair.beacon.index()];
   const DeploymentReceiver& receiver = deployment.receivers[pair.receiver.index()];
   // The mean over directions: which it is, is not known yet.
-  return 0.5 * beacon.covariance_m2.topLeftCorner<2, 2>().trace() + 0.5 * receiver.sigma_m.head<2>().squaredNorm() +
-         square(pair.gain_mps * beacon.delay_sigma_s) + square(pair.gain_mps * receiver.delay_sigma_s) +
+  return 0.5 * beacon.covariance_m2.topLeftCorner<2, 2>().trace() +
+         0.5 * receiver.sigma_m.head<2>().squaredNorm() + square(pair.gain_mps * beacon.delay_sigma_s) +
+         square(pair.gain_mps * receiver.delay_sigma_s) +
          square(pair.by_speed_s * deployment.speed_sigma_mps);
 }
 
@@ -36,7 +38,8 @@ void RangePropagation::clear() {
 
 void RangePropagation::add(const Eigen::Vector3d& gain, const PairRange& pair, const Pose& T_map_vehicle,
                            const Deployment& deployment) {
-  const Eigen::RowVector3d u = sight_of(T_map_vehicle, pair.beacon, pair.receiver, deployment).direction.transpose();
+  const Eigen::RowVector3d u =
+      sight_of(T_map_vehicle, pair.beacon, pair.receiver, deployment).direction.transpose();
   noise_ += pair.sigma_m * pair.sigma_m * gain * gain.transpose();
   by_speed_ += pair.by_speed_s * gain;
   Shared& beacon = beacons_[pair.beacon.index()];
@@ -61,7 +64,8 @@ Eigen::Matrix3d RangePropagation::covariance(const Deployment& deployment) const
   for (std::size_t i = 0; i < receivers_.size(); ++i) {
     if (!receivers_[i].touched) continue;
     const DeploymentReceiver& receiver = deployment.receivers[i];
-    sum += receivers_[i].by_position * receiver.sigma_m.cwiseAbs2().asDiagonal() * receivers_[i].by_position.transpose();
+    sum += receivers_[i].by_position * receiver.sigma_m.cwiseAbs2().asDiagonal() *
+           receivers_[i].by_position.transpose();
     sum += square(receiver.delay_sigma_s) * receivers_[i].by_delay * receivers_[i].by_delay.transpose();
   }
   return 0.5 * (sum + sum.transpose());

@@ -14,16 +14,18 @@ namespace octant {
 
 /// Covariance of a planar pose (x, y, heading) that a method computes from ranges. To first order
 ///   d pose = sum_i gain_i d range_i
-/// and whatever else is not exactly known acts like an error of the ranges: a beacon that stands elsewhere by e like
-/// -u'e (u: from beacon to receiver), a receiver by e like u'e, a delay by -gain_mps, the speed by by_speed_s. What arrivals
-/// share does not average out, so it is summed before it is squared. Cross-correlations of calibrated parameters are not used.
+/// and whatever else is not exactly known acts like an error of the ranges: a beacon that stands elsewhere by
+/// e like -u'e (u: from beacon to receiver), a receiver by e like u'e, a delay by -gain_mps, the speed by
+/// by_speed_s. What arrivals share does not average out, so it is summed before it is squared.
+/// Cross-correlations of calibrated parameters are not used.
 class RangePropagation {
  public:
   explicit RangePropagation(const Deployment& deployment);
 
   void clear();
   /// @param gain  d pose / d range, (m/m, m/m, rad/m)  @param T_map_vehicle  the pose found
-  void add(const Eigen::Vector3d& gain, const PairRange& pair, const Pose& T_map_vehicle, const Deployment& deployment);
+  void add(const Eigen::Vector3d& gain, const PairRange& pair, const Pose& T_map_vehicle,
+           const Deployment& deployment);
   [[nodiscard]] Eigen::Matrix3d covariance(const Deployment& deployment) const;
 
  private:
@@ -37,14 +39,17 @@ class RangePropagation {
   std::vector<Shared> beacons_, receivers_;
 };
 
-/// Variance of what calibration left uncertain of a pair, as far as it looks like an error of its range: for gates [m^2].
+/// Variance of what calibration left uncertain of a pair, as far as it looks like an error of its range: for
+/// gates [m^2].
 [[nodiscard]] double calibration_variance_m2(const PairRange& pair, const Deployment& deployment);
 
-/// Unit vector from a beacon to a receiver of a vehicle at a pose, in the map; +z where they coincide. And their distance [m].
+/// Unit vector from a beacon to a receiver of a vehicle at a pose, in the map; +z where they coincide. And
+/// their distance [m].
 struct Sight {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   double distance_m = 0.0;
 };
-[[nodiscard]] Sight sight_of(const Pose& T_map_vehicle, BeaconId beacon, ReceiverId receiver, const Deployment& deployment);
+[[nodiscard]] Sight sight_of(const Pose& T_map_vehicle, BeaconId beacon, ReceiverId receiver,
+                             const Deployment& deployment);
 
 }  // namespace octant

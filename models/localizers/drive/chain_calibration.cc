@@ -30,14 +30,22 @@ struct CoupledRows {
   std::vector<char> pairs;   ///< heard
 };
 
-CoupledRows coupled_rows(const Trajectory& t, const Segment& segment, const SharedState& state, const CalibrationPart& calibration) {
+CoupledRows coupled_rows(const Trajectory& t, const Segment& segment, const SharedState& state,
+                         const CalibrationPart& calibration) {
   CoupledRows out;
   std::vector<int> place(static_cast<std::size_t>(calibration.covariance().cols()), -1);
   const std::size_t receivers = state.receiver_p_vehicle_m.size();
   out.pairs.assign(state.beacon_p_map_m.size() * receivers, 0);
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
     if (!row.has_shared) return;
-    CoupledRows::Row coupled{row.node - segment.first_node, row.has_next, row.by_node, row.by_next, out.terms.size(), 0, -1, row.by_delay};
+    CoupledRows::Row coupled{row.node - segment.first_node,
+                             row.has_next,
+                             row.by_node,
+                             row.by_next,
+                             out.terms.size(),
+                             0,
+                             -1,
+                             row.by_delay};
     calibration.for_each_coupling(row, [&](int at, double derivative) {
       int& where = place[static_cast<std::size_t>(at)];
       if (where < 0) {
@@ -56,25 +64,28 @@ CoupledRows coupled_rows(const Trajectory& t, const Segment& segment, const Shar
   return out;
 }
 
-/// R with R R' = C of the parameters touched, from the eigenvectors of C with a unit diagonal: a parameter that is held has none.
+/// R with R R' = C of the parameters touched, from the eigenvectors of C with a unit diagonal: a parameter
+/// that is held has none.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& C, const std::vector<int>& touched) {
   const auto n = static_cast<Eigen::Index>(touched.size());
   if (n == 0) return {};
   Eigen::MatrixXd part(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) part(i, j) = C(touched[static_cast<std::size_t>(i)], touched[static_cast<std::size_t>(j)]);
+    for (Eigen::Index j = 0; j < n; ++j)
+      part(i, j) = C(touched[static_cast<std::size_t>(i)], touched[static_cast<std::size_t>(j)]);
   const Eigen::VectorXd sigma = part.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd scale = sigma.unaryExpr([](double s) { return s > 0 ? 1.0 / s : 0.0; });
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * part * scale.asDiagonal());
   if (eigen.info() != Eigen::Success) return sigma.asDiagonal();
-  const Eigen::MatrixXd root = sigma.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd root =
+      sigma.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   Eigen::Index zero = 0;  // ascending: the first have nothing to give
   while (zero < n && !(eigen.eigenvalues()[zero] > 1e-12)) ++zero;
   return root.rightCols(n - zero);
 }
 
-void add_states(const std::pmr::vector<NodeVector>& x, const Segment& segment, std::span<const DriveInstant> instants,
-                std::vector<PoseCovariance>& covariances) {
+void add_states(const std::pmr::vector<NodeVector>& x, const Segment& segment,
+                std::span<const DriveInstant> instants, std::vector<PoseCovariance>& covariances) {
   for (std::size_t i = 0; i < instants.size(); ++i) {
     const std::size_t k = instants[i].node - segment.first_node;
     const double alpha = k + 1 < x.size() ? instants[i].alpha : 0.0;
@@ -86,9 +97,9 @@ void add_states(const std::pmr::vector<NodeVector>& x, const Segment& segment, s
 
 }  // namespace
 
-void add_drive_calibration(const Trajectory& t, const Segment& segment, const SharedState& state, const ChainFactor& chain,
-                           const CalibrationPart& calibration, double pair_sigma_s, std::span<const DriveInstant> instants,
-                           std::vector<PoseCovariance>& covariances) {
+void add_drive_calibration(const Trajectory& t, const Segment& segment, const SharedState& state,
+                           const ChainFactor& chain, const CalibrationPart& calibration, double pair_sigma_s,
+                           std::span<const DriveInstant> instants, std::vector<PoseCovariance>& covariances) {
   if (calibration.covariance().size() == 0 && !(pair_sigma_s > 0)) return;
   const CoupledRows coupled = coupled_rows(t, segment, state, calibration);
   const NodeVector zero = NodeVector::Zero(t.block_size());
@@ -108,16 +119,20 @@ void add_drive_calibration(const Trajectory& t, const Segment& segment, const Sh
   for (Eigen::Index k = 0; k < root.cols(); ++k)
     solve_and_add([&](const CoupledRows::Row& row) {
       double sum = 0.0;
-      for (std::size_t i = row.first; i < row.last; ++i) sum += coupled.terms[i].derivative * root(coupled.terms[i].column, k);
+      for (std::size_t i = row.first; i < row.last; ++i)
+        sum += coupled.terms[i].derivative * root(coupled.terms[i].column, k);
       return sum;
     });
   for (std::size_t pair = 0; pair_sigma_s > 0 && pair < coupled.pairs.size(); ++pair)
     if (coupled.pairs[pair])
-      solve_and_add([&](const CoupledRows::Row& row) { return row.pair == static_cast<int>(pair) ? row.by_delay * pair_sigma_s : 0.0; });
+      solve_and_add([&](const CoupledRows::Row& row) {
+        return row.pair == static_cast<int>(pair) ? row.by_delay * pair_sigma_s : 0.0;
+      });
 }
 
-void node_calibration(const Trajectory& t, const Segment& segment, const SharedState& state, const ChainFactor& chain,
-                      const CalibrationPart& calibration, std::size_t node, NodeCalibration& out) {
+void node_calibration(const Trajectory& t, const Segment& segment, const SharedState& state,
+                      const ChainFactor& chain, const CalibrationPart& calibration, std::size_t node,
+                      NodeCalibration& out) {
   // The three rows of H^-1 that belong to the node, by its columns.
   const int n = t.block_size();
   std::pmr::vector<NodeBlock> z(chain.inverse.size(), NodeBlock::Zero(n, 3), scratch());
@@ -131,9 +146,11 @@ void node_calibration(const Trajectory& t, const Segment& segment, const SharedS
     Eigen::Vector3d gain = z[k].transpose() * row.by_node.transpose();
     if (row.has_next) gain += z[k + 1].transpose() * row.by_next.transpose();
     // The state gives way to an error of a parameter so that the residuals stay small: the opposite sign.
-    calibration.for_each_coupling(row, [&](int at, double derivative) { out.by_parameter.col(at) -= derivative * gain; });
+    calibration.for_each_coupling(
+        row, [&](int at, double derivative) { out.by_parameter.col(at) -= derivative * gain; });
     if (row.kind == RowKind::kTof && out.by_pair.cols() > 0)
-      out.by_pair.col(static_cast<Eigen::Index>(row.beacon.index() * receivers + row.receiver.index())) -= row.by_delay * gain;
+      out.by_pair.col(static_cast<Eigen::Index>(row.beacon.index() * receivers + row.receiver.index())) -=
+          row.by_delay * gain;
   });
 }
 

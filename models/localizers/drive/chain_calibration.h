@@ -19,22 +19,25 @@ struct DriveInstant {
   double alpha = 0.0;
 };
 
-/// Adds to each covariance of a planar pose what does not average out along a drive: with H the information of all states, G
-/// their coupling to the calibrated parameters of joint covariance C, and g_p the coupling to a bias that a beacon-receiver pair
-/// keeps,
+/// Adds to each covariance of a planar pose what does not average out along a drive: with H the information
+/// of all states, G their coupling to the calibrated parameters of joint covariance C, and g_p the coupling
+/// to a bias that a beacon-receiver pair keeps,
 ///   P = H^-1 + H^-1 G C G' H^-1 + pair_sigma_s^2 sum_p H^-1 g_p g_p' H^-1
 /// One solution of the chain for each column of a root of C and for each pair.
-void add_drive_calibration(const Trajectory& trajectory, const Segment& segment, const SharedState& state, const ChainFactor& chain,
-                           const CalibrationPart& calibration, double pair_sigma_s, std::span<const DriveInstant> instants,
-                           std::vector<PoseCovariance>& covariances);
+void add_drive_calibration(const Trajectory& trajectory, const Segment& segment, const SharedState& state,
+                           const ChainFactor& chain, const CalibrationPart& calibration, double pair_sigma_s,
+                           std::span<const DriveInstant> instants, std::vector<PoseCovariance>& covariances);
 
-/// The same for one node, with which a filter begins: what its pose follows an error of each parameter (3 rows), dx = by * dtheta.
+/// The same for one node, with which a filter begins: what its pose follows an error of each parameter (3
+/// rows), dx = by * dtheta.
 struct NodeCalibration {
   Eigen::Matrix<double, 3, Eigen::Dynamic> by_parameter;  ///< a column for each column of C
-  Eigen::Matrix<double, 3, Eigen::Dynamic> by_pair;       ///< a column for each beacon and receiver: beacon * receivers + receiver
+  Eigen::Matrix<double, 3, Eigen::Dynamic>
+      by_pair;  ///< a column for each beacon and receiver: beacon * receivers + receiver
 };
 /// Fills `out`, whose columns are there already.
-void node_calibration(const Trajectory& trajectory, const Segment& segment, const SharedState& state, const ChainFactor& chain,
-                      const CalibrationPart& calibration, std::size_t node, NodeCalibration& out);
+void node_calibration(const Trajectory& trajectory, const Segment& segment, const SharedState& state,
+                      const ChainFactor& chain, const CalibrationPart& calibration, std::size_t node,
+                      NodeCalibration& out);
 
 }  // namespace octant

@@ -55,7 +55,8 @@ ChainCovariance chain_covariance(const ChainFactor& factor) {
   return out;
 }
 
-ChainCovariance chain_covariance(const Trajectory& trajectory, const Segment& segment, const SharedState& state) {
+ChainCovariance chain_covariance(const Trajectory& trajectory, const Segment& segment,
+                                 const SharedState& state) {
   return chain_covariance(factor_chain(trajectory, segment, state));
 }
 

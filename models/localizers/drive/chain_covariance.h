@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "models/trajectory/linearise.h"
 #include "models/support/scratch.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant {
 
@@ -13,7 +13,7 @@ namespace octant {
 ///   L_k = D_k - U_{k-1}' L_{k-1}^-1 U_{k-1}
 /// Shared parameters held, arrivals marked rejected left out.
 struct ChainFactor {
-  bool ok = false;  ///< false: the observations do not determine the states
+  bool ok = false;                                 ///< false: the observations do not determine the states
   std::pmr::vector<NodeBlock> inverse{scratch()};  ///< L_k^-1
   std::pmr::vector<NodeBlock> U{scratch()};
 
@@ -27,10 +27,11 @@ struct ChainFactor {
     }
   }
 };
-[[nodiscard]] ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment, const SharedState& state);
+[[nodiscard]] ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment,
+                                       const SharedState& state);
 
-/// Marginal covariances of all states of a segment at once, in time linear in their number (node_covariance costs as much for
-/// a single one).
+/// Marginal covariances of all states of a segment at once, in time linear in their number (node_covariance
+/// costs as much for a single one).
 struct ChainCovariance {
   bool ok = false;                  ///< false: the observations do not determine the states
   std::vector<NodeBlock> marginal;  ///< of each node
@@ -44,6 +45,7 @@ struct ChainCovariance {
 ///   P_K = L_K^-1,  P_{k,k+1} = -L_k^-1 U_k P_{k+1},  P_k = L_k^-1 + L_k^-1 U_k P_{k+1} U_k' L_k^-1
 /// (Rauch, Tung and Striebel's smoother in information form; sums of positive terms only.)
 [[nodiscard]] ChainCovariance chain_covariance(const ChainFactor& factor);
-[[nodiscard]] ChainCovariance chain_covariance(const Trajectory& trajectory, const Segment& segment, const SharedState& state);
+[[nodiscard]] ChainCovariance chain_covariance(const Trajectory& trajectory, const Segment& segment,
+                                               const SharedState& state);
 
 }  // namespace octant

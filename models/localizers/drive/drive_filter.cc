@@ -13,7 +13,8 @@ namespace {
 constexpr double kForget = 1.0 / 30.0;
 constexpr int kIterations = 3;
 
-/// What calibration may be off by. It widens the gate only: it does not average out, so it must not count as noise.
+/// What calibration may be off by. It widens the gate only: it does not average out, so it must not count as
+/// noise.
 double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, const PathOutput& path) {
   if (beacon.index() >= model.beacon_covariance.size()) return 0.0;
   Eigen::Matrix<double, 5, 1> by;
@@ -23,7 +24,8 @@ double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, cons
 
 }  // namespace
 
-/// What an arrival's prediction follows besides the pose: by few of the parameters, and by the bias of its pair.
+/// What an arrival's prediction follows besides the pose: by few of the parameters, and by the bias of its
+/// pair.
 struct DriveFilter::Considered {
   bool any = false;
   Eigen::Vector3d cross = Eigen::Vector3d::Zero();  ///< P_x,theta h' of all that is considered
@@ -31,7 +33,8 @@ struct DriveFilter::Considered {
   Eigen::Index pair = -1;
 };
 
-DriveFilter::DriveFilter(const EpochFixModel& model, double gate_sigmas, double range_slack_m, const CalibrationPart* calibration)
+DriveFilter::DriveFilter(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+                         const CalibrationPart* calibration)
     : model_(model), calibration_(calibration), gate_sigmas_(gate_sigmas), range_slack_m_(range_slack_m) {
   const std::size_t pairs = model.state.beacon_p_map_m.size() * model.state.receiver_p_vehicle_m.size();
   if (model.correlated.sigma_s > 0) recent_.resize(pairs);
@@ -46,11 +49,13 @@ NodeCalibration DriveFilter::node_calibration_room() const {
   NodeCalibration room;
   const std::size_t pairs = model_.state.beacon_p_map_m.size() * model_.state.receiver_p_vehicle_m.size();
   room.by_parameter.setZero(3, calibration_ ? calibration_->covariance().cols() : 0);
-  room.by_pair.setZero(3, calibration_ && model_.correlated.pair_sigma_s > 0 ? static_cast<Eigen::Index>(pairs) : 0);
+  room.by_pair.setZero(
+      3, calibration_ && model_.correlated.pair_sigma_s > 0 ? static_cast<Eigen::Index>(pairs) : 0);
   return room;
 }
 
-void DriveFilter::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance, const NodeCalibration* by) {
+void DriveFilter::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance,
+                        const NodeCalibration* by) {
   T_map_vehicle_ = T_map_vehicle;
   covariance_ = covariance;
   acceptance_ = 1.0;
@@ -72,9 +77,12 @@ void DriveFilter::predict(const Pose& step, const OdometryObservation& whole, do
   F(1, 2) = c * dx - s * dy;
   covariance_ = F * covariance_ * F.transpose();
   for (Eigen::Index k = 0; k < cross_.cols(); ++k) cross_.col(k) = F * Eigen::Vector3d(cross_.col(k));
-  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) pair_cross_.col(k) = F * Eigen::Vector3d(pair_cross_.col(k));
-  const double distance2 = share * whole.distance_sigma_m * whole.distance_sigma_m;  // the same in all directions
-  covariance_.diagonal() += Eigen::Vector3d(distance2, distance2, share * whole.heading_sigma_rad * whole.heading_sigma_rad);
+  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k)
+    pair_cross_.col(k) = F * Eigen::Vector3d(pair_cross_.col(k));
+  const double distance2 =
+      share * whole.distance_sigma_m * whole.distance_sigma_m;  // the same in all directions
+  covariance_.diagonal() +=
+      Eigen::Vector3d(distance2, distance2, share * whole.heading_sigma_rad * whole.heading_sigma_rad);
   T_map_vehicle_ = T_map_vehicle_ * step;
 }
 
@@ -93,22 +101,25 @@ DriveFilter::Considered DriveFilter::consider(const PathOutput& path, const Arri
     row.by_delay = 1.0;
     row.by_speed = path.tof_by_speed;
     by_theta_.setZero();
-    calibration_->for_each_coupling(row, [&](int at, double h) { by_theta_ += h * calibration_->covariance().col(at); });
+    calibration_->for_each_coupling(
+        row, [&](int at, double h) { by_theta_ += h * calibration_->covariance().col(at); });
     calibration_->for_each_coupling(row, [&](int at, double h) {
       out.cross += h * cross_.col(at);
       out.variance += h * by_theta_[at];
     });
   }
   if (pair_cross_.cols() > 0) {
-    out.pair = static_cast<Eigen::Index>(a.beacon.index() * model_.state.receiver_p_vehicle_m.size() + a.receiver.index());
+    out.pair = static_cast<Eigen::Index>(a.beacon.index() * model_.state.receiver_p_vehicle_m.size() +
+                                         a.receiver.index());
     out.cross += pair_cross_.col(out.pair);
     out.variance += model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s;
   }
   return out;
 }
 
-/// Variance by which an arrival is weighed as if errors were independent: its share of a pair's correlated error grows with the
-/// number of those before it that still remember it, and counts both ways: 1 + 2 sum rho.
+/// Variance by which an arrival is weighed as if errors were independent: its share of a pair's correlated
+/// error grows with the number of those before it that still remember it, and counts both ways: 1 + 2 sum
+/// rho.
 double DriveFilter::weight_variance_s2(const ArrivalObservation& a) {
   if (recent_.empty()) return a.sigma_s * a.sigma_s;
   const CorrelatedNoise& noise = model_.correlated;
@@ -122,13 +133,20 @@ double DriveFilter::weight_variance_s2(const ArrivalObservation& a) {
 }
 
 /// Schmidt's update in Joseph's form, which keeps the covariance positive for any gain.
-void DriveFilter::correct(const Eigen::Vector3d& gain, const Eigen::RowVector3d& H, const Considered& considered, double noise2) {
+void DriveFilter::correct(const Eigen::Vector3d& gain, const Eigen::RowVector3d& H,
+                          const Considered& considered, double noise2) {
   const Eigen::Matrix3d A = Eigen::Matrix3d::Identity() - gain * H;
   const Eigen::Matrix3d mixed = A * considered.cross * gain.transpose();
-  covariance_ = (A * covariance_ * A.transpose() - mixed - mixed.transpose() + (noise2 + considered.variance) * gain * gain.transpose()).eval();
-  for (Eigen::Index k = 0; k < cross_.cols(); ++k) cross_.col(k) = A * Eigen::Vector3d(cross_.col(k)) - by_theta_[k] * gain;
-  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) pair_cross_.col(k) = A * Eigen::Vector3d(pair_cross_.col(k));
-  if (considered.pair >= 0) pair_cross_.col(considered.pair) -= model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * gain;
+  covariance_ = (A * covariance_ * A.transpose() - mixed - mixed.transpose() +
+                 (noise2 + considered.variance) * gain * gain.transpose())
+                    .eval();
+  for (Eigen::Index k = 0; k < cross_.cols(); ++k)
+    cross_.col(k) = A * Eigen::Vector3d(cross_.col(k)) - by_theta_[k] * gain;
+  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k)
+    pair_cross_.col(k) = A * Eigen::Vector3d(pair_cross_.col(k));
+  if (considered.pair >= 0)
+    pair_cross_.col(considered.pair) -=
+        model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * gain;
 }
 
 Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObservation& a) {
@@ -148,7 +166,8 @@ Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObserva
   const double single2 = a.sigma_s * a.sigma_s + slack_s * slack_s - pair_s * pair_s;
   double noise2 = single2;
 
-  // Iterated: the measurement is linearised where it puts the pose; the misfit of the prior comes along in `moved`.
+  // Iterated: the measurement is linearised where it puts the pose; the misfit of the prior comes along in
+  // `moved`.
   Pose T = T_map_vehicle_;
   Eigen::Vector3d moved = Eigen::Vector3d::Zero(), gain = Eigen::Vector3d::Zero();
   Eigen::RowVector3d H = Eigen::RowVector3d::Zero();
@@ -161,7 +180,8 @@ Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObserva
     const double predicted2 = H * covariance_ * H.transpose();
     if (k == 0) {
       considered = consider(out, a);
-      const double calibration2 = considered.any ? considered.variance + 2.0 * H.dot(considered.cross) : calibration_variance_s2(model_, a.beacon, out);
+      const double calibration2 = considered.any ? considered.variance + 2.0 * H.dot(considered.cross)
+                                                 : calibration_variance_s2(model_, a.beacon, out);
       if (innovation * innovation > gate_sigmas_ * gate_sigmas_ * (predicted2 + single2 + calibration2)) {
         acceptance_ -= kForget * acceptance_;
         return innovation > 0 ? Rejection::kLate : Rejection::kEarly;

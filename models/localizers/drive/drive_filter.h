@@ -14,20 +14,24 @@
 
 namespace octant {
 
-/// Iterated extended Kalman filter of a planar drive: odometry moves the pose, arrivals correct it one by one; those beyond
-/// the gate are left out. Runs forward or, with the steps inverted, backward in time.
-/// With a calibration, its parameters theta (covariance C) and a lasting bias of each pair are considered, not estimated: the filter
-/// carries their covariance with the pose, so that what does not average out stays in what it states (Schmidt, Application of
-/// state-space methods to navigation problems, Advances in Control Systems 3, 1966; Jazwinski 1970, section 8.4).
-/// An arrival that shares its error with those of its pair before it is weighed by what it adds (correlated_arrivals.h).
+/// Iterated extended Kalman filter of a planar drive: odometry moves the pose, arrivals correct it one by
+/// one; those beyond the gate are left out. Runs forward or, with the steps inverted, backward in time. With
+/// a calibration, its parameters theta (covariance C) and a lasting bias of each pair are considered, not
+/// estimated: the filter carries their covariance with the pose, so that what does not average out stays in
+/// what it states (Schmidt, Application of state-space methods to navigation problems, Advances in Control
+/// Systems 3, 1966; Jazwinski 1970, section 8.4). An arrival that shares its error with those of its pair
+/// before it is weighed by what it adds (correlated_arrivals.h).
 class DriveFilter {
  public:
   /// @param calibration  null: what calibration may be off by widens the gate only
-  DriveFilter(const EpochFixModel& model, double gate_sigmas, double range_slack_m, const CalibrationPart* calibration = nullptr);
+  DriveFilter(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+              const CalibrationPart* calibration = nullptr);
 
   /// @param by  how the pose follows an error of each considered parameter; null: not at all
-  void start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance, const NodeCalibration* by = nullptr);
-  /// Moves on by a part of an odometry step: `step` is that part, `share` its share of the whole step's variance.
+  void start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance,
+             const NodeCalibration* by = nullptr);
+  /// Moves on by a part of an odometry step: `step` is that part, `share` its share of the whole step's
+  /// variance.
   void predict(const Pose& step, const OdometryObservation& whole, double share);
   /// Corrects by an arrival at the present instant. Returns whether it was used or why not.
   Rejection update(const Trajectory& trajectory, const ArrivalObservation& arrival);
@@ -45,13 +49,15 @@ class DriveFilter {
   struct Considered;
   [[nodiscard]] Considered consider(const PathOutput& path, const ArrivalObservation& arrival);
   [[nodiscard]] double weight_variance_s2(const ArrivalObservation& arrival);
-  void correct(const Eigen::Vector3d& gain, const Eigen::RowVector3d& H, const Considered& considered, double noise2);
+  void correct(const Eigen::Vector3d& gain, const Eigen::RowVector3d& H, const Considered& considered,
+               double noise2);
 
   const EpochFixModel& model_;
   const CalibrationPart* calibration_;
   double gate_sigmas_, range_slack_m_;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> cross_, pair_cross_;  ///< covariance of the pose with theta and with each pair's bias
-  Eigen::VectorXd by_theta_;                                     ///< C h_theta of an arrival
+  Eigen::Matrix<double, 3, Eigen::Dynamic> cross_,
+      pair_cross_;            ///< covariance of the pose with theta and with each pair's bias
+  Eigen::VectorXd by_theta_;  ///< C h_theta of an arrival
   struct Recent {
     double time_s = 0.0, sum = 0.0;  ///< arrivals of a pair, each forgotten by the correlation time
   };

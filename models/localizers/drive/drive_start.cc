@@ -19,8 +19,8 @@ constexpr std::size_t kMinRanges = 8;
 constexpr double kClearMargin = 8.0;  ///< of the log likelihood; a window that is not clear can always grow
 constexpr double kWindowGrowth = 1.4;
 constexpr double kMaxHeadingSigma = 0.25;  ///< rad: within it the filter linearises safely
-constexpr double kStartInflation = 4.0;  ///< of the covariance of a stretch that was settled robustly
-constexpr double kMaxMeanCost = 2.0;       ///< of an arrival: 0.5 where all is well, the caps where nothing fits
+constexpr double kStartInflation = 4.0;    ///< of the covariance of a stretch that was settled robustly
+constexpr double kMaxMeanCost = 2.0;  ///< of an arrival: 0.5 where all is well, the caps where nothing fits
 
 /// Poses of the window's nodes in the frame of its middle one, and their drift away from it.
 RigidPath rigid_path(const Trajectory& t, const Segment& window, std::size_t anchor) {
@@ -32,7 +32,8 @@ RigidPath rigid_path(const Trajectory& t, const Segment& window, std::size_t anc
   const auto& steps = t.odometry;
   const auto drift = [&](std::size_t k, double distance_variance, double heading_variance) {
     // A heading error made half-way counts over what remains: a third of its square in the mean.
-    return std::sqrt(distance_variance + heading_variance * path.T_anchor_node[k].translation_m.squaredNorm() / 3);
+    return std::sqrt(distance_variance +
+                     heading_variance * path.T_anchor_node[k].translation_m.squaredNorm() / 3);
   };
   double distance = 0.0, heading = 0.0;
   for (std::size_t k = a + 1; k < n; ++k) {
@@ -65,7 +66,8 @@ void thin_out(SearchProblem& problem) {
   problem.group_bias_m.clear();
   for (std::size_t i = 0; i < kMaxRanges; ++i) {
     if (i > 0 && problem.ranges[i].beacon == problem.ranges[i - 1].beacon) continue;
-    const auto group = std::upper_bound(before.begin(), before.end(), i * n / kMaxRanges) - before.begin() - 1;
+    const auto group =
+        std::upper_bound(before.begin(), before.end(), i * n / kMaxRanges) - before.begin() - 1;
     problem.group_first.push_back(i);
     problem.group_bias_m.push_back(bias_m[static_cast<std::size_t>(group)]);
   }
@@ -76,7 +78,9 @@ void thin_out(SearchProblem& problem) {
 bool is_clear(const SearchProblem& problem, const SearchResult& result, double max_sigma_m) {
   if (result.poses.empty()) return false;
   if (result.poses.size() > 1 && result.poses[1].score < result.poses[0].score + kClearMargin) return false;
-  if (result.poses[0].score > kMaxMeanCost * static_cast<double>(problem.ranges.size() + problem.bearings.size())) return false;
+  if (result.poses[0].score >
+      kMaxMeanCost * static_cast<double>(problem.ranges.size() + problem.bearings.size()))
+    return false;
   Eigen::Matrix4d A = result.information[0];
   if (!problem.has_offset) A(3, 3) += 1.0;
   const Eigen::LDLT<Eigen::Matrix4d> ldlt(A);
@@ -87,7 +91,8 @@ bool is_clear(const SearchProblem& problem, const SearchResult& result, double m
 
 }  // namespace
 
-bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& model, const TrackerOptions& options) {
+bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& model,
+                   const TrackerOptions& options) {
   const std::size_t anchor = window.first_node + (window.last_node - window.first_node) / 2;
   const RigidPath path = rigid_path(t, window, anchor);
   SearchProblem problem = make_search_problem(t, window, model, options.range_slack_m, path);
@@ -95,8 +100,8 @@ bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& mo
   thin_out(problem);
   SearchOptions search;
   // Fine enough that half a step moves the end of the path by a fraction of the distances.
-  search.headings =
-      std::clamp(static_cast<int>(std::ceil(2 * std::numbers::pi * problem.lever_m / (0.1 * problem.span_m))), 16, 72);
+  search.headings = std::clamp(
+      static_cast<int>(std::ceil(2 * std::numbers::pi * problem.lever_m / (0.1 * problem.span_m))), 16, 72);
   search.max_pairs = 60;
   search.keep = 24;
   const SearchResult result = search_pose(problem, search);
@@ -114,7 +119,8 @@ bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& mo
   return true;
 }
 
-double independent_slack_m(const Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m) {
+double independent_slack_m(const Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                           double slack_m) {
   if (slack_m == 0.0 || segment.first_arrival == segment.last_arrival) return slack_m;
   double path_m = 0.0, range_m = 0.0;
   for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
@@ -126,17 +132,21 @@ double independent_slack_m(const Trajectory& t, const Segment& segment, const Ep
   }
   const double arrivals = static_cast<double>(segment.last_arrival - segment.first_arrival);
   const double share = std::min(1.0, 0.5 * (range_m / arrivals) / std::max(path_m, 1e-9));
-  return slack_m * std::sqrt(std::max(1.0, share * arrivals / static_cast<double>(std::count(heard.begin(), heard.end(), 1))));
+  return slack_m *
+         std::sqrt(std::max(
+             1.0, share * arrivals / static_cast<double>(std::count(heard.begin(), heard.end(), 1))));
 }
 
-WidenedArrivals::WidenedArrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m)
+WidenedArrivals::WidenedArrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                                 double slack_m)
     : trajectory_(t), first_(segment.first_arrival) {
   if (slack_m == 0.0) return;
   const double wide_m = independent_slack_m(t, segment, model, slack_m);
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     ArrivalObservation& a = t.arrivals[i];
     sigma_s_.push_back(a.sigma_s);
-    a.sigma_s = std::hypot(a.sigma_s, wide_m * (a.two_way ? 2.0 : 1.0) / (a.model_speed_mps + model.state.speed_offset(t.run)));
+    a.sigma_s = std::hypot(
+        a.sigma_s, wide_m * (a.two_way ? 2.0 : 1.0) / (a.model_speed_mps + model.state.speed_offset(t.run)));
   }
 }
 
@@ -144,22 +154,25 @@ WidenedArrivals::~WidenedArrivals() {
   for (std::size_t i = 0; i < sigma_s_.size(); ++i) trajectory_.arrivals[first_ + i].sigma_s = sigma_s_[i];
 }
 
-Eigen::Matrix3d start_covariance(Trajectory& t, const Segment& stretch, const EpochFixModel& model, double slack_m,
-                              std::size_t node) {
+Eigen::Matrix3d start_covariance(Trajectory& t, const Segment& stretch, const EpochFixModel& model,
+                                 double slack_m, std::size_t node) {
   const WidenedArrivals widened(t, stretch, model, slack_m);
   const StateCovariance P = node_covariance(t, stretch, node, model.state);
   if (P.rows() < 3 || !P.allFinite()) return Eigen::Vector3d(1.0, 1.0, 0.1).asDiagonal();
   return kStartInflation * P.topLeftCorner<3, 3>();
 }
 
-Segment stretch_of(const Trajectory& t, const Segment& segment, std::size_t first_node, std::size_t last_node) {
+Segment stretch_of(const Trajectory& t, const Segment& segment, std::size_t first_node,
+                   std::size_t last_node) {
   Segment out = segment;
   out.first_node = first_node;
   out.last_node = last_node;
-  // The last node carries no observation that reaches beyond it, so those on it with alpha > 0 are out as well.
+  // The last node carries no observation that reaches beyond it, so those on it with alpha > 0 are out as
+  // well.
   const auto narrow = [&](const auto& list, std::size_t& first, std::size_t& last) {
     const auto begin = list.begin();
-    const auto from = std::partition_point(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last),
+    const auto from = std::partition_point(begin + static_cast<std::ptrdiff_t>(first),
+                                           begin + static_cast<std::ptrdiff_t>(last),
                                            [&](const auto& o) { return o.node < first_node; });
     const auto to = std::partition_point(from, begin + static_cast<std::ptrdiff_t>(last),
                                          [&](const auto& o) { return o.node + 1 < last_node; });
@@ -174,8 +187,8 @@ Segment stretch_of(const Trajectory& t, const Segment& segment, std::size_t firs
   return out;
 }
 
-DriveStart find_start(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options,
-                      std::size_t from_node) {
+DriveStart find_start(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                      const TrackerOptions& options, std::size_t from_node) {
   DriveStart start;
   start.first_node = from_node;
   while (start.first_node + 2 <= segment.last_node) {
@@ -183,14 +196,16 @@ DriveStart find_start(Trajectory& t, const Segment& segment, const EpochFixModel
     std::size_t last = start.first_node;
     for (double span_s = options.start_window_s;; span_s *= kWindowGrowth) {
       while (last < segment.last_node && t.nodes[last].time_s <= begin_s + span_s) ++last;
-      if (last >= start.first_node + 2 && place_stretch(t, stretch_of(t, segment, start.first_node, last), model, options)) {
+      if (last >= start.first_node + 2 &&
+          place_stretch(t, stretch_of(t, segment, start.first_node, last), model, options)) {
         start.found = true;
         start.last_node = last;
         return start;
       }
       if (last == segment.last_node || span_s * kWindowGrowth > options.max_start_window_s) break;
     }
-    if (begin_s + options.max_start_window_s >= end_s) break;  // the windows that remain are parts of this one
+    if (begin_s + options.max_start_window_s >= end_s)
+      break;  // the windows that remain are parts of this one
     start.first_node += std::max<std::size_t>((last - start.first_node) / 2, 1);
   }
   return start;

@@ -18,11 +18,12 @@ struct DriveStart {
   std::size_t first_node = 0, last_node = 0;  ///< [first, last) of the stretch
 };
 
-/// What the slack of roughly known beacons amounts to for arrivals that are counted as independent: those of one beacon share
-/// its error until its direction has changed, say over half of a range driven, so each of the n until then has sqrt(n) times
-/// the slack. Without it hundreds of equally wrong ranges would bend the odometry.
-[[nodiscard]] double independent_slack_m(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
-                                         double slack_m);
+/// What the slack of roughly known beacons amounts to for arrivals that are counted as independent: those of
+/// one beacon share its error until its direction has changed, say over half of a range driven, so each of
+/// the n until then has sqrt(n) times the slack. Without it hundreds of equally wrong ranges would bend the
+/// odometry.
+[[nodiscard]] double independent_slack_m(const Trajectory& trajectory, const Segment& segment,
+                                         const EpochFixModel& model, double slack_m);
 
 /// Widens the sigmas of a segment's arrivals by that, for as long as it lives.
 class WidenedArrivals {
@@ -42,19 +43,24 @@ class WidenedArrivals {
 [[nodiscard]] Segment stretch_of(const Trajectory& trajectory, const Segment& segment, std::size_t first_node,
                                  std::size_t last_node);
 
-/// Places a stretch if the arrivals settle it: the odometry is taken as a rigid piece, whose middle pose is found as an epoch's
-/// is, with lever arms along the path; then its states are settled robustly. False: nothing of it is clear.
-[[nodiscard]] bool place_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model, const TrackerOptions& options);
+/// Places a stretch if the arrivals settle it: the odometry is taken as a rigid piece, whose middle pose is
+/// found as an epoch's is, with lever arms along the path; then its states are settled robustly. False:
+/// nothing of it is clear.
+[[nodiscard]] bool place_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
+                                 const TrackerOptions& options);
 
-/// Covariance (x, y, heading) with which a filter may begin at a node of a stretch that was placed: its marginal, inflated,
-/// because the stretch was settled robustly and its outliers are not marked.
-[[nodiscard]] Eigen::Matrix3d start_covariance(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
-                                               double range_slack_m, std::size_t node);
+/// Covariance (x, y, heading) with which a filter may begin at a node of a stretch that was placed: its
+/// marginal, inflated, because the stretch was settled robustly and its outliers are not marked.
+[[nodiscard]] Eigen::Matrix3d start_covariance(Trajectory& trajectory, const Segment& stretch,
+                                               const EpochFixModel& model, double range_slack_m,
+                                               std::size_t node);
 
-/// Searches the place of the first stretch at or after from_node that the arrivals settle: the odometry of a window is taken
-/// as a rigid piece, whose middle pose is found as an epoch's is, with lever arms along the path. The window grows until one
-/// pose is far better than any other, then its states are settled robustly. Sets the nodes of the stretch, marks nothing.
-[[nodiscard]] DriveStart find_start(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
-                                    const TrackerOptions& options, std::size_t from_node);
+/// Searches the place of the first stretch at or after from_node that the arrivals settle: the odometry of a
+/// window is taken as a rigid piece, whose middle pose is found as an epoch's is, with lever arms along the
+/// path. The window grows until one pose is far better than any other, then its states are settled robustly.
+/// Sets the nodes of the stretch, marks nothing.
+[[nodiscard]] DriveStart find_start(Trajectory& trajectory, const Segment& segment,
+                                    const EpochFixModel& model, const TrackerOptions& options,
+                                    std::size_t from_node);
 
 }  // namespace octant

@@ -5,18 +5,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/localizers/drive/drive_start.h"
 #include "models/localizers/common/trajectory_model.h"
+#include "models/localizers/drive/drive_start.h"
 #include "models/trajectory/odometry_noise.h"
 
 namespace octant {
 namespace {
 
-constexpr std::size_t kDriveScratchBytes = 9u << 20;  ///< settling a window of all its nodes twice, and how it follows the calibration
+constexpr std::size_t kDriveScratchBytes =
+    9u << 20;  ///< settling a window of all its nodes twice, and how it follows the calibration
 constexpr std::size_t kMaxNodes = 768, kMaxArrivals = 8192;  ///< of a window
 constexpr double kFilterWindowGrowth = 1.33;
 
-OdometryObservation observation(std::size_t node, const OdometryStep& step, double fraction, const OdometryAccuracy& a) {
+OdometryObservation observation(std::size_t node, const OdometryStep& step, double fraction,
+                                const OdometryAccuracy& a) {
   const OdometryVariance variance = variance_of(step, a);
   OdometryObservation o;
   o.node = node;
@@ -28,7 +30,8 @@ OdometryObservation observation(std::size_t node, const OdometryStep& step, doub
 
 }  // namespace
 
-DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry, const TrackerOptions& options)
+DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry,
+                           const TrackerOptions& options)
     : model_(epoch_fix_model(deployment)),
       calibration_(deployment),
       options_(options),
@@ -63,15 +66,18 @@ void DriveTracker::keep_recent_half() {
   const auto head = [](auto& list, auto until) { list.erase(list.begin(), until); };
   head(t_.nodes, t_.nodes.begin() + static_cast<std::ptrdiff_t>(drop));
   head(t_.odometry, t_.odometry.begin() + static_cast<std::ptrdiff_t>(drop));
-  head(t_.arrivals, std::partition_point(t_.arrivals.begin(), t_.arrivals.end(), [drop](const ArrivalObservation& a) { return a.node < drop; }));
-  const std::int32_t first = t_.arrivals.empty() || t_.arrivals.front().hear_send < 0 ? 0 : t_.arrivals.front().hear_send;
+  head(t_.arrivals, std::partition_point(t_.arrivals.begin(), t_.arrivals.end(),
+                                         [drop](const ArrivalObservation& a) { return a.node < drop; }));
+  const std::int32_t first =
+      t_.arrivals.empty() || t_.arrivals.front().hear_send < 0 ? 0 : t_.arrivals.front().hear_send;
   if (!t_.T_hear_send.empty()) head(t_.T_hear_send, t_.T_hear_send.begin() + first);
   for (OdometryObservation& o : t_.odometry) o.node -= drop;
   for (ArrivalObservation& a : t_.arrivals) {
     a.node -= drop;
     if (a.two_way) a.hear_send -= first;
   }
-  next_search_s_ = std::min(next_search_s_, kFilterWindowGrowth * (t_.nodes.back().time_s - t_.nodes.front().time_s));
+  next_search_s_ =
+      std::min(next_search_s_, kFilterWindowGrowth * (t_.nodes.back().time_s - t_.nodes.front().time_s));
 }
 
 void DriveTracker::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance) noexcept {
@@ -90,7 +96,9 @@ void DriveTracker::move(const OdometryStep& step, double fraction) noexcept {
     filter_.predict(o.T_before_after, o, 1.0);
     return;
   }
-  if (t_.nodes.size() >= kMaxNodes || t_.nodes.back().time_s - t_.nodes.front().time_s > options_.max_start_window_s) keep_recent_half();
+  if (t_.nodes.size() >= kMaxNodes ||
+      t_.nodes.back().time_s - t_.nodes.front().time_s > options_.max_start_window_s)
+    keep_recent_half();
   t_.odometry.push_back(o);
   t_.odometry.back().node = t_.nodes.size() - 1;
   Node node;
@@ -107,7 +115,8 @@ void DriveTracker::observe_all(std::span<const Arrival> arrivals) {
     if (o.two_way) {
       // What it moved between asking and hearing, at the speed of the last row.
       o.hear_send = static_cast<std::int32_t>(t_.T_hear_send.size());
-      t_.T_hear_send.push_back(row_s_ > 0 ? interpolate(Pose{}, row, std::min(a.tof_s / row_s_, 1.0)).inverse() : Pose());
+      t_.T_hear_send.push_back(
+          row_s_ > 0 ? interpolate(Pose{}, row, std::min(a.tof_s / row_s_, 1.0)).inverse() : Pose());
     }
     o.rejection = model_.beacon_usable[a.beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
     t_.arrivals.push_back(o);
@@ -132,7 +141,8 @@ void DriveTracker::search() {
   const std::size_t now = t_.nodes.size() - 1;
   const ChainFactor chain = factor_chain(t_, all, model_.state);
   if (chain.ok) node_calibration(t_, all, model_.state, chain, calibration_, now, start_calibration_);
-  filter_.start(t_.nodes[now].T_map_vehicle, start_covariance(t_, all, model_, options_.range_slack_m, now), chain.ok ? &start_calibration_ : nullptr);
+  filter_.start(t_.nodes[now].T_map_vehicle, start_covariance(t_, all, model_, options_.range_slack_m, now),
+                chain.ok ? &start_calibration_ : nullptr);
   filter_.set_range_slack(independent_slack_m(t_, all, model_, options_.range_slack_m));
   placed_ = true;
 }
@@ -158,9 +168,11 @@ void DriveTracker::locate(const Observations& observations, Fix& fix) noexcept {
     observe_all(arrivals);
     search();
     for (std::size_t i = 0; placed_ && i < arrivals.size(); ++i)
-      fix.rejections[i] = model_.beacon_usable[arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+      fix.rejections[i] =
+          model_.beacon_usable[arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
   }
-  fix.arrivals_used = static_cast<int>(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed));
+  fix.arrivals_used =
+      static_cast<int>(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed));
   fix.arrivals_rejected = static_cast<int>(fix.rejections.size()) - fix.arrivals_used;
   if (!placed_) return;
   fix.status = FixStatus::kOk;

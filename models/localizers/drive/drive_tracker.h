@@ -6,30 +6,34 @@
 
 #include "models/deployment.h"
 #include "models/localizers/common/calibration_part.h"
+#include "models/localizers/common/localizer.h"
 #include "models/localizers/drive/chain_calibration.h"
 #include "models/localizers/drive/drive_filter.h"
-#include "models/localizers/least_squares/epoch_fix.h"
-#include "models/localizers/common/localizer.h"
 #include "models/localizers/drive/tracker.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/run.h"
 #include "models/support/scratch.h"
 
 namespace octant {
 
-/// The tracker as a robot runs it: `move` by each odometry row, `locate` at each instant of arrivals, one vehicle, planar, no
-/// cycle offset. Where it was is not asked: until the arrivals of the last stretch of the drive settle one pose (as
-/// `find_start` does), and again when most arrivals contradict it, there is no fix; a search is tried whenever the stretch has
-/// grown by a third. With a place it is an iterated extended Kalman filter (`DriveFilter`).
-/// All memory is taken at construction. A fix takes microseconds; a search some tens of milliseconds.
+/// The tracker as a robot runs it: `move` by each odometry row, `locate` at each instant of arrivals, one
+/// vehicle, planar, no cycle offset. Where it was is not asked: until the arrivals of the last stretch of the
+/// drive settle one pose (as `find_start` does), and again when most arrivals contradict it, there is no fix;
+/// a search is tried whenever the stretch has grown by a third. With a place it is an iterated extended
+/// Kalman filter (`DriveFilter`). All memory is taken at construction. A fix takes microseconds; a search
+/// some tens of milliseconds.
 class DriveTracker final : public Localizer {
  public:
-  DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry, const TrackerOptions& options = {});
+  DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry,
+               const TrackerOptions& options = {});
 
   /// The vehicle is here; covariance of x, y [m], heading [rad].
   void start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance) noexcept;
-  /// The vehicle moved by a fraction (0 to 1) of an odometry row; rows up to the instant of the next arrivals.
+  /// The vehicle moved by a fraction (0 to 1) of an odometry row; rows up to the instant of the next
+  /// arrivals.
   void move(const OdometryStep& step, double fraction = 1.0) noexcept;
-  /// Fix at the arrivals' instant, which is that of the last move: kOk, or kNoConsensus while the place is not known.
+  /// Fix at the arrivals' instant, which is that of the last move: kOk, or kNoConsensus while the place is
+  /// not known.
   void locate(const Observations& observations, Fix& fix) noexcept override;
   using Localizer::locate;
 

@@ -27,7 +27,8 @@ Trajectory standing(const Trajectory& t, const Segment& segment, std::size_t fir
   piece.nominal_speed_mps = t.nominal_speed_mps;
   piece.turnaround_s = t.turnaround_s;
   piece.T_hear_send = t.T_hear_send;
-  piece.nodes.push_back({.time_s = 0.5 * (t.nodes[first].time_s + t.nodes[last - 1].time_s), .T_map_vehicle = {}});
+  piece.nodes.push_back(
+      {.time_s = 0.5 * (t.nodes[first].time_s + t.nodes[last - 1].time_s), .T_map_vehicle = {}});
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     if (t.arrivals[i].node < first || t.arrivals[i].node >= last) continue;
     piece.arrivals.push_back(t.arrivals[i]);
@@ -52,21 +53,26 @@ std::size_t node_after(const Trajectory& t, const Segment& segment, std::size_t 
   return last;
 }
 
-std::vector<Anchor> find_anchors(const Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
+std::vector<Anchor> find_anchors(const Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                                 const TrackerOptions& options) {
   std::vector<Anchor> anchors;
   // Arrivals are sorted by node: a window begins where the one before it ended.
   Segment rest = segment;
   for (std::size_t first = segment.first_node; first < segment.last_node;) {
     std::size_t next = first + 1;
-    while (rest.first_arrival < rest.last_arrival && t.arrivals[rest.first_arrival].node < first) ++rest.first_arrival;
+    while (rest.first_arrival < rest.last_arrival && t.arrivals[rest.first_arrival].node < first)
+      ++rest.first_arrival;
     for (const double span_s : kWindows_s) {
       const std::size_t last = node_after(t, segment, first, span_s);
       Segment window = rest;
-      while (window.last_arrival > window.first_arrival && t.arrivals[window.last_arrival - 1].node >= last) --window.last_arrival;
+      while (window.last_arrival > window.first_arrival && t.arrivals[window.last_arrival - 1].node >= last)
+        --window.last_arrival;
       if (window.last_arrival - window.first_arrival < 2) continue;
       Trajectory piece = standing(t, window, first, last);
       EpochFixOptions search;
-      search.range_slack_m = std::hypot(options.range_slack_m, 0.5 * t.motion_prior->speed_mps * (t.nodes[last - 1].time_s - t.nodes[first].time_s));
+      search.range_slack_m =
+          std::hypot(options.range_slack_m,
+                     0.5 * t.motion_prior->speed_mps * (t.nodes[last - 1].time_s - t.nodes[first].time_s));
       search.rejection_sigmas = options.rejection_sigmas;
       search.max_sigma_m = INFINITY;
       const Fix fix = fix_epoch(piece, piece.segments.front(), model, search);
@@ -83,12 +89,14 @@ std::vector<Anchor> find_anchors(const Trajectory& t, const Segment& segment, co
 
 }  // namespace
 
-bool place_by_motion(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
+bool place_by_motion(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                     const TrackerOptions& options) {
   const std::vector<Anchor> anchors = find_anchors(t, segment, model, options);
   if (anchors.empty()) return false;
   for (std::size_t k = segment.first_node; k < segment.last_node; ++k) {
     Node& node = t.nodes[k];
-    const auto after = std::lower_bound(anchors.begin(), anchors.end(), node.time_s, [](const Anchor& a, double time_s) { return a.time_s < time_s; });
+    const auto after = std::lower_bound(anchors.begin(), anchors.end(), node.time_s,
+                                        [](const Anchor& a, double time_s) { return a.time_s < time_s; });
     const auto before = after == anchors.begin() ? after : after - 1;
     node.placed = true;
     if (after == anchors.end() || before == after || after->time_s <= before->time_s) {
@@ -97,13 +105,18 @@ bool place_by_motion(Trajectory& t, const Segment& segment, const EpochFixModel&
       continue;
     }
     const double span_s = after->time_s - before->time_s;
-    node.T_map_vehicle = interpolate(before->T_map_vehicle, after->T_map_vehicle, (node.time_s - before->time_s) / span_s);
+    node.T_map_vehicle =
+        interpolate(before->T_map_vehicle, after->T_map_vehicle, (node.time_s - before->time_s) / span_s);
     node.velocity = (after->T_map_vehicle.translation_m - before->T_map_vehicle.translation_m) / span_s;
     const bool turning = before->heading_known && after->heading_known;
-    node.velocity[2] = turning ? wrap_angle(after->T_map_vehicle.heading_rad() - before->T_map_vehicle.heading_rad()) / span_s : 0.0;
+    node.velocity[2] =
+        turning
+            ? wrap_angle(after->T_map_vehicle.heading_rad() - before->T_map_vehicle.heading_rad()) / span_s
+            : 0.0;
     // Neighbouring windows jump about by their slack; the vehicle does not.
     const double speed_mps = node.velocity.head<2>().norm();
-    if (speed_mps > 2 * t.motion_prior->speed_mps) node.velocity.head<2>() *= 2 * t.motion_prior->speed_mps / speed_mps;
+    if (speed_mps > 2 * t.motion_prior->speed_mps)
+      node.velocity.head<2>() *= 2 * t.motion_prior->speed_mps / speed_mps;
   }
   return true;
 }

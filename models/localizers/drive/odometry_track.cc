@@ -20,7 +20,8 @@ Pose advance(const Pose& T_map_vehicle, const BodySpeed& body, double period_s) 
                       heading);
 }
 
-void advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy, double fraction) {
+void advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy,
+             double fraction) {
   const double dx = fraction * step.dx_m, dy = fraction * step.dy_m, turn = fraction * step.dheading_rad;
   const double c = std::cos(state.heading_rad), s = std::sin(state.heading_rad);
   const Eigen::Vector2d move(c * dx - s * dy, s * dx + c * dy);
@@ -29,7 +30,8 @@ void advance(OdometryState& state, const OdometryStep& step, const OdometryAccur
   F(1, 2) = move.x();
   const OdometryVariance variance = variance_of(step, accuracy);
   state.covariance = F * state.covariance * F.transpose();
-  state.covariance.diagonal() += fraction * Eigen::Vector3d(variance.distance_m2, variance.distance_m2, variance.heading_rad2);
+  state.covariance.diagonal() +=
+      fraction * Eigen::Vector3d(variance.distance_m2, variance.distance_m2, variance.heading_rad2);
   state.p_map_m += move;
   state.heading_rad = wrap_angle(state.heading_rad + turn);
 }

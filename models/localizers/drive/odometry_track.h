@@ -14,15 +14,16 @@
 
 namespace octant {
 
-/// Speed and turn rate of a vehicle with two driven wheels, from their rim speeds and the distance between them.
+/// Speed and turn rate of a vehicle with two driven wheels, from their rim speeds and the distance between
+/// them.
 struct BodySpeed {
   double speed_mps = 0.0;
   double turn_rate_radps = 0.0;
 };
 [[nodiscard]] BodySpeed body_speed(double left_mps, double right_mps, double track_width_m);
 
-/// Pose one period later (Smieszek eq. 1). The step is straight, in the direction at its end: off an arc by half a turn of the
-/// step, v omega dt^2 / 2, which is why the period should be short.
+/// Pose one period later (Smieszek eq. 1). The step is straight, in the direction at its end: off an arc by
+/// half a turn of the step, v omega dt^2 / 2, which is why the period should be short.
 [[nodiscard]] Pose advance(const Pose& T_map_vehicle, const BodySpeed& body, double period_s);
 
 /// A planar pose that odometry carries on, and its covariance (x, y in the map, heading).
@@ -33,8 +34,10 @@ struct OdometryState {
   [[nodiscard]] Pose pose() const { return Pose::planar(p_map_m.x(), p_map_m.y(), heading_rad); }
 };
 
-/// Moves on by a fraction (0 to 1) of an odometry row; noise as `OdometryAccuracy` says, its variance in proportion.
-void advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy, double fraction = 1.0);
+/// Moves on by a fraction (0 to 1) of an odometry row; noise as `OdometryAccuracy` says, its variance in
+/// proportion.
+void advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy,
+             double fraction = 1.0);
 
 /// Odometry rows of a vehicle from an instant on, given out up to ever later ones.
 class OdometryCursor {
@@ -46,7 +49,8 @@ class OdometryCursor {
   template <class Move>
   void advance_to(double time_s, Move&& move) {
     while (next_ < steps_.size() && now_s_ < time_s) {
-      const double start_s = next_ > 0 ? steps_[next_ - 1].time_s : now_s_, span_s = steps_[next_].time_s - start_s;
+      const double start_s = next_ > 0 ? steps_[next_ - 1].time_s : now_s_,
+                   span_s = steps_[next_].time_s - start_s;
       const double until_s = std::min(time_s, steps_[next_].time_s);
       // The first row is the anchor: what it says is no motion.
       if (next_ > 0 && span_s > 0) move(steps_[next_], (until_s - now_s_) / span_s);
@@ -62,6 +66,7 @@ class OdometryCursor {
 };
 
 /// Poses at all rows from the anchor's pose on: odometry alone.
-[[nodiscard]] std::vector<TimedPose> odometry_track(std::span<const OdometryStep> steps, const Pose& T_map_anchor);
+[[nodiscard]] std::vector<TimedPose> odometry_track(std::span<const OdometryStep> steps,
+                                                    const Pose& T_map_anchor);
 
 }  // namespace octant

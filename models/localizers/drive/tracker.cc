@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/trajectory/linearise.h"
 #include "models/localizers/common/calibration_part.h"
+#include "models/localizers/common/correlated_arrivals.h"
+#include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/drive/chain_calibration.h"
 #include "models/localizers/drive/chain_covariance.h"
-#include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/drive/drive_start.h"
 #include "models/localizers/drive/drive_tracker.h"
 #include "models/localizers/drive/motion_start.h"
-#include "models/localizers/least_squares/node_adjustment.h"
 #include "models/localizers/drive/odometry_track.h"
-#include "models/localizers/common/trajectory_model.h"
+#include "models/localizers/least_squares/node_adjustment.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant {
 namespace {
@@ -25,21 +25,24 @@ constexpr int kSegmentMarkRounds = 5;
 
 void reset_segment_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
-    t.arrivals[i].rejection = model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+    t.arrivals[i].rejection =
+        model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
     BearingObservation& b = t.bearings[i];
-    b.rejection =
-        !b.reflector.valid() || model.beacon_usable[b.reflector.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+    b.rejection = !b.reflector.valid() || model.beacon_usable[b.reflector.index()]
+                      ? Rejection::kUsed
+                      : Rejection::kBeaconUnusable;
   }
 }
 
 /// First arrival of the segment at or after a node.
 std::size_t arrival_from(const Trajectory& t, const Segment& segment, std::size_t node) {
   const auto begin = t.arrivals.begin();
-  return static_cast<std::size_t>(std::partition_point(begin + static_cast<std::ptrdiff_t>(segment.first_arrival),
-                                                       begin + static_cast<std::ptrdiff_t>(segment.last_arrival),
-                                                       [node](const ArrivalObservation& a) { return a.node < node; }) -
-                                  begin);
+  return static_cast<std::size_t>(
+      std::partition_point(begin + static_cast<std::ptrdiff_t>(segment.first_arrival),
+                           begin + static_cast<std::ptrdiff_t>(segment.last_arrival),
+                           [node](const ArrivalObservation& a) { return a.node < node; }) -
+      begin);
 }
 
 /// Part of an odometry step between two of its instants.
@@ -47,10 +50,11 @@ Pose part_of(const Pose& step, double from, double to) {
   return interpolate(Pose{}, step, from).inverse() * interpolate(Pose{}, step, to);
 }
 
-/// Forward from a node to the segment's end, or until lost; returns the node reached. Calls visit for the arrivals of each
-/// distinct time.
+/// Forward from a node to the segment's end, or until lost; returns the node reached. Calls visit for the
+/// arrivals of each distinct time.
 template <class Visitor>
-std::size_t run_forward(Trajectory& t, const Segment& segment, DriveFilter& filter, std::size_t node, Visitor&& visit) {
+std::size_t run_forward(Trajectory& t, const Segment& segment, DriveFilter& filter, std::size_t node,
+                        Visitor&& visit) {
   std::size_t next = arrival_from(t, segment, node);
   for (; node + 1 < segment.last_node; ++node) {
     const OdometryObservation& step = t.odometry[segment.first_odometry + node - segment.first_node];
@@ -60,7 +64,8 @@ std::size_t run_forward(Trajectory& t, const Segment& segment, DriveFilter& filt
       filter.predict(part_of(step.T_before_after, done, alpha), step, alpha - done);
       done = alpha;
       const std::size_t first = next;
-      for (; next < segment.last_arrival && t.arrivals[next].node == node && t.arrivals[next].alpha == alpha; ++next)
+      for (; next < segment.last_arrival && t.arrivals[next].node == node && t.arrivals[next].alpha == alpha;
+           ++next)
         t.arrivals[next].rejection = filter.update(t, t.arrivals[next]);
       visit(first, next);
     }
@@ -90,11 +95,13 @@ void run_backward(Trajectory& t, const Segment& segment, DriveFilter& filter, st
   }
 }
 
-/// Initial states of a whole segment: a stretch that the arrivals settle, the filter from there both ways; where it gets
-/// lost, the next stretch that can be settled.
-bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
+/// Initial states of a whole segment: a stretch that the arrivals settle, the filter from there both ways;
+/// where it gets lost, the next stretch that can be settled.
+bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                   const TrackerOptions& options) {
   if (t.motion_prior) return place_by_motion(t, segment, model, options);
-  DriveFilter filter(model, options.rejection_sigmas, independent_slack_m(t, segment, model, options.range_slack_m));
+  DriveFilter filter(model, options.rejection_sigmas,
+                     independent_slack_m(t, segment, model, options.range_slack_m));
   std::size_t from = segment.first_node;
   bool placed = false;
   while (from + 2 <= segment.last_node) {
@@ -121,9 +128,10 @@ bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& m
   return placed;
 }
 
-/// Robust adjustment of a placed segment from coarse to fine, then by plain squares with the outliers left out. Arrivals are
-/// judged by their own sigmas and left with those that they are weighed by.
-bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model, const TrackerOptions& options) {
+/// Robust adjustment of a placed segment from coarse to fine, then by plain squares with the outliers left
+/// out. Arrivals are judged by their own sigmas and left with those that they are weighed by.
+bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                    const TrackerOptions& options) {
   reset_segment_marks(t, segment, model);
   const WidenedArrivals widened(t, segment, model, options.range_slack_m);
   CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kChanging);
@@ -173,8 +181,9 @@ void unlocated(const Trajectory& t, const Segment& segment, std::vector<Fix>& fi
 }
 
 /// Whether it was possible.
-bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model, const CalibrationPart& calibration,
-                  const TrackerOptions& options, std::vector<Fix>& fixes) {
+bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                  const CalibrationPart& calibration, const TrackerOptions& options,
+                  std::vector<Fix>& fixes) {
   if (!place_segment(t, segment, model, options) || !smooth_segment(t, segment, model, options)) return false;
   const ChainFactor factor = factor_chain(t, segment, model.state);
   const ChainCovariance chain = chain_covariance(factor);
@@ -191,26 +200,29 @@ bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
     fixes.push_back(fix);
   });
   if (!chain.ok) return true;
-  add_drive_calibration(t, segment, model.state, factor, calibration, model.correlated.pair_sigma_s, instants, covariances);
+  add_drive_calibration(t, segment, model.state, factor, calibration, model.correlated.pair_sigma_s, instants,
+                        covariances);
   for (std::size_t i = 0; i < covariances.size(); ++i) fixes[before + i].covariance = covariances[i];
   return true;
 }
 
 /// Only what came before, as a robot sees it: odometry up to each instant, then its arrivals.
-void track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment& deployment, const TrackerOptions& options,
-                  std::vector<Fix>& fixes) {
+void track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment& deployment,
+                  const TrackerOptions& options, std::vector<Fix>& fixes) {
   std::vector<OdometryStep> steps;
   for (const OdometryStep& step : log.odometry)
     if (step.vehicle == vehicle) steps.push_back(step);
   std::vector<Arrival> arrivals;
   for (const Arrival& a : log.arrivals)
-    if (a.vehicle == vehicle && a.time_s >= steps.front().time_s && a.time_s <= steps.back().time_s) arrivals.push_back(a);
+    if (a.vehicle == vehicle && a.time_s >= steps.front().time_s && a.time_s <= steps.back().time_s)
+      arrivals.push_back(a);
   DriveTracker tracker(deployment, log.odometry_accuracy, options);
   OdometryCursor cursor(steps, steps.front().time_s);
   for (std::size_t first = 0; first < arrivals.size();) {
     std::size_t last = first;
     while (last < arrivals.size() && arrivals[last].time_s == arrivals[first].time_s) ++last;
-    cursor.advance_to(arrivals[first].time_s, [&](const OdometryStep& step, double fraction) { tracker.move(step, fraction); });
+    cursor.advance_to(arrivals[first].time_s,
+                      [&](const OdometryStep& step, double fraction) { tracker.move(step, fraction); });
     tracker.locate(Observations{std::span(arrivals).subspan(first, last - first), {}}, fixes.emplace_back());
     first = last;
   }
@@ -228,8 +240,9 @@ bool needs_tracking(const Trajectory& t, const Segment& segment) {
 }
 
 /// Each pose of a segment by what it hears alone.
-void fix_each_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model, const CalibrationPart& calibration,
-                    const TrackerOptions& options, std::vector<Fix>& fixes) {
+void fix_each_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                    const CalibrationPart& calibration, const TrackerOptions& options,
+                    std::vector<Fix>& fixes) {
   EpochFixOptions epoch_options;
   epoch_options.rejection_sigmas = options.rejection_sigmas;
   epoch_options.range_slack_m = options.range_slack_m;
@@ -252,7 +265,8 @@ bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions
   return any;
 }
 
-std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, const TrackerOptions& options) {
+std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment,
+                       const TrackerOptions& options) {
   std::vector<Fix> fixes;
   const EpochFixModel model = epoch_fix_model(deployment);
   const CalibrationPart calibration(deployment);
@@ -266,7 +280,10 @@ std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, 
       }
       TrackerOptions search = options;
       // Between two stops there may be minutes: how many of them are needed is not a matter of time.
-      if (stops) search.max_start_window_s = std::max(options.max_start_window_s, t.nodes[segment.last_node - 1].time_s - t.nodes[segment.first_node].time_s);
+      if (stops)
+        search.max_start_window_s =
+            std::max(options.max_start_window_s,
+                     t.nodes[segment.last_node - 1].time_s - t.nodes[segment.first_node].time_s);
       if ((drive || stops) && track_smooth(t, segment, model, calibration, search, fixes)) continue;
       if (drive) {
         unlocated(t, segment, fixes);
@@ -275,7 +292,8 @@ std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, 
       }
     }
   }
-  std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  std::stable_sort(fixes.begin(), fixes.end(),
+                   [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
   return fixes;
 }
 

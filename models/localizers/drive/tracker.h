@@ -14,21 +14,26 @@ namespace octant {
 
 struct TrackerOptions {
   double rejection_sigmas = 4.0;
-  double start_window_s = 2.0;  ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
+  double start_window_s =
+      2.0;  ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
   double max_start_window_s = 120.0;
   double range_slack_m = 0.0;  ///< as in EpochFixOptions
   bool smooth = true;          ///< use the whole run (fixed-interval smoothing); false: only what came before
 };
 
-/// Initial states of a moving trajectory with odometry: stretches are placed as rigid pieces of the odometry path by a search
-/// over poses, joined, and settled robustly. Without odometry, but with a motion prior: by short windows (motion_start.h). Sets nodes and marks arrivals. Returns false when no stretch could be placed.
-[[nodiscard]] bool place_drive(Trajectory& trajectory, const EpochFixModel& model, const TrackerOptions& options = {});
+/// Initial states of a moving trajectory with odometry: stretches are placed as rigid pieces of the odometry
+/// path by a search over poses, joined, and settled robustly. Without odometry, but with a motion prior: by
+/// short windows (motion_start.h). Sets nodes and marks arrivals. Returns false when no stretch could be
+/// placed.
+[[nodiscard]] bool place_drive(Trajectory& trajectory, const EpochFixModel& model,
+                               const TrackerOptions& options = {});
 
 /// Tracker of a moving vehicle: odometry predicts, arrivals correct one by one, robustly.
-/// One fix at every distinct arrival time; smoothed over the whole run unless options.smooth is off. A drive with a motion
-/// prior instead of odometry is always smoothed. Stops with odometry between them are smoothed the same way, a fix an epoch; those
-/// that it does not tie together are fixed one by one.
-/// A fix's covariance holds the calibration's part, which does not average out along the drive (chain_calibration.h).
-[[nodiscard]] std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment, const TrackerOptions& options = {});
+/// One fix at every distinct arrival time; smoothed over the whole run unless options.smooth is off. A drive
+/// with a motion prior instead of odometry is always smoothed. Stops with odometry between them are smoothed
+/// the same way, a fix an epoch; those that it does not tie together are fixed one by one. A fix's covariance
+/// holds the calibration's part, which does not average out along the drive (chain_calibration.h).
+[[nodiscard]] std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment,
+                                     const TrackerOptions& options = {});
 
 }  // namespace octant

@@ -14,7 +14,9 @@ namespace {
 
 constexpr double kTurn = 2 * M_PI;
 
-Eigen::Vector2d lever(const Deployment& d, ReceiverId receiver) { return d.receivers[receiver.index()].position_m.head<2>(); }
+Eigen::Vector2d lever(const Deployment& d, ReceiverId receiver) {
+  return d.receivers[receiver.index()].position_m.head<2>();
+}
 
 /// Head and tail of a vehicle: by name, or the first two receivers.
 std::array<ReceiverId, 2> ends_of(const Deployment& d, const SiteVehicle& vehicle) {
@@ -35,9 +37,10 @@ bool apart(const Deployment& d, const std::array<ReceiverId, 2>& ends) {
 }  // namespace
 
 double head_orientation_from_y_rad(const Eigen::Vector2d& head_m, const Eigen::Vector2d& tail_m) {
-  const Eigen::Vector2d vector = tail_m - head_m;  // step 1; steps 2 and 4 (unit vector, arccos) are in atan2, at full precision
-  const double dot = vector.y();                   // step 3: with the y axis
-  const double cross_product = vector.x();         // step 5: vector x y axis, along +z where the angle is clockwise
+  const Eigen::Vector2d vector =
+      tail_m - head_m;  // step 1; steps 2 and 4 (unit vector, arccos) are in atan2, at full precision
+  const double dot = vector.y();            // step 3: with the y axis
+  const double cross_product = vector.x();  // step 5: vector x y axis, along +z where the angle is clockwise
   const double theta = std::atan2(cross_product, dot);
   return theta < 0 ? theta + kTurn : theta;  // step 6: counter-clockwise ones from 360 degrees
 }
@@ -67,9 +70,9 @@ HeadTail::HeadTail(const Deployment& deployment, HeadTailOptions options)
 
 /// Leaves the farthest station out if it is farther than a new one; the others keep their order.
 bool HeadTail::make_room(End& end, double horizontal_m, std::span<const Arrival> arrivals, Fix& fix) const {
-  const auto farthest =
-      std::max_element(end.stations.begin(), end.stations.end(),
-                       [](const StationRange& a, const StationRange& b) { return a.distance_m < b.distance_m; });
+  const auto farthest = std::max_element(
+      end.stations.begin(), end.stations.end(),
+      [](const StationRange& a, const StationRange& b) { return a.distance_m < b.distance_m; });
   if (farthest->distance_m <= horizontal_m) return false;
   const auto at = farthest - end.stations.begin();
   reject_pair(arrivals, end.pairs[static_cast<std::size_t>(at)], Rejection::kNotNeeded, fix.rejections);
@@ -80,7 +83,8 @@ bool HeadTail::make_room(End& end, double horizontal_m, std::span<const Arrival>
 }
 
 /// The stations that an end hears, slant distances reduced to the horizontal by the known heights.
-void HeadTail::gather(std::size_t which, std::span<const Arrival> arrivals, std::span<const PairRange> pairs, Fix& fix) {
+void HeadTail::gather(std::size_t which, std::span<const Arrival> arrivals, std::span<const PairRange> pairs,
+                      Fix& fix) {
   End& end = end_[which];
   end.stations.clear();
   end.pairs.clear();
@@ -92,7 +96,8 @@ void HeadTail::gather(std::size_t which, std::span<const Arrival> arrivals, std:
     const double variance_m2 = pair.sigma_m * pair.sigma_m + calibration_variance_m2(pair, deployment_);
     const double noise_m = options_.gate_sigmas * std::sqrt(variance_m2);
     const double horizontal2 = (pair.range_m - rise_m) * (pair.range_m + rise_m);
-    if (!(horizontal2 > noise_m * pair.range_m)) {  // right below a station its range says nothing of the place
+    if (!(horizontal2 >
+          noise_m * pair.range_m)) {  // right below a station its range says nothing of the place
       const bool impossible = pair.range_m < std::abs(rise_m) - noise_m;
       reject_pair(arrivals, pair, impossible ? Rejection::kEarly : Rejection::kNotNeeded, fix.rejections);
       continue;
@@ -111,7 +116,8 @@ void HeadTail::gather(std::size_t which, std::span<const Arrival> arrivals, std:
 /// How well two places are a head and a tail: their stations' residuals, and the known distance between them.
 HeadTail::Choice HeadTail::rate(const TrianglePoint& head, const TrianglePoint& tail) const {
   const Eigen::Vector2d q = head.p_m - tail.p_m;
-  const double length_m = (lever(deployment_, end_[0].receiver) - lever(deployment_, end_[1].receiver)).norm();
+  const double length_m =
+      (lever(deployment_, end_[0].receiver) - lever(deployment_, end_[1].receiver)).norm();
   const Eigen::Vector2d e = q.norm() > 0 ? Eigen::Vector2d(q.normalized()) : Eigen::Vector2d::UnitX();
   const double variance_m2 = e.dot((head.information.inverse() + tail.information.inverse()) * e);
   return {&head, &tail, head.cost + tail.cost + (q.norm() - length_m) * (q.norm() - length_m) / variance_m2};
@@ -148,15 +154,18 @@ FixStatus HeadTail::choose(Choice& best) const {
 FixStatus HeadTail::set_pose(const Choice& choice, Fix& fix) {
   const Eigen::Vector2d head = choice.head->p_m, tail = choice.tail->p_m, q = head - tail;
   if (!(q.norm() > 1e-6)) return FixStatus::kPoorGeometry;
-  const std::array<Eigen::Vector2d, 2> levers = {lever(deployment_, end_[0].receiver), lever(deployment_, end_[1].receiver)};
+  const std::array<Eigen::Vector2d, 2> levers = {lever(deployment_, end_[0].receiver),
+                                                 lever(deployment_, end_[1].receiver)};
   const Eigen::Vector2d axis = levers[0] - levers[1];
-  // Section VI gives the direction from tail to head from the y axis; the head need not be ahead of the tail on +x.
+  // Section VI gives the direction from tail to head from the y axis; the head need not be ahead of the tail
+  // on +x.
   const double towards_head = tail_orientation_from_y_rad(head_orientation_from_y_rad(head, tail)) + M_PI / 2;
   const double heading_rad = wrap_angle(towards_head - std::atan2(axis.y(), axis.x()));
   const Eigen::Rotation2Dd R(heading_rad);
   // Each end gives the vehicle's place; weights by their information.
   const Eigen::Matrix2d covariance = (choice.head->information + choice.tail->information).inverse();
-  const std::array<Eigen::Matrix2d, 2> share = {covariance * choice.head->information, covariance * choice.tail->information};
+  const std::array<Eigen::Matrix2d, 2> share = {covariance * choice.head->information,
+                                                covariance * choice.tail->information};
   const Eigen::Vector2d from_head = head - R * levers[0], from_tail = tail - R * levers[1];
   const Eigen::Vector2d place = from_head + share[1] * (from_tail - from_head);
   fix.T_map_vehicle = Pose::planar(place.x(), place.y(), heading_rad);
@@ -186,16 +195,19 @@ FixStatus HeadTail::set_pose(const Choice& choice, Fix& fix) {
 
 FixStatus HeadTail::fix_pose(std::span<const Arrival> arrivals, Fix& fix) {
   const std::span<const PairRange> pairs = ranges_.collect(arrivals, deployment_, fix.rejections);
-  if (pairs.empty() || !fix.vehicle.valid() || fix.vehicle.index() >= ends_.size() || !ends_[fix.vehicle.index()][0].valid())
+  if (pairs.empty() || !fix.vehicle.valid() || fix.vehicle.index() >= ends_.size() ||
+      !ends_[fix.vehicle.index()][0].valid())
     return FixStatus::kTooFewArrivals;
   const Ends& ends = ends_[fix.vehicle.index()];
   for (const PairRange& pair : pairs)
-    if (pair.receiver != ends[0] && pair.receiver != ends[1]) reject_pair(arrivals, pair, Rejection::kNotNeeded, fix.rejections);
+    if (pair.receiver != ends[0] && pair.receiver != ends[1])
+      reject_pair(arrivals, pair, Rejection::kNotNeeded, fix.rejections);
   TriangleStatus worst = TriangleStatus::kOk;
   for (std::size_t e = 0; e < 2; ++e) {
     end_[e].receiver = ends[e];
     gather(e, arrivals, pairs, fix);
-    if (const TriangleStatus status = end_[e].solver.solve(end_[e].stations); worst == TriangleStatus::kOk) worst = status;
+    if (const TriangleStatus status = end_[e].solver.solve(end_[e].stations); worst == TriangleStatus::kOk)
+      worst = status;
   }
   if (worst == TriangleStatus::kTooFew) return FixStatus::kTooFewArrivals;
   if (worst == TriangleStatus::kFlat) return FixStatus::kPoorGeometry;
@@ -207,7 +219,8 @@ FixStatus HeadTail::fix_pose(std::span<const Arrival> arrivals, Fix& fix) {
     for (std::size_t k = 0; k < point.gain.size(); ++k) {
       if (!point.gain[k].isZero(0.0)) continue;
       const bool outvoted = static_cast<int>(k) == point.left_out;
-      reject_pair(arrivals, end_[e].pairs[k], outvoted ? Rejection::kOutvoted : Rejection::kNotNeeded, fix.rejections);
+      reject_pair(arrivals, end_[e].pairs[k], outvoted ? Rejection::kOutvoted : Rejection::kNotNeeded,
+                  fix.rejections);
     }
   }
   return set_pose(choice, fix);
@@ -220,18 +233,23 @@ void HeadTail::locate(const Observations& observations, Fix& fix) noexcept {
 
 Result<void> head_tail_fits(const Deployment& deployment) {
   const auto lacks = [](std::string found, std::string expected) {
-    return fail({.code = Errc::kUsage, .found = "head_tail: " + std::move(found), .expected = std::move(expected)});
+    return fail(
+        {.code = Errc::kUsage, .found = "head_tail: " + std::move(found), .expected = std::move(expected)});
   };
   if (deployment.motion != Motion::kPlanar) return lacks("the motion is spatial", "a planar one");
-  if (deployment.timing.clock != Clock::kSynchronised) return lacks("the clock has a cycle offset", "a synchronised one");
-  const auto usable = std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
-                                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
+  if (deployment.timing.clock != Clock::kSynchronised)
+    return lacks("the clock has a cycle offset", "a synchronised one");
+  const auto usable =
+      std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
+                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
   if (usable < 2) return lacks(std::to_string(usable) + " usable base stations", "two or more");
-  const bool any = std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(),
-                               [&](const SiteVehicle& vehicle) { return apart(deployment, ends_of(deployment, vehicle)); });
+  const bool any = std::any_of(
+      deployment.vehicles.begin(), deployment.vehicles.end(),
+      [&](const SiteVehicle& vehicle) { return apart(deployment, ends_of(deployment, vehicle)); });
   if (!any) {
     return lacks("no vehicle has a head and a tail",
-                 "one with two receivers at different places (the first is the head), or receivers named head and tail");
+                 "one with two receivers at different places (the first is the head), or receivers named "
+                 "head and tail");
   }
   return {};
 }

@@ -11,8 +11,8 @@
 namespace octant {
 namespace {
 
-/// First rising edge of a train and the mean phase of its edges within the carrier's period. The mean is taken on the
-/// circle: an edge that the comparator missed leaves it where it was.
+/// First rising edge of a train and the mean phase of its edges within the carrier's period. The mean is
+/// taken on the circle: an edge that the comparator missed leaves it where it was.
 struct Edges {
   int count = 0;
   double first_s = 0.0;

@@ -18,26 +18,33 @@ Error lacks(std::string found, std::string expected) {
 }  // namespace
 
 Result<void> kleeman_fits(const Deployment& d) {
-  if (d.motion != Motion::kPlanar) return fail(lacks("kleeman: the deployment's motion is spatial", "planar motion"));
-  if (d.timing.ranging != Ranging::kOneWay) return fail(lacks("kleeman: the deployment's ranging is two_way", "one_way"));
+  if (d.motion != Motion::kPlanar)
+    return fail(lacks("kleeman: the deployment's motion is spatial", "planar motion"));
+  if (d.timing.ranging != Ranging::kOneWay)
+    return fail(lacks("kleeman: the deployment's ranging is two_way", "one_way"));
   if (d.beacons.size() > kKleemanBeacons)
-    return fail(lacks("kleeman: the deployment has " + std::to_string(d.beacons.size()) + " beacons", "16 at most"));
+    return fail(
+        lacks("kleeman: the deployment has " + std::to_string(d.beacons.size()) + " beacons", "16 at most"));
   std::size_t usable = 0;
   for (const DeploymentBeacon& b : d.beacons) usable += b.status != BeaconStatus::kUndetermined ? 1 : 0;
-  if (usable < 3) return fail(lacks("kleeman: the deployment has " + std::to_string(usable) + " usable beacons", "3 or more"));
+  if (usable < 3)
+    return fail(
+        lacks("kleeman: the deployment has " + std::to_string(usable) + " usable beacons", "3 or more"));
   if (d.receivers.empty() || d.vehicles.empty())
     return fail(lacks("kleeman: the deployment has no receiver", "a vehicle with one"));
   return {};
 }
 
-Kleeman::Kleeman(const Deployment& deployment, const KleemanOptions& options) : deployment_(deployment), options_(options) {
+Kleeman::Kleeman(const Deployment& deployment, const KleemanOptions& options)
+    : deployment_(deployment), options_(options) {
   if (auto fits = kleeman_fits(deployment); !fits) throw std::invalid_argument(fits.error().message());
   for (const DeploymentBeacon& b : deployment_.beacons) beacon_p_map_m_.push_back(b.position_m);
   work_ = std::make_unique<Work>();
   for (const SiteVehicle& v : deployment_.vehicles) {
     vehicles_.emplace_back(deployment_, v, options_.longsolve);
     work_->memory = vehicles_.back().memory;
-    work_->heard.reserve(std::max(work_->heard.capacity(), 4 * deployment_.beacons.size() * v.receiver_count));
+    work_->heard.reserve(
+        std::max(work_->heard.capacity(), 4 * deployment_.beacons.size() * v.receiver_count));
   }
 }
 
@@ -81,7 +88,8 @@ FixStatus Kleeman::place(std::span<const Arrival> arrivals, double scale) noexce
     moved_m = (w.solution.p_map_m - before).norm();
     turned_rad = std::abs(wrap_angle(w.heading.rad - heading.rad));
     // A heading that was coarse until now is not settled by standing still.
-    const bool same_heading = heading.known == w.heading.known && std::abs(w.heading.sigma_rad - heading.sigma_rad) < 1e-3;
+    const bool same_heading =
+        heading.known == w.heading.known && std::abs(w.heading.sigma_rad - heading.sigma_rad) < 1e-3;
     if (moved_m < kSettled_m && turned_rad < kSettled_rad && same_heading) break;
   }
   // Arrivals on the edge of a gate may come and go for ever, and move nothing much. More than that is no fix.
@@ -99,7 +107,8 @@ FixStatus Kleeman::solve_pass(bool first) noexcept {
     centre();
   }
   set_rough_aside();
-  // As long as the array is taken for a point, two distances may differ by its diameter more than eq. 5-6 allow.
+  // As long as the array is taken for a point, two distances may differ by its diameter more than eq. 5-6
+  // allow.
   const double slack_m = first ? 2 * v.radius_m : 0.0;
   w.impossible = triangle_violations(w.distances, beacon_p_map_m_, options_.triangle_sigmas, slack_m);
   const double scale_sigma = w.searching_speed ? 0.0 : deployment_.speed_sigma_mps / w.speed_mps;
@@ -110,16 +119,23 @@ FixStatus Kleeman::solve_pass(bool first) noexcept {
 
 void Kleeman::find_heading(bool first) noexcept {
   Work& w = *work_;
-  // Beacons that longsolve has thrown out are late, and from somewhere else: they say nothing of the heading either.
+  // Beacons that longsolve has thrown out are late, and from somewhere else: they say nothing of the heading
+  // either.
   for (HeardDistance& h : w.heard) h.kept = h.kept && w.solution.agreeing[h.beacon];
   const auto& attenuation = deployment_.attenuation;
-  const HeadingInput input{w.heard, beacon_p_map_m_, w.vehicle->receivers, w.solution.p_map_m,
-                           attenuation && attenuation->directional() ? &*attenuation : nullptr, deployment_.noise.amplitude_relative_sigma};
-  // The first pass has not yet told the echoes of single receivers from direct arrivals: the coarse heading stands that.
+  const HeadingInput input{w.heard,
+                           beacon_p_map_m_,
+                           w.vehicle->receivers,
+                           w.solution.p_map_m,
+                           attenuation && attenuation->directional() ? &*attenuation : nullptr,
+                           deployment_.noise.amplitude_relative_sigma};
+  // The first pass has not yet told the echoes of single receivers from direct arrivals: the coarse heading
+  // stands that.
   const bool coarse = first || options_.heading != KleemanHeading::kInterpolation;
   const bool published = options_.heading == KleemanHeading::kMeanAxes;
   Heading heading;
-  if (coarse || !w.heading.known) heading = published ? heading_from_mean_axes(input) : heading_from_hearing(input);
+  if (coarse || !w.heading.known)
+    heading = published ? heading_from_mean_axes(input) : heading_from_hearing(input);
   if (!heading.known || !coarse) {
     const Heading interpolated = heading_from_differences(input, w.heading.known ? w.heading : heading);
     if (interpolated.known) heading = interpolated;

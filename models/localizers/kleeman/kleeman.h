@@ -8,18 +8,19 @@
 
 #include "models/deployment.h"
 #include "models/fix.h"
+#include "models/localizers/common/localizer.h"
 #include "models/localizers/kleeman/kleeman_heading.h"
 #include "models/localizers/kleeman/kleeman_longsolve.h"
-#include "models/localizers/common/localizer.h"
-#include "models/support/result.h"
 #include "models/run.h"
+#include "models/support/result.h"
 
 namespace octant {
 
 // L. Kleeman, "Ultrasonic autonomous robot localisation system". Where its parts are, in the paper's order:
-//   kleeman_schedule.h    firing in turn, eq. 1              hyperbolic_fix.h      three beacons, eq. 2-4, error analysis
-//   kleeman_sync.h        pulses to labelled arrivals        kleeman_validation.h  triangle inequality, eq. 5-6
-//   kleeman_longsolve.h   the best triples of all beacons    kleeman_heading.h     orientation
+//   kleeman_schedule.h    firing in turn, eq. 1              hyperbolic_fix.h      three beacons, eq. 2-4,
+//   error analysis kleeman_sync.h        pulses to labelled arrivals        kleeman_validation.h  triangle
+//   inequality, eq. 5-6 kleeman_longsolve.h   the best triples of all beacons    kleeman_heading.h
+//   orientation
 // and here: the arrivals of one cycle through all of it, and the speed of sound from their redundancy.
 
 struct KleemanOptions {
@@ -28,7 +29,8 @@ struct KleemanOptions {
   double gate_sigmas = 4.0;      ///< an arrival later than the first of its beacon by more is an echo
   int max_passes = 10;           ///< position and heading in turn, until neither moves
   LongsolveOptions longsolve{};
-  double speed_span = 0.05;    ///< estimate_speed() searches so far to either side of the deployment's speed, relative
+  double speed_span =
+      0.05;  ///< estimate_speed() searches so far to either side of the deployment's speed, relative
   double speed_step = 0.0025;  ///< in such steps (the prototype's resolution), then between them
   /// Largest relative sigma of a speed that counts as determined.
   double max_speed_sigma = 0.01;
@@ -36,8 +38,9 @@ struct KleemanOptions {
 
 /// Speed of sound from the redundancy of one epoch or several.
 struct SpeedEstimate {
-  /// kTooFewArrivals: no epoch had more than three beacons that agree. kPoorGeometry: the epochs do not determine the speed
-  /// (from the middle of a ring of beacons all distances are alike, and no speed is better than another).
+  /// kTooFewArrivals: no epoch had more than three beacons that agree. kPoorGeometry: the epochs do not
+  /// determine the speed (from the middle of a ring of beacons all distances are alike, and no speed is
+  /// better than another).
   FixStatus status = FixStatus::kTooFewArrivals;
   double scale = 1.0;      ///< speed over the deployment's, at any temperature
   double speed_mps = 0.0;  ///< at the deployment's reference temperature
@@ -47,21 +50,23 @@ struct SpeedEstimate {
   [[nodiscard]] bool ok() const { return status == FixStatus::kOk; }
 };
 
-/// What a deployment lacks for Kleeman's method: planar motion, one-way ranging, 3 to 16 beacons of which three are usable, a
-/// vehicle with a receiver.
+/// What a deployment lacks for Kleeman's method: planar motion, one-way ranging, 3 to 16 beacons of which
+/// three are usable, a vehicle with a receiver.
 [[nodiscard]] Result<void> kleeman_fits(const Deployment& deployment);
 
-/// Kleeman's localizer: one fix an epoch, from arrivals whose clock may be off by any amount (a synchronised clock is solved for
-/// all the same). Bearings are ignored.
+/// Kleeman's localizer: one fix an epoch, from arrivals whose clock may be off by any amount (a synchronised
+/// clock is solved for all the same). Bearings are ignored.
 ///
-/// An arrival belongs to a receiver beside the vehicle's centre, on a side that depends on the heading, which depends on the
-/// position. So the first pass takes the first arrival of each beacon and the array for a point, as published (a ring makes
-/// all distances shorter by the same); the next ones carry every arrival to the centre with the position and heading of the
-/// pass before, average those of one beacon that agree, and end when neither moves. Heights and elevations: hyperbolic_fix.h.
+/// An arrival belongs to a receiver beside the vehicle's centre, on a side that depends on the heading, which
+/// depends on the position. So the first pass takes the first arrival of each beacon and the array for a
+/// point, as published (a ring makes all distances shorter by the same); the next ones carry every arrival to
+/// the centre with the position and heading of the pass before, average those of one beacon that agree, and
+/// end when neither moves. Heights and elevations: hyperbolic_fix.h.
 ///
-/// The covariance holds the arrivals' noise carried through the averaged triples and the heading, and of the calibration the
-/// beacons' covariance (without correlations between them), the receivers' sigmas, delays, and the speed.
-/// Keeps, vehicle by vehicle, where it was and the errors of the triples there, which decides which triples are averaged.
+/// The covariance holds the arrivals' noise carried through the averaged triples and the heading, and of the
+/// calibration the beacons' covariance (without correlations between them), the receivers' sigmas, delays,
+/// and the speed. Keeps, vehicle by vehicle, where it was and the errors of the triples there, which decides
+/// which triples are averaged.
 class Kleeman : public Localizer {
  public:
   /// @throws std::invalid_argument if the deployment does not fit, see kleeman_fits()
@@ -69,14 +74,16 @@ class Kleeman : public Localizer {
   ~Kleeman() override;
 
   using Localizer::locate;
-  /// The arrivals of one epoch of one vehicle. Those that longsolve outvotes are kOutvoted, late ones of a beacon whose other
-  /// arrivals agree are kLate, agreeing beacons in none of the averaged triples are kNotNeeded.
+  /// The arrivals of one epoch of one vehicle. Those that longsolve outvotes are kOutvoted, late ones of a
+  /// beacon whose other arrivals agree are kLate, agreeing beacons in none of the averaged triples are
+  /// kNotNeeded.
   void locate(const Observations& observations, Fix& fix) noexcept override;
 
-  /// Varies the speed of sound until the distances agree best, over the epochs in `arrivals` (told apart by their epoch; all
-  /// of one vehicle). Does not change what locate() uses.
+  /// Varies the speed of sound until the distances agree best, over the epochs in `arrivals` (told apart by
+  /// their epoch; all of one vehicle). Does not change what locate() uses.
   [[nodiscard]] SpeedEstimate estimate_speed(std::span<const Arrival> arrivals) noexcept;
-  /// Speed that locate() uses from now on, over the deployment's at any temperature. @param scale > 0; SpeedEstimate::scale
+  /// Speed that locate() uses from now on, over the deployment's at any temperature. @param scale > 0;
+  /// SpeedEstimate::scale
   void use_speed_scale(double scale) { scale_ = scale; }
   /// Forgets where the vehicles were.
   void reset() noexcept;

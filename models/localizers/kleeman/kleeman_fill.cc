@@ -17,7 +17,8 @@ void Kleeman::fill(std::span<const Arrival> arrivals, Fix& fix) const noexcept {
   fix.rejections.assign(arrivals.size(), Rejection::kBeaconUnusable);
   for (const HeardDistance& h : w.heard) {
     Rejection& why = fix.rejections[h.arrival];
-    const double residual_m = h.centred_m - s.offset_m - slant_distance_m(w.vehicle->plan[h.beacon], s.p_map_m);
+    const double residual_m =
+        h.centred_m - s.offset_m - slant_distance_m(w.vehicle->plan[h.beacon], s.p_map_m);
     if (w.impossible[h.beacon]) {
       why = Rejection::kTriangle;
     } else if (!s.agreeing[h.beacon]) {
@@ -35,12 +36,12 @@ void Kleeman::fill(std::span<const Arrival> arrivals, Fix& fix) const noexcept {
   fix.arrivals_rejected = static_cast<int>(arrivals.size()) - fix.arrivals_used;
 }
 
-/// The passes end in P = A m(P, theta) and theta = theta(P), with A longsolve's gain and m the distances from the centre; so
-/// with B = A dm/dP, g = A dm/dtheta, h = dtheta/dP
+/// The passes end in P = A m(P, theta) and theta = theta(P), with A longsolve's gain and m the distances from
+/// the centre; so with B = A dm/dP, g = A dm/dtheta, h = dtheta/dP
 ///   [I - B  -g] [dP    ]   [A dm    ]
 ///   [ -h     1] [dtheta] = [dtheta|P]
-/// and what stands on the right has the noise of the beacons' means and that of the differences within beacons, which are
-/// independent of each other.
+/// and what stands on the right has the noise of the beacons' means and that of the differences within
+/// beacons, which are independent of each other.
 void Kleeman::propagate(Fix& fix) const noexcept {
   const Work& w = *work_;
   const LongsolveFix& s = w.solution;
@@ -54,7 +55,8 @@ void Kleeman::propagate(Fix& fix) const noexcept {
     for (const HeardDistance& h : w.heard) {
       if (h.beacon != b || !h.kept) continue;
       const double wi = 1 / (h.sigma_m * h.sigma_m);
-      const ReceiverPath path = receiver_path(beacon_p_map_m_[b], v.receivers[h.receiver], s.p_map_m, w.heading.rad);
+      const ReceiverPath path =
+          receiver_path(beacon_p_map_m_[b], v.receivers[h.receiver], s.p_map_m, w.heading.rad);
       weight += wi;
       by_heading -= wi * path.by_heading;
       by_position -= wi * (path.by_position + foreshortened(v.plan[b], s.p_map_m).transpose());

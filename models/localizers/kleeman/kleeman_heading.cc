@@ -14,11 +14,13 @@
 namespace octant {
 namespace {
 
-constexpr double kOverhead = 0.05;  // cosine of the elevation below which a beacon has no direction in the plan
+constexpr double kOverhead =
+    0.05;  // cosine of the elevation below which a beacon has no direction in the plan
 constexpr int kMaxSteps = 20;
-constexpr double kSectorOdds = 30.0;        // a sector that holds the heading against one that does not
-constexpr double kAlike_rad = 0.02;         // axes and sensitivities of receivers: bisectors are no better than a degree
-constexpr double kLouder = 3.0;             // sigmas of a difference between amplitudes that is no noise
+constexpr double kSectorOdds = 30.0;  // a sector that holds the heading against one that does not
+constexpr double kAlike_rad =
+    0.02;                        // axes and sensitivities of receivers: bisectors are no better than a degree
+constexpr double kLouder = 3.0;  // sigmas of a difference between amplitudes that is no noise
 constexpr double kContradiction_rad = 1.0;  // a mean over headings so far apart is none of them
 
 /// Normal equation of the heading.
@@ -64,7 +66,8 @@ Normal normal_equation(const HeadingInput& in, double heading_rad) {
       const ReceiverPath path = receiver_path(in.beacon_p_map_m[b], receiver, in.p_map_m, heading_rad);
       distances.add(h.slant_m - path.slant_m, h.sigma_m, path.by_heading, path.by_position);
       if (in.directional == nullptr || !h.walk_known || receiver.direction.isZero()) continue;
-      const ReceiverGain gain = receiver_gain(in.beacon_p_map_m[b], receiver, in.p_map_m, heading_rad, *in.directional);
+      const ReceiverGain gain =
+          receiver_gain(in.beacon_p_map_m[b], receiver, in.p_map_m, heading_rad, *in.directional);
       amplitudes.add(h.log_amplitude - gain.log, in.log_amplitude_sigma, gain.by_heading, gain.by_position);
     }
     distances.add_to(sum);
@@ -98,7 +101,8 @@ HeardFrom heard_from(const HeadingInput& in, std::size_t beacon) {
     if (h.beacon == beacon && h.kept && in.receivers[h.receiver].axis) sum += *in.receivers[h.receiver].axis;
   }
   const Eigen::Vector2d to = in.beacon_p_map_m[beacon].head<2>() - in.p_map_m;
-  const double distance_m = to.norm(), height_m = in.beacon_p_map_m[beacon].z() - in.receivers.front().position_m.z();
+  const double distance_m = to.norm(),
+               height_m = in.beacon_p_map_m[beacon].z() - in.receivers.front().position_m.z();
   if (sum.norm() < 1e-3 || !(distance_m > kOverhead * std::hypot(distance_m, height_m))) return out;
   out.known = true;
   out.bearing = to / distance_m;
@@ -125,19 +129,23 @@ struct OffAxisBounds {
   double least_rad = 0.0, most_rad = 0.0;
 };
 
-/// Of two receivers the louder is the nearer: the beacon is on its side of their bisector. Left as it is where that contradicts
-/// itself, as it does where one of them is not as sensitive as the others.
-void narrow_by_loudness(const HeadingInput& in, std::size_t beacon, const Eigen::Vector2d& mean_axis, OffAxisBounds& bounds) {
+/// Of two receivers the louder is the nearer: the beacon is on its side of their bisector. Left as it is
+/// where that contradicts itself, as it does where one of them is not as sensitive as the others.
+void narrow_by_loudness(const HeadingInput& in, std::size_t beacon, const Eigen::Vector2d& mean_axis,
+                        OffAxisBounds& bounds) {
   if (in.directional == nullptr) return;
   const double clear = kLouder * std::numbers::sqrt2 * in.log_amplitude_sigma;
-  const auto counts = [&](const HeardDistance& h) { return h.beacon == beacon && h.kept && h.walk_known && in.receivers[h.receiver].axis; };
+  const auto counts = [&](const HeardDistance& h) {
+    return h.beacon == beacon && h.kept && h.walk_known && in.receivers[h.receiver].axis;
+  };
   OffAxisBounds narrow = bounds;
   for (const HeardDistance& a : in.heard) {
     if (!counts(a)) continue;
     const double off_a = angle_of(turn_between(mean_axis, *in.receivers[a.receiver].axis));
     for (const HeardDistance& b : in.heard) {
       if (!counts(b) || a.receiver == b.receiver || !(a.log_amplitude - b.log_amplitude > clear)) continue;
-      const double off_b = angle_of(turn_between(mean_axis, *in.receivers[b.receiver].axis)), middle = (off_a + off_b) / 2;
+      const double off_b = angle_of(turn_between(mean_axis, *in.receivers[b.receiver].axis)),
+                   middle = (off_a + off_b) / 2;
       if (off_a > off_b) {
         narrow.least_rad = std::max(narrow.least_rad, middle);
       } else {
@@ -155,12 +163,13 @@ std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
   const auto ear_of = [&](std::size_t receiver) {
     Ear ear = Ear::kDeaf;
     for (const HeardDistance& h : in.heard) {
-      if (h.beacon == beacon && h.receiver == receiver) ear = std::max(ear, h.kept ? Ear::kHears : Ear::kUnclear);
+      if (h.beacon == beacon && h.receiver == receiver)
+        ear = std::max(ear, h.kept ? Ear::kHears : Ear::kUnclear);
     }
     return ear;
   };
-  // Axes to the right and to the left of the mean one: the outermost that hear, and the nearest beyond them that are deaf. One
-  // that is deaf between two that hear has missed the pulse, and comes to lie a turn away.
+  // Axes to the right and to the left of the mean one: the outermost that hear, and the nearest beyond them
+  // that are deaf. One that is deaf between two that hear has missed the pulse, and comes to lie a turn away.
   constexpr double kTurn_rad = 2 * std::numbers::pi, kNone = std::numeric_limits<double>::infinity();
   double hears_right = 0.0, hears_left = 0.0, deaf_right = -kNone, deaf_left = kNone;
   for (const bool hearing : {true, false}) {
@@ -178,7 +187,8 @@ std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
   }
   if (!std::isfinite(deaf_left)) return std::nullopt;  // heard all round
   const double mean_rad = angle_of(turn_between(heard.axis, heard.bearing));
-  // The bearing off the mean axis: between the bisectors of the last on one side that hears and the first on the other that does not.
+  // The bearing off the mean axis: between the bisectors of the last on one side that hears and the first on
+  // the other that does not.
   OffAxisBounds off{(hears_left + deaf_right) / 2, (hears_right + deaf_left) / 2};
   narrow_by_loudness(in, beacon, heard.axis, off);
   return Sector{mean_rad - off.most_rad, mean_rad - off.least_rad, heard.by_position};
@@ -216,7 +226,8 @@ double SectorOverlap::deepest_rad() const {
       const double half_rad = (s.to_rad - s.from_rad) / 2;
       return std::abs(wrap_angle(at_rad - s.from_rad - half_rad)) <= half_rad + 1e-12;
     };
-    const auto depth = static_cast<int>(std::count_if(sectors_.begin(), sectors_.begin() + static_cast<long>(count_), holds));
+    const auto depth = static_cast<int>(
+        std::count_if(sectors_.begin(), sectors_.begin() + static_cast<long>(count_), holds));
     if (depth > most) most = depth, deepest_rad = at_rad;
   }
   return deepest_rad;
@@ -225,7 +236,8 @@ double SectorOverlap::deepest_rad() const {
 void SectorOverlap::lay_out(double about_rad) {
   for (std::size_t i = 0; i < count_; ++i) {
     const Sector& s = sectors_[i];
-    const double half_rad = (s.to_rad - s.from_rad) / 2, middle_rad = wrap_angle(s.from_rad + half_rad - about_rad);
+    const double half_rad = (s.to_rad - s.from_rad) / 2,
+                 middle_rad = wrap_angle(s.from_rad + half_rad - about_rad);
     ends_[2 * i] = {middle_rad - half_rad, 1, s.by_position};
     ends_[2 * i + 1] = {middle_rad + half_rad, -1, s.by_position};
   }
@@ -261,15 +273,16 @@ Heading SectorOverlap::heading() {
   depth = 0;
   for (const End& end : ends) {  // an end that moves takes mass along
     const double before = density(depth);
-    heading.by_position += (before - density(depth += end.opens)) * (end.rad - mean_rad) / mass * end.by_position;
+    heading.by_position +=
+        (before - density(depth += end.opens)) * (end.rad - mean_rad) / mass * end.by_position;
   }
   return heading;
 }
 
 }  // namespace
 
-ReceiverPath receiver_path(const Eigen::Vector3d& beacon, const ArrayReceiver& receiver, const Eigen::Vector2d& p,
-                           double heading_rad) {
+ReceiverPath receiver_path(const Eigen::Vector3d& beacon, const ArrayReceiver& receiver,
+                           const Eigen::Vector2d& p, double heading_rad) {
   const double c = std::cos(heading_rad), s = std::sin(heading_rad);
   const Eigen::Vector3d& o = receiver.position_m;
   const Eigen::Vector2d lever(c * o.x() - s * o.y(), s * o.x() + c * o.y());
@@ -283,12 +296,14 @@ ReceiverPath receiver_path(const Eigen::Vector3d& beacon, const ArrayReceiver& r
   return path;
 }
 
-ReceiverGain receiver_gain(const Eigen::Vector3d& beacon, const ArrayReceiver& receiver, const Eigen::Vector2d& p, double heading_rad,
-                           const AttenuationModel& model) {
+ReceiverGain receiver_gain(const Eigen::Vector3d& beacon, const ArrayReceiver& receiver,
+                           const Eigen::Vector2d& p, double heading_rad, const AttenuationModel& model) {
   const double c = std::cos(heading_rad), s = std::sin(heading_rad);
   const Eigen::Vector3d &o = receiver.position_m, &a = receiver.direction;
-  const Eigen::Vector2d lever(c * o.x() - s * o.y(), s * o.x() + c * o.y()), axis(c * a.x() - s * a.y(), s * a.x() + c * a.y());
-  const Eigen::Vector3d to(beacon.x() - p.x() - lever.x(), beacon.y() - p.y() - lever.y(), beacon.z() - o.z());
+  const Eigen::Vector2d lever(c * o.x() - s * o.y(), s * o.x() + c * o.y()),
+      axis(c * a.x() - s * a.y(), s * a.x() + c * a.y());
+  const Eigen::Vector3d to(beacon.x() - p.x() - lever.x(), beacon.y() - p.y() - lever.y(),
+                           beacon.z() - o.z());
   const double distance_m = to.norm();
   ReceiverGain gain;
   if (!(distance_m > 0)) return gain;
@@ -299,7 +314,8 @@ ReceiverGain receiver_gain(const Eigen::Vector3d& beacon, const ArrayReceiver& r
   gain.log_directivity = directivity.value;
   gain.log = directivity.value - std::log(distance_m) - model.absorption_np_per_m * distance_m;
   // By the receiver's place: the distance grows along -e, the direction turns.
-  gain.by_position = (loss * e.head<2>() - directivity.by_cosine / distance_m * (axis - cosine * e.head<2>())).transpose();
+  gain.by_position =
+      (loss * e.head<2>() - directivity.by_cosine / distance_m * (axis - cosine * e.head<2>())).transpose();
   const Eigen::Vector2d lever_turns(-lever.y(), lever.x()), axis_turns(-axis.y(), axis.x());
   gain.by_heading = gain.by_position.dot(lever_turns) + directivity.by_cosine * axis_turns.dot(e.head<2>());
   return gain;
@@ -317,8 +333,8 @@ Heading heading_from_mean_axes(const HeadingInput& in) {
     ++beacons;
   }
   if (beacons == 0 || sum.norm() < 1e-3 * beacons) return Heading{};
-  const auto axes =
-      std::count_if(in.receivers.begin(), in.receivers.end(), [](const ArrayReceiver& r) { return r.axis.has_value(); });
+  const auto axes = std::count_if(in.receivers.begin(), in.receivers.end(),
+                                  [](const ArrayReceiver& r) { return r.axis.has_value(); });
   heading.known = true;
   heading.rad = angle_of(sum);
   heading.sigma_rad = 2 * std::numbers::pi / static_cast<double>(axes) / std::sqrt(12.0 * beacons);
@@ -340,7 +356,8 @@ Heading heading_from_differences(const HeadingInput& in, const Heading& start) {
   Normal normal;
   for (int i = 0; i < kMaxSteps; ++i) {
     normal = normal_equation(in, heading.rad);
-    if (!(normal.information * std::numbers::pi * std::numbers::pi > 1)) return Heading{};  // nothing is told of an angle
+    if (!(normal.information * std::numbers::pi * std::numbers::pi > 1))
+      return Heading{};  // nothing is told of an angle
     const double step_rad = std::clamp(normal.gradient / normal.information, -0.5, 0.5);
     heading.rad = wrap_angle(heading.rad + step_rad);
     if (std::abs(step_rad) < 1e-10) break;

@@ -11,13 +11,16 @@ namespace octant {
 namespace {
 
 constexpr int kMaxAveraged = 32;
-constexpr double kLongsolveRounding_m = 1e-6;  // deviations below this are the iteration's, not the distances'
-constexpr double kThin = 0.2;         // beacons lie on a line when they spread across it less than this part of along it
-constexpr double kOutside_m = 1.0;    // a place so far from all beacons' box is not in the environment
+constexpr double kLongsolveRounding_m =
+    1e-6;  // deviations below this are the iteration's, not the distances'
+constexpr double kThin =
+    0.2;  // beacons lie on a line when they spread across it less than this part of along it
+constexpr double kOutside_m = 1.0;  // a place so far from all beacons' box is not in the environment
 using Gain = Eigen::Matrix<double, 2, kKleemanBeacons>;
 using Row = Eigen::Matrix<double, 1, kKleemanBeacons>;
 
-Eigen::Vector2d mirrored(const Eigen::Vector2d& p, const Eigen::Vector2d& on_line, const Eigen::Vector2d& along) {
+Eigen::Vector2d mirrored(const Eigen::Vector2d& p, const Eigen::Vector2d& on_line,
+                         const Eigen::Vector2d& along) {
   const Eigen::Vector2d from = p - on_line, unit = along.normalized();
   return on_line + 2 * unit * unit.dot(from) - from;
 }
@@ -162,7 +165,8 @@ LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet wanted, const 
       const std::uint16_t t = memory.order[next];
       const Triple& b = triples_[t];
       if (!within(b, subset) || !memory.error[t].allFinite()) continue;
-      if (std::max({average.uses[b[0]], average.uses[b[1]], average.uses[b[2]]}) >= options_.max_uses) continue;
+      if (std::max({average.uses[b[0]], average.uses[b[1]], average.uses[b[2]]}) >= options_.max_uses)
+        continue;
       if (solve_triple(problem, t, p, solution)) average.add(solution, b);
     }
     average.weigh(memory.error);  // step 3
@@ -171,14 +175,17 @@ LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet wanted, const 
   if (average.count == 0) return fix;
   while (average.count > options_.min_triples) {  // step 4
     Row length_m = Row::Zero();
-    for (std::size_t b = 0; b < beacons_.size(); ++b) length_m[static_cast<int>(b)] = slant_distance_m(beacons_[b], average.p);
+    for (std::size_t b = 0; b < beacons_.size(); ++b)
+      length_m[static_cast<int>(b)] = slant_distance_m(beacons_[b], average.p);
     int worst = -1;
     double worst_ratio = 1.0;
     for (int i = 0; i < average.count; ++i) {
       const Solution& s = average.members[static_cast<std::size_t>(i)];
       const Gain by = s.gain - average.gain;
-      const double expected_m = std::sqrt(problem.variance(by.row(0), length_m) + problem.variance(by.row(1), length_m));
-      const double ratio = (s.p - average.p).norm() / (options_.deviation_sigmas * expected_m + kLongsolveRounding_m);
+      const double expected_m =
+          std::sqrt(problem.variance(by.row(0), length_m) + problem.variance(by.row(1), length_m));
+      const double ratio =
+          (s.p - average.p).norm() / (options_.deviation_sigmas * expected_m + kLongsolveRounding_m);
       if (ratio > worst_ratio) worst = i, worst_ratio = ratio;
     }
     if (worst < 0) break;
@@ -221,16 +228,18 @@ void Longsolve::settle(const Problem& problem, LongsolveFix& fix) const noexcept
     fix.agreeing[i] = std::abs(fix.residual_m[i]) <= gate_m;
     fix.late[i] = fix.residual_m[i] > gate_m;
     fix.early[i] = fix.residual_m[i] < -gate_m;
-    if (fix.agreeing[i]) fix.chi2 += fix.residual_m[i] * fix.residual_m[i] / problem.variance_m2[static_cast<int>(i)];
+    if (fix.agreeing[i])
+      fix.chi2 += fix.residual_m[i] * fix.residual_m[i] / problem.variance_m2[static_cast<int>(i)];
   }
 }
 
-/// All that was averaged agrees, there are enough to tell, and what disagrees is late: a direct pulse cannot be (one that
-/// is early is believed to be spurious when six agree).
+/// All that was averaged agrees, there are enough to tell, and what disagrees is late: a direct pulse cannot
+/// be (one that is early is believed to be spurious when six agree).
 bool Longsolve::acceptable(const Problem& problem, const LongsolveFix& fix) const noexcept {
   if (!fix.ok() || (fix.averaged & ~fix.agreeing).any()) return false;
   // Rough distances agree with much: neither do they make up for others, nor may they contradict.
-  for (const BeaconSet counted : {problem.distances.heard & ~problem.distances.rough, problem.distances.heard}) {
+  for (const BeaconSet counted :
+       {problem.distances.heard & ~problem.distances.rough, problem.distances.heard}) {
     const auto heard = static_cast<int>(counted.count());
     const auto agreeing = static_cast<int>((fix.agreeing & counted).count());
     if (agreeing < std::max(3, std::min(options_.min_agreeing, heard))) return false;
@@ -250,17 +259,21 @@ LongsolveFix Longsolve::search_exclusions(const Problem& problem, const Eigen::V
     if (static_cast<int>(subset.count()) < std::max(3, options_.min_agreeing)) return;
     LongsolveFix fix = attempt(problem, subset, start, memory);
     if (!acceptable(problem, fix)) return;
-    const bool rivals = best.ok() && fix.agreeing != best.agreeing && fix.agreeing.count() == best.agreeing.count() &&
+    const bool rivals = best.ok() && fix.agreeing != best.agreeing &&
+                        fix.agreeing.count() == best.agreeing.count() &&
                         std::abs(fix.chi2 - best.chi2) < options_.ambiguity_margin;
     const double variance_m2 = fix.gain.cwiseAbs2().colwise().sum().dot(problem.variance_m2);
-    if (rivals && (fix.p_map_m - best.p_map_m).norm() > options_.deviation_sigmas * std::sqrt(2 * variance_m2)) {
+    if (rivals &&
+        (fix.p_map_m - best.p_map_m).norm() > options_.deviation_sigmas * std::sqrt(2 * variance_m2)) {
       best.status = FixStatus::kAmbiguous;
       return;
     }
-    const bool better = best.status == FixStatus::kNoConsensus || fix.agreeing.count() > best.agreeing.count() ||
+    const bool better = best.status == FixStatus::kNoConsensus ||
+                        fix.agreeing.count() > best.agreeing.count() ||
                         (fix.agreeing.count() == best.agreeing.count() && fix.chi2 < best.chi2);
     if (!better) return;
-    const bool still_ambiguous = best.status == FixStatus::kAmbiguous && fix.agreeing.count() == best.agreeing.count() &&
+    const bool still_ambiguous = best.status == FixStatus::kAmbiguous &&
+                                 fix.agreeing.count() == best.agreeing.count() &&
                                  std::abs(fix.chi2 - best.chi2) < options_.ambiguity_margin;
     best = fix;
     if (still_ambiguous) best.status = FixStatus::kAmbiguous;
@@ -287,7 +300,8 @@ Eigen::Vector2d Longsolve::first_guess(BeaconSet valid) const noexcept {
   for (std::size_t b = 0; b < beacons_.size(); ++b)
     if (valid[b]) middle += beacons_[b].p_map_m / count;
   for (std::size_t b = 0; b < beacons_.size(); ++b)
-    if (valid[b]) spread += (beacons_[b].p_map_m - middle) * (beacons_[b].p_map_m - middle).transpose() / count;
+    if (valid[b])
+      spread += (beacons_[b].p_map_m - middle) * (beacons_[b].p_map_m - middle).transpose() / count;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
   axes.computeDirect(spread);
   if (axes.eigenvalues()[0] < kThin * kThin * axes.eigenvalues()[1])
@@ -295,10 +309,11 @@ Eigen::Vector2d Longsolve::first_guess(BeaconSet valid) const noexcept {
   return middle;
 }
 
-/// Whether another place explains the distances as well: the mirror image behind a line of beacons, or, where nothing is
-/// redundant, the other intersection of the same two hyperbolas. Beacons stand round the environment, so a place among them
-/// wins against one a metre outside.
-bool Longsolve::ambiguous(const Problem& problem, const LongsolveFix& fix, LongsolveMemory& memory) const noexcept {
+/// Whether another place explains the distances as well: the mirror image behind a line of beacons, or, where
+/// nothing is redundant, the other intersection of the same two hyperbolas. Beacons stand round the
+/// environment, so a place among them wins against one a metre outside.
+bool Longsolve::ambiguous(const Problem& problem, const LongsolveFix& fix,
+                          LongsolveMemory& memory) const noexcept {
   const double sigma_m = std::sqrt(fix.gain.cwiseAbs2().colwise().sum().dot(problem.variance_m2));
   const auto rivals = [&](const Eigen::Vector2d& start) {
     const LongsolveFix other = attempt(problem, fix.agreeing, start, memory);
@@ -336,7 +351,8 @@ LongsolveFix Longsolve::solve(const OffsetDistances& distances, BeaconSet valid,
     problem.variance_m2[static_cast<int>(b)] = valid[b] ? distances.sigma_m[b] * distances.sigma_m[b] : 0.0;
   const Eigen::Vector2d guess = first_guess(valid);
   LongsolveFix fix = attempt(problem, valid, memory.placed ? memory.p_map_m : guess, memory);
-  if (!acceptable(problem, fix) && memory.placed) fix = attempt(problem, valid, guess, memory);  // it was carried elsewhere
+  if (!acceptable(problem, fix) && memory.placed)
+    fix = attempt(problem, valid, guess, memory);  // it was carried elsewhere
   if (!acceptable(problem, fix)) fix = search_exclusions(problem, guess, memory);
   if (!fix.ok()) {
     bool determined = false;

@@ -3,8 +3,8 @@
 // From arrivals at receivers to distances of beacons from the vehicle's centre.
 #include <limits>
 
-#include "models/physics/attenuation.h"
 #include "models/localizers/kleeman/kleeman_work.h"
+#include "models/physics/attenuation.h"
 
 namespace octant {
 namespace {
@@ -14,26 +14,33 @@ constexpr double kMinPassDistance_m = 0.05;
 
 }  // namespace
 
-/// d = c (T - beacon's delay - receiver's delay), the drift of the vehicle's clock since the epoch's first arrival taken out.
+/// d = c (T - beacon's delay - receiver's delay), the drift of the vehicle's clock since the epoch's first
+/// arrival taken out.
 void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
   Work& w = *work_;
   w.heard.clear();
   w.arrivals = arrivals.size();
   w.vehicle = nullptr;
-  if (arrivals.empty() || !arrivals.front().vehicle.valid() || arrivals.front().vehicle.index() >= vehicles_.size()) return;
+  if (arrivals.empty() || !arrivals.front().vehicle.valid() ||
+      arrivals.front().vehicle.index() >= vehicles_.size())
+    return;
   w.vehicle = &vehicles_[arrivals.front().vehicle.index()];
   const Noise& noise = deployment_.noise;
   const double pair_s = noise.pair_sigma_s.value_or(0.0);
   for (std::size_t i = 0; i < arrivals.size(); ++i) {
     const Arrival& a = arrivals[i];
-    if (a.vehicle != arrivals.front().vehicle || !a.beacon.valid() || a.beacon.index() >= deployment_.beacons.size()) continue;
+    if (a.vehicle != arrivals.front().vehicle || !a.beacon.valid() ||
+        a.beacon.index() >= deployment_.beacons.size())
+      continue;
     const DeploymentBeacon& beacon = deployment_.beacons[a.beacon.index()];
-    if (beacon.status == BeaconStatus::kUndetermined || !std::isfinite(a.tof_s) || !a.receiver.valid()) continue;
+    if (beacon.status == BeaconStatus::kUndetermined || !std::isfinite(a.tof_s) || !a.receiver.valid())
+      continue;
     const std::size_t receiver = a.receiver.index() - w.vehicle->first_receiver;
     if (a.receiver.index() < w.vehicle->first_receiver || receiver >= w.vehicle->receivers.size()) continue;
     const ArrayReceiver& r = w.vehicle->receivers[receiver];
-    w.speed_mps = scale * deployment_.speed_mps(std::isfinite(a.temperature_degC) ? a.temperature_degC
-                                                                                  : deployment_.medium.temperature_degC);
+    w.speed_mps = scale * deployment_.speed_mps(std::isfinite(a.temperature_degC)
+                                                    ? a.temperature_degC
+                                                    : deployment_.medium.temperature_degC);
     const double drifted_s = w.vehicle->drift * (a.time_s - arrivals.front().time_s);
     HeardDistance h;
     h.arrival = i;
@@ -46,8 +53,10 @@ void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
     if (deployment_.attenuation && deployment_.attenuation->measures(a.amplitude_v)) {
       const AttenuationModel& model = *deployment_.attenuation;
       const double share = std::min(model.threshold_v / a.amplitude_v, kMostMeasuredShare);
-      h.time_m += w.speed_mps * model.rise_time_s * std::log1p(-share);  // the walk, at the amplitude measured
-      const double spread_m = w.speed_mps * walk_by_log_amplitude_s(a.amplitude_v, model) * noise.amplitude_relative_sigma;
+      h.time_m +=
+          w.speed_mps * model.rise_time_s * std::log1p(-share);  // the walk, at the amplitude measured
+      const double spread_m =
+          w.speed_mps * walk_by_log_amplitude_s(a.amplitude_v, model) * noise.amplitude_relative_sigma;
       variance_m2 += spread_m * spread_m;
       h.walk_known = true;
       h.log_amplitude = std::log(a.amplitude_v);
@@ -61,21 +70,24 @@ void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
 void Kleeman::take_walk_out(HeardDistance& h, double distance_m, double log_directivity) const noexcept {
   if (!deployment_.attenuation || h.walk_known) return;
   const AttenuationModel& model = *deployment_.attenuation;
-  const double amplitude = amplitude_v(std::max(distance_m, kMinPassDistance_m), model) * std::exp(log_directivity);
+  const double amplitude =
+      amplitude_v(std::max(distance_m, kMinPassDistance_m), model) * std::exp(log_directivity);
   const double share = std::min(model.threshold_v / amplitude, kMaxPassShare);
   h.slant_m = h.time_m + work_->speed_mps * model.rise_time_s * std::log1p(-share);
 }
 
-/// First pass: the first arrival of each beacon, the array a point. The first is the first that another one of the beacon's
-/// supports, where there are more: a spurious early pulse comes alone.
+/// First pass: the first arrival of each beacon, the array a point. The first is the first that another one
+/// of the beacon's supports, where there are more: a spurious early pulse comes alone.
 void Kleeman::earliest() noexcept {
   Work& w = *work_;
   const Vehicle& v = *w.vehicle;
   w.distances.heard.reset();
-  double walk_m = 0.0;  // not known without a distance: that of the middle of the site, and as much again unknown
+  double walk_m =
+      0.0;  // not known without a distance: that of the middle of the site, and as much again unknown
   if (deployment_.attenuation) {
     double extent_m = 0.0;
-    for (const Eigen::Vector3d& b : beacon_p_map_m_) extent_m = std::max(extent_m, (b - beacon_p_map_m_.front()).norm());
+    for (const Eigen::Vector3d& b : beacon_p_map_m_)
+      extent_m = std::max(extent_m, (b - beacon_p_map_m_.front()).norm());
     for (HeardDistance& h : w.heard) {
       take_walk_out(h, extent_m / 2, 0.0);
       walk_m = std::max(walk_m, (h.time_m - h.slant_m) / 2);
@@ -99,17 +111,23 @@ void Kleeman::earliest() noexcept {
   }
 }
 
-/// The other passes: every arrival as from the vehicle's centre, by the position and the heading found before.
+/// The other passes: every arrival as from the vehicle's centre, by the position and the heading found
+/// before.
 void Kleeman::centre() noexcept {
   Work& w = *work_;
   const Vehicle& v = *w.vehicle;
   w.distances.heard.reset();
   for (HeardDistance& h : w.heard) {
     const ArrayReceiver& receiver = v.receivers[h.receiver];
-    const ReceiverPath path = receiver_path(beacon_p_map_m_[h.beacon], receiver, w.solution.p_map_m, w.heading.rad);
-    const bool off_axis = !h.walk_known && deployment_.attenuation && deployment_.attenuation->directional() && !receiver.direction.isZero();
+    const ReceiverPath path =
+        receiver_path(beacon_p_map_m_[h.beacon], receiver, w.solution.p_map_m, w.heading.rad);
+    const bool off_axis = !h.walk_known && deployment_.attenuation &&
+                          deployment_.attenuation->directional() && !receiver.direction.isZero();
     const double log_directivity =
-        off_axis ? receiver_gain(beacon_p_map_m_[h.beacon], receiver, w.solution.p_map_m, w.heading.rad, *deployment_.attenuation).log_directivity : 0.0;
+        off_axis ? receiver_gain(beacon_p_map_m_[h.beacon], receiver, w.solution.p_map_m, w.heading.rad,
+                                 *deployment_.attenuation)
+                       .log_directivity
+                 : 0.0;
     take_walk_out(h, path.slant_m, log_directivity);
     h.centred_m = h.slant_m + slant_distance_m(v.plan[h.beacon], w.solution.p_map_m) - path.slant_m;
   }
@@ -119,15 +137,18 @@ void Kleeman::centre() noexcept {
   }
 }
 
-/// Which arrivals of a beacon belong together: the first that has company (the first of all if none has), and those no later
-/// than noise, and what is not known of the lever arms, explain.
+/// Which arrivals of a beacon belong together: the first that has company (the first of all if none has), and
+/// those no later than noise, and what is not known of the lever arms, explain.
 void Kleeman::keep_agreeing(std::size_t beacon) noexcept {
   Work& w = *work_;
   const bool first_pass = !w.heading_tried;
-  const double lever_m = first_pass ? 0.0 : w.vehicle->radius_m * (w.heading.known ? std::min(w.heading.sigma_rad, 2.0) : 2.0);
+  const double lever_m =
+      first_pass ? 0.0 : w.vehicle->radius_m * (w.heading.known ? std::min(w.heading.sigma_rad, 2.0) : 2.0);
   const double slack_m = first_pass ? 2 * w.vehicle->radius_m : 0.0;
   const auto gate_m = [&](const HeardDistance& a, const HeardDistance& b) {
-    return options_.gate_sigmas * std::sqrt(a.sigma_m * a.sigma_m + b.sigma_m * b.sigma_m + 2 * lever_m * lever_m) + slack_m;
+    return options_.gate_sigmas *
+               std::sqrt(a.sigma_m * a.sigma_m + b.sigma_m * b.sigma_m + 2 * lever_m * lever_m) +
+           slack_m;
   };
   const HeardDistance *first = nullptr, *supported = nullptr;
   for (const HeardDistance& a : w.heard) {
@@ -143,7 +164,8 @@ void Kleeman::keep_agreeing(std::size_t beacon) noexcept {
   if (first == nullptr) return;
   if (supported != nullptr) first = supported;
   for (HeardDistance& h : w.heard) {
-    if (h.beacon == beacon) h.kept = h.centred_m >= first->centred_m && h.centred_m - first->centred_m <= gate_m(h, *first);
+    if (h.beacon == beacon)
+      h.kept = h.centred_m >= first->centred_m && h.centred_m - first->centred_m <= gate_m(h, *first);
   }
 }
 
@@ -156,9 +178,9 @@ void Kleeman::combine(std::size_t beacon) noexcept {
     const double wi = 1 / (h.sigma_m * h.sigma_m);
     weight += wi;
     sum_m += wi * h.centred_m;
-    by_heading +=
-        wi *
-        receiver_path(beacon_p_map_m_[beacon], w.vehicle->receivers[h.receiver], w.solution.p_map_m, w.heading.rad).by_heading;
+    by_heading += wi * receiver_path(beacon_p_map_m_[beacon], w.vehicle->receivers[h.receiver],
+                                     w.solution.p_map_m, w.heading.rad)
+                           .by_heading;
   }
   if (!(weight > 0)) return;
   w.distances.heard.set(beacon);
@@ -167,9 +189,9 @@ void Kleeman::combine(std::size_t beacon) noexcept {
   w.distances.sigma_m[beacon] = std::sqrt(1 / weight + calibration_variance_m2(beacon) + turned_m * turned_m);
 }
 
-/// The triples' estimated errors take all distances for equally good. One whose pulse just passes the threshold, as those of a
-/// beacon high above do, may be good to centimetres where others are to millimetres: the place does better without, as long as
-/// four others are heard.
+/// The triples' estimated errors take all distances for equally good. One whose pulse just passes the
+/// threshold, as those of a beacon high above do, may be good to centimetres where others are to millimetres:
+/// the place does better without, as long as four others are heard.
 void Kleeman::set_rough_aside() noexcept {
   constexpr double kRough = 4.0;  // of the median sigma
   constexpr std::size_t kEnough = 4;
@@ -188,10 +210,12 @@ void Kleeman::set_rough_aside() noexcept {
 /// Of a beacon's distance: its place along the line of sight, and its delay.
 double Kleeman::calibration_variance_m2(std::size_t beacon) const noexcept {
   const DeploymentBeacon& b = deployment_.beacons[beacon];
-  const Eigen::Vector3d to(b.position_m -
-                           Eigen::Vector3d(work_->solution.p_map_m.x(), work_->solution.p_map_m.y(), work_->vehicle->plane_m));
+  const Eigen::Vector3d to(b.position_m - Eigen::Vector3d(work_->solution.p_map_m.x(),
+                                                          work_->solution.p_map_m.y(),
+                                                          work_->vehicle->plane_m));
   const double delay_m = work_->speed_mps * b.delay_sigma_s, squared_m2 = to.squaredNorm();
-  const double place_m2 = squared_m2 > 0 ? to.dot(b.covariance_m2 * to) / squared_m2 : b.covariance_m2.trace();
+  const double place_m2 =
+      squared_m2 > 0 ? to.dot(b.covariance_m2 * to) / squared_m2 : b.covariance_m2.trace();
   return place_m2 + delay_m * delay_m;
 }
 

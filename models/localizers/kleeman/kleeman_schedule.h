@@ -8,8 +8,8 @@
 
 namespace octant {
 
-// L. Kleeman, "Ultrasonic autonomous robot localisation system", section 2: the beacons fire in turn, round and round, beacon 0
-// twice in short succession so that the receiver can tell whose turn it is.
+// L. Kleeman, "Ultrasonic autonomous robot localisation system", section 2: the beacons fire in turn, round
+// and round, beacon 0 twice in short succession so that the receiver can tell whose turn it is.
 
 /// Pulses of one cycle. The defaults are the prototype's.
 struct FiringSchedule {
@@ -20,7 +20,9 @@ struct FiringSchedule {
 };
 
 /// Time from one firing of a beacon to its next [s].
-[[nodiscard]] inline double cycle_s(const FiringSchedule& schedule) { return schedule.beacons * schedule.fire_s; }
+[[nodiscard]] inline double cycle_s(const FiringSchedule& schedule) {
+  return schedule.beacons * schedule.fire_s;
+}
 
 /// When a beacon fires, from the start of cycle 0 [s].
 [[nodiscard]] inline double firing_s(const FiringSchedule& schedule, BeaconId beacon, std::int64_t epoch) {
@@ -38,14 +40,15 @@ struct FiringDesign {
 
 /// Shortest time between firings after which nothing of a pulse is heard any more (eq. 1):
 ///   t_fire > V_1m (1 - alpha)^n / (V_thresh v_sound)
-/// The amplitude falls with 1 / distance; the echo has gone t_fire v_sound. An echo heard after the next firing would be taken
-/// for an early pulse of the next beacon, which is what the whole method holds impossible.
-/// @return s; 416 ms for a threshold of 87 mV without absorption. (The paper prints 480 ms, which its own equation gives for
-/// 300 m/s, not for its 345 m/s.)
+/// The amplitude falls with 1 / distance; the echo has gone t_fire v_sound. An echo heard after the next
+/// firing would be taken for an early pulse of the next beacon, which is what the whole method holds
+/// impossible.
+/// @return s; 416 ms for a threshold of 87 mV without absorption. (The paper prints 480 ms, which its own
+/// equation gives for 300 m/s, not for its 345 m/s.)
 [[nodiscard]] double shortest_fire_s(const FiringDesign& design);
 
-/// The same rule solved for alpha: least absorption at each of n reflections for which `fire_s` is long enough; 0 where none is
-/// needed. The prototype's 150 ms need 0.04 with n = 5.
+/// The same rule solved for alpha: least absorption at each of n reflections for which `fire_s` is long
+/// enough; 0 where none is needed. The prototype's 150 ms need 0.04 with n = 5.
 [[nodiscard]] double least_absorbed_fraction(const FiringDesign& design, double fire_s);
 
 /// And for the threshold [V]: the lowest for which `fire_s` is long enough.

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// "The inherent redundancy in the data to minimise the solution distance discrepancy by varying the speed of sound"
-// (section 5.1).
+// "The inherent redundancy in the data to minimise the solution distance discrepancy by varying the speed of
+// sound" (section 5.1).
 #include <Eigen/Cholesky>
 
 #include "models/localizers/kleeman/kleeman_work.h"
 
 namespace octant {
 
-/// Discrepancy of all epochs at one speed, and its derivatives by the scale. A beacon that disagrees costs the gate squared,
-/// so that no speed wins by making beacons disagree.
+/// Discrepancy of all epochs at one speed, and its derivatives by the scale. A beacon that disagrees costs
+/// the gate squared, so that no speed wins by making beacons disagree.
 struct Kleeman::SpeedNormal {
   double discrepancy = 0.0, gradient = 0.0, information = 0.0;
   int epochs = 0;
@@ -29,8 +29,8 @@ Kleeman::SpeedNormal Kleeman::speed_normal(std::span<const Arrival> arrivals, do
     const BeaconSet agreeing = status == FixStatus::kOk ? s.agreeing : BeaconSet();
     sum.discrepancy += gate * static_cast<double>((w.distances.heard & ~agreeing).count());
     if (agreeing.count() < 4) continue;
-    // Least squares of the agreeing distances over x, y and the offset; what is left is the discrepancy, and `free_` is what
-    // is left of a change of the speed.
+    // Least squares of the agreeing distances over x, y and the offset; what is left is the discrepancy, and
+    // `free_` is what is left of a change of the speed.
     Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
     Eigen::Vector3d b_residual = Eigen::Vector3d::Zero(), b_length = Eigen::Vector3d::Zero();
     double rr = 0.0, rv = 0.0, vv = 0.0;
@@ -77,7 +77,8 @@ SpeedEstimate Kleeman::estimate_speed(std::span<const Arrival> arrivals) noexcep
   for (int i = 0; any && i < 6; ++i) {
     normal = speed_normal(arrivals, estimate.scale);
     if (normal.epochs == 0 || !(normal.information > 0)) break;
-    const double step = std::clamp(-normal.gradient / normal.information, -options_.speed_step, options_.speed_step);
+    const double step =
+        std::clamp(-normal.gradient / normal.information, -options_.speed_step, options_.speed_step);
     estimate.scale += step * estimate.scale;
     if (std::abs(step) < 1e-9) break;
   }

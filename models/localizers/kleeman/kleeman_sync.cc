@@ -28,7 +28,9 @@ bool PulseSync::completes_double(const PulseArrival& second, double& first_s) co
   const auto c = static_cast<std::size_t>(second.channel);
   for (int i = 0; i < std::min(remembered_[c], kRemembered); ++i) {
     const PulseArrival& first = past_[c][static_cast<std::size_t>(i)];
-    if (!right_length(first) || std::abs(second.time_s - first.time_s - s.double_s) > options_.double_tolerance_s) continue;
+    if (!right_length(first) ||
+        std::abs(second.time_s - first.time_s - s.double_s) > options_.double_tolerance_s)
+      continue;
     const auto [weaker, stronger] = std::minmax(first.amplitude_v, second.amplitude_v);
     if (weaker < options_.amplitude_ratio * stronger) continue;
     first_s = first.time_s;
@@ -47,10 +49,12 @@ void PulseSync::count(double first_s, Signature& signature) noexcept {
   }
 }
 
-/// Whether a double pulse is beacon 0's own: heard on most of the channels that heard its first part (an echo comes from
-/// another side), and with nothing stronger before it (two echoes of one pulse may be t_double apart, but they follow it).
+/// Whether a double pulse is beacon 0's own: heard on most of the channels that heard its first part (an echo
+/// comes from another side), and with nothing stronger before it (two echoes of one pulse may be t_double
+/// apart, but they follow it).
 bool PulseSync::credible(const Signature& signature) const noexcept {
-  const double since_s = signature.time_s - (options_.schedule.fire_s - options_.max_flight_s);  // nothing direct of others
+  const double since_s =
+      signature.time_s - (options_.schedule.fire_s - options_.max_flight_s);  // nothing direct of others
   int heard = 0;
   double before_v = 0.0, amplitude_v = 0.0;
   for (std::size_t c = 0; c < kChannels; ++c) {
@@ -69,8 +73,9 @@ bool PulseSync::credible(const Signature& signature) const noexcept {
   return 2 * signature.channels > heard && amplitude_v > before_v;
 }
 
-/// Begins new cycles until `time_s` is in the present one, or synchronisation is lost. A slot begins max_flight_s before its
-/// firing time, for that is set by beacon 0's arrival, and another beacon may be nearer.
+/// Begins new cycles until `time_s` is in the present one, or synchronisation is lost. A slot begins
+/// max_flight_s before its firing time, for that is set by beacon 0's arrival, and another beacon may be
+/// nearer.
 void PulseSync::advance(double time_s) noexcept {
   while (synchronised_ && time_s >= start_s_ + cycle_s(options_.schedule) - options_.max_flight_s) {
     missed_ = double_heard_ ? 0 : missed_ + 1;
@@ -85,7 +90,8 @@ void PulseSync::advance(double time_s) noexcept {
 
 void PulseSync::synchronise(double first_s) noexcept {
   // Epochs go on counting cycles as well as they can, and never repeat.
-  const auto cycles = static_cast<std::int64_t>(std::llround((first_s - start_s_) / cycle_s(options_.schedule)));
+  const auto cycles =
+      static_cast<std::int64_t>(std::llround((first_s - start_s_) / cycle_s(options_.schedule)));
   epoch_ = epoch_ < 0 ? 0 : epoch_ + std::max<std::int64_t>(cycles, 1);
   synchronised_ = true;
   confirmed_ = false;
@@ -99,13 +105,16 @@ void PulseSync::synchronise(double first_s) noexcept {
     const PulseArrival* earliest = nullptr;
     for (int i = 0; i < std::min(remembered_[c], kRemembered); ++i) {
       const PulseArrival& p = past_[c][static_cast<std::size_t>(i)];
-      if (std::abs(p.time_s - first_s) <= kArrayFlight_s && (earliest == nullptr || p.time_s < earliest->time_s)) earliest = &p;
+      if (std::abs(p.time_s - first_s) <= kArrayFlight_s &&
+          (earliest == nullptr || p.time_s < earliest->time_s))
+        earliest = &p;
     }
     if (earliest != nullptr) emit(*earliest, 0);
   }
 }
 
-/// A double pulse was heard while synchronised: beacon 0 where it is expected, or a sign that it is expected in the wrong place.
+/// A double pulse was heard while synchronised: beacon 0 where it is expected, or a sign that it is expected
+/// in the wrong place.
 void PulseSync::consider(double first_s) noexcept {
   const double cycle = cycle_s(options_.schedule), since_s = first_s - start_s_;
   if (std::abs(since_s) <= options_.max_flight_s) {

@@ -25,13 +25,15 @@ struct PulseSyncOptions {
   ReceiverId first_receiver{0};        ///< of channel 0; the others follow
   double double_tolerance_s = 0.2e-3;  ///< of the time between beacon 0's two pulses
   double pulse_tolerance = 0.4;        ///< of the length of either, relative to t_pulse
-  /// The weaker of the two over the stronger: at least so much. An echo that comes t_double after a single pulse has travelled
-  /// 1.9 m more and been absorbed: within 10 m of the beacon it has no more than 0.81 of the amplitude.
+  /// The weaker of the two over the stronger: at least so much. An echo that comes t_double after a single
+  /// pulse has travelled 1.9 m more and been absorbed: within 10 m of the beacon it has no more than 0.81 of
+  /// the amplitude.
   double amplitude_ratio = 0.85;
   double min_pulse = 0.5;       ///< anything shorter than this part of t_pulse is noise
   double max_flight_s = 0.045;  ///< from the farthest beacon; t_fire has to be more than twice as much
-  /// Most by which beacon 0's double pulse moves the firing times in a cycle: 1 m/s for a cycle, and the drift of clocks. More
-  /// than that is an echo of it, or its return after it was blocked, which takes a few cycles.
+  /// Most by which beacon 0's double pulse moves the firing times in a cycle: 1 m/s for a cycle, and the
+  /// drift of clocks. More than that is an echo of it, or its return after it was blocked, which takes a few
+  /// cycles.
   double max_shift_s = 4e-3;
   int max_missed_cycles = 20;  ///< without beacon 0's double pulse, until synchronisation counts as lost
 };
@@ -39,11 +41,12 @@ struct PulseSyncOptions {
 /// Whose turn it is, from beacon 0's double pulse in a stream of pulses (L. Kleeman, sections 1.2 and 5.1).
 ///
 /// The first double pulse that is no echo sets the receiver's notion of when beacon 0 fires
-/// (its arrival, for its flight is not known: a cycle offset), so from any start it takes one cycle at most, and the flight. From
-/// then on the first pulse on each channel in each beacon's slot is that beacon's arrival; later ones are echoes and are dropped.
-/// Every cycle in which the double pulse is heard sets the next one's firing times, so that clocks may drift and the vehicle
-/// move; without it (beacon 0 blocked) the schedule runs on. A double pulse that keeps coming in another beacon's slot, while
-/// there is none in beacon 0's, takes over. Echoes in a slot must have died before the next: eq. 1. Allocates nothing.
+/// (its arrival, for its flight is not known: a cycle offset), so from any start it takes one cycle at most,
+/// and the flight. From then on the first pulse on each channel in each beacon's slot is that beacon's
+/// arrival; later ones are echoes and are dropped. Every cycle in which the double pulse is heard sets the
+/// next one's firing times, so that clocks may drift and the vehicle move; without it (beacon 0 blocked) the
+/// schedule runs on. A double pulse that keeps coming in another beacon's slot, while there is none in beacon
+/// 0's, takes over. Echoes in a slot must have died before the next: eq. 1. Allocates nothing.
 class PulseSync {
  public:
   static constexpr int kChannels = 16;
@@ -51,8 +54,9 @@ class PulseSync {
   explicit PulseSync(const PulseSyncOptions& options = {}) : options_(options) {}
 
   /// The next pulse, in order of time (onsets may change places within t_pulse).
-  /// @return arrivals known by it: none, one, or at the moment of synchronisation those of beacon 0 on all channels. tof_s is
-  /// the arrival's time less the beacon's nominal firing time; epoch counts cycles. Valid until the next call.
+  /// @return arrivals known by it: none, one, or at the moment of synchronisation those of beacon 0 on all
+  /// channels. tof_s is the arrival's time less the beacon's nominal firing time; epoch counts cycles. Valid
+  /// until the next call.
   std::span<const Arrival> push(const PulseArrival& pulse) noexcept;
 
   [[nodiscard]] bool synchronised() const { return synchronised_; }
@@ -82,7 +86,8 @@ class PulseSync {
   PulseSyncOptions options_;
   std::array<std::array<PulseArrival, kRemembered>, kChannels> past_{};
   std::array<int, kChannels> remembered_{};
-  std::array<int, kChannels> heard_slot_{};  ///< last slot in which a channel had its arrival, plus one; within the cycle
+  std::array<int, kChannels>
+      heard_slot_{};  ///< last slot in which a channel had its arrival, plus one; within the cycle
   std::array<Arrival, kChannels> out_;
   std::size_t out_count_ = 0;
   bool synchronised_ = false, confirmed_ = false;

@@ -61,7 +61,8 @@ struct Kleeman::Vehicle {
   }
   static std::vector<PlanBeacon> plan_of(const Deployment& d, double plane_m) {
     std::vector<PlanBeacon> plan;
-    for (const DeploymentBeacon& b : d.beacons) plan.push_back({b.position_m.head<2>(), b.position_m.z() - plane_m});
+    for (const DeploymentBeacon& b : d.beacons)
+      plan.push_back({b.position_m.head<2>(), b.position_m.z() - plane_m});
     return plan;
   }
 };

@@ -18,7 +18,8 @@ struct Circle {
   double x, y, radius;
 };
 
-/// Circle on which the state lies for a heading; a range below the difference in height stands right below the beacon.
+/// Circle on which the state lies for a heading; a range below the difference in height stands right below
+/// the beacon.
 Circle circle_of(const SearchRange& r, double cosine, double sine) {
   const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z();
   return {r.p_beacon_map_m.x() - cosine * r.p_lever_m.x() + sine * r.p_lever_m.y(),
@@ -33,7 +34,8 @@ int intersect(const Circle& a, const Circle& b, std::array<PlanarState, 2>& out)
   double along = (d * d + a.radius * a.radius - b.radius * b.radius) / (2 * d);
   const double across2 = a.radius * a.radius - along * along;
   if (across2 < 0)
-    along = d > a.radius + b.radius ? 0.5 * (a.radius + d - b.radius) : 0.5 * (along + std::copysign(a.radius, along));
+    along = d > a.radius + b.radius ? 0.5 * (a.radius + d - b.radius)
+                                    : 0.5 * (along + std::copysign(a.radius, along));
   const double across = std::sqrt(std::max(across2, 0.0));
   for (int side = 0; side < 2; ++side) {
     const double h = side == 0 ? across : -across;
@@ -43,29 +45,36 @@ int intersect(const Circle& a, const Circle& b, std::array<PlanarState, 2>& out)
   return across2 > 0 ? 2 : 1;
 }
 
-/// Two arrivals of each beacon stand for all: the earliest, since echoes are late, and the middle one, since some are early.
+/// Two arrivals of each beacon stand for all: the earliest, since echoes are late, and the middle one, since
+/// some are early.
 std::pmr::vector<std::array<std::size_t, 2>> representatives(const SearchProblem& problem) {
   std::pmr::vector<std::array<std::size_t, 2>> out(scratch());
   std::pmr::vector<std::size_t> order(scratch());
   for (std::size_t group = 0; group < problem.groups(); ++group) {
     order.clear();
-    for (std::size_t i = problem.group_first[group]; i < problem.group_first[group + 1]; ++i) order.push_back(i);
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return problem.ranges[a].range_m < problem.ranges[b].range_m; });
+    for (std::size_t i = problem.group_first[group]; i < problem.group_first[group + 1]; ++i)
+      order.push_back(i);
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return problem.ranges[a].range_m < problem.ranges[b].range_m;
+    });
     out.push_back({order.front(), order[order.size() / 2]});
   }
   return out;
 }
 
-/// Pairs of ranges, spread over the pairs of beacons: first all earliest with earliest, then middle with middle, then mixed.
-std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& problem, std::size_t max_pairs) {
+/// Pairs of ranges, spread over the pairs of beacons: first all earliest with earliest, then middle with
+/// middle, then mixed.
+std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& problem,
+                                                          std::size_t max_pairs) {
   std::pmr::vector<std::array<std::size_t, 2>> pairs(scratch());
   pairs.reserve(max_pairs);
   if (!problem.common_bias) {
     // Along a drive each arrival has its own place: pairs of all beacons at all distances in time.
     const std::size_t n = problem.ranges.size();
-    for (std::size_t stride = std::max<std::size_t>(n / 2, 1); pairs.size() < max_pairs && stride > 0; stride = stride * 2 / 3)
-      for (std::size_t i = 0; i + stride < n && pairs.size() < max_pairs; i += std::max<std::size_t>(n / 8, 1))
+    for (std::size_t stride = std::max<std::size_t>(n / 2, 1); pairs.size() < max_pairs && stride > 0;
+         stride = stride * 2 / 3)
+      for (std::size_t i = 0; i + stride < n && pairs.size() < max_pairs;
+           i += std::max<std::size_t>(n / 8, 1))
         pairs.push_back({i, i + stride});
     return pairs;
   }
@@ -73,7 +82,8 @@ std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& p
   constexpr std::array<std::array<std::size_t, 2>, 4> kMix = {{{0, 0}, {1, 1}, {0, 1}, {1, 0}}};
   const std::size_t n = stand_for.size();
   for (const auto& mix : kMix)
-    for (std::size_t step = 1; step < n; ++step)  // neighbours in the list first, so that each beacon has its turn
+    for (std::size_t step = 1; step < n;
+         ++step)  // neighbours in the list first, so that each beacon has its turn
       for (std::size_t a = 0; a + step < n; ++a) {
         const std::array<std::size_t, 2> pair = {stand_for[a][mix[0]], stand_for[a + step][mix[1]]};
         if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
@@ -83,20 +93,25 @@ std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& p
 }
 
 /// Offers a position with the given heading.
-void offer(Consensus& consensus, const PlanarState& state, TopList& top) { top.offer(state, consensus.score(state, top.worst())); }
+void offer(Consensus& consensus, const PlanarState& state, TopList& top) {
+  top.offer(state, consensus.score(state, top.worst()));
+}
 
 constexpr std::size_t kFirstHeadings = 4;
-using FirstHeadings = std::array<double, 2 * kFirstHeadings>;  ///< fewer than twice as many, as the stride is rounded down
+using FirstHeadings =
+    std::array<double, 2 * kFirstHeadings>;  ///< fewer than twice as many, as the stride is rounded down
 
 /// Headings to begin with at a place: those that a few of the bearings tell there, or none in particular.
-std::span<const double> first_headings(const SearchProblem& problem, double x_m, double y_m, FirstHeadings& memory) {
+std::span<const double> first_headings(const SearchProblem& problem, double x_m, double y_m,
+                                       FirstHeadings& memory) {
   memory[0] = 0.0;
   if (problem.bearings.empty()) return std::span(memory).first(1);
   std::size_t count = 0;
   const std::size_t stride = std::max<std::size_t>(problem.bearings.size() / kFirstHeadings, 1);
   for (std::size_t i = 0; i < problem.bearings.size(); i += stride) {
     const SearchBearing& b = problem.bearings[i];
-    memory[count++] = wrap_angle(std::atan2(b.p_reflector_map_m.y() - y_m, b.p_reflector_map_m.x() - x_m) - b.bearing_rad);
+    memory[count++] =
+        wrap_angle(std::atan2(b.p_reflector_map_m.y() - y_m, b.p_reflector_map_m.x() - x_m) - b.bearing_rad);
   }
   return std::span(memory).first(count);
 }
@@ -114,18 +129,24 @@ struct Box {
 
 constexpr double kCellsPerStart = 0.125;  ///< one start of a descent for eight cells of the budget
 
-/// The heard beacons' bounding box, grown by a quarter; no further than the ranges reach where they are absolute.
+/// The heard beacons' bounding box, grown by a quarter; no further than the ranges reach where they are
+/// absolute.
 Box search_box(const SearchProblem& problem) {
   Box box;
-  for (const SearchRange& r : problem.ranges) box.add(r.p_beacon_map_m.x(), r.p_beacon_map_m.y(), problem.lever_m);
-  for (const SearchBearing& b : problem.bearings) box.add(b.p_reflector_map_m.x(), b.p_reflector_map_m.y(), 0.0);
-  const double margin = 0.25 * std::max({box.x1 - box.x0, box.y1 - box.y0, problem.has_offset ? 0.0 : 2 * problem.span_m});
+  for (const SearchRange& r : problem.ranges)
+    box.add(r.p_beacon_map_m.x(), r.p_beacon_map_m.y(), problem.lever_m);
+  for (const SearchBearing& b : problem.bearings)
+    box.add(b.p_reflector_map_m.x(), b.p_reflector_map_m.y(), 0.0);
+  const double margin =
+      0.25 * std::max({box.x1 - box.x0, box.y1 - box.y0, problem.has_offset ? 0.0 : 2 * problem.span_m});
   return {box.x0 - margin, box.y0 - margin, box.x1 + margin, box.y1 + margin};
 }
 
 }  // namespace
 
-double TopList::worst() const { return list_.size() < size_ ? std::numeric_limits<double>::infinity() : list_.back().score; }
+double TopList::worst() const {
+  return list_.size() < size_ ? std::numeric_limits<double>::infinity() : list_.back().score;
+}
 
 void TopList::offer(const PlanarState& state, double score) {
   if (!(score < worst())) return;
@@ -138,12 +159,14 @@ void TopList::offer(const PlanarState& state, double score) {
     list_.erase(list_.begin() + static_cast<std::ptrdiff_t>(i));
     break;
   }
-  const auto at = std::upper_bound(list_.begin(), list_.end(), score, [](double s, const Candidate& c) { return s < c.score; });
+  const auto at = std::upper_bound(list_.begin(), list_.end(), score,
+                                   [](double s, const Candidate& c) { return s < c.score; });
   list_.insert(at, {state, score});
   if (list_.size() > size_) list_.pop_back();
 }
 
-void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus, TopList& top) {
+void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
+                        TopList& top) {
   const int headings = problem.lever_m > 1e-6 ? options.headings : 1;
   const auto pairs = choose_pairs(problem, static_cast<std::size_t>(options.max_pairs));
   std::array<PlanarState, 2> meet;
@@ -151,7 +174,8 @@ void propose_from_pairs(const SearchProblem& problem, const SearchOptions& optio
     const double heading = wrap_angle(2 * std::numbers::pi * k / headings);
     const double cosine = std::cos(heading), sine = std::sin(heading);
     for (const auto& [i, j] : pairs) {
-      const int count = intersect(circle_of(problem.ranges[i], cosine, sine), circle_of(problem.ranges[j], cosine, sine), meet);
+      const int count = intersect(circle_of(problem.ranges[i], cosine, sine),
+                                  circle_of(problem.ranges[j], cosine, sine), meet);
       for (int side = 0; side < count; ++side) {
         meet[static_cast<std::size_t>(side)].heading_rad = heading;
         offer(consensus, meet[static_cast<std::size_t>(side)], top);
@@ -160,18 +184,24 @@ void propose_from_pairs(const SearchProblem& problem, const SearchOptions& optio
   }
 }
 
-void propose_from_grid(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus, TopList& top) {
+void propose_from_grid(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
+                       TopList& top) {
   const Box box = search_box(problem);
-  // Each cell is a start, not a sample: hyperbolas leave long valleys in which a grid would have to be very fine.
-  const double spacing = std::sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / (kCellsPerStart * options.max_cells));
+  // Each cell is a start, not a sample: hyperbolas leave long valleys in which a grid would have to be very
+  // fine.
+  const double spacing =
+      std::sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / (kCellsPerStart * options.max_cells));
   if (!(spacing > 0)) return;
   const double size = std::max(box.x1 - box.x0, box.y1 - box.y0);
   const double widths[] = {0.3 * size, 0.08 * size, std::max(0.02 * size, problem.lever_m)};
-  // With short lever arms the heading hardly moves the ranges at this width: places first, headings for the best of them.
+  // With short lever arms the heading hardly moves the ranges at this width: places first, headings for the
+  // best of them.
   TopList places(2 * options.keep, widths[2], 0.3);
   consensus.judge_shadows(false);
   FirstHeadings headings_here;
-  const auto steps = [spacing](double from, double to) { return static_cast<int>(std::ceil((to - from) / spacing - 0.5)); };
+  const auto steps = [spacing](double from, double to) {
+    return static_cast<int>(std::ceil((to - from) / spacing - 0.5));
+  };
   for (int row = 0; row < steps(box.y0, box.y1); ++row)
     for (int column = 0; column < steps(box.x0, box.x1); ++column) {
       const double x = box.x0 + (column + 0.5) * spacing, y = box.y0 + (row + 0.5) * spacing;

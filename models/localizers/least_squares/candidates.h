@@ -18,7 +18,8 @@ struct Candidate {
 /// The best few of many candidates, best first. Of those closer than apart only the best is kept.
 class TopList {
  public:
-  TopList(std::size_t size, double apart_m, double apart_rad) : size_(size), apart_m_(apart_m), apart_rad_(apart_rad) {
+  TopList(std::size_t size, double apart_m, double apart_rad)
+      : size_(size), apart_m_(apart_m), apart_rad_(apart_rad) {
     list_.reserve(size + 1);
   }
   /// Scores beyond it need not be computed to the end.
@@ -39,13 +40,15 @@ struct SearchOptions {
   std::size_t keep = 10;  ///< candidates that are refined
 };
 
-/// Poses that pairs of arrivals of different beacons allow: for each coarse heading the circles about beacon less lever arm
-/// are cut; circles that do not quite meet give their closest points.
-void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus, TopList& top);
+/// Poses that pairs of arrivals of different beacons allow: for each coarse heading the circles about beacon
+/// less lever arm are cut; circles that do not quite meet give their closest points.
+void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
+                        TopList& top);
 
-/// Poses on a grid over the area that the heard beacons' ranges allow; the cycle offset is a median. For cycle offsets, of
-/// which pairs of arrivals tell nothing, and for what is mostly bearings.
-void propose_from_grid(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus, TopList& top);
+/// Poses on a grid over the area that the heard beacons' ranges allow; the cycle offset is a median. For
+/// cycle offsets, of which pairs of arrivals tell nothing, and for what is mostly bearings.
+void propose_from_grid(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
+                       TopList& top);
 
 /// What a search found: distinct poses, best first, scored without any widening.
 struct SearchResult {

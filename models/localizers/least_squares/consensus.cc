@@ -13,7 +13,7 @@
 namespace octant {
 namespace {
 
-constexpr double kBehindCost = 4.0;     ///< against: one in fifty direct arrivals
+constexpr double kBehindCost = 4.0;  ///< against: one in fifty direct arrivals
 constexpr double kBearingCap = 6.0;
 constexpr double kLateScale = 2.5, kEarlyScale = 3.5;  ///< of the Cauchy weights, in sigmas
 
@@ -41,9 +41,11 @@ void Consensus::set_extra_sigma(double extra_m) {
   for (std::size_t group = 0; group < problem_.groups(); ++group) {
     const std::size_t first = problem_.group_first[group], last = problem_.group_first[group + 1];
     const double bias2 = problem_.group_bias_m[group] * problem_.group_bias_m[group];
-    // Where a beacon's arrivals have nothing in common, or there is but one, its bias is a part of their own errors.
+    // Where a beacon's arrivals have nothing in common, or there is but one, its bias is a part of their own
+    // errors.
     const bool own = !problem_.common_bias || last - first == 1;
-    bias_variance_[group] = own || bias2 < 0.01 * problem_.median_sigma_m * problem_.median_sigma_m ? 0.0 : bias2;
+    bias_variance_[group] =
+        own || bias2 < 0.01 * problem_.median_sigma_m * problem_.median_sigma_m ? 0.0 : bias2;
     for (std::size_t i = first; i < last; ++i) {
       const double s = problem_.ranges[i].sigma_m;
       const double variance = s * s + extra_m * extra_m + (own ? bias2 : 0.0);
@@ -51,7 +53,8 @@ void Consensus::set_extra_sigma(double extra_m) {
       const bool same = i > first && problem_.ranges[i - 1].sigma_m == s;
       caps_[i] = same ? caps_[i - 1] : caps_for(variance);
     }
-    group_caps_[group] = caps_for(bias_variance_[group] + 1.0 / (static_cast<double>(last - first) * inverse_variance_[first]));
+    group_caps_[group] = caps_for(bias_variance_[group] +
+                                  1.0 / (static_cast<double>(last - first) * inverse_variance_[first]));
   }
 }
 
@@ -63,14 +66,16 @@ void Consensus::residuals_of_group(const PlanarState& s, double cosine, double s
     const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z();
     const double flat2 = dx * dx + dy * dy;
     residual_[i] = r.range_m - s.offset_m - std::sqrt(flat2 + dz * dz);
-    const double towards = -(dx * (cosine * r.axis.x() - sine * r.axis.y()) + dy * (sine * r.axis.x() + cosine * r.axis.y()));
+    const double towards =
+        -(dx * (cosine * r.axis.x() - sine * r.axis.y()) + dy * (sine * r.axis.x() + cosine * r.axis.y()));
     const bool behind = r.axis.squaredNorm() > 0 && towards < r.hearing_cosine * std::sqrt(flat2);
     behind_[i] = judge_shadows_ && behind ? kBehindCost : 0.0;
   }
 }
 
 double Consensus::arrival_cost(std::size_t i, double residual) const {
-  return std::min(0.5 * residual * residual * inverse_variance_[i], residual > 0 ? caps_[i].late : caps_[i].early);
+  return std::min(0.5 * residual * residual * inverse_variance_[i],
+                  residual > 0 ? caps_[i].late : caps_[i].early);
 }
 
 double Consensus::middle_residual(std::size_t group) {
@@ -87,11 +92,13 @@ double Consensus::divided_group_cost(std::size_t group, double plain, bool& dire
   for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
     const double r = residual_[i] - bias;
     among += arrival_cost(i, r);
-    among_behind += std::min(0.5 * r * r * inverse_variance_[i] + behind_[i], r > 0 ? caps_[i].late : caps_[i].early);
+    among_behind +=
+        std::min(0.5 * r * r * inverse_variance_[i] + behind_[i], r > 0 ? caps_[i].late : caps_[i].early);
     information += inverse_variance_[i];
   }
   if (bias_variance > 0) plain = 0.5 * bias * bias / (bias_variance + 1.0 / information) + among_behind;
-  // Nothing but a wrong beacon makes all its arrivals early; so without a bias of its own that is not offered.
+  // Nothing but a wrong beacon makes all its arrivals early; so without a bias of its own that is not
+  // offered.
   if (bias <= 0 && bias_variance == 0.0) return plain;
   // An echo comes from any side, so hearing from behind costs nothing there.
   const double shadowed = (bias > 0 ? group_caps_[group].late : group_caps_[group].early) + among;
@@ -118,11 +125,13 @@ double Consensus::group_cost(std::size_t group, bool& direct) {
   return plain <= group_caps_[group].late ? plain : divided_group_cost(group, plain, direct);
 }
 
-double Consensus::bearing_cost(const SearchBearing& b, const PlanarState& s, double cosine, double sine) const {
+double Consensus::bearing_cost(const SearchBearing& b, const PlanarState& s, double cosine,
+                               double sine) const {
   const double dx = b.p_reflector_map_m.x() - s.x_m - cosine * b.p_lever_m.x() + sine * b.p_lever_m.y();
   const double dy = b.p_reflector_map_m.y() - s.y_m - sine * b.p_lever_m.x() - cosine * b.p_lever_m.y();
   const double off = wrap_angle(std::atan2(dy, dx) - s.heading_rad - b.bearing_rad);
-  const double away2 = (extra_m_ * extra_m_ + problem_.slack_m * problem_.slack_m) / std::max(dx * dx + dy * dy, 1e-6);
+  const double away2 =
+      (extra_m_ * extra_m_ + problem_.slack_m * problem_.slack_m) / std::max(dx * dx + dy * dy, 1e-6);
   return std::min(0.5 * off * off / (b.sigma_rad * b.sigma_rad + away2), kBearingCap);
 }
 
@@ -150,9 +159,10 @@ double Consensus::best_offset(const PlanarState& state) {
   return sorted_.empty() ? 0.0 : *middle;
 }
 
-/// Normal equations of one beacon's arrivals; its bias, where it has one, is eliminated by the Schur complement.
-void Consensus::add_group(const PlanarState& s, double cosine, double sine, std::size_t group, Eigen::Matrix4d& H,
-                          Eigen::Vector4d& g) {
+/// Normal equations of one beacon's arrivals; its bias, where it has one, is eliminated by the Schur
+/// complement.
+void Consensus::add_group(const PlanarState& s, double cosine, double sine, std::size_t group,
+                          Eigen::Matrix4d& H, Eigen::Vector4d& g) {
   residuals_of_group(s, cosine, sine, group);
   bool direct = true;
   static_cast<void>(group_cost(group, direct));
@@ -164,10 +174,13 @@ void Consensus::add_group(const PlanarState& s, double cosine, double sine, std:
   double bias_information = biased ? 1.0 / bias_variance_[group] : 1.0, bias_gradient = 0.0;
   for (std::size_t i = first; i < last; ++i) {
     const SearchRange& r = problem_.ranges[i];
-    const double lx = cosine * r.p_lever_m.x() - sine * r.p_lever_m.y(), ly = sine * r.p_lever_m.x() + cosine * r.p_lever_m.y();
+    const double lx = cosine * r.p_lever_m.x() - sine * r.p_lever_m.y(),
+                 ly = sine * r.p_lever_m.x() + cosine * r.p_lever_m.y();
     const double distance = std::max(r.range_m - s.offset_m - residual_[i], 1e-6);
-    const double ux = (s.x_m + lx - r.p_beacon_map_m.x()) / distance, uy = (s.y_m + ly - r.p_beacon_map_m.y()) / distance;
-    const Eigen::Vector4d row(ux, uy, uy * lx - ux * ly, problem_.has_offset ? 1.0 : 0.0);  // d predicted / d state
+    const double ux = (s.x_m + lx - r.p_beacon_map_m.x()) / distance,
+                 uy = (s.y_m + ly - r.p_beacon_map_m.y()) / distance;
+    const Eigen::Vector4d row(ux, uy, uy * lx - ux * ly,
+                              problem_.has_offset ? 1.0 : 0.0);  // d predicted / d state
     const double off = residual_[i] - centre;
     const double scale = off > 0 ? kLateScale : kEarlyScale;
     const double w = inverse_variance_[i] / (1.0 + off * off * inverse_variance_[i] / (scale * scale));
@@ -182,13 +195,16 @@ void Consensus::add_group(const PlanarState& s, double cosine, double sine, std:
   g.noalias() -= coupling * (bias_gradient / bias_information);
 }
 
-void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, double cosine, double sine, Eigen::Matrix4d& H,
-                            Eigen::Vector4d& g) const {
-  const double lx = cosine * b.p_lever_m.x() - sine * b.p_lever_m.y(), ly = sine * b.p_lever_m.x() + cosine * b.p_lever_m.y();
+void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, double cosine, double sine,
+                            Eigen::Matrix4d& H, Eigen::Vector4d& g) const {
+  const double lx = cosine * b.p_lever_m.x() - sine * b.p_lever_m.y(),
+               ly = sine * b.p_lever_m.x() + cosine * b.p_lever_m.y();
   const double dx = b.p_reflector_map_m.x() - s.x_m - lx, dy = b.p_reflector_map_m.y() - s.y_m - ly;
   const double n2 = std::max(dx * dx + dy * dy, 1e-6);
-  const double off = wrap_angle(b.bearing_rad + s.heading_rad - std::atan2(dy, dx));  // observed less predicted
-  const double variance = b.sigma_rad * b.sigma_rad + (extra_m_ * extra_m_ + problem_.slack_m * problem_.slack_m) / n2;
+  const double off =
+      wrap_angle(b.bearing_rad + s.heading_rad - std::atan2(dy, dx));  // observed less predicted
+  const double variance =
+      b.sigma_rad * b.sigma_rad + (extra_m_ * extra_m_ + problem_.slack_m * problem_.slack_m) / n2;
   const double w = 1.0 / variance / (1.0 + off * off / variance / (kEarlyScale * kEarlyScale));
   const double by_x = dy / n2, by_y = -dx / n2;
   const Eigen::Vector4d row(by_x, by_y, -by_x * ly + by_y * lx - 1.0, 0.0);
@@ -205,14 +221,16 @@ Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t wi
     for (std::size_t group = 0; group < problem_.groups(); ++group)
       if (group != without_group) add_group(s, cosine, sine, group, H, g);
     for (const SearchBearing& b : problem_.bearings) add_bearing(b, s, cosine, sine, H, g);
-    // A heading that nothing tells stays where it is; so does a position where all arrivals have lost their weight.
+    // A heading that nothing tells stays where it is; so does a position where all arrivals have lost their
+    // weight.
     Eigen::Matrix4d A = H;
     A(2, 2) += 1.0 / (std::numbers::pi * std::numbers::pi);
     A.diagonal().head<2>().array() += 1.0 / (problem_.span_m * problem_.span_m);
     A(3, 3) += problem_.has_offset ? 1e-12 : 1.0;
     Eigen::Vector4d step = Eigen::LLT<Eigen::Matrix4d>(A).solve(g);
     if (!step.allFinite()) break;
-    const double longest = std::max({step.head<2>().norm() / (0.3 * problem_.span_m), std::abs(step[2]) / 0.6, 1.0});
+    const double longest =
+        std::max({step.head<2>().norm() / (0.3 * problem_.span_m), std::abs(step[2]) / 0.6, 1.0});
     step /= longest;
     s.x_m += step[0];
     s.y_m += step[1];

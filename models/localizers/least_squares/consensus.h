@@ -13,14 +13,16 @@ namespace octant {
 
 /// How well a pose explains the arrivals: a negative log likelihood, up to a constant, of a mixture.
 ///
-/// Each arrival is direct (Gaussian), an echo (late by anything up to the longest range) or spurious (early, rare). With the
-/// longest range D and the sigma s the logarithms of the ratios of densities at the peak cap what one arrival may cost:
+/// Each arrival is direct (Gaussian), an echo (late by anything up to the longest range) or spurious (early,
+/// rare). With the longest range D and the sigma s the logarithms of the ratios of densities at the peak cap
+/// what one arrival may cost:
 ///   late   ln(0.7 / (sqrt(2 pi) s) / (0.2  / D)) = ln(1.4 D / s)
 ///   early  ln(0.7 / (sqrt(2 pi) s) / (0.01 / D)) = ln(28 D / s)
-/// A beacon in an obstacle's shadow delays all its arrivals alike: it costs the cap once, and its arrivals then only what
-/// they differ among themselves. So the agreement of three beacons weighs more than that of three arrivals of one beacon.
-/// What is not known of a beacon is a bias b that its arrivals have in common and that costs b^2 / (2 sigma_b^2).
-/// A receiver with an axis that would have to hear from behind costs extra.
+/// A beacon in an obstacle's shadow delays all its arrivals alike: it costs the cap once, and its arrivals
+/// then only what they differ among themselves. So the agreement of three beacons weighs more than that of
+/// three arrivals of one beacon. What is not known of a beacon is a bias b that its arrivals have in common
+/// and that costs b^2 / (2 sigma_b^2). A receiver with an axis that would have to hear from behind costs
+/// extra.
 class Consensus {
  public:
   explicit Consensus(const SearchProblem& problem);
@@ -28,18 +30,20 @@ class Consensus {
   /// Widens all arrivals: what a candidate may be off by [m].
   void set_extra_sigma(double extra_m);
 
-  /// While heading and offset are still guesses, neither a receiver's axis nor a beacon's shadow is evidence of anything: with
-  /// this, every arrival takes part on its own.
+  /// While heading and offset are still guesses, neither a receiver's axis nor a beacon's shadow is evidence
+  /// of anything: with this, every arrival takes part on its own.
   void judge_shadows(bool on) { judge_shadows_ = on; }
 
   /// Stops as soon as the score passes give_up.
-  [[nodiscard]] double score(const PlanarState& state, double give_up = std::numeric_limits<double>::infinity());
+  [[nodiscard]] double score(const PlanarState& state,
+                             double give_up = std::numeric_limits<double>::infinity());
 
   /// Gauss-Newton with one-sided Cauchy weights from where the state is; without_group: a beacon left out.
   /// Returns the information matrix (x, y, heading, offset) of the last step, in units of the widened sigmas.
   Eigen::Matrix4d refine(PlanarState& state, int iterations, std::size_t without_group = kNone);
 
-  /// Offset that suits the arrivals at the state's pose: a median that echoes, which are late, do not pull far.
+  /// Offset that suits the arrivals at the state's pose: a median that echoes, which are late, do not pull
+  /// far.
   [[nodiscard]] double best_offset(const PlanarState& state);
 
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
@@ -48,10 +52,12 @@ class Consensus {
   void residuals_of_group(const PlanarState& state, double cosine, double sine, std::size_t group);
   [[nodiscard]] double group_cost(std::size_t group, bool& direct);
   [[nodiscard]] double arrival_cost(std::size_t i, double residual) const;
-  [[nodiscard]] double bearing_cost(const SearchBearing& b, const PlanarState& state, double cosine, double sine) const;
-  void add_group(const PlanarState& state, double cosine, double sine, std::size_t group, Eigen::Matrix4d& H, Eigen::Vector4d& g);
-  void add_bearing(const SearchBearing& b, const PlanarState& state, double cosine, double sine, Eigen::Matrix4d& H,
-                   Eigen::Vector4d& g) const;
+  [[nodiscard]] double bearing_cost(const SearchBearing& b, const PlanarState& state, double cosine,
+                                    double sine) const;
+  void add_group(const PlanarState& state, double cosine, double sine, std::size_t group, Eigen::Matrix4d& H,
+                 Eigen::Vector4d& g);
+  void add_bearing(const SearchBearing& b, const PlanarState& state, double cosine, double sine,
+                   Eigen::Matrix4d& H, Eigen::Vector4d& g) const;
 
   struct Caps {
     double late, early;
@@ -65,7 +71,8 @@ class Consensus {
   // Of each range and of each beacon at the present width.
   std::pmr::vector<double> inverse_variance_{scratch()}, bias_variance_{scratch()};
   std::pmr::vector<Caps> caps_{scratch()}, group_caps_{scratch()};
-  std::pmr::vector<double> residual_{scratch()}, behind_{scratch()}, sorted_{scratch()};  ///< scratch, one for each range
+  std::pmr::vector<double> residual_{scratch()}, behind_{scratch()},
+      sorted_{scratch()};  ///< scratch, one for each range
   double extra_m_ = 0.0;
   bool judge_shadows_ = true;
 };

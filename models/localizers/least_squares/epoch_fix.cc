@@ -8,23 +8,24 @@
 
 #include <Eigen/Cholesky>
 
-#include "models/trajectory/decompositions.h"
-#include "models/localizers/least_squares/candidates.h"
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/localizer.h"
+#include "models/localizers/least_squares/candidates.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/localizers/least_squares/spatial_start.h"
+#include "models/trajectory/decompositions.h"
 
 namespace octant {
 namespace {
 
-constexpr double kFirstGate = 1.5;  ///< the search ends near the optimum, not at it: the first gate is wider by this
+constexpr double kFirstGate =
+    1.5;  ///< the search ends near the optimum, not at it: the first gate is wider by this
 constexpr int kMarkRounds = 8;
 constexpr double kHeadingStepM = 0.05;
 constexpr int kMaxHeadings = 24;
 
 struct Count {
-  int heard = 0, used = 0;  ///< arrivals of usable beacons
+  int heard = 0, used = 0;                         ///< arrivals of usable beacons
   int bearings = 0, bearings_seen = 0, poses = 0;  ///< labelled, of usable reflectors: in use, all
   int beacons_heard = 0, beacons_used = 0;
 };
@@ -55,28 +56,37 @@ Count count(const Trajectory& t, const Segment& segment, const EpochFixModel& mo
 
 void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
-    t.arrivals[i].rejection = model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+    t.arrivals[i].rejection =
+        model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
     BearingObservation& b = t.bearings[i];
-    b.rejection =
-        !b.reflector.valid() || model.beacon_usable[b.reflector.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+    b.rejection = !b.reflector.valid() || model.beacon_usable[b.reflector.index()]
+                      ? Rejection::kUsed
+                      : Rejection::kBeaconUnusable;
   }
 }
 
-/// Bearings that contradict the pose; they are neither late nor early, so their reason is of the side they are off to.
-bool mark_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m, double sigmas) {
+/// Bearings that contradict the pose; they are neither late nor early, so their reason is of the side they
+/// are off to.
+bool mark_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m,
+                   double sigmas) {
   bool changed = false;
   ObservationRow row;
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
     BearingObservation& b = t.bearings[i];
     if (b.rejection == Rejection::kBeaconUnusable || bearing_rows(t, i, model.state, &row) == 0) continue;
     const double d =
-        (model.state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m).head<2>().norm();
+        (model.state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m)
+            .head<2>()
+            .norm();
     double variance = b.sigma_rad * b.sigma_rad + std::pow(slack_m / std::max(d, 1e-3), 2);
     if (b.reflector.index() < model.beacon_covariance.size())
-      variance += model.beacon_covariance[b.reflector.index()].topLeftCorner<2, 2>().trace() / std::max(d * d, 1e-6);
+      variance +=
+          model.beacon_covariance[b.reflector.index()].topLeftCorner<2, 2>().trace() / std::max(d * d, 1e-6);
     const double off = row.residual * b.sigma_rad / std::sqrt(variance);
-    const Rejection mark = std::abs(off) <= sigmas ? Rejection::kUsed : off > 0 ? Rejection::kLate : Rejection::kEarly;
+    const Rejection mark = std::abs(off) <= sigmas ? Rejection::kUsed
+                           : off > 0               ? Rejection::kLate
+                                                   : Rejection::kEarly;
     changed = changed || mark != b.rejection;
     b.rejection = mark;
   }
@@ -108,8 +118,8 @@ PlanarState start_at_measured_pose(const PoseObservation& measured, const Search
   return best;
 }
 
-/// Adjusts and marks in turn until the marks rest. Each arrival is judged by its own sigma and weighed by what it adds to the
-/// others of its pair.
+/// Adjusts and marks in turn until the marks rest. Each arrival is judged by its own sigma and weighed by
+/// what it adds to the others of its pair.
 NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                                const EpochFixOptions& options) {
   CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kSame);
@@ -131,11 +141,13 @@ NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const Epoc
   return adjustment;
 }
 
-/// Covariance of the pose; false where the position is not determined. A heading without information gets the sigma pi.
+/// Covariance of the pose; false where the position is not determined. A heading without information gets the
+/// sigma pi.
 bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCovariance& covariance) {
   NodeBlock A = information;
   const int dof = pose_dof(t.motion);
-  for (int i = dof / 3 * 3 - (dof == 3 ? 1 : 3); i < dof; ++i) A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
+  for (int i = dof / 3 * 3 - (dof == 3 ? 1 : 3); i < dof; ++i)
+    A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
   // Judged in units in which every diagonal element is one.
   const NodeVector scale = A.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
   const NodeBlock scaled = scale.asDiagonal() * A * scale.asDiagonal();
@@ -151,8 +163,11 @@ double horizontal_sigma_m(const PoseCovariance& covariance) {
   return std::sqrt(std::max(eigen.eigenvalues()[1], 0.0));
 }
 
-/// At the mirror image of a pose all ranges fit, and one bearing is met by the heading: most of them speak against it.
-bool bearings_speak_against(const Count& c) { return c.poses == 0 && c.bearings_seen >= 2 && 2 * c.bearings < c.bearings_seen; }
+/// At the mirror image of a pose all ranges fit, and one bearing is met by the heading: most of them speak
+/// against it.
+bool bearings_speak_against(const Count& c) {
+  return c.poses == 0 && c.bearings_seen >= 2 && 2 * c.bearings < c.bearings_seen;
+}
 
 /// Whether the arrivals used are more than chance can bring together.
 bool is_consensus(const Count& c, int unknowns) {
@@ -162,7 +177,8 @@ bool is_consensus(const Count& c, int unknowns) {
   if (spare < 0) return false;
   if (rejected == 0) return true;
   // Any `unknowns` arrivals agree on something; and two beacons cannot tell which of three is in a shadow.
-  return spare >= 2 && 3 * c.used >= c.heard && (c.beacons_used >= 3 || c.beacons_used == c.beacons_heard || c.bearings >= 2);
+  return spare >= 2 && 3 * c.used >= c.heard &&
+         (c.beacons_used >= 3 || c.beacons_used == c.beacons_heard || c.bearings >= 2);
 }
 
 void report_arrivals(const Trajectory& t, const Segment& segment, Fix& fix) {
@@ -179,8 +195,8 @@ double instant_of(const Trajectory& t, const Segment& segment) {
 }
 
 /// Sets the node to the best pose of a planar search; returns whether another pose is as good.
-bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options,
-                  bool& found) {
+bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                  const EpochFixOptions& options, bool& found) {
   const SearchProblem problem = make_search_problem(t, segment, model, options.range_slack_m);
   Node& node = t.nodes[segment.first_node];
   found = true;
@@ -189,7 +205,8 @@ bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& mo
     return false;
   }
   SearchOptions search;
-  // Long lever arms need closer headings: half a step must not move a receiver by more than a few centimetres.
+  // Long lever arms need closer headings: half a step must not move a receiver by more than a few
+  // centimetres.
   const int wanted = static_cast<int>(std::ceil(0.5 * std::numbers::pi * problem.lever_m / kHeadingStepM));
   if (wanted > search.headings) {
     search.headings = std::min(wanted, kMaxHeadings);
@@ -212,10 +229,11 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
   out.last_node = node + 1;
   const auto narrow = [node](const auto& list, std::size_t& first, std::size_t& last) {
     const auto begin = list.begin();
-    const auto from = std::partition_point(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last),
+    const auto from = std::partition_point(begin + static_cast<std::ptrdiff_t>(first),
+                                           begin + static_cast<std::ptrdiff_t>(last),
                                            [node](const auto& o) { return o.node < node; });
-    const auto to =
-        std::partition_point(from, begin + static_cast<std::ptrdiff_t>(last), [node](const auto& o) { return o.node == node; });
+    const auto to = std::partition_point(from, begin + static_cast<std::ptrdiff_t>(last),
+                                         [node](const auto& o) { return o.node == node; });
     first = static_cast<std::size_t>(from - begin);
     last = static_cast<std::size_t>(to - begin);
   };
@@ -227,13 +245,15 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
   return out;
 }
 
-Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options) {
+Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+              const EpochFixOptions& options) {
   Fix fix;
   fix_epoch(t, segment, model, options, fix);
   return fix;
 }
 
-void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options, Fix& fix) {
+void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+               const EpochFixOptions& options, Fix& fix) {
   clear(fix);
   Node& node = t.nodes[segment.first_node];
   node.placed = false;
@@ -269,7 +289,8 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
   const bool heading_open = t.motion == Motion::kPlanar && determined && fix.covariance(2, 2) > 1.0;
   const int unknowns = pose_dof(t.motion) + (t.has_cycle_offset ? 1 : 0) - (heading_open ? 1 : 0);
   if (!is_consensus(c, unknowns)) {
-    fix.status = c.heard == c.used && !bearings_speak_against(c) ? FixStatus::kTooFewArrivals : FixStatus::kNoConsensus;
+    fix.status = c.heard == c.used && !bearings_speak_against(c) ? FixStatus::kTooFewArrivals
+                                                                 : FixStatus::kNoConsensus;
   } else if (!determined || horizontal_sigma_m(fix.covariance) > options.max_sigma_m) {
     fix.status = FixStatus::kPoorGeometry;
   } else if (ambiguous) {

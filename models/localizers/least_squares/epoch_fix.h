@@ -18,7 +18,8 @@
 
 namespace octant {
 
-/// Directional receivers hear some way past the side, hardly from behind; where calibration has seen no more of them.
+/// Directional receivers hear some way past the side, hardly from behind; where calibration has seen no more
+/// of them.
 inline constexpr double kHearingCosine = -0.2;
 
 struct EpochFixOptions {
@@ -27,7 +28,8 @@ struct EpochFixOptions {
   double rejection_sigmas = 4.0;
   double max_sigma_m = 1.0;  ///< a horizontal sigma beyond this is poor geometry
   int max_candidates = 640;  ///< poses tried in the coarse search
-  /// A second pose counts as equally good when its log likelihood is within this of the best (3: odds below twenty to one).
+  /// A second pose counts as equally good when its log likelihood is within this of the best (3: odds below
+  /// twenty to one).
   double ambiguity_margin = 2.0;
 };
 
@@ -36,30 +38,35 @@ struct EpochFixModel {
   SharedState state;
   std::vector<bool> beacon_usable;
   std::vector<std::optional<Eigen::Vector3d>> receiver_axis;
-  std::vector<double> hearing_cosine;  ///< of each receiver, beyond which it hardly hears; empty: kHearingCosine for all
+  std::vector<double>
+      hearing_cosine;  ///< of each receiver, beyond which it hardly hears; empty: kHearingCosine for all
   double nominal_speed_mps = 343.0;
-  /// Of each beacon's x, y, z [m], delay [s] and the speed [m/s]: how far calibration itself may be off. Empty: not at all.
+  /// Of each beacon's x, y, z [m], delay [s] and the speed [m/s]: how far calibration itself may be off.
+  /// Empty: not at all.
   std::vector<Eigen::Matrix<double, 5, 5>> beacon_covariance;
-  /// What the arrivals of a pair have in common beside the calibration (correlated_arrivals.h). Zero: each has its own error.
+  /// What the arrivals of a pair have in common beside the calibration (correlated_arrivals.h). Zero: each
+  /// has its own error.
   CorrelatedNoise correlated{};
 };
 [[nodiscard]] EpochFixModel epoch_fix_model(const Deployment& deployment);
 
-/// The part of a segment that belongs to one of its nodes alone (epochs chained by odometry): its arrivals, bearings, poses.
+/// The part of a segment that belongs to one of its nodes alone (epochs chained by odometry): its arrivals,
+/// bearings, poses.
 [[nodiscard]] Segment node_segment(const Trajectory& trajectory, const Segment& segment, std::size_t node);
 
-/// Robust least-squares fix of one segment (a stationary epoch: one node) from nothing: a coarse search over poses that
-/// pairs of arrivals allow, the largest consensus under a one-sided loss, then a plain adjustment of the arrivals that agree.
-/// The result is the least-squares estimate of the arrivals used; its covariance is that of their noise (and the slack), with
-/// the shared parameters held. Where nothing tells the heading (one receiver on the axis, no bearings) the position is still
-/// a fix, and the heading's sigma is pi.
-/// Sets the node, marks the arrivals of the segment used or rejected; where the model states correlated noise, they are left with
-/// the sigmas that they were weighed by. The node counts as placed only if the fix is kOk; it
-/// holds the best pose found in any case.
+/// Robust least-squares fix of one segment (a stationary epoch: one node) from nothing: a coarse search over
+/// poses that pairs of arrivals allow, the largest consensus under a one-sided loss, then a plain adjustment
+/// of the arrivals that agree. The result is the least-squares estimate of the arrivals used; its covariance
+/// is that of their noise (and the slack), with the shared parameters held. Where nothing tells the heading
+/// (one receiver on the axis, no bearings) the position is still a fix, and the heading's sigma is pi. Sets
+/// the node, marks the arrivals of the segment used or rejected; where the model states correlated noise,
+/// they are left with the sigmas that they were weighed by. The node counts as placed only if the fix is kOk;
+/// it holds the best pose found in any case.
 [[nodiscard]] Fix fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                             const EpochFixOptions& options = {});
 /// The same into a fix whose memory is used again.
-void fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options, Fix& fix);
+void fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+               const EpochFixOptions& options, Fix& fix);
 
 /// Robust least-squares localizer: one fix an epoch, by the labelled bearings too where there are any.
 class LeastSquaresLocalizer final : public Localizer {

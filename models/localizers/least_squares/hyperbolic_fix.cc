@@ -13,14 +13,16 @@ namespace {
 constexpr double kParallel = 1e-9;  // sine between two curves below which they count as one
 constexpr int kMaxHalvings = 12;
 
-/// Perpendicular to a difference of directions: where two distances change alike. In the plane it is (psi0 + psi1) / 2.
+/// Perpendicular to a difference of directions: where two distances change alike. In the plane it is (psi0 +
+/// psi1) / 2.
 Eigen::Vector2d tangent(const Eigen::Vector2d& e_from, const Eigen::Vector2d& e_to) {
   const Eigen::Vector2d across = e_to - e_from;
   return {-across.y(), across.x()};
 }
 
 /// By how much the measured differences d1 - d2 and d1 - d0 exceed those at a point.
-Eigen::Vector2d misclosure(const std::array<PlanBeacon, 3>& b, const std::array<double, 3>& d, const Eigen::Vector2d& p) {
+Eigen::Vector2d misclosure(const std::array<PlanBeacon, 3>& b, const std::array<double, 3>& d,
+                           const Eigen::Vector2d& p) {
   const double m0 = d[0] - slant_distance_m(b[0], p), m1 = d[1] - slant_distance_m(b[1], p);
   const double m2 = d[2] - slant_distance_m(b[2], p);
   return {m1 - m2, m1 - m0};
@@ -43,16 +45,18 @@ Eigen::Vector2d foreshortened(const PlanBeacon& beacon, const Eigen::Vector2d& p
 }
 
 std::optional<HyperbolicStep> hyperbolic_step(const std::array<Eigen::Vector2d, 3>& e) {
-  // Along the curve on which d1 - d0 stays, d1 - d2 changes by -(e1 - e2) . t for a step t                         (eq. 2)
+  // Along the curve on which d1 - d0 stays, d1 - d2 changes by -(e1 - e2) . t for a step t (eq. 2)
   const Eigen::Vector2d along_10 = tangent(e[0], e[1]), along_12 = tangent(e[2], e[1]);
   const double rate_12 = -(e[1] - e[2]).dot(along_10), rate_10 = -(e[1] - e[0]).dot(along_12);
   const double scale = along_10.norm() * along_12.norm();
   if (!(scale > 0) || !(std::abs(rate_12) > kParallel * scale)) return std::nullopt;
-  return HyperbolicStep{along_10 / rate_12, along_12 / rate_10};  // eq. 3, and with 0 and 2 exchanged: the terms of eq. 4
+  return HyperbolicStep{along_10 / rate_12,
+                        along_12 / rate_10};  // eq. 3, and with 0 and 2 exchanged: the terms of eq. 4
 }
 
-HyperbolicFix hyperbolic_fix(const std::array<PlanBeacon, 3>& beacons, const std::array<double, 3>& distance_m,
-                             const Eigen::Vector2d& start_map_m, const HyperbolicFixOptions& options) {
+HyperbolicFix hyperbolic_fix(const std::array<PlanBeacon, 3>& beacons,
+                             const std::array<double, 3>& distance_m, const Eigen::Vector2d& start_map_m,
+                             const HyperbolicFixOptions& options) {
   HyperbolicFix fix;
   fix.p_map_m = start_map_m;
   Eigen::Vector2d open = misclosure(beacons, distance_m, fix.p_map_m);
@@ -85,8 +89,10 @@ HyperbolicFix hyperbolic_fix(const std::array<PlanBeacon, 3>& beacons, const std
   return fix;
 }
 
-std::optional<Eigen::Vector2d> other_intersection(const std::array<PlanBeacon, 3>& b, const Eigen::Vector2d& p) {
-  const std::array<double, 3> d = {slant_distance_m(b[0], p), slant_distance_m(b[1], p), slant_distance_m(b[2], p)};
+std::optional<Eigen::Vector2d> other_intersection(const std::array<PlanBeacon, 3>& b,
+                                                  const Eigen::Vector2d& p) {
+  const std::array<double, 3> d = {slant_distance_m(b[0], p), slant_distance_m(b[1], p),
+                                   slant_distance_m(b[2], p)};
   // With P = p + q and distances d_i - o:  (b_i - b_0) . q = o (d_i - d_0), so q = o v, and
   //   -2 o d_0 + o^2 = |q|^2 - 2 q . (b_0 - p)  has the roots o = 0 and the other one.
   Eigen::Matrix2d B;
@@ -107,7 +113,8 @@ Eigen::Vector2d hyperbolic_error_m(const std::array<PlanBeacon, 3>& beacons, con
   const auto step = hyperbolic_step(directions(beacons, p_map_m));
   if (!step) return Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   const Eigen::Matrix<double, 2, 3> J = step->by_distances();
-  return (J.array().square().rowwise() * Eigen::Array3d(sigma_m[0], sigma_m[1], sigma_m[2]).square().transpose())
+  return (J.array().square().rowwise() *
+          Eigen::Array3d(sigma_m[0], sigma_m[1], sigma_m[2]).square().transpose())
       .rowwise()
       .sum()
       .sqrt();

@@ -9,15 +9,18 @@
 
 namespace octant {
 
-// L. Kleeman, "Ultrasonic autonomous robot localisation system", section 4.1: a point from three distances that are all longer
-// by the same unknown amount, so that only their differences count, and each difference is a hyperbola.
+// L. Kleeman, "Ultrasonic autonomous robot localisation system", section 4.1: a point from three distances
+// that are all longer by the same unknown amount, so that only their differences count, and each difference
+// is a hyperbola.
 //
-// From space to the plane. The beacons hang above the plane in which the receivers move, by a height h that is known. With r
-// the distance in the plan, the slant distance is d = sqrt(r^2 + h^2), and it changes by cos(elevation) = r / d times as much as
-// r does. So a beacon's direction (cos psi, sin psi) is foreshortened to e = r / d (cos psi, sin psi), and
+// From space to the plane. The beacons hang above the plane in which the receivers move, by a height h that
+// is known. With r the distance in the plan, the slant distance is d = sqrt(r^2 + h^2), and it changes by
+// cos(elevation) = r / d times as much as r does. So a beacon's direction (cos psi, sin psi) is foreshortened
+// to e = r / d (cos psi, sin psi), and
 //   dd_i = -e_i . dP
-// holds for slant distances as eq. 2 does in the plane: nothing is approximated, and no distance is turned into a plan
-// distance, which would need the unknown offset. For level beacons |e| = 1 and all below are the paper's equations.
+// holds for slant distances as eq. 2 does in the plane: nothing is approximated, and no distance is turned
+// into a plan distance, which would need the unknown offset. For level beacons |e| = 1 and all below are the
+// paper's equations.
 
 /// A beacon as the receivers' plane sees it.
 struct PlanBeacon {
@@ -36,12 +39,13 @@ struct PlanBeacon {
 /// For level beacons, with psi_i the angles from the x axis to the beacons,
 ///   by_d12 = -(cos, sin)((psi0 + psi1) / 2) / (2 sin((psi0 - psi2) / 2) sin((psi1 - psi2) / 2))
 ///   by_d10 = -(cos, sin)((psi2 + psi1) / 2) / (2 sin((psi2 - psi0) / 2) sin((psi1 - psi0) / 2))
-/// The cosines are the paper's dx, the sines are dy. The paper prints d(d0 - d1) in the second term; its own derivation, with 0
-/// and 2 exchanged in eq. 3, gives d(d1 - d0), and so do numeric derivatives.
+/// The cosines are the paper's dx, the sines are dy. The paper prints d(d0 - d1) in the second term; its own
+/// derivation, with 0 and 2 exchanged in eq. 3, gives d(d1 - d0), and so do numeric derivatives.
 struct HyperbolicStep {
   Eigen::Vector2d by_d12, by_d10;
 
-  /// Derivatives of the point by the three distances, columns d0, d1, d2. They add up to zero: a common offset does not count.
+  /// Derivatives of the point by the three distances, columns d0, d1, d2. They add up to zero: a common
+  /// offset does not count.
   [[nodiscard]] Eigen::Matrix<double, 2, 3> by_distances() const {
     Eigen::Matrix<double, 2, 3> J;
     J << -by_d10, by_d10 + by_d12, -by_d12;
@@ -65,25 +69,30 @@ struct HyperbolicFix {
   int iterations = 0;
 };
 
-/// Intersection of the hyperbolas of three beacons near `start`, by iterating eq. 4; a step that would make the misclosure
-/// worse is halved.
+/// Intersection of the hyperbolas of three beacons near `start`, by iterating eq. 4; a step that would make
+/// the misclosure worse is halved.
 /// @param distance_m  slant distances, each longer than the true one by the same unknown amount
 /// @return not converged where the hyperbolas do not meet, or meet too flatly
-[[nodiscard]] HyperbolicFix hyperbolic_fix(const std::array<PlanBeacon, 3>& beacons, const std::array<double, 3>& distance_m,
-                                           const Eigen::Vector2d& start_map_m, const HyperbolicFixOptions& options = {});
+[[nodiscard]] HyperbolicFix hyperbolic_fix(const std::array<PlanBeacon, 3>& beacons,
+                                           const std::array<double, 3>& distance_m,
+                                           const Eigen::Vector2d& start_map_m,
+                                           const HyperbolicFixOptions& options = {});
 
-/// Where the same two hyperbolas meet again, if they do: with d_i^2 = |P - b_i|^2 + h_i^2 and d_i less an offset for d_i, the
-/// differences of these equations are linear in P and the offset, and what is left is a quadratic of which one root is known.
-/// @param p_map_m  an intersection; its distances are taken, so a common offset in measured ones does not matter
+/// Where the same two hyperbolas meet again, if they do: with d_i^2 = |P - b_i|^2 + h_i^2 and d_i less an
+/// offset for d_i, the differences of these equations are linear in P and the offset, and what is left is a
+/// quadratic of which one root is known.
+/// @param p_map_m  an intersection; its distances are taken, so a common offset in measured ones does not
+/// matter
 /// @return nothing if there is no other, or the three are on one line (then it is the mirror image)
 [[nodiscard]] std::optional<Eigen::Vector2d> other_intersection(const std::array<PlanBeacon, 3>& beacons,
                                                                 const Eigen::Vector2d& p_map_m);
 
-/// Error analysis (section 4.2; the paper leaves the expression to its report): standard deviations of x and y when the
-/// distances have the independent sigmas s_i. With g12, g10 the columns of eq. 4,
+/// Error analysis (section 4.2; the paper leaves the expression to its report): standard deviations of x and
+/// y when the distances have the independent sigmas s_i. With g12, g10 the columns of eq. 4,
 ///   s_x^2 = g10x^2 s_0^2 + (g10x + g12x)^2 s_1^2 + g12x^2 s_2^2,   and the same with y.
 /// @return [m]; infinite where the hyperbolas are parallel
-[[nodiscard]] Eigen::Vector2d hyperbolic_error_m(const std::array<PlanBeacon, 3>& beacons, const Eigen::Vector2d& p_map_m,
+[[nodiscard]] Eigen::Vector2d hyperbolic_error_m(const std::array<PlanBeacon, 3>& beacons,
+                                                 const Eigen::Vector2d& p_map_m,
                                                  const std::array<double, 3>& sigma_m);
 
 }  // namespace octant

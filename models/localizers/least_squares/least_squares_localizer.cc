@@ -5,22 +5,25 @@
 #include <string>
 
 #include "models/localizers/common/correlated_arrivals.h"
-#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/common/protection.h"
 #include "models/localizers/common/trajectory_model.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 
 namespace octant {
 namespace {
 
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
-constexpr std::size_t kScratchBytes = 1u << 20;  ///< the search of a fix by sixteen beacons and eight receivers takes a quarter
-constexpr std::size_t kRowsEachPair = 2;         ///< an epoch may hold a few pings
+constexpr std::size_t kScratchBytes =
+    1u << 20;  ///< the search of a fix by sixteen beacons and eight receivers takes a quarter
+constexpr std::size_t kRowsEachPair = 2;  ///< an epoch may hold a few pings
 
-/// Rows of the joint covariance that move a beacon's arrivals: x, y, z, delay, speed; -1 where a parameter is held.
+/// Rows of the joint covariance that move a beacon's arrivals: x, y, z, delay, speed; -1 where a parameter is
+/// held.
 std::array<int, 5> rows_of(const JointCovariance& joint, const std::string& beacon) {
-  const std::array<std::string, 5> names = {"beacon/" + beacon + "/x_m", "beacon/" + beacon + "/y_m", "beacon/" + beacon + "/z_m",
-                                            "beacon/" + beacon + "/delay_s", "medium/speed_mps"};
+  const std::array<std::string, 5> names = {"beacon/" + beacon + "/x_m", "beacon/" + beacon + "/y_m",
+                                            "beacon/" + beacon + "/z_m", "beacon/" + beacon + "/delay_s",
+                                            "medium/speed_mps"};
   std::array<int, 5> rows{};
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto at = std::find(joint.parameters.begin(), joint.parameters.end(), names[i]);
@@ -83,7 +86,8 @@ LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOpti
       calibration_(deployment_),
       trajectory_model_(trajectory_model(deployment_)),
       scratch_(kScratchBytes) {
-  const std::size_t arrivals = kRowsEachPair * deployment_.beacons.size() * std::max<std::size_t>(deployment_.receivers.size(), 1);
+  const std::size_t arrivals =
+      kRowsEachPair * deployment_.beacons.size() * std::max<std::size_t>(deployment_.receivers.size(), 1);
   reserve_epoch(epoch_, arrivals, kRowsEachPair * deployment_.beacons.size());
 }
 
@@ -115,7 +119,8 @@ std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) {
         finish(trajectory, epoch, fixes.back());
       }
   }
-  std::stable_sort(fixes.begin(), fixes.end(), [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  std::stable_sort(fixes.begin(), fixes.end(),
+                   [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
   return fixes;
 }
 

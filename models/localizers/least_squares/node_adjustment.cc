@@ -34,9 +34,10 @@ void eliminate(const Bias& bias, NormalEquations& eq) {
   eq.cost -= 0.5 * bias.gradient * bias.gradient / bias.information;
 }
 
-/// Rows of one beacon are not neighbours in the log, so with biases the arrivals are visited beacon by beacon.
-void add_biased_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state, double slack_m,
-                         NormalEquations& eq) {
+/// Rows of one beacon are not neighbours in the log, so with biases the arrivals are visited beacon by
+/// beacon.
+void add_biased_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state,
+                         double slack_m, NormalEquations& eq) {
   const int n = t.block_size();
   ObservationRow rows[2];
   for (std::size_t b = 0; b < state.beacon_p_map_m.size(); ++b) {
@@ -45,7 +46,8 @@ void add_biased_arrivals(const Trajectory& t, const Segment& segment, const Shar
       const ArrivalObservation& a = t.arrivals[i];
       if (a.beacon.index() != b || a.rejection != Rejection::kUsed) continue;
       arrival_rows(t, i, state, rows);
-      const double slack_s = slack_m * (a.two_way ? 2.0 : 1.0) / (a.model_speed_mps + state.speed_offset(t.run));
+      const double slack_s =
+          slack_m * (a.two_way ? 2.0 : 1.0) / (a.model_speed_mps + state.speed_offset(t.run));
       if (!bias.beacon.valid()) {
         bias.beacon = a.beacon;
         bias.information = 1.0 / (slack_s * slack_s);
@@ -63,14 +65,17 @@ void add_biased_arrivals(const Trajectory& t, const Segment& segment, const Shar
 }
 
 /// Bearings of a beacon that is off by the slack are off by the slack over its distance.
-double bearing_weight(const Trajectory& t, const BearingObservation& b, const SharedState& state, double slack_m) {
+double bearing_weight(const Trajectory& t, const BearingObservation& b, const SharedState& state,
+                      double slack_m) {
   if (slack_m == 0.0) return 1.0;
-  const double d2 =
-      (state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m).head<2>().squaredNorm();
+  const double d2 = (state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m)
+                        .head<2>()
+                        .squaredNorm();
   return b.sigma_rad * b.sigma_rad / (b.sigma_rad * b.sigma_rad + slack_m * slack_m / std::max(d2, 1e-6));
 }
 
-NormalEquations normal_equations(const Trajectory& t, const Segment& segment, const SharedState& state, double slack_m) {
+NormalEquations normal_equations(const Trajectory& t, const Segment& segment, const SharedState& state,
+                                 double slack_m) {
   const int n = t.block_size();
   NormalEquations eq{NodeBlock::Zero(n, n), NodeVector::Zero(n), 0.0};
   const auto add = [&](const ObservationRow& row, double w) {
@@ -100,8 +105,8 @@ void move_node(Trajectory& t, Node& node, const NodeVector& step) {
 
 }  // namespace
 
-NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedState& state, double range_slack_m,
-                           int max_iterations) {
+NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedState& state,
+                           double range_slack_m, int max_iterations) {
   NodeAdjustment out;
   Node& node = t.nodes[segment.first_node];
   NormalEquations eq = normal_equations(t, segment, state, range_slack_m);
@@ -109,9 +114,11 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
   for (int k = 0; k < max_iterations && !out.converged; ++k) {
     NodeBlock A = eq.H;
     A.diagonal() *= 1.0 + lambda;
-    // Rotations that nothing observes (a single antenna on the axis) stay where they are: 1/pi^2 is no knowledge at all.
+    // Rotations that nothing observes (a single antenna on the axis) stay where they are: 1/pi^2 is no
+    // knowledge at all.
     const int rotation = t.motion == Motion::kPlanar ? 2 : 3;
-    for (int i = rotation; i < pose_dof(t.motion); ++i) A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
+    for (int i = rotation; i < pose_dof(t.motion); ++i)
+      A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
     A.diagonal().array() += 1e-12 * (1.0 + A.diagonal().maxCoeff());
     const NodeVector step = -Eigen::LDLT<NodeBlock>(A).solve(eq.g);
     if (!step.allFinite()) break;
@@ -134,15 +141,15 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
   return out;
 }
 
-double allowed_residual_m(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model, double range_slack_m,
-                          double sigmas) {
+double allowed_residual_m(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model,
+                          double range_slack_m, double sigmas) {
   const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
   const double noise_m = a.sigma_s * speed;
   double variance = noise_m * noise_m + range_slack_m * range_slack_m;
   if (a.beacon.index() < model.beacon_covariance.size()) {
     const Pose T = pose_at(t, a.node, a.alpha);
-    const Eigen::Vector3d v =
-        T * model.state.receiver_p_vehicle_m[a.receiver.index()] - model.state.beacon_p_map_m[a.beacon.index()];
+    const Eigen::Vector3d v = T * model.state.receiver_p_vehicle_m[a.receiver.index()] -
+                              model.state.beacon_p_map_m[a.beacon.index()];
     const double d = std::max(v.norm(), 1e-6);
     Eigen::Matrix<double, 5, 1> by;
     by << -v / d, speed, -d / (speed * (a.two_way ? 2.0 : 1.0));
@@ -177,19 +184,21 @@ Residuals residuals_of(const Trajectory& t, const Segment& segment, const Shared
   return out;
 }
 
-/// Slack is a beacon's, so its arrivals may be off together by much and among themselves by little: the noise, and what
-/// the lever arm makes of a direction that is off.
-bool agrees_with_its_beacon(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model, double range_slack_m,
-                            double sigmas, double off_m) {
+/// Slack is a beacon's, so its arrivals may be off together by much and among themselves by little: the
+/// noise, and what the lever arm makes of a direction that is off.
+bool agrees_with_its_beacon(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model,
+                            double range_slack_m, double sigmas, double off_m) {
   const Eigen::Vector3d& lever = model.state.receiver_p_vehicle_m[a.receiver.index()];
-  const double d = (t.nodes[a.node].T_map_vehicle * lever - model.state.beacon_p_map_m[a.beacon.index()]).norm();
+  const double d =
+      (t.nodes[a.node].T_map_vehicle * lever - model.state.beacon_p_map_m[a.beacon.index()]).norm();
   const double turned_m = lever.norm() * range_slack_m / std::max(d, range_slack_m);
   return std::abs(off_m) <= allowed_residual_m(t, a, model, 1.5 * turned_m, sigmas);
 }
 
 }  // namespace
 
-bool mark_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model, double range_slack_m, double sigmas) {
+bool mark_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model, double range_slack_m,
+                   double sigmas) {
   bool changed = false;
   // Along a drive a beacon's error shows from ever other sides: nothing that its arrivals have in common.
   const bool common = range_slack_m > 0 && segment.last_node - segment.first_node == 1;
@@ -203,7 +212,8 @@ bool mark_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& m
     const double within = sigmas * (was_used ? 1.0 : kReadmitShare);
     bool use = std::abs(residual_m) <= allowed_residual_m(t, a, model, range_slack_m, within);
     if (use && common) {
-      const double off_m = residuals.own_m[i - segment.first_arrival] - residuals.beacon_m[i - segment.first_arrival];
+      const double off_m =
+          residuals.own_m[i - segment.first_arrival] - residuals.beacon_m[i - segment.first_arrival];
       use = agrees_with_its_beacon(t, a, model, range_slack_m, within, off_m);
     }
     a.rejection = use ? Rejection::kUsed : residual_m > 0 ? Rejection::kLate : Rejection::kEarly;

@@ -12,13 +12,14 @@ namespace {
 
 /// Squared distance of two states in sigmas of the first.
 double distance2(const PlanarState& a, const PlanarState& b, const Eigen::Matrix4d& information) {
-  const Eigen::Vector4d d(b.x_m - a.x_m, b.y_m - a.y_m, wrap_angle(b.heading_rad - a.heading_rad), b.offset_m - a.offset_m);
+  const Eigen::Vector4d d(b.x_m - a.x_m, b.y_m - a.y_m, wrap_angle(b.heading_rad - a.heading_rad),
+                          b.offset_m - a.offset_m);
   return d.dot(information * d);
 }
 
 /// Narrows a candidate down to the noise and enters it if it is not there already.
-void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState state, double width_m, std::size_t without_group,
-                 SearchResult& result) {
+void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState state, double width_m,
+                 std::size_t without_group, SearchResult& result) {
   double extra = width_m;
   while (extra > 0.5 * problem.median_sigma_m) {
     consensus.set_extra_sigma(extra);
@@ -49,7 +50,8 @@ void sort_by_score(SearchResult& result) {
   std::pmr::vector<std::size_t> order(result.poses.size(), scratch());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return result.poses[a].score != result.poses[b].score ? result.poses[a].score < result.poses[b].score : a < b;
+    return result.poses[a].score != result.poses[b].score ? result.poses[a].score < result.poses[b].score
+                                                          : a < b;
   });
   SearchResult sorted;
   for (const std::size_t i : order) {
@@ -82,9 +84,11 @@ SearchResult search_pose(const SearchProblem& problem, const SearchOptions& opti
     settle_into(problem, consensus, candidate.state, width_m, Consensus::kNone, result);
   if (result.poses.empty()) return result;
   sort_by_score(result);
-  // Where something does not fit the best pose, another beacon may be the one that is wrong: try without each.
+  // Where something does not fit the best pose, another beacon may be the one that is wrong: try without
+  // each.
   const double fits = 0.5 * static_cast<double>(problem.ranges.size()) + 3.0;
-  if (problem.common_bias && problem.slack_m == 0.0 && problem.groups() >= 3 && result.poses.front().score > fits) {
+  if (problem.common_bias && problem.slack_m == 0.0 && problem.groups() >= 3 &&
+      result.poses.front().score > fits) {
     const PlanarState best = result.poses.front().state;
     for (std::size_t group = 0; group < problem.groups(); ++group)
       settle_into(problem, consensus, best, 30 * problem.median_sigma_m, group, result);

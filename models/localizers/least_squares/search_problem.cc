@@ -28,8 +28,8 @@ double drift(const RigidPath& path, std::size_t node) {
   return path.drift_m.empty() ? 0.0 : path.drift_m[node - path.first_node];
 }
 
-void add_ranges(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, const RigidPath& path,
-                SearchProblem& problem) {
+void add_ranges(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                const RigidPath& path, SearchProblem& problem) {
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = trajectory.arrivals[i];
     if (!model.beacon_usable[a.beacon.index()]) continue;
@@ -37,11 +37,16 @@ void add_ranges(const Trajectory& trajectory, const Segment& segment, const Epoc
     const Eigen::Vector3d& o = model.state.receiver_p_vehicle_m[a.receiver.index()];
     SearchRange r;
     r.p_beacon_map_m = model.state.beacon_p_map_m[a.beacon.index()];
-    r.p_lever_m = a.two_way ? Eigen::Vector3d(0.5 * (T * o + T * (trajectory.T_hear_send[static_cast<std::size_t>(a.hear_send)] * o))) : T * o;
+    r.p_lever_m =
+        a.two_way
+            ? Eigen::Vector3d(
+                  0.5 * (T * o + T * (trajectory.T_hear_send[static_cast<std::size_t>(a.hear_send)] * o)))
+            : T * o;
     if (const auto& axis = model.receiver_axis[a.receiver.index()]) {
       const Eigen::Vector2d flat = (T.rotation * *axis).head<2>();
       if (flat.norm() > 0.1) r.axis = flat.normalized();
-      if (a.receiver.index() < model.hearing_cosine.size()) r.hearing_cosine = model.hearing_cosine[a.receiver.index()];
+      if (a.receiver.index() < model.hearing_cosine.size())
+        r.hearing_cosine = model.hearing_cosine[a.receiver.index()];
     }
     r.range_m = range_of(a, trajectory, model.state);
     const double speed = a.model_speed_mps + model.state.speed_offset(trajectory.run);
@@ -50,11 +55,13 @@ void add_ranges(const Trajectory& trajectory, const Segment& segment, const Epoc
       // From how far off the axis is not known here: as much later as at the half-power angle.
       AttenuationModel off_axis = *model.state.attenuation;
       off_axis.amplitude_1m_v /= std::numbers::sqrt2;
-      r.sigma_m = std::hypot(r.sigma_m, speed * (walk_s(r.range_m, off_axis) - walk_s(r.range_m, *model.state.attenuation)));
+      r.sigma_m = std::hypot(
+          r.sigma_m, speed * (walk_s(r.range_m, off_axis) - walk_s(r.range_m, *model.state.attenuation)));
     }
     r.beacon = a.beacon;
     r.observation = i;
-    if (std::isfinite(r.range_m) && (trajectory.has_cycle_offset || r.range_m > 0)) problem.ranges.push_back(r);
+    if (std::isfinite(r.range_m) && (trajectory.has_cycle_offset || r.range_m > 0))
+      problem.ranges.push_back(r);
   }
 }
 
@@ -63,12 +70,12 @@ double calibration_sigma_m(const EpochFixModel& model, BeaconId beacon, double r
   if (beacon.index() >= model.beacon_covariance.size()) return 0.0;
   const auto& C = model.beacon_covariance[beacon.index()];
   const double by_speed = range_m / speed_mps;
-  return std::sqrt(
-      std::max(0.0, C.topLeftCorner<3, 3>().trace() / 3 + speed_mps * speed_mps * C(3, 3) + by_speed * by_speed * C(4, 4)));
+  return std::sqrt(std::max(0.0, C.topLeftCorner<3, 3>().trace() / 3 + speed_mps * speed_mps * C(3, 3) +
+                                     by_speed * by_speed * C(4, 4)));
 }
 
-void add_bearings(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, const RigidPath& path,
-                  SearchProblem& problem) {
+void add_bearings(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                  const RigidPath& path, SearchProblem& problem) {
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
     const BearingObservation& b = trajectory.bearings[i];
     if (!b.reflector.valid() || !model.beacon_usable[b.reflector.index()]) continue;
@@ -87,9 +94,11 @@ void add_bearings(const Trajectory& trajectory, const Segment& segment, const Ep
 double range_of(const ArrivalObservation& a, const Trajectory& trajectory, const SharedState& state) {
   const double speed = (a.model_speed_mps + state.speed_offset(trajectory.run)) / (a.two_way ? 2.0 : 1.0);
   double time_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? trajectory.turnaround_s : 0.0);
-  if (trajectory.has_cycle_offset) time_s -= state.drift(trajectory.vehicle) * (a.time_s - trajectory.nodes[a.node].time_s);
+  if (trajectory.has_cycle_offset)
+    time_s -= state.drift(trajectory.vehicle) * (a.time_s - trajectory.nodes[a.node].time_s);
   if (const auto log_amplitude = walk_amplitude(a, state)) {
-    const double share = std::min(state.attenuation->threshold_v / std::exp(*log_amplitude), kMostMeasuredShare);
+    const double share =
+        std::min(state.attenuation->threshold_v / std::exp(*log_amplitude), kMostMeasuredShare);
     return speed * (time_s + state.attenuation->rise_time_s * std::log1p(-share));
   }
   double range_m = speed * time_s;
@@ -99,8 +108,8 @@ double range_of(const ArrivalObservation& a, const Trajectory& trajectory, const
   return range_m;
 }
 
-SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
-                                  double range_slack_m, const RigidPath& path) {
+SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& segment,
+                                  const EpochFixModel& model, double range_slack_m, const RigidPath& path) {
   SearchProblem problem;
   problem.has_offset = trajectory.has_cycle_offset;
   problem.common_bias = path.T_anchor_node.empty();
@@ -116,8 +125,8 @@ SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& s
     const SearchRange& r = problem.ranges[i];
     if (i == 0 || r.beacon != problem.ranges[i - 1].beacon) {
       problem.group_first.push_back(i);
-      problem.group_bias_m.push_back(
-          std::hypot(range_slack_m, calibration_sigma_m(model, r.beacon, r.range_m, model.nominal_speed_mps)));
+      problem.group_bias_m.push_back(std::hypot(
+          range_slack_m, calibration_sigma_m(model, r.beacon, r.range_m, model.nominal_speed_mps)));
     }
     problem.span_m = std::max(problem.span_m, r.range_m);
     problem.lever_m = std::max(problem.lever_m, r.p_lever_m.head<2>().norm());
@@ -125,8 +134,10 @@ SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& s
   }
   if (sigma.empty()) return problem;
   problem.group_first.push_back(problem.ranges.size());
-  const ArrivalObservation& middle = trajectory.arrivals[problem.ranges[problem.ranges.size() / 2].observation];
-  problem.speed_mps = (middle.model_speed_mps + model.state.speed_offset(trajectory.run)) / (middle.two_way ? 2.0 : 1.0);
+  const ArrivalObservation& middle =
+      trajectory.arrivals[problem.ranges[problem.ranges.size() / 2].observation];
+  problem.speed_mps =
+      (middle.model_speed_mps + model.state.speed_offset(trajectory.run)) / (middle.two_way ? 2.0 : 1.0);
   std::nth_element(sigma.begin(), sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2), sigma.end());
   problem.median_sigma_m = sigma[sigma.size() / 2];
   return problem;

@@ -26,8 +26,9 @@ struct PlanarState {
 struct SearchRange {
   Eigen::Vector3d p_beacon_map_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_lever_m = Eigen::Vector3d::Zero();  ///< receiver in the frame that is searched for
-  Eigen::Vector2d axis = Eigen::Vector2d::Zero();       ///< horizontal direction of hearing in that frame; zero: all round
-  double hearing_cosine = kHearingCosine;               ///< what lies further off the axis is hardly heard
+  Eigen::Vector2d axis =
+      Eigen::Vector2d::Zero();             ///< horizontal direction of hearing in that frame; zero: all round
+  double hearing_cosine = kHearingCosine;  ///< what lies further off the axis is hardly heard
   double range_m = 0.0;
   double sigma_m = 0.0;
   BeaconId beacon;
@@ -41,15 +42,18 @@ struct SearchBearing {
   double sigma_rad = 0.01;
 };
 
-/// What the search for a pose looks at: delays, speed and time-walk are taken out beforehand, so that a candidate costs a
-/// square root an arrival.
+/// What the search for a pose looks at: delays, speed and time-walk are taken out beforehand, so that a
+/// candidate costs a square root an arrival.
 struct SearchProblem {
-  std::pmr::vector<SearchRange> ranges{scratch()};       ///< sorted by beacon
-  std::pmr::vector<std::size_t> group_first{scratch()};  ///< first range of each beacon, and one past the last
-  std::pmr::vector<double> group_bias_m{scratch()};      ///< sigma of what each beacon's ranges are off by together: slack and calibration
+  std::pmr::vector<SearchRange> ranges{scratch()};  ///< sorted by beacon
+  std::pmr::vector<std::size_t> group_first{
+      scratch()};  ///< first range of each beacon, and one past the last
+  std::pmr::vector<double> group_bias_m{
+      scratch()};  ///< sigma of what each beacon's ranges are off by together: slack and calibration
   std::pmr::vector<SearchBearing> bearings{scratch()};
   bool has_offset = false;
-  /// Arrivals of one beacon share its error of position and an obstacle's detour: true within a stationary epoch.
+  /// Arrivals of one beacon share its error of position and an obstacle's detour: true within a stationary
+  /// epoch.
   bool common_bias = true;
   double slack_m = 0.0;
   double speed_mps = 1.0;  ///< by which times became ranges, of the middle arrival
@@ -69,13 +73,15 @@ struct RigidPath {
   std::pmr::vector<double> drift_m{scratch()};      ///< sigma, one for each node
 };
 
-/// Reduces the usable arrivals and bearings of a segment. Two-way paths get the mean of both lever arms: their curvature is
-/// left to the adjustment that follows.
-[[nodiscard]] SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
-                                                double range_slack_m, const RigidPath& path = {});
+/// Reduces the usable arrivals and bearings of a segment. Two-way paths get the mean of both lever arms:
+/// their curvature is left to the adjustment that follows.
+[[nodiscard]] SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& segment,
+                                                const EpochFixModel& model, double range_slack_m,
+                                                const RigidPath& path = {});
 
-/// Distance at which an arrival's time of flight is explained, time-walk included (a fixed point of d = c (tof - delay -
-/// walk(d))).
-[[nodiscard]] double range_of(const ArrivalObservation& arrival, const Trajectory& trajectory, const SharedState& state);
+/// Distance at which an arrival's time of flight is explained, time-walk included (a fixed point of d = c
+/// (tof - delay - walk(d))).
+[[nodiscard]] double range_of(const ArrivalObservation& arrival, const Trajectory& trajectory,
+                              const SharedState& state);
 
 }  // namespace octant

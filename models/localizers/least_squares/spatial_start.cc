@@ -7,9 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-
-#include "models/trajectory/decompositions.h"
 #include "models/localizers/least_squares/search_problem.h"
+#include "models/trajectory/decompositions.h"
 
 namespace octant {
 namespace {
@@ -20,9 +19,9 @@ struct LinearPositions {
   std::size_t count = 0;
 };
 
-/// |p - b|^2 = (range - o)^2, one equation subtracted from the others: linear in p (and o). Beacons in a plane leave the
-/// distance from it open, which the minimum norm about their centre sets to zero; both sides are tried. By normal equations:
-/// a start needs half the digits.
+/// |p - b|^2 = (range - o)^2, one equation subtracted from the others: linear in p (and o). Beacons in a
+/// plane leave the distance from it open, which the minimum norm about their centre sets to zero; both sides
+/// are tried. By normal equations: a start needs half the digits.
 LinearPositions linear_positions(const SearchProblem& problem) {
   constexpr double kRankShare = 1e-6;  // of eigenvalues: a thousandth of the singular values
   const double n = static_cast<double>(problem.ranges.size());
@@ -55,7 +54,8 @@ LinearPositions linear_positions(const SearchProblem& problem) {
   LinearPositions out{{centre + p, centre + p}, 1};
   if (!problem.has_offset && rank == 2) {
     // Eigenvectors of what is known span the beacons' plane.
-    const Eigen::Vector3d across = eigen.eigenvectors().col(3).head<3>(), along = eigen.eigenvectors().col(2).head<3>();
+    const Eigen::Vector3d across = eigen.eigenvectors().col(3).head<3>(),
+                          along = eigen.eigenvectors().col(2).head<3>();
     const Eigen::Vector3d normal = across.cross(along).normalized();
     const double height = std::sqrt(std::max(mean_range2 - mean_norm2 - p.squaredNorm(), 0.0));
     out = {{centre + p + height * normal, centre + p - height * normal}, 2};
@@ -71,22 +71,25 @@ std::array<Eigen::Quaterniond, kRotations> coarse_rotations() {
   using Axis = Eigen::AngleAxisd;
   const double quarter = std::numbers::pi / 2;
   for (std::size_t face = 0; face < 6; ++face) {
-    const Eigen::Quaterniond tip(face < 4 ? Axis(static_cast<double>(face) * quarter, Eigen::Vector3d::UnitY())
-                                          : Axis((face == 4 ? 1 : -1) * quarter, Eigen::Vector3d::UnitX()));
+    const Eigen::Quaterniond tip(face < 4
+                                     ? Axis(static_cast<double>(face) * quarter, Eigen::Vector3d::UnitY())
+                                     : Axis((face == 4 ? 1 : -1) * quarter, Eigen::Vector3d::UnitX()));
     for (std::size_t turn = 0; turn < 4; ++turn)
-      out[4 * face + turn] = tip * Eigen::Quaterniond(Axis(static_cast<double>(turn) * quarter, Eigen::Vector3d::UnitZ()));
+      out[4 * face + turn] =
+          tip * Eigen::Quaterniond(Axis(static_cast<double>(turn) * quarter, Eigen::Vector3d::UnitZ()));
   }
   return out;
 }
 
 bool differs(const Pose& a, const Pose& b, double distance_m) {
-  return (a.translation_m - b.translation_m).norm() > distance_m || a.rotation.angularDistance(b.rotation) > 0.1;
+  return (a.translation_m - b.translation_m).norm() > distance_m ||
+         a.rotation.angularDistance(b.rotation) > 0.1;
 }
 
 }  // namespace
 
-bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& model, const EpochFixOptions& options,
-                   bool& found) {
+bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                   const EpochFixOptions& options, bool& found) {
   Node& node = t.nodes[segment.first_node];
   const SearchProblem problem = make_search_problem(t, segment, model, options.range_slack_m);
   found = segment.first_pose != segment.last_pose || (problem.groups() >= 3 && problem.ranges.size() >= 6);
@@ -117,12 +120,13 @@ bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& m
     found = false;
     return false;
   }
-  const auto best =
-      std::min_element(settled.begin(), settled.end(), [](const Settled& a, const Settled& b) { return a.cost < b.cost; });
+  const auto best = std::min_element(settled.begin(), settled.end(),
+                                     [](const Settled& a, const Settled& b) { return a.cost < b.cost; });
   node = best->node;
   const double apart = 10 * problem.median_sigma_m + options.range_slack_m;
   return std::any_of(settled.begin(), settled.end(), [&](const Settled& s) {
-    return s.cost < best->cost + options.ambiguity_margin && differs(s.node.T_map_vehicle, best->node.T_map_vehicle, apart);
+    return s.cost < best->cost + options.ambiguity_margin &&
+           differs(s.node.T_map_vehicle, best->node.T_map_vehicle, apart);
   });
 }
 

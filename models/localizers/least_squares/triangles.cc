@@ -14,7 +14,8 @@ namespace {
 constexpr double kDistinct2 = 25.0;  // two places five sigma apart are two
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
-/// Heron's formula, Area = sqrt(s (s-a) (s-b) (s-c)), in Kahan's arrangement, which keeps its digits for flat triangles.
+/// Heron's formula, Area = sqrt(s (s-a) (s-b) (s-c)), in Kahan's arrangement, which keeps its digits for flat
+/// triangles.
 double area_m2(double a, double b, double c) {
   double x = a, y = b, z = c;
   if (x < y) std::swap(x, y);
@@ -32,7 +33,8 @@ Eigen::Vector2d rotated_about(const Eigen::Vector2d& p, const Eigen::Vector2d& c
 /// Sides that miss a triangle by no more than noise leave the receiver on the base line.
 bool nearly_closes(const StationRange& i, const StationRange& j, double base_m, double sigmas) {
   const double noise_m = sigmas * std::hypot(i.sigma_m, j.sigma_m);
-  return i.distance_m + j.distance_m > base_m - noise_m && std::abs(i.distance_m - j.distance_m) < base_m + noise_m;
+  return i.distance_m + j.distance_m > base_m - noise_m &&
+         std::abs(i.distance_m - j.distance_m) < base_m + noise_m;
 }
 
 }  // namespace
@@ -43,8 +45,8 @@ double chi2_gate(int dof, double z) {
   return dof * std::pow(1 - v + z * std::sqrt(v), 3);
 }
 
-std::optional<Eigen::Vector2d> triangle_vertex(const Eigen::Vector2d& B, const Eigen::Vector2d& C, double b, double c,
-                                               BaseLineSide side) {
+std::optional<Eigen::Vector2d> triangle_vertex(const Eigen::Vector2d& B, const Eigen::Vector2d& C, double b,
+                                               double c, BaseLineSide side) {
   // Step 1: the sides.
   const double a = (C - B).norm();
   if (!(a > 0 && b > 0 && c > 0)) return std::nullopt;
@@ -52,9 +54,9 @@ std::optional<Eigen::Vector2d> triangle_vertex(const Eigen::Vector2d& B, const E
   const double area = area_m2(a, b, c);
   if (!(area >= 0)) return std::nullopt;
   const double height = 2 * area / a;
-  // Steps 4 and 5: interior angles at C and B. The paper takes arcsin(height / b) and its supplement where c is the longest
-  // side. That is necessary for an obtuse angle at C but not sufficient, and near 90 degrees the arc sine loses half its digits;
-  // the foot of the height tells both.
+  // Steps 4 and 5: interior angles at C and B. The paper takes arcsin(height / b) and its supplement where c
+  // is the longest side. That is necessary for an obtuse angle at C but not sufficient, and near 90 degrees
+  // the arc sine loses half its digits; the foot of the height tells both.
   const double foot = (a * a + (b - c) * (b + c)) / (2 * a);  // from C towards B; negative: beyond C
   const double angle_C = std::atan2(height, foot);
   const double angle_B = std::atan2(height, a - foot);
@@ -62,7 +64,8 @@ std::optional<Eigen::Vector2d> triangle_vertex(const Eigen::Vector2d& B, const E
   const double theta = -std::atan2(C.y() - B.y(), C.x() - B.x());
   // Steps 7 and 8: C, turned about B.
   const Eigen::Vector2d C_turned = rotated_about(C, B, theta);
-  // Step 9: A from C where the angle there is acute, from B where it is obtuse. The paper's A is on the left of B -> C.
+  // Step 9: A from C where the angle there is acute, from B where it is obtuse. The paper's A is on the left
+  // of B -> C.
   const double up = side == BaseLineSide::kRight ? -1.0 : 1.0;
   Eigen::Vector2d A;
   if (angle_C <= M_PI / 2) {
@@ -95,13 +98,15 @@ void TriangleSolver::form(std::span<const StationRange> stations) {
       }
       any_closed_ = true;
       const double height_m = 0.5 * (*left - *right).norm();
-      if (base_m * height_m > min_sine_ * B.distance_m * C.distance_m) triangles_.push_back({i, j, {*left, *right}});
+      if (base_m * height_m > min_sine_ * B.distance_m * C.distance_m)
+        triangles_.push_back({i, j, {*left, *right}});
     }
   }
 }
 
 /// Weighted mean of one vertex of each triangle, that which is nearer to a place.
-TrianglePoint TriangleSolver::combine(const Eigen::Vector2d& near_m, std::span<const StationRange> stations, int left_out) const {
+TrianglePoint TriangleSolver::combine(const Eigen::Vector2d& near_m, std::span<const StationRange> stations,
+                                      int left_out) const {
   TrianglePoint place;
   Eigen::Vector2d weighted = Eigen::Vector2d::Zero();
   for (const Triangle& t : triangles_) {
@@ -126,11 +131,13 @@ TrianglePoint TriangleSolver::combine(const Eigen::Vector2d& near_m, std::span<c
 }
 
 template <class Visit>
-void TriangleSolver::for_each_place(std::span<const StationRange> stations, int left_out, const Visit& visit) const {
+void TriangleSolver::for_each_place(std::span<const StationRange> stations, int left_out,
+                                    const Visit& visit) const {
   for (const Triangle& t : triangles_) {
     if (static_cast<int>(t.first) == left_out || static_cast<int>(t.second) == left_out) continue;
     for (const Eigen::Vector2d& vertex : t.vertex) {
-      // A flat triangle's vertices are close to each other: which one is meant, the mean of all tells better than one vertex.
+      // A flat triangle's vertices are close to each other: which one is meant, the mean of all tells better
+      // than one vertex.
       TrianglePoint place = combine(vertex, stations, left_out);
       for (int i = 0; i < 2; ++i) place = combine(place.p_m, stations, left_out);
       if (place.p_m.allFinite() && std::isfinite(place.cost)) visit(place);
@@ -162,14 +169,16 @@ int TriangleSolver::choose_left_out(std::span<const StationRange> stations, bool
   return left_out;
 }
 
-void TriangleSolver::fill(TrianglePoint& place, const TrianglePoint& from, std::span<const StationRange> stations) {
+void TriangleSolver::fill(TrianglePoint& place, const TrianglePoint& from,
+                          std::span<const StationRange> stations) {
   place.p_m = from.p_m;
   place.information = from.information;
   place.cost = from.cost;
   place.left_out = from.left_out;
   place.gain.assign(stations.size(), Eigen::Vector2d::Zero());
   const Eigen::Matrix2d covariance = place.information.inverse();
-  Eigen::Matrix2d pairwise = Eigen::Matrix2d::Zero();  // of the ranges once each, whatever triangles they are in
+  Eigen::Matrix2d pairwise =
+      Eigen::Matrix2d::Zero();  // of the ranges once each, whatever triangles they are in
   for (const Triangle& t : triangles_) {
     if (static_cast<int>(t.first) == place.left_out || static_cast<int>(t.second) == place.left_out) continue;
     for (const std::size_t k : {t.first, t.second}) {
@@ -186,7 +195,8 @@ TriangleStatus TriangleSolver::solve(std::span<const StationRange> stations) noe
   place_count_ = 0;
   if (stations.size() < 2) return TriangleStatus::kTooFew;
   form(stations);
-  if (triangles_.empty()) return any_closed_ || !any_open_ ? TriangleStatus::kFlat : TriangleStatus::kContradiction;
+  if (triangles_.empty())
+    return any_closed_ || !any_open_ ? TriangleStatus::kFlat : TriangleStatus::kContradiction;
   bool agree = false;
   const int left_out = choose_left_out(stations, agree);
   if (!agree) return TriangleStatus::kContradiction;
@@ -196,14 +206,16 @@ TriangleStatus TriangleSolver::solve(std::span<const StationRange> stations) noe
     if (place.cost < best.cost) best = place;
   });
   if (!(best.cost < kNothing)) return TriangleStatus::kFlat;
-  const double counted = static_cast<double>(stations.size()) - (left_out >= 0 ? 2 : 1);  // how often each range is in the sum
+  const double counted =
+      static_cast<double>(stations.size()) - (left_out >= 0 ? 2 : 1);  // how often each range is in the sum
   for_each_place(stations, left_out, [&](const TrianglePoint& place) {
     const Eigen::Vector2d apart = place.p_m - best.p_m;
     if (apart.dot(best.information * apart) > kDistinct2 * counted && place.cost < other.cost) other = place;
   });
   fill(places_[place_count_++], best, stations);
   const int dof = static_cast<int>(stations.size()) - (left_out >= 0 ? 3 : 2);
-  if (other.cost <= best.cost + chi2_gate(std::max(dof, 1), gate_sigmas_)) fill(places_[place_count_++], other, stations);
+  if (other.cost <= best.cost + chi2_gate(std::max(dof, 1), gate_sigmas_))
+    fill(places_[place_count_++], other, stations);
   return TriangleStatus::kOk;
 }
 

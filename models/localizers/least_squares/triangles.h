@@ -16,9 +16,10 @@ enum class BaseLineSide { kAny = 0, kLeft = 1, kRight = -1 };
 
 /// Third vertex A of a triangle whose base stations stand at B and C (Thamma, section V, steps 1 to 10).
 /// @param b_m, c_m  measured sides CA and BA, horizontal [m]  @param side  kAny counts as kLeft
-/// @return nothing where the sides make no triangle, or B and C coincide. Accuracy: rounding, times c / height near the base
-/// line.
-[[nodiscard]] std::optional<Eigen::Vector2d> triangle_vertex(const Eigen::Vector2d& B_m, const Eigen::Vector2d& C_m, double b_m,
+/// @return nothing where the sides make no triangle, or B and C coincide. Accuracy: rounding, times c /
+/// height near the base line.
+[[nodiscard]] std::optional<Eigen::Vector2d> triangle_vertex(const Eigen::Vector2d& B_m,
+                                                             const Eigen::Vector2d& C_m, double b_m,
                                                              double c_m, BaseLineSide side);
 
 /// Base station as one receiver hears it.
@@ -32,9 +33,9 @@ struct StationRange {
 struct TrianglePoint {
   Eigen::Vector2d p_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();  ///< 1/m^2, of independent station ranges
-  double cost = 0.0;                                      ///< sum of squared station residuals over their sigmas
-  int left_out = -1;                                      ///< station that disagrees with all others
-  std::vector<Eigen::Vector2d> gain;                      ///< d p / d distance of each station
+  double cost = 0.0;                  ///< sum of squared station residuals over their sigmas
+  int left_out = -1;                  ///< station that disagrees with all others
+  std::vector<Eigen::Vector2d> gain;  ///< d p / d distance of each station
 };
 
 enum class TriangleStatus {
@@ -44,12 +45,14 @@ enum class TriangleStatus {
   kContradiction  ///< sides that make no triangle, or stations that disagree
 };
 
-/// Combines the triangles of all pairs of base stations, each weighted with the inverse covariance of its vertex. The sum over
-/// pairs of these weights is the information of the ranges times a number, so nothing is lost against least squares to first
-/// order. The other stations tell on which side of a base line the receiver is; where they cannot, there are two places.
+/// Combines the triangles of all pairs of base stations, each weighted with the inverse covariance of its
+/// vertex. The sum over pairs of these weights is the information of the ranges times a number, so nothing is
+/// lost against least squares to first order. The other stations tell on which side of a base line the
+/// receiver is; where they cannot, there are two places.
 class TriangleSolver {
  public:
-  /// @param max_stations that a receiver hears  @param min_sine  of the angle at the vertex; flatter triangles are not used
+  /// @param max_stations that a receiver hears  @param min_sine  of the angle at the vertex; flatter
+  /// triangles are not used
   TriangleSolver(std::size_t max_stations, double min_sine, double gate_sigmas);
 
   [[nodiscard]] TriangleStatus solve(std::span<const StationRange> stations) noexcept;
@@ -62,7 +65,8 @@ class TriangleSolver {
     std::array<Eigen::Vector2d, 2> vertex;
   };
   void form(std::span<const StationRange> stations);
-  [[nodiscard]] TrianglePoint combine(const Eigen::Vector2d& near_m, std::span<const StationRange> stations, int left_out) const;
+  [[nodiscard]] TrianglePoint combine(const Eigen::Vector2d& near_m, std::span<const StationRange> stations,
+                                      int left_out) const;
   template <class Visit>
   void for_each_place(std::span<const StationRange> stations, int left_out, const Visit& visit) const;
   [[nodiscard]] double best_cost(std::span<const StationRange> stations, int left_out) const;
@@ -76,7 +80,8 @@ class TriangleSolver {
   std::size_t place_count_ = 0;
 };
 
-/// What a chi-square variable stays below as often as a normal one below z sigmas (Wilson and Hilferty); 0 without freedom.
+/// What a chi-square variable stays below as often as a normal one below z sigmas (Wilson and Hilferty); 0
+/// without freedom.
 [[nodiscard]] double chi2_gate(int dof, double z);
 
 }  // namespace octant

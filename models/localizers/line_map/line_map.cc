@@ -9,17 +9,18 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "models/trajectory/decompositions.h"
-#include "models/localizers/line_map/line_matching.h"
 #include "models/localizers/common/localizer.h"
+#include "models/localizers/line_map/line_matching.h"
 #include "models/physics/plane.h"
+#include "models/trajectory/decompositions.h"
 
 namespace octant {
 namespace {
 
-constexpr double kExact = 1e-4;        // m, rad: a start that is said to be exact
-constexpr std::size_t kScanScratchBytes = 4u << 20;  // a scan of a thousand beams in a map of hundreds of walls
-constexpr double kSameSquared = 16.0;  // tracks closer than four sigma are one
+constexpr double kExact = 1e-4;  // m, rad: a start that is said to be exact
+constexpr std::size_t kScanScratchBytes = 4u
+                                          << 20;  // a scan of a thousand beams in a map of hundreds of walls
+constexpr double kSameSquared = 16.0;             // tracks closer than four sigma are one
 
 bool same_pose(const OdometryState& a, const OdometryState& b) {
   const Eigen::Vector3d d(b.p_map_m.x() - a.p_map_m.x(), b.p_map_m.y() - a.p_map_m.y(),
@@ -28,8 +29,10 @@ bool same_pose(const OdometryState& a, const OdometryState& b) {
 }
 
 tl::unexpected<Error> scans_lack(const MeasurementLog& log, std::string found, std::string expected) {
-  return fail(
-      {.code = Errc::kBadInput, .file = log.path, .found = "line_map: " + std::move(found), .expected = std::move(expected)});
+  return fail({.code = Errc::kBadInput,
+               .file = log.path,
+               .found = "line_map: " + std::move(found),
+               .expected = std::move(expected)});
 }
 
 /// Adds a segment to the wall that it may be part of, or as a new one; walls that it bridges become one.
@@ -48,13 +51,13 @@ void add(std::vector<MapLine>& lines, const LineSegment& segment, const LinkGate
   lines.push_back(grown);
 }
 
-/// Covariance of what walls that are off the map draw the pose off. The pose takes over P B e of the walls' errors e and keeps
-/// P P0^-1 of what it was off before. The errors stay the same as long as the same walls are in view, so both are taken as fully
-/// correlated (deviations add, not variances): held by one set of walls for long, the pose is off as far as the walls
-/// themselves put it. Added axis by axis where P0^-1 and what was seen are both diagonal, so that an axis that no wall tells of
-/// stays as it was.
-Eigen::Matrix3d with_walls(const Eigen::Matrix3d& before, const Eigen::Matrix3d& P0, const Eigen::Matrix3d& spread,
-                           const Eigen::Matrix3d& P) {
+/// Covariance of what walls that are off the map draw the pose off. The pose takes over P B e of the walls'
+/// errors e and keeps P P0^-1 of what it was off before. The errors stay the same as long as the same walls
+/// are in view, so both are taken as fully correlated (deviations add, not variances): held by one set of
+/// walls for long, the pose is off as far as the walls themselves put it. Added axis by axis where P0^-1 and
+/// what was seen are both diagonal, so that an axis that no wall tells of stays as it was.
+Eigen::Matrix3d with_walls(const Eigen::Matrix3d& before, const Eigen::Matrix3d& P0,
+                           const Eigen::Matrix3d& spread, const Eigen::Matrix3d& P) {
   const Eigen::Matrix3d L = P0.llt().matrixL(), P0_inverse = P0.inverse();
   const Eigen::Matrix3d seen = L.transpose() * (P.inverse() - P0_inverse) * L;
   const SymmetricEigen<Eigen::Matrix3d> axes((seen + seen.transpose()) / 2);
@@ -77,7 +80,8 @@ MapLine wall(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) {
   return {fit_segment(ends), 0};
 }
 
-LineMap build_line_map(std::span<const Scan> scans, std::span<const Pose> T_map_sensor, const LineMapOptions& options) {
+LineMap build_line_map(std::span<const Scan> scans, std::span<const Pose> T_map_sensor,
+                       const LineMapOptions& options) {
   LineMap map;
   for (std::size_t k = 0; k < std::min(scans.size(), T_map_sensor.size()); ++k)
     for (const LineSegment& s : scan_segments(scans[k], options.scan))
@@ -106,17 +110,22 @@ Result<LineMap> build_line_map(const MeasurementLog& log, const LineMapOptions& 
     scans.push_back(scan);
     poses.push_back(T);
   }
-  if (scans.empty()) return scans_lack(log, "no scan has a measured pose", "poses.tum with headings, at the times of the scans");
+  if (scans.empty())
+    return scans_lack(log, "no scan has a measured pose",
+                      "poses.tum with headings, at the times of the scans");
   LineMap map = build_line_map(scans, poses, options);
-  if (map.lines.empty()) return scans_lack(log, "the scans show no straight wall twice", "scans of a building");
+  if (map.lines.empty())
+    return scans_lack(log, "the scans show no straight wall twice", "scans of a building");
   return map;
 }
 
 Result<void> line_map_fits(const LineMap& map, const MeasurementLog& log) {
-  if (map.lines.empty()) return scans_lack(log, "the map has no lines", "a map built from scans at known poses");
+  if (map.lines.empty())
+    return scans_lack(log, "the map has no lines", "a map built from scans at known poses");
   if (log.scans.empty()) return scans_lack(log, "the run has no scans", "scans.csv");
   if (log.odometry.empty()) return scans_lack(log, "the run has no odometry", "odometry.csv");
-  if (log.poses.empty()) return scans_lack(log, "nothing says where the run starts", "a measured pose in poses.tum");
+  if (log.poses.empty())
+    return scans_lack(log, "nothing says where the run starts", "a measured pose in poses.tum");
   return {};
 }
 
@@ -125,15 +134,18 @@ LineMapLocalizer::LineMapLocalizer(LineMap map, LineMapOptions options)
   tracks_.reserve(static_cast<std::size_t>(std::max(1, options_.max_hypotheses)));
 }
 
-void LineMapLocalizer::start(const Pose& T_map_vehicle, const PoseAccuracy& start_accuracy, const OdometryAccuracy& odometry_accuracy) noexcept {
+void LineMapLocalizer::start(const Pose& T_map_vehicle, const PoseAccuracy& start_accuracy,
+                             const OdometryAccuracy& odometry_accuracy) noexcept {
   Track first;
   first.state = {T_map_vehicle.translation_m.head<2>(), T_map_vehicle.heading_rad()};
   const double start_m = std::max(start_accuracy.position_sigma_m, kExact);
-  const double start_rad = start_accuracy.heading_known ? std::max(start_accuracy.heading_sigma_rad, kExact) : std::numbers::pi;
+  const double start_rad =
+      start_accuracy.heading_known ? std::max(start_accuracy.heading_sigma_rad, kExact) : std::numbers::pi;
   first.state.covariance.diagonal() << square(start_m), square(start_m), square(start_rad);
   tracks_.assign(1, first);
   odometry_accuracy_ = odometry_accuracy;
-  odometry_accuracy_.heading_sigma_per_rad = std::max(odometry_accuracy.heading_sigma_per_rad, options_.turn_sigma_per_rad);
+  odometry_accuracy_.heading_sigma_per_rad =
+      std::max(odometry_accuracy.heading_sigma_per_rad, options_.turn_sigma_per_rad);
   first_scan_ = true;
 }
 
@@ -153,7 +165,8 @@ void LineMapLocalizer::locate(const Scan& scan, Fix& fix) noexcept {
   fix.time_s = scan.time_s;
   fix.status = FixStatus::kPoorGeometry;
   if (tracks_.empty()) return;
-  const Eigen::Vector3d slip(square(options_.step_sigma_m), square(options_.step_sigma_m), square(options_.step_sigma_rad));
+  const Eigen::Vector3d slip(square(options_.step_sigma_m), square(options_.step_sigma_m),
+                             square(options_.step_sigma_rad));
   if (!first_scan_)
     for (Track& track : tracks_) track.state.covariance.diagonal() += slip;
   first_scan_ = false;
@@ -175,7 +188,8 @@ std::vector<Fix> LineMapLocalizer::locate(std::span<const Scan> scans, std::span
   std::vector<Fix> fixes;
   for (const Scan& scan : scans) {
     if (scan.time_s < begin.time_s) continue;
-    cursor.advance_to(scan.time_s, [this](const OdometryStep& step, double fraction) { move(step, fraction); });
+    cursor.advance_to(scan.time_s,
+                      [this](const OdometryStep& step, double fraction) { move(step, fraction); });
     locate(scan, fixes.emplace_back());
     fixes.back().vehicle = odometry.empty() ? VehicleId() : odometry.front().vehicle;
   }
@@ -193,7 +207,8 @@ void LineMapLocalizer::correct(const Scan& scan, Fix& fix) {
   std::pmr::vector<Way> ways(scratch());
   for (const Track& track : tracks_) {
     for (WallMatches& m : match_walls(track.state, segments, points, map_, options_)) {
-      const Eigen::Matrix3d of_map = with_walls(track.of_map, track.state.covariance, m.wall_spread, m.state.covariance);
+      const Eigen::Matrix3d of_map =
+          with_walls(track.of_map, track.state.covariance, m.wall_spread, m.state.covariance);
       ways.push_back({{m.state, of_map, track.cost + m.cost}, std::move(m.wall)});
     }
   }
@@ -208,8 +223,8 @@ void LineMapLocalizer::correct(const Scan& scan, Fix& fix) {
     const Track& track = ways[i].track;
     if (static_cast<int>(tracks_.size()) >= options_.max_hypotheses) break;
     if (!tracks_.empty() && track.cost > best.track.cost + options_.forget_margin) break;
-    const bool is_known =
-        std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& kept) { return same_pose(kept.state, track.state); });
+    const bool is_known = std::any_of(tracks_.begin(), tracks_.end(),
+                                      [&](const Track& kept) { return same_pose(kept.state, track.state); });
     if (!is_known) tracks_.push_back(track);
   }
   for (Track& track : tracks_) track.cost -= best.track.cost;

@@ -11,8 +11,8 @@
 #include "models/fix.h"
 #include "models/localizers/drive/odometry_track.h"
 #include "models/localizers/line_map/scan_lines.h"
-#include "models/support/result.h"
 #include "models/run.h"
+#include "models/support/result.h"
 #include "models/support/scratch.h"
 
 namespace octant {
@@ -46,14 +46,16 @@ struct LineMapOptions {
   double gate_probability_sigmas = 3.7;  ///< of offset and angle together (3.7: one in a thousand lost)
   double max_offset_m = 1.0;             ///< whatever the covariance
   double max_angle_rad = 0.35;
-  double clutter_share = 0.2;     ///< of a scan's segments that are no wall of the map
-  double ambiguity_margin = 6.0;  ///< of minus twice the log likelihood: another pose that near the best makes a fix ambiguous
-  int max_hypotheses = 6;         ///< poses that are followed until one has explained the scans best
-  double forget_margin = 30.0;    ///< of minus twice the log likelihood, beyond which a pose is given up
+  double clutter_share = 0.2;  ///< of a scan's segments that are no wall of the map
+  double ambiguity_margin =
+      6.0;  ///< of minus twice the log likelihood: another pose that near the best makes a fix ambiguous
+  int max_hypotheses = 6;       ///< poses that are followed until one has explained the scans best
+  double forget_margin = 30.0;  ///< of minus twice the log likelihood, beyond which a pose is given up
   // Of the check by all points (neighbouring beams are no independent witnesses).
-  int support_every = 4;      ///< every so many points
-  double hit_m = 0.1;         ///< a point nearer to a wall is on it
-  double on_wall_gain = 2.0;  ///< in minus twice the log likelihood, each point beyond the share that chance would bring
+  int support_every = 4;  ///< every so many points
+  double hit_m = 0.1;     ///< a point nearer to a wall is on it
+  double on_wall_gain =
+      2.0;  ///< in minus twice the log likelihood, each point beyond the share that chance would bring
   double chance_share = 0.4;
   double through_cost = 1.0;
   double max_sigma_m = 2.0;  ///< horizontal; beyond it there is no fix
@@ -62,35 +64,36 @@ struct LineMapOptions {
 /// Map from scans at known poses of the sensor; segments that may be parts of one wall are added up.
 [[nodiscard]] LineMap build_line_map(std::span<const Scan> scans, std::span<const Pose> T_map_sensor,
                                      const LineMapOptions& options = {});
-/// The same from a run with measured poses (poses.tum), of which those at the scans' times are taken, interpolated over gaps of
-/// at most pose_accuracy.max_gap_s. An error says what the run lacks.
+/// The same from a run with measured poses (poses.tum), of which those at the scans' times are taken,
+/// interpolated over gaps of at most pose_accuracy.max_gap_s. An error says what the run lacks.
 [[nodiscard]] Result<LineMap> build_line_map(const MeasurementLog& log, const LineMapOptions& options = {});
 /// A wall from end to end, as drawn on a plan.
 [[nodiscard]] MapLine wall(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m);
 
-/// What a run needs to be located on a line map: scans, odometry and a first pose. An error says what it lacks.
+/// What a run needs to be located on a line map: scans, odometry and a first pose. An error says what it
+/// lacks.
 [[nodiscard]] Result<void> line_map_fits(const LineMap& map, const MeasurementLog& log);
 
-/// Correction of odometry against a stored line map (Smieszek, section 2: segments of each scan compared with the map).
-/// An iterated extended Kalman filter: odometry carries the pose from scan to scan (eq. 1); each segment of a scan that is a wall
-/// of the map corrects it square to that wall and in heading. What no wall tells, the way along a corridor above all, stays with
-/// odometry, and its covariance says so. Where a scan may be matched in several ways, each is followed until later scans
-/// decide. The covariance of a fix is the filter's and, besides, that of the walls it was corrected by, whose error stays the
-/// same from scan to scan.
-/// The sensor's frame is the vehicle's. Planar.
-/// All memory is taken at construction: a scan of up to a few thousand beams is located without more, once the fix has held one
-/// of as many segments.
+/// Correction of odometry against a stored line map (Smieszek, section 2: segments of each scan compared with
+/// the map). An iterated extended Kalman filter: odometry carries the pose from scan to scan (eq. 1); each
+/// segment of a scan that is a wall of the map corrects it square to that wall and in heading. What no wall
+/// tells, the way along a corridor above all, stays with odometry, and its covariance says so. Where a scan
+/// may be matched in several ways, each is followed until later scans decide. The covariance of a fix is the
+/// filter's and, besides, that of the walls it was corrected by, whose error stays the same from scan to
+/// scan. The sensor's frame is the vehicle's. Planar. All memory is taken at construction: a scan of up to a
+/// few thousand beams is located without more, once the fix has held one of as many segments.
 class LineMapLocalizer {
  public:
   explicit LineMapLocalizer(LineMap map, LineMapOptions options = {});
 
   /// The vehicle is at this pose; accuracy of it and of the odometry that follows.
-  void start(const Pose& T_map_vehicle, const PoseAccuracy& start_accuracy, const OdometryAccuracy& odometry_accuracy) noexcept;
+  void start(const Pose& T_map_vehicle, const PoseAccuracy& start_accuracy,
+             const OdometryAccuracy& odometry_accuracy) noexcept;
   /// The vehicle moved by a fraction (0 to 1) of an odometry row.
   void move(const OdometryStep& step, double fraction = 1.0) noexcept;
-  /// Fix at a scan, from where `start` and `move` have brought the vehicle. `arrivals_used` is the number of segments that
-  /// corrected it, 0 for odometry alone; kAmbiguous while another pose explains the scans as well, kPoorGeometry where the
-  /// position's sigma is beyond max_sigma_m or nothing was said of the start.
+  /// Fix at a scan, from where `start` and `move` have brought the vehicle. `arrivals_used` is the number of
+  /// segments that corrected it, 0 for odometry alone; kAmbiguous while another pose explains the scans as
+  /// well, kPoorGeometry where the position's sigma is beyond max_sigma_m or nothing was said of the start.
   void locate(const Scan& scan, Fix& fix) noexcept;
 
   /// One fix a scan, in order, from the start on (scans before it are left out).
@@ -107,8 +110,9 @@ class LineMapLocalizer {
   /// A pose that is followed, and how far it is from explaining all scans so far.
   struct Track {
     OdometryState state;
-    Eigen::Matrix3d of_map = Eigen::Matrix3d::Zero();  ///< covariance of what the walls' own errors put the pose off
-    double cost = 0.0;                                 ///< minus twice the log likelihood, less the best track's
+    Eigen::Matrix3d of_map =
+        Eigen::Matrix3d::Zero();  ///< covariance of what the walls' own errors put the pose off
+    double cost = 0.0;            ///< minus twice the log likelihood, less the best track's
   };
   void correct(const Scan& scan, Fix& fix);
   void report(Fix& fix) const;

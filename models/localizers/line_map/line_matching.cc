@@ -18,7 +18,8 @@ constexpr int kRounds = 4;
 constexpr double kReach_sigmas = 3.0;
 
 Eigen::Vector3d state_difference(const OdometryState& a, const OdometryState& b) {
-  return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(), wrap_angle(a.heading_rad - b.heading_rad)};
+  return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(),
+          wrap_angle(a.heading_rad - b.heading_rad)};
 }
 
 double distance_from(const LineSegment& wall, const Eigen::Vector2d& p) {
@@ -29,8 +30,8 @@ double distance_from(const LineSegment& wall, const Eigen::Vector2d& p) {
 
 class Matcher {
  public:
-  Matcher(const OdometryState& prior, std::span<const LineSegment> segments, std::span<const Eigen::Vector2d> points,
-          const LineMap& map, const LineMapOptions& options)
+  Matcher(const OdometryState& prior, std::span<const LineSegment> segments,
+          std::span<const Eigen::Vector2d> points, const LineMap& map, const LineMapOptions& options)
       : prior_(prior),
         prior_information_(prior.covariance.inverse()),
         segments_(segments),
@@ -61,7 +62,8 @@ class Matcher {
       if (segment >= 0) m.wall[static_cast<std::size_t>(segment)] = wall;
       m = follow(std::move(m));
       // Seeds of one pose end in the same matches.
-      if (std::any_of(all.begin(), all.end(), [&](const WallMatches& other) { return other.wall == m.wall; })) return;
+      if (std::any_of(all.begin(), all.end(), [&](const WallMatches& other) { return other.wall == m.wall; }))
+        return;
       if (m.matched > 0) {
         const MapSupport support = map_support(m.state, points_, map_, near_, options_);
         m.cost += options_.through_cost * support.through +
@@ -77,18 +79,24 @@ class Matcher {
 
  private:
   [[nodiscard]] std::span<const int> candidates(std::size_t segment) const {
-    return std::span(candidate_).subspan(first_candidate_[segment], first_candidate_[segment + 1] - first_candidate_[segment]);
+    return std::span(candidate_)
+        .subspan(first_candidate_[segment], first_candidate_[segment + 1] - first_candidate_[segment]);
   }
-  /// Squared normalised distance of a segment from a wall, seen from a pose; beyond the gate where it cannot be that wall.
-  [[nodiscard]] double distance(const OdometryState& at, const Eigen::Matrix3d& P, std::size_t segment, std::size_t wall) const {
+  /// Squared normalised distance of a segment from a wall, seen from a pose; beyond the gate where it cannot
+  /// be that wall.
+  [[nodiscard]] double distance(const OdometryState& at, const Eigen::Matrix3d& P, std::size_t segment,
+                                std::size_t wall) const {
     const LineSegment& s = segments_[segment];
     const LineSegment& w = map_.lines[wall].segment;
-    const double turn = std::remainder(s.line.alpha_rad + at.heading_rad - w.line.alpha_rad, std::numbers::pi);
+    const double turn =
+        std::remainder(s.line.alpha_rad + at.heading_rad - w.line.alpha_rad, std::numbers::pi);
     if (std::abs(turn) > options_.max_angle_rad) return std::numeric_limits<double>::infinity();
     const Eigen::Vector2d p = at.p_map_m + Eigen::Rotation2Dd(at.heading_rad) * s.centre_m;
-    if (std::abs(w.line.distance_m(p)) > options_.max_offset_m) return std::numeric_limits<double>::infinity();
+    if (std::abs(w.line.distance_m(p)) > options_.max_offset_m)
+      return std::numeric_limits<double>::infinity();
     const Eigen::Vector2d along = (w.to_m - w.from_m) / std::max(w.length_m(), 1e-12);
-    const double slack_m = options_.join.gap_m + kReach_sigmas * std::sqrt(along.dot(P.topLeftCorner<2, 2>() * along));
+    const double slack_m =
+        options_.join.gap_m + kReach_sigmas * std::sqrt(along.dot(P.topLeftCorner<2, 2>() * along));
     const double t = along.dot(p - w.from_m);
     if (t < -slack_m || t > w.length_m() + slack_m) return std::numeric_limits<double>::infinity();
     const WallObservation o = observe_wall(at, s, w, options_);
@@ -97,7 +105,8 @@ class Matcher {
     return o.residual.dot(S.inverse() * o.residual);
   }
 
-  /// From a seed to a consistent set of matches: adjust, match anew under the smaller covariance, until nothing changes.
+  /// From a seed to a consistent set of matches: adjust, match anew under the smaller covariance, until
+  /// nothing changes.
   [[nodiscard]] WallMatches follow(WallMatches m) const {
     std::pmr::vector<int> wall(segments_.size(), -1, scratch());
     for (int round = 0; round < kRounds; ++round) {
@@ -134,8 +143,8 @@ class Matcher {
           m.cost += clutter_;
           continue;
         }
-        const WallObservation o =
-            observe_wall(m.state, segments_[i], map_.lines[static_cast<std::size_t>(m.wall[i])].segment, options_);
+        const WallObservation o = observe_wall(
+            m.state, segments_[i], map_.lines[static_cast<std::size_t>(m.wall[i])].segment, options_);
         const Eigen::Matrix<double, 3, 2> HtW = o.H.transpose() * o.noise.cwiseInverse().asDiagonal();
         information += HtW * o.H;
         gradient += HtW * o.residual;
@@ -162,7 +171,7 @@ class Matcher {
   const LineMap& map_;
   const LineMapOptions& options_;
   double outlier_;
-  double clutter_;  ///< cost of a segment that is no wall
+  double clutter_;                              ///< cost of a segment that is no wall
   std::pmr::vector<int> candidate_{scratch()};  ///< walls that each segment may be, segment by segment
   std::pmr::vector<std::size_t> first_candidate_{scratch()};
 };
@@ -173,11 +182,13 @@ WallObservation observe_wall(const OdometryState& pose, const LineSegment& segme
                              const LineMapOptions& options) {
   const Eigen::Vector2d lever = Eigen::Rotation2Dd(pose.heading_rad) * segment.centre_m;
   const Eigen::Vector2d normal = wall.line.normal();
-  const double beam_m = std::max(options.range_sigma_m, segment.rms_m), length_m = std::max(segment.length_m(), 1e-6);
+  const double beam_m = std::max(options.range_sigma_m, segment.rms_m),
+               length_m = std::max(segment.length_m(), 1e-6);
   WallObservation o;
   // Walls have no direction: the sensor may see either side of the normal.
-  o.residual = {-wall.line.distance_m(pose.p_map_m + lever),
-                -std::remainder(segment.line.alpha_rad + pose.heading_rad - wall.line.alpha_rad, std::numbers::pi)};
+  o.residual = {
+      -wall.line.distance_m(pose.p_map_m + lever),
+      -std::remainder(segment.line.alpha_rad + pose.heading_rad - wall.line.alpha_rad, std::numbers::pi)};
   o.H << normal.x(), normal.y(), normal.dot(Eigen::Vector2d(-lever.y(), lever.x())), 0.0, 0.0, 1.0;
   // Mean and slope of `count` points spread evenly over the length.
   o.noise = {square(beam_m) / segment.count + square(options.line_sigma_m),
@@ -189,7 +200,8 @@ MapSupport map_support(const OdometryState& pose, std::span<const Eigen::Vector2
                        std::span<const int> walls, const LineMapOptions& options) {
   MapSupport support;
   const Eigen::Rotation2Dd R(pose.heading_rad);
-  for (std::size_t i = 0; i < points.size(); i += static_cast<std::size_t>(std::max(1, options.support_every))) {
+  for (std::size_t i = 0; i < points.size();
+       i += static_cast<std::size_t>(std::max(1, options.support_every))) {
     const Eigen::Vector2d beam = R * points[i], end = pose.p_map_m + beam;
     bool on_wall = false, through = false;
     for (const int k : walls) {
@@ -199,7 +211,8 @@ MapSupport map_support(const OdometryState& pose, std::span<const Eigen::Vector2
       if (std::abs(end_off) < options.hit_m) {
         const double t = along.dot(end - w.from_m);
         on_wall = on_wall || (t > -options.hit_m && t < w.length_m() + options.hit_m);
-      } else if (start_off * end_off < 0 && std::abs(end_off) > 3 * options.hit_m && std::abs(start_off) > options.hit_m) {
+      } else if (start_off * end_off < 0 && std::abs(end_off) > 3 * options.hit_m &&
+                 std::abs(start_off) > options.hit_m) {
         // Well within the wall: its ends may be door posts.
         const double t = along.dot(pose.p_map_m + beam * (start_off / (start_off - end_off)) - w.from_m);
         through = through || (t > 3 * options.hit_m && t < w.length_m() - 3 * options.hit_m);
@@ -216,7 +229,8 @@ MapSupport map_support(const OdometryState& pose, std::span<const Eigen::Vector2
 }
 
 std::pmr::vector<WallMatches> match_walls(const OdometryState& prior, std::span<const LineSegment> segments,
-                                     std::span<const Eigen::Vector2d> points, const LineMap& map, const LineMapOptions& options) {
+                                          std::span<const Eigen::Vector2d> points, const LineMap& map,
+                                          const LineMapOptions& options) {
   return Matcher(prior, segments, points, map, options).run();
 }
 

@@ -10,7 +10,8 @@
 namespace octant {
 namespace {
 
-/// Line, ends and fit of a segment whose sums stand; the ends are those of the points given, brought onto the line.
+/// Line, ends and fit of a segment whose sums stand; the ends are those of the points given, brought onto the
+/// line.
 void settle(LineSegment& s, std::span<const Eigen::Vector2d> reach) {
   // Direction of largest scatter, in closed form.
   const Eigen::Matrix2d& S = s.scatter_m2;
@@ -46,7 +47,8 @@ std::pmr::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOp
   return points;
 }
 
-std::pmr::vector<std::size_t> cluster(std::span<const Eigen::Vector2d> points, double beam_rad, const ScanLineOptions& options) {
+std::pmr::vector<std::size_t> cluster(std::span<const Eigen::Vector2d> points, double beam_rad,
+                                      const ScanLineOptions& options) {
   std::pmr::vector<std::size_t> first(scratch());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (i > 0) {
@@ -69,7 +71,8 @@ LineSegment fit_segment(std::span<const Eigen::Vector2d> points) {
   return s;
 }
 
-std::pmr::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> object, const ScanLineOptions& options) {
+std::pmr::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> object,
+                                                 const ScanLineOptions& options) {
   std::pmr::vector<LineSegment> segments(scratch());
   struct Piece {
     std::size_t first, last;  // both included
@@ -142,7 +145,8 @@ std::vector<HoughLine> hough_lines(std::span<const Eigen::Vector2d> points, cons
     lines.push_back(found);
     // Its points, and those that its neighbouring cells would make the same line of again.
     std::erase_if(left, [&](const Eigen::Vector2d& p) {
-      return std::abs(found.line.distance_m(p)) <= 1.5 * options.hough_c_m + options.hough_alpha_rad * p.norm();
+      return std::abs(found.line.distance_m(p)) <=
+             1.5 * options.hough_c_m + options.hough_alpha_rad * p.norm();
     });
   }
   return lines;
@@ -184,7 +188,8 @@ LineSegment joined(const LineSegment& a, const LineSegment& b) {
   return s;
 }
 
-std::vector<std::optional<std::size_t>> link_segments(std::span<const LineSegment> before, std::span<const LineSegment> current,
+std::vector<std::optional<std::size_t>> link_segments(std::span<const LineSegment> before,
+                                                      std::span<const LineSegment> current,
                                                       const Pose& T_before_current, const LinkGate& gate) {
   std::vector<std::optional<std::size_t>> links;
   for (const LineSegment& segment : current) {
@@ -194,7 +199,8 @@ std::vector<std::optional<std::size_t>> link_segments(std::span<const LineSegmen
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (!may_join(before[i], here, gate)) continue;
       const double turn = std::remainder(before[i].line.alpha_rad - here.line.alpha_rad, std::numbers::pi);
-      const double off = square(before[i].line.distance_m(here.centre_m) / gate.offset_m) + square(turn / gate.angle_rad);
+      const double off =
+          square(before[i].line.distance_m(here.centre_m) / gate.offset_m) + square(turn / gate.angle_rad);
       if (off >= nearest) continue;
       nearest = off;
       link = i;

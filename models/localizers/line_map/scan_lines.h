@@ -18,8 +18,9 @@ namespace octant {
 
 struct ScanLineOptions {
   double range_max_m = std::numeric_limits<double>::infinity();  ///< a beam this long or longer saw nothing
-  double gap_m = 0.3;                                            ///< eq. 2: neighbours farther apart are of different objects
-  double gap_beams = 4.0;  ///< the same as a multiple of the beams' spacing at that range; the larger one counts. 0: eq. 2 alone
+  double gap_m = 0.3;      ///< eq. 2: neighbours farther apart are of different objects
+  double gap_beams = 4.0;  ///< the same as a multiple of the beams' spacing at that range; the larger one
+                           ///< counts. 0: eq. 2 alone
   double split_m = 0.06;   ///< eq. 3: a point farther off the line of an object's ends splits it
   int min_points = 8;      ///< of a segment
   double min_length_m = 0.3;
@@ -29,7 +30,8 @@ struct ScanLineOptions {
   int hough_max_lines = 8;
 };
 
-/// A straight line in normal form, c = x cos(alpha) + y sin(alpha) (eq. 4), with c >= 0 and alpha in (-pi, pi].
+/// A straight line in normal form, c = x cos(alpha) + y sin(alpha) (eq. 4), with c >= 0 and alpha in (-pi,
+/// pi].
 struct NormalLine {
   double c_m = 0.0;
   double alpha_rad = 0.0;
@@ -43,8 +45,8 @@ struct LineSegment {
   Eigen::Vector2d from_m = Eigen::Vector2d::Zero(), to_m = Eigen::Vector2d::Zero();  ///< ends, on the line
   double count = 0.0;                                                                ///< points
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();                                ///< their mean
-  Eigen::Matrix2d scatter_m2 = Eigen::Matrix2d::Zero();                              ///< sum of (p - centre)(p - centre)'
-  double rms_m = 0.0;                                                                ///< of the distances from the line
+  Eigen::Matrix2d scatter_m2 = Eigen::Matrix2d::Zero();  ///< sum of (p - centre)(p - centre)'
+  double rms_m = 0.0;                                    ///< of the distances from the line
   [[nodiscard]] double length_m() const { return (to_m - from_m).norm(); }
 };
 
@@ -54,26 +56,30 @@ struct HoughLine {
 };
 
 /// Ends of the beams in the sensor's frame, in the order of the scan; beams that saw nothing are left out.
-[[nodiscard]] std::pmr::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOptions& options = {});
+[[nodiscard]] std::pmr::vector<Eigen::Vector2d> scan_points(const Scan& scan,
+                                                            const ScanLineOptions& options = {});
 
-/// Division of the points into objects (Smieszek eq. 2): indices of the first point of each, and one past the last.
+/// Division of the points into objects (Smieszek eq. 2): indices of the first point of each, and one past the
+/// last.
 [[nodiscard]] std::pmr::vector<std::size_t> cluster(std::span<const Eigen::Vector2d> points, double beam_rad,
-                                               const ScanLineOptions& options = {});
+                                                    const ScanLineOptions& options = {});
 
 /// Straight line through points by total least squares. @param points two or more, not all the same
 [[nodiscard]] LineSegment fit_segment(std::span<const Eigen::Vector2d> points);
 
-/// Segments of one object by iterative generation (Smieszek eq. 3): the line through its ends, split at the farthest point
-/// until all are within split_m; each then fitted.
+/// Segments of one object by iterative generation (Smieszek eq. 3): the line through its ends, split at the
+/// farthest point until all are within split_m; each then fitted.
 [[nodiscard]] std::pmr::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> object,
-                                                          const ScanLineOptions& options = {});
+                                                               const ScanLineOptions& options = {});
 
 /// All segments of a scan: points, objects, segments.
-[[nodiscard]] std::pmr::vector<LineSegment> scan_segments(const Scan& scan, const ScanLineOptions& options = {});
+[[nodiscard]] std::pmr::vector<LineSegment> scan_segments(const Scan& scan,
+                                                          const ScanLineOptions& options = {});
 
-/// Straight lines by the Hough transform (Smieszek eq. 4): the cell with most points is a line; its points are taken out,
-/// and so on. Not hindered by gaps and outliers, but as coarse as its cells.
-[[nodiscard]] std::vector<HoughLine> hough_lines(std::span<const Eigen::Vector2d> points, const ScanLineOptions& options = {});
+/// Straight lines by the Hough transform (Smieszek eq. 4): the cell with most points is a line; its points
+/// are taken out, and so on. Not hindered by gaps and outliers, but as coarse as its cells.
+[[nodiscard]] std::vector<HoughLine> hough_lines(std::span<const Eigen::Vector2d> points,
+                                                 const ScanLineOptions& options = {});
 
 /// The segment in another frame.
 [[nodiscard]] LineSegment transformed(const LineSegment& segment, const Pose& T_to_from);
@@ -89,9 +95,11 @@ struct LinkGate {
 /// Both together.
 [[nodiscard]] LineSegment joined(const LineSegment& a, const LineSegment& b);
 
-/// Matching of objects in successive scans: for each of the current segments the one of the scan before that it continues.
+/// Matching of objects in successive scans: for each of the current segments the one of the scan before that
+/// it continues.
 [[nodiscard]] std::vector<std::optional<std::size_t>> link_segments(std::span<const LineSegment> before,
                                                                     std::span<const LineSegment> current,
-                                                                    const Pose& T_before_current, const LinkGate& gate = {});
+                                                                    const Pose& T_before_current,
+                                                                    const LinkGate& gate = {});
 
 }  // namespace octant

@@ -8,7 +8,8 @@
 namespace octant {
 namespace {
 
-constexpr double kLeastSine = 0.02;  // of beta: nearer to the turning point the step is fifty times the change of range
+constexpr double kLeastSine =
+    0.02;  // of beta: nearer to the turning point the step is fifty times the change of range
 
 /// Angle between sides p and q of a triangle whose third side is r, by the law of cosines.
 std::optional<double> angle_between(double p, double q, double r) {

@@ -23,7 +23,8 @@ std::array<ReceiverId, 2> widest_pair(const Deployment& d, const SiteVehicle& ve
   for (std::size_t i = vehicle.first_receiver; i < end; ++i) {
     for (std::size_t j = i + 1; j < end; ++j) {
       const double base_m = (d.receivers[i].position_m - d.receivers[j].position_m).head<2>().norm();
-      // A later pair has to be wider by more than rounding, so that regular arrays give the same pair everywhere.
+      // A later pair has to be wider by more than rounding, so that regular arrays give the same pair
+      // everywhere.
       if (base_m <= most_m * (1 + 1e-9)) continue;
       most_m = base_m;
       widest = {ReceiverId(i), ReceiverId(j)};
@@ -42,16 +43,20 @@ std::optional<double> straight_heading_rad(const SiteVehicle& vehicle) {
 
 std::optional<Eigen::Vector2d> beacon_in_robot_frame(double a, double L1, double L2, bool left) {
   if (!(a > 0 && L1 > 0 && L2 > 0)) return std::nullopt;
-  // eq. 4: the first equation less the second gives x_br; y_br^2 = L1^2 - (x_br + a)^2, in factors, which keep their digits.
+  // eq. 4: the first equation less the second gives x_br; y_br^2 = L1^2 - (x_br + a)^2, in factors, which
+  // keep their digits.
   const double x = (L1 - L2) * (L1 + L2) / (4 * a);
-  const double y2 = (L1 + L2 - 2 * a) * (L1 + L2 + 2 * a) * (2 * a - (L1 - L2)) * (2 * a + (L1 - L2)) / (16 * a * a);
+  const double y2 =
+      (L1 + L2 - 2 * a) * (L1 + L2 + 2 * a) * (2 * a - (L1 - L2)) * (2 * a + (L1 - L2)) / (16 * a * a);
   if (!(y2 >= 0)) return std::nullopt;
   return Eigen::Vector2d(x, left ? std::sqrt(y2) : -std::sqrt(y2));
 }
 
-Eigen::Vector2d robot_in_map(const Eigen::Vector2d& beacon_robot_m, const Eigen::Vector2d& beacon_map_m, double heading_rad) {
-  // eq. 5 for the robot's own origin, X_r = 0, in a frame at the beacon with the map's axes. The shift, which the paper prints as
-  // (X_r, Y_r) once more, is the robot as the beacon sees it: minus the turned place of the beacon in the robot frame.
+Eigen::Vector2d robot_in_map(const Eigen::Vector2d& beacon_robot_m, const Eigen::Vector2d& beacon_map_m,
+                             double heading_rad) {
+  // eq. 5 for the robot's own origin, X_r = 0, in a frame at the beacon with the map's axes. The shift, which
+  // the paper prints as (X_r, Y_r) once more, is the robot as the beacon sees it: minus the turned place of
+  // the beacon in the robot frame.
   const Eigen::Vector2d robot_beacon_m = -(Eigen::Rotation2Dd(heading_rad) * beacon_robot_m);
   return robot_beacon_m + beacon_map_m;  // eq. 6
 }
@@ -74,8 +79,10 @@ void OneBeacon::set_heading(double heading_rad, double sigma_rad) noexcept {
   options_.heading_sigma_rad = std::max(sigma_rad, kMinHeadingSigma_rad);
 }
 
-/// Both places of a beacon in the vehicle frame; nothing where the circles do not meet, `flat` if they touch within noise.
-std::optional<OneBeacon::View> OneBeacon::view(const PairRange& first, const PairRange& second, bool& flat) const {
+/// Both places of a beacon in the vehicle frame; nothing where the circles do not meet, `flat` if they touch
+/// within noise.
+std::optional<OneBeacon::View> OneBeacon::view(const PairRange& first, const PairRange& second,
+                                               bool& flat) const {
   View out{.pair = {first, second}, .place = {}, .distance_m = 0.5 * (first.range_m + second.range_m)};
   const Eigen::Vector3d& beacon = deployment_.beacons[first.beacon.index()].position_m;
   std::array<double, 2> L{};
@@ -85,7 +92,8 @@ std::optional<OneBeacon::View> OneBeacon::view(const PairRange& first, const Pai
     const double range_m = out.pair[i].range_m;
     const double L2 = (range_m - rise_m) * (range_m + rise_m);
     L[i] = L2 > 0 ? std::sqrt(L2) : 0.0;
-    const double sigma_m = std::hypot(out.pair[i].sigma_m, std::sqrt(calibration_variance_m2(out.pair[i], deployment_)));
+    const double sigma_m =
+        std::hypot(out.pair[i].sigma_m, std::sqrt(calibration_variance_m2(out.pair[i], deployment_)));
     noise_m = std::hypot(noise_m, options_.gate_sigmas * sigma_m * range_m / std::max(L[i], sigma_m));
   }
   const Eigen::Vector2d r1 = deployment_.receivers[now_.id[0].index()].position_m.head<2>();
@@ -104,18 +112,22 @@ std::optional<OneBeacon::View> OneBeacon::view(const PairRange& first, const Pai
 }
 
 /// The beacons that both receivers hear.
-FixStatus OneBeacon::view_beacons(std::span<const Arrival> arrivals, std::span<const PairRange> pairs, Fix& fix) {
+FixStatus OneBeacon::view_beacons(std::span<const Arrival> arrivals, std::span<const PairRange> pairs,
+                                  Fix& fix) {
   views_.clear();
   bool any_flat = false, any_open = false;
   for (const PairRange& first : pairs) {
     if (first.receiver != now_.id[0]) {
-      const bool has_first = std::any_of(
-          pairs.begin(), pairs.end(), [&](const PairRange& p) { return p.beacon == first.beacon && p.receiver == now_.id[0]; });
-      if (first.receiver != now_.id[1] || !has_first) reject_pair(arrivals, first, Rejection::kNotNeeded, fix.rejections);
+      const bool has_first = std::any_of(pairs.begin(), pairs.end(), [&](const PairRange& p) {
+        return p.beacon == first.beacon && p.receiver == now_.id[0];
+      });
+      if (first.receiver != now_.id[1] || !has_first)
+        reject_pair(arrivals, first, Rejection::kNotNeeded, fix.rejections);
       continue;
     }
-    const auto second = std::find_if(pairs.begin(), pairs.end(),
-                                     [&](const PairRange& p) { return p.beacon == first.beacon && p.receiver == now_.id[1]; });
+    const auto second = std::find_if(pairs.begin(), pairs.end(), [&](const PairRange& p) {
+      return p.beacon == first.beacon && p.receiver == now_.id[1];
+    });
     if (second == pairs.end()) {
       reject_pair(arrivals, first, Rejection::kNotNeeded, fix.rejections);
       continue;
@@ -130,9 +142,11 @@ FixStatus OneBeacon::view_beacons(std::span<const Arrival> arrivals, std::span<c
     reject_pair(arrivals, *second, flat ? Rejection::kNotNeeded : Rejection::kOutvoted, fix.rejections);
   }
   if (options_.facing == Facing::kEither && views_.size() > kMaxEither) {  // the nearest ones
-    std::sort(views_.begin(), views_.end(), [](const View& a, const View& b) { return a.distance_m < b.distance_m; });
+    std::sort(views_.begin(), views_.end(),
+              [](const View& a, const View& b) { return a.distance_m < b.distance_m; });
     for (std::size_t i = kMaxEither; i < views_.size(); ++i)
-      for (const PairRange& pair : views_[i].pair) reject_pair(arrivals, pair, Rejection::kNotNeeded, fix.rejections);
+      for (const PairRange& pair : views_[i].pair)
+        reject_pair(arrivals, pair, Rejection::kNotNeeded, fix.rejections);
     views_.resize(kMaxEither);
   }
   if (!views_.empty()) return FixStatus::kOk;
@@ -140,14 +154,15 @@ FixStatus OneBeacon::view_beacons(std::span<const Arrival> arrivals, std::span<c
   return any_flat ? FixStatus::kPoorGeometry : FixStatus::kTooFewArrivals;
 }
 
-/// Pose from eq. 4-6: heading as known, or such that the beacons' places in the vehicle frame turn into those of the map (least
-/// squares); position the mean of what the beacons give.
+/// Pose from eq. 4-6: heading as known, or such that the beacons' places in the vehicle frame turn into those
+/// of the map (least squares); position the mean of what the beacons give.
 Eigen::Vector3d OneBeacon::start(unsigned sides, int left_out) const {
   Eigen::Vector2d mean_robot = Eigen::Vector2d::Zero(), mean_map = Eigen::Vector2d::Zero();
   const auto each = [&](const auto& visit) {
     for (std::size_t k = 0; k < views_.size(); ++k) {
       if (static_cast<int>(k) == left_out) continue;
-      visit(views_[k].place[(sides >> k) & 1u], deployment_.beacons[views_[k].pair[0].beacon.index()].position_m.head<2>());
+      visit(views_[k].place[(sides >> k) & 1u],
+            deployment_.beacons[views_[k].pair[0].beacon.index()].position_m.head<2>());
     }
   };
   const double count = static_cast<double>(views_.size()) - (left_out >= 0 ? 1 : 0);
@@ -161,12 +176,14 @@ Eigen::Vector3d OneBeacon::start(unsigned sides, int left_out) const {
     dot += r.dot(m);
     cross += left_of(r).dot(m);
   });
-  const double heading_rad = heading_rad_ ? *heading_rad_ : now_.rail_heading_rad.value_or(std::atan2(cross, dot));
+  const double heading_rad =
+      heading_rad_ ? *heading_rad_ : now_.rail_heading_rad.value_or(std::atan2(cross, dot));
   const Eigen::Vector2d p = robot_in_map(mean_robot, mean_map, heading_rad);
   return {p.x(), p.y(), heading_rad};
 }
 
-FixStatus OneBeacon::finish(const Attempt& attempt, int left_out, std::span<const Arrival> arrivals, Fix& fix) {
+FixStatus OneBeacon::finish(const Attempt& attempt, int left_out, std::span<const Arrival> arrivals,
+                            Fix& fix) {
   fix.T_map_vehicle = Pose::planar(attempt.pose.x(), attempt.pose.y(), attempt.pose.z());
   propagation_.clear();
   Eigen::Vector3d by_pose;
@@ -178,20 +195,23 @@ FixStatus OneBeacon::finish(const Attempt& attempt, int left_out, std::span<cons
         continue;
       }
       static_cast<void>(row(views_[k], end, attempt.pose, by_pose));
-      propagation_.add(attempt.covariance * by_pose / (pair.sigma_m * pair.sigma_m), pair, fix.T_map_vehicle, deployment_);
+      propagation_.add(attempt.covariance * by_pose / (pair.sigma_m * pair.sigma_m), pair, fix.T_map_vehicle,
+                       deployment_);
     }
   }
   Eigen::Matrix3d covariance = propagation_.covariance(deployment_);
   if (heading_rad_ || now_.rail_heading_rad) {
-    const Eigen::Vector3d by_heading = attempt.covariance.col(2) / options_.heading_sigma_rad;  // gain times sigma
+    const Eigen::Vector3d by_heading =
+        attempt.covariance.col(2) / options_.heading_sigma_rad;  // gain times sigma
     covariance += by_heading * by_heading.transpose();
   }
   if (views_.size() == 1) add_bend(attempt.pose.head<2>(), covariance);
   fix.covariance = covariance;
   fix.cost = 0.5 * attempt.cost;
-  const bool sharp = covariance.allFinite() && covariance.diagonal().minCoeff() > 0 &&
-                     covariance.topLeftCorner<2, 2>().trace() <= options_.max_sigma_m * options_.max_sigma_m &&
-                     covariance(2, 2) <= options_.max_heading_sigma_rad * options_.max_heading_sigma_rad;
+  const bool sharp =
+      covariance.allFinite() && covariance.diagonal().minCoeff() > 0 &&
+      covariance.topLeftCorner<2, 2>().trace() <= options_.max_sigma_m * options_.max_sigma_m &&
+      covariance(2, 2) <= options_.max_heading_sigma_rad * options_.max_heading_sigma_rad;
   return sharp ? FixStatus::kOk : FixStatus::kPoorGeometry;
 }
 
@@ -222,12 +242,15 @@ void OneBeacon::forget() noexcept { std::fill(last_.begin(), last_.end(), Last{}
 
 Result<void> one_beacon_fits(const Deployment& deployment, const OneBeaconOptions& options) {
   const auto lacks = [](std::string found, std::string expected) {
-    return fail({.code = Errc::kUsage, .found = "one_beacon: " + std::move(found), .expected = std::move(expected)});
+    return fail(
+        {.code = Errc::kUsage, .found = "one_beacon: " + std::move(found), .expected = std::move(expected)});
   };
   if (deployment.motion != Motion::kPlanar) return lacks("the motion is spatial", "a planar one");
-  if (deployment.timing.clock != Clock::kSynchronised) return lacks("the clock has a cycle offset", "a synchronised one");
-  const auto usable = std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
-                                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
+  if (deployment.timing.clock != Clock::kSynchronised)
+    return lacks("the clock has a cycle offset", "a synchronised one");
+  const auto usable =
+      std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
+                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
   if (usable < 1) return lacks("no usable beacon", "one or more");
   bool any = false, heading = options.heading_rad.has_value();
   for (const SiteVehicle& vehicle : deployment.vehicles) {
@@ -237,7 +260,8 @@ Result<void> one_beacon_fits(const Deployment& deployment, const OneBeaconOption
   }
   if (!any) return lacks("no vehicle has two receivers at different places", "one");
   if (usable < 2 && !heading) {
-    return lacks("one beacon does not tell the heading", "the heading, a straight rail of the vehicle, or a second beacon");
+    return lacks("one beacon does not tell the heading",
+                 "the heading, a straight rail of the vehicle, or a second beacon");
   }
   return {};
 }

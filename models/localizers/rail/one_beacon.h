@@ -15,21 +15,24 @@
 
 namespace octant {
 
-/// Side of the line from the first receiver to the second on which the beacons are. Two ranges leave both; Chang chooses "the
-/// solutions which include a positive y_br", the left, where the transducers look.
+/// Side of the line from the first receiver to the second on which the beacons are. Two ranges leave both;
+/// Chang chooses "the solutions which include a positive y_br", the left, where the transducers look.
 enum class Facing { kLeft, kRight, kEither };
 
-/// Chang eq. 4: place of a beacon in the frame of a robot with receiver No. 1 at (-a, 0) and No. 2 at (a, 0); left: y_br >= 0.
+/// Chang eq. 4: place of a beacon in the frame of a robot with receiver No. 1 at (-a, 0) and No. 2 at (a, 0);
+/// left: y_br >= 0.
 /// @param L1_m, L2_m  horizontal distances  @return nothing where the circles do not meet or a is zero
-[[nodiscard]] std::optional<Eigen::Vector2d> beacon_in_robot_frame(double a_m, double L1_m, double L2_m, bool left = true);
+[[nodiscard]] std::optional<Eigen::Vector2d> beacon_in_robot_frame(double a_m, double L1_m, double L2_m,
+                                                                   bool left = true);
 
-/// Chang eq. 5 and 6: place of the robot in the map, from that of the beacon in both frames and the robot's heading.
-[[nodiscard]] Eigen::Vector2d robot_in_map(const Eigen::Vector2d& beacon_robot_m, const Eigen::Vector2d& beacon_map_m,
-                                           double heading_rad);
+/// Chang eq. 5 and 6: place of the robot in the map, from that of the beacon in both frames and the robot's
+/// heading.
+[[nodiscard]] Eigen::Vector2d robot_in_map(const Eigen::Vector2d& beacon_robot_m,
+                                           const Eigen::Vector2d& beacon_map_m, double heading_rad);
 
 struct OneBeaconOptions {
-  /// Heading, where it is known: of a rail, from odometry. Not given: that of a straight rail of the vehicle; else it is solved
-  /// for, which takes two beacons.
+  /// Heading, where it is known: of a rail, from odometry. Not given: that of a straight rail of the vehicle;
+  /// else it is solved for, which takes two beacons.
   std::optional<double> heading_rad{};
   double heading_sigma_rad = 2e-3;  ///< of a heading that is known
   Facing facing = Facing::kLeft;
@@ -37,21 +40,25 @@ struct OneBeaconOptions {
   double spread_sigmas = 6.0;     ///< of repeated times (PairRangesOptions)
   double gate_sigmas = 4.0;       ///< of circles that miss each other, and of beacons against each other
   double ambiguity_margin = 9.0;  ///< of squared sigmas: a second pose closer than this is as good
-  double max_speed_mps = 1.0;     ///< how far the vehicle may be from where it was; SiteVehicle::motion goes before
-  double max_sigma_m = 1.0;       ///< a larger position sigma is poor geometry
+  double max_speed_mps =
+      1.0;  ///< how far the vehicle may be from where it was; SiteVehicle::motion goes before
+  double max_sigma_m = 1.0;  ///< a larger position sigma is poor geometry
   double max_heading_sigma_rad = 0.5;
 };
 
-/// Position of a vehicle from one beacon and its two receivers (C. Chang, Y. Li, J. M. Lee, "A TDOA-Based Ultrasonic Absolute
-/// Localizing System of a Rail Robot in Greenhouse"). Where the equations are: eq. 1-3 arrival_range, the two rules
-/// range_gates, eq. 4-6 here, eq. 7-14 arc_rail and rail, eq. 15 detection_threshold.
+/// Position of a vehicle from one beacon and its two receivers (C. Chang, Y. Li, J. M. Lee, "A TDOA-Based
+/// Ultrasonic Absolute Localizing System of a Rail Robot in Greenhouse"). Where the equations are: eq. 1-3
+/// arrival_range, the two rules range_gates, eq. 4-6 here, eq. 7-14 arc_rail and rail, eq. 15
+/// detection_threshold.
 ///
-/// Each beacon that both receivers hear gives a place (eq. 4-6); receivers and beacons may be at different heights, which the
-/// known heights take out. Several beacons are adjusted together, from the first one's place, and with two of them the heading
-/// need not be known. A vehicle with more than two receivers uses the two farthest apart.
+/// Each beacon that both receivers hear gives a place (eq. 4-6); receivers and beacons may be at different
+/// heights, which the known heights take out. Several beacons are adjusted together, from the first one's
+/// place, and with two of them the heading need not be known. A vehicle with more than two receivers uses the
+/// two farthest apart.
 ///
-/// Fix: kTooFewArrivals (no beacon is heard by both, or one without heading), kNoConsensus (circles that do not meet, beacons
-/// that disagree), kPoorGeometry (a beacon in line with the receivers), kAmbiguous (Facing::kEither, and nothing tells the side).
+/// Fix: kTooFewArrivals (no beacon is heard by both, or one without heading), kNoConsensus (circles that do
+/// not meet, beacons that disagree), kPoorGeometry (a beacon in line with the receivers), kAmbiguous
+/// (Facing::kEither, and nothing tells the side).
 class OneBeacon : public Localizer {
  public:
   explicit OneBeacon(const Deployment& deployment, OneBeaconOptions options = {});
@@ -64,7 +71,8 @@ class OneBeacon : public Localizer {
   void forget() noexcept;
 
  private:
-  static constexpr std::size_t kMaxEither = 4;  ///< beacons that are tried on both sides: sixteen combinations
+  static constexpr std::size_t kMaxEither =
+      4;  ///< beacons that are tried on both sides: sixteen combinations
   struct Receivers {
     std::array<ReceiverId, 2> id;
     std::optional<double> rail_heading_rad;
@@ -86,17 +94,20 @@ class OneBeacon : public Localizer {
     Eigen::Vector2d p_m = Eigen::Vector2d::Zero();
   };
   [[nodiscard]] FixStatus fix_pose(std::span<const Arrival> arrivals, Fix& fix);
-  [[nodiscard]] FixStatus view_beacons(std::span<const Arrival> arrivals, std::span<const PairRange> pairs, Fix& fix);
+  [[nodiscard]] FixStatus view_beacons(std::span<const Arrival> arrivals, std::span<const PairRange> pairs,
+                                       Fix& fix);
   [[nodiscard]] std::optional<View> view(const PairRange& first, const PairRange& second, bool& flat) const;
   [[nodiscard]] Eigen::Vector3d start(unsigned sides, int left_out) const;
   [[nodiscard]] Attempt adjust(Eigen::Vector3d pose, int left_out) const;
   [[nodiscard]] FixStatus choose(const Fix& fix, int left_out, Attempt& best) const;
   [[nodiscard]] bool in_reach(const Fix& fix, int left_out, const Attempt& attempt) const;
   [[nodiscard]] FixStatus without_one(const Fix& fix, int& left_out, Attempt& best) const;
-  [[nodiscard]] FixStatus finish(const Attempt& attempt, int left_out, std::span<const Arrival> arrivals, Fix& fix);
+  [[nodiscard]] FixStatus finish(const Attempt& attempt, int left_out, std::span<const Arrival> arrivals,
+                                 Fix& fix);
   [[nodiscard]] double gate(int left_out) const;
   void add_bend(const Eigen::Vector2d& p_map_m, Eigen::Matrix3d& covariance) const;
-  [[nodiscard]] double row(const View& view, std::size_t end, const Eigen::Vector3d& pose, Eigen::Vector3d& by_pose) const;
+  [[nodiscard]] double row(const View& view, std::size_t end, const Eigen::Vector3d& pose,
+                           Eigen::Vector3d& by_pose) const;
 
   Deployment deployment_;
   OneBeaconOptions options_;
@@ -109,8 +120,9 @@ class OneBeacon : public Localizer {
   std::optional<double> heading_rad_;
 };
 
-/// Whether a deployment suits OneBeacon: planar, synchronised clock, a vehicle with two receivers apart, a usable beacon, and two
-/// of them where neither the options nor a straight rail tell the heading.
-[[nodiscard]] Result<void> one_beacon_fits(const Deployment& deployment, const OneBeaconOptions& options = {});
+/// Whether a deployment suits OneBeacon: planar, synchronised clock, a vehicle with two receivers apart, a
+/// usable beacon, and two of them where neither the options nor a straight rail tell the heading.
+[[nodiscard]] Result<void> one_beacon_fits(const Deployment& deployment,
+                                           const OneBeaconOptions& options = {});
 
 }  // namespace octant

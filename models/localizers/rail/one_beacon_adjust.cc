@@ -7,8 +7,8 @@
 
 #include <Eigen/LU>
 
-#include "models/localizers/rail/one_beacon.h"
 #include "models/localizers/least_squares/triangles.h"
+#include "models/localizers/rail/one_beacon.h"
 #include "models/physics/plane.h"
 
 namespace octant {
@@ -20,16 +20,19 @@ constexpr double kSlack_m = 0.1;  // beyond what the vehicle can have moved
 }  // namespace
 
 /// Residual of a range at a pose, and its derivative by the pose.
-double OneBeacon::row(const View& seen, std::size_t end, const Eigen::Vector3d& pose, Eigen::Vector3d& by_pose) const {
+double OneBeacon::row(const View& seen, std::size_t end, const Eigen::Vector3d& pose,
+                      Eigen::Vector3d& by_pose) const {
   const Pose T = Pose::planar(pose.x(), pose.y(), pose.z());
   const Sight sight = sight_of(T, seen.pair[end].beacon, seen.pair[end].receiver, deployment_);
-  const Eigen::Vector2d lever = (T.rotation * deployment_.receivers[seen.pair[end].receiver.index()].position_m).head<2>();
+  const Eigen::Vector2d lever =
+      (T.rotation * deployment_.receivers[seen.pair[end].receiver.index()].position_m).head<2>();
   const Eigen::Vector2d u = sight.direction.head<2>();
   by_pose << u, u.dot(left_of(lever));
   return seen.pair[end].range_m - sight.distance_m;
 }
 
-/// Least squares of the ranges, and of the heading if it is known. With one beacon it changes nothing: two ranges, two unknowns.
+/// Least squares of the ranges, and of the heading if it is known. With one beacon it changes nothing: two
+/// ranges, two unknowns.
 OneBeacon::Attempt OneBeacon::adjust(Eigen::Vector3d pose, int left_out) const {
   Attempt out;
   const std::optional<double> known_rad = heading_rad_ ? heading_rad_ : now_.rail_heading_rad;
@@ -70,12 +73,14 @@ OneBeacon::Attempt OneBeacon::adjust(Eigen::Vector3d pose, int left_out) const {
 bool OneBeacon::in_reach(const Fix& fix, int left_out, const Attempt& attempt) const {
   const Last& last = last_[fix.vehicle.index()];
   const std::size_t beacons = views_.size() - (left_out >= 0 ? 1 : 0);
-  const bool agree = beacons > (heading_rad_ || now_.rail_heading_rad ? 1u : 2u) && attempt.cost <= gate(left_out);
+  const bool agree =
+      beacons > (heading_rad_ || now_.rail_heading_rad ? 1u : 2u) && attempt.cost <= gate(left_out);
   if (!last.known || agree) return true;
   const auto& motion = deployment_.vehicles[fix.vehicle.index()].motion;
   const double speed_mps = motion ? motion->speed_mps : options_.max_speed_mps;
   const double sigma_m = std::sqrt(attempt.covariance.topLeftCorner<2, 2>().trace());
-  const double reach_m = kSlack_m + options_.gate_sigmas * sigma_m + speed_mps * std::abs(fix.time_s - last.time_s);
+  const double reach_m =
+      kSlack_m + options_.gate_sigmas * sigma_m + speed_mps * std::abs(fix.time_s - last.time_s);
   return (attempt.pose.head<2>() - last.p_m).norm() <= reach_m;
 }
 
@@ -110,7 +115,8 @@ FixStatus OneBeacon::choose(const Fix& fix, int left_out, Attempt& best) const {
 /// One of three beacons or more may be an echo; of two, the last position may tell which.
 FixStatus OneBeacon::without_one(const Fix& fix, int& left_out, Attempt& best) const {
   const std::size_t least_beacons = heading_rad_ || now_.rail_heading_rad ? 1 : 2;
-  if (views_.size() <= least_beacons || (views_.size() < 3 && !last_[fix.vehicle.index()].known)) return FixStatus::kNoConsensus;
+  if (views_.size() <= least_beacons || (views_.size() < 3 && !last_[fix.vehicle.index()].known))
+    return FixStatus::kNoConsensus;
   int agreeing = 0;
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < static_cast<int>(views_.size()); ++k) {
@@ -133,14 +139,17 @@ double OneBeacon::gate(int left_out) const {
   double factor = 1.0;
   for (const View& seen : views_)
     for (const PairRange& pair : seen.pair)
-      factor = std::max(factor, 1 + calibration_variance_m2(pair, deployment_) / (pair.sigma_m * pair.sigma_m));
+      factor =
+          std::max(factor, 1 + calibration_variance_m2(pair, deployment_) / (pair.sigma_m * pair.sigma_m));
   return factor * chi2_gate(std::max(dof, 1), options_.gate_sigmas);
 }
 
-/// A single beacon tells the distance far better than the direction, and what the direction leaves is no straight line but an
-/// arc about the beacon: off by t across, the robot is off by t^2 / 2L along as well. Its second moment, for t normal.
+/// A single beacon tells the distance far better than the direction, and what the direction leaves is no
+/// straight line but an arc about the beacon: off by t across, the robot is off by t^2 / 2L along as well.
+/// Its second moment, for t normal.
 void OneBeacon::add_bend(const Eigen::Vector2d& p_map_m, Eigen::Matrix3d& covariance) const {
-  const Eigen::Vector2d off = p_map_m - deployment_.beacons[views_[0].pair[0].beacon.index()].position_m.head<2>();
+  const Eigen::Vector2d off =
+      p_map_m - deployment_.beacons[views_[0].pair[0].beacon.index()].position_m.head<2>();
   const double L2 = off.squaredNorm();
   if (!(L2 > 0)) return;
   const Eigen::Vector2d along = off / std::sqrt(L2), across = left_of(along);

@@ -15,10 +15,13 @@ constexpr double kDistinct = 5.0;
 constexpr double kDistinctOnRail_m = 1e-3;
 
 bool has_length(const Rail& rail) {
-  return rail.shape == Rail::Shape::kStraight ? (rail.to_m - rail.from_m).norm() > 1e-3 : rail.radius_m > 1e-3;
+  return rail.shape == Rail::Shape::kStraight ? (rail.to_m - rail.from_m).norm() > 1e-3
+                                              : rail.radius_m > 1e-3;
 }
 
-bool runs_on_rail(const SiteVehicle& vehicle) { return vehicle.rail && has_length(*vehicle.rail) && vehicle.receiver_count > 0; }
+bool runs_on_rail(const SiteVehicle& vehicle) {
+  return vehicle.rail && has_length(*vehicle.rail) && vehicle.receiver_count > 0;
+}
 
 }  // namespace
 
@@ -33,7 +36,8 @@ RailLocalizer::RailLocalizer(const Deployment& deployment, RailOptions options)
 
 RailLocalizer::Row RailLocalizer::row(const PairRange& pair, const RailPoint& at) const {
   const Sight sight = sight_of(at.T_map_vehicle, pair.beacon, pair.receiver, deployment_);
-  const Eigen::Vector2d lever = (at.T_map_vehicle.rotation * deployment_.receivers[pair.receiver.index()].position_m).head<2>();
+  const Eigen::Vector2d lever =
+      (at.T_map_vehicle.rotation * deployment_.receivers[pair.receiver.index()].position_m).head<2>();
   const Eigen::Vector2d u = sight.direction.head<2>();
   Row out;
   out.off_m = pair.range_m - sight.distance_m;
@@ -66,8 +70,8 @@ bool RailLocalizer::polish(std::span<const PairRange> pairs, Place& place) const
   return std::isfinite(place.s_m) && std::isfinite(place.cost);
 }
 
-/// What a place costs: the squares of what agrees; the gate's for each range that does not. A beacon behind an obstacle is late
-/// with all its ranges at once and pays once.
+/// What a place costs: the squares of what agrees; the gate's for each range that does not. A beacon behind
+/// an obstacle is late with all its ranges at once and pays once.
 void RailLocalizer::rate(std::span<const PairRange> pairs, Place& place) const {
   const double gate = options_.gate_sigmas * options_.gate_sigmas;
   const RailPoint at = rail_point(*rail_, place.s_m);
@@ -95,17 +99,20 @@ void RailLocalizer::rate(std::span<const PairRange> pairs, Place& place) const {
 void RailLocalizer::find_places(std::span<const PairRange> pairs) {
   places_.clear();
   for (const PairRange& pair : pairs) {
-    const double sigma_m = std::hypot(pair.sigma_m, options_.rail_sigma_m, std::sqrt(calibration_variance_m2(pair, deployment_)));
-    const RailPlaces found =
-        rail_places(*rail_, deployment_.receivers[pair.receiver.index()].position_m,
-                    deployment_.beacons[pair.beacon.index()].position_m, pair.range_m, options_.gate_sigmas * sigma_m);
+    const double sigma_m = std::hypot(pair.sigma_m, options_.rail_sigma_m,
+                                      std::sqrt(calibration_variance_m2(pair, deployment_)));
+    const RailPlaces found = rail_places(*rail_, deployment_.receivers[pair.receiver.index()].position_m,
+                                         deployment_.beacons[pair.beacon.index()].position_m, pair.range_m,
+                                         options_.gate_sigmas * sigma_m);
     for (int i = 0; i < found.count; ++i) {
       Place place{.s_m = found.s_m[static_cast<std::size_t>(i)]};
       const double by_s = row(pair, rail_point(*rail_, place.s_m)).by_s;
       place.sigma_m = sigma_m / std::max(std::abs(by_s), 1e-2);
       if (!polish(pairs, place) || place.agreeing == 0) continue;
       const bool straight = rail_->shape == Rail::Shape::kStraight;
-      if (straight && (place.s_m < -options_.end_slack_m || place.s_m > rail_length_m(*rail_) + options_.end_slack_m)) continue;
+      if (straight &&
+          (place.s_m < -options_.end_slack_m || place.s_m > rail_length_m(*rail_) + options_.end_slack_m))
+        continue;
       places_.push_back(place);
     }
   }
@@ -117,7 +124,8 @@ bool RailLocalizer::in_reach(const Fix& fix, const Place& place) const {
   if (!last.known) return true;
   const auto& motion = deployment_.vehicles[fix.vehicle.index()].motion;
   const double speed_mps = motion ? motion->speed_mps : options_.max_speed_mps;
-  const double reach_m = kRailSlack_m + options_.gate_sigmas * place.sigma_m + speed_mps * std::abs(fix.time_s - last.time_s);
+  const double reach_m =
+      kRailSlack_m + options_.gate_sigmas * place.sigma_m + speed_mps * std::abs(fix.time_s - last.time_s);
   return std::abs(rail_wrapped_m(*rail_, place.s_m - last.s_m)) <= reach_m;
 }
 
@@ -127,11 +135,13 @@ FixStatus RailLocalizer::choose(std::span<const PairRange> pairs, const Fix& fix
   for (Place& place : places_)
     if (!in_reach(fix, place))
       place.cost += options_.gate_sigmas * options_.gate_sigmas;  // as if one range more spoke against it
-  chosen = *std::min_element(places_.begin(), places_.end(), [](const Place& a, const Place& b) { return a.cost < b.cost; });
+  chosen = *std::min_element(places_.begin(), places_.end(),
+                             [](const Place& a, const Place& b) { return a.cost < b.cost; });
   for (const Place& place : places_) {
     if (place.cost > chosen.cost + options_.ambiguity_margin) continue;
     const double apart_m = std::abs(rail_wrapped_m(*rail_, chosen.s_m - place.s_m));
-    if (apart_m > kDistinct * std::hypot(chosen.sigma_m, place.sigma_m) + kDistinctOnRail_m) return FixStatus::kAmbiguous;
+    if (apart_m > kDistinct * std::hypot(chosen.sigma_m, place.sigma_m) + kDistinctOnRail_m)
+      return FixStatus::kAmbiguous;
   }
   // A single range has nothing to agree with but the last position.
   if (chosen.agreeing < 2 && !last_[fix.vehicle.index()].known)
@@ -147,9 +157,11 @@ bool RailLocalizer::published(std::span<const PairRange> pairs, const Place& exa
     const Row agrees = row(pair, now);
     if (std::abs(agrees.off_m) > options_.gate_sigmas * agrees.sigma_m) continue;
     const Eigen::Vector3d& beacon = deployment_.beacons[pair.beacon.index()].position_m;
-    const Eigen::Vector3d receiver = before.T_map_vehicle * deployment_.receivers[pair.receiver.index()].position_m;
+    const Eigen::Vector3d receiver =
+        before.T_map_vehicle * deployment_.receivers[pair.receiver.index()].position_m;
     const double rise_m = beacon.z() - receiver.z(), d2 = (pair.range_m - rise_m) * (pair.range_m + rise_m);
-    const Eigen::Vector2d to_receiver = receiver.head<2>() - rail_->centre_m, to_beacon = beacon.head<2>() - rail_->centre_m;
+    const Eigen::Vector2d to_receiver = receiver.head<2>() - rail_->centre_m,
+                          to_beacon = beacon.head<2>() - rail_->centre_m;
     const double left = to_beacon.x() * to_receiver.y() - to_beacon.y() * to_receiver.x();
     const double d_m = (receiver - beacon).head<2>().norm();
     if (!(d2 > 0 && d_m > 0)) continue;
@@ -171,7 +183,8 @@ bool RailLocalizer::published(std::span<const PairRange> pairs, const Place& exa
   return true;
 }
 
-FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<const Arrival> arrivals, Place place, Fix& fix) {
+FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<const Arrival> arrivals,
+                                Place place, Fix& fix) {
   Last& last = last_[fix.vehicle.index()];
   const RailPoint found = rail_point(*rail_, place.s_m);
   if (options_.arc == ArcSolution::kPublished && rail_->shape == Rail::Shape::kArc && last.known) {
@@ -194,11 +207,13 @@ FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<cons
         propagation_.add(at.by_s * weight / information, pair, at.T_map_vehicle, deployment_);
         fix.cost += 0.5 * z * z;
       } else {
-        const Eigen::Vector2d u = sight_of(at.T_map_vehicle, pair.beacon, pair.receiver, deployment_).direction.head<2>();
+        const Eigen::Vector2d u =
+            sight_of(at.T_map_vehicle, pair.beacon, pair.receiver, deployment_).direction.head<2>();
         information += weight * r.by_s;
         sway += weight * u.dot(left_of(along));
-        turn += weight *
-                u.dot(left_of((at.T_map_vehicle.rotation * deployment_.receivers[pair.receiver.index()].position_m).head<2>()));
+        turn += weight * u.dot(left_of((at.T_map_vehicle.rotation *
+                                        deployment_.receivers[pair.receiver.index()].position_m)
+                                           .head<2>()));
       }
     }
   }
@@ -208,11 +223,13 @@ FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<cons
   by_sway -= at.by_s * sway / information;
   by_turn << 0.0, 0.0, 1.0;
   by_turn -= at.by_s * turn / information;
-  const Eigen::Matrix3d covariance = propagation_.covariance(deployment_) +
-                                     options_.rail_sigma_m * options_.rail_sigma_m * by_sway * by_sway.transpose() +
-                                     options_.heading_sigma_rad * options_.heading_sigma_rad * by_turn * by_turn.transpose();
+  const Eigen::Matrix3d covariance =
+      propagation_.covariance(deployment_) +
+      options_.rail_sigma_m * options_.rail_sigma_m * by_sway * by_sway.transpose() +
+      options_.heading_sigma_rad * options_.heading_sigma_rad * by_turn * by_turn.transpose();
   fix.covariance = covariance;
-  if (!covariance.allFinite() || !(covariance.topLeftCorner<2, 2>().trace() < options_.max_sigma_m * options_.max_sigma_m))
+  if (!covariance.allFinite() ||
+      !(covariance.topLeftCorner<2, 2>().trace() < options_.max_sigma_m * options_.max_sigma_m))
     return FixStatus::kPoorGeometry;
   last = {true, fix.time_s, place.s_m};
   return FixStatus::kOk;
@@ -227,10 +244,12 @@ FixStatus RailLocalizer::fix_place(std::span<const Arrival> arrivals, Fix& fix) 
   rail_ = &*vehicle.rail;
   find_places(pairs);
   if (places_.empty()) {
-    // Ranges that no place explains, or abreast of the only beacon, where the range does not change with the place.
+    // Ranges that no place explains, or abreast of the only beacon, where the range does not change with the
+    // place.
     const bool any = std::any_of(pairs.begin(), pairs.end(), [&](const PairRange& pair) {
       return rail_places(*rail_, deployment_.receivers[pair.receiver.index()].position_m,
-                         deployment_.beacons[pair.beacon.index()].position_m, pair.range_m, options_.gate_sigmas * pair.sigma_m)
+                         deployment_.beacons[pair.beacon.index()].position_m, pair.range_m,
+                         options_.gate_sigmas * pair.sigma_m)
                  .count == 1;
     });
     return any ? FixStatus::kPoorGeometry : FixStatus::kNoConsensus;
@@ -249,12 +268,15 @@ void RailLocalizer::forget() noexcept { std::fill(last_.begin(), last_.end(), La
 
 Result<void> rail_fits(const Deployment& deployment) {
   const auto lacks = [](std::string found, std::string expected) {
-    return fail({.code = Errc::kUsage, .found = "rail: " + std::move(found), .expected = std::move(expected)});
+    return fail(
+        {.code = Errc::kUsage, .found = "rail: " + std::move(found), .expected = std::move(expected)});
   };
   if (deployment.motion != Motion::kPlanar) return lacks("the motion is spatial", "a planar one");
-  if (deployment.timing.clock != Clock::kSynchronised) return lacks("the clock has a cycle offset", "a synchronised one");
-  const bool usable = std::any_of(deployment.beacons.begin(), deployment.beacons.end(),
-                                  [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
+  if (deployment.timing.clock != Clock::kSynchronised)
+    return lacks("the clock has a cycle offset", "a synchronised one");
+  const bool usable =
+      std::any_of(deployment.beacons.begin(), deployment.beacons.end(),
+                  [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
   if (!usable) return lacks("no usable beacon", "one or more");
   if (!std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(), runs_on_rail)) {
     return lacks("no vehicle with receivers has a rail",

@@ -7,11 +7,11 @@
 
 #include <Eigen/Core>
 
-#include "models/localizers/rail/arc_rail.h"
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/common/pair_ranges.h"
-#include "models/localizers/rail/rail_path.h"
 #include "models/localizers/common/range_propagation.h"
+#include "models/localizers/rail/arc_rail.h"
+#include "models/localizers/rail/rail_path.h"
 
 namespace octant {
 
@@ -23,27 +23,31 @@ enum class ArcSolution {
 struct RailOptions {
   ArcSolution arc = ArcSolution::kExact;
   RangeGates gates{};
-  double spread_sigmas = 6.0;       ///< of repeated times (PairRangesOptions)
-  double gate_sigmas = 4.0;         ///< of a range against the others
-  double ambiguity_margin = 9.0;    ///< of squared sigmas: a second place closer than this is as good
-  double early_penalty = 16.0;      ///< what an arrival that would be early costs more than a late one: echoes are late
+  double spread_sigmas = 6.0;     ///< of repeated times (PairRangesOptions)
+  double gate_sigmas = 4.0;       ///< of a range against the others
+  double ambiguity_margin = 9.0;  ///< of squared sigmas: a second place closer than this is as good
+  double early_penalty =
+      16.0;  ///< what an arrival that would be early costs more than a late one: echoes are late
   double rail_sigma_m = 1e-3;       ///< how far the vehicle sways off its rail, across
   double heading_sigma_rad = 1e-3;  ///< and in heading
   double end_slack_m = 0.5;         ///< a straight rail may be left by this much at its ends
-  double max_speed_mps = 1.0;       ///< how far the vehicle may be from where it was; SiteVehicle::motion goes before
-  double max_sigma_m = 1.0;         ///< a larger sigma along the rail is poor geometry
+  double max_speed_mps =
+      1.0;  ///< how far the vehicle may be from where it was; SiteVehicle::motion goes before
+  double max_sigma_m = 1.0;  ///< a larger sigma along the rail is poor geometry
 };
 
-/// Place of a vehicle on its rail, straight or arc (Chang, section 2, eq. 7-14). One unknown, so one range is enough but for the
-/// sign: two places of a rail are equally far from a beacon. The other receiver, the other beacons, the ends of the rail and the
-/// last position tell them apart; otherwise kAmbiguous. All ranges that agree are adjusted together with their weights, so
-/// that one beacon hands over to the next without a seam.
+/// Place of a vehicle on its rail, straight or arc (Chang, section 2, eq. 7-14). One unknown, so one range is
+/// enough but for the sign: two places of a rail are equally far from a beacon. The other receiver, the other
+/// beacons, the ends of the rail and the last position tell them apart; otherwise kAmbiguous. All ranges that
+/// agree are adjusted together with their weights, so that one beacon hands over to the next without a seam.
 ///
-/// Where the vehicle was bounds where it is: a single beacon is not believed farther away than the vehicle can have moved, which
-/// catches one that both receivers hear late alike; two beacons that agree are, so a wrong place does not last.
+/// Where the vehicle was bounds where it is: a single beacon is not believed farther away than the vehicle
+/// can have moved, which catches one that both receivers hear late alike; two beacons that agree are, so a
+/// wrong place does not last.
 ///
-/// Fix: kTooFewArrivals (no range, or a single one that no last position confirms), kNoConsensus (ranges that no place explains,
-/// or none within reach; fewer than half agree), kPoorGeometry (abreast of the only beacon), kAmbiguous.
+/// Fix: kTooFewArrivals (no range, or a single one that no last position confirms), kNoConsensus (ranges that
+/// no place explains, or none within reach; fewer than half agree), kPoorGeometry (abreast of the only
+/// beacon), kAmbiguous.
 class RailLocalizer : public Localizer {
  public:
   explicit RailLocalizer(const Deployment& deployment, RailOptions options = {});
@@ -77,7 +81,8 @@ class RailLocalizer : public Localizer {
   void find_places(std::span<const PairRange> pairs);
   [[nodiscard]] FixStatus choose(std::span<const PairRange> pairs, const Fix& fix, Place& chosen);
   [[nodiscard]] bool in_reach(const Fix& fix, const Place& place) const;
-  [[nodiscard]] FixStatus finish(std::span<const PairRange> pairs, std::span<const Arrival> arrivals, Place place, Fix& fix);
+  [[nodiscard]] FixStatus finish(std::span<const PairRange> pairs, std::span<const Arrival> arrivals,
+                                 Place place, Fix& fix);
   [[nodiscard]] bool published(std::span<const PairRange> pairs, const Place& exact, double& s_m) const;
 
   Deployment deployment_;
@@ -89,7 +94,8 @@ class RailLocalizer : public Localizer {
   const Rail* rail_ = nullptr;  ///< of the vehicle of the call
 };
 
-/// Whether a deployment suits RailLocalizer: planar, synchronised clock, a usable beacon, a vehicle with a rail and a receiver.
+/// Whether a deployment suits RailLocalizer: planar, synchronised clock, a usable beacon, a vehicle with a
+/// rail and a receiver.
 [[nodiscard]] Result<void> rail_fits(const Deployment& deployment);
 
 }  // namespace octant

@@ -12,7 +12,8 @@
 namespace octant {
 
 /// A vehicle that is s along its rail: its pose, and how that changes with s.
-/// Straight: s from the rail's beginning. Arc: s = R phi, counter-clockwise from the centre's +x axis, in (-pi R, pi R].
+/// Straight: s from the rail's beginning. Arc: s = R phi, counter-clockwise from the centre's +x axis, in
+/// (-pi R, pi R].
 struct RailPoint {
   Pose T_map_vehicle;
   Eigen::Vector3d by_s = Eigen::Vector3d::Zero();  ///< x, y, heading per metre
@@ -31,10 +32,12 @@ struct RailPlaces {
   int count = 0;  ///< 0: nowhere, or everywhere (a beacon above the centre of an arc)
 };
 
-/// Where a receiver's own line (parallel to the rail, or a circle about the same centre) meets the circle of a range.
+/// Where a receiver's own line (parallel to the rail, or a circle about the same centre) meets the circle of
+/// a range.
 /// @param o_vehicle_m  the receiver's place on the vehicle  @param range_m  slant
-/// @param slack_m  a range too short by less than this counts as the shortest, and too long (arc) as the longest
-[[nodiscard]] RailPlaces rail_places(const Rail& rail, const Eigen::Vector3d& o_vehicle_m, const Eigen::Vector3d& p_beacon_m,
-                                     double range_m, double slack_m);
+/// @param slack_m  a range too short by less than this counts as the shortest, and too long (arc) as the
+/// longest
+[[nodiscard]] RailPlaces rail_places(const Rail& rail, const Eigen::Vector3d& o_vehicle_m,
+                                     const Eigen::Vector3d& p_beacon_m, double range_m, double slack_m);
 
 }  // namespace octant

@@ -8,9 +8,9 @@
 
 #include <Eigen/Cholesky>
 
-#include "models/trajectory/decompositions.h"
 #include "models/physics/plane.h"
 #include "models/physics/pose.h"
+#include "models/trajectory/decompositions.h"
 
 namespace octant {
 namespace {
@@ -22,29 +22,33 @@ constexpr double kSameSigmas = 5.0;                 // hypotheses closer than th
 constexpr double kTight_m = 0.5, kTight_rad = 0.3;  // a prediction that may stand in for a search
 
 Eigen::Vector3d difference(const ResectedPose& a, const ResectedPose& b) {
-  return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(), wrap_angle(a.heading_rad - b.heading_rad)};
+  return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(),
+          wrap_angle(a.heading_rad - b.heading_rad)};
 }
 
 }  // namespace
 
 Result<void> reflectors_fits(const Deployment& deployment) {
-  const auto usable = std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
-                                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
+  const auto usable =
+      std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
+                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
   if (usable >= 3 && deployment.motion == Motion::kPlanar) return {};
-  return fail(
-      {.code = Errc::kBadInput,
-       .found = usable < 3 ? "reflectors: " + std::to_string(usable) + " usable beacons" : "reflectors: the motion is spatial",
-       .expected = usable < 3 ? "three reflectors or more among the beacons" : "planar motion"});
+  return fail({.code = Errc::kBadInput,
+               .found = usable < 3 ? "reflectors: " + std::to_string(usable) + " usable beacons"
+                                   : "reflectors: the motion is spatial",
+               .expected = usable < 3 ? "three reflectors or more among the beacons" : "planar motion"});
 }
 
 Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& options)
     : options_(options), index_(deployment.beacons.size(), -1) {
-  sigma_rad_ = std::max(options.bearing_sigma_rad.value_or(deployment.noise.bearing_sigma_rad), kSmallestSigma_rad);
+  sigma_rad_ =
+      std::max(options.bearing_sigma_rad.value_or(deployment.noise.bearing_sigma_rad), kSmallestSigma_rad);
   for (std::size_t b = 0; b < deployment.beacons.size(); ++b) {
     const DeploymentBeacon& beacon = deployment.beacons[b];
     if (beacon.status == BeaconStatus::kUndetermined) continue;
     index_[b] = static_cast<int>(reflectors_.size());
-    reflectors_.push_back({beacon.position_m.head<2>(), beacon.covariance_m2.topLeftCorner<2, 2>(), BeaconId(b)});
+    reflectors_.push_back(
+        {beacon.position_m.head<2>(), beacon.covariance_m2.topLeftCorner<2, 2>(), BeaconId(b)});
   }
   match_.resize(kMaxBearings);
   direction_.resize(reflectors_.size());
@@ -52,7 +56,8 @@ Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& op
 }
 
 void Reflectors::predict(const Pose& T_map_vehicle, double sigma_m, double sigma_rad) noexcept {
-  told_ = Prediction{{T_map_vehicle.translation_m.head<2>(), T_map_vehicle.heading_rad()}, sigma_m, sigma_rad};
+  told_ =
+      Prediction{{T_map_vehicle.translation_m.head<2>(), T_map_vehicle.heading_rad()}, sigma_m, sigma_rad};
 }
 
 void Reflectors::locate(const Observations& observations, Fix& fix) noexcept {
@@ -77,10 +82,12 @@ void Reflectors::locate(const Observations& observations, Fix& fix) noexcept {
     }
     const Reflector& reflector = reflectors_[static_cast<std::size_t>(match_[i])];
     const Eigen::Vector2d sight = reflector.p_map_m - best.pose.p_map_m;
-    const double off = wrap_angle(std::atan2(sight.y(), sight.x()) - best.pose.heading_rad - bearings[i].bearing_rad);
+    const double off =
+        wrap_angle(std::atan2(sight.y(), sight.x()) - best.pose.heading_rad - bearings[i].bearing_rad);
     fix.cost += 0.5 * off * off / variance(reflector, sight);
   }
-  for (const Rejection r : fix.rejections) ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  for (const Rejection r : fix.rejections)
+    ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
   last_ = best.pose;
   last_fix_s_ = fix.time_s;
   last_sigma_ = {std::sqrt(fix.covariance(0, 0) + fix.covariance(1, 1)), std::sqrt(fix.covariance(2, 2))};
@@ -101,9 +108,12 @@ void Reflectors::begin(const Observations& observations, Fix& fix) noexcept {
   fix.rejections.assign(bearings.size(), Rejection::kUsed);
   for (std::size_t i = 0; i < bearings.size(); ++i) {
     const BeaconId id = bearings[i].reflector;
-    if (i >= kMaxBearings || !std::isfinite(bearings[i].bearing_rad)) fix.rejections[i] = Rejection::kNotNeeded;
-    if (id.valid() && (id.index() >= index_.size() || index_[id.index()] < 0)) fix.rejections[i] = Rejection::kBeaconUnusable;
-    if (i < kMaxBearings) match_[i] = fix.rejections[i] == Rejection::kUsed ? -1 : -2;  // -2: never to be matched
+    if (i >= kMaxBearings || !std::isfinite(bearings[i].bearing_rad))
+      fix.rejections[i] = Rejection::kNotNeeded;
+    if (id.valid() && (id.index() >= index_.size() || index_[id.index()] < 0))
+      fix.rejections[i] = Rejection::kBeaconUnusable;
+    if (i < kMaxBearings)
+      match_[i] = fix.rejections[i] == Rejection::kUsed ? -1 : -2;  // -2: never to be matched
   }
   prediction_ = told_;
   if (!prediction_ && last_fix_s_ && options_.speed_mps > 0) {
@@ -125,8 +135,8 @@ double Reflectors::variance(const Reflector& reflector, const Eigen::Vector2d& s
   return square(sigma_rad_) + across.dot(reflector.covariance_m2 * across);
 }
 
-/// Matches every bearing to the reflector that explains it best, none twice; an unexplained bearing costs as much as one at
-/// the gate.
+/// Matches every bearing to the reflector that explains it best, none twice; an unexplained bearing costs as
+/// much as one at the gate.
 double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> bearings) noexcept {
   const double outlier = 0.5 * square(options_.gate_sigmas);
   for (std::size_t k = 0; k < reflectors_.size(); ++k) {
@@ -138,7 +148,8 @@ double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> be
   for (const bool labelled : {true, false}) {
     for (std::size_t i = 0; i < bearings.size(); ++i) {
       if (match_[i] == -2 || bearings[i].reflector.valid() != labelled) continue;
-      const std::size_t first = labelled ? static_cast<std::size_t>(index_[bearings[i].reflector.index()]) : 0;
+      const std::size_t first =
+          labelled ? static_cast<std::size_t>(index_[bearings[i].reflector.index()]) : 0;
       const std::size_t last = labelled ? first + 1 : reflectors_.size();
       double nearest = outlier;
       match_[i] = -1;
@@ -146,7 +157,8 @@ double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> be
         if (used_[k] != 0) continue;
         const double off = wrap_angle(direction_[k] - bearings[i].bearing_rad);
         // Cheap test first: the reflectors' own uncertainty seldom doubles the sigma.
-        const double off_cost = 0.5 * off * off / variance(reflectors_[k], reflectors_[k].p_map_m - pose.p_map_m);
+        const double off_cost =
+            0.5 * off * off / variance(reflectors_[k], reflectors_[k].p_map_m - pose.p_map_m);
         if (off_cost >= nearest) continue;
         nearest = off_cost;
         match_[i] = static_cast<int>(k);
@@ -166,11 +178,13 @@ void Reflectors::keep(const Hypothesis& hypothesis) noexcept {
     const Eigen::Vector3d d = difference(hypothesis.pose, other.pose);
     if (d.head<2>().norm() > 0.3 || std::abs(d.z()) > 0.1) continue;
     if (hypothesis.cost < other.cost) other = hypothesis;
-    std::sort(best_.begin(), best_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
+    std::sort(best_.begin(), best_.end(),
+              [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
     return;
   }
   best_.back() = hypothesis;
-  std::sort(best_.begin(), best_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
+  std::sort(best_.begin(), best_.end(),
+            [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
 }
 
 /// Fills `best_` with the poses that explain the bearings best.
@@ -205,7 +219,8 @@ void Reflectors::search(std::span<const Bearing> bearings) noexcept {
       for (std::size_t i = 0; i < j; ++i) try_triple(bearings, {order[i], order[j], order[k]});
 }
 
-void Reflectors::try_triple(std::span<const Bearing> bearings, const std::array<std::size_t, 3>& triple) noexcept {
+void Reflectors::try_triple(std::span<const Bearing> bearings,
+                            const std::array<std::size_t, 3>& triple) noexcept {
   std::array<std::size_t, 3> first{}, last{};
   std::array<double, 3> angle{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -219,13 +234,16 @@ void Reflectors::try_triple(std::span<const Bearing> bearings, const std::array<
       for (std::size_t c = first[2]; c < last[2]; ++c) {
         if (a == b || b == c || a == c) continue;
         if (tried_++ >= options_.max_hypotheses) return;
-        const auto pose = resect({reflectors_[a].p_map_m, reflectors_[b].p_map_m, reflectors_[c].p_map_m}, angle);
+        const auto pose =
+            resect({reflectors_[a].p_map_m, reflectors_[b].p_map_m, reflectors_[c].p_map_m}, angle);
         if (pose) keep({*pose, explain(*pose, bearings)});
       }
 }
 
-/// Gauss-Newton on the bearings matched, matching anew in between. False where the geometry does not determine the pose.
-bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearings, Eigen::Matrix3d& information) noexcept {
+/// Gauss-Newton on the bearings matched, matching anew in between. False where the geometry does not
+/// determine the pose.
+bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearings,
+                        Eigen::Matrix3d& information) noexcept {
   ResectedPose& pose = hypothesis.pose;
   for (int round = 0; round < kRematches; ++round) {
     bool converged = false;
@@ -238,13 +256,15 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
         const Eigen::Vector2d sight = reflector.p_map_m - pose.p_map_m;
         const double squared = std::max(sight.squaredNorm(), square(kSmallestSight_m));
         const Eigen::Vector3d J(sight.y() / squared, -sight.x() / squared, -1.0);
-        const double off = wrap_angle(bearings[i].bearing_rad - std::atan2(sight.y(), sight.x()) + pose.heading_rad);
+        const double off =
+            wrap_angle(bearings[i].bearing_rad - std::atan2(sight.y(), sight.x()) + pose.heading_rad);
         const double weight = 1 / variance(reflector, sight);
         information += weight * J * J.transpose();
         gradient += weight * off * J;
       }
       const Eigen::LDLT<Eigen::Matrix3d> ldlt(information);
-      if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-12 * ldlt.vectorD().maxCoeff())) return false;
+      if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-12 * ldlt.vectorD().maxCoeff()))
+        return false;
       const Eigen::Vector3d change = ldlt.solve(gradient);
       if (!change.allFinite()) return false;
       pose.p_map_m += change.head<2>();
@@ -260,7 +280,8 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
 }
 
 /// Refines the best hypotheses; leaves `match_` at the best one's.
-FixStatus Reflectors::judge(std::span<const Bearing> bearings, Hypothesis& best, Eigen::Matrix3d& information) noexcept {
+FixStatus Reflectors::judge(std::span<const Bearing> bearings, Hypothesis& best,
+                            Eigen::Matrix3d& information) noexcept {
   std::array<Eigen::Matrix3d, kBest> informations;
   std::size_t winner = kBest;
   for (std::size_t h = 0; h < kBest; ++h) {
@@ -281,12 +302,14 @@ FixStatus Reflectors::judge(std::span<const Bearing> bearings, Hypothesis& best,
     matched += match_[i] >= 0;
     named += match_[i] >= 0 && bearings[i].reflector.valid();
   }
-  const bool is_predicted = prediction_ && prediction_->sigma_m < kTight_m && prediction_->sigma_rad < kTight_rad &&
+  const bool is_predicted = prediction_ && prediction_->sigma_m < kTight_m &&
+                            prediction_->sigma_rad < kTight_rad &&
                             prediction_->cost(best.pose, options_.gate_sigmas) < 0.5 * square(3.0);
   if (matched < 3 || (matched == 3 && named < 3 && !is_predicted)) return FixStatus::kNoConsensus;
   const Eigen::Matrix3d covariance = information.ldlt().solve(Eigen::Matrix3d::Identity());
   const SymmetricEigen<Eigen::Matrix2d> axes(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
-  if (!(axes.eigenvalues().minCoeff() >= 0) || !(axes.eigenvalues().maxCoeff() < square(options_.max_sigma_m)))
+  if (!(axes.eigenvalues().minCoeff() >= 0) ||
+      !(axes.eigenvalues().maxCoeff() < square(options_.max_sigma_m)))
     return FixStatus::kPoorGeometry;
   for (const Hypothesis& other : best_) {
     if (!(other.cost < best.cost + options_.ambiguity_margin)) continue;

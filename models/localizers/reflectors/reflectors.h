@@ -20,9 +20,10 @@ namespace octant {
 struct ReflectorsOptions {
   std::optional<double> bearing_sigma_rad{};                 ///< not given: the deployment's
   double range_m = std::numeric_limits<double>::infinity();  ///< beyond it a reflector is not seen
-  double gate_sigmas = 4.0;                                  ///< a bearing further off is not of that reflector
-  double max_sigma_m = 1.0;                                  ///< a horizontal sigma beyond this is poor geometry
-  /// A second pose counts as equally good when its log likelihood is within this of the best (2: odds of seven to one).
+  double gate_sigmas = 4.0;  ///< a bearing further off is not of that reflector
+  double max_sigma_m = 1.0;  ///< a horizontal sigma beyond this is poor geometry
+  /// A second pose counts as equally good when its log likelihood is within this of the best (2: odds of
+  /// seven to one).
   double ambiguity_margin = 2.0;
   int max_hypotheses = 20000;  ///< poses tried in a search; bounds its time
   /// What the last fix says of the next: how fast the vehicle moves and turns. 0: nothing.
@@ -33,18 +34,20 @@ struct ReflectorsOptions {
 /// Which reflectors there must be: errors say what the deployment lacks.
 [[nodiscard]] Result<void> reflectors_fits(const Deployment& deployment);
 
-/// Pose from bearings to reflectors (Smieszek, Dobrzanska and Dobrzanski, "Laser navigation applications for automated guided
-/// vehicles", section 2: triangulation). The deployment's beacons are the reflectors; bearings are taken at the vehicle
-/// frame's origin; a bearing without a reflector's name may be of any.
+/// Pose from bearings to reflectors (Smieszek, Dobrzanska and Dobrzanski, "Laser navigation applications for
+/// automated guided vehicles", section 2: triangulation). The deployment's beacons are the reflectors;
+/// bearings are taken at the vehicle frame's origin; a bearing without a reflector's name may be of any.
 ///
-/// Triples of bearings give poses in closed form (`resect`), for unlabelled bearings under every assignment, until
-/// max_hypotheses are tried. The poses that explain all bearings best, each bearing by its nearest reflector and at most at the
-/// price of an outlier, are adjusted by least squares; the best is the fix. The last fix, or `predict`, is one more pose to try
-/// and weighs in with what is known of the motion, so that it decides between poses that the bearings cannot tell apart.
+/// Triples of bearings give poses in closed form (`resect`), for unlabelled bearings under every assignment,
+/// until max_hypotheses are tried. The poses that explain all bearings best, each bearing by its nearest
+/// reflector and at most at the price of an outlier, are adjusted by least squares; the best is the fix. The
+/// last fix, or `predict`, is one more pose to try and weighs in with what is known of the motion, so that it
+/// decides between poses that the bearings cannot tell apart.
 ///
-/// No fix: kTooFewArrivals under three bearings; kPoorGeometry on the danger circle or with a sigma beyond max_sigma_m;
-/// kAmbiguous where another pose explains the bearings as well; kNoConsensus where fewer than three bearings agree, or three
-/// alone and not all of them labelled. The covariance is that of the bearings' noise and of the reflectors' own.
+/// No fix: kTooFewArrivals under three bearings; kPoorGeometry on the danger circle or with a sigma beyond
+/// max_sigma_m; kAmbiguous where another pose explains the bearings as well; kNoConsensus where fewer than
+/// three bearings agree, or three alone and not all of them labelled. The covariance is that of the bearings'
+/// noise and of the reflectors' own.
 class Reflectors : public Localizer {
  public:
   explicit Reflectors(const Deployment& deployment, const ReflectorsOptions& options = {});
@@ -53,7 +56,8 @@ class Reflectors : public Localizer {
   /// Bearings beyond the first 64 are not used. Rejections are one for each bearing.
   void locate(const Observations& observations, Fix& fix) noexcept override;
 
-  /// Where the vehicle is at the next `locate`, as odometry has it; instead of what follows from the last fix.
+  /// Where the vehicle is at the next `locate`, as odometry has it; instead of what follows from the last
+  /// fix.
   void predict(const Pose& T_map_vehicle, double sigma_m, double sigma_rad) noexcept;
 
  private:
@@ -79,7 +83,8 @@ class Reflectors : public Localizer {
   void try_triple(std::span<const Bearing> bearings, const std::array<std::size_t, 3>& triple) noexcept;
   void keep(const Hypothesis& hypothesis) noexcept;
   double explain(const ResectedPose& pose, std::span<const Bearing> bearings) noexcept;
-  bool refine(Hypothesis& hypothesis, std::span<const Bearing> bearings, Eigen::Matrix3d& information) noexcept;
+  bool refine(Hypothesis& hypothesis, std::span<const Bearing> bearings,
+              Eigen::Matrix3d& information) noexcept;
   FixStatus judge(std::span<const Bearing> bearings, Hypothesis& best, Eigen::Matrix3d& information) noexcept;
   [[nodiscard]] double variance(const Reflector& reflector, const Eigen::Vector2d& sight_m) const noexcept;
 

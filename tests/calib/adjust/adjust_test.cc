@@ -29,15 +29,17 @@ Off hall_off_by(double off_m, int epochs = 300) {
   calib::Solution solution = calib::solve(off.problem, {});
   EXPECT_EQ(solution.status, calib::SolveStatus::kConverged);
   off.trajectories = std::move(solution.trajectories);
-  off.layout = calib::make_layout(off.problem, solution.state, std::vector<bool>(world.site.beacons.size(), false));
+  off.layout =
+      calib::make_layout(off.problem, solution.state, std::vector<bool>(world.site.beacons.size(), false));
   for (std::size_t b = 0; b < solution.state.beacon_p_map_m.size(); ++b)
-    solution.state.beacon_p_map_m[b] +=
-        off_m * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)), std::cos(3.0 * static_cast<double>(b)), 0.5);
+    solution.state.beacon_p_map_m[b] += off_m * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)),
+                                                                std::cos(3.0 * static_cast<double>(b)), 0.5);
   off.x = off.layout.vector_of(solution.state);
   return off;
 }
 
-calib::AdjustResult adjusted(const Off& off, double tolerance, Eigen::VectorXd& x, std::vector<Trajectory>& trajectories) {
+calib::AdjustResult adjusted(const Off& off, double tolerance, Eigen::VectorXd& x,
+                             std::vector<Trajectory>& trajectories) {
   trajectories = off.trajectories;
   x = off.x;
   calib::AdjustOptions options;
@@ -64,9 +66,14 @@ TEST(Adjust, StopsWhereTheLastStepIsForetoldAndNotBefore) {
       const Eigen::MatrixXd H = calib::information_at(off.problem, off.layout, settled, x).data;
       ASSERT_TRUE(result.data_information);
       const Eigen::VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
-      EXPECT_LT((scale.asDiagonal() * (*result.data_information - H) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-3);
+      EXPECT_LT(
+          (scale.asDiagonal() * (*result.data_information - H) * scale.asDiagonal()).cwiseAbs().maxCoeff(),
+          1e-3);
       for (std::size_t k = 0; k < there[0].nodes.size(); ++k)
-        EXPECT_LT((there[0].nodes[k].T_map_vehicle.translation_m - settled[0].nodes[k].T_map_vehicle.translation_m).norm(), 2e-6)
+        EXPECT_LT(
+            (there[0].nodes[k].T_map_vehicle.translation_m - settled[0].nodes[k].T_map_vehicle.translation_m)
+                .norm(),
+            2e-6)
             << k;
     }
   }

@@ -30,8 +30,8 @@ void make_general(Trajectory& t) {
   }
 }
 
-/// Measures the poses of a third of the stops, the headings of another third; these badly, so that between what is told and what
-/// is found there often is the half turn where headings begin anew.
+/// Measures the poses of a third of the stops, the headings of another third; these badly, so that between
+/// what is told and what is found there often is the half turn where headings begin anew.
 void measure_poses(Trajectory& t) {
   Random draws(5);
   for (std::size_t i = 0; i < t.segments.size(); ++i) {
@@ -39,10 +39,12 @@ void measure_poses(Trajectory& t) {
     s.first_pose = t.poses.size();
     const Pose& at = t.nodes[s.first_node].T_map_vehicle;
     const auto told = [&](double by_rad) {
-      return Pose::planar(at.translation_m.x() + 0.02 * draws.normal(), at.translation_m.y(), at.heading_rad() + by_rad);
+      return Pose::planar(at.translation_m.x() + 0.02 * draws.normal(), at.translation_m.y(),
+                          at.heading_rad() + by_rad);
     };
     if (i % 3 == 0) t.poses.push_back({s.first_node, 0.0, told(0.05 * draws.normal()), 0.02, 0.05, INFINITY});
-    if (i % 3 == 1) t.poses.push_back({s.first_node, 0.0, told(i % 2 == 0 ? 1.5 : -1.5), INFINITY, 1.0, INFINITY});
+    if (i % 3 == 1)
+      t.poses.push_back({s.first_node, 0.0, told(i % 2 == 0 ? 1.5 : -1.5), INFINITY, 1.0, INFINITY});
     s.last_pose = t.poses.size();
   }
 }
@@ -66,7 +68,8 @@ Sides sides_of(const Scenario& scenario, double rough_m, bool measured = false) 
   Sides out{problem_of(world), {}, shared_state(world.truth), {}, {}};
   out.state.speed_offset_mps[0] += 0.05;
   for (Eigen::Vector3d& p : out.state.beacon_p_map_m) p += Eigen::Vector3d(0.01, -0.02, 0.015);
-  out.layout = calib::make_layout(out.problem, out.state, std::vector<bool>(world.site.beacons.size(), false));
+  out.layout =
+      calib::make_layout(out.problem, out.state, std::vector<bool>(world.site.beacons.size(), false));
   out.fast = out.problem.trajectories;
   Random draws(3);
   for (Trajectory& t : out.fast)
@@ -104,7 +107,8 @@ void expect_same(Sides& s, const RobustLoss& loss) {
     tile->commit();
     tile->rewind();
   }
-  // What is left of a direction that the states absorb (the turn of an array) is rounding of what was there before.
+  // What is left of a direction that the states absorb (the turn of an array) is rounding of what was there
+  // before.
   const double rounding = 1e-13 * b.H.diagonal().maxCoeff();
   for (Eigen::Index i = 0; i < a.H.rows(); ++i) {
     // A state off by what is left to gain moves the gradient by about the root of that.
@@ -157,7 +161,8 @@ TEST(StopBlock, EveryInstructionSetGivesTheSame) {
     expect_same(small_hall(), {2.385, 2.385});
     expect_same(offset, {2.385, 2.385});
   }
-  if (std::getenv("OCTANT_SIMD") == nullptr) EXPECT_GE(names.size(), 2U);  // x86-64 has SSE2 at least, and some more
+  if (std::getenv("OCTANT_SIMD") == nullptr)
+    EXPECT_GE(names.size(), 2U);  // x86-64 has SSE2 at least, and some more
 }
 
 /// Several arrivals over one path in an epoch, and epochs that hear hardly anything, in one pack with others.
@@ -203,7 +208,8 @@ TEST(StopBlock, ArrayAsOnePieceAndTemperatures) {
 
 TEST(StopBlock, EpochsOutOfReachAreLeftToTheGeneralPath) {
   Sides s = sides_of(small_hall(16), 0.0);
-  s.fast[0].nodes[3].T_map_vehicle.translation_m += Eigen::Vector3d(30.0, -20.0, 0.0);  // far outside the hall
+  s.fast[0].nodes[3].T_map_vehicle.translation_m +=
+      Eigen::Vector3d(30.0, -20.0, 0.0);  // far outside the hall
   s.general[0].nodes[3].T_map_vehicle = s.fast[0].nodes[3].T_map_vehicle;
   calib::Tile fast = only_tile(s.fast, s.layout), general = only_tile(s.general, s.layout);
   const double cost = fast.evaluate(s.state, {2.385, 2.385}, nullptr),
@@ -214,7 +220,8 @@ TEST(StopBlock, EpochsOutOfReachAreLeftToTheGeneralPath) {
 TEST(StopBlock, MeasuredPosesAndHeadings) {
   const auto compare = [](const Scenario& scenario, const RobustLoss& loss) {
     Sides s = sides_of(scenario, 0.01, true);
-    for (const std::size_t i : {0U, 1U, 2U}) EXPECT_TRUE(calib::StopBlock::takes(s.fast[0], s.fast[0].segments[i])) << i;
+    for (const std::size_t i : {0U, 1U, 2U})
+      EXPECT_TRUE(calib::StopBlock::takes(s.fast[0], s.fast[0].segments[i])) << i;
     expect_same(s, loss);
   };
   Scenario scenario = small_hall();

@@ -13,17 +13,20 @@ namespace {
 
 using calib::Solution;
 
-/// A hall with a delay per beacon and many stops; each pair keeps an error of `sigmas` times the noise for some `stops` stops.
+/// A hall with a delay per beacon and many stops; each pair keeps an error of `sigmas` times the noise for
+/// some `stops` stops.
 World hall_with_memory(std::uint64_t seed, double sigmas, double stops) {
   Scenario s = hall_scenario();
   s.path.epochs = 200;
   World world = must(simulate(s, seed));
   Random random(seed, 77);
   const double keep = std::exp(-1.0 / stops), fresh = std::sqrt(1 - keep * keep);
-  std::map<std::pair<int, int>, std::pair<std::int64_t, double>> bias;  // of a pair: the stop it is of, and its value
+  std::map<std::pair<int, int>, std::pair<std::int64_t, double>>
+      bias;  // of a pair: the stop it is of, and its value
   for (Arrival& a : world.run.arrivals) {
     auto [at, is_new] = bias.try_emplace({a.beacon.value, a.receiver.value}, a.epoch, random.normal());
-    for (; at->second.first < a.epoch; ++at->second.first) at->second.second = keep * at->second.second + fresh * random.normal();
+    for (; at->second.first < a.epoch; ++at->second.first)
+      at->second.second = keep * at->second.second + fresh * random.normal();
     a.tof_s += sigmas * world.site.noise.tof_sigma_s * at->second.second;
   }
   return world;
@@ -55,7 +58,8 @@ TEST(ErrorModel, SigmasHoldWhereErrorsHaveAMemory) {
     honest += nees_of(world, solution, false) / kWorlds;
     white += nees_of(world, solution, true) / kWorlds;
   }
-  // Some ten independent stretches a pair: the variances behind the sigmas are known to a third, and eight worlds share that out.
+  // Some ten independent stretches a pair: the variances behind the sigmas are known to a third, and eight
+  // worlds share that out.
   EXPECT_GT(honest, 0.3);
   EXPECT_LT(honest, 2.5);
   EXPECT_GT(white, 4.0) << "white noise would do: this test tests nothing";
@@ -65,9 +69,11 @@ TEST(ErrorModel, TheVarianceOfTheErrorsIsFound) {
   const World world = hall_with_memory(3, 3.0, 20.0);
   const Solution solution = solution_of(world);
   const double unit_s = solution.tof_sigma_s, stated_s = world.site.noise.tof_sigma_s;
-  const double total_s = unit_s * std::sqrt(solution.errors.white_tof + std::pow(solution.errors.correlated_sigma(), 2) +
-                                            std::pow(solution.errors.pair_sigma(), 2));
-  EXPECT_NEAR(total_s / stated_s, std::sqrt(10.0), 0.6);  // 3 and 1; pairs' own means wander by a fifth in so short a log
+  const double total_s =
+      unit_s * std::sqrt(solution.errors.white_tof + std::pow(solution.errors.correlated_sigma(), 2) +
+                         std::pow(solution.errors.pair_sigma(), 2));
+  EXPECT_NEAR(total_s / stated_s, std::sqrt(10.0),
+              0.6);  // 3 and 1; pairs' own means wander by a fifth in so short a log
 }
 
 TEST(ErrorModel, NonNegativeLeastSquaresKeepsItsConditions) {
@@ -81,7 +87,8 @@ TEST(ErrorModel, NonNegativeLeastSquaresKeepsItsConditions) {
       b[i] = random.normal();
     }
     const Eigen::VectorXd x = calib::non_negative_least_squares(A, b);
-    const Eigen::VectorXd w = A.transpose() * (b - A * x);  // Karush, Kuhn and Tucker: w <= 0, and = 0 where x > 0
+    const Eigen::VectorXd w =
+        A.transpose() * (b - A * x);  // Karush, Kuhn and Tucker: w <= 0, and = 0 where x > 0
     for (Eigen::Index j = 0; j < n; ++j) {
       EXPECT_GE(x[j], 0.0);
       EXPECT_LT(w[j], 1e-8);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Leverages, w, detectable biases, ellipses and variance components: against a dense hat matrix and against simulated worlds.
+// Leverages, w, detectable biases, ellipses and variance components: against a dense hat matrix and against
+// simulated worlds.
 #include "calib/errors/reliability.h"
 
 #include <algorithm>
@@ -45,13 +46,16 @@ void expect_as_dense(const Scenario& scenario, std::uint64_t seed, bool full_ran
   const Reliability& r = solution.reliability;
   ASSERT_TRUE(r.ok) << solution.message;
   const DenseAdjustment dense(problem, solution);
-  EXPECT_NEAR(r.redundancy_sum, static_cast<double>(dense.rows.size()) - static_cast<double>(dense.rank()), 1e-4);
+  EXPECT_NEAR(r.redundancy_sum, static_cast<double>(dense.rows.size()) - static_cast<double>(dense.rank()),
+              1e-4);
   if (full_rank) EXPECT_NEAR(r.redundancy_sum, solution.statistics.redundancy, 1e-6);
   std::map<std::size_t, const ArrivalReliability*> by_arrival;
   for (const ArrivalReliability& a : r.arrivals) by_arrival[a.arrival] = &a;
   std::array<double, 6> of_kind = {};
-  std::vector<Eigen::VectorXd> lateness(problem.site.beacons.size(), Eigen::VectorXd::Zero(dense.residual.size()));
-  // Central differences: relative 1e-7 of curvature and rounding in the derivatives; the projector's condition takes the rest.
+  std::vector<Eigen::VectorXd> lateness(problem.site.beacons.size(),
+                                        Eigen::VectorXd::Zero(dense.residual.size()));
+  // Central differences: relative 1e-7 of curvature and rounding in the derivatives; the projector's
+  // condition takes the rest.
   for (std::size_t i = 0; i < dense.rows.size(); ++i) {
     const DenseAdjustment::Row& row = dense.rows[i];
     const double redundancy = 1 - dense.leverage(i);
@@ -65,18 +69,23 @@ void expect_as_dense(const Scenario& scenario, std::uint64_t seed, bool full_ran
     ASSERT_NEAR(a.w, dense.residual[at] / std::sqrt(redundancy), 1e-4);
     ASSERT_NEAR(a.mdb_s, calib::kDelta0 * dense.sigma_s(row) / std::sqrt(redundancy), 1e-4 * a.mdb_s);
     if (!full_rank || i % 7 != 0) continue;  // some of them: a dense solution each
-    const Eigen::VectorXd bias = (a.mdb_s / dense.sigma_s(row)) * Eigen::VectorXd::Unit(dense.residual.size(), at);
+    const Eigen::VectorXd bias =
+        (a.mdb_s / dense.sigma_s(row)) * Eigen::VectorXd::Unit(dense.residual.size(), at);
     ASSERT_NEAR(a.influence_m, dense.beacon_shift_m(bias), 1e-3 * a.influence_m + 1e-9);
   }
   for (const calib::VarianceComponent& kind : r.kinds) {
-    const std::map<std::string, std::size_t> place = {{"tof", 0}, {"amplitude", 1}, {"bearing", 2}, {"pose", 3}, {"odometry", 4}, {"prior", 5}};
+    const std::map<std::string, std::size_t> place = {{"tof", 0},  {"amplitude", 1}, {"bearing", 2},
+                                                      {"pose", 3}, {"odometry", 4},  {"prior", 5}};
     EXPECT_NEAR(kind.redundancy, of_kind[place.at(kind.name)], 1e-3) << kind.name;
   }
   for (std::size_t b = 0; b < lateness.size(); ++b) {
     if (!r.beacons[b].lateness_mdb_s) continue;
-    const double information = lateness[b].dot(dense.residuals_of(lateness[b])), mdb_s = *r.beacons[b].lateness_mdb_s;
+    const double information = lateness[b].dot(dense.residuals_of(lateness[b])),
+                 mdb_s = *r.beacons[b].lateness_mdb_s;
     EXPECT_NEAR(mdb_s, calib::kDelta0 / std::sqrt(information), 1e-4 * mdb_s) << r.beacons[b].name;
-    if (full_rank) EXPECT_NEAR(*r.beacons[b].lateness_influence_m, dense.beacon_shift_m(mdb_s * lateness[b]), 1e-3 * *r.beacons[b].lateness_influence_m + 1e-9);
+    if (full_rank)
+      EXPECT_NEAR(*r.beacons[b].lateness_influence_m, dense.beacon_shift_m(mdb_s * lateness[b]),
+                  1e-3 * *r.beacons[b].lateness_influence_m + 1e-9);
   }
 }
 
@@ -149,7 +158,8 @@ TEST(Reliability, WIsStandardNormal) {
     const World world = must(simulate(near_hall(), 100 + seed));
     const calib::Solution solution = solution_of(world, keep_all());
     ASSERT_EQ(solution.status, calib::SolveStatus::kConverged);
-    // The least controlled arrival of each epoch, where w differs most from the plain residual; one, to be independent.
+    // The least controlled arrival of each epoch, where w differs most from the plain residual; one, to be
+    // independent.
     std::map<std::int64_t, const ArrivalReliability*> least;
     for (const ArrivalReliability& a : solution.reliability.arrivals) {
       const ArrivalReliability*& kept = least[world.run.arrivals[a.arrival].epoch];
@@ -172,7 +182,8 @@ TEST(Reliability, WIsStandardNormal) {
 double binomial_cdf(int k, int n, double p) {
   double sum = 0.0;
   for (int i = 0; i <= k; ++i)
-    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) + i * std::log(p) + (n - i) * std::log1p(-p));
+    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) + i * std::log(p) +
+                    (n - i) * std::log1p(-p));
   return sum;
 }
 /// Fewer or more successes than this happen once in ten thousand times each.
@@ -190,10 +201,12 @@ void expect_found(double share, int worlds, double power) {
     const calib::Solution before = solution_of(world, keep_all());
     const std::vector<ArrivalReliability>& all = before.reliability.arrivals;
     const ArrivalReliability& chosen = all[std::mt19937(static_cast<unsigned>(seed))() % all.size()];
-    world.run.arrivals[chosen.arrival].tof_s += share * chosen.mdb_s * world.site.noise.tof_sigma_s / before.tof_sigma_s;
+    world.run.arrivals[chosen.arrival].tof_s +=
+        share * chosen.mdb_s * world.site.noise.tof_sigma_s / before.tof_sigma_s;
     const calib::Solution after = solution_of(world, keep_all());
     for (const ArrivalReliability& a : after.reliability.arrivals)  // w against the stated noise
-      if (a.arrival == chosen.arrival) found += std::abs(a.w) * after.tof_sigma_s / world.site.noise.tof_sigma_s > calib::kCriticalW;
+      if (a.arrival == chosen.arrival)
+        found += std::abs(a.w) * after.tof_sigma_s / world.site.noise.tof_sigma_s > calib::kCriticalW;
   }
   testing::Test::RecordProperty("found", found);
   expect_share(found, worlds, power);
@@ -202,7 +215,9 @@ void expect_found(double share, int worlds, double power) {
 TEST(Reliability, ADetectableBiasIsFoundInEightyOfAHundred) {
   expect_found(1.0, 120, normal_cdf(calib::kDelta0 - calib::kCriticalW));
 }
-TEST(Reliability, OneAndAHalfTimesIsFoundAlmostAlways) { expect_found(1.5, 30, normal_cdf(1.5 * calib::kDelta0 - calib::kCriticalW)); }
+TEST(Reliability, OneAndAHalfTimesIsFoundAlmostAlways) {
+  expect_found(1.5, 30, normal_cdf(1.5 * calib::kDelta0 - calib::kCriticalW));
+}
 
 TEST(Reliability, ErrorEllipsesHoldTheTruth) {
   int inside = 0, in_box = 0, n = 0;
@@ -210,23 +225,29 @@ TEST(Reliability, ErrorEllipsesHoldTheTruth) {
     const World world = must(simulate(near_hall(), 2000 + seed));
     const calib::Solution solution = solution_of(world);
     ASSERT_EQ(solution.status, calib::SolveStatus::kConverged);
-    const std::size_t b = std::array<std::size_t, 5>{1, 2, 4, 5, 7}[seed % 5];  // one a world: the beacons of a world err together
+    const std::size_t b = std::array<std::size_t, 5>{
+        1, 2, 4, 5, 7}[seed % 5];  // one a world: the beacons of a world err together
     ASSERT_TRUE(solution.reliability.beacons[b].ellipse);
     const calib::ErrorEllipse& e = *solution.reliability.beacons[b].ellipse;
     const Eigen::Vector3d error = solution.state.beacon_p_map_m[b] - world.truth.beacons[b].position_m;
-    const Eigen::Vector2d major(std::cos(e.azimuth_rad), std::sin(e.azimuth_rad)), minor(-major.y(), major.x());
-    inside += std::pow(major.dot(error.head<2>()) / e.semi_major_m, 2) + std::pow(minor.dot(error.head<2>()) / e.semi_minor_m, 2) < 1;
+    const Eigen::Vector2d major(std::cos(e.azimuth_rad), std::sin(e.azimuth_rad)),
+        minor(-major.y(), major.x());
+    inside += std::pow(major.dot(error.head<2>()) / e.semi_major_m, 2) +
+                  std::pow(minor.dot(error.head<2>()) / e.semi_minor_m, 2) <
+              1;
     in_box += error.norm() < e.semi_axes_m[0];
   }
   RecordProperty("inside", inside);
   expect_share(inside, n, 0.95);
-  EXPECT_GT(binomial_cdf(in_box, n, 0.95), 1e-4);  // the ball round the ellipsoid holds more than the ellipsoid
+  EXPECT_GT(binomial_cdf(in_box, n, 0.95),
+            1e-4);  // the ball round the ellipsoid holds more than the ellipsoid
 }
 
 TEST(Reliability, EllipseOfAKnownCovariance) {
   const double turn = 0.6;
   Eigen::Matrix3d R = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  const calib::ErrorEllipse e = calib::error_ellipse(R * Eigen::Vector3d(4e-6, 1e-6, 9e-6).asDiagonal() * R.transpose());
+  const calib::ErrorEllipse e =
+      calib::error_ellipse(R * Eigen::Vector3d(4e-6, 1e-6, 9e-6).asDiagonal() * R.transpose());
   EXPECT_NEAR(e.azimuth_rad, turn, 1e-9);
   EXPECT_NEAR(e.semi_major_m, 2e-3 * std::sqrt(chi2_quantile(0.95, 2)), 1e-7);
   EXPECT_NEAR(e.semi_minor_m, 1e-3 * std::sqrt(chi2_quantile(0.95, 2)), 1e-7);
@@ -247,12 +268,14 @@ TEST(Reliability, ABeaconOfTwiceTheNoiseIsNamedByItsVarianceComponent) {
     const calib::Problem problem = problem_of(world);
     const calib::Solution solution = calib::solve(problem, keep_all());
     ASSERT_EQ(solution.status, calib::SolveStatus::kConverged);
-    // Expectation of v'Pv of a part: trace of (I - H) S (I - H) over it, S the true variances over the stated ones.
+    // Expectation of v'Pv of a part: trace of (I - H) S (I - H) over it, S the true variances over the stated
+    // ones.
     const DenseAdjustment dense(problem, solution);
     Eigen::VectorXd S = Eigen::VectorXd::Ones(dense.residual.size());
     Eigen::VectorXi of = Eigen::VectorXi::Constant(S.size(), -1);
     for (std::size_t i = 0; i < dense.rows.size(); ++i)
-      if (dense.rows[i].kind == DenseAdjustment::Row::kTof) of[static_cast<Eigen::Index>(i)] = dense.rows[i].beacon.value;
+      if (dense.rows[i].kind == DenseAdjustment::Row::kTof)
+        of[static_cast<Eigen::Index>(i)] = dense.rows[i].beacon.value;
     for (Eigen::Index i = 0; i < S.size(); ++i)
       if (of[i] == static_cast<int>(kNoisy)) S[i] = 4.0;
     const Eigen::MatrixXd R = dense.residual_projector();
@@ -269,12 +292,16 @@ TEST(Reliability, ABeaconOfTwiceTheNoiseIsNamedByItsVarianceComponent) {
     noisy += *beacons[kNoisy].component.factor / worlds;
     const double mean = expected(kNoisy);
     noisy_expected += mean / worlds;
-    variance += 2 * mean * mean / beacons[kNoisy].component.redundancy / worlds / worlds;  // of a scaled chi-square, nearly
+    variance += 2 * mean * mean / beacons[kNoisy].component.redundancy / worlds /
+                worlds;  // of a scaled chi-square, nearly
     others += *beacons[1].component.factor / worlds;
     others_expected += expected(1) / worlds;
     EXPECT_LT(*beacons[kNoisy].component.chi2_p, 1e-4);
     EXPECT_EQ(std::max_element(beacons.begin(), beacons.end(),
-                               [](const auto& a, const auto& b) { return a.component.factor.value_or(0) < b.component.factor.value_or(0); })->name,
+                               [](const auto& a, const auto& b) {
+                                 return a.component.factor.value_or(0) < b.component.factor.value_or(0);
+                               })
+                  ->name,
               problem.site.beacons[kNoisy].name);
   }
   RecordProperty("noisy", std::to_string(noisy));
@@ -307,7 +334,8 @@ TEST(Reliability, ResidualsByGroup) {
   s.warming_degC = 4.0;
   const calib::Solution solution = solution_of(must(simulate(s, 9)));
   const Reliability& r = solution.reliability;
-  for (const auto* groups : {&r.by_beacon, &r.by_receiver, &r.by_distance, &r.by_temperature, &r.by_incidence, &r.by_time}) {
+  for (const auto* groups :
+       {&r.by_beacon, &r.by_receiver, &r.by_distance, &r.by_temperature, &r.by_incidence, &r.by_time}) {
     std::size_t count = 0;
     double squares = 0.0;
     for (const auto& g : *groups) {
@@ -317,7 +345,8 @@ TEST(Reliability, ResidualsByGroup) {
       EXPECT_NEAR(g.rms_m, 345 * g.rms_s, 0.02 * g.rms_m);  // 343 to 350 m/s in this hall
     }
     EXPECT_EQ(count, solution.statistics.arrivals);
-    EXPECT_NEAR(std::sqrt(squares / static_cast<double>(count)), solution.statistics.rms_s, 1e-9 * solution.statistics.rms_s);
+    EXPECT_NEAR(std::sqrt(squares / static_cast<double>(count)), solution.statistics.rms_s,
+                1e-9 * solution.statistics.rms_s);
   }
   EXPECT_EQ(r.by_distance.size(), 8u);
   EXPECT_EQ(r.by_temperature.size(), 8u);

@@ -15,7 +15,8 @@ TEST(Whiteness, SimulatedNoiseIsWhite) {
     const World world = must(simulate(hall_scenario(), seed));
     const calib::Solution solution = solution_of(world);
     const calib::Whiteness w = calib::whiteness_of(solution.trajectories, solution.state);
-    EXPECT_TRUE(w.white) << "seed " << seed << ", pair ratio " << w.pair_ratio << ", correlation " << w.autocorrelation;
+    EXPECT_TRUE(w.white) << "seed " << seed << ", pair ratio " << w.pair_ratio << ", correlation "
+                         << w.autocorrelation;
     EXPECT_EQ(w.sigma_factor, 1.0);
     EXPECT_GT(w.pairs, 20u);
   }
@@ -23,7 +24,8 @@ TEST(Whiteness, SimulatedNoiseIsWhite) {
 
 TEST(Whiteness, ABiasThatAPairKeepsIsSeenAndWarnedOf) {
   World world = must(simulate(hall_scenario(), 6));
-  for (Arrival& a : world.run.arrivals) a.tof_s += 2e-5 * std::sin(7.0 * a.beacon.value + 3.0 * a.receiver.value);
+  for (Arrival& a : world.run.arrivals)
+    a.tof_s += 2e-5 * std::sin(7.0 * a.beacon.value + 3.0 * a.receiver.value);
   const calib::Solution solution = solution_of(world);
   const calib::Whiteness w = calib::whiteness_of(solution.trajectories, solution.state);
   EXPECT_FALSE(w.white);

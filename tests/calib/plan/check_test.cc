@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What is said of recordings before they are calibrated: their health, and the verdict foretold from a part of them.
+// What is said of recordings before they are calibrated: their health, and the verdict foretold from a part
+// of them.
 #include "calib/plan/check.h"
 
 #include <algorithm>
@@ -58,7 +59,8 @@ TEST(LogHealth, CountsOfAGoodHall) {
 
 TEST(LogHealth, NamesASilentBeaconAndADeafReceiver) {
   World world = hall(40);
-  std::erase_if(world.run.arrivals, [](const Arrival& a) { return a.beacon == BeaconId(5) || a.receiver == ReceiverId(3); });
+  std::erase_if(world.run.arrivals,
+                [](const Arrival& a) { return a.beacon == BeaconId(5) || a.receiver == ReceiverId(3); });
   const auto found = calib::silent_links(world.site, {calib::log_health(world.site, world.run)});
   ASSERT_EQ(texts(found, "silent_beacon").size(), 1U);
   EXPECT_THAT(texts(found, "silent_beacon")[0], HasSubstr("B5"));
@@ -95,12 +97,14 @@ TEST(LogHealth, ConstantAndQuantisedValues) {
     if (a.beacon == BeaconId(2)) a.tof_s = 0.01;
   h = calib::log_health(world.site, world.run);
   EXPECT_THAT(h.constant, ::testing::ElementsAre("B2"));
-  EXPECT_EQ(calib::log_health(hall(60).site, hall(60).run).resolution_s, 0.0) << "continuous values have none";
+  EXPECT_EQ(calib::log_health(hall(60).site, hall(60).run).resolution_s, 0.0)
+      << "continuous values have none";
 }
 
 TEST(LogHealth, MissingTemperatureMattersWhereTheSpeedIsHeld) {
   World world = hall(20);
-  EXPECT_THAT(texts(calib::log_health(world.site, world.run).findings, "temperature"), IsEmpty()) << "two metres a second are free";
+  EXPECT_THAT(texts(calib::log_health(world.site, world.run).findings, "temperature"), IsEmpty())
+      << "two metres a second are free";
   world.site.speed_sigma_mps = 0.0;
   EXPECT_EQ(texts(calib::log_health(world.site, world.run).findings, "temperature").size(), 1U);
   world.run.temperature_degC = 21.0;
@@ -109,7 +113,8 @@ TEST(LogHealth, MissingTemperatureMattersWhereTheSpeedIsHeld) {
 
 TEST(UnitCheck, NamesTheUnit) {
   const World world = hall(30);
-  const std::pair<double, const char*> units[] = {{1e3, "like milliseconds"}, {1e6, "like microseconds"}, {1e9, "like nanoseconds"}, {345.0, "metres"}};
+  const std::pair<double, const char*> units[] = {
+      {1e3, "like milliseconds"}, {1e6, "like microseconds"}, {1e9, "like nanoseconds"}, {345.0, "metres"}};
   for (const auto& [factor, name] : units) {
     World wrong = world;
     for (Arrival& a : wrong.run.arrivals) a.tof_s *= factor;
@@ -167,12 +172,14 @@ TEST(Thin, KeepsEveryBeaconAndFewEpochsOfMany) {
   EXPECT_LE(epochs.size(), 400U);
   EXPECT_GT(*epochs.rbegin(), 19'000) << "evenly to the end";
   for (std::size_t b = 0; b < heard.size(); ++b) EXPECT_GE(heard[b], std::min<std::size_t>(all[b], 40)) << b;
-  EXPECT_TRUE(std::is_sorted(few.arrivals.begin(), few.arrivals.end(), [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; }));
+  EXPECT_TRUE(std::is_sorted(few.arrivals.begin(), few.arrivals.end(),
+                             [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; }));
   // Whole epochs: as many arrivals as the original has in them.
   std::size_t in_them = 0;
   for (const Arrival& a : big.arrivals) in_them += epochs.contains(a.epoch);
   EXPECT_EQ(few.arrivals.size(), in_them);
-  EXPECT_EQ(calib::thin(world.run, world.site.beacons.size()).arrivals.size(), world.run.arrivals.size()) << "small ones stay";
+  EXPECT_EQ(calib::thin(world.run, world.site.beacons.size()).arrivals.size(), world.run.arrivals.size())
+      << "small ones stay";
 }
 
 TEST(Thin, ALongStandKeepsSomeOfEachPair) {
@@ -191,20 +198,26 @@ TEST(Thin, OdometryOfADriveAddsUpToTheSameWay) {
   EXPECT_LT(few.odometry.size(), world.run.odometry.size() / 2);
   const auto way = [](const MeasurementLog& run) {
     Pose T;
-    for (std::size_t i = 1; i < run.odometry.size(); ++i) T = T * Pose::planar(run.odometry[i].dx_m, run.odometry[i].dy_m, run.odometry[i].dheading_rad);
+    for (std::size_t i = 1; i < run.odometry.size(); ++i)
+      T = T * Pose::planar(run.odometry[i].dx_m, run.odometry[i].dy_m, run.odometry[i].dheading_rad);
     return T;
   };
   EXPECT_EQ(few.odometry.back().time_s, world.run.odometry.back().time_s);
   EXPECT_NEAR((way(few).translation_m - way(world.run).translation_m).norm(), 0.0, 1e-9);
   // Each arrival that is kept lies between the same two rows as before.
   const auto rows_at = [](const MeasurementLog& run, double t) {
-    const auto after = std::upper_bound(run.odometry.begin(), run.odometry.end(), t, [](double time_s, const OdometryStep& s) { return time_s < s.time_s; });
-    return after == run.odometry.begin() || after == run.odometry.end() ? std::pair(0.0, 0.0) : std::pair((after - 1)->time_s, after->time_s);
+    const auto after =
+        std::upper_bound(run.odometry.begin(), run.odometry.end(), t,
+                         [](double time_s, const OdometryStep& s) { return time_s < s.time_s; });
+    return after == run.odometry.begin() || after == run.odometry.end()
+               ? std::pair(0.0, 0.0)
+               : std::pair((after - 1)->time_s, after->time_s);
   };
   for (const Arrival& a : few.arrivals) EXPECT_EQ(rows_at(few, a.time_s), rows_at(world.run, a.time_s));
 }
 
-/// Predicted sigmas against those of the whole calibration: the thinned geometry is another sample of the same paths.
+/// Predicted sigmas against those of the whole calibration: the thinned geometry is another sample of the
+/// same paths.
 void expect_like_calibrate(const World& world, const calib::ThinOptions& options) {
   const calib::Problem problem = problem_of(world);
   const auto forecast = calib::forecast(problem, {}, options);
@@ -228,8 +241,12 @@ void expect_like_calibrate(const World& world, const calib::ThinOptions& options
   EXPECT_GT(*forecast.speed_sigma_mps, 0.0);
 }
 
-TEST(Forecast, OfStopsIsWithinHalfOfTheWholeCalibration) { expect_like_calibrate(hall(600), {.instants = 150}); }
-TEST(Forecast, OfADriveIsWithinHalfOfTheWholeCalibration) { expect_like_calibrate(must(simulate(drive_scenario(300.0), 2)), {.drive_arrivals = 1500}); }
+TEST(Forecast, OfStopsIsWithinHalfOfTheWholeCalibration) {
+  expect_like_calibrate(hall(600), {.instants = 150});
+}
+TEST(Forecast, OfADriveIsWithinHalfOfTheWholeCalibration) {
+  expect_like_calibrate(must(simulate(drive_scenario(300.0), 2)), {.drive_arrivals = 1500});
+}
 
 TEST(Forecast, OfASmallRunIsTheCalibrationItself) {
   const World world = hall(60);
@@ -249,10 +266,12 @@ void expect_same_refusal(const World& world, const std::string& parameter) {
   EXPECT_THAT(whole.undetermined, ::testing::Contains(HasSubstr(parameter)));
   for (const std::size_t instants : {300U, 40U}) {
     const auto forecast = calib::forecast(problem, {}, {.instants = instants});
-    EXPECT_EQ(forecast.solution.status, calib::SolveStatus::kUndetermined) << instants << forecast.solution.message;
+    EXPECT_EQ(forecast.solution.status, calib::SolveStatus::kUndetermined)
+        << instants << forecast.solution.message;
     EXPECT_EQ(forecast.solution.undetermined, whole.undetermined) << instants;
     ASSERT_EQ(forecast.solution.weak.size(), whole.weak.size());
-    for (std::size_t i = 0; i < whole.weak.size(); ++i) EXPECT_EQ(forecast.solution.weak[i].remedy, whole.weak[i].remedy);
+    for (std::size_t i = 0; i < whole.weak.size(); ++i)
+      EXPECT_EQ(forecast.solution.weak[i].remedy, whole.weak[i].remedy);
   }
 }
 
@@ -297,8 +316,10 @@ TEST(Suspicions, ExchangedReceiversAreNamed) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     World world = hall(120, seed);
     for (Arrival& a : world.run.arrivals) {
-      if (a.receiver == ReceiverId(0)) a.receiver = ReceiverId(4);
-      else if (a.receiver == ReceiverId(4)) a.receiver = ReceiverId(0);
+      if (a.receiver == ReceiverId(0))
+        a.receiver = ReceiverId(4);
+      else if (a.receiver == ReceiverId(4))
+        a.receiver = ReceiverId(0);
     }
     const auto found = texts(suspicions_of(world), "receiver_label");
     ASSERT_EQ(found.size(), 1U) << seed;

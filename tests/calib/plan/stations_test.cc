@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Stops suggested for a calibration: their information against the adjustment's own, their gain against random stops.
+// Stops suggested for a calibration: their information against the adjustment's own, their gain against
+// random stops.
 #include "calib/plan/stations.h"
 
 #include <algorithm>
@@ -31,9 +32,11 @@ StationOptions options_for(const Scenario& s, double spacing_m, int headings) {
   o.spacing_m = spacing_m;
   o.stop.hearing = {.range_m = s.range_m, .half_angle_rad = s.hearing_half_angle_rad};
   for (double x = kWallMargin_m; x < s.hall_m[0] - kWallMargin_m; x += spacing_m)
-    for (double y = kWallMargin_m; y < s.hall_m[1] - kWallMargin_m; y += spacing_m) o.places_m.emplace_back(x, y);
+    for (double y = kWallMargin_m; y < s.hall_m[1] - kWallMargin_m; y += spacing_m)
+      o.places_m.emplace_back(x, y);
   o.may_stop = [hall = s.hall_m](const Eigen::Vector2d& p) {
-    return p.x() > kWallMargin_m && p.y() > kWallMargin_m && p.x() < hall[0] - kWallMargin_m && p.y() < hall[1] - kWallMargin_m;
+    return p.x() > kWallMargin_m && p.y() > kWallMargin_m && p.x() < hall[0] - kWallMargin_m &&
+           p.y() < hall[1] - kWallMargin_m;
   };
   return o;
 }
@@ -47,7 +50,8 @@ std::vector<Eigen::Vector3d> poses_of(const StationPlan& plan) {
 std::vector<Eigen::Vector3d> random_stops(const Scenario& s, int count, Random& draws) {
   std::vector<Eigen::Vector3d> stops;
   for (int i = 0; i < count; ++i) {
-    const double x = draws.uniform(kWallMargin_m, s.hall_m[0] - kWallMargin_m), y = draws.uniform(kWallMargin_m, s.hall_m[1] - kWallMargin_m);
+    const double x = draws.uniform(kWallMargin_m, s.hall_m[0] - kWallMargin_m),
+                 y = draws.uniform(kWallMargin_m, s.hall_m[1] - kWallMargin_m);
     stops.emplace_back(x, y, draws.uniform(-M_PI, M_PI));
   }
   return stops;
@@ -78,7 +82,8 @@ double stated_mean_m(const calib::Solution& solution, const Site& site) {
   return sum / static_cast<double>(asked);
 }
 
-/// Halls of 12 to 28 m with 6 to 11 beacons scattered along the walls, three of them surveyed, the others known to 0.1 to 0.5 m.
+/// Halls of 12 to 28 m with 6 to 11 beacons scattered along the walls, three of them surveyed, the others
+/// known to 0.1 to 0.5 m.
 Scenario scattered_hall(std::uint64_t seed) {
   Random draws(seed, 7);
   Scenario s = hall_scenario();
@@ -90,13 +95,18 @@ Scenario scattered_hall(std::uint64_t seed) {
     double along = round_m * (i + draws.uniform(0.0, 0.9)) / beacons;
     const double z = draws.uniform(2.0, 3.5);
     Eigen::Vector3d p(0.05, 0.05, z);
-    if (along < s.hall_m[0]) p.x() = along;
-    else if ((along -= s.hall_m[0]) < s.hall_m[1]) p.head<2>() = Eigen::Vector2d(s.hall_m[0] - 0.05, along);
-    else if ((along -= s.hall_m[1]) < s.hall_m[0]) p.head<2>() = Eigen::Vector2d(s.hall_m[0] - along, s.hall_m[1] - 0.05);
-    else p.y() = s.hall_m[1] - (along - s.hall_m[0]);
+    if (along < s.hall_m[0])
+      p.x() = along;
+    else if ((along -= s.hall_m[0]) < s.hall_m[1])
+      p.head<2>() = Eigen::Vector2d(s.hall_m[0] - 0.05, along);
+    else if ((along -= s.hall_m[1]) < s.hall_m[0])
+      p.head<2>() = Eigen::Vector2d(s.hall_m[0] - along, s.hall_m[1] - 0.05);
+    else
+      p.y() = s.hall_m[1] - (along - s.hall_m[0]);
     std::string name = "B";
     name += std::to_string(i);
-    s.site.beacons.push_back(beacon(name, p, i % (beacons / 3) == 0 && i / (beacons / 3) < 3 ? 0.0 : sigma_m));
+    s.site.beacons.push_back(
+        beacon(name, p, i % (beacons / 3) == 0 && i / (beacons / 3) < 3 ? 0.0 : sigma_m));
   }
   s.range_m = draws.uniform(11, 16);
   return s;
@@ -110,16 +120,18 @@ double variance_m2(const BeaconKnowledge& known) {
 }
 
 double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
   return values[values.size() / 2];
 }
 
 /// The information that a stop is said to bring is that which the adjustment finds in its arrivals.
 void expect_as_adjusted(Scenario s) {
-  s.site.noise.tof_sigma_s = 1e-10;  // states then settle within 1e-7 of where they are; the rows scale with it on both sides
+  s.site.noise.tof_sigma_s =
+      1e-10;  // states then settle within 1e-7 of where they are; the rows scale with it on both sides
   for (SiteBeacon& b : s.site.beacons)
     for (auto& sigma : b.sigma_m)
-      if (*sigma > 0) sigma = 1e-9;   // and the plan's beacons stand where the world's do
+      if (*sigma > 0) sigma = 1e-9;  // and the plan's beacons stand where the world's do
   for (SiteReceiver& r : s.site.receivers) r.sigma_m.setConstant(1e-9);
   s.true_speed_offset_mps = 0.0;
   s.true_delay_s = {s.site.timing.delay_s, s.site.timing.delay_s};
@@ -134,7 +146,8 @@ void expect_as_adjusted(Scenario s) {
       n.cycle_offset_s = 0.02;
       n.placed = true;
     }
-  const Eigen::MatrixXd adjusted = calib::information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state)).data;
+  const Eigen::MatrixXd adjusted =
+      calib::information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state)).data;
   const calib::StopRows rows = calib::stop_rows(k, stop.head<2>(), stop.z(), options_for(s, 2.0, 4).stop);
   ASSERT_EQ(rows.arrival_count, world.run.arrivals.size());
   Eigen::MatrixXd told = Eigen::MatrixXd::Zero(adjusted.rows(), adjusted.cols());
@@ -173,12 +186,14 @@ TEST(Stations, TheFirstStopIsTheBestOfAllByBruteForce) {
     };
     double best = INFINITY;
     for (const Eigen::Vector2d& p : o.places_m)
-      for (int h = 0; h < o.headings; ++h) best = std::min(best, value(calib::stop_rows(k, p, M_PI * h, o.stop)));
+      for (int h = 0; h < o.headings; ++h)
+        best = std::min(best, value(calib::stop_rows(k, p, M_PI * h, o.stop)));
     const StationPlan plan = must(calib::plan_stations(k, o));
     ASSERT_EQ(plan.stations.size(), 1U);
     const auto& chosen = plan.stations[0];
     const double reached = value(calib::stop_rows(k, chosen.position_m, chosen.heading_rad, o.stop));
-    EXPECT_NEAR(reached, best, 1e-9 * std::abs(best)) << "Woodbury's formula against inverses: rounding alone";
+    EXPECT_NEAR(reached, best, 1e-9 * std::abs(best))
+        << "Woodbury's formula against inverses: rounding alone";
   }
 }
 
@@ -196,11 +211,13 @@ TEST(Stations, ExchangesNeverLoseAndThePlanIsTheSameEachTime) {
       EXPECT_LE(station.improved_to_m, station.improved_from_m);
     }
     for (std::size_t i = 0; i < plan.stations.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j) EXPECT_GE((plan.stations[i].position_m - plan.stations[j].position_m).norm(), 1.0);
+      for (std::size_t j = 0; j < i; ++j)
+        EXPECT_GE((plan.stations[i].position_m - plan.stations[j].position_m).norm(), 1.0);
     o.threads = 2;
     const StationPlan again = must(calib::plan_stations(k, o));
     EXPECT_EQ(poses_of(again), poses_of(plan));
-    EXPECT_EQ(calib::assess_stations(k, poses_of(plan), o).after.sigma_m, plan.after.sigma_m) << "what the plan says of itself";
+    EXPECT_EQ(calib::assess_stations(k, poses_of(plan), o).after.sigma_m, plan.after.sigma_m)
+        << "what the plan says of itself";
   }
 }
 
@@ -212,15 +229,19 @@ TEST(Stations, ADeploymentKnowsWhatItsCalibrationKnew) {
   const calib::Solution solution = calib::solve(problem);
   ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
   const Deployment deployment = calib::make_deployment(problem, solution, {});
-  const Knowledge from_run = must(calib::knowledge_of(problem, solution)), from_deployment = must(calib::knowledge_of(deployment));
-  const auto a = calib::beacon_knowledge(from_run, from_run.information), b = calib::beacon_knowledge(from_deployment, from_deployment.information);
+  const Knowledge from_run = must(calib::knowledge_of(problem, solution)),
+                  from_deployment = must(calib::knowledge_of(deployment));
+  const auto a = calib::beacon_knowledge(from_run, from_run.information),
+             b = calib::beacon_knowledge(from_deployment, from_deployment.information);
   EXPECT_NEAR(a.mean_m, stated_mean_m(solution, world.site), 1e-9);
   ASSERT_EQ(a.sigma_m.size(), b.sigma_m.size());
-  for (std::size_t i = 0; i < a.sigma_m.size(); ++i) EXPECT_NEAR(a.sigma_m[i], b.sigma_m[i], 1e-6 * a.mean_m) << i;
+  for (std::size_t i = 0; i < a.sigma_m.size(); ++i)
+    EXPECT_NEAR(a.sigma_m[i], b.sigma_m[i], 1e-6 * a.mean_m) << i;
   // And the next stops say the same to both.
   const StationOptions o = options_for(s, 3.0, 2);
   const std::vector<Eigen::Vector3d> stops = {{4, 4, 0.1}, {15, 8, 2.0}};
-  EXPECT_NEAR(calib::assess_stations(from_run, stops, o).after.mean_m, calib::assess_stations(from_deployment, stops, o).after.mean_m, 1e-3 * a.mean_m)
+  EXPECT_NEAR(calib::assess_stations(from_run, stops, o).after.mean_m,
+              calib::assess_stations(from_deployment, stops, o).after.mean_m, 1e-3 * a.mean_m)
       << "the noise that the calibration found stands in the deployment";
 }
 
@@ -249,10 +270,13 @@ TEST(Stations, AFreeNetworkIsPlannedByItsInnerGeometry) {
   const World world = must(simulate(s, 1));
   Site site = world.site;
   for (std::size_t b = 0; b < site.beacons.size(); ++b)
-    for (std::size_t i = 0; i < 3; ++i) site.beacons[b].position_m[i] = world.truth.beacons[b].position_m[static_cast<Eigen::Index>(i)];
-  const StationPlan plan = must(calib::plan_stations(must(calib::knowledge_of(site)), options_for(s, 3.0, 2)));
+    for (std::size_t i = 0; i < 3; ++i)
+      site.beacons[b].position_m[i] = world.truth.beacons[b].position_m[static_cast<Eigen::Index>(i)];
+  const StationPlan plan =
+      must(calib::plan_stations(must(calib::knowledge_of(site)), options_for(s, 3.0, 2)));
   ASSERT_EQ(plan.stations.size(), 5U);
-  // Nobody knows where the hall is, but the beacons know each other: to a small part of the extent that stands for "unknown".
+  // Nobody knows where the hall is, but the beacons know each other: to a small part of the extent that
+  // stands for "unknown".
   EXPECT_LT(plan.after.mean_m, plan.before.mean_m / 20);
 }
 
@@ -281,22 +305,27 @@ TEST(Stations, StopsWhenAsked) {
   const Scenario s = hall_scenario();
   StationOptions o = options_for(s, 3.0, 2);
   o.on_progress = [](double fraction) { return fraction < 0.1; };
-  const StationPlan plan = must(calib::plan_stations(must(calib::knowledge_of(must(simulate(s, 1)).site)), o));
+  const StationPlan plan =
+      must(calib::plan_stations(must(calib::knowledge_of(must(simulate(s, 1)).site)), o));
   EXPECT_TRUE(plan.interrupted);
   EXPECT_LT(plan.stations.size(), 5U);
 }
 
-/// Five suggested stops against five random ones, both simulated and calibrated from what people know of the site.
+/// Five suggested stops against five random ones, both simulated and calibrated from what people know of the
+/// site.
 struct Comparison {
   double suggested_m = 0.0, random_m = 0.0, predicted_m = 0.0;
 };
 
 Comparison compare(const Scenario& s, std::uint64_t seed) {
   const Site site = must(simulate(s, seed)).site;
-  const StationPlan plan = must(calib::plan_stations(must(calib::knowledge_of(site)), options_for(s, 2.0, 4)));
+  const StationPlan plan =
+      must(calib::plan_stations(must(calib::knowledge_of(site)), options_for(s, 2.0, 4)));
   Random draws(seed, 11);
-  const World suggested = world_at(s, poses_of(plan), seed), random = world_at(s, random_stops(s, 5, draws), seed);
-  return {stated_mean_m(solution_of(suggested), site), stated_mean_m(solution_of(random), site), plan.after.mean_m};
+  const World suggested = world_at(s, poses_of(plan), seed),
+              random = world_at(s, random_stops(s, 5, draws), seed);
+  return {stated_mean_m(solution_of(suggested), site), stated_mean_m(solution_of(random), site),
+          plan.after.mean_m};
 }
 
 TEST(Stations, FiveSuggestedStopsAgainstFiveRandomOnesInFiftyWorlds) {
@@ -308,7 +337,8 @@ TEST(Stations, FiveSuggestedStopsAgainstFiveRandomOnesInFiftyWorlds) {
   }
   RecordProperty("median_ratio", std::to_string(median(ratios)));
   EXPECT_LE(median(ratios), 0.7);
-  // The forecast is made where the priors have the beacons, up to half a metre off: half of them are within a tenth.
+  // The forecast is made where the priors have the beacons, up to half a metre off: half of them are within a
+  // tenth.
   EXPECT_NEAR(median(faith), 1.0, 0.1);
 }
 

@@ -14,7 +14,8 @@ namespace {
 std::size_t count(const std::vector<Trajectory>& trajectories, Rejection reason) {
   std::size_t n = 0;
   for (const Trajectory& t : trajectories)
-    n += static_cast<std::size_t>(std::count_if(t.arrivals.begin(), t.arrivals.end(), [&](const auto& a) { return a.rejection == reason; }));
+    n += static_cast<std::size_t>(std::count_if(t.arrivals.begin(), t.arrivals.end(),
+                                                [&](const auto& a) { return a.rejection == reason; }));
   return n;
 }
 

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "calib/adjust/adjust.h"
-#include "calib/verdict/datum.h"
-#include "calib/problem/parameters.h"
 #include "calib/adjust/tile.h"
+#include "calib/problem/parameters.h"
+#include "calib/verdict/datum.h"
 #include "tests/calib/calib_support.h"
 #include "tests/support/numeric.h"
 
@@ -48,12 +48,14 @@ TEST(Layout, VectorAndStateAreInverse) {
   const SharedState state = layout.state_of(x);
   EXPECT_LT((layout.vector_of(state) - x).norm(), 1e-12);
   for (std::size_t b = 0; b < 8; ++b)
-    if (problem.site.beacons[b].is_control_point()) EXPECT_EQ(state.beacon_p_map_m[b], prior.beacon_p_map_m[b]);
+    if (problem.site.beacons[b].is_control_point())
+      EXPECT_EQ(state.beacon_p_map_m[b], prior.beacon_p_map_m[b]);
   // Five free beacons, eight delays of beacons and of receivers, speed, eight receivers, attenuation, pairs.
   EXPECT_EQ(layout.size(), 15 + 8 + 8 + 1 + 24 + 3 + 64);
 }
 
-/// Cost with the states settled anew, as a function of the shared parameters: what the tiles must be the derivative of.
+/// Cost with the states settled anew, as a function of the shared parameters: what the tiles must be the
+/// derivative of.
 TEST(Tile, GradientIsThatOfTheSettledCost) {
   for (const bool drive : {false, true}) {
     Scenario s = drive ? drive_scenario(10.0) : hall_scenario();
@@ -61,7 +63,8 @@ TEST(Tile, GradientIsThatOfTheSettledCost) {
     const World world = must(simulate(s, 3));
     const calib::Problem problem = problem_of(world);
     calib::Solution solution = calib::solve(problem);
-    const calib::ParameterLayout layout = calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+    const calib::ParameterLayout layout =
+        calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
     Eigen::VectorXd x = layout.vector_of(solution.state);
     for (Eigen::Index i = 0; i < x.size(); ++i) x[i] += 2e-3 * std::sin(3.0 * static_cast<double>(i));
     const RobustLoss loss{5.0, 5.0};
@@ -71,12 +74,16 @@ TEST(Tile, GradientIsThatOfTheSettledCost) {
     ASSERT_EQ(tiles.size(), 1u);
     tiles[0].evaluate(layout.state_of(x), loss, &system);
     tiles[0].commit();
-    const auto cost = [&](const Eigen::VectorXd& y) { return Eigen::VectorXd::Constant(1, tiles[0].evaluate(layout.state_of(y), loss, nullptr)); };
+    const auto cost = [&](const Eigen::VectorXd& y) {
+      return Eigen::VectorXd::Constant(1, tiles[0].evaluate(layout.state_of(y), loss, nullptr));
+    };
     const Eigen::MatrixXd numeric = numeric_jacobian(cost, x, 1e-5);
     Eigen::VectorXd analytic = Eigen::VectorXd::Zero(x.size());
-    for (std::size_t i = 0; i < tiles[0].columns().size(); ++i) analytic[tiles[0].columns()[i]] = system.gradient[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < tiles[0].columns().size(); ++i)
+      analytic[tiles[0].columns()[i]] = system.gradient[static_cast<Eigen::Index>(i)];
     // Residuals weigh 3e-3 m; second derivatives of the robust cost limit the central differences.
-    EXPECT_LT((numeric.row(0).transpose() - analytic).norm(), 1e-4 * analytic.norm()) << (drive ? "drive" : "epochs");
+    EXPECT_LT((numeric.row(0).transpose() - analytic).norm(), 1e-4 * analytic.norm())
+        << (drive ? "drive" : "epochs");
   }
 }
 
@@ -94,7 +101,8 @@ TEST(MakeDeployment, CarriesTheSolution) {
   const World world = must(simulate(hall_scenario(), 5));
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem);
-  const Deployment d = calib::make_deployment(problem, solution, {"2026-01-01T00:00:00Z", "1", "octant calibrate", {}});
+  const Deployment d =
+      calib::make_deployment(problem, solution, {"2026-01-01T00:00:00Z", "1", "octant calibrate", {}});
   ASSERT_EQ(d.beacons.size(), 8u);
   EXPECT_EQ(d.beacons[0].status, BeaconStatus::kControlPoint);
   EXPECT_EQ(d.beacons[1].status, BeaconStatus::kCalibrated);

@@ -10,7 +10,8 @@ namespace octant::calib {
 namespace {
 
 /// Ranges from places spread as given to a beacon, with noise and some late by metres.
-std::vector<RangeFrom> ranges_to(const Eigen::Vector3d& beacon, const Eigen::Vector3d& spread, int count, double noise_m, double late_share, unsigned seed) {
+std::vector<RangeFrom> ranges_to(const Eigen::Vector3d& beacon, const Eigen::Vector3d& spread, int count,
+                                 double noise_m, double late_share, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> u(-1, 1), share(0, 1);
   std::normal_distribution<double> n;
@@ -34,14 +35,16 @@ TEST(Trilaterate, ExactRangesGiveThePlace) {
 TEST(Trilaterate, ForgivesAThirdOfEchoes) {
   const Eigen::Vector3d beacon(8, 2, 2.2);
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    const Trilateration t = trilaterate(ranges_to(beacon, {5, 5, 0.0}, 60, 0.01, 0.33, seed), {.scale_m = 0.02});
+    const Trilateration t =
+        trilaterate(ranges_to(beacon, {5, 5, 0.0}, 60, 0.01, 0.33, seed), {.scale_m = 0.02});
     ASSERT_TRUE(t.ok) << seed;
     EXPECT_LT((t.p_map_m - beacon).norm(), 0.1) << seed;
   }
 }
 
 TEST(Trilaterate, FromAPlaneTakesThePlaceAbove) {
-  const Trilateration t = trilaterate(ranges_to({3, 1, 2.5}, {5, 5, 0.0}, 40, 0.003, 0.0, 2), {.scale_m = 0.01});
+  const Trilateration t =
+      trilaterate(ranges_to({3, 1, 2.5}, {5, 5, 0.0}, 40, 0.003, 0.0, 2), {.scale_m = 0.01});
   ASSERT_TRUE(t.ok);
   EXPECT_GT(t.p_map_m.z(), 0.3);
   EXPECT_NEAR(t.p_map_m.z(), 2.5, 0.05);
@@ -66,7 +69,8 @@ TEST(Trilaterate, RaysTellTheSideOfAStraightTrack) {
     ASSERT_TRUE(t.ok);
     EXPECT_FALSE(t.has_mirror);
     EXPECT_NEAR(t.p_map_m.y(), side, 0.1);
-    EXPECT_NEAR(mirror_image_of(t.p_map_m, ranges, options).value_or(Eigen::Vector3d::Zero()).y(), -side, 0.1);  // by the ranges alone
+    EXPECT_NEAR(mirror_image_of(t.p_map_m, ranges, options).value_or(Eigen::Vector3d::Zero()).y(), -side,
+                0.1);  // by the ranges alone
   }
 }
 

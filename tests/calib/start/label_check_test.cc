@@ -16,7 +16,9 @@ TEST(LabelCheck, AFarBeaconLosesItsPriorUnlessItIsTrusted) {
   const calib::ParameterLayout layout = calib::make_layout(problem, state, std::vector<bool>(8, false));
   Eigen::VectorXd x = layout.vector_of(state);
   x[layout.beacon[1][0]] += 3.0;  // ten of its sigmas
-  const auto prior_sigma = [](const calib::ParameterLayout& l) { return l.parameters[static_cast<std::size_t>(l.beacon[1][0])].prior_sigma; };
+  const auto prior_sigma = [](const calib::ParameterLayout& l) {
+    return l.parameters[static_cast<std::size_t>(l.beacon[1][0])].prior_sigma;
+  };
 
   calib::ParameterLayout doubted = layout;
   const calib::LabelCheck check = calib::check_labels(problem, doubted, x);

@@ -17,7 +17,8 @@ using calib::SolveStatus;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// One receiver on the origin stops along a straight line through the hall; of the free beacons only the heights are known.
+/// One receiver on the origin stops along a straight line through the hall; of the free beacons only the
+/// heights are known.
 Scenario straight_line(bool bearings) {
   Scenario s = hall_scenario();
   s.site.receivers.resize(1);
@@ -88,7 +89,8 @@ TEST(MirrorImages, AWholeSiteIsReflectedInTheLineOfWhatIsKnown) {
   const World world = must(simulate(two_control_points(true), 3));
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem);
-  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout =
+      calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   Eigen::VectorXd image = x;
   std::vector<Trajectory> reflected = solution.trajectories;
@@ -138,10 +140,11 @@ TEST(MirrorImages, WhatIsPreferred) {
   using calib::Preference;
   EXPECT_EQ(prefer({100, 50}, {101, 400}, 1.0), Preference::kFirst);
   EXPECT_EQ(prefer({100, 400}, {101, 50}, 1.0), Preference::kSecond);
-  EXPECT_EQ(prefer({100, 50}, {130, 50}, 1.0), Preference::kNeither);   // ranges alone: errors common to a place do that
+  EXPECT_EQ(prefer({100, 50}, {130, 50}, 1.0),
+            Preference::kNeither);  // ranges alone: errors common to a place do that
   EXPECT_EQ(prefer({100, 50}, {400, 50}, 1.0), Preference::kFirst);
-  EXPECT_EQ(prefer({100, 50}, {400, 50}, 3.0), Preference::kNeither);   // of nine times the variance
-  EXPECT_EQ(prefer({100, 50}, {170, 30}, 1.0), Preference::kNeither);   // they contradict each other
+  EXPECT_EQ(prefer({100, 50}, {400, 50}, 3.0), Preference::kNeither);  // of nine times the variance
+  EXPECT_EQ(prefer({100, 50}, {170, 30}, 1.0), Preference::kNeither);  // they contradict each other
 }
 
 /// A vehicle with its one receiver on the origin and measured positions: nothing hears its heading.
@@ -170,7 +173,8 @@ TEST(Headings, ThatNothingHearsAreNotTurned) {
   World world = must(simulate(without_heading(), 6));
   world.run.pose_accuracy.heading_known = false;
   const calib::Solution solution = solution_of(world);
-  for (const std::string& warning : solution.warnings) EXPECT_THAT(warning, Not(HasSubstr("faced the wrong way")));
+  for (const std::string& warning : solution.warnings)
+    EXPECT_THAT(warning, Not(HasSubstr("faced the wrong way")));
 }
 
 }  // namespace

@@ -61,7 +61,8 @@ TEST(Statements, AControlPointThatIsOffIsNamed) {
 
 TEST(Statements, ExchangedControlPointsAreNamed) {
   Scenario s = sixty_stops();
-  s.site.beacons[1].sigma_m = {0.0, 0.0, 0.0};  // a fourth one: of three, two that are exchanged leave a single good one
+  s.site.beacons[1].sigma_m = {
+      0.0, 0.0, 0.0};  // a fourth one: of three, two that are exchanged leave a single good one
   World world = must(simulate(s, 4));
   std::swap(world.site.beacons[0].position_m, world.site.beacons[6].position_m);
   const Contradiction c = only(solution_of(world));
@@ -140,10 +141,12 @@ TEST(Statements, ErrorsThatAPairKeepsAreNoContradiction) {
     World world = must(simulate(s, seed));
     std::mt19937_64 engine(seed);
     std::normal_distribution<double> normal;
-    std::map<std::pair<std::size_t, std::size_t>, std::pair<double, std::int64_t>> bias;  // of each pair, and of which epoch
+    std::map<std::pair<std::size_t, std::size_t>, std::pair<double, std::int64_t>>
+        bias;  // of each pair, and of which epoch
     const double memory = std::exp(-1.0 / 20);
     for (Arrival& a : world.run.arrivals) {
-      auto [at, is_new] = bias.try_emplace({a.beacon.index(), a.receiver.index()}, std::pair{normal(engine), a.epoch});
+      auto [at, is_new] =
+          bias.try_emplace({a.beacon.index(), a.receiver.index()}, std::pair{normal(engine), a.epoch});
       for (; at->second.second < a.epoch; ++at->second.second)
         at->second.first = memory * at->second.first + std::sqrt(1 - memory * memory) * normal(engine);
       a.tof_s += 3e-5 * at->second.first;
@@ -156,7 +159,8 @@ TEST(Statements, ErrorsThatAPairKeepsAreNoContradiction) {
 template <class Other>
 void take_over(const World& later, Other&& other, World& world) {
   std::map<std::pair<double, std::pair<std::size_t, std::size_t>>, double> times;
-  for (const Arrival& a : later.run.arrivals) times[{std::round(a.time_s * 10), {a.beacon.index(), a.receiver.index()}}] = a.tof_s;
+  for (const Arrival& a : later.run.arrivals)
+    times[{std::round(a.time_s * 10), {a.beacon.index(), a.receiver.index()}}] = a.tof_s;
   for (Arrival& a : world.run.arrivals) {
     const auto found = times.find({std::round(a.time_s * 10), {a.beacon.index(), a.receiver.index()}});
     if (other(a) && found != times.end()) a.tof_s = found->second;
@@ -166,12 +170,14 @@ void take_over(const World& later, Other&& other, World& world) {
 TEST(Agreement, ABeaconThatMovedHalfWayIsNamed) {
   Scenario s = without_noise(sixty_stops());
   const World first = must(simulate(s, 12));
-  *s.site.beacons[4].position_m[1] += 0.1;  // along its rays: what is found of moves begins with arrivals that are left out
+  *s.site.beacons[4].position_m[1] +=
+      0.1;  // along its rays: what is found of moves begins with arrivals that are left out
   const World second = must(simulate(s, 12));
   World world = first;
   world.site.noise.tof_sigma_s = 1e-5;
   const double half_s = 0.5 * (world.run.arrivals.front().time_s + world.run.arrivals.back().time_s);
-  take_over(second, [&](const Arrival& a) { return a.beacon.index() == 4 && a.time_s > half_s; }, world);
+  take_over(
+      second, [&](const Arrival& a) { return a.beacon.index() == 4 && a.time_s > half_s; }, world);
   std::mt19937_64 engine(12);
   std::normal_distribution<double> normal(0.0, 1e-5);
   for (Arrival& a : world.run.arrivals) a.tof_s += normal(engine);
@@ -197,7 +203,8 @@ void expect_a_moved_stop_to_be_named(Ranging ranging) {
   s.hearing_half_angle_rad = 3.2;
   s.path.kind = PathKind::kStations;
   s.path.epochs = 40;
-  for (int k = 0; k < 40; ++k) s.path.stations.emplace_back(3.0 + 0.35 * k, 6.0 + 4.0 * std::sin(0.7 * k), 0.5 * k);
+  for (int k = 0; k < 40; ++k)
+    s.path.stations.emplace_back(3.0 + 0.35 * k, 6.0 + 4.0 * std::sin(0.7 * k), 0.5 * k);
   const World still = must(simulate(s, 14));
   s.path.stations[17].x() += 0.05;
   const World moved = must(simulate(s, 14));
@@ -208,14 +215,17 @@ void expect_a_moved_stop_to_be_named(Ranging ranging) {
     if (a.epoch == epoch) times.push_back(a.time_s);
   ASSERT_FALSE(times.empty());
   std::sort(times.begin(), times.end());
-  take_over(moved, [&](const Arrival& a) { return a.epoch == epoch && a.time_s > times[times.size() / 2]; }, world);
+  take_over(
+      moved, [&](const Arrival& a) { return a.epoch == epoch && a.time_s > times[times.size() / 2]; }, world);
   const calib::Solution solution = solution_of(world);
   EXPECT_THAT(all_in_words(solution), IsEmpty());
   EXPECT_THAT(solution.warnings, Contains(HasSubstr("stops: stops " + std::to_string(epoch) + " ")));
 }
 
 TEST(Agreement, AStopDuringWhichTheVehicleMovedIsNamed) { expect_a_moved_stop_to_be_named(Ranging::kOneWay); }
-TEST(Agreement, AStopOfTwoWayRangingDuringWhichTheVehicleMovedIsNamed) { expect_a_moved_stop_to_be_named(Ranging::kTwoWay); }
+TEST(Agreement, AStopOfTwoWayRangingDuringWhichTheVehicleMovedIsNamed) {
+  expect_a_moved_stop_to_be_named(Ranging::kTwoWay);
+}
 
 }  // namespace
 }  // namespace octant::test

@@ -10,10 +10,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calib/problem/site_units.h"
 #include "calib/statements/hints.h"
 #include "calib/statements/pauses.h"
 #include "calib/statements/readings.h"
-#include "calib/problem/site_units.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
@@ -28,7 +28,8 @@ World cart(int epochs = 40, std::uint64_t seed = 1, double echoes = 0.03) {
   Scenario s = hall_scenario();
   s.path.epochs = epochs;
   s.echo_fraction = echoes;
-  const Eigen::Vector3d places[4] = {{0.35, 0.2, 0.3}, {0.35, -0.2, 0.3}, {-0.35, 0.2, 0.45}, {-0.35, -0.2, 0.45}};
+  const Eigen::Vector3d places[4] = {
+      {0.35, 0.2, 0.3}, {0.35, -0.2, 0.3}, {-0.35, 0.2, 0.45}, {-0.35, -0.2, 0.45}};
   const char* names[4] = {"fl", "fr", "rl", "rr"};
   s.site.receivers.clear();
   for (int i = 0; i < 4; ++i)
@@ -42,7 +43,8 @@ World cart(int epochs = 40, std::uint64_t seed = 1, double echoes = 0.03) {
 std::vector<Contradiction> misreadings_of(const World& world) {
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem);
-  return calib::seems_misread(problem, solution) ? calib::find_misreadings(problem, solution) : std::vector<Contradiction>{};
+  return calib::seems_misread(problem, solution) ? calib::find_misreadings(problem, solution)
+                                                 : std::vector<Contradiction>{};
 }
 
 std::vector<std::vector<std::size_t>> orders(const std::vector<calib::Wiring>& wirings) {
@@ -120,8 +122,10 @@ World in_another_unit(World world, double factor, bool sigmas) {
 }
 
 TEST(Readings, NameTheUnitOfPositions) {
-  const std::tuple<double, bool, const char*> units[] = {
-      {100.0, false, "centimetres"}, {100.0, true, "centimetres"}, {1000.0, true, "millimetres"}, {1 / 0.3048, true, "feet"}};
+  const std::tuple<double, bool, const char*> units[] = {{100.0, false, "centimetres"},
+                                                         {100.0, true, "centimetres"},
+                                                         {1000.0, true, "millimetres"},
+                                                         {1 / 0.3048, true, "feet"}};
   for (const auto& [factor, sigmas, name] : units) {
     const auto found = misreadings_of(in_another_unit(cart(), factor, sigmas));
     ASSERT_EQ(found.size(), 1U) << name;
@@ -164,8 +168,8 @@ TEST(Readings, NameAMirroredPoseFrame) {
   s.log_poses = true;
   World world = must(simulate(s, 2));
   for (TimedPose& p : world.run.poses) {
-    p.T_map_vehicle =
-        Pose::planar(p.T_map_vehicle.translation_m.x(), -p.T_map_vehicle.translation_m.y(), -p.T_map_vehicle.heading_rad());
+    p.T_map_vehicle = Pose::planar(p.T_map_vehicle.translation_m.x(), -p.T_map_vehicle.translation_m.y(),
+                                   -p.T_map_vehicle.heading_rad());
   }
   const auto found = misreadings_of(world);
   ASSERT_FALSE(found.empty());
@@ -240,7 +244,8 @@ TEST(Pauses, NumberStopsOnlyWhereThereAreSome) {
 
   World evenly = cart(20);
   evenly.run.has_epochs = false;
-  for (std::size_t i = 0; i < evenly.run.arrivals.size(); ++i) evenly.run.arrivals[i].time_s = 0.05 * static_cast<double>(i);
+  for (std::size_t i = 0; i < evenly.run.arrivals.size(); ++i)
+    evenly.run.arrivals[i].time_s = 0.05 * static_cast<double>(i);
   EXPECT_EQ(calib::number_stops(evenly.run), 0U);
 }
 

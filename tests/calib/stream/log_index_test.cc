@@ -59,12 +59,14 @@ TEST(LogIndex, EachEpochIsInOneStretchAndWhole) {
         must(index.read(source, chunk.run, chunk.first_block, chunk.last_block, rows).map([] { return 0; }));
         std::map<Key, std::vector<int>> of_chunk;
         for (const Arrival& a : rows) of_chunk[{a.vehicle.value, a.epoch}].push_back(a.line);
-        for (auto& [key, list] : of_chunk) EXPECT_TRUE(found[chunk.run].emplace(key, list).second) << "an epoch in two stretches";
+        for (auto& [key, list] : of_chunk)
+          EXPECT_TRUE(found[chunk.run].emplace(key, list).second) << "an epoch in two stretches";
         EXPECT_EQ(rows.size(), chunk.all_arrivals());
         for (std::size_t v = 0; v < 3; ++v) {
-          EXPECT_EQ(chunk.epochs[v], static_cast<std::size_t>(std::count_if(of_chunk.begin(), of_chunk.end(), [&](const auto& e) {
-                      return e.first.first == static_cast<std::int32_t>(v);
-                    })));
+          EXPECT_EQ(chunk.epochs[v], static_cast<std::size_t>(
+                                         std::count_if(of_chunk.begin(), of_chunk.end(), [&](const auto& e) {
+                                           return e.first.first == static_cast<std::int32_t>(v);
+                                         })));
           epochs += chunk.epochs[v];
         }
         arrivals += rows.size();
@@ -86,12 +88,14 @@ TEST(LogPart, IsThatOfTheWholeLog) {
   MeasurementLog run = world.run;
   // Beacon 5 is heard at every fortieth epoch, beacon 6 at two.
   std::erase_if(run.arrivals, [](const Arrival& a) {
-    return (a.beacon.value == 5 && a.epoch % 40 != 3) || (a.beacon.value == 6 && a.epoch != 700 && a.epoch != 1201);
+    return (a.beacon.value == 5 && a.epoch % 40 != 3) ||
+           (a.beacon.value == 6 && a.epoch != 700 && a.epoch != 1201);
   });
   const calib::Problem whole = must(calib::make_problem(world.site, {run, world.heldout}));
   const calib::Problem expected = must(calib::part_of(whole));
   MemorySource source({run, world.heldout}, 100);
-  const calib::LogIndex index = must(calib::LogIndex::scan(source, world.site.vehicles.size(), world.site.beacons.size(), 1000));
+  const calib::LogIndex index =
+      must(calib::LogIndex::scan(source, world.site.vehicles.size(), world.site.beacons.size(), 1000));
   const calib::Problem part = must(calib::part_of(world.site, source, index, 2));
   for (std::size_t r = 0; r < 2; ++r) {
     const auto &all = expected.runs[r].arrivals, &some = part.runs[r].arrivals;

@@ -47,7 +47,8 @@ TEST(LinearRanges, TwoBeaconsAndBeaconsInLineTellNothing) {
   two[0] = two[1] = true;
   for (const Segment& s : t.segments) EXPECT_FALSE(calib::place_by_linear_ranges(t, s, state, two));
   for (std::size_t b = 0; b < 8; ++b) state.beacon_p_map_m[b] = {static_cast<double>(b), 0.0, 2.5};
-  for (const Segment& s : t.segments) EXPECT_FALSE(calib::place_by_linear_ranges(t, s, state, std::vector<bool>(8, true)));
+  for (const Segment& s : t.segments)
+    EXPECT_FALSE(calib::place_by_linear_ranges(t, s, state, std::vector<bool>(8, true)));
 }
 
 // What a part of the log began, all of it ends: sigmas shrink with the root of the number, and stay honest.
@@ -78,7 +79,8 @@ TEST(LongLog, DoesNotDependOnThreads) {
   const calib::Solution three = calib::solve(problem, options);
   ASSERT_EQ(one.status, calib::SolveStatus::kConverged);
   EXPECT_LT(worst_beacon_m(world, one), 0.003);
-  for (std::size_t b = 0; b < 8; ++b) EXPECT_LT((one.state.beacon_p_map_m[b] - three.state.beacon_p_map_m[b]).norm(), 1e-12);
+  for (std::size_t b = 0; b < 8; ++b)
+    EXPECT_LT((one.state.beacon_p_map_m[b] - three.state.beacon_p_map_m[b]).norm(), 1e-12);
   EXPECT_EQ(one.statistics.rejected, three.statistics.rejected);
 }
 
@@ -87,12 +89,16 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
   const World world = must(simulate(long_hall(300), 3));
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem, {});
-  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout =
+      calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
   Eigen::VectorXd per_si(layout.size());
-  for (int i = 0; i < layout.size(); ++i) per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
-  const calib::Covariance C(Eigen::MatrixXd(per_si.asDiagonal() * solution.covariance.matrix * per_si.asDiagonal()));
+  for (int i = 0; i < layout.size(); ++i)
+    per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
+  const calib::Covariance C(
+      Eigen::MatrixXd(per_si.asDiagonal() * solution.covariance.matrix * per_si.asDiagonal()));
   const auto reliability = [&](std::size_t all_epochs) {
-    return calib::reliability_of(problem, layout, solution.trajectories, solution.state, C, solution.beacon_status, 1.0, 2, all_epochs);
+    return calib::reliability_of(problem, layout, solution.trajectories, solution.state, C,
+                                 solution.beacon_status, 1.0, 2, all_epochs);
   };
   const calib::Reliability all = reliability(1000), some = reliability(60);
   ASSERT_EQ(all.every, 1U);
@@ -102,8 +108,12 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
   for (std::size_t b = 0; b < 8; ++b) {
     EXPECT_EQ(some.beacons[b].used, all.beacons[b].used);
     ASSERT_TRUE(all.beacons[b].lateness_mdb_s && some.beacons[b].lateness_mdb_s) << b;
-    EXPECT_NEAR(*some.beacons[b].lateness_mdb_s, *all.beacons[b].lateness_mdb_s, 1e-3 * *all.beacons[b].lateness_mdb_s) << b;
-    EXPECT_NEAR(*some.beacons[b].lateness_influence_m, *all.beacons[b].lateness_influence_m, 1e-2 * *all.beacons[b].lateness_influence_m) << b;
+    EXPECT_NEAR(*some.beacons[b].lateness_mdb_s, *all.beacons[b].lateness_mdb_s,
+                1e-3 * *all.beacons[b].lateness_mdb_s)
+        << b;
+    EXPECT_NEAR(*some.beacons[b].lateness_influence_m, *all.beacons[b].lateness_influence_m,
+                1e-2 * *all.beacons[b].lateness_influence_m)
+        << b;
   }
 }
 

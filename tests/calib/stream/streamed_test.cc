@@ -26,8 +26,8 @@ Scenario long_hall(int epochs, double echoes = 0.01) {
   return s;
 }
 
-calib::StreamedCalibration streamed(const Site& site, MemorySource& source, const calib::SolveOptions& options = {},
-                                    std::size_t memory = kTiny) {
+calib::StreamedCalibration streamed(const Site& site, MemorySource& source,
+                                    const calib::SolveOptions& options = {}, std::size_t memory = kTiny) {
   return must(calib::solve_streamed(site, source, options, memory));
 }
 calib::StreamedCalibration streamed(const Site& site, const std::vector<MeasurementLog>& runs,
@@ -43,9 +43,10 @@ double largest_shift_m(const calib::Solution& a, const calib::Solution& b) {
   return largest;
 }
 
-/// All that is said of a log, streamed or not. Positions: both stop where the cost changes by 1e-12 of itself, that is a
-/// thousandth of a sigma.
-void expect_same(const calib::Problem& problem, const calib::Solution& whole, const calib::StreamedCalibration& s) {
+/// All that is said of a log, streamed or not. Positions: both stop where the cost changes by 1e-12 of
+/// itself, that is a thousandth of a sigma.
+void expect_same(const calib::Problem& problem, const calib::Solution& whole,
+                 const calib::StreamedCalibration& s) {
   const calib::Solution& part = s.solution;
   ASSERT_EQ(part.status, whole.status) << part.message;
   EXPECT_LT(largest_shift_m(whole, part), 1e-7);
@@ -56,7 +57,8 @@ void expect_same(const calib::Problem& problem, const calib::Solution& whole, co
   EXPECT_EQ(part.statistics.rejected, whole.statistics.rejected);
   EXPECT_EQ(part.statistics.unknowns, whole.statistics.unknowns);
   EXPECT_EQ(part.statistics.redundancy, whole.statistics.redundancy);
-  EXPECT_NEAR(part.statistics.variance_factor, whole.statistics.variance_factor, 1e-8 * whole.statistics.variance_factor);
+  EXPECT_NEAR(part.statistics.variance_factor, whole.statistics.variance_factor,
+              1e-8 * whole.statistics.variance_factor);
   EXPECT_NEAR(part.statistics.rms_s, whole.statistics.rms_s, 1e-8 * whole.statistics.rms_s);
   EXPECT_NEAR(part.tof_sigma_s, whole.tof_sigma_s, 1e-8 * whole.tof_sigma_s);
   EXPECT_EQ(part.warnings, whole.warnings);
@@ -72,7 +74,8 @@ void expect_same(const calib::Problem& problem, const calib::Solution& whole, co
   ASSERT_TRUE(part.reliability.ok);
   EXPECT_EQ(part.reliability.every, whole.reliability.every);
   ASSERT_EQ(part.reliability.arrivals.size(), whole.reliability.arrivals.size());
-  EXPECT_NEAR(part.reliability.redundancy_sum, whole.reliability.redundancy_sum, 1e-6 * whole.reliability.redundancy_sum);
+  EXPECT_NEAR(part.reliability.redundancy_sum, whole.reliability.redundancy_sum,
+              1e-6 * whole.reliability.redundancy_sum);
   for (std::size_t i = 0; i < part.reliability.arrivals.size(); i += 97)
     EXPECT_NEAR(part.reliability.arrivals[i].w, whole.reliability.arrivals[i].w, 1e-3);
   for (std::size_t b = 0; b < part.reliability.beacons.size(); ++b) {
@@ -80,7 +83,8 @@ void expect_same(const calib::Problem& problem, const calib::Solution& whole, co
     EXPECT_EQ(part.reliability.beacons[b].late, whole.reliability.beacons[b].late);
     EXPECT_EQ(part.reliability.beacons[b].other, whole.reliability.beacons[b].other);
   }
-  const Deployment a = calib::make_deployment(problem, whole, {}), b = calib::make_deployment(s.problem, part, {});
+  const Deployment a = calib::make_deployment(problem, whole, {}),
+                   b = calib::make_deployment(s.problem, part, {});
   ASSERT_EQ(a.validity_area_m.size(), b.validity_area_m.size());
   for (std::size_t i = 0; i < a.validity_area_m.size(); ++i)
     EXPECT_LT((a.validity_area_m[i] - b.validity_area_m[i]).norm(), 1e-6);
@@ -102,7 +106,8 @@ TEST(Streamed, SaysWhatTheWholeSays) {
 // With more epochs than are looked at one by one, and some that no search can place.
 TEST(Streamed, SaysWhatTheWholeSaysOfSomeEpochs) {
   World world = must(simulate(long_hall(6200, 0.01), 3));
-  std::erase_if(world.run.arrivals, [](const Arrival& a) { return a.epoch % 500 == 7 && a.beacon.value % 3 != 0; });
+  std::erase_if(world.run.arrivals,
+                [](const Arrival& a) { return a.epoch % 500 == 7 && a.beacon.value % 3 != 0; });
   expect_same(world, world.site);
 }
 
@@ -124,7 +129,8 @@ TEST(Streamed, RunsKeepTheirSpeeds) {
   second.path = "second";
   std::erase_if(first.arrivals, [](const Arrival& a) { return a.epoch >= 2200; });
   std::erase_if(second.arrivals, [](const Arrival& a) { return a.epoch < 2200; });
-  for (Arrival& a : second.arrivals) a.tof_s += 5e-4 * (a.tof_s - world.truth.beacons[a.beacon.index()].delay_s);
+  for (Arrival& a : second.arrivals)
+    a.tof_s += 5e-4 * (a.tof_s - world.truth.beacons[a.beacon.index()].delay_s);
   const calib::Problem problem = must(calib::make_problem(site, {first, second}));
   ASSERT_TRUE(calib::is_long(problem));
   const calib::Solution whole = calib::solve(problem, {});
@@ -167,7 +173,8 @@ class Team {
     if (index == 0) sum_.assign(values.size(), 0.0);
     for (int turn = 0; turn < count_; ++turn) {
       barrier_.arrive_and_wait();
-      if (turn == index) std::transform(values.begin(), values.end(), sum_.begin(), sum_.begin(), std::plus<>());
+      if (turn == index)
+        std::transform(values.begin(), values.end(), sum_.begin(), sum_.begin(), std::plus<>());
     }
     barrier_.arrive_and_wait();
     std::copy(sum_.begin(), sum_.end(), values.begin());
@@ -221,17 +228,18 @@ TEST(Streamed, RanksReadTheirShareAndAgree) {
 
 TEST(Streamed, StopsWhereItIsAskedTo) {
   const World world = must(simulate(long_hall(4200), 10));
-  for (const char* stage : {"first reading of the log", "states of the whole log", "adjustment of the arrivals that agree",
-                            "covariance and verdict"}) {
+  for (const char* stage : {"first reading of the log", "states of the whole log",
+                            "adjustment of the arrivals that agree", "covariance and verdict"}) {
     calib::SolveOptions options;
     int calls = 0;
     options.on_progress = [&](const calib::Progress& p) { return p.stage != stage || ++calls < 3; };
-    EXPECT_EQ(streamed(world.site, {world.run}, options).solution.status, std::string(stage) == "first reading of the log"
-                                                                              ? calib::SolveStatus::kConverged
-                                                                              : calib::SolveStatus::kInterrupted)
+    EXPECT_EQ(streamed(world.site, {world.run}, options).solution.status,
+              std::string(stage) == "first reading of the log" ? calib::SolveStatus::kConverged
+                                                               : calib::SolveStatus::kInterrupted)
         << stage;
     calls = 2;
-    EXPECT_EQ(streamed(world.site, {world.run}, options).solution.status, calib::SolveStatus::kInterrupted) << stage;
+    EXPECT_EQ(streamed(world.site, {world.run}, options).solution.status, calib::SolveStatus::kInterrupted)
+        << stage;
   }
 }
 
@@ -273,7 +281,10 @@ TEST(Streamed, SaysWhatCannotBe) {
   site.timing.clock = Clock::kCycleOffset;
   EXPECT_TRUE(calib::why_not_streamed(site, {&world.run}));
   site = world.site;
-  site.attenuation = AttenuationPrior{.amplitude_1m_v = {12.5, 1.0}, .absorption_np_per_m = {}, .rise_time_s = {4.5e-4, 0.0}, .threshold_v = 0.05};
+  site.attenuation = AttenuationPrior{.amplitude_1m_v = {12.5, 1.0},
+                                      .absorption_np_per_m = {},
+                                      .rise_time_s = {4.5e-4, 0.0},
+                                      .threshold_v = 0.05};
   EXPECT_FALSE(calib::why_not_streamed(site, {&world.run}));
   site.attenuation->half_power_angle_rad = {0.4, 0.1};
   EXPECT_TRUE(calib::why_not_streamed(site, {&world.run})) << "arrivals differ in noise";

@@ -14,7 +14,8 @@ using calib::SolveStatus;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// All beacons are control points at the height of the receivers, of which the height is known by its prior alone.
+/// All beacons are control points at the height of the receivers, of which the height is known by its prior
+/// alone.
 Scenario level_hall(double height_sigma_m) {
   Scenario s = hall_scenario();
   for (SiteBeacon& b : s.site.beacons) {
@@ -36,7 +37,8 @@ TEST(FixShift, IsThatOfAMovedMap) {
   const calib::Solution solution = calib::solve(problem);
   calib::Problem all_free = problem;
   for (SiteBeacon& b : all_free.site.beacons) b.sigma_m.fill(1.0);
-  const calib::ParameterLayout layout = calib::make_layout(all_free, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout =
+      calib::make_layout(all_free, solution.state, std::vector<bool>(8, false));
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   EXPECT_LT(calib::fix_shift_m(layout, x, x, solution.trajectories).value(), 1e-6);
   Eigen::VectorXd y = x;
@@ -64,7 +66,8 @@ TEST(FixShift, AReceiverThatEveryFixFeelsRefuses) {
   Scenario s = level_hall(0.002);
   s.site.receivers.resize(1);
   s.site.receivers[0].position_m = {0.0, 0.0, 0.35};
-  s.site.receivers[0].sigma_m = {0.5, 0.5, 0.002};  // and nothing but ranges to it: fixes are off by all of that
+  s.site.receivers[0].sigma_m = {0.5, 0.5,
+                                 0.002};  // and nothing but ranges to it: fixes are off by all of that
   s.site.receivers[0].axis.reset();
   s.site.vehicles[0].receiver_count = 1;
   s.hearing_half_angle_rad = 3.2;

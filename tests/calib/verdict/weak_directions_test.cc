@@ -54,10 +54,12 @@ TEST(WeakDirections, ShiftAtTheRobotIsThatOfAMovedMap) {
   const calib::Solution solution = calib::solve(problem);
   calib::Problem all_free = problem;
   for (SiteBeacon& b : all_free.site.beacons) b.sigma_m.fill(1.0);
-  const calib::ParameterLayout layout = calib::make_layout(all_free, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout =
+      calib::make_layout(all_free, solution.state, std::vector<bool>(8, false));
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   Eigen::VectorXd y = x;
-  for (const auto& columns : layout.beacon) y[columns[0]] += 0.01;  // the whole map goes 10 mm east, and the robot with it
+  for (const auto& columns : layout.beacon)
+    y[columns[0]] += 0.01;  // the whole map goes 10 mm east, and the robot with it
   EXPECT_NEAR(calib::shift_at_robot_m(layout, x, y, solution.trajectories), 0.01, 1e-6);
 }
 

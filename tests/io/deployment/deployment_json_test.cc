@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "io/text/atomic_file.h"
 #include "io/deployment/deployment_digest.h"
+#include "io/text/atomic_file.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {
@@ -24,9 +24,11 @@ Deployment small_deployment() {
   d.timing.delay_per.beacon = true;
   d.attenuation = AttenuationModel{12.5, 0.15, 0.2, 4.5e-4};
   d.beacons.push_back({.name = "B0", .position_m = {1, 2, 3}});
-  d.beacons.push_back({.name = "B1", .position_m = {4, 5, 6}, .delay_s = 1e-4, .status = BeaconStatus::kUndetermined});
+  d.beacons.push_back(
+      {.name = "B1", .position_m = {4, 5, 6}, .delay_s = 1e-4, .status = BeaconStatus::kUndetermined});
   d.vehicles.push_back({"robot", 0, 1});
-  d.receivers.push_back({.name = "r0", .vehicle = VehicleId(0), .position_m = {0.1, 0, 0.3}, .axis = std::nullopt});
+  d.receivers.push_back(
+      {.name = "r0", .vehicle = VehicleId(0), .position_m = {0.1, 0, 0.3}, .axis = std::nullopt});
   d.covariance = {{"beacon/B0/x_m", "medium/speed_mps"}, (Eigen::Matrix2d() << 1, 0.5, 0.5, 2).finished()};
   d.statistics.converged = true;
   d.warnings = {"w"};
@@ -52,8 +54,8 @@ TEST(DeploymentJson, HoldsWhatTheContractAsksFor) {
   EXPECT_EQ(json.at("beacons").at(1).at("status"), "undetermined");
   EXPECT_EQ(json.at("vehicles").at(0).at("receivers").at(0).at("position_m"), Json::array({0.1, 0.0, 0.3}));
   EXPECT_EQ(json.at("covariance").at("upper_triangle"), Json::array({1.0, 0.5, 2.0}));
-  for (const char* key :
-       {"site", "created", "motion", "datum", "noise", "attenuation", "statistics", "validity", "inputs", "program"}) {
+  for (const char* key : {"site", "created", "motion", "datum", "noise", "attenuation", "statistics",
+                          "validity", "inputs", "program"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   Deployment without = small_deployment();
@@ -65,9 +67,12 @@ TEST(DeploymentJson, ADirectionThatNoReceiverHasIsRefused) {
   for (const double angle_rad : {0.0, -0.4, 3.0}) {
     const auto read = deployment_from_json(changed("/attenuation/half_power_angle_rad", angle_rad), "d.json");
     ASSERT_FALSE(read) << angle_rad;
-    EXPECT_THAT(read.error().message(), testing::HasSubstr("/attenuation/half_power_angle_rad is")) << angle_rad;
+    EXPECT_THAT(read.error().message(), testing::HasSubstr("/attenuation/half_power_angle_rad is"))
+        << angle_rad;
   }
-  EXPECT_EQ(deployment_from_json(changed("/attenuation/half_power_angle_rad", 0.4), "d.json")->attenuation->half_power_angle_rad, 0.4);
+  EXPECT_EQ(deployment_from_json(changed("/attenuation/half_power_angle_rad", 0.4), "d.json")
+                ->attenuation->half_power_angle_rad,
+            0.4);
   Json old = Json::parse(deployment_to_json(small_deployment()));  // as written before there was one
   old["attenuation"].erase("half_power_angle_rad");
   old["attenuation"].erase("saturation_v");
@@ -80,7 +85,8 @@ TEST(DeploymentJson, ARailIsWrittenOnlyWhereThereIsOne) {
   Deployment d = small_deployment();
   EXPECT_FALSE(Json::parse(deployment_to_json(d)).at("vehicles").at(0).contains("rail"));
   d.vehicles[0].rail = Rail{.shape = Rail::Shape::kArc, .centre_m = {6, 5}, .radius_m = 4};
-  EXPECT_EQ(Json::parse(deployment_to_json(d)).at("vehicles").at(0).at("rail"), (Json{{"centre_m", {6.0, 5.0}}, {"radius_m", 4.0}}));
+  EXPECT_EQ(Json::parse(deployment_to_json(d)).at("vehicles").at(0).at("rail"),
+            (Json{{"centre_m", {6.0, 5.0}}, {"radius_m", 4.0}}));
 }
 
 TEST(DeploymentJson, LayoutDoesNotMatterButValuesDo) {
@@ -88,8 +94,8 @@ TEST(DeploymentJson, LayoutDoesNotMatterButValuesDo) {
   EXPECT_TRUE(deployment_from_json(nlohmann::json::parse(text).dump(), "d.json")) << "keys sorted, one line";
   std::string altered = text;
   altered.replace(altered.find("0.15"), 4, "0.16");
-  const int line =
-      1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(text.find("\"digest\"")), '\n'));
+  const int line = 1 + static_cast<int>(std::count(
+                           text.begin(), text.begin() + static_cast<long>(text.find("\"digest\"")), '\n'));
   expect_error(deployment_from_json(altered, "d.json"), line, "altered", "d.json");
 }
 
@@ -138,7 +144,8 @@ TEST(DeploymentJson, NamesWhatIsWrongByPointerAndLine) {
       {"/vehicles/0/receivers", Json::object(), "/vehicles/0/receivers is an object"},
       {"/vehicles/0/rail", 3, "/vehicles/0/rail"},
       {"/vehicles/0/rail", Json::object(), "/vehicles/0/rail is without 'from_m'"},
-      {"/vehicles/0/rail", Json{{"from_m", {0, 0}}, {"to_m", {0, 0}}}, "/vehicles/0/rail/to_m is where the rail begins"},
+      {"/vehicles/0/rail", Json{{"from_m", {0, 0}}, {"to_m", {0, 0}}},
+       "/vehicles/0/rail/to_m is where the rail begins"},
       {"/vehicles/0/rail", Json{{"centre_m", {0, 0}}, {"radius_m", 0}}, "a positive number"},
       {"/vehicles/0/rail", Json{{"from_m", {0}}, {"to_m", {0, 1}}}, "an array of 2"},
       {"/covariance/upper_triangle", Json::array({1, 2}), "expected an array of 3 numbers"},
@@ -158,7 +165,8 @@ TEST(DeploymentJson, NamesWhatIsWrongByPointerAndLine) {
 
 TEST(DeploymentJson, TheLineIsThatOfTheValue) {
   const std::string text = changed("/beacons/1/status", "fine");
-  const int line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(text.find("\"fine\"")), '\n'));
+  const int line = 1 + static_cast<int>(std::count(
+                           text.begin(), text.begin() + static_cast<long>(text.find("\"fine\"")), '\n'));
   expect_error(deployment_from_json(text, "d.json"), line, "'fine'", "d.json");
 }
 
@@ -166,7 +174,8 @@ TEST(DeploymentJson, NothingIsWrittenThatCannotBeRead) {
   const test::TemporaryFolder folder;
   Deployment d = small_deployment();
   d.covariance.matrix(0, 1) = std::nan("");
-  expect_error(write_deployment(folder.path("d.json"), d), 0, "/covariance/upper_triangle/1 is not a finite number", "d.json");
+  expect_error(write_deployment(folder.path("d.json"), d), 0,
+               "/covariance/upper_triangle/1 is not a finite number", "d.json");
   EXPECT_EQ(folder.files(), 0u);
   ASSERT_TRUE(write_deployment(folder.path("d.json"), small_deployment()));
   EXPECT_TRUE(read_deployment(folder.path("d.json")));
@@ -180,8 +189,9 @@ Deployment some_deployment() {
   d.site = test::some_name(0);
   d.motion = *rc::gen::element(Motion::kPlanar, Motion::kSpatial);
   d.datum = {"words", "control points", "x", "y", {"B0"}};
-  d.medium = {*rc::gen::element(MediumModel::kConstant, MediumModel::kLinearTemperature, MediumModel::kCramer1993),
-              300 + test::some_positive(), 30 * test::some_fraction(), test::some_fraction(), 1e5};
+  d.medium = {
+      *rc::gen::element(MediumModel::kConstant, MediumModel::kLinearTemperature, MediumModel::kCramer1993),
+      300 + test::some_positive(), 30 * test::some_fraction(), test::some_fraction(), 1e5};
   d.speed_offset_mps = test::some_fraction();
   d.speed_sigma_mps = test::some_positive();
   d.timing = {*rc::gen::element(Clock::kSynchronised, Clock::kCycleOffset),
@@ -190,9 +200,10 @@ Deployment some_deployment() {
               {*rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>()},
               test::some_number(),
               test::some_positive()};
-  d.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()), test::some_positive(),
-             test::some_positive()};
-  if (*rc::gen::arbitrary<bool>()) d.correlated_noise = {test::some_positive(), test::some_positive(), test::some_positive()};
+  d.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()),
+             test::some_positive(), test::some_positive()};
+  if (*rc::gen::arbitrary<bool>())
+    d.correlated_noise = {test::some_positive(), test::some_positive(), test::some_positive()};
   if (*rc::gen::arbitrary<bool>()) d.attenuation->half_power_angle_rad = 0.1 + 2 * test::some_fraction();
   if (*rc::gen::arbitrary<bool>()) d.attenuation->saturation_v = test::some_positive();
   if (*rc::gen::arbitrary<bool>()) d.attenuation.reset();
@@ -202,7 +213,8 @@ Deployment some_deployment() {
     b.covariance_m2 = v * v.transpose();
     b.delay_s = test::some_number();
     b.delay_sigma_s = test::some_positive();
-    b.status = *rc::gen::element(BeaconStatus::kCalibrated, BeaconStatus::kControlPoint, BeaconStatus::kUndetermined);
+    b.status = *rc::gen::element(BeaconStatus::kCalibrated, BeaconStatus::kControlPoint,
+                                 BeaconStatus::kUndetermined);
   }
   d.receivers[0].sigma_m = some_vector();
   d.receivers[0].delay_s = test::some_number();
@@ -230,20 +242,26 @@ Deployment some_deployment() {
 
 void assert_same(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.site == b.site && a.created == b.created && a.motion == b.motion);
-  RC_ASSERT(a.datum.description == b.datum.description && a.datum.position == b.datum.position && a.datum.scale == b.datum.scale);
+  RC_ASSERT(a.datum.description == b.datum.description && a.datum.position == b.datum.position &&
+            a.datum.scale == b.datum.scale);
   RC_ASSERT(a.datum.orientation == b.datum.orientation && a.datum.control_points == b.datum.control_points);
   RC_ASSERT(a.medium.model == b.medium.model && a.medium.speed_mps == b.medium.speed_mps &&
             a.medium.pressure_pa == b.medium.pressure_pa);
-  RC_ASSERT(a.medium.temperature_degC == b.medium.temperature_degC && a.medium.relative_humidity == b.medium.relative_humidity);
+  RC_ASSERT(a.medium.temperature_degC == b.medium.temperature_degC &&
+            a.medium.relative_humidity == b.medium.relative_humidity);
   RC_ASSERT(a.speed_offset_mps == b.speed_offset_mps && a.speed_sigma_mps == b.speed_sigma_mps);
   RC_ASSERT(a.timing.clock == b.timing.clock && a.timing.ranging == b.timing.ranging &&
             a.timing.turnaround_s == b.timing.turnaround_s);
-  RC_ASSERT(a.timing.delay_per.beacon == b.timing.delay_per.beacon && a.timing.delay_per.receiver == b.timing.delay_per.receiver);
+  RC_ASSERT(a.timing.delay_per.beacon == b.timing.delay_per.beacon &&
+            a.timing.delay_per.receiver == b.timing.delay_per.receiver);
   RC_ASSERT(a.timing.delay_per.site == b.timing.delay_per.site && a.timing.delay_s == b.timing.delay_s);
   RC_ASSERT(a.timing.delay_sigma_s == b.timing.delay_sigma_s && a.noise.tof_sigma_s == b.noise.tof_sigma_s);
-  RC_ASSERT(a.noise.amplitude_relative_sigma == b.noise.amplitude_relative_sigma && a.noise.pair_sigma_s == b.noise.pair_sigma_s);
-  RC_ASSERT(a.noise.bearing_sigma_rad == b.noise.bearing_sigma_rad && a.noise.range_sigma_m == b.noise.range_sigma_m);
-  RC_ASSERT(a.correlated_noise.sigma_s == b.correlated_noise.sigma_s && a.correlated_noise.time_s == b.correlated_noise.time_s);
+  RC_ASSERT(a.noise.amplitude_relative_sigma == b.noise.amplitude_relative_sigma &&
+            a.noise.pair_sigma_s == b.noise.pair_sigma_s);
+  RC_ASSERT(a.noise.bearing_sigma_rad == b.noise.bearing_sigma_rad &&
+            a.noise.range_sigma_m == b.noise.range_sigma_m);
+  RC_ASSERT(a.correlated_noise.sigma_s == b.correlated_noise.sigma_s &&
+            a.correlated_noise.time_s == b.correlated_noise.time_s);
   RC_ASSERT(a.correlated_noise.pair_sigma_s == b.correlated_noise.pair_sigma_s);
   RC_ASSERT(a.attenuation.has_value() == b.attenuation.has_value());
   if (a.attenuation) {
@@ -263,18 +281,24 @@ void assert_same(const Deployment& a, const Deployment& b) {
   }
   RC_ASSERT(test::same_rail(a.vehicles[0].rail, b.vehicles[0].rail));
   const DeploymentReceiver &x = a.receivers[0], &y = b.receivers[0];
-  RC_ASSERT(x.name == y.name && x.vehicle == y.vehicle && x.position_m == y.position_m && x.sigma_m == y.sigma_m);
-  RC_ASSERT(x.delay_s == y.delay_s && x.delay_sigma_s == y.delay_sigma_s && x.axis == y.axis && x.hearing_cosine == y.hearing_cosine);
+  RC_ASSERT(x.name == y.name && x.vehicle == y.vehicle && x.position_m == y.position_m &&
+            x.sigma_m == y.sigma_m);
+  RC_ASSERT(x.delay_s == y.delay_s && x.delay_sigma_s == y.delay_sigma_s && x.axis == y.axis &&
+            x.hearing_cosine == y.hearing_cosine);
   RC_ASSERT(a.covariance.parameters == b.covariance.parameters && a.covariance.matrix == b.covariance.matrix);
-  RC_ASSERT(a.statistics.arrivals == b.statistics.arrivals && a.statistics.redundancy == b.statistics.redundancy);
+  RC_ASSERT(a.statistics.arrivals == b.statistics.arrivals &&
+            a.statistics.redundancy == b.statistics.redundancy);
   RC_ASSERT(a.statistics.rejected == b.statistics.rejected && a.statistics.unknowns == b.statistics.unknowns);
-  RC_ASSERT(a.statistics.variance_factor == b.statistics.variance_factor && a.statistics.chi2_p == b.statistics.chi2_p);
+  RC_ASSERT(a.statistics.variance_factor == b.statistics.variance_factor &&
+            a.statistics.chi2_p == b.statistics.chi2_p);
   RC_ASSERT(a.statistics.rms_s == b.statistics.rms_s && a.statistics.converged == b.statistics.converged);
   RC_ASSERT(a.tolerance.beacon_m == b.tolerance.beacon_m && a.tolerance.fix_m == b.tolerance.fix_m);
-  RC_ASSERT(a.validity_temperature_degC == b.validity_temperature_degC && a.validity_area_m == b.validity_area_m);
+  RC_ASSERT(a.validity_temperature_degC == b.validity_temperature_degC &&
+            a.validity_area_m == b.validity_area_m);
   RC_ASSERT(a.inputs.size() == b.inputs.size() && a.inputs[0].path == b.inputs[0].path &&
             a.inputs[0].sha256 == b.inputs[0].sha256);
-  RC_ASSERT(a.program_version == b.program_version && a.program_command == b.program_command && a.warnings == b.warnings);
+  RC_ASSERT(a.program_version == b.program_version && a.program_command == b.program_command &&
+            a.warnings == b.warnings);
 }
 
 TEST(DeploymentJson, AMarkStays) {
@@ -288,7 +312,8 @@ TEST(DeploymentJson, AMarkStays) {
   ASSERT_EQ(back->contradictions.size(), 1U);
   const Contradiction &a = d.contradictions[0], &b = back->contradictions[0];
   EXPECT_EQ(a.kind, b.kind);
-  EXPECT_EQ(std::tie(a.subject, a.stated, a.found, a.sigmas, a.remedy), std::tie(b.subject, b.stated, b.found, b.sigmas, b.remedy));
+  EXPECT_EQ(std::tie(a.subject, a.stated, a.found, a.sigmas, a.remedy),
+            std::tie(b.subject, b.stated, b.found, b.sigmas, b.remedy));
 }
 
 TEST(DeploymentJson, ReadsBackWhatItWrote) {

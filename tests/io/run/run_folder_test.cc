@@ -18,14 +18,15 @@ using testing::HasSubstr;
 const NameTable kNames{.beacons = {"B0", "B1"},
                        .vehicles = {"robot", "cart"},
                        .receivers = {{"r0", VehicleId(0)}, {"r1", VehicleId(0)}, {"r0", VehicleId(1)}}};
-const NameTable kSingle{.beacons = {"B0", "B1"}, .vehicles = {"trolley"}, .receivers = {{"t0", VehicleId(0)}}};
+const NameTable kSingle{
+    .beacons = {"B0", "B1"}, .vehicles = {"trolley"}, .receivers = {{"t0", VehicleId(0)}}};
 
 struct File {
   std::string name, text;
 };
 
-Result<MeasurementLog> read(const std::vector<File>& files, const NameTable& names = kSingle, Clock clock = Clock::kSynchronised,
-                            const ReadRunOptions& options = {}) {
+Result<MeasurementLog> read(const std::vector<File>& files, const NameTable& names = kSingle,
+                            Clock clock = Clock::kSynchronised, const ReadRunOptions& options = {}) {
   const TemporaryFolder folder;
   for (const File& file : files) folder.write("run/" + file.name, file.text);
   Timing timing;
@@ -33,7 +34,8 @@ Result<MeasurementLog> read(const std::vector<File>& files, const NameTable& nam
   return read_run(folder.path("run"), names, timing, options);
 }
 
-Result<MeasurementLog> read_tof(const std::string& text, const NameTable& names = kSingle, Clock clock = Clock::kSynchronised) {
+Result<MeasurementLog> read_tof(const std::string& text, const NameTable& names = kSingle,
+                                Clock clock = Clock::kSynchronised) {
   return read({{"tof.csv", text}}, names, clock);
 }
 
@@ -70,7 +72,9 @@ TEST(RunFolder, LevelsBecomeAmplitudes) {
 }
 
 TEST(RunFolder, CountsArrivalsThatAreNoMeasurement) {
-  const auto log = read_tof(kPlain + "1,B0,0.01\n1,B0,nan\n1,B0,\n1,B0,-0.01\n1,B0,NaN\n1,B0,inf\n1,B0,0\n1,B1,0.02\n").value();
+  const auto log =
+      read_tof(kPlain + "1,B0,0.01\n1,B0,nan\n1,B0,\n1,B0,-0.01\n1,B0,NaN\n1,B0,inf\n1,B0,0\n1,B1,0.02\n")
+          .value();
   EXPECT_EQ(log.rows, 8u);
   EXPECT_EQ(log.arrivals.size(), 2u);
   ASSERT_EQ(log.rejected.size(), 6u);
@@ -80,7 +84,8 @@ TEST(RunFolder, CountsArrivalsThatAreNoMeasurement) {
   EXPECT_THAT(log.warnings, ElementsAre(HasSubstr("tof.csv:4: tof_s is empty; 1 arrival"),
                                         HasSubstr("tof.csv:3: tof_s is not a number (nan); 3"),
                                         HasSubstr("tof.csv:5: tof_s is not positive (-0.01); 2")));
-  const auto offset = read_tof(kPlain + "1,B0,-0.01\n1,B0,0\n1,B0,nan\n", kSingle, Clock::kCycleOffset).value();
+  const auto offset =
+      read_tof(kPlain + "1,B0,-0.01\n1,B0,0\n1,B0,nan\n", kSingle, Clock::kCycleOffset).value();
   EXPECT_EQ(offset.arrivals.size(), 2u) << "negative ones are legal where the clock has an offset";
 }
 
@@ -89,12 +94,16 @@ TEST(RunFolder, RowsThatStandThereTwiceCountOnce) {
   EXPECT_EQ(log.rows, 5u);
   EXPECT_EQ(log.arrivals.size(), 3u);
   EXPECT_EQ(log.rejected.size(), 2u);
-  EXPECT_THAT(log.warnings, ElementsAre(HasSubstr("tof.csv:4: the row is a duplicate of another one; 2 arrivals rejected")));
+  EXPECT_THAT(
+      log.warnings,
+      ElementsAre(HasSubstr("tof.csv:4: the row is a duplicate of another one; 2 arrivals rejected")));
 }
 
 TEST(RunFolder, WarnsOnceOfUnknownColumns) {
-  const auto log = read_tof("time_s,beacon,tof_s,colour,ampltude_v\n1,B0,0.01,red,2\n2,B0,0.01,red,2\n").value();
-  EXPECT_THAT(log.warnings, ElementsAre(HasSubstr("tof.csv: 2 unknown columns are ignored: colour, ampltude_v")));
+  const auto log =
+      read_tof("time_s,beacon,tof_s,colour,ampltude_v\n1,B0,0.01,red,2\n2,B0,0.01,red,2\n").value();
+  EXPECT_THAT(log.warnings,
+              ElementsAre(HasSubstr("tof.csv: 2 unknown columns are ignored: colour, ampltude_v")));
 }
 
 TEST(RunFolder, SaysWhatIsWrongWithArrivals) {
@@ -110,8 +119,10 @@ TEST(RunFolder, SaysWhatIsWrongWithArrivals) {
       {"time_s,beacon\n1,B0\n", 1, "column 'tof_s' is missing"},
       {"beacon,tof_s\n", 1, "column 'time_s' is missing"},
       {"time_s;beacon;tof_s\n1,5;B0;0,01\n", 1, "semicolons"},
-      {kPlain + "1,B0,0.01\n1,B9,0.01\n", 3, "beacon 'B9' is not in the site; expected a beacon's id; did you mean"},
-      {kPlain + "1,B9,0.01\n1,B0,0.01\n2,B8,0.01\n3,C7,0.01\n4,B8,0.01\n", 2, "beacon 'B9' is not in the site, nor are B8, C7; expected"},
+      {kPlain + "1,B0,0.01\n1,B9,0.01\n", 3,
+       "beacon 'B9' is not in the site; expected a beacon's id; did you mean"},
+      {kPlain + "1,B9,0.01\n1,B0,0.01\n2,B8,0.01\n3,C7,0.01\n4,B8,0.01\n", 2,
+       "beacon 'B9' is not in the site, nor are B8, C7; expected"},
       {kPlain + "1,Zebra,0.01\n", 2, "or add it to the site's beacons"},
       {kPlain + "1,,0.01\n", 2, "beacon is empty"},
       {kPlain + "1,B0,N/A\n", 2, "tof_s is 'N/A'; expected a number"},
@@ -135,7 +146,8 @@ TEST(RunFolder, SaysWhatIsWrongWithArrivals) {
     SCOPED_TRACE(bad.text.substr(0, 200));
     expect_error(read_tof(bad.text), bad.line, bad.words, "tof.csv");
   }
-  expect_error(read_tof(kPlain + "1,B0,0.01\n", kNames), 2, "names no receiver, and vehicle 'robot' has 2", "tof.csv");
+  expect_error(read_tof(kPlain + "1,B0,0.01\n", kNames), 2, "names no receiver, and vehicle 'robot' has 2",
+               "tof.csv");
 }
 
 TEST(RunFolder, EpochsAreBlocksOfEachVehicle) {
@@ -147,7 +159,8 @@ TEST(RunFolder, EpochsAreBlocksOfEachVehicle) {
 
 TEST(RunFolder, HeaderAloneIsFineBesideOtherRows) {
   const auto log =
-      read({{"tof.csv", kPlain}, {"bearings.csv", "time_s,reflector,bearing_rad,epoch\n1,B0,0.5,7\n1,,-1,7\n2,B1,nan,8\n"}})
+      read({{"tof.csv", kPlain},
+            {"bearings.csv", "time_s,reflector,bearing_rad,epoch\n1,B0,0.5,7\n1,,-1,7\n2,B1,nan,8\n"}})
           .value();
   ASSERT_EQ(log.bearings.size(), 2u);
   EXPECT_EQ(log.bearings[0].reflector, BeaconId(0));
@@ -159,7 +172,8 @@ TEST(RunFolder, HeaderAloneIsFineBesideOtherRows) {
 
 TEST(RunFolder, ReadsScans) {
   const auto log =
-      read({{"scans.csv", "time_s,angle_min_rad,angle_increment_rad,range1_m,range0_m\n1,-1,0.5,20,2.5\n2,-1,0.5,,nan\n"},
+      read({{"scans.csv",
+             "time_s,angle_min_rad,angle_increment_rad,range1_m,range0_m\n1,-1,0.5,20,2.5\n2,-1,0.5,,nan\n"},
             {"run.yaml", "octant_run: 1\nrange_max_m: 10\n"}})
           .value();
   ASSERT_EQ(log.scans.size(), 2u);
@@ -203,7 +217,8 @@ TEST(RunFolder, SaysWhatIsWrongWithTheOtherFiles) {
 TEST(RunFolder, ReadsRunYaml) {
   const std::string text =
       "octant_run: 1\nvehicle: cart\ntemperature_degC: 19\nrelative_humidity: 0.4\npressure_pa: 99000\n"
-      "poses: {position_sigma_m: 0, heading_sigma_rad: 0.2, max_gap_s: 3}\ntruth: {position_sigma_m: 0.05, heading: unknown}\n"
+      "poses: {position_sigma_m: 0, heading_sigma_rad: 0.2, max_gap_s: 3}\ntruth: {position_sigma_m: 0.05, "
+      "heading: unknown}\n"
       "odometry: {distance_sigma_m_per_sqrt_m: 0.3, heading_sigma_per_rad: 0.1}\nweather: fair\n";
   const auto log = read({{"run.yaml", text}, {"tof.csv", kPlain + "1,B0,0.01\n"}}, kNames).value();
   EXPECT_EQ(log.vehicle, VehicleId(1));
@@ -246,11 +261,12 @@ TEST(RunFolder, WillNotMixTwoRuns) {
 
 TEST(RunFolder, TheOrderOfColumnsDoesNotMatter) {
   EXPECT_TRUE(rc::check("columns found by name", [] {
-    const std::vector<std::pair<std::string, std::vector<std::string>>> columns = {{"time_s", {"1", "2"}},
-                                                                                   {"beacon", {"B0", "B1"}},
-                                                                                   {"tof_s", {"0.01", "0.02"}},
-                                                                                   {"epoch", {"5", "6"}},
-                                                                                   {"junk", {"\"a,b\"", ""}}};
+    const std::vector<std::pair<std::string, std::vector<std::string>>> columns = {
+        {"time_s", {"1", "2"}},
+        {"beacon", {"B0", "B1"}},
+        {"tof_s", {"0.01", "0.02"}},
+        {"epoch", {"5", "6"}},
+        {"junk", {"\"a,b\"", ""}}};
     std::vector<std::size_t> order = {0, 1, 2, 3, 4};
     std::shuffle(order.begin(), order.end(), std::mt19937(*rc::gen::arbitrary<unsigned>()));
     std::string header, first, second;
@@ -261,8 +277,10 @@ TEST(RunFolder, TheOrderOfColumnsDoesNotMatter) {
     }
     const auto log = read_tof(header + "\n" + first + "\n" + second + "\n").value();
     RC_ASSERT(log.arrivals.size() == 2u);
-    RC_ASSERT(log.arrivals[0].beacon == BeaconId(0) && log.arrivals[0].tof_s == 0.01 && log.arrivals[0].epoch == 5);
-    RC_ASSERT(log.arrivals[1].beacon == BeaconId(1) && log.arrivals[1].tof_s == 0.02 && log.arrivals[1].epoch == 6);
+    RC_ASSERT(log.arrivals[0].beacon == BeaconId(0) && log.arrivals[0].tof_s == 0.01 &&
+              log.arrivals[0].epoch == 5);
+    RC_ASSERT(log.arrivals[1].beacon == BeaconId(1) && log.arrivals[1].tof_s == 0.02 &&
+              log.arrivals[1].epoch == 6);
   }));
 }
 
@@ -284,19 +302,22 @@ MeasurementLog some_log() {
     if (epochs) a.epoch = i / 2 - 2;
     if (amplitude && i % 2 == 0) a.amplitude_v = test::some_positive();
     log.arrivals.push_back(a);
-    Bearing b{.time_s = time_s, .bearing_rad = test::some_fraction(), .reflector = {}, .vehicle = VehicleId(1)};
+    Bearing b{
+        .time_s = time_s, .bearing_rad = test::some_fraction(), .reflector = {}, .vehicle = VehicleId(1)};
     if (i % 2 == 0) b.reflector = BeaconId(1);
     if (epochs) b.epoch = i;
     log.bearings.push_back(b);
-    log.odometry.push_back({time_s, i ? test::some_number() : 0, 0, i ? test::some_fraction() : 0, VehicleId(1)});
-    log.poses.push_back(
-        {i + test::some_fraction() / 2, {{test::some_number(), 1, 2}, exp_rotation({0, test::some_fraction(), 1})}});
+    log.odometry.push_back(
+        {time_s, i ? test::some_number() : 0, 0, i ? test::some_fraction() : 0, VehicleId(1)});
+    log.poses.push_back({i + test::some_fraction() / 2,
+                         {{test::some_number(), 1, 2}, exp_rotation({0, test::some_fraction(), 1})}});
     log.scans.push_back({time_s, test::some_fraction(), 0.01, {test::some_positive(), std::nan(""), 3}});
   }
   log.truth = log.poses;
-  log.pose_accuracy = {test::some_positive(), test::some_positive(), *rc::gen::arbitrary<bool>(), test::some_positive(),
-                       test::some_positive()};
-  log.odometry_accuracy = {test::some_positive(), test::some_positive(), test::some_positive(), test::some_positive(), 0};
+  log.pose_accuracy = {test::some_positive(), test::some_positive(), *rc::gen::arbitrary<bool>(),
+                       test::some_positive(), test::some_positive()};
+  log.odometry_accuracy = {test::some_positive(), test::some_positive(), test::some_positive(),
+                           test::some_positive(), 0};
   log.has_epochs = epochs;
   return log;
 }
@@ -311,11 +332,12 @@ void assert_same(const MeasurementLog& a, const MeasurementLog& b) {
     RC_ASSERT(x.time_s == y.time_s && x.tof_s == y.tof_s && x.beacon == y.beacon && x.receiver == y.receiver);
     RC_ASSERT(x.vehicle == y.vehicle && x.epoch == y.epoch && same(x.amplitude_v, y.amplitude_v));
     const Bearing &p = a.bearings[i], &q = b.bearings[i];
-    RC_ASSERT(p.time_s == q.time_s && p.bearing_rad == q.bearing_rad && p.reflector == q.reflector && p.vehicle == q.vehicle);
+    RC_ASSERT(p.time_s == q.time_s && p.bearing_rad == q.bearing_rad && p.reflector == q.reflector &&
+              p.vehicle == q.vehicle);
     RC_ASSERT(p.epoch == q.epoch);
     const OdometryStep &o = a.odometry[i], &r = b.odometry[i];
-    RC_ASSERT(o.time_s == r.time_s && o.dx_m == r.dx_m && o.dy_m == r.dy_m && o.dheading_rad == r.dheading_rad &&
-              o.vehicle == r.vehicle);
+    RC_ASSERT(o.time_s == r.time_s && o.dx_m == r.dx_m && o.dy_m == r.dy_m &&
+              o.dheading_rad == r.dheading_rad && o.vehicle == r.vehicle);
     RC_ASSERT(a.poses[i].time_s == b.poses[i].time_s && b.truth[i].time_s == a.truth[i].time_s);
     RC_ASSERT(a.poses[i].T_map_vehicle.rotation.coeffs() == b.poses[i].T_map_vehicle.rotation.coeffs());
     RC_ASSERT(a.scans[i].angle_min_rad == b.scans[i].angle_min_rad && b.scans[i].range_m.size() == 3u);
@@ -324,12 +346,16 @@ void assert_same(const MeasurementLog& a, const MeasurementLog& b) {
   RC_ASSERT(a.pose_accuracy.position_sigma_m == b.pose_accuracy.position_sigma_m);
   RC_ASSERT(a.pose_accuracy.heading_known == b.pose_accuracy.heading_known &&
             a.pose_accuracy.max_gap_s == b.pose_accuracy.max_gap_s);
-  RC_ASSERT(!a.pose_accuracy.heading_known || a.pose_accuracy.heading_sigma_rad == b.pose_accuracy.heading_sigma_rad);
+  RC_ASSERT(!a.pose_accuracy.heading_known ||
+            a.pose_accuracy.heading_sigma_rad == b.pose_accuracy.heading_sigma_rad);
   RC_ASSERT(a.pose_accuracy.attitude_sigma_rad == b.pose_accuracy.attitude_sigma_rad);
-  RC_ASSERT(a.odometry_accuracy.distance_sigma_m_per_sqrt_m == b.odometry_accuracy.distance_sigma_m_per_sqrt_m);
-  RC_ASSERT(a.odometry_accuracy.heading_sigma_rad_per_sqrt_m == b.odometry_accuracy.heading_sigma_rad_per_sqrt_m);
+  RC_ASSERT(a.odometry_accuracy.distance_sigma_m_per_sqrt_m ==
+            b.odometry_accuracy.distance_sigma_m_per_sqrt_m);
+  RC_ASSERT(a.odometry_accuracy.heading_sigma_rad_per_sqrt_m ==
+            b.odometry_accuracy.heading_sigma_rad_per_sqrt_m);
   RC_ASSERT(a.odometry_accuracy.heading_sigma_per_rad == b.odometry_accuracy.heading_sigma_per_rad);
-  RC_ASSERT(a.odometry_accuracy.floor_m == b.odometry_accuracy.floor_m && b.odometry_accuracy.floor_rad == 0.0);
+  RC_ASSERT(a.odometry_accuracy.floor_m == b.odometry_accuracy.floor_m &&
+            b.odometry_accuracy.floor_rad == 0.0);
 }
 
 TEST(RunFolder, ReadsBackWhatItWrote) {

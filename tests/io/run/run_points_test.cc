@@ -14,10 +14,11 @@ using test::TemporaryFolder;
 using testing::HasSubstr;
 
 const NameTable kOne{.beacons = {"B0", "B1"}, .vehicles = {"robot"}, .receivers = {{"r0", VehicleId(0)}}};
-const std::string kStops = "time_s,beacon,tof_s,epoch\n1,B0,0.01,7\n1.5,B1,0.01,7\n9,B0,0.01,8\n20,B0,0.02,9\n";
+const std::string kStops =
+    "time_s,beacon,tof_s,epoch\n1,B0,0.01,7\n1.5,B1,0.01,7\n9,B0,0.01,8\n20,B0,0.02,9\n";
 
-Result<MeasurementLog> read_with(const std::string& tof, const std::string& name, const std::string& text, const ReadRunOptions& options = {.read_truth = true},
-                                 Timing timing = {}) {
+Result<MeasurementLog> read_with(const std::string& tof, const std::string& name, const std::string& text,
+                                 const ReadRunOptions& options = {.read_truth = true}, Timing timing = {}) {
   const TemporaryFolder folder;
   folder.write("run/tof.csv", tof);
   if (!name.empty()) folder.write("run/" + name, text);
@@ -25,7 +26,8 @@ Result<MeasurementLog> read_with(const std::string& tof, const std::string& name
 }
 
 TEST(RunPoints, BelongToTheirEpochs) {
-  const auto log = read_with(kStops, "points.csv", "epoch,x_m,y_m,z_m,sigma_m\n9,3,4,0.5,0.02\n7,1,2,,0.02\n").value();
+  const auto log =
+      read_with(kStops, "points.csv", "epoch,x_m,y_m,z_m,sigma_m\n9,3,4,0.5,0.02\n7,1,2,,0.02\n").value();
   ASSERT_EQ(log.poses.size(), 3u);  // the first and last instant of epoch 7, the one of epoch 9
   EXPECT_EQ(log.poses[0].time_s, 1.0);
   EXPECT_EQ(log.poses[1].time_s, 1.5);
@@ -39,7 +41,8 @@ TEST(RunPoints, BelongToTheirEpochs) {
 }
 
 TEST(RunPoints, AreAReferenceInTruthCsv) {
-  const auto log = read_with(kStops, "truth.csv", "epoch,x_m,y_m,heading_rad,heading_sigma_rad\n8,1,2,0.5,0.03\n").value();
+  const auto log =
+      read_with(kStops, "truth.csv", "epoch,x_m,y_m,heading_rad,heading_sigma_rad\n8,1,2,0.5,0.03\n").value();
   ASSERT_EQ(log.truth.size(), 1u);
   EXPECT_EQ(log.truth[0].time_s, 9.0);
   EXPECT_NEAR(log.truth[0].T_map_vehicle.heading_rad(), 0.5, 1e-12);
@@ -56,7 +59,8 @@ TEST(RunPoints, SayWhatIsWrongAndWhere) {
   expect_error(points("epoch,x_m,y_m\n7,one,2\n"), 2, "'one'", "points.csv");
   expect_error(points("epoch,x_m,y_m,sigma_m\n7,1,2,-1\n"), 2, "sigma_m is -1", "points.csv");
   expect_error(points("epoch,x_m,y_m,heading_rad\n7,1,2,90\n"), 2, "heading_rad is 90", "points.csv");
-  expect_error(read_with("time_s,beacon,tof_s\n1,B0,0.01\n", "points.csv", "epoch,x_m,y_m\n7,1,2\n"), 0, "without any", "points.csv");
+  expect_error(read_with("time_s,beacon,tof_s\n1,B0,0.01\n", "points.csv", "epoch,x_m,y_m\n7,1,2\n"), 0,
+               "without any", "points.csv");
   const auto unheard = read_with(kStops, "points.csv", "epoch,x_m,y_m\n7,1,2\n12,1,2\n").value();
   ASSERT_EQ(unheard.warnings.size(), 1u);
   EXPECT_THAT(unheard.warnings[0], HasSubstr("points.csv:3"));
@@ -73,12 +77,22 @@ TEST(RunDistances, StandForTimesWhereTheSpeedIsConstant) {
   Timing two_way;
   two_way.ranging = Ranging::kTwoWay;
   two_way.turnaround_s = 1e-3;
-  EXPECT_DOUBLE_EQ(read_with(tof, "", "", {.constant_speed_mps = 3e8}, two_way).value().arrivals[0].tof_s, 2e-7 + 1e-3);
+  EXPECT_DOUBLE_EQ(read_with(tof, "", "", {.constant_speed_mps = 3e8}, two_way).value().arrivals[0].tof_s,
+                   2e-7 + 1e-3);
   // A quote makes the whole go the general way, which must agree.
-  EXPECT_DOUBLE_EQ(read_with("time_s,beacon,distance_m\n1,\"B0\",30\n", "", "", {.constant_speed_mps = 3e8}).value().arrivals[0].tof_s, 1e-7);
+  EXPECT_DOUBLE_EQ(read_with("time_s,beacon,distance_m\n1,\"B0\",30\n", "", "", {.constant_speed_mps = 3e8})
+                       .value()
+                       .arrivals[0]
+                       .tof_s,
+                   1e-7);
   expect_error(read_with(tof, "", ""), 1, "constant", "tof.csv");
   // Where both are there, the time is what was measured.
-  EXPECT_DOUBLE_EQ(read_with("time_s,beacon,tof_s,distance_m\n1,B0,0.5,30\n", "", "", {.constant_speed_mps = 3e8}).value().arrivals[0].tof_s, 0.5);
+  EXPECT_DOUBLE_EQ(
+      read_with("time_s,beacon,tof_s,distance_m\n1,B0,0.5,30\n", "", "", {.constant_speed_mps = 3e8})
+          .value()
+          .arrivals[0]
+          .tof_s,
+      0.5);
 }
 
 }  // namespace

@@ -12,7 +12,8 @@ using test::expect_error;
 Result<std::vector<TimedPose>> parse(const std::string& text) { return tum_from_text(text, "p.tum"); }
 
 TEST(Tum, ReadsRowsCommentsAndMarks) {
-  const auto poses = parse("\xEF\xBB\xBF# head\r\n\r\n1 2 3 4 0 0 0 2\r\n  2.5\t0 0 0 0 0 1 0 # turned\r\n").value();
+  const auto poses =
+      parse("\xEF\xBB\xBF# head\r\n\r\n1 2 3 4 0 0 0 2\r\n  2.5\t0 0 0 0 0 1 0 # turned\r\n").value();
   ASSERT_EQ(poses.size(), 2u);
   EXPECT_EQ(poses[0].T_map_vehicle.translation_m, Eigen::Vector3d(2, 3, 4));
   EXPECT_EQ(poses[0].T_map_vehicle.rotation.w(), 1.0) << "normalised";
@@ -40,7 +41,8 @@ TEST(Tum, ReadsBackWhatItWrote) {
     for (TimedPose& pose : poses) {
       pose.time_s = time_s += 1.0 + test::some_positive();
       pose.T_map_vehicle.translation_m = {test::some_number(), test::some_number(), test::some_number()};
-      pose.T_map_vehicle.rotation = exp_rotation({test::some_fraction(), 3 * test::some_fraction(), -test::some_fraction()});
+      pose.T_map_vehicle.rotation =
+          exp_rotation({test::some_fraction(), 3 * test::some_fraction(), -test::some_fraction()});
     }
     const auto back = parse(poses_to_tum(poses));
     RC_ASSERT(back.has_value());
@@ -66,7 +68,8 @@ Fix some_fix(FixStatus status) {
 }
 
 TEST(Fixes, TumHoldsThoseThatAreOk) {
-  const auto poses = parse(fixes_to_tum({some_fix(FixStatus::kOk), some_fix(FixStatus::kPoorGeometry)})).value();
+  const auto poses =
+      parse(fixes_to_tum({some_fix(FixStatus::kOk), some_fix(FixStatus::kPoorGeometry)})).value();
   ASSERT_EQ(poses.size(), 1u);
   EXPECT_NEAR(poses[0].T_map_vehicle.heading_rad(), 0.5, 1e-15);
 }
@@ -77,7 +80,8 @@ TEST(Fixes, CsvHoldsAllWithTheirStatus) {
   protected_fix.T_map_vehicle = {{1, 2, 0}, Eigen::Quaterniond::Identity()};
   protected_fix.protection_level_m = 0.25;
   EXPECT_EQ(fixes_to_csv({protected_fix, some_fix(FixStatus::kTooFewArrivals)}, names),
-            "time_s,vehicle,x_m,y_m,z_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,protection_level_m,arrivals_used,"
+            "time_s,vehicle,x_m,y_m,z_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,protection_level_m,"
+            "arrivals_used,"
             "arrivals_rejected,status\n"
             "1.5,\"a,b\",1,2,0,0,0.2,0.3,0.1,0.25,7,1,ok\n"
             "1.5,\"a,b\",,,,,,,,,7,1,too_few_arrivals\n");
@@ -101,12 +105,14 @@ TEST(Fixes, HeadingSigmaOfATiltedVehicle) {
         minus{{}, fix.T_map_vehicle.rotation * exp_rotation(-delta)};
     gradient[i] = (plus.heading_rad() - minus.heading_rad()) / (2 * step);
   }
-  const double expected = std::sqrt((gradient * fix.covariance.block<3, 3>(3, 3) * gradient.transpose()).value());
+  const double expected =
+      std::sqrt((gradient * fix.covariance.block<3, 3>(3, 3) * gradient.transpose()).value());
   const std::string row = fixes_to_csv({fix}, {{}, {"robot"}, {}});
   std::stringstream fields(row.substr(row.find('\n') + 1));
   std::string field;
   for (int i = 0; i < 9; ++i) std::getline(fields, field, ',');
-  EXPECT_NEAR(std::stod(field), expected, 1e-8 * expected);  // central differences: step^2 and rounding / step
+  EXPECT_NEAR(std::stod(field), expected,
+              1e-8 * expected);  // central differences: step^2 and rounding / step
 }
 
 }  // namespace

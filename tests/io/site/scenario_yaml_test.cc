@@ -130,20 +130,22 @@ TEST_P(ScenarioYamlBad, IsRefusedWithItsPlace) {
   EXPECT_THAT(scenario.error().message(), HasSubstr(GetParam().named));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ScenarioYamlBad,
-                         testing::Values(Bad{"text_for_number", "range_m: far\n", "w.yaml:13:10", "range_m"},
-                                         Bad{"negative", "quantum_s: -1\n", "w.yaml:13:", "quantum_s"},
-                                         Bad{"fraction", "echo_fraction: 1.5\n", "w.yaml:13:", "echo_fraction"},
-                                         Bad{"exchanged", "true_delay_s: [2e-4, 1e-4]\n", "w.yaml:13:", "true_delay_s"},
-                                         Bad{"three_of_two", "hall_m: [1, 2, 3]\n", "w.yaml:13:", "hall_m"},
-                                         Bad{"kind", "path: {kind: walk}\n", "w.yaml:13:14", "stops"},
-                                         Bad{"epochs", "path: {epochs: 1.5}\n", "w.yaml:13:", "path.epochs"},
-                                         Bad{"flat_stations", "path: {kind: stations, stations: [1, 2, 3]}\n", "w.yaml:13:", "stations"},
-                                         Bad{"flat_waypoints", "path: {waypoints_m: [1, 2]}\n", "w.yaml:13:", "waypoints_m"},
-                                         Bad{"not_a_block", "path: 3\n", "w.yaml:13:", "path"},
-                                         Bad{"contradiction", "log_amplitude: true\n", "w.yaml", "attenuation"},
-                                         Bad{"not_yaml", "range_m: [1, 2\n", "w.yaml:1", ""}),
-                         [](const auto& param_info) { return std::string(param_info.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    All, ScenarioYamlBad,
+    testing::Values(Bad{"text_for_number", "range_m: far\n", "w.yaml:13:10", "range_m"},
+                    Bad{"negative", "quantum_s: -1\n", "w.yaml:13:", "quantum_s"},
+                    Bad{"fraction", "echo_fraction: 1.5\n", "w.yaml:13:", "echo_fraction"},
+                    Bad{"exchanged", "true_delay_s: [2e-4, 1e-4]\n", "w.yaml:13:", "true_delay_s"},
+                    Bad{"three_of_two", "hall_m: [1, 2, 3]\n", "w.yaml:13:", "hall_m"},
+                    Bad{"kind", "path: {kind: walk}\n", "w.yaml:13:14", "stops"},
+                    Bad{"epochs", "path: {epochs: 1.5}\n", "w.yaml:13:", "path.epochs"},
+                    Bad{"flat_stations", "path: {kind: stations, stations: [1, 2, 3]}\n",
+                        "w.yaml:13:", "stations"},
+                    Bad{"flat_waypoints", "path: {waypoints_m: [1, 2]}\n", "w.yaml:13:", "waypoints_m"},
+                    Bad{"not_a_block", "path: 3\n", "w.yaml:13:", "path"},
+                    Bad{"contradiction", "log_amplitude: true\n", "w.yaml", "attenuation"},
+                    Bad{"not_yaml", "range_m: [1, 2\n", "w.yaml:1", ""}),
+    [](const auto& param_info) { return std::string(param_info.param.name); });
 
 TEST(ScenarioYaml, HeadAndSiteAreNeeded) {
   const auto no_version = scenario_from_yaml("range_m: 3\n", "w.yaml");
@@ -175,8 +177,8 @@ TEST(ScenarioYaml, UnknownKeysAreWarnings) {
 
 TEST(ScenarioYaml, SchemaIsJsonAndKnowsTheBundledWorldsKeys) {
   const auto schema = nlohmann::json::parse(scenario_schema());
-  for (const char* key : {"octant_scenario", "site", "hall_m", "range_m", "hearing_half_angle_rad", "path", "heldout_path",
-                          "true_temperature_offset_degC", "true_delay_s", "quantum_s"}) {
+  for (const char* key : {"octant_scenario", "site", "hall_m", "range_m", "hearing_half_angle_rad", "path",
+                          "heldout_path", "true_temperature_offset_degC", "true_delay_s", "quantum_s"}) {
     EXPECT_TRUE(schema["properties"].contains(key)) << key;
   }
 }

@@ -14,8 +14,8 @@
 namespace octant::io {
 namespace {
 
-using ::testing::HasSubstr;
 using test::TemporaryFolder;
+using ::testing::HasSubstr;
 
 constexpr const char* kSite = R"(octant_site: 1
 motion: planar
@@ -122,7 +122,8 @@ TEST(SceneYaml, ErrorsNameElementAndLine) {
       {"scene:\n  walls: [{id: w}]\n", "scene.walls[0].points_m"},
       {"scene:\n  mounts: [{kind: roof, points_m: [[0, 0]], height_m: [1, 2]}]\n", "roof"},
       {"scene:\n  patterns: [{id: p, kind: cone}]\n", "scene.patterns[0].half_angle_rad"},
-      {"scene:\n  patterns: [{id: p, kind: half_power, half_power_angle_rad: 22.5}]\n", "from 0.02 to 2.8 rad"},
+      {"scene:\n  patterns: [{id: p, kind: half_power, half_power_angle_rad: 22.5}]\n",
+       "from 0.02 to 2.8 rad"},
       {"scene:\n  beacon_pattern: none\n", "there is no pattern 'none'"},
       {"scene:\n  beacons: [{id: A, axis: [0, 0, 0]}]\n", "scene.beacons[0].axis"},
       {"scene:\n  headings: 0\n", "scene.headings"},
@@ -142,18 +143,21 @@ constexpr const char* kDxf =
     "0\nSECTION\n2\nBLOCKS\n0\nLINE\n8\nWALLS\n10\n7\n20\n7\n11\n8\n21\n8\n0\nENDSEC\n"
     "0\nSECTION\n2\nENTITIES\n"
     "0\nLINE\n8\nWALLS\n10\n1000.0\n20\n2000\n30\n0\n11\n3000\n21\n2000\n31\n0\n"
-    "0\nLWPOLYLINE\n8\nFLOOR\n90\n4\n70\n1\n10\n0\n20\n0\n10\n10000\n20\n0\n10\n10000\n20\n8000\n10\n0\n20\n8000\n"
+    "0\nLWPOLYLINE\n8\nFLOOR\n90\n4\n70\n1\n10\n0\n20\n0\n10\n10000\n20\n0\n10\n10000\n20\n8000\n10\n0\n20\n8"
+    "000\n"
     "0\nLWPOLYLINE\n8\nRACKS\n90\n3\n70\n1\n10\n4000\n20\n4000\n10\n5000\n20\n4000\n10\n5000\n20\n5000\n"
     "0\nLWPOLYLINE\n8\nWALLS\n90\n2\n70\n0\n10\n6000\n20\n1000\n42\n1.0\n10\n8000\n20\n1000\n"
-    "0\nPOLYLINE\n8\nWALLS\n66\n1\n70\n0\n0\nVERTEX\n8\nWALLS\n10\n1000\n20\n6000\n0\nVERTEX\n8\nWALLS\n10\n2000\n20\n6000\n0\nVERTEX\n8\nWALLS\n10\n2000\n20\n7000\n0\nSEQEND\n"
+    "0\nPOLYLINE\n8\nWALLS\n66\n1\n70\n0\n0\nVERTEX\n8\nWALLS\n10\n1000\n20\n6000\n0\nVERTEX\n8\nWALLS\n10\n2"
+    "000\n20\n6000\n0\nVERTEX\n8\nWALLS\n10\n2000\n20\n7000\n0\nSEQEND\n"
     "0\nCIRCLE\n8\nWALLS\n10\n1\n20\n1\n40\n3\n"
     "0\nENDSEC\n0\nEOF\n";
 
 TEST(SceneYaml, ImportsADrawing) {
   const TemporaryFolder folder;
   folder.write("plan.dxf", kDxf);
-  const auto scene = read_scene(folder.write(
-      "scene.yaml", "octant_scene: 1\nimport: [{dxf: plan.dxf, layers: [WALLS], obstacle_layers: [RACKS], floor_layer: FLOOR, top_m: 3}]\n"));
+  const auto scene = read_scene(folder.write("scene.yaml",
+                                             "octant_scene: 1\nimport: [{dxf: plan.dxf, layers: [WALLS], "
+                                             "obstacle_layers: [RACKS], floor_layer: FLOOR, top_m: 3}]\n"));
   ASSERT_TRUE(scene) << scene.error().message();
   ASSERT_EQ(scene->floor_m.size(), 4u);
   EXPECT_EQ(scene->floor_m[2], Eigen::Vector2d(10, 8));
@@ -163,7 +167,8 @@ TEST(SceneYaml, ImportsADrawing) {
   EXPECT_EQ(scene->walls[0].top_m, 3.0);
   EXPECT_TRUE(scene->walls[1].solid);
   EXPECT_EQ(scene->walls[1].points_m.size(), 3u);
-  // A bulge of 1 is half a circle, to the right of the way for a positive one: from (6, 1) round (7, 1) through (7, 0).
+  // A bulge of 1 is half a circle, to the right of the way for a positive one: from (6, 1) round (7, 1)
+  // through (7, 0).
   const auto& arc = scene->walls[2].points_m;
   EXPECT_GE(arc.size(), 19u);
   for (const auto& p : arc) EXPECT_NEAR((p - Eigen::Vector2d(7, 1)).norm(), 1.0, 1e-12);
@@ -187,7 +192,8 @@ TEST(SceneYaml, DrawingsThatAreNone) {
   EXPECT_THAT(error_of("0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n"), HasSubstr("not a single line"));
   EXPECT_THAT(error_of("0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n12\n0\nENDSEC\n"), HasSubstr("unit_m"));
   // Without a unit: metres, with a warning.
-  folder.write("plan.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n1\n20\n2\n11\n3\n21\n4\n0\nENDSEC\n0\nEOF\n");
+  folder.write("plan.dxf",
+               "0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n1\n20\n2\n11\n3\n21\n4\n0\nENDSEC\n0\nEOF\n");
   const auto scene = read_scene(folder.write("scene.yaml", "octant_scene: 1\nimport: [{dxf: plan.dxf}]\n"));
   ASSERT_TRUE(scene);
   EXPECT_THAT(scene->warnings.at(0), HasSubstr("metres are assumed"));
@@ -200,8 +206,11 @@ constexpr const char* kPgm = "P2\n# made by hand\n4 3\n255\n0 0 0 0\n254 254 254
 TEST(SceneYaml, ImportsARosMapWithOriginAndYaw) {
   const TemporaryFolder folder;
   folder.write("map.pgm", kPgm);
-  folder.write("map.yaml", "image: map.pgm\nresolution: 0.5\norigin: [10, 20, 1.5707963267948966]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
-  const auto scene = read_scene(folder.write("scene.yaml", "octant_scene: 1\nimport: [{ros_map: map.yaml, top_m: 2}]\n"));
+  folder.write("map.yaml",
+               "image: map.pgm\nresolution: 0.5\norigin: [10, 20, 1.5707963267948966]\nnegate: "
+               "0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  const auto scene =
+      read_scene(folder.write("scene.yaml", "octant_scene: 1\nimport: [{ros_map: map.yaml, top_m: 2}]\n"));
   ASSERT_TRUE(scene) << scene.error().message();
   // Turned by a right angle: columns go with y, rows against x.
   ASSERT_EQ(scene->floor_m.size(), 4u);
@@ -219,12 +228,15 @@ TEST(SceneYaml, ImportsARosMapWithOriginAndYaw) {
 
 TEST(RosMap, BinaryNegatedAndBroken) {
   const TemporaryFolder folder;
-  const std::string yaml = folder.write("map.yaml", "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 1\n");
+  const std::string yaml =
+      folder.write("map.yaml", "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 1\n");
   folder.write("map.pgm", std::string("P5 2 2 255\n") + '\xFF' + '\x00' + '\x00' + '\x80');
   const auto map = read_ros_map(yaml);
   ASSERT_TRUE(map) << map.error().message();
-  EXPECT_EQ(map->cells, (std::vector<std::uint8_t>{RosMap::kFree, RosMap::kUnknown, RosMap::kOccupied, RosMap::kFree}));
-  for (const char* broken : {"P6 2 2 255\nxxxx", "P5 2 2 255\nxxx", "P5 0 2 255\n", "P5 2 2 70000\nxxxxxxxx", "P2 2 2 255\n1 2 3", "P2 2 2 255\n1 2 3 400", "P5 99999999 99999999 255\n"}) {
+  EXPECT_EQ(map->cells,
+            (std::vector<std::uint8_t>{RosMap::kFree, RosMap::kUnknown, RosMap::kOccupied, RosMap::kFree}));
+  for (const char* broken : {"P6 2 2 255\nxxxx", "P5 2 2 255\nxxx", "P5 0 2 255\n", "P5 2 2 70000\nxxxxxxxx",
+                             "P2 2 2 255\n1 2 3", "P2 2 2 255\n1 2 3 400", "P5 99999999 99999999 255\n"}) {
     folder.write("map.pgm", broken);
     EXPECT_FALSE(read_ros_map(yaml)) << broken;
   }
@@ -232,11 +244,15 @@ TEST(RosMap, BinaryNegatedAndBroken) {
 
 TEST(RosMap, RectanglesCoverEachCellOnce) {
   RosMap map{.columns = 7, .rows = 5, .resolution_m = 1.0, .cells = {}};
-  for (std::size_t i = 0; i < 35; ++i) map.cells.push_back(i * 7 % 5 < 2 || i > 20 ? RosMap::kOccupied : RosMap::kFree);
+  for (std::size_t i = 0; i < 35; ++i)
+    map.cells.push_back(i * 7 % 5 < 2 || i > 20 ? RosMap::kOccupied : RosMap::kFree);
   std::vector<int> covered(35, 0);
   for (const auto& corners : rectangles_of(map, RosMap::kOccupied))
-    for (auto row = static_cast<std::size_t>(corners[0].y()); row < static_cast<std::size_t>(corners[2].y()); ++row)
-      for (auto column = static_cast<std::size_t>(corners[0].x()); column < static_cast<std::size_t>(corners[2].x()); ++column) ++covered[row * 7 + column];
+    for (auto row = static_cast<std::size_t>(corners[0].y()); row < static_cast<std::size_t>(corners[2].y());
+         ++row)
+      for (auto column = static_cast<std::size_t>(corners[0].x());
+           column < static_cast<std::size_t>(corners[2].x()); ++column)
+        ++covered[row * 7 + column];
   for (std::size_t i = 0; i < 35; ++i) EXPECT_EQ(covered[i], map.cells[i] == RosMap::kOccupied ? 1 : 0);
 }
 
@@ -248,7 +264,8 @@ TEST(RosMap, ACostmapReadsBackWhereItWas) {
   ASSERT_TRUE(map) << map.error().message();
   EXPECT_EQ(map->origin_m, Eigen::Vector2d(-1.5, 2.0));
   EXPECT_EQ(map->resolution_m, 0.25);
-  EXPECT_EQ(map->cells, (std::vector<std::uint8_t>{RosMap::kFree, RosMap::kFree, RosMap::kOccupied, RosMap::kFree, RosMap::kUnknown, RosMap::kFree}));
+  EXPECT_EQ(map->cells, (std::vector<std::uint8_t>{RosMap::kFree, RosMap::kFree, RosMap::kOccupied,
+                                                   RosMap::kFree, RosMap::kUnknown, RosMap::kFree}));
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ Result<Site> site_of(const std::string& text) {
   return site_from_yaml(*node, "new.yaml");
 }
 
-const std::vector<SiteBeaconEntry> kNew = {{"N0", {1.23456, 2.0, 3.0}, 0.1, Eigen::Vector3d(0, 0, -1)}, {"N1", {-4.0, 0.0, 2.0}, 0.05, {}}};
+const std::vector<SiteBeaconEntry> kNew = {{"N0", {1.23456, 2.0, 3.0}, 0.1, Eigen::Vector3d(0, 0, -1)},
+                                           {"N1", {-4.0, 0.0, 2.0}, 0.05, {}}};
 
 TEST(SiteBeacons, KeepsWhatIsThereAndAddsTheNewOnes) {
   const auto out = with_beacons(kSite, "site.yaml", kNew, true);

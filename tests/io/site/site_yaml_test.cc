@@ -120,15 +120,18 @@ TEST(SiteYaml, WarnsOfUnknownKeysWithWhatTheyMayMean) {
   const Site site = read(kHead + "noise:\n  tof_sigma: 1.0e-5\n" + kTail + "colour: red\n").value();
   ASSERT_EQ(site.warnings.size(), 2u);
   EXPECT_THAT(site.warnings[0],
-              testing::HasSubstr("site.yaml:4: unknown key 'noise.tof_sigma' is ignored; did you mean 'tof_sigma_s'?"));
+              testing::HasSubstr(
+                  "site.yaml:4: unknown key 'noise.tof_sigma' is ignored; did you mean 'tof_sigma_s'?"));
   EXPECT_THAT(site.warnings[1], testing::HasSubstr("site.yaml:8: unknown key 'colour'"));
 }
 
 TEST(SiteYaml, WarnsOfWhatItAssumes) {
-  const Site site = read(kHead + "medium: {model: cramer1993}\ntiming: {delay_per: beacon}\n" + kTail).value();
-  EXPECT_THAT(site.warnings, testing::ElementsAre(testing::HasSubstr("temperature_degC"), testing::HasSubstr("relative_humidity"),
-                                                  testing::HasSubstr("pressure_pa"), testing::HasSubstr("sigma_mps"),
-                                                  testing::HasSubstr("delay_sigma_s")));
+  const Site site =
+      read(kHead + "medium: {model: cramer1993}\ntiming: {delay_per: beacon}\n" + kTail).value();
+  EXPECT_THAT(site.warnings,
+              testing::ElementsAre(testing::HasSubstr("temperature_degC"),
+                                   testing::HasSubstr("relative_humidity"), testing::HasSubstr("pressure_pa"),
+                                   testing::HasSubstr("sigma_mps"), testing::HasSubstr("delay_sigma_s")));
 }
 
 TEST(SiteYaml, ReadsRails) {
@@ -195,15 +198,19 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {beacon + "  - {id: B1, position_m: [0, 0, up]}\n", 5, "beacons[0].position_m[2] is 'up'"},
       {beacon + "  - {id: B1, position_m: 3}\n", 5, "a list of 3"},
       {beacon + "  - {id: B1, position_m: [0, 0, 0], sigma_m: -0.1}\n", 5, "zero or a positive"},
-      {beacon + "  - {id: B1}\ncontrol:\n  distances:\n    - {from: B1, to: B2, distance_m: 1, sigma_m: 0}\n", 8,
-       "'B2' is not in the site"},
-      {beacon + "  - {id: B1}\ncontrol: {distances: [{from: B1, to: B1, distance_m: 1, sigma_m: 0}]}\n", 6, "two different"},
+      {beacon + "  - {id: B1}\ncontrol:\n  distances:\n    - {from: B1, to: B2, distance_m: 1, sigma_m: 0}\n",
+       8, "'B2' is not in the site"},
+      {beacon + "  - {id: B1}\ncontrol: {distances: [{from: B1, to: B1, distance_m: 1, sigma_m: 0}]}\n", 6,
+       "two different"},
       {kHead + "beacons: []\nvehicles:\n  - {id: a}\n  - {id: a}\n", 6, "vehicle id 'a' is used twice"},
-      {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers: {layout: hexagon, side_m: 1, height_m: 0}\n", 6,
-       "one of octagon"},
-      {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers:\n      - {id: r}\n", 7, "position_m' is missing"},
-      {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers:\n      - {id: r, position_m: [0, 0, 0], axis: [0, 0, 0]}\n", 7,
-       "no length"},
+      {kHead +
+           "beacons: []\nvehicles:\n  - id: a\n    receivers: {layout: hexagon, side_m: 1, height_m: 0}\n",
+       6, "one of octagon"},
+      {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers:\n      - {id: r}\n", 7,
+       "position_m' is missing"},
+      {kHead + "beacons: []\nvehicles:\n  - id: a\n    receivers:\n      - {id: r, position_m: [0, 0, 0], "
+               "axis: [0, 0, 0]}\n",
+       7, "no length"},
       {kHead + kTail + "    rail: {from_m: [0, 0]}\n", 6, "'vehicles[0].rail.to_m' is missing"},
       {kHead + kTail + "    rail: {}\n", 6, "'vehicles[0].rail.from_m' is missing"},
       {kHead + kTail + "    rail: 3\n", 6, "a mapping"},
@@ -214,7 +221,8 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {kHead + kTail + "    rail:\n      centre_m: [0, 1]\n      radius_m: -2\n", 8, "a positive number"},
       {kHead + "beacons: [\n", 4, "not YAML"},
       {kHead + "beacons: []\n\tvehicles: 3\n", 4, "not YAML: a tab in the indentation; expected blanks"},
-      {kHead + "beacons:\n  - {id: B0, positon_m: [1, 2, 3]}\nvehicles:\n  - id: robot\n", 4, "unknown key 'beacons[0].positon_m'; expected position_m"},
+      {kHead + "beacons:\n  - {id: B0, positon_m: [1, 2, 3]}\nvehicles:\n  - id: robot\n", 4,
+       "unknown key 'beacons[0].positon_m'; expected position_m"},
       {kHead + kTail + "---\na: 1\n", 7, "second document"},
       {kHead + "name: \xFF\n", 3, "0xFF"},
       {kHead + "name: " + std::string(100'000, '[') + "\n", 4, "levels deep"},
@@ -226,19 +234,26 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
 }
 
 TEST(SiteYaml, ReceiversMayBeDirectional) {
-  const std::string attenuation = "attenuation: {amplitude_1m_v: 12.5, absorption_np_per_m: 0, threshold_v: 0.2, rise_time_s: 4.5e-4, ";
-  const std::string octagon = "beacons: []\nvehicles:\n  - id: robot\n    receivers: {layout: octagon, side_m: 0.05, height_m: 0.3}\n";
-  const auto site = read(kHead + attenuation + "half_power_angle_rad: {value: 0.4, sigma: 0.1}, saturation_v: 4.7}\n" + octagon);
+  const std::string attenuation =
+      "attenuation: {amplitude_1m_v: 12.5, absorption_np_per_m: 0, threshold_v: 0.2, rise_time_s: 4.5e-4, ";
+  const std::string octagon =
+      "beacons: []\nvehicles:\n  - id: robot\n    receivers: {layout: octagon, side_m: 0.05, height_m: "
+      "0.3}\n";
+  const auto site = read(kHead + attenuation +
+                         "half_power_angle_rad: {value: 0.4, sigma: 0.1}, saturation_v: 4.7}\n" + octagon);
   ASSERT_TRUE(site) << site.error().message();
   EXPECT_EQ(site->attenuation->half_power_angle_rad.value, 0.4);
   EXPECT_EQ(site->attenuation->half_power_angle_rad.sigma, 0.1);
   EXPECT_EQ(site->attenuation->mean().half_power_angle_rad, 0.4);
   EXPECT_EQ(site->attenuation->mean().saturation_v, 4.7);
   EXPECT_FALSE(read(kContractExample)->attenuation->mean().directional());
-  expect_error(read(kHead + attenuation + "half_power_angle_rad: 22.5}\n" + octagon), 3, "an angle off the axis from 0.02 to 2.8 rad");
+  expect_error(read(kHead + attenuation + "half_power_angle_rad: 22.5}\n" + octagon), 3,
+               "an angle off the axis from 0.02 to 2.8 rad");
   expect_error(read(kHead + attenuation + "saturation_v: 0.1}\n" + octagon), 3, "more than threshold_v");
-  expect_error(read(kHead + attenuation + "half_power_angle_rad: 0.4}\nbeacons: []\nvehicles:\n  - id: robot\n    receivers: [{id: r0, position_m: [0, 0, 0]}]\n"), 3,
-               "no receiver has an axis");
+  expect_error(read(kHead + attenuation +
+                    "half_power_angle_rad: 0.4}\nbeacons: []\nvehicles:\n  - id: robot\n    receivers: [{id: "
+                    "r0, position_m: [0, 0, 0]}]\n"),
+               3, "no receiver has an axis");
 }
 
 TEST(SiteYaml, AliasesThatMultiplyCostNothing) {
@@ -256,24 +271,28 @@ Site some_site() {
   Site s;
   s.name = test::some_name(0);
   s.motion = *rc::gen::element(Motion::kPlanar, Motion::kSpatial);
-  s.medium = {*rc::gen::element(MediumModel::kConstant, MediumModel::kLinearTemperature, MediumModel::kCramer1993),
-              test::some_positive(), 40 * test::some_fraction(), test::some_fraction(), 1e5 * (1 + test::some_fraction())};
+  s.medium = {
+      *rc::gen::element(MediumModel::kConstant, MediumModel::kLinearTemperature, MediumModel::kCramer1993),
+      test::some_positive(), 40 * test::some_fraction(), test::some_fraction(),
+      1e5 * (1 + test::some_fraction())};
   s.speed_sigma_mps = test::some_positive();
   s.speed_offset_per_run = *rc::gen::arbitrary<bool>();
   s.timing.clock = *rc::gen::element(Clock::kSynchronised, Clock::kCycleOffset);
   s.timing.ranging = *rc::gen::element(Ranging::kOneWay, Ranging::kTwoWay);
   s.timing.turnaround_s = test::some_fraction();
-  s.timing.delay_per = {*rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>()};
+  s.timing.delay_per = {*rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>(),
+                        *rc::gen::arbitrary<bool>()};
   s.timing.delay_s = test::some_number();
   s.timing.delay_sigma_s = test::some_positive();
-  s.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()), test::some_positive(),
-             test::some_positive()};
+  s.noise = {test::some_positive(), test::some_positive(), test::maybe(test::some_positive()),
+             test::some_positive(), test::some_positive()};
   if (*rc::gen::arbitrary<bool>()) {
     s.attenuation = {{test::some_positive(), test::some_positive()},
                      {test::some_positive(), 0},
                      {test::some_positive(), 1},
                      test::some_positive()};
-    s.attenuation->saturation_v = test::maybe(s.attenuation->threshold_v + test::some_positive()).value_or(INFINITY);
+    s.attenuation->saturation_v =
+        test::maybe(s.attenuation->threshold_v + test::some_positive()).value_or(INFINITY);
   }
   for (std::size_t i = 0; i < *rc::gen::inRange<std::size_t>(2, 5); ++i) {
     SiteBeacon b{.name = test::some_name(i), .position_m = {}, .sigma_m = {}};
@@ -290,12 +309,15 @@ Site some_site() {
       SiteReceiver r{.name = test::some_name(i), .vehicle = VehicleId(v), .axis = std::nullopt};
       r.position_m = {test::some_number(), test::some_number(), test::some_number()};
       r.sigma_m = {test::some_positive(), 0, test::some_positive()};
-      if (*rc::gen::arbitrary<bool>()) r.axis = Eigen::Vector3d(test::some_number(), 1, test::some_number()).normalized();
+      if (*rc::gen::arbitrary<bool>())
+        r.axis = Eigen::Vector3d(test::some_number(), 1, test::some_number()).normalized();
       s.receivers.push_back(r);
     }
   }
-  const bool looking = std::any_of(s.receivers.begin(), s.receivers.end(), [](const SiteReceiver& r) { return r.axis.has_value(); });
-  if (s.attenuation && looking) s.attenuation->half_power_angle_rad = {0.1 + 2 * test::some_fraction(), test::some_fraction()};
+  const bool looking = std::any_of(s.receivers.begin(), s.receivers.end(),
+                                   [](const SiteReceiver& r) { return r.axis.has_value(); });
+  if (s.attenuation && looking)
+    s.attenuation->half_power_angle_rad = {0.1 + 2 * test::some_fraction(), test::some_fraction()};
   if (*rc::gen::arbitrary<bool>())
     s.distances.push_back({BeaconId(0), BeaconId(1), test::some_positive(), test::some_positive()});
   s.tolerance = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
@@ -305,17 +327,20 @@ Site some_site() {
 void assert_same(const Site& a, const Site& b) {
   RC_ASSERT(a.name == b.name && a.motion == b.motion);
   RC_ASSERT(a.medium.model == b.medium.model && a.medium.speed_mps == b.medium.speed_mps);
-  RC_ASSERT(a.medium.temperature_degC == b.medium.temperature_degC && a.medium.relative_humidity == b.medium.relative_humidity);
+  RC_ASSERT(a.medium.temperature_degC == b.medium.temperature_degC &&
+            a.medium.relative_humidity == b.medium.relative_humidity);
   RC_ASSERT(a.medium.pressure_pa == b.medium.pressure_pa && a.speed_sigma_mps == b.speed_sigma_mps);
   RC_ASSERT(a.speed_offset_per_run == b.speed_offset_per_run);
   RC_ASSERT(a.timing.clock == b.timing.clock && a.timing.ranging == b.timing.ranging &&
             a.timing.turnaround_s == b.timing.turnaround_s);
-  RC_ASSERT(a.timing.delay_per.beacon == b.timing.delay_per.beacon && a.timing.delay_per.receiver == b.timing.delay_per.receiver);
+  RC_ASSERT(a.timing.delay_per.beacon == b.timing.delay_per.beacon &&
+            a.timing.delay_per.receiver == b.timing.delay_per.receiver);
   RC_ASSERT(a.timing.delay_per.site == b.timing.delay_per.site && a.timing.delay_s == b.timing.delay_s);
   RC_ASSERT(a.timing.delay_sigma_s == b.timing.delay_sigma_s);
   RC_ASSERT(a.noise.tof_sigma_s == b.noise.tof_sigma_s && a.noise.pair_sigma_s == b.noise.pair_sigma_s);
   RC_ASSERT(a.noise.amplitude_relative_sigma == b.noise.amplitude_relative_sigma);
-  RC_ASSERT(a.noise.bearing_sigma_rad == b.noise.bearing_sigma_rad && a.noise.range_sigma_m == b.noise.range_sigma_m);
+  RC_ASSERT(a.noise.bearing_sigma_rad == b.noise.bearing_sigma_rad &&
+            a.noise.range_sigma_m == b.noise.range_sigma_m);
   RC_ASSERT(a.attenuation.has_value() == b.attenuation.has_value());
   if (a.attenuation) {
     const auto same = [](const Prior& x, const Prior& y) { return x.value == y.value && x.sigma == y.sigma; };
@@ -333,18 +358,21 @@ void assert_same(const Site& a, const Site& b) {
     RC_ASSERT(a.beacons[i].sigma_m == b.beacons[i].sigma_m);
   }
   for (std::size_t i = 0; i < a.vehicles.size(); ++i) {
-    RC_ASSERT(a.vehicles[i].name == b.vehicles[i].name && a.vehicles[i].receiver_count == b.vehicles[i].receiver_count);
+    RC_ASSERT(a.vehicles[i].name == b.vehicles[i].name &&
+              a.vehicles[i].receiver_count == b.vehicles[i].receiver_count);
     RC_ASSERT(test::same_rail(a.vehicles[i].rail, b.vehicles[i].rail));
   }
   for (std::size_t i = 0; i < a.receivers.size(); ++i) {
     RC_ASSERT(a.receivers[i].name == b.receivers[i].name && a.receivers[i].vehicle == b.receivers[i].vehicle);
-    RC_ASSERT(a.receivers[i].position_m == b.receivers[i].position_m && a.receivers[i].sigma_m == b.receivers[i].sigma_m);
+    RC_ASSERT(a.receivers[i].position_m == b.receivers[i].position_m &&
+              a.receivers[i].sigma_m == b.receivers[i].sigma_m);
     RC_ASSERT(a.receivers[i].axis == b.receivers[i].axis);
   }
   RC_ASSERT(a.distances.size() == b.distances.size());
   for (std::size_t i = 0; i < a.distances.size(); ++i) {
     RC_ASSERT(a.distances[i].from == b.distances[i].from && a.distances[i].to == b.distances[i].to);
-    RC_ASSERT(a.distances[i].distance_m == b.distances[i].distance_m && a.distances[i].sigma_m == b.distances[i].sigma_m);
+    RC_ASSERT(a.distances[i].distance_m == b.distances[i].distance_m &&
+              a.distances[i].sigma_m == b.distances[i].sigma_m);
   }
   RC_ASSERT(a.tolerance.beacon_m == b.tolerance.beacon_m && a.tolerance.fix_m == b.tolerance.fix_m);
 }

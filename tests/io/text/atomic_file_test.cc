@@ -52,7 +52,9 @@ TEST(AtomicFile, RefusesFoldersThatAreNotThereAndFoldersAsFiles) {
   EXPECT_FALSE(std::filesystem::exists(folder.path("none"))) << "folders are not created";
 }
 
-TEST(AtomicFile, SaysWhenTheDiskIsFull) { expect_error(write_file("/dev/full", "x"), 0, "No space left", "/dev/full"); }
+TEST(AtomicFile, SaysWhenTheDiskIsFull) {
+  expect_error(write_file("/dev/full", "x"), 0, "No space left", "/dev/full");
+}
 
 // A limit on the size of files stands in for a full disk: the write fails half way.
 TEST(AtomicFile, LeavesTheOldFileWholeWhenWritingFails) {
@@ -75,9 +77,12 @@ TEST(AtomicFile, LeavesTheOldFileWholeWhenWritingFails) {
 TEST(AtomicFile, SeveralFilesAreWrittenTogetherOrNotAtAll) {
   const TemporaryFolder folder;
   folder.write("report", "old");
-  expect_error(write_files({{folder.path("report"), "new"}, {folder.path("none/deployment"), "new"}}), 0, "folder does not exist", "none/deployment");
-  expect_error(write_files({{folder.path("report"), "new"}, {"/dev/full", "new"}}), 0, "No space left", "/dev/full");
-  expect_error(write_files({{"/dev/full", "new"}, {folder.path("report"), "new"}}), 0, "No space left", "/dev/full");
+  expect_error(write_files({{folder.path("report"), "new"}, {folder.path("none/deployment"), "new"}}), 0,
+               "folder does not exist", "none/deployment");
+  expect_error(write_files({{folder.path("report"), "new"}, {"/dev/full", "new"}}), 0, "No space left",
+               "/dev/full");
+  expect_error(write_files({{"/dev/full", "new"}, {folder.path("report"), "new"}}), 0, "No space left",
+               "/dev/full");
   EXPECT_EQ(folder.read("report"), "old");
   EXPECT_EQ(folder.files(), 1u) << "a temporary file was left behind";
   ASSERT_TRUE(write_files({{folder.path("report"), "new"}, {folder.path("deployment"), "first"}}));

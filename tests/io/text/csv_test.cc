@@ -16,7 +16,8 @@ Result<Rows> all_rows(const std::string& text) {
   Rows rows;
   while (csv.next_row()) {
     rows.emplace_back();
-    for (std::size_t i = 0; i < csv.header().size(); ++i) rows.back().emplace_back(csv.field(static_cast<int>(i)));
+    for (std::size_t i = 0; i < csv.header().size(); ++i)
+      rows.back().emplace_back(csv.field(static_cast<int>(i)));
   }
   if (csv.error()) return fail(*csv.error());
   return rows;
@@ -92,8 +93,13 @@ TEST(Csv, AllMissingColumnsAreNamedAtOnceWithGuesses) {
   CsvReader csv("Timestamp,anchor,range_m,receiver\n", "t.csv");
   csv.read_header();
   for (const char* name : {"time_s", "beacon", "tof_s"}) EXPECT_EQ(csv.require(name), -1);
-  EXPECT_THAT(csv.error()->message(), testing::HasSubstr("columns 'time_s', 'beacon', 'tof_s' are missing (columns: Timestamp, anchor, range_m, receiver)"));
-  EXPECT_THAT(csv.error()->message(), testing::HasSubstr("is it 'Timestamp' for 'time_s', 'anchor' for 'beacon', 'range_m' for 'tof_s'?"));
+  EXPECT_THAT(
+      csv.error()->message(),
+      testing::HasSubstr(
+          "columns 'time_s', 'beacon', 'tof_s' are missing (columns: Timestamp, anchor, range_m, receiver)"));
+  EXPECT_THAT(
+      csv.error()->message(),
+      testing::HasSubstr("is it 'Timestamp' for 'time_s', 'anchor' for 'beacon', 'range_m' for 'tof_s'?"));
 }
 
 TEST(Csv, WholeNumbers) {
@@ -116,7 +122,9 @@ TEST(Csv, ReadsBackEveryField) {
     for (auto& row : rows) {
       text += *rc::gen::element<std::string>("\n", "\r\n", "\n\n");
       for (std::size_t c = 0; c < columns; ++c) {
-        row.push_back("x" + *rc::gen::container<std::string>(rc::gen::element('a', ',', '"', '\n', ' ', ';', '#')) + "x");
+        row.push_back("x" +
+                      *rc::gen::container<std::string>(rc::gen::element('a', ',', '"', '\n', ' ', ';', '#')) +
+                      "x");
         text.append(c > 0 ? "," : "").append(csv_field(row.back()));
       }
     }

@@ -47,20 +47,29 @@ TEST(PlainNumber, ReadsWhatIsPlain) {
 }
 
 TEST(PlainNumber, LeavesTheRest) {
-  for (const char* text : {"", "-", ".", ".5", "5.", "-.5", "+5", "1e5", "nan", "1 ", " 1", "1.2.3", "1,2", "123456789", "1.123456789", "99999999.99999999",
-                           "/", ":", "1/", "1:", "\xB0", "1\xFF", "--1", "0x1", "1.\xBA"}) {
+  for (const char* text :
+       {"",      "-",  ".",  ".5",    "5.",   "-.5",       "+5",          "1e5",
+        "nan",   "1 ", " 1", "1.2.3", "1,2",  "123456789", "1.123456789", "99999999.99999999",
+        "/",     ":",  "1/", "1:",    "\xB0", "1\xFF",     "--1",         "0x1",
+        "1.\xBA"}) {
     EXPECT_EQ(number(text), std::nullopt) << text;
   }
-  for (const char* text : {"", "-", "1.0", "123456789", "1 ", "/", ":", "a"}) EXPECT_EQ(integer(text), std::nullopt) << text;
+  for (const char* text : {"", "-", "1.0", "123456789", "1 ", "/", ":", "a"})
+    EXPECT_EQ(integer(text), std::nullopt) << text;
 }
 
 TEST(PlainNumber, AgreesWithTheGeneralReaderToTheLastBit) {
   EXPECT_TRUE(rc::check("decimal texts", [] {
-    const auto digits = [] { return *rc::gen::container<std::string>(*rc::gen::inRange<std::size_t>(1, 10), rc::gen::inRange('0', static_cast<char>('9' + 1))); };
-    const std::string text = *rc::gen::element<std::string>("", "-") + digits() + *rc::gen::element<std::string>("", "." + digits());
+    const auto digits = [] {
+      return *rc::gen::container<std::string>(*rc::gen::inRange<std::size_t>(1, 10),
+                                              rc::gen::inRange('0', static_cast<char>('9' + 1)));
+    };
+    const std::string text = *rc::gen::element<std::string>("", "-") + digits() +
+                             *rc::gen::element<std::string>("", "." + digits());
     double expected = 0.0;
     RC_ASSERT(parse_number(text, expected) == NumberText::kNumber);
-    if (const auto found = number(text)) RC_ASSERT(std::bit_cast<std::uint64_t>(*found) == std::bit_cast<std::uint64_t>(expected));
+    if (const auto found = number(text))
+      RC_ASSERT(std::bit_cast<std::uint64_t>(*found) == std::bit_cast<std::uint64_t>(expected));
     std::int64_t whole = 0;
     if (const auto found = integer(text)) RC_ASSERT(parse_integer(text, whole) && whole == *found);
   }));

@@ -29,8 +29,13 @@ TEST(Text, SuggestsWhatWasMeant) {
 
 TEST(Text, ParsesDecimalNumbersAndNothingElse) {
   double value = 0;
-  for (const auto& [text, expected] : std::vector<std::pair<const char*, double>>{
-           {"1", 1}, {"+1.5", 1.5}, {"-2e-9", -2e-9}, {".5", 0.5}, {"1.0E3", 1000}, {"1e400", INFINITY}, {"inf", INFINITY}}) {
+  for (const auto& [text, expected] : std::vector<std::pair<const char*, double>>{{"1", 1},
+                                                                                  {"+1.5", 1.5},
+                                                                                  {"-2e-9", -2e-9},
+                                                                                  {".5", 0.5},
+                                                                                  {"1.0E3", 1000},
+                                                                                  {"1e400", INFINITY},
+                                                                                  {"inf", INFINITY}}) {
     EXPECT_EQ(parse_number(text, value), NumberText::kNumber) << text;
     EXPECT_EQ(value, expected) << text;
   }
@@ -56,7 +61,8 @@ TEST(Text, NamesThePlaceOfWhatIsNotUtf8) {
   expect_error(check_utf8("one\ntwo \xFF three", "f"), 2, "byte 0xFF");
   expect_error(check_utf8(std::string("one\ntwo\n\0", 9), "f"), 3, "byte 0x00");
   expect_error(check_utf8("\xFF\xFEt\0", "f"), 1, "UTF-16");
-  for (const char* bad : {"\xC0\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xE2\x82", "\x80", "\xF0\x80\x80\x80"}) {
+  for (const char* bad :
+       {"\xC0\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xE2\x82", "\x80", "\xF0\x80\x80\x80"}) {
     EXPECT_FALSE(check_utf8("aaaaaaaaaaaaaaaa" + std::string(bad), "f")) << bad;
   }
 }

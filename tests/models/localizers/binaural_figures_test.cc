@@ -28,8 +28,8 @@ struct Errors {
 };
 
 std::ostream& operator<<(std::ostream& out, const Errors& e) {
-  return out << e.fixes << " of " << e.tried << " fixes, position mean " << 1e3 * e.mean_m() << " max " << 1e3 * e.max_m
-             << " mm, orientation mean " << e.mean_deg() << " max " << e.max_deg << " deg";
+  return out << e.fixes << " of " << e.tried << " fixes, position mean " << 1e3 * e.mean_m() << " max "
+             << 1e3 * e.max_m << " mm, orientation mean " << e.mean_deg() << " max " << e.max_deg << " deg";
 }
 
 /// The laboratory: what delays the electronics and the threshold bring at 1.5 m is calibrated away.
@@ -39,21 +39,26 @@ class Laboratory : public testing::Test {
     const Pose bench = opposite(1.5, 0.0, 0.0);
     double late_s = 0.0;
     for (const Arrival& a : chirp(deployment_, bench, sonar_, random_))
-      late_s +=
-          (a.tof_s - test::distance_m(deployment_, bench, a.beacon.value, a.receiver.value) / deployment_.speed_mps(20.0)) / 4;
+      late_s += (a.tof_s - test::distance_m(deployment_, bench, a.beacon.value, a.receiver.value) /
+                               deployment_.speed_mps(20.0)) /
+                4;
     for (DeploymentBeacon& b : deployment_.beacons) b.delay_s = late_s;
   }
 
-  static Pose opposite(double x_m, double y_m, double turn_rad) { return Pose::planar(x_m, y_m, std::numbers::pi + turn_rad); }
+  static Pose opposite(double x_m, double y_m, double turn_rad) {
+    return Pose::planar(x_m, y_m, std::numbers::pi + turn_rad);
+  }
 
-  void measure(const Pose& truth, Errors& errors, const BinauralOptions& options = {}, const Obstruction& way = {}) {
+  void measure(const Pose& truth, Errors& errors, const BinauralOptions& options = {},
+               const Obstruction& way = {}) {
     Binaural localizer(deployment_, options);
     const Fix fix = localizer.locate(Observations{chirp(deployment_, truth, sonar_, random_, way), {}});
     ++errors.tried;
     if (!fix.ok()) return;
     ++errors.fixes;
     const double off_m = (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>().norm();
-    const double off_deg = std::abs(wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad())) / kDegree;
+    const double off_deg =
+        std::abs(wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad())) / kDegree;
     errors.max_m = std::max(errors.max_m, off_m);
     errors.max_deg = std::max(errors.max_deg, off_deg);
     errors.sum_m += off_m;
@@ -76,8 +81,9 @@ TEST_F(Laboratory, Figure5Range) {
   EXPECT_LT(std::max(near.max_deg, far.max_deg), 0.05);  // paper: within 0.05 deg throughout
 }
 
-/// Far out a weaker signal loses its first cycle, on one receiver sooner than on the other: 6.9 mm, 1.1 degrees. The fourth
-/// range finds it (2.5 mm of misclosure or more, against four sigma of 0.34 mm), so that there is no wrong fix.
+/// Far out a weaker signal loses its first cycle, on one receiver sooner than on the other: 6.9 mm, 1.1
+/// degrees. The fourth range finds it (2.5 mm of misclosure or more, against four sigma of 0.34 mm), so that
+/// there is no wrong fix.
 TEST_F(Laboratory, ALostCycleIsFound) {
   sonar_.threshold_v = 0.02;
   Errors errors;
@@ -138,13 +144,15 @@ TEST_F(Laboratory, Figure10Tilt) {
       ++errors->tried;
       if (!fix.ok()) continue;
       ++errors->fixes;
-      errors->max_m = std::max(errors->max_m, (fix.T_map_vehicle.translation_m - level.translation_m).head<2>().norm());
+      errors->max_m =
+          std::max(errors->max_m, (fix.T_map_vehicle.translation_m - level.translation_m).head<2>().norm());
       errors->max_deg =
-          std::max(errors->max_deg, std::abs(wrap_angle(fix.T_map_vehicle.heading_rad() - level.heading_rad())) / kDegree);
+          std::max(errors->max_deg,
+                   std::abs(wrap_angle(fix.T_map_vehicle.heading_rad() - level.heading_rad())) / kDegree);
     }
   }
-  std::cout << "ignored: " << ignored.max_m << " m " << ignored.max_deg << " deg, corrected: " << corrected.max_m << " m "
-            << corrected.max_deg << " deg\n";
+  std::cout << "ignored: " << ignored.max_m << " m " << ignored.max_deg
+            << " deg, corrected: " << corrected.max_m << " m " << corrected.max_deg << " deg\n";
   EXPECT_EQ(ignored.fixes, ignored.tried);
   EXPECT_EQ(corrected.fixes, corrected.tried);
   EXPECT_LT(ignored.max_deg, 0.1);  // paper: orientation unaffected up to 35 deg
@@ -166,8 +174,8 @@ TEST_F(Laboratory, Table1Obstruction) {
   Errors none, partial, full, both;
   for (int k = 0; k < 5; ++k) {
     // Set up anew each time, to some centimetres and degrees.
-    const Pose truth =
-        opposite(1.5 + random_.uniform(-0.05, 0.05), random_.uniform(-0.05, 0.05), random_.uniform(-4, 4) * kDegree);
+    const Pose truth = opposite(1.5 + random_.uniform(-0.05, 0.05), random_.uniform(-0.05, 0.05),
+                                random_.uniform(-4, 4) * kDegree);
     measure(truth, none);
     measure(truth, partial, {}, {.gain = {0.08, 1, 1, 1}, .detour_m = {0.015, 0, 0, 0}});
     measure(truth, full, {}, {.gain = {0.3, 1, 1, 1}, .detour_m = {0.13, 0, 0, 0}});

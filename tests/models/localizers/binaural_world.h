@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Shoval and Borenstein's laboratory: two robots with receivers 350 mm apart and a transmitter between them, and the signal
-// from burst to comparator.
+// Shoval and Borenstein's laboratory: two robots with receivers 350 mm apart and a transmitter between them,
+// and the signal from burst to comparator.
 
 #include <array>
 #include <cmath>
@@ -13,15 +13,16 @@
 #include "models/deployment.h"
 #include "models/localizers/binaural/binaural.h"
 #include "models/localizers/head_tail/pulse_trains.h"
-#include "models/simulator/random.h"
 #include "models/run.h"
+#include "models/simulator/random.h"
 
 namespace octant::test {
 
 inline constexpr double kBase_m = 0.35;
 inline constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// Robot 2 is the map, looking along x; robot 1 looks along its own x. Beacons: T2, R2l, R2r; receivers: t, l, r.
+/// Robot 2 is the map, looking along x; robot 1 looks along its own x. Beacons: T2, R2l, R2r; receivers: t,
+/// l, r.
 inline Deployment two_robots(double tof_sigma_s = 1e-6) {
   Deployment d;
   d.medium.speed_mps = 343.0;
@@ -57,7 +58,8 @@ inline Arrival arrival(int beacon, int receiver, double tof_s) {
 }
 
 inline double distance_m(const Deployment& d, const Pose& T, int beacon, int receiver) {
-  return (T * d.receivers[static_cast<std::size_t>(receiver)].position_m - d.beacons[static_cast<std::size_t>(beacon)].position_m)
+  return (T * d.receivers[static_cast<std::size_t>(receiver)].position_m -
+          d.beacons[static_cast<std::size_t>(beacon)].position_m)
       .norm();
 }
 
@@ -65,18 +67,21 @@ inline double distance_m(const Deployment& d, const Pose& T, int beacon, int rec
 inline std::vector<Arrival> exchange(const Deployment& d, const Pose& T, double noise_s, Random& random) {
   std::vector<Arrival> out;
   for (const auto& [b, r] : kLinks) {
-    const double delay_s = d.beacons[static_cast<std::size_t>(b)].delay_s + d.receivers[static_cast<std::size_t>(r)].delay_s;
-    out.push_back(arrival(b, r, distance_m(d, T, b, r) / d.speed_mps(20.0) + delay_s + noise_s * random.normal()));
+    const double delay_s =
+        d.beacons[static_cast<std::size_t>(b)].delay_s + d.receivers[static_cast<std::size_t>(r)].delay_s;
+    out.push_back(
+        arrival(b, r, distance_m(d, T, b, r) / d.speed_mps(20.0) + delay_s + noise_s * random.normal()));
   }
   return out;
 }
 
-/// Transmitter, air and comparator. Polaroid bursts: 16 cycles at 49.4 kHz. The envelope rises within two cycles; what comes
-/// weaker crosses the threshold cycles later.
+/// Transmitter, air and comparator. Polaroid bursts: 16 cycles at 49.4 kHz. The envelope rises within two
+/// cycles; what comes weaker crosses the threshold cycles later.
 struct Sonar {
   double amplitude_1m_v = 1.0;
   double absorption_np_per_m = 0.15;  // 1.3 dB/m at 50 kHz
-  double threshold_v = 0.01;  // half of the first cycle's peak at 5 m: beyond, a receiver may miss a cycle that the other hears
+  double threshold_v = 0.01;  // half of the first cycle's peak at 5 m: beyond, a receiver may miss a cycle
+                              // that the other hears
   double noise_v = 0.0005;
   double rise_time_s = 30e-6;
   double carrier_hz = 49.4e3;
@@ -84,16 +89,19 @@ struct Sonar {
   int cycles = 16;
 
   /// Comparator's output from the firing on: up above the threshold, down again below zero.
-  [[nodiscard]] std::vector<std::uint8_t> hear(double distance_m, double gain, double speed_mps, Random& random) const {
+  [[nodiscard]] std::vector<std::uint8_t> hear(double distance_m, double gain, double speed_mps,
+                                               Random& random) const {
     const double tof_s = distance_m / speed_mps, burst_s = cycles / carrier_hz;
     const double amplitude = gain * amplitude_1m_v / distance_m * std::exp(-absorption_np_per_m * distance_m);
     std::vector<std::uint8_t> train(static_cast<std::size_t>((tof_s + burst_s + 1e-4) * sample_rate_hz), 0);
     bool up = false;
     for (auto i = static_cast<std::size_t>(tof_s * sample_rate_hz); i < train.size(); ++i) {
       const double t = static_cast<double>(i) / sample_rate_hz - tof_s;
-      const double envelope =
-          t < 0 ? 0.0 : (1 - std::exp(-std::min(t, burst_s) / rise_time_s)) * std::exp(-std::max(0.0, t - burst_s) / rise_time_s);
-      const double v = amplitude * envelope * std::sin(2 * std::numbers::pi * carrier_hz * t) + noise_v * random.normal();
+      const double envelope = t < 0 ? 0.0
+                                    : (1 - std::exp(-std::min(t, burst_s) / rise_time_s)) *
+                                          std::exp(-std::max(0.0, t - burst_s) / rise_time_s);
+      const double v =
+          amplitude * envelope * std::sin(2 * std::numbers::pi * carrier_hz * t) + noise_v * random.normal();
       up = up ? v > 0 : v > threshold_v;
       train[i] = up;
     }
@@ -107,8 +115,8 @@ struct Obstruction {
   std::array<double, 4> detour_m = {0, 0, 0, 0};
 };
 
-/// One measuring cycle of both robots, from bursts to arrivals. T may be tilted; beams weaken as `beam_gain` says, at both
-/// ends, horizontally. Nothing where a train holds no burst.
+/// One measuring cycle of both robots, from bursts to arrivals. T may be tilted; beams weaken as `beam_gain`
+/// says, at both ends, horizontally. Nothing where a train holds no burst.
 inline std::vector<Arrival> chirp(const Deployment& d, const Pose& T, const Sonar& sonar, Random& random,
                                   const Obstruction& way = {}) {
   std::vector<Arrival> out;
@@ -118,17 +126,20 @@ inline std::vector<Arrival> chirp(const Deployment& d, const Pose& T, const Sona
     std::array<std::vector<std::uint8_t>, 2> train;
     for (std::size_t k = 0; k < 2; ++k) {
       const auto [b, r] = kLinks[pair + k];
-      const Eigen::Vector3d sight =
-          T * d.receivers[static_cast<std::size_t>(r)].position_m - d.beacons[static_cast<std::size_t>(b)].position_m;
+      const Eigen::Vector3d sight = T * d.receivers[static_cast<std::size_t>(r)].position_m -
+                                    d.beacons[static_cast<std::size_t>(b)].position_m;
       const Eigen::Vector2d flat = sight.head<2>().normalized();
-      const double off2 = std::acos(std::min(1.0, flat.x())), off1 = std::acos(std::min(1.0, -flat.dot(facing1)));
-      const double gain = beam_gain(off1, {.limit_rad = 35 * kDegree}) * beam_gain(off2, {.limit_rad = 35 * kDegree});
+      const double off2 = std::acos(std::min(1.0, flat.x())),
+                   off1 = std::acos(std::min(1.0, -flat.dot(facing1)));
+      const double gain =
+          beam_gain(off1, {.limit_rad = 35 * kDegree}) * beam_gain(off2, {.limit_rad = 35 * kDegree});
       train[k] = sonar.hear(sight.norm() + way.detour_m[pair + k], gain * way.gain[pair + k], speed, random);
     }
     const PulseTiming timing = time_pulse_trains(train[0], train[1]);
     if (!timing.ok) continue;
     for (std::size_t k = 0; k < 2; ++k)
-      out.push_back(arrival(kLinks[pair + k][0], kLinks[pair + k][1], k == 0 ? timing.left_tof_s : timing.right_tof_s));
+      out.push_back(
+          arrival(kLinks[pair + k][0], kLinks[pair + k][1], k == 0 ? timing.left_tof_s : timing.right_tof_s));
   }
   return out;
 }

@@ -69,8 +69,8 @@ struct Hearing {
 
 /// Arrivals of one stop: each beacon in its slot, each receiver that hears it.
 template <class Random>
-std::vector<Arrival> hear(const Deployment& d, const Pose& T, const Hearing& h, Random& random, std::int64_t epoch = 0,
-                          double time_s = 0.0) {
+std::vector<Arrival> hear(const Deployment& d, const Pose& T, const Hearing& h, Random& random,
+                          std::int64_t epoch = 0, double time_s = 0.0) {
   std::vector<Arrival> out;
   std::normal_distribution<double> normal;
   for (std::size_t b = 0; b < d.beacons.size(); ++b)
@@ -91,7 +91,8 @@ std::vector<Arrival> hear(const Deployment& d, const Pose& T, const Hearing& h, 
         if (to.normalized().dot(axis) < std::cos(h.half_angle_rad)) continue;
       }
       Arrival a;
-      if (h.amplitude_sigma) a.amplitude_v = std::exp(path.log_amplitude) * (1 + *h.amplitude_sigma * normal(random));
+      if (h.amplitude_sigma)
+        a.amplitude_v = std::exp(path.log_amplitude) * (1 + *h.amplitude_sigma * normal(random));
       a.time_s = time_s + 0.05 * static_cast<double>(b);
       a.tof_s = path.tof_s + h.noise_s * normal(random);
       a.beacon = BeaconId(b);

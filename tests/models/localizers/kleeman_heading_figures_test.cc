@@ -52,8 +52,8 @@ struct Tally {
 
 std::ostream& operator<<(std::ostream& out, const Tally& t) {
   return out << t.count << " headings: rms " << t.rms() << " degrees, within 1: " << 100 * t.share_within_1()
-             << " %, within 10: " << 100 * t.share_within_10() << " %, worst " << t.worst << ", squared error over variance "
-             << t.nees() << ", least sigma " << t.least_sigma;
+             << " %, within 10: " << 100 * t.share_within_10() << " %, worst " << t.worst
+             << ", squared error over variance " << t.nees() << ", least sigma " << t.least_sigma;
 }
 
 /// What is heard over the room.
@@ -70,7 +70,8 @@ Tally over_the_room(KleemanHeading heading, const Circumstances& c, int cycles =
   Deployment d = kleeman_room();
   d.noise.tof_sigma_s = c.noise_s;
   Kleeman kleeman(d, {.heading = heading});
-  const Hearing hearing{.range_m = 15.0, .half_angle_rad = c.half_angle_rad, .noise_s = c.noise_s, .cycle_offset_s = 0.02};
+  const Hearing hearing{
+      .range_m = 15.0, .half_angle_rad = c.half_angle_rad, .noise_s = c.noise_s, .cycle_offset_s = 0.02};
   Tally tally;
   for (int k = 0; k < cycles; ++k) {
     const Pose truth = anywhere(random);
@@ -83,7 +84,8 @@ Tally over_the_room(KleemanHeading heading, const Circumstances& c, int cycles =
   return tally;
 }
 
-/// The paper's places, every degree: as published. Each beacon is uniformly wrong within 22.5 degrees, six of them 13 / sqrt(6).
+/// The paper's places, every degree: as published. Each beacon is uniformly wrong within 22.5 degrees, six of
+/// them 13 / sqrt(6).
 Tally at_the_places(KleemanHeading heading) {
   std::mt19937_64 random(kSeed);
   const Deployment d = kleeman_room();
@@ -92,8 +94,9 @@ Tally at_the_places(KleemanHeading heading) {
   for (const auto& place : kPublished) {
     for (int k = 0; k < 360; ++k) {
       const Pose truth = Pose::planar(place.x_m, place.y_m, (k - 180) * kDegree);
-      const Fix fix =
-          locate(kleeman, hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
+      const Fix fix = locate(
+          kleeman,
+          hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
       EXPECT_TRUE(fix.ok()) << to_string(fix.status);
       tally.add(error_of(fix, truth)[2], fix.covariance(2, 2));
     }
@@ -105,13 +108,14 @@ TEST(KleemanHeadingFigures, AsPublishedIsWithin10Degrees) {
   const Tally t = at_the_places(KleemanHeading::kMeanAxes);
   std::cout << "seed " << kSeed << ", mean axes at the paper's places, " << t << "\n";
   EXPECT_LT(t.rms(), 45 / std::sqrt(12 * 6.0) * 1.1);  // the three places are no random sample
-  EXPECT_GE(t.share_within_10(), 0.94);                // the mean of six uniform errors is within 10 degrees in 94 %
+  EXPECT_GE(t.share_within_10(), 0.94);  // the mean of six uniform errors is within 10 degrees in 94 %
   EXPECT_LT(t.worst, 15.0);
   EXPECT_NEAR(t.nees(), 1.0, 0.2);
 }
 
-/// Sectors: 4.0 degrees against 5.2. At (4.003, 4.892), near the middle, the bearings are alike modulo 45 degrees and leave gaps
-/// of 21.6 degrees between the edges of all sectors: 10.8 at worst there, whatever is made of the pattern.
+/// Sectors: 4.0 degrees against 5.2. At (4.003, 4.892), near the middle, the bearings are alike modulo 45
+/// degrees and leave gaps of 21.6 degrees between the edges of all sectors: 10.8 at worst there, whatever is
+/// made of the pattern.
 TEST(KleemanHeadingFigures, HearingIsWithin10DegreesAtThePublishedPlaces) {
   const Tally t = at_the_places(KleemanHeading::kHearing);
   std::cout << "seed " << kSeed << ", hearing at the paper's places, " << t << "\n";
@@ -120,8 +124,8 @@ TEST(KleemanHeadingFigures, HearingIsWithin10DegreesAtThePublishedPlaces) {
   EXPECT_LT(t.worst, 11.1);  // and 0.3 for the parallax of receivers 65 mm from the centre
 }
 
-/// What is possible where three receivers hear each beacon: the edges of all sectors are the beacons' bearings modulo 45 degrees,
-/// and a heading is anywhere between two of them.
+/// What is possible where three receivers hear each beacon: the edges of all sectors are the beacons'
+/// bearings modulo 45 degrees, and a heading is anywhere between two of them.
 double least_rms_over_the_room() {
   std::mt19937_64 random(kSeed);
   const Deployment d = kleeman_room();
@@ -135,15 +139,18 @@ double least_rms_over_the_room() {
       edges[b] = std::fmod(std::atan2(to.y(), to.x()) / kDegree + 360.0, 45.0);
     }
     std::sort(edges.begin(), edges.end());
-    for (std::size_t i = 0; i < 6; ++i) cubes += std::pow(i < 5 ? edges[i + 1] - edges[i] : edges[0] + 45.0 - edges[5], 3);
+    for (std::size_t i = 0; i < 6; ++i)
+      cubes += std::pow(i < 5 ? edges[i + 1] - edges[i] : edges[0] + 45.0 - edges[5], 3);
   }
-  return std::sqrt(cubes / 12 / 45 / kPlaces);  // a gap of g holds g / 45 of the headings, with a variance of g^2 / 12
+  return std::sqrt(cubes / 12 / 45 /
+                   kPlaces);  // a gap of g holds g / 45 of the headings, with a variance of g^2 / 12
 }
 
 TEST(KleemanHeadingFigures, HearingOverTheRoom) {
   std::cout << "seed " << kSeed << "\n";
   const auto both = [](const char* what, const Circumstances& c) {
-    const std::pair<Tally, Tally> t(over_the_room(KleemanHeading::kMeanAxes, c), over_the_room(KleemanHeading::kHearing, c));
+    const std::pair<Tally, Tally> t(over_the_room(KleemanHeading::kMeanAxes, c),
+                                    over_the_room(KleemanHeading::kHearing, c));
     std::cout << what << ", mean axes: " << t.first << "\n" << what << ", hearing:   " << t.second << "\n";
     EXPECT_NEAR(t.second.count, t.first.count, 8) << what << ": fixes";
     return t;
@@ -163,7 +170,8 @@ TEST(KleemanHeadingFigures, HearingOverTheRoom) {
   EXPECT_GE(hearing_echoes.share_within_10(), 0.97);
   EXPECT_GT(hearing_echoes.share_within_10(), mean_echoes.share_within_10() + 0.03);
   EXPECT_LT(hearing_echoes.nees(), 1.0);
-  const auto [mean_missed, hearing_missed] = both("and one in twenty missed", {.echoes = 0.1, .missed = 0.05});
+  const auto [mean_missed, hearing_missed] =
+      both("and one in twenty missed", {.echoes = 0.1, .missed = 0.05});
   EXPECT_LT(hearing_missed.rms(), 0.88 * mean_missed.rms());
   EXPECT_LT(hearing_missed.nees(), 1.1) << "sigma knows of receivers that miss a pulse";
 }
@@ -182,12 +190,13 @@ TEST(KleemanHeadingFigures, HearingHoldsForAnyHalfAngle) {
   }
 }
 
-/// The square of the least standard deviation that any unbiased estimate of the heading has (Cramer and Rao): place, heading and
-/// offset unknown, from numeric derivatives of the measurement equation.
-double bound_rad2(const Deployment& d, const Pose& truth, const std::vector<Arrival>& arrivals, double noise_s) {
+/// The square of the least standard deviation that any unbiased estimate of the heading has (Cramer and Rao):
+/// place, heading and offset unknown, from numeric derivatives of the measurement equation.
+double bound_rad2(const Deployment& d, const Pose& truth, const std::vector<Arrival>& arrivals,
+                  double noise_s) {
   const auto tof_s = [&](const Arrival& a, const Eigen::Vector3d& step) {
-    const Pose T =
-        Pose::planar(truth.translation_m.x() + step.x(), truth.translation_m.y() + step.y(), truth.heading_rad() + step.z());
+    const Pose T = Pose::planar(truth.translation_m.x() + step.x(), truth.translation_m.y() + step.y(),
+                                truth.heading_rad() + step.z());
     PathInput in;
     in.T_map_vehicle = &T;
     in.p_beacon_map_m = d.beacons[a.beacon.index()].position_m;
@@ -208,7 +217,8 @@ double bound_rad2(const Deployment& d, const Pose& truth, const std::vector<Arri
   return information.inverse()(2, 2);
 }
 
-/// 1.3 degrees a cycle at 10 us, and a quarter of that at 2.5 us, are all that an octagon of 50 mm sides can tell.
+/// 1.3 degrees a cycle at 10 us, and a quarter of that at 2.5 us, are all that an octagon of 50 mm sides can
+/// tell.
 TEST(KleemanHeadingFigures, InterpolationReachesTheBound) {
   for (const double noise_s : {kPrototypeSigma_s, 2.5e-6}) {
     std::mt19937_64 random(kSeed + 1);
@@ -219,7 +229,8 @@ TEST(KleemanHeadingFigures, InterpolationReachesTheBound) {
     int count = 0;
     for (int k = 0; k < 2000; ++k) {
       const Pose truth = anywhere(random);
-      const auto arrivals = hear(d, truth, {.range_m = 15.0, .noise_s = noise_s, .cycle_offset_s = 0.02}, random);
+      const auto arrivals =
+          hear(d, truth, {.range_m = 15.0, .noise_s = noise_s, .cycle_offset_s = 0.02}, random);
       const Fix fix = locate(kleeman, arrivals);
       if (!fix.ok()) continue;
       const double error = error_of(fix, truth)[2];
@@ -229,9 +240,10 @@ TEST(KleemanHeadingFigures, InterpolationReachesTheBound) {
     }
     EXPECT_GE(count, 1990);
     const double rms = std::sqrt(squares / count), bound = std::sqrt(bounds / count);
-    std::cout << "seed " << kSeed + 1 << ", " << 1e6 * noise_s << " us: rms " << rms / kDegree << " degrees, bound "
-              << bound / kDegree << ", ratio " << rms / bound << "\n";
-    // Three standard deviations of an rms of 2000 are 5 %; the averaged triples instead of least squares cost a little.
+    std::cout << "seed " << kSeed + 1 << ", " << 1e6 * noise_s << " us: rms " << rms / kDegree
+              << " degrees, bound " << bound / kDegree << ", ratio " << rms / bound << "\n";
+    // Three standard deviations of an rms of 2000 are 5 %; the averaged triples instead of least squares cost
+    // a little.
     EXPECT_LT(rms, 1.06 * bound);
     EXPECT_GT(rms, 0.95 * bound) << "better than possible";
   }
@@ -254,8 +266,9 @@ TEST(KleemanHeadingFigures, InterpolationIsWithinADegree) {
   EXPECT_NEAR(echoes.nees(), 1.0, 0.12);
 }
 
-/// Directional receivers: what the amplitudes add, at 10 us, one arrival in ten an echo. In the very middle of the room corners
-/// and walls are alike modulo 45 degrees, so which is louder is all that tells: 11.25 degrees either way.
+/// Directional receivers: what the amplitudes add, at 10 us, one arrival in ten an echo. In the very middle
+/// of the room corners and walls are alike modulo 45 degrees, so which is louder is all that tells: 11.25
+/// degrees either way.
 TEST(KleemanHeadingFigures, AmplitudesBringBothWithinTheirMarks) {
   std::mt19937_64 random(kSeed + 3);
   const Deployment d = test::directional_room();
@@ -263,14 +276,22 @@ TEST(KleemanHeadingFigures, AmplitudesBringBothWithinTheirMarks) {
   Tally hearing, interpolated;
   for (int k = 0; k < 4000; ++k) {
     const Pose truth = anywhere(random);
-    auto arrivals = hear(d, truth, {.range_m = 15.0, .half_angle_rad = M_PI, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02, .amplitude_sigma = 0.05}, random);
+    auto arrivals = hear(d, truth,
+                         {.range_m = 15.0,
+                          .half_angle_rad = M_PI,
+                          .noise_s = kPrototypeSigma_s,
+                          .cycle_offset_s = 0.02,
+                          .amplitude_sigma = 0.05},
+                         random);
     for (Arrival& a : arrivals) a.amplitude_v = std::min(a.amplitude_v, d.attenuation->saturation_v);
     add_echoes(arrivals, 0.1, random);
     const Fix by_hearing = locate(coarse, arrivals), by_differences = locate(fine, arrivals);
     if (by_hearing.ok()) hearing.add(error_of(by_hearing, truth)[2], by_hearing.covariance(2, 2));
-    if (by_differences.ok()) interpolated.add(error_of(by_differences, truth)[2], by_differences.covariance(2, 2));
+    if (by_differences.ok())
+      interpolated.add(error_of(by_differences, truth)[2], by_differences.covariance(2, 2));
   }
-  std::cout << "seed " << kSeed + 3 << ", directional, hearing: " << hearing << "\nseed " << kSeed + 3 << ", directional, interpolated: " << interpolated << "\n";
+  std::cout << "seed " << kSeed + 3 << ", directional, hearing: " << hearing << "\nseed " << kSeed + 3
+            << ", directional, interpolated: " << interpolated << "\n";
   EXPECT_GE(hearing.count, 3800);
   EXPECT_LT(hearing.rms(), 2.6);
   EXPECT_GE(hearing.share_within_10(), 0.9995);
@@ -295,7 +316,8 @@ TEST(KleemanHeadingFigures, StandingForThreeCyclesGivesADegree) {
       double sum = 0.0, variance = 0.0;
       int fixes = 0;
       for (int i = 0; i < 3 * cycles && fixes < cycles; ++i) {
-        auto arrivals = hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random);
+        auto arrivals =
+            hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random);
         add_echoes(arrivals, 0.1, random);
         const Fix fix = locate(kleeman, arrivals);
         if (!fix.ok()) continue;

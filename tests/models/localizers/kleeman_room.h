@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Kleeman's room: 10 x 10 m, six beacons round the walls. The paper's figure 1 is not in its text, which says that beacons 1 and
-// 4 are not in corners: so 0, 2, 3, 5 are, and 1 and 4 in the middle of opposite walls.
+// Kleeman's room: 10 x 10 m, six beacons round the walls. The paper's figure 1 is not in its text, which says
+// that beacons 1 and 4 are not in corners: so 0, 2, 3, 5 are, and 1 and 4 in the middle of opposite walls.
 
 #include <algorithm>
 #include <array>
@@ -19,11 +19,12 @@
 
 namespace octant::test {
 
-/// Standard deviation of an arrival: the polling of eight channels at 2.5 us each (20 us, 5.8 us rms) and the ripple of a
-/// half-wave rectified envelope at 40 kHz (25 us, 7.2 us rms) make 9.2 us.
+/// Standard deviation of an arrival: the polling of eight channels at 2.5 us each (20 us, 5.8 us rms) and the
+/// ripple of a half-wave rectified envelope at 40 kHz (25 us, 7.2 us rms) make 9.2 us.
 inline constexpr double kPrototypeSigma_s = 1.0e-5;
 
-/// Height of the beacons above the floor, the array at 0.3 m. The paper does not say; level: as in its plane figures.
+/// Height of the beacons above the floor, the array at 0.3 m. The paper does not say; level: as in its plane
+/// figures.
 inline Deployment kleeman_room(double beacon_height_m = 2.0) {
   Deployment d;
   d.medium.speed_mps = 345.0;  // the paper's
@@ -41,10 +42,15 @@ inline Deployment kleeman_room(double beacon_height_m = 2.0) {
   return with_octagon(d);
 }
 
-/// The same with his receivers and his pulses (section 2.3): 3 dB at 22.5 degrees, 12.5 V at 1 m, a threshold of 0.2 V.
+/// The same with his receivers and his pulses (section 2.3): 3 dB at 22.5 degrees, 12.5 V at 1 m, a threshold
+/// of 0.2 V.
 inline Deployment directional_room() {
   Deployment d = kleeman_room();
-  d.attenuation = AttenuationModel{.amplitude_1m_v = 12.5, .threshold_v = 0.2, .rise_time_s = 4.5e-4, .half_power_angle_rad = M_PI / 8, .saturation_v = 4.7};
+  d.attenuation = AttenuationModel{.amplitude_1m_v = 12.5,
+                                   .threshold_v = 0.2,
+                                   .rise_time_s = 4.5e-4,
+                                   .half_power_angle_rad = M_PI / 8,
+                                   .saturation_v = 4.7};
   return d;
 }
 
@@ -55,8 +61,8 @@ struct PublishedSpread {
 inline constexpr std::array<PublishedSpread, 3> kPublished = {
     {{4.223, 7.902, 8.0e-3, 11.0e-3}, {4.003, 4.892, 6.8e-3, 4.3e-3}, {7.339, 5.885, 8.5e-3, 5.5e-3}}};
 
-/// Echoes as Octant's simulator makes them: half of them a beacon in a shadow, which all receivers hear late, half of them
-/// single arrivals; log-uniform from 0.3 to 12 ms (0.1 to 4 m).
+/// Echoes as Octant's simulator makes them: half of them a beacon in a shadow, which all receivers hear late,
+/// half of them single arrivals; log-uniform from 0.3 to 12 ms (0.1 to 4 m).
 template <class Random>
 void add_echoes(std::vector<Arrival>& arrivals, double fraction, Random& random) {
   std::uniform_real_distribution<double> uniform;
@@ -80,7 +86,9 @@ Pose anywhere(Random& random, double margin_m = 0.25) {
   return Pose::planar(x, y, turn(random));
 }
 
-inline Fix locate(Kleeman& kleeman, const std::vector<Arrival>& arrivals) { return kleeman.locate(Observations{arrivals, {}}); }
+inline Fix locate(Kleeman& kleeman, const std::vector<Arrival>& arrivals) {
+  return kleeman.locate(Observations{arrivals, {}});
+}
 
 /// Of x, y, and the heading.
 inline Eigen::Vector3d error_of(const Fix& fix, const Pose& truth) {

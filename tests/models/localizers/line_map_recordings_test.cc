@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Public recordings of laser scans in buildings that lie beside the repository. Skipped where they are absent.
+// Public recordings of laser scans in buildings that lie beside the repository. Skipped where they are
+// absent.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -27,8 +28,8 @@ struct Outcome {
   std::size_t ok = 0;
 };
 
-/// The stored map is built from every second scan, at its reference pose; the other scans are located on it, from the first one's
-/// reference pose on, with the raw odometry. No scan is both on the map and located.
+/// The stored map is built from every second scan, at its reference pose; the other scans are located on it,
+/// from the first one's reference pose on, with the raw odometry. No scan is both on the map and located.
 class ScanRecordings : public testing::Test {
  protected:
   void SetUp() override {
@@ -61,8 +62,8 @@ class ScanRecordings : public testing::Test {
   /// With the map, and odometry alone.
   static std::pair<Outcome, Outcome> run(const std::string& dataset) {
     const Site site = must(io::read_site((kRecordings / dataset / "site.yaml").string()));
-    const MeasurementLog log =
-        must(io::read_run((kRecordings / dataset / "driven").string(), names_of(site), site.timing, {.read_truth = true}));
+    const MeasurementLog log = must(io::read_run((kRecordings / dataset / "driven").string(), names_of(site),
+                                                 site.timing, {.read_truth = true}));
     std::map<double, Pose> truth;
     for (const TimedPose& t : log.truth) truth[t.time_s] = t.T_map_vehicle;
     LineMapOptions options;
@@ -80,21 +81,24 @@ class ScanRecordings : public testing::Test {
     const TimedPose start{located[0].time_s, truth.at(located[0].time_s)};
     const PoseAccuracy accuracy{.position_sigma_m = 0.02, .heading_sigma_rad = 0.01};
     const LineMap map = build_line_map(mapped, poses, options);
-    const Outcome with =
-        judge(LineMapLocalizer(map, options).locate(located, log.odometry, log.odometry_accuracy, start, accuracy), truth);
-    const Outcome without =
-        judge(LineMapLocalizer(LineMap{}, options).locate(located, log.odometry, log.odometry_accuracy, start, accuracy), truth);
-    std::cout << dataset << ": " << map.lines.size() << " walls, " << located.size() << " scans, " << with.ok << " ok; RMSE "
-              << with.rmse_m << " m (odometry alone " << without.rmse_m << "), median " << with.median_m << ", 95 % "
-              << with.p95_m << ", largest " << with.max_m << ", heading RMSE " << with.heading_rad << ", NEES " << with.nees
-              << "\n";
+    const Outcome with = judge(
+        LineMapLocalizer(map, options).locate(located, log.odometry, log.odometry_accuracy, start, accuracy),
+        truth);
+    const Outcome without = judge(LineMapLocalizer(LineMap{}, options)
+                                      .locate(located, log.odometry, log.odometry_accuracy, start, accuracy),
+                                  truth);
+    std::cout << dataset << ": " << map.lines.size() << " walls, " << located.size() << " scans, " << with.ok
+              << " ok; RMSE " << with.rmse_m << " m (odometry alone " << without.rmse_m << "), median "
+              << with.median_m << ", 95 % " << with.p95_m << ", largest " << with.max_m << ", heading RMSE "
+              << with.heading_rad << ", NEES " << with.nees << "\n";
     return {with, without};
   }
 };
 
-// The reference is a mapping program's own, good to some centimetres; odometry alone is off by 9.9, 25.8 and 9.3 m (EXPECTED.md).
-// Limits: a tenth of a metre in the middle (scans were matched to 0.03 m against the reference by an independent program), and
-// a fiftieth of odometry's error, or a thirtieth along the corridor, where for long stretches no wall tells the way.
+// The reference is a mapping program's own, good to some centimetres; odometry alone is off by 9.9, 25.8
+// and 9.3 m (EXPECTED.md). Limits: a tenth of a metre in the middle (scans were matched to 0.03 m against the
+// reference by an independent program), and a fiftieth of odometry's error, or a thirtieth along the
+// corridor, where for long stretches no wall tells the way.
 TEST_F(ScanRecordings, Aces) {
   const auto [with, without] = run("carmen-aces");
   EXPECT_NEAR(without.rmse_m, 9.90, 0.1 * 9.90);

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Small worlds for localizers that work on ranges: beacons, receivers, arrivals of one stop, and how good a fix is.
+// Small worlds for localizers that work on ranges: beacons, receivers, arrivals of one stop, and how good a
+// fix is.
 
 #include <cmath>
 #include <random>
@@ -15,8 +16,10 @@
 
 namespace octant::test {
 
-/// A planar site in air with a constant speed, beacons at the places given, a vehicle with receivers at the places given.
-inline Deployment ranging_site(const std::vector<Eigen::Vector3d>& beacons_m, const std::vector<Eigen::Vector3d>& receivers_m) {
+/// A planar site in air with a constant speed, beacons at the places given, a vehicle with receivers at the
+/// places given.
+inline Deployment ranging_site(const std::vector<Eigen::Vector3d>& beacons_m,
+                               const std::vector<Eigen::Vector3d>& receivers_m) {
   Deployment d;
   d.medium.speed_mps = 343.7;
   d.noise.tof_sigma_s = 1e-5;
@@ -40,9 +43,11 @@ inline double nees(const Fix& fix, const Pose& truth) {
   return e.dot(Eigen::Matrix3d(fix.covariance).inverse() * e);
 }
 
-/// Covariance of a fix from numeric derivatives by each arrival's time: an independent referee of what the fix says.
+/// Covariance of a fix from numeric derivatives by each arrival's time: an independent referee of what the
+/// fix says.
 template <class AnyLocalizer>
-Eigen::Matrix3d numeric_covariance(AnyLocalizer& localizer, std::vector<Arrival> arrivals, double sigma_s, double step_s = 1e-8) {
+Eigen::Matrix3d numeric_covariance(AnyLocalizer& localizer, std::vector<Arrival> arrivals, double sigma_s,
+                                   double step_s = 1e-8) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (Arrival& arrival : arrivals) {
     const double tof_s = arrival.tof_s;
@@ -52,7 +57,8 @@ Eigen::Matrix3d numeric_covariance(AnyLocalizer& localizer, std::vector<Arrival>
     const Pose low = localizer.locate({.arrivals = arrivals, .bearings = {}}).T_map_vehicle;
     arrival.tof_s = tof_s;
     Eigen::Vector3d by_time;
-    by_time << (high.translation_m - low.translation_m).head<2>(), wrap_angle(high.heading_rad() - low.heading_rad());
+    by_time << (high.translation_m - low.translation_m).head<2>(),
+        wrap_angle(high.heading_rad() - low.heading_rad());
     by_time *= sigma_s / (2 * step_s);
     sum += by_time * by_time.transpose();
   }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What does not average out along a drive: the calibration's errors, those that a pair keeps, those that last for a while.
+// What does not average out along a drive: the calibration's errors, those that a pair keeps, those that last
+// for a while.
 #include <cmath>
 #include <iostream>
 #include <map>
@@ -11,9 +12,9 @@
 #include <Eigen/Cholesky>
 
 #include "models/localizers/common/correlated_arrivals.h"
-#include "models/localizers/methods.h"
-#include "models/localizers/drive/tracker.h"
 #include "models/localizers/common/trajectory_model.h"
+#include "models/localizers/drive/tracker.h"
+#include "models/localizers/methods.h"
 #include "tests/models/localizers/hall.h"
 #include "tests/support/statistics.h"
 
@@ -32,7 +33,8 @@ Deployment uncertain_hall() {
   for (const DeploymentBeacon& b : d.beacons)
     for (const char* axis : {"/x_m", "/y_m"}) joint.parameters.push_back("beacon/" + b.name + axis);
   joint.parameters.emplace_back("medium/speed_mps");
-  joint.matrix = Eigen::MatrixXd::Identity(static_cast<Eigen::Index>(joint.parameters.size()), static_cast<Eigen::Index>(joint.parameters.size())) *
+  joint.matrix = Eigen::MatrixXd::Identity(static_cast<Eigen::Index>(joint.parameters.size()),
+                                           static_cast<Eigen::Index>(joint.parameters.size())) *
                  kBeacon_m * kBeacon_m;
   joint.matrix.bottomRightCorner<1, 1>()(0, 0) = kSpeed_mps * kSpeed_mps;
   return d;
@@ -41,7 +43,8 @@ Deployment uncertain_hall() {
 /// One of the halls that the covariance allows.
 Deployment drawn(Deployment d, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  for (DeploymentBeacon& b : d.beacons) b.position_m += kBeacon_m * Eigen::Vector3d(normal(random), normal(random), 0.0);
+  for (DeploymentBeacon& b : d.beacons)
+    b.position_m += kBeacon_m * Eigen::Vector3d(normal(random), normal(random), 0.0);
   d.speed_offset_mps += kSpeed_mps * normal(random);
   return d;
 }
@@ -51,22 +54,30 @@ struct Noise3 {
 };
 
 /// A winding drive, a beacon every 0.1 s; or stops every 0.1 s of it, each hearing one beacon.
-MeasurementLog drive(const Deployment& world, double seconds, const Noise3& noise, bool stops, std::mt19937_64& random, std::vector<Pose>& truth) {
+MeasurementLog drive(const Deployment& world, double seconds, const Noise3& noise, bool stops,
+                     std::mt19937_64& random, std::vector<Pose>& truth) {
   std::normal_distribution<double> normal;
   MeasurementLog log;
   log.vehicle = VehicleId(0);
   log.has_epochs = stops;
-  log.odometry_accuracy = {.distance_sigma_m_per_sqrt_m = 0.02, .heading_sigma_rad_per_sqrt_m = 0.01, .heading_sigma_per_rad = 0.0, .floor_m = 1e-4, .floor_rad = 1e-4};
+  log.odometry_accuracy = {.distance_sigma_m_per_sqrt_m = 0.02,
+                           .heading_sigma_rad_per_sqrt_m = 0.01,
+                           .heading_sigma_per_rad = 0.0,
+                           .floor_m = 1e-4,
+                           .floor_rad = 1e-4};
   std::map<std::size_t, std::pair<double, double>> lasting;  // of a pair: Gauss-Markov part, bias
   for (int k = 0; k * kStep_s <= seconds; ++k) {
     const double t = k * kStep_s;
-    const Pose T = Pose::planar(10 + 6.5 * std::sin(0.09 * t + 0.3), 6 + 3.5 * std::sin(0.131 * t),
-                                std::atan2(3.5 * 0.131 * std::cos(0.131 * t), 6.5 * 0.09 * std::cos(0.09 * t + 0.3)));
+    const Pose T =
+        Pose::planar(10 + 6.5 * std::sin(0.09 * t + 0.3), 6 + 3.5 * std::sin(0.131 * t),
+                     std::atan2(3.5 * 0.131 * std::cos(0.131 * t), 6.5 * 0.09 * std::cos(0.09 * t + 0.3)));
     OdometryStep step{t, 0, 0, 0, VehicleId(0)};
     if (k > 0) {
       const Pose rel = truth.back().inverse() * T;
       const double s = std::sqrt(rel.translation_m.norm());
-      step = {t, rel.translation_m.x() + 0.02 * s * normal(random), rel.translation_m.y() + 0.02 * s * normal(random), rel.heading_rad() + 0.01 * s * normal(random), VehicleId(0)};
+      step = {t, rel.translation_m.x() + 0.02 * s * normal(random),
+              rel.translation_m.y() + 0.02 * s * normal(random),
+              rel.heading_rad() + 0.01 * s * normal(random), VehicleId(0)};
     }
     log.odometry.push_back(step);
     truth.push_back(T);
@@ -74,10 +85,12 @@ MeasurementLog drive(const Deployment& world, double seconds, const Noise3& nois
     const std::size_t b = static_cast<std::size_t>(k) % world.beacons.size();
     one.beacons = {world.beacons[b]};
     for (Arrival a : test::hear(one, T, {.noise_s = noise.white_s}, random, stops ? k : kNoEpoch, t)) {
-      const auto [at, added] = lasting.try_emplace(b, noise.correlated_s * normal(random), noise.pair_s * normal(random));
+      const auto [at, added] =
+          lasting.try_emplace(b, noise.correlated_s * normal(random), noise.pair_s * normal(random));
       if (!added && noise.time_s > 0) {
         const double rho = std::exp(-static_cast<double>(world.beacons.size()) * kStep_s / noise.time_s);
-        at->second.first = rho * at->second.first + std::sqrt(1 - rho * rho) * noise.correlated_s * normal(random);
+        at->second.first =
+            rho * at->second.first + std::sqrt(1 - rho * rho) * noise.correlated_s * normal(random);
       }
       a.beacon = BeaconId(b);
       a.tof_s += at->second.first + at->second.second;
@@ -93,7 +106,8 @@ struct Nees {
 };
 
 /// Over fixes in the middle and at the end of drives through halls that differ.
-Nees nees(const Deployment& d, const Noise3& noise, const TrackerOptions& options, bool stops, int drives, std::uint64_t seed) {
+Nees nees(const Deployment& d, const Noise3& noise, const TrackerOptions& options, bool stops, int drives,
+          std::uint64_t seed) {
   std::cout << "seed " << seed << "\n";
   std::mt19937_64 random(seed);
   Nees out;
@@ -101,7 +115,8 @@ Nees nees(const Deployment& d, const Noise3& noise, const TrackerOptions& option
   int count = 0;
   for (int i = 0; i < drives; ++i) {
     std::vector<Pose> truth;
-    const MeasurementLog log = drive(d.covariance.matrix.rows() > 0 ? drawn(d, random) : d, 30.0, noise, stops, random, truth);
+    const MeasurementLog log =
+        drive(d.covariance.matrix.rows() > 0 ? drawn(d, random) : d, 30.0, noise, stops, random, truth);
     const std::vector<Fix> fixes = track(log, d, options);
     out.fixes += fixes.size();
     for (const Fix& fix : fixes) out.ok += fix.ok();
@@ -121,7 +136,8 @@ Nees nees(const Deployment& d, const Noise3& noise, const TrackerOptions& option
   return out;
 }
 
-/// Fixes of one drive share its hall, so that two fixes of each of n drives count as n to 2 n independent ones: bounds of n.
+/// Fixes of one drive share its hall, so that two fixes of each of n drives count as n to 2 n independent
+/// ones: bounds of n.
 void expect_honest(const Nees& found, int drives, double slack) {
   EXPECT_LT(found.mean, slack * test::chi2_quantile(0.9995, 2.0 * drives) / (2.0 * drives));
   EXPECT_GT(found.mean, test::chi2_quantile(0.0005, 2.0 * drives) / (2.0 * drives) / slack);
@@ -143,7 +159,8 @@ TEST(TrackerCalibration, ErrorsThatLastAreNotAveragedAway) {
   Deployment d = with_receiver(hall(), {0.2, 0.0, 0.3});
   const Noise3 noise{.white_s = 1e-5, .correlated_s = 5e-5, .time_s = 3.0, .pair_s = 5e-5};
   d.correlated_noise = {noise.correlated_s, noise.time_s, noise.pair_s};
-  // Where the correlation lasts about as long as the odometry is remembered, weights by number are an approximation: by half.
+  // Where the correlation lasts about as long as the odometry is remembered, weights by number are an
+  // approximation: by half.
   expect_honest(nees(d, noise, {}, false, kDrives, 73), kDrives, 1.5);
   expect_honest(nees(d, noise, {.smooth = false}, false, kDrives, 74), kDrives, 1.5);
   Deployment white = d;
@@ -199,7 +216,8 @@ TEST(CorrelatedArrivals, TheMeanOfAPairIsNoBetterThanWhatItShares) {
     for (int j = 0; j < kArrivals; ++j)
       sum += (i == j ? 1e-10 : 0.0) + 9e-10 * std::exp(-0.5 * std::abs(i - j) / noise.time_s) + 4e-10;
   double information = 0.0;
-  for (int i = 0; i < kArrivals; ++i) information += std::pow(t.arrivals[static_cast<std::size_t>(i)].sigma_s, -2);
+  for (int i = 0; i < kArrivals; ++i)
+    information += std::pow(t.arrivals[static_cast<std::size_t>(i)].sigma_s, -2);
   EXPECT_NEAR(1 / information, sum / (kArrivals * kArrivals), 1e-9 * sum);
   EXPECT_DOUBLE_EQ(t.arrivals.back().sigma_s, single_s) << "another pair has another error";
   sigmas.restore();
@@ -216,11 +234,13 @@ TEST(LeastSquares, MostBearingsAgainstAPoseAreNoFix) {
   for (const Arrival& a : arrivals) {
     const Eigen::Vector3d to = T.inverse() * d.beacons[a.beacon.index()].position_m;
     const double wrong = 0.7 * static_cast<double>(bearings.size());
-    bearings.push_back({a.time_s, wrap_angle(std::atan2(to.y(), to.x()) + wrong), a.beacon, VehicleId(0), 0, 0});
+    bearings.push_back(
+        {a.time_s, wrap_angle(std::atan2(to.y(), to.x()) + wrong), a.beacon, VehicleId(0), 0, 0});
   }
   LeastSquaresLocalizer localizer(d);
   EXPECT_EQ(localizer.locate(Observations{arrivals, bearings}).status, FixStatus::kNoConsensus);
-  for (std::size_t i = 0; i < bearings.size(); ++i) bearings[i].bearing_rad = wrap_angle(bearings[i].bearing_rad - 0.7 * static_cast<double>(i));
+  for (std::size_t i = 0; i < bearings.size(); ++i)
+    bearings[i].bearing_rad = wrap_angle(bearings[i].bearing_rad - 0.7 * static_cast<double>(i));
   EXPECT_TRUE(localizer.locate(Observations{arrivals, bearings}).ok());
 }
 

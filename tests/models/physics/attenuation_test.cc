@@ -21,7 +21,8 @@ TEST(TimeWalk, HasThePrintedDigits) {
     model.threshold_v = c["threshold_over_amplitude"];
     const auto walk_s = time_walk_s(1.0, model);
     ASSERT_TRUE(walk_s);
-    EXPECT_NEAR(*walk_s * file["speed_mps"].get<double>() * 1000, c["walk_mm"].get<double>(), c["half_digit_mm"].get<double>())
+    EXPECT_NEAR(*walk_s * file["speed_mps"].get<double>() * 1000, c["walk_mm"].get<double>(),
+                c["half_digit_mm"].get<double>())
         << c;
   }
 }
@@ -61,12 +62,15 @@ RC_GTEST_PROP(TimeWalk, LouderIsEarlier, ()) {
 TEST(Directivity, FallsByThreeDecibelsAtTheHalfPowerAngle) {
   for (const double angle_rad : {0.1, 0.3927, 1.0, 2.5}) {
     EXPECT_NEAR(log_directivity(1.0, angle_rad).value, 0.0, 1e-15);
-    EXPECT_NEAR(std::exp(log_directivity(std::cos(angle_rad), angle_rad).value), 1 / std::sqrt(2.0), 1e-12) << angle_rad;
+    EXPECT_NEAR(std::exp(log_directivity(std::cos(angle_rad), angle_rad).value), 1 / std::sqrt(2.0), 1e-12)
+        << angle_rad;
     double before = 1.0;
     for (double off_rad = 0.0; off_rad <= M_PI; off_rad += 0.01) {
       const LogDirectivity d = log_directivity(std::cos(off_rad), angle_rad);
       EXPECT_LE(d.value, before);
-      EXPECT_TRUE(std::isfinite(d.value) && std::isfinite(d.by_cosine) && std::isfinite(d.by_half_power_angle)) << off_rad;
+      EXPECT_TRUE(std::isfinite(d.value) && std::isfinite(d.by_cosine) &&
+                  std::isfinite(d.by_half_power_angle))
+          << off_rad;
       before = d.value;
     }
   }
@@ -74,11 +78,16 @@ TEST(Directivity, FallsByThreeDecibelsAtTheHalfPowerAngle) {
 }
 
 RC_GTEST_PROP(Directivity, DerivativesAreTheNumericOnes, ()) {
-  const double angle_rad = 0.05 + *rc::gen::inRange(0, 2500) * 1e-3, cosine = -0.95 + *rc::gen::inRange(0, 1900) * 1e-3;
+  const double angle_rad = 0.05 + *rc::gen::inRange(0, 2500) * 1e-3,
+               cosine = -0.95 + *rc::gen::inRange(0, 1900) * 1e-3;
   const LogDirectivity d = log_directivity(cosine, angle_rad);
   constexpr double kStep = 1e-6;
-  const double by_cosine = (log_directivity(cosine + kStep, angle_rad).value - log_directivity(cosine - kStep, angle_rad).value) / (2 * kStep);
-  const double by_angle = (log_directivity(cosine, angle_rad + kStep).value - log_directivity(cosine, angle_rad - kStep).value) / (2 * kStep);
+  const double by_cosine =
+      (log_directivity(cosine + kStep, angle_rad).value - log_directivity(cosine - kStep, angle_rad).value) /
+      (2 * kStep);
+  const double by_angle =
+      (log_directivity(cosine, angle_rad + kStep).value - log_directivity(cosine, angle_rad - kStep).value) /
+      (2 * kStep);
   RC_ASSERT(std::abs(d.by_cosine - by_cosine) < 1e-6 * (1 + std::abs(by_cosine)));
   RC_ASSERT(std::abs(d.by_half_power_angle - by_angle) < 1e-5 * (1 + std::abs(by_angle)));
 }
@@ -87,7 +96,9 @@ TEST(TimeWalk, ByTheLogarithmOfTheAmplitude) {
   const AttenuationModel model{.threshold_v = 0.2, .rise_time_s = 4.5e-4};
   for (const double volts : {0.25, 0.5, 2.0, 10.0}) {
     constexpr double kStep = 1e-6;
-    const double numeric = (*time_walk_s(volts * std::exp(-kStep), model) - *time_walk_s(volts * std::exp(kStep), model)) / (2 * kStep);
+    const double numeric =
+        (*time_walk_s(volts * std::exp(-kStep), model) - *time_walk_s(volts * std::exp(kStep), model)) /
+        (2 * kStep);
     EXPECT_NEAR(walk_by_log_amplitude_s(volts, model), numeric, 1e-6 * numeric) << volts;
   }
   EXPECT_NEAR(walk_by_log_amplitude_s(0.1, model), 19 * 4.5e-4, 1e-12) << "held below the threshold";

@@ -19,7 +19,9 @@ TEST(Medium, SpeedHasThePrintedDigits) {
     medium.model = c["model"] == "cramer1993" ? MediumModel::kCramer1993 : MediumModel::kLinearTemperature;
     medium.relative_humidity = c.value("relative_humidity", 0.5);
     medium.pressure_pa = c.value("pressure_pa", 101325.0);
-    EXPECT_NEAR(speed_mps(medium, c["temperature_degC"]), c["speed_mps"].get<double>(), c["half_digit_mps"].get<double>()) << c;
+    EXPECT_NEAR(speed_mps(medium, c["temperature_degC"]), c["speed_mps"].get<double>(),
+                c["half_digit_mps"].get<double>())
+        << c;
   }
 }
 
@@ -58,8 +60,11 @@ TEST(Medium, ReferenceTemperatureIsTheDefault) {
 
 TEST(Medium, AbsorptionHasThePrintedDigits) {
   for (const auto& c : test::golden_cases("absorption")) {
-    const double np_per_m = air_absorption_np_per_m(c["frequency_hz"], c["temperature_degC"], c["relative_humidity"], 101325.0);
-    EXPECT_NEAR(np_per_m * kDecibelsPerNeper * 1000, c["db_per_km"].get<double>(), c["half_digit_db_per_km"].get<double>()) << c;
+    const double np_per_m =
+        air_absorption_np_per_m(c["frequency_hz"], c["temperature_degC"], c["relative_humidity"], 101325.0);
+    EXPECT_NEAR(np_per_m * kDecibelsPerNeper * 1000, c["db_per_km"].get<double>(),
+                c["half_digit_db_per_km"].get<double>())
+        << c;
   }
 }
 

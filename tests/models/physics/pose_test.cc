@@ -16,7 +16,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Rotation vectors of all lengths, with many near the singular ones: 0, the switch to the series, a half turn.
+/// Rotation vectors of all lengths, with many near the singular ones: 0, the switch to the series, a half
+/// turn.
 Vector3d random_rotation_vector() {
   Random draws(static_cast<std::uint64_t>(*rc::gen::arbitrary<std::uint32_t>()));
   const Vector3d axis = draws.normal3().normalized();
@@ -34,7 +35,9 @@ Pose random_pose() {
   return {p, exp_rotation(random_rotation_vector())};
 }
 
-double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) { return log_rotation(a.conjugate() * b).norm(); }
+double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return log_rotation(a.conjugate() * b).norm();
+}
 
 RC_GTEST_PROP(Rotation, LogUndoesExp, ()) {
   const Vector3d phi = random_rotation_vector();
@@ -69,7 +72,9 @@ RC_GTEST_PROP(Rotation, SkewIsTheCrossProduct, ()) {
 RC_GTEST_PROP(Rotation, RightJacobianIsTheDerivative, ()) {
   const Vector3d phi = random_rotation_vector();
   const Eigen::Quaterniond back = exp_rotation(phi).conjugate();
-  const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return log_rotation(back * exp_rotation(x)); };
+  const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    return log_rotation(back * exp_rotation(x));
+  };
   // Central differences with 1e-5: truncation 1e-11, rounding 1e-16 / 1e-5.
   RC_ASSERT((right_jacobian(phi) - test::numeric_jacobian(f, phi, 1e-5)).norm() < 1e-9);
 }
@@ -83,7 +88,9 @@ RC_GTEST_PROP(Rotation, InverseRightJacobianIsTheDerivativeOfLog, ()) {
   const Vector3d phi = random_rotation_vector();
   RC_PRE(phi.norm() < M_PI - 1e-3);  // beyond, the difference steps over the half turn
   const Eigen::Quaterniond q = exp_rotation(phi);
-  const auto f = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd { return log_rotation(q * exp_rotation(d)); };
+  const auto f = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
+    return log_rotation(q * exp_rotation(d));
+  };
   RC_ASSERT((right_jacobian_inverse(phi) - test::numeric_jacobian(f, Vector3d::Zero(), 1e-5)).norm() < 1e-8);
 }
 
@@ -91,7 +98,8 @@ RC_GTEST_PROP(Angle, IsWrappedIntoTheHalfOpenTurn, ()) {
   const double angle = *rc::gen::inRange(-100000, 100000) * 1e-3;
   const double wrapped = wrap_angle(angle);
   RC_ASSERT(wrapped > -M_PI && wrapped <= M_PI);
-  RC_ASSERT(std::abs(std::sin(wrapped) - std::sin(angle)) < 1e-13 && std::abs(std::cos(wrapped) - std::cos(angle)) < 1e-13);
+  RC_ASSERT(std::abs(std::sin(wrapped) - std::sin(angle)) < 1e-13 &&
+            std::abs(std::cos(wrapped) - std::cos(angle)) < 1e-13);
 }
 
 TEST(Angle, HalfTurnIsPositive) {
@@ -140,7 +148,8 @@ TEST(Interpolation, TakesTheShortWayOverTheCut) {
 RC_GTEST_PROP(Retract, NothingMovesNothing, ()) {
   const Pose T = random_pose();
   const Pose same = retract(T, Eigen::VectorXd::Zero(6), Motion::kSpatial);
-  RC_ASSERT((same.translation_m - T.translation_m).norm() == 0.0 && angle_between(same.rotation, T.rotation) < 1e-15 * 10);
+  RC_ASSERT((same.translation_m - T.translation_m).norm() == 0.0 &&
+            angle_between(same.rotation, T.rotation) < 1e-15 * 10);
 }
 
 RC_GTEST_PROP(Retract, PlanarAddsInTheMap, ()) {

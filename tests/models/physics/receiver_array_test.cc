@@ -13,7 +13,8 @@ namespace {
 
 TEST(Octagon, RadiusHasThePrintedDigits) {
   for (const auto& c : test::golden_cases("octagon")) {
-    EXPECT_NEAR(octagon_radius_m(c["side_m"]), c["radius_m"].get<double>(), c["half_digit_m"].get<double>()) << c;
+    EXPECT_NEAR(octagon_radius_m(c["side_m"]), c["radius_m"].get<double>(), c["half_digit_m"].get<double>())
+        << c;
   }
 }
 
@@ -45,7 +46,8 @@ TEST(Octagon, HearsOutwards) {
 
 TEST(Octagon, TurnTurnsAll) {
   const auto straight = octagon(0.05, 0.3), turned = octagon(0.05, 0.3, M_PI / 4);
-  for (std::size_t i = 0; i < 8; ++i) EXPECT_TRUE(turned[i].position_m.isApprox(straight[(i + 1) % 8].position_m, 1e-14));
+  for (std::size_t i = 0; i < 8; ++i)
+    EXPECT_TRUE(turned[i].position_m.isApprox(straight[(i + 1) % 8].position_m, 1e-14));
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ double kolmogorov_distance(std::vector<double> x, const Cdf& cdf) {
   double largest = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double n = static_cast<double>(x.size()), f = cdf(x[i]);
-    largest = std::max({largest, std::abs(f - static_cast<double>(i) / n), std::abs(f - static_cast<double>(i + 1) / n)});
+    largest = std::max(
+        {largest, std::abs(f - static_cast<double>(i) / n), std::abs(f - static_cast<double>(i + 1) / n)});
   }
   return largest;
 }
@@ -36,9 +37,13 @@ std::vector<double> samples(std::uint64_t seed, const Draw& draw) {
 TEST(Random, DrawsHaveTheirDistributions) {
   const double bound = test::kolmogorov_bound(20000, 1e-4);
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
-    EXPECT_LT(kolmogorov_distance(samples(seed, [](Random& r) { return r.uniform(); }), [](double x) { return x; }), bound)
+    EXPECT_LT(
+        kolmogorov_distance(samples(seed, [](Random& r) { return r.uniform(); }), [](double x) { return x; }),
+        bound)
         << seed;
-    EXPECT_LT(kolmogorov_distance(samples(seed, [](Random& r) { return r.normal(); }), test::normal_cdf), bound) << seed;
+    EXPECT_LT(kolmogorov_distance(samples(seed, [](Random& r) { return r.normal(); }), test::normal_cdf),
+              bound)
+        << seed;
     EXPECT_LT(kolmogorov_distance(samples(seed, [](Random& r) { return r.log_uniform(1e-4, 1e-2); }),
                                   [](double x) { return std::log(x / 1e-4) / std::log(100.0); }),
               bound)

@@ -27,7 +27,8 @@ Scenario with_sensors(Scenario s) {
 bool same(const std::vector<Arrival>& a, const std::vector<Arrival>& b) {
   if (a.size() != b.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i].time_s != b[i].time_s || a[i].tof_s != b[i].tof_s || a[i].beacon != b[i].beacon || a[i].receiver != b[i].receiver)
+    if (a[i].time_s != b[i].time_s || a[i].tof_s != b[i].tof_s || a[i].beacon != b[i].beacon ||
+        a[i].receiver != b[i].receiver)
       return false;
   return true;
 }
@@ -39,7 +40,8 @@ TEST(SyntheticSensors, LeaveTheRestOfTheWorldAlone) {
     EXPECT_TRUE(same(with.run.arrivals, without.run.arrivals));
     EXPECT_TRUE(same(with.heldout.arrivals, without.heldout.arrivals));
     ASSERT_EQ(with.run.odometry.size(), without.run.odometry.size());
-    for (std::size_t i = 0; i < with.run.odometry.size(); ++i) EXPECT_EQ(with.run.odometry[i].dx_m, without.run.odometry[i].dx_m);
+    for (std::size_t i = 0; i < with.run.odometry.size(); ++i)
+      EXPECT_EQ(with.run.odometry[i].dx_m, without.run.odometry[i].dx_m);
     EXPECT_TRUE(without.run.bearings.empty() && without.run.scans.empty());
     EXPECT_FALSE(with.run.bearings.empty() || with.run.scans.empty() || with.heldout.bearings.empty() ||
                  with.heldout.scans.empty());
@@ -58,10 +60,11 @@ TEST(SyntheticSensors, BearingsAreThoseOfTheTruePoses) {
       continue;
     }
     ++named;
-    const auto at =
-        std::find_if(world.run.truth.begin(), world.run.truth.end(), [&](const TimedPose& t) { return t.time_s == b.time_s; });
+    const auto at = std::find_if(world.run.truth.begin(), world.run.truth.end(),
+                                 [&](const TimedPose& t) { return t.time_s == b.time_s; });
     ASSERT_NE(at, world.run.truth.end());
-    const Eigen::Vector3d v = at->T_map_vehicle.inverse() * world.truth.beacons[b.reflector.index()].position_m;
+    const Eigen::Vector3d v =
+        at->T_map_vehicle.inverse() * world.truth.beacons[b.reflector.index()].position_m;
     EXPECT_LT(v.head<2>().norm(), 10.0);
     sum += std::pow(wrap_angle(b.bearing_rad - std::atan2(v.y(), v.x())) / 0.004, 2);
   }
@@ -83,13 +86,14 @@ TEST(SyntheticSensors, ScansSeeTheWalls) {
   double sum = 0.0;
   int seen = 0;
   for (const Scan& scan : world.run.scans) {
-    const auto at =
-        std::find_if(world.run.truth.begin(), world.run.truth.end(), [&](const TimedPose& t) { return t.time_s == scan.time_s; });
+    const auto at = std::find_if(world.run.truth.begin(), world.run.truth.end(),
+                                 [&](const TimedPose& t) { return t.time_s == scan.time_s; });
     ASSERT_NE(at, world.run.truth.end());
     for (std::size_t k = 0; k < scan.range_m.size(); ++k) {
-      const double angle =
-          at->T_map_vehicle.heading_rad() + scan.angle_min_rad + static_cast<double>(k) * scan.angle_increment_rad;
-      const double truth = test::range_to(walls, at->T_map_vehicle.translation_m.head<2>(), {std::cos(angle), std::sin(angle)});
+      const double angle = at->T_map_vehicle.heading_rad() + scan.angle_min_rad +
+                           static_cast<double>(k) * scan.angle_increment_rad;
+      const double truth = test::range_to(walls, at->T_map_vehicle.translation_m.head<2>(),
+                                          {std::cos(angle), std::sin(angle)});
       EXPECT_EQ(std::isnan(scan.range_m[k]), truth >= 6.0);
       if (std::isnan(scan.range_m[k])) continue;
       ++seen;
@@ -122,11 +126,16 @@ TEST(SyntheticSensors, ContradictionsAreRefused) {
     return world ? std::string("accepted") : world.error().message();
   };
   EXPECT_NE(message([](Scenario& s) { s.walls_m.clear(); }).find("walls_m"), std::string::npos);
-  EXPECT_NE(message([](Scenario& s) { s.walls_m[0] = {1, 1, 1, 1}; }).find("without length"), std::string::npos);
-  EXPECT_NE(message([](Scenario& s) { s.bearings->unlabelled_fraction = 1.5; }).find("unlabelled_fraction"), std::string::npos);
+  EXPECT_NE(message([](Scenario& s) {
+              s.walls_m[0] = {1, 1, 1, 1};
+            }).find("without length"),
+            std::string::npos);
+  EXPECT_NE(message([](Scenario& s) { s.bearings->unlabelled_fraction = 1.5; }).find("unlabelled_fraction"),
+            std::string::npos);
   EXPECT_NE(message([](Scenario& s) { s.bearings->period_s = 0; }).find("period_s"), std::string::npos);
   EXPECT_NE(message([](Scenario& s) { s.scans->beams = 0; }).find("beams"), std::string::npos);
-  EXPECT_NE(message([](Scenario& s) { s.site.motion = Motion::kSpatial; }).find("spatial"), std::string::npos);
+  EXPECT_NE(message([](Scenario& s) { s.site.motion = Motion::kSpatial; }).find("spatial"),
+            std::string::npos);
 }
 
 }  // namespace

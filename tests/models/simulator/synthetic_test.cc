@@ -51,7 +51,8 @@ TEST(Synthetic, SameSeedSameWorld) {
   const World a = must(simulate(hall_scenario(), 7)), b = must(simulate(hall_scenario(), 7)),
               c = must(simulate(hall_scenario(), 8));
   ASSERT_EQ(a.run.arrivals.size(), b.run.arrivals.size());
-  for (std::size_t i = 0; i < a.run.arrivals.size(); ++i) EXPECT_EQ(a.run.arrivals[i].tof_s, b.run.arrivals[i].tof_s);
+  for (std::size_t i = 0; i < a.run.arrivals.size(); ++i)
+    EXPECT_EQ(a.run.arrivals[i].tof_s, b.run.arrivals[i].tof_s);
   EXPECT_EQ(a.site.beacons[1].position_m, b.site.beacons[1].position_m);
   EXPECT_NE(a.site.beacons[1].position_m, c.site.beacons[1].position_m);
   EXPECT_NE(a.run.arrivals[0].tof_s, c.run.arrivals[0].tof_s);
@@ -65,7 +66,8 @@ TEST(Synthetic, PartsOfAWorldDoNotDisturbEachOther) {
   const World other = must(simulate(changed, 3));
   EXPECT_EQ(plain.site.beacons[1].position_m, other.site.beacons[1].position_m);
   std::map<double, double> direct;  // an echo moves an arrival in time, and so in the order
-  for (std::size_t i = 0; i < other.run.arrivals.size(); ++i) direct[other.run.arrivals[i].tof_s] = other.run_lateness_s[i];
+  for (std::size_t i = 0; i < other.run.arrivals.size(); ++i)
+    direct[other.run.arrivals[i].tof_s] = other.run_lateness_s[i];
   std::size_t shared = 0;
   for (const Arrival& a : plain.run.arrivals) shared += direct.count(a.tof_s);
   EXPECT_NEAR(static_cast<double>(shared) / static_cast<double>(plain.run.arrivals.size()), 0.7, 0.06);
@@ -117,7 +119,8 @@ TEST(Synthetic, DirectionalReceiversHearLessOffTheirAxes) {
     const Pose T = truth_at(w.run, a.time_s);
     const DeploymentReceiver& r = w.truth.receivers[a.receiver.index()];
     const Eigen::Vector3d to = w.truth.beacons[a.beacon.index()].position_m - T * r.position_m;
-    const double half = std::acos((T.rotation * *r.axis).dot(to) / to.norm()) / 2, half_power = m.half_power_angle_rad / 2;
+    const double half = std::acos((T.rotation * *r.axis).dot(to) / to.norm()) / 2,
+                 half_power = m.half_power_angle_rad / 2;
     const double gain = std::pow(std::cos(half), -std::log(2.0) / (2 * std::log(std::cos(half_power))));
     const double volts = gain * m.amplitude_1m_v / to.norm() * std::exp(-m.absorption_np_per_m * to.norm());
     EXPECT_NEAR(a.amplitude_v, std::min(volts, 0.5), 1e-11);
@@ -150,7 +153,7 @@ TEST(Synthetic, EachEpochHasItsCycleOffset) {
 TEST(Synthetic, DriveHearsAtThePoseOfTheInstant) {
   Scenario s = without_noise(drive_scenario(30.0));
   s.path.odometry_period_s = 0.005;  // truth at the simulation's own sampling: linear in between
-  s.path.speed_mps = 5.0;            // 0.15 m between firing and hearing: a pose at the wrong instant would show
+  s.path.speed_mps = 5.0;  // 0.15 m between firing and hearing: a pose at the wrong instant would show
   const World w = must(simulate(s, 4));
   ASSERT_GT(w.run.arrivals.size(), 500u);
   for (const Arrival& a : w.run.arrivals) {
@@ -171,8 +174,10 @@ TEST(Synthetic, TwoWayDriveAsksAndHearsFromDifferentPlaces) {
   ASSERT_GT(w.run.arrivals.size(), 100u);
   for (const Arrival& a : w.run.arrivals) {
     const double asked_s = a.time_s - a.tof_s;
-    const double path_m = distance_m(w, a, truth_at(w.run, a.time_s)) + distance_m(w, a, truth_at(w.run, asked_s));
-    EXPECT_NEAR(a.tof_s, path_m / w.truth.speed_mps(21.0) + 2e-3 + w.truth.beacons[a.beacon.index()].delay_s, 3e-8);
+    const double path_m =
+        distance_m(w, a, truth_at(w.run, a.time_s)) + distance_m(w, a, truth_at(w.run, asked_s));
+    EXPECT_NEAR(a.tof_s, path_m / w.truth.speed_mps(21.0) + 2e-3 + w.truth.beacons[a.beacon.index()].delay_s,
+                3e-8);
     const double slots = (asked_s - 10.0) / 0.2;
     EXPECT_NEAR(slots - std::floor(slots), 0.26, 1e-4);
   }
@@ -191,7 +196,8 @@ TEST(Synthetic, OdometryIntegratesToTruth) {
     EXPECT_NEAR(wrap_angle(T.heading_rad() - w.run.truth[i].T_map_vehicle.heading_rad()), 0.0, 1e-11);
     length_m += std::hypot(step.dx_m, step.dy_m);
   }
-  EXPECT_NEAR(length_m, 0.6 * 120, 0.01);  // speed times time; chords are shorter than arcs by 5e-5 of their length at most
+  EXPECT_NEAR(length_m, 0.6 * 120,
+              0.01);  // speed times time; chords are shorter than arcs by 5e-5 of their length at most
 }
 
 TEST(Synthetic, DriveGoesFromGoalToGoalWithinTheHall) {
@@ -208,7 +214,8 @@ TEST(Synthetic, DriveGoesFromGoalToGoalWithinTheHall) {
     const Vector2d goal = s.path.waypoints_m[static_cast<std::size_t>(visits + 1) % 2];
     visits += (p.T_map_vehicle.translation_m.head<2>() - goal).norm() < 2.2;
   }
-  // 72 m; 12 m to the first goal less the radius at which it counts as reached, then as much and a turn of 0.86 m radius each.
+  // 72 m; 12 m to the first goal less the radius at which it counts as reached, then as much and a turn of
+  // 0.86 m radius each.
   EXPECT_GE(visits, 5);
 }
 
@@ -219,14 +226,17 @@ TEST(Synthetic, TruthCoversEveryArrival) {
   for (const Scenario& s : {hall_scenario(), hurried, drive_scenario(60.0), dense}) {
     const World w = must(simulate(s, 6));
     for (const MeasurementLog* log : {&w.run, &w.heldout}) {
-      for (std::size_t i = 1; i < log->truth.size(); ++i) ASSERT_GT(log->truth[i].time_s, log->truth[i - 1].time_s);
-      for (std::size_t i = 1; i < log->arrivals.size(); ++i) ASSERT_GE(log->arrivals[i].time_s, log->arrivals[i - 1].time_s);
+      for (std::size_t i = 1; i < log->truth.size(); ++i)
+        ASSERT_GT(log->truth[i].time_s, log->truth[i - 1].time_s);
+      for (std::size_t i = 1; i < log->arrivals.size(); ++i)
+        ASSERT_GE(log->arrivals[i].time_s, log->arrivals[i - 1].time_s);
       for (const Arrival& a : log->arrivals) {
-        const auto after =
-            std::find_if(log->truth.begin(), log->truth.end(), [&](const TimedPose& p) { return p.time_s > a.time_s; });
+        const auto after = std::find_if(log->truth.begin(), log->truth.end(),
+                                        [&](const TimedPose& p) { return p.time_s > a.time_s; });
         ASSERT_TRUE(after != log->truth.begin() && after != log->truth.end());
         EXPECT_LT(after->time_s - std::prev(after)->time_s, 0.0501);
-        const bool standing = after->T_map_vehicle.translation_m == std::prev(after)->T_map_vehicle.translation_m;
+        const bool standing =
+            after->T_map_vehicle.translation_m == std::prev(after)->T_map_vehicle.translation_m;
         EXPECT_TRUE(standing || a.epoch == kNoEpoch);
       }
     }
@@ -245,12 +255,16 @@ TEST(Synthetic, ReceiversHearInTheirConeAndRangeAndNowhereElse) {
   for (const auto& [epoch, T] : stops) {
     for (int b = 0; b < 8; ++b) {
       for (int r = 0; r < 8; ++r) {
-        const Vector3d towards = w.truth.beacons[static_cast<std::size_t>(b)].position_m -
-                                 receiver_in_map(T, w.truth.receivers[static_cast<std::size_t>(r)].position_m);
+        const Vector3d towards =
+            w.truth.beacons[static_cast<std::size_t>(b)].position_m -
+            receiver_in_map(T, w.truth.receivers[static_cast<std::size_t>(r)].position_m);
         const double out = T.heading_rad() + r * M_PI / 4;
-        const double angle = std::acos((towards.x() * std::cos(out) + towards.y() * std::sin(out)) / towards.norm());
-        if (std::abs(angle - 1.18) < 1e-9 || std::abs(towards.norm() - 12.0) < 1e-9) continue;  // on the very edge
-        EXPECT_EQ(heard.count({epoch, b, r}), angle < 1.18 && towards.norm() < 12.0 ? 1u : 0u) << epoch << " B" << b << " r" << r;
+        const double angle =
+            std::acos((towards.x() * std::cos(out) + towards.y() * std::sin(out)) / towards.norm());
+        if (std::abs(angle - 1.18) < 1e-9 || std::abs(towards.norm() - 12.0) < 1e-9)
+          continue;  // on the very edge
+        EXPECT_EQ(heard.count({epoch, b, r}), angle < 1.18 && towards.norm() < 12.0 ? 1u : 0u)
+            << epoch << " B" << b << " r" << r;
       }
     }
   }
@@ -264,7 +278,8 @@ TEST(Synthetic, TemperatureColumnRisesAndSpeedFollows) {
   EXPECT_GT(w.run.arrivals.back().temperature_degC, 24.9);
   for (const Arrival& a : w.run.arrivals) {
     const double d = distance_m(w, a, truth_at(w.run, a.time_s));
-    EXPECT_NEAR(a.tof_s, d / w.truth.speed_mps(a.temperature_degC) + w.truth.beacons[a.beacon.index()].delay_s, 1e-15);
+    EXPECT_NEAR(a.tof_s,
+                d / w.truth.speed_mps(a.temperature_degC) + w.truth.beacons[a.beacon.index()].delay_s, 1e-15);
   }
 }
 
@@ -288,20 +303,23 @@ TEST(Synthetic, SpatialMotionTiltsAndStillFollowsTheEquation) {
     double tilt_rad = 0.0;
     for (std::size_t i = 0; i < w.run.arrivals.size(); i += 7) {
       const Arrival& a = w.run.arrivals[i];
-      auto after = std::find_if(w.run.truth.begin(), w.run.truth.end(), [&](const TimedPose& p) { return p.time_s > a.time_s; });
+      auto after = std::find_if(w.run.truth.begin(), w.run.truth.end(),
+                                [&](const TimedPose& p) { return p.time_s > a.time_s; });
       const TimedPose &low = *std::prev(after), &high = *after;
       const double alpha = (a.time_s - low.time_s) / (high.time_s - low.time_s);
       const Pose T{(1 - alpha) * low.T_map_vehicle.translation_m + alpha * high.T_map_vehicle.translation_m,
                    low.T_map_vehicle.rotation.slerp(alpha, high.T_map_vehicle.rotation)};
       tilt_rad = std::max(tilt_rad, std::acos(std::min(1.0, (T.rotation * Vector3d::UnitZ()).z())));
-      const double d = (T.rotation.toRotationMatrix() * w.truth.receivers[a.receiver.index()].position_m + T.translation_m -
-                        w.truth.beacons[a.beacon.index()].position_m)
+      const double d = (T.rotation.toRotationMatrix() * w.truth.receivers[a.receiver.index()].position_m +
+                        T.translation_m - w.truth.beacons[a.beacon.index()].position_m)
                            .norm();
       EXPECT_NEAR(a.tof_s, d / w.truth.speed_mps(21.0) + w.truth.beacons[a.beacon.index()].delay_s, 5e-9);
     }
     EXPECT_GT(tilt_rad, 0.03);
     ASSERT_FALSE(w.run.poses.empty());
-    EXPECT_LT((w.run.poses[3].T_map_vehicle.translation_m - w.run.truth[3].T_map_vehicle.translation_m).norm(), 1e-15);
+    EXPECT_LT(
+        (w.run.poses[3].T_map_vehicle.translation_m - w.run.truth[3].T_map_vehicle.translation_m).norm(),
+        1e-15);
   }
 }
 

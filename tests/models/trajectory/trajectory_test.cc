@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "models/trajectory/linearise.h"
 #include "tests/support/numeric.h"
@@ -14,7 +14,8 @@
 namespace octant {
 namespace {
 
-/// A drive of five nodes among three beacons with every kind of observation, noisy, in planar or spatial motion.
+/// A drive of five nodes among three beacons with every kind of observation, noisy, in planar or spatial
+/// motion.
 struct Drive {
   Trajectory t;
   SharedState state;
@@ -36,11 +37,13 @@ struct Drive {
       node.time_s = k;
       node.placed = true;
       node.T_map_vehicle = Pose::planar(k, 0.1 * k * k, 0.2 * k);
-      if (motion == Motion::kSpatial) node.T_map_vehicle.rotation = exp_rotation({0.1 * n(random), 0.1 * n(random), 0.2 * k});
+      if (motion == Motion::kSpatial)
+        node.T_map_vehicle.rotation = exp_rotation({0.1 * n(random), 0.1 * n(random), 0.2 * k});
       t.nodes.push_back(node);
     }
     for (std::size_t k = 0; k < 4; ++k) {
-      t.odometry.push_back({k, t.nodes[k].T_map_vehicle.inverse() * t.nodes[k + 1].T_map_vehicle, 0.02, 0.01});
+      t.odometry.push_back(
+          {k, t.nodes[k].T_map_vehicle.inverse() * t.nodes[k + 1].T_map_vehicle, 0.02, 0.01});
       for (int i = 0; i < 6; ++i) {
         ArrivalObservation a;
         a.node = k;
@@ -55,10 +58,13 @@ struct Drive {
         a.arrival = t.arrivals.size();
         t.arrivals.push_back(a);
       }
-      if (motion == Motion::kPlanar) t.bearings.push_back({k, 0.5, k, BeaconId(static_cast<std::int32_t>(k % 3)), 0.7, 0.01, Rejection::kUsed});
+      if (motion == Motion::kPlanar)
+        t.bearings.push_back(
+            {k, 0.5, k, BeaconId(static_cast<std::int32_t>(k % 3)), 0.7, 0.01, Rejection::kUsed});
       t.poses.push_back({k, 0.25, t.nodes[k].T_map_vehicle, 0.01, 0.02, 0.03});
     }
-    t.segments.push_back({0, 5, 0, t.arrivals.size(), 0, t.bearings.size(), 0, t.poses.size(), 0, t.odometry.size()});
+    t.segments.push_back(
+        {0, 5, 0, t.arrivals.size(), 0, t.bearings.size(), 0, t.poses.size(), 0, t.odometry.size()});
   }
 
   void move(const Eigen::VectorXd& x) {
@@ -108,7 +114,8 @@ TEST_P(Rows, DerivativesByStatesAgreeWithNumericOnes) {
         Drive again = moved;
         again.move(d);
         std::vector<double> r;
-        for_each_row(again.t, again.t.segments[0], again.state, [&](const ObservationRow& row) { r.push_back(row.residual); });
+        for_each_row(again.t, again.t.segments[0], again.state,
+                     [&](const ObservationRow& row) { r.push_back(row.residual); });
         return Eigen::VectorXd(Eigen::Map<Eigen::VectorXd>(r.data(), static_cast<Eigen::Index>(r.size())));
       },
       Eigen::VectorXd::Zero(unknowns), 1e-6);
@@ -124,7 +131,8 @@ TEST_P(Rows, SettleFindsTheLeastSquaresStates) {
   ChainSystem system;
   build_chain_system(drive.t, drive.t.segments[0], drive.state, {}, system);
   for (std::size_t k = 0; k < system.g.size(); ++k)
-    EXPECT_LT(system.g[k].norm(), 1e-3 * std::sqrt(system.D[k].trace())) << "gradient left at node " << k;  // in sigmas
+    EXPECT_LT(system.g[k].norm(), 1e-3 * std::sqrt(system.D[k].trace()))
+        << "gradient left at node " << k;  // in sigmas
 }
 
 TEST_P(Rows, NodeCovarianceIsTheBlockOfTheDenseInverse) {
@@ -144,7 +152,8 @@ TEST_P(Rows, NodeCovarianceIsTheBlockOfTheDenseInverse) {
   const Eigen::MatrixXd C = H.inverse();
   for (std::size_t k = 0; k < 5; ++k) {
     const Eigen::MatrixXd got = node_covariance(drive.t, drive.t.segments[0], k, drive.state);
-    const Eigen::MatrixXd want = C.block(static_cast<Eigen::Index>(k) * n, static_cast<Eigen::Index>(k) * n, n, n);
+    const Eigen::MatrixXd want =
+        C.block(static_cast<Eigen::Index>(k) * n, static_cast<Eigen::Index>(k) * n, n, n);
     EXPECT_LT((got - want).norm(), 1e-8 * want.norm());
   }
 }
@@ -208,7 +217,8 @@ TEST(MakeTrajectory, ArrivalsOutsideTheOdometryAreStateless) {
 }
 
 TEST(InterpolatePoses, NeverBeyondTheEndsNorOverLongGaps) {
-  const std::vector<TimedPose> poses = {{0.0, Pose::planar(0, 0, 0)}, {1.0, Pose::planar(2, 0, 1.0)}, {5.0, Pose::planar(2, 4, 1.0)}};
+  const std::vector<TimedPose> poses = {
+      {0.0, Pose::planar(0, 0, 0)}, {1.0, Pose::planar(2, 0, 1.0)}, {5.0, Pose::planar(2, 4, 1.0)}};
   Pose T;
   EXPECT_FALSE(interpolate_poses(poses, -0.1, 2.0, T));
   EXPECT_FALSE(interpolate_poses(poses, 5.1, 2.0, T));
@@ -219,7 +229,8 @@ TEST(InterpolatePoses, NeverBeyondTheEndsNorOverLongGaps) {
   EXPECT_TRUE(interpolate_poses(poses, 5.0, 0.1, T));
 }
 
-/// What a measured amplitude leaves of the walk: of a directional receiver a part of the noise, and more of it the weaker the pulse.
+/// What a measured amplitude leaves of the walk: of a directional receiver a part of the noise, and more of
+/// it the weaker the pulse.
 TEST(Observe, AWeakPulseOfADirectionalReceiverIsKnownLessWell) {
   TrajectoryModel model;
   model.noise.tof_sigma_s = 1e-5;

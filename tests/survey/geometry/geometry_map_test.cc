@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "models/simulator/random.h"
 #include "models/physics/receiver_array.h"
+#include "models/simulator/random.h"
 #include "tests/survey/brute_force.h"
 
 namespace octant::survey {
@@ -60,8 +60,9 @@ TEST(GeometryMap, RegularPolygonAtItsCentre) {
   }
 }
 
-// An octagon of radius r: each range's derivative by the heading is r sin(angle between lever arm and beacon); over both full
-// circles the sum of squares is n m r^2 / 2, and a beacon fixed by m receivers counts m times.
+// An octagon of radius r: each range's derivative by the heading is r sin(angle between lever arm and
+// beacon); over both full circles the sum of squares is n m r^2 / 2, and a beacon fixed by m receivers counts
+// m times.
 TEST(GeometryMap, HeadingOfAnArrayAtThePolygonsCentre) {
   SurveyModel model = polygon_of(12, Clock::kSynchronised);
   model.receivers.clear();
@@ -75,13 +76,17 @@ TEST(GeometryMap, HeadingOfAnArrayAtThePolygonsCentre) {
   EXPECT_EQ(f.arrivals[0], 96);
 }
 
-// One satellite overhead and three evenly round the horizon: A = diag(3/2, 3/2) and [[1, 1], [1, 4]] in (z, t), whose inverse is
+// One satellite overhead and three evenly round the horizon: A = diag(3/2, 3/2) and [[1, 1], [1, 4]] in (z,
+// t), whose inverse is
 // [[4, -1], [-1, 1]] / 3; so HDOP^2 = VDOP^2 = 4/3, TDOP^2 = 1/3, GDOP = sqrt 3.
 TEST(GeometryMap, SatelliteOverheadAndThreeOnTheHorizon) {
   SurveyModel model = bare_model(Motion::kSpatial, Clock::kCycleOffset);
   constexpr double kFar = 2.0e7;
   model.beacons.push_back({"zenith", {0, 0, kFar}});
-  for (int i = 0; i < 3; ++i) model.beacons.push_back({"horizon", {kFar * std::cos(i * 2 * std::numbers::pi / 3), kFar * std::sin(i * 2 * std::numbers::pi / 3), 0}});
+  for (int i = 0; i < 3; ++i)
+    model.beacons.push_back(
+        {"horizon",
+         {kFar * std::cos(i * 2 * std::numbers::pi / 3), kFar * std::sin(i * 2 * std::numbers::pi / 3), 0}});
   const auto f = evaluate_poses(model, at(0, 0));
   EXPECT_NEAR(f.gdop[0], 1.7320508, 1e-6);
   EXPECT_NEAR(f.pdop[0], std::sqrt(8.0 / 3), 1e-6);
@@ -90,14 +95,19 @@ TEST(GeometryMap, SatelliteOverheadAndThreeOnTheHorizon) {
   EXPECT_NEAR(f.tdop[0], std::sqrt(1.0 / 3), 1e-6);
 }
 
-// With S = sum u u' of trace n and s = sum u, H'H = [[S, s], [s', n]]; by Schur complements its inverse has the blocks
-// (S - s s'/n)^-1 >= S^-1 and 1 / (n - s' S^-1 s) >= 1/n, and tr S^-1 >= 9 / tr S: no GDOP of n satellites is below sqrt(10 / n),
-// and those of a regular tetrahedron and of an octahedron (s = 0, S = n/3 I) reach it.
+// With S = sum u u' of trace n and s = sum u, H'H = [[S, s], [s', n]]; by Schur complements its inverse has
+// the blocks (S - s s'/n)^-1 >= S^-1 and 1 / (n - s' S^-1 s) >= 1/n, and tr S^-1 >= 9 / tr S: no GDOP of n
+// satellites is below sqrt(10 / n), and those of a regular tetrahedron and of an octahedron (s = 0, S = n/3
+// I) reach it.
 TEST(GeometryMap, LeastDilutionOfPlatonicConstellations) {
   constexpr double kFar = 2.0e7;
   SurveyModel tetrahedron = bare_model(Motion::kSpatial, Clock::kCycleOffset), octahedron = tetrahedron;
-  for (int i = 0; i < 4; ++i) tetrahedron.beacons.push_back({"S", Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, (i == 0 || i == 3) ? 1 : -1).normalized() * kFar});
-  for (int i = 0; i < 6; ++i) octahedron.beacons.push_back({"S", Eigen::Vector3d::Unit(i / 2) * (i % 2 ? kFar : -kFar)});
+  for (int i = 0; i < 4; ++i)
+    tetrahedron.beacons.push_back(
+        {"S",
+         Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, (i == 0 || i == 3) ? 1 : -1).normalized() * kFar});
+  for (int i = 0; i < 6; ++i)
+    octahedron.beacons.push_back({"S", Eigen::Vector3d::Unit(i / 2) * (i % 2 ? kFar : -kFar)});
   EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 4), 1e-9);
   EXPECT_NEAR(evaluate_poses(octahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 6), 1e-9);
   Random draw(10);
@@ -108,13 +118,15 @@ TEST(GeometryMap, LeastDilutionOfPlatonicConstellations) {
   }
 }
 
-// Published: Stanford NAV Lab, gnss_lib_py, tests/utils/test_metrics.py (test_simple_dop, 7 Feb 2024): satellites at elevations of
-// 0, 0, 45, 45 and 90 degrees at azimuths of 0, 90, 180, 270 and 0.
+// Published: Stanford NAV Lab, gnss_lib_py, tests/utils/test_metrics.py (test_simple_dop, 7 Feb 2024):
+// satellites at elevations of 0, 0, 45, 45 and 90 degrees at azimuths of 0, 90, 180, 270 and 0.
 TEST(GeometryMap, FiveSatellitesAsPublished) {
   SurveyModel model = bare_model(Motion::kSpatial, Clock::kCycleOffset);
   constexpr double kFar = 2.0e7;
   const double half = std::sqrt(0.5), root2 = std::sqrt(2.0);
-  for (const Eigen::Vector3d& east_north_up : {Eigen::Vector3d(0, 1, 0), {1, 0, 0}, {0, -half, half}, {-half, 0, half}, {0, 0, 1}}) model.beacons.push_back({"S", kFar * east_north_up});
+  for (const Eigen::Vector3d& east_north_up :
+       {Eigen::Vector3d(0, 1, 0), {1, 0, 0}, {0, -half, half}, {-half, 0, half}, {0, 0, 1}})
+    model.beacons.push_back({"S", kFar * east_north_up});
   const auto f = evaluate_poses(model, at(0, 0));
   EXPECT_NEAR(f.gdop[0], std::sqrt(23.0 / 3), 1e-9);
   EXPECT_NEAR(f.pdop[0], std::sqrt(77.0 / 3) / 2, 1e-9);
@@ -131,8 +143,8 @@ TEST(GeometryMap, NothingDeterminedIsNoFix) {
   EXPECT_EQ(on_the_line.sigma_m[0], kNoFix);
   EXPECT_EQ(on_the_line.protection_m[0], kNoFix);
   const auto beside = evaluate_poses(model, at(2, 2));
-  EXPECT_NEAR(beside.hdop[0], std::sqrt(2.0), 1e-12);   // at right angles
-  EXPECT_EQ(beside.protection_m[0], kNoFix);            // nobody could notice a fault
+  EXPECT_NEAR(beside.hdop[0], std::sqrt(2.0), 1e-12);  // at right angles
+  EXPECT_EQ(beside.protection_m[0], kNoFix);           // nobody could notice a fault
   model.hearing.range_m = 2.5;
   EXPECT_EQ(evaluate_poses(model, at(2, 2)).beacons[0], 0);
   EXPECT_EQ(evaluate_poses(model, PoseList()).hdop.size(), 0u);
@@ -144,10 +156,15 @@ SurveyModel random_model(Random& draw, Motion motion, Clock clock, bool array, i
   model.patterns.resize(3);
   model.patterns[0].half_angle_rad = 1.2;
   model.patterns[1] = {.name = "p", .kind = BeamPattern::Kind::kCosinePower, .exponent = 1.7};
-  model.patterns[2] = {.name = "t", .kind = BeamPattern::Kind::kTable, .angle_rad = {0, 0.8, 1.5, 2.4}, .gain = {1, 0.8, 0.3, 0}};
+  model.patterns[2] = {.name = "t",
+                       .kind = BeamPattern::Kind::kTable,
+                       .angle_rad = {0, 0.8, 1.5, 2.4},
+                       .gain = {1, 0.8, 0.3, 0}};
   if (array) {
     model.receivers.clear();
-    for (const auto& corner : octagon(0.3, 0.25)) model.receivers.push_back({"r", corner.position_m + 0.02 * draw.normal3(), corner.axis, draw.uniform() < 0.5 ? 0 : 2u});
+    for (const auto& corner : octagon(0.3, 0.25))
+      model.receivers.push_back(
+          {"r", corner.position_m + 0.02 * draw.normal3(), corner.axis, draw.uniform() < 0.5 ? 0 : 2u});
   }
   model.unknowns = unknowns_of(motion, clock, model.receivers);
   for (int i = 0; i < beacons; ++i) {
@@ -162,7 +179,8 @@ SurveyModel random_model(Random& draw, Motion motion, Clock clock, bool array, i
     WallPiece wall;
     wall.from_m = {draw.uniform(0, 30), draw.uniform(0, 20)};
     wall.to_m = wall.from_m + Eigen::Vector2d(draw.uniform(-5, 5), draw.uniform(-5, 5));
-    if (draw.uniform() < 0.6) wall.bottom_m = draw.uniform(0, 1.5), wall.top_m = wall.bottom_m + draw.uniform(0.5, 3);
+    if (draw.uniform() < 0.6)
+      wall.bottom_m = draw.uniform(0, 1.5), wall.top_m = wall.bottom_m + draw.uniform(0.5, 3);
     model.walls.push_back(wall);
   }
   model.hearing = {.amplitude_1m_v = 10, .threshold_v = 0.1, .absorption_np_per_m = 0.06};
@@ -171,14 +189,17 @@ SurveyModel random_model(Random& draw, Motion motion, Clock clock, bool array, i
   return model;
 }
 
-/// How far gains and distances are from any limit is not looked at: tables are linear over the cosine, so that a pair in some
-/// thousands may fall on the other side of the threshold. Those cells are counted, and few.
+/// How far gains and distances are from any limit is not looked at: tables are linear over the cosine, so
+/// that a pair in some thousands may fall on the other side of the threshold. Those cells are counted, and
+/// few.
 struct Agreement {
   int cells = 0, fixes = 0, other_pairs = 0, noticed = 0, unnoticed = 0;
 };
 
-/// Each beacon's ranges biased in turn: by how much before a test of 0.1 % finds it with a power of 80 % (Baarda), and what that does.
-void compare_integrity(const SurveyModel& model, const std::vector<BruteArrival>& arrivals, const Eigen::MatrixXd& C, const GeometryFigures& f, std::size_t i,
+/// Each beacon's ranges biased in turn: by how much before a test of 0.1 % finds it with a power of 80 %
+/// (Baarda), and what that does.
+void compare_integrity(const SurveyModel& model, const std::vector<BruteArrival>& arrivals,
+                       const Eigen::MatrixXd& C, const GeometryFigures& f, std::size_t i,
                        Agreement& agreement) {
   constexpr double kTwoSided999 = 3.290527, kOneSided80 = 0.841621;  // quantiles of the normal distribution
   constexpr double kRounded = 1e-3;                                  // the map has them to three digits
@@ -191,7 +212,8 @@ void compare_integrity(const SurveyModel& model, const std::vector<BruteArrival>
   }
   double bias_m = 0.0, shift_m = 0.0;
   for (std::size_t b = 0; b < model.beacons.size(); ++b) {
-    const Eigen::VectorXd of_b = Eigen::VectorXd::NullaryExpr(m, [&](Eigen::Index a) { return arrivals[static_cast<std::size_t>(a)].beacon == b ? 1.0 : 0.0; });
+    const Eigen::VectorXd of_b = Eigen::VectorXd::NullaryExpr(
+        m, [&](Eigen::Index a) { return arrivals[static_cast<std::size_t>(a)].beacon == b ? 1.0 : 0.0; });
     if (of_b.isZero()) continue;
     const Eigen::VectorXd moved = C * (H.transpose() * w.cwiseProduct(of_b));
     const Eigen::VectorXd residual = of_b - H * moved;
@@ -203,12 +225,14 @@ void compare_integrity(const SurveyModel& model, const std::vector<BruteArrival>
       EXPECT_EQ(f.protection_m[i], kNoFix);
       return;
     }
-    const double just_found_m = (kTwoSided999 + kOneSided80) / std::sqrt(residual.dot(w.cwiseProduct(residual)));
+    const double just_found_m =
+        (kTwoSided999 + kOneSided80) / std::sqrt(residual.dot(w.cwiseProduct(residual)));
     bias_m = std::max(bias_m, just_found_m);
     shift_m = std::max(shift_m, just_found_m * moved.head<2>().norm());
   }
   ++agreement.noticed;
-  const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C.topLeftCorner<2, 2>()).eigenvalues()[1];
+  const double largest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C.topLeftCorner<2, 2>()).eigenvalues()[1];
   EXPECT_NEAR(f.detectable_bias_m[i], bias_m, kRounded * bias_m);
   EXPECT_NEAR(f.fault_shift_m[i], shift_m, kRounded * shift_m);
   EXPECT_NEAR(f.protection_m[i], shift_m + kTwoSided999 * std::sqrt(largest), kRounded * f.protection_m[i]);
@@ -217,14 +241,17 @@ void compare_integrity(const SurveyModel& model, const std::vector<BruteArrival>
 void compare(const SurveyModel& model, const PoseList& poses, Agreement& agreement) {
   const auto f = evaluate_poses(model, poses);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const auto arrivals = brute_arrivals(model, poses.x_m[i], poses.y_m[i], poses.z_m[i], poses.heading_rad[i]);
+    const auto arrivals =
+        brute_arrivals(model, poses.x_m[i], poses.y_m[i], poses.z_m[i], poses.heading_rad[i]);
     ++agreement.cells;
     if (arrivals.size() != f.arrivals[i]) {
       ++agreement.other_pairs;
       continue;
     }
-    const Eigen::MatrixXd A = information_of(model, arrivals, true), plain = information_of(model, arrivals, false);
-    const Eigen::VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse(), plain_scale = plain.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd A = information_of(model, arrivals, true),
+                          plain = information_of(model, arrivals, false);
+    const Eigen::VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse(),
+                          plain_scale = plain.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled);
     const double condition = svd.singularValues()(0) / svd.singularValues()(svd.singularValues().size() - 1);
@@ -234,28 +261,39 @@ void compare(const SurveyModel& model, const PoseList& poses, Agreement& agreeme
     }
     ++agreement.fixes;
     const Eigen::MatrixXd C = scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
-    const Eigen::MatrixXd Q = plain_scale.asDiagonal() * (plain_scale.asDiagonal() * plain * plain_scale.asDiagonal()).eval().inverse() * plain_scale.asDiagonal();
+    const Eigen::MatrixXd Q = plain_scale.asDiagonal() *
+                              (plain_scale.asDiagonal() * plain * plain_scale.asDiagonal()).eval().inverse() *
+                              plain_scale.asDiagonal();
     if (Q(0, 0) + Q(1, 1) > 0.9e8) continue;  // about 10,000: no fix
-    // 1e-10 of the value where the geometry is sound; the inverse itself is no better than the condition times rounding.
+    // 1e-10 of the value where the geometry is sound; the inverse itself is no better than the condition
+    // times rounding.
     const double tolerance = 1e-10 * std::max(1.0, condition / 1e4);
-    const auto near = [&](double value, double expected) { EXPECT_NEAR(value, expected, tolerance * (expected + 1e-9)) << condition; };
+    const auto near = [&](double value, double expected) {
+      EXPECT_NEAR(value, expected, tolerance * (expected + 1e-9)) << condition;
+    };
     const int n = model.unknowns.count(), p = model.unknowns.position;
     near(f.hdop[i], std::sqrt(Q(0, 0) + Q(1, 1)));
     near(f.pdop[i], std::sqrt(Q.topLeftCorner(p, p).trace()));
     near(f.vdop[i], p == 3 ? std::sqrt(Q(2, 2)) : 0.0);
     near(f.tdop[i], model.unknowns.clock ? std::sqrt(Q(n - 1, n - 1)) : 0.0);
-    near(f.gdop[i], std::sqrt(Q.topLeftCorner(p, p).trace() + (model.unknowns.clock ? Q(n - 1, n - 1) : 0.0)));
-    if (model.unknowns.rotation > 0) near(f.heading_dop_rad_per_m[i], std::sqrt(Q(p + model.unknowns.rotation - 1, p + model.unknowns.rotation - 1)));
+    near(f.gdop[i],
+         std::sqrt(Q.topLeftCorner(p, p).trace() + (model.unknowns.clock ? Q(n - 1, n - 1) : 0.0)));
+    if (model.unknowns.rotation > 0)
+      near(f.heading_dop_rad_per_m[i],
+           std::sqrt(Q(p + model.unknowns.rotation - 1, p + model.unknowns.rotation - 1)));
     near(f.sigma_m[i], std::sqrt(C(0, 0) + C(1, 1)));
     near(f.sigma_x_m[i], std::sqrt(C(0, 0)));
     near(f.sigma_y_m[i], std::sqrt(C(1, 1)));
     near(f.sigma_z_m[i], p == 3 ? std::sqrt(C(2, 2)) : 0.0);
-    near(f.sigma_heading_rad[i], model.unknowns.rotation > 0 ? std::sqrt(C(p + model.unknowns.rotation - 1, p + model.unknowns.rotation - 1)) : 0.0);
+    near(f.sigma_heading_rad[i], model.unknowns.rotation > 0 ? std::sqrt(C(p + model.unknowns.rotation - 1,
+                                                                           p + model.unknowns.rotation - 1))
+                                                             : 0.0);
     EXPECT_NEAR(f.covariance_xy_m2[i], C(0, 1), tolerance * C.diagonal().head<2>().maxCoeff());
     compare_integrity(model, arrivals, C, f, i, agreement);
     Eigen::VectorXd by_speed = Eigen::VectorXd::Zero(n);
     for (const auto& a : arrivals) by_speed += a.row * a.distance_m / (a.sigma_m * a.sigma_m);
-    EXPECT_NEAR(f.shift_by_speed_m[i], (C * by_speed).head<2>().norm(), 1e-8 * std::max(1.0, condition / 1e4) * (1 + f.shift_by_speed_m[i]));
+    EXPECT_NEAR(f.shift_by_speed_m[i], (C * by_speed).head<2>().norm(),
+                1e-8 * std::max(1.0, condition / 1e4) * (1 + f.shift_by_speed_m[i]));
   }
 }
 
@@ -266,15 +304,17 @@ TEST(GeometryMap, AgreesWithTheBruteForceInverseInTenThousandCells) {
     const Motion motion = world % 2 == 0 ? Motion::kPlanar : Motion::kSpatial;
     const Clock clock = world / 2 % 2 == 0 ? Clock::kSynchronised : Clock::kCycleOffset;
     const SurveyModel model = random_model(draw, motion, clock, world / 4 % 2 == 1, 6 + world, 4 * world);
-    // Spread and in clusters: what can be left out for neighbours together is only looked at where they are neighbours. No list is a
-    // multiple of a vector.
+    // Spread and in clusters: what can be left out for neighbours together is only looked at where they are
+    // neighbours. No list is a multiple of a vector.
     for (int list = 0; list < 5; ++list) {
       PoseList poses;
       const double x0 = draw.uniform(1, 28), y0 = draw.uniform(1, 18), heading = draw.uniform(-3, 3);
       for (int i = 0; i < 91; ++i) {
         const double z = motion == Motion::kSpatial ? draw.uniform(0, 1.5) : 0.0;
-        if (list == 0) poses.add(draw.uniform(0, 30), draw.uniform(0, 20), z, draw.uniform(-3, 3));
-        else poses.add(x0 + draw.uniform(0, 0.2), y0 + draw.uniform(0, 0.2), z, heading);
+        if (list == 0)
+          poses.add(draw.uniform(0, 30), draw.uniform(0, 20), z, draw.uniform(-3, 3));
+        else
+          poses.add(x0 + draw.uniform(0, 0.2), y0 + draw.uniform(0, 0.2), z, heading);
       }
       compare(model, poses, agreement);
     }
@@ -289,9 +329,12 @@ TEST(GeometryMap, AgreesWithTheBruteForceInverseInTenThousandCells) {
 TEST(GeometryMap, LayersAddUpToTheMap) {
   Random draw(5);
   for (int world = 0; world < 8; ++world) {
-    const SurveyModel model = random_model(draw, world % 2 ? Motion::kSpatial : Motion::kPlanar, world % 4 < 2 ? Clock::kSynchronised : Clock::kCycleOffset, world > 3, 15, 10);
+    const SurveyModel model =
+        random_model(draw, world % 2 ? Motion::kSpatial : Motion::kPlanar,
+                     world % 4 < 2 ? Clock::kSynchronised : Clock::kCycleOffset, world > 3, 15, 10);
     PoseList poses;
-    for (int i = 0; i < 1003; ++i) poses.add(draw.uniform(0, 30), draw.uniform(0, 20), 0.3, draw.uniform(-3, 3));
+    for (int i = 0; i < 1003; ++i)
+      poses.add(draw.uniform(0, 30), draw.uniform(0, 20), 0.3, draw.uniform(-3, 3));
     const auto map = evaluate_poses(model, poses, {.threads = 2});
     const auto heard = heard_at(model, poses, 2);
     std::vector<BeaconLayer> layers;
@@ -312,7 +355,8 @@ TEST(GeometryMap, LayersAddUpToTheMap) {
       EXPECT_EQ(map.beacons[i], beacons);
       EXPECT_EQ(sigma[i], of_sum[i]);
       // Near-singular cells may fall on either side: pivots are taken in another order.
-      if (map.sigma_m[i] < 10 || sigma[i] < 10) EXPECT_NEAR(sigma[i], map.sigma_m[i], 1e-6 * map.sigma_m[i]) << i;
+      if (map.sigma_m[i] < 10 || sigma[i] < 10)
+        EXPECT_NEAR(sigma[i], map.sigma_m[i], 1e-6 * map.sigma_m[i]) << i;
     }
   }
 }
@@ -322,7 +366,8 @@ TEST(GeometryMap, ThreadsDoNotMatter) {
   const SurveyModel model = random_model(draw, Motion::kPlanar, Clock::kSynchronised, true, 20, 20);
   PoseList poses;
   for (int i = 0; i < 40000; ++i) poses.add(30.0 * (i % 200) / 200, 20.0 * (i / 200) / 200, 0, 0);
-  EXPECT_EQ(evaluate_poses(model, poses, {.threads = 1}).hdop, evaluate_poses(model, poses, {.threads = 3}).hdop);
+  EXPECT_EQ(evaluate_poses(model, poses, {.threads = 1}).hdop,
+            evaluate_poses(model, poses, {.threads = 3}).hdop);
 }
 
 }  // namespace

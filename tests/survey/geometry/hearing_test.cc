@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "models/simulator/random.h"
-#include "survey/schedule/floor_schedule.h"
 #include "survey/geometry/geometry_map.h"
 #include "survey/geometry/polygon.h"
+#include "survey/schedule/floor_schedule.h"
 #include "survey/schedule/stop_places.h"
 #include "tests/survey/halls.h"
 
@@ -34,13 +34,15 @@ SurveyModel looking_model() {
   for (int i = 0; i < 12; ++i) {
     const std::string name = "B" + std::to_string(i);
     const double x = draws.uniform(0.5, 25.5);
-    hall.site.beacons.push_back(test::beacon(name, {x, i % 2 == 0 ? 0.5 : 15.5, draws.uniform(2.0, 5.0)}, 0.0));
+    hall.site.beacons.push_back(
+        test::beacon(name, {x, i % 2 == 0 ? 0.5 : 15.5, draws.uniform(2.0, 5.0)}, 0.0));
     SceneBeacon described;
     described.name = name;
     described.axis = draws.normal3().normalized();
     hall.scene.beacons.push_back(described);
   }
-  hall.scene.acoustics = {.absorption_np_per_m = 0.1, .amplitude_1m_v = 5.0, .threshold_v = 0.1, .range_m = 12.0};
+  hall.scene.acoustics = {
+      .absorption_np_per_m = 0.1, .amplitude_1m_v = 5.0, .threshold_v = 0.1, .range_m = 12.0};
   return must(make_survey_model(hall.site, hall.scene));
 }
 
@@ -50,7 +52,10 @@ TEST(Hearing, ADirectionalArrayHearsAsCalibrated) {
   hall.site.vehicles.clear();
   hall.site.receivers.clear();
   test::add_octagon(hall.site, 2.2);
-  hall.site.attenuation = AttenuationPrior{.amplitude_1m_v = {12.5, 0}, .absorption_np_per_m = {0.1, 0}, .rise_time_s = {}, .threshold_v = 0.1,
+  hall.site.attenuation = AttenuationPrior{.amplitude_1m_v = {12.5, 0},
+                                           .absorption_np_per_m = {0.1, 0},
+                                           .rise_time_s = {},
+                                           .threshold_v = 0.1,
                                            .half_power_angle_rad = {0.4, 0}};
   const SurveyModel model = must(make_survey_model(hall.site, hall.scene));
   hall.site.attenuation->half_power_angle_rad = {};
@@ -64,7 +69,8 @@ TEST(Hearing, ADirectionalArrayHearsAsCalibrated) {
     for (std::size_t b = 0; b < model.beacons.size(); ++b)
       for (std::size_t r = 0; r < model.receivers.size(); ++r) {
         const Eigen::Vector3d to = model.beacons[b].p_map_m - T * model.receivers[r].p_vehicle_m;
-        const double gain = std::exp(log_directivity((T.rotation * model.receivers[r].axis).dot(to.normalized()), 0.4).value);
+        const double gain =
+            std::exp(log_directivity((T.rotation * model.receivers[r].axis).dot(to.normalized()), 0.4).value);
         const bool loud = gain * amplitude_v(to.norm(), attenuation) >= 0.1;
         const bool here = hears(model, b, r, T);
         EXPECT_TRUE(loud || !here) << b << " " << r;
@@ -89,7 +95,8 @@ TEST(Hearing, AsTheMapsHaveIt) {
   for (std::size_t i = 0; i < poses.size(); ++i)
     for (std::size_t b = 0; b < model.beacons.size(); ++b) {
       bool any = false;
-      for (std::size_t r = 0; r < model.receivers.size(); ++r) any = any || hears(model, b, r, Pose::planar(poses.x_m[i], poses.y_m[i], poses.heading_rad[i]));
+      for (std::size_t r = 0; r < model.receivers.size(); ++r)
+        any = any || hears(model, b, r, Pose::planar(poses.x_m[i], poses.y_m[i], poses.heading_rad[i]));
       // The lanes take gains from a table of 4096 steps: a pattern's very edge may fall to either side.
       EXPECT_EQ(any, heard[b][i] != 0) << i << " " << b;
       (any ? yes : no)++;
@@ -119,7 +126,8 @@ TEST(FloorSchedule, FarBeaconsShareASlot) {
   hall.scene.floor_m = {{0, 0}, {80, 0}, {80, 6}, {0, 6}};
   hall.scene.walls.clear();
   hall.site.beacons.clear();
-  for (int i = 0; i < 8; ++i) hall.site.beacons.push_back(test::beacon("B" + std::to_string(i), {5.0 + 10 * i, 0.1, 2.5}, 0.1));
+  for (int i = 0; i < 8; ++i)
+    hall.site.beacons.push_back(test::beacon("B" + std::to_string(i), {5.0 + 10 * i, 0.1, 2.5}, 0.1));
   hall.scene.acoustics.range_m = 12.0;
   const SurveyModel model = must(make_survey_model(hall.site, hall.scene));
   const FloorSchedule s = must(floor_schedule(model, hall.scene, {.wall_reflection = 0.8}));

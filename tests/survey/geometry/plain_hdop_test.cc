@@ -21,14 +21,16 @@ TEST(PlainHdop, AgreesWithTheMap) {
     model.noise.constant_m = 1.0;
     std::vector<Eigen::Vector3d> places;
     for (int i = 0; i < 11; ++i) {
-      places.emplace_back(1e5 + draw.uniform(0, 30), draw.uniform(0, 20), draw.uniform(2, 3));  // far from the map's origin
+      places.emplace_back(1e5 + draw.uniform(0, 30), draw.uniform(0, 20),
+                          draw.uniform(2, 3));  // far from the map's origin
       model.beacons.push_back({"B", places.back()});
     }
     const PlainGrid grid{{1e5 - 2, -3}, 0.4, columns, 37};
     PoseList poses;
     for (std::size_t r = 0; r < grid.rows; ++r)
       for (std::size_t c = 0; c < columns; ++c)
-        poses.add(grid.origin_m.x() + 0.4 * (static_cast<double>(c) + 0.5), grid.origin_m.y() + 0.4 * (static_cast<double>(r) + 0.5), 0, 0);
+        poses.add(grid.origin_m.x() + 0.4 * (static_cast<double>(c) + 0.5),
+                  grid.origin_m.y() + 0.4 * (static_cast<double>(r) + 0.5), 0, 0);
     const auto map = evaluate_poses(model, poses, {.integrity = false});
     const auto plain = plain_hdop(places, 0.3, grid, 2);
     ASSERT_EQ(plain.size(), poses.size());

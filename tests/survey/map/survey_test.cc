@@ -10,15 +10,15 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "models/simulator/random.h"
 #include "models/physics/receiver_array.h"
-#include "survey/map/binned_map.h"
-#include "survey/map/calibration_map.h"
+#include "models/simulator/random.h"
 #include "survey/drawing/map_svg.h"
 #include "survey/geometry/map_tiles.h"
-#include "survey/map/mirror.h"
 #include "survey/geometry/polygon.h"
 #include "survey/geometry/scene_check.h"
+#include "survey/map/binned_map.h"
+#include "survey/map/calibration_map.h"
+#include "survey/map/mirror.h"
 #include "survey/map/survey_csv.h"
 #include "survey/page/survey_page.h"
 #include "tests/support/worlds.h"
@@ -27,9 +27,9 @@
 namespace octant::survey {
 namespace {
 
+using test::must;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using test::must;
 
 /// A hall with a column in the middle and a curtain.
 Scene small_scene() {
@@ -48,8 +48,11 @@ Site small_site(int beacons = 7) {
   site.name = "small";
   site.medium = {.model = MediumModel::kCramer1993};
   site.noise.tof_sigma_s = 1e-5;
-  const double places[8][3] = {{0, 0, 2.5}, {6, 0, 2.6}, {12, 0, 2.4}, {12, 8, 2.7}, {6, 8, 2.5}, {0, 8, 2.4}, {0, 4, 2.6}, {12, 4, 2.5}};
-  for (int i = 0; i < beacons; ++i) site.beacons.push_back(test::beacon("B" + std::to_string(i), {places[i][0], places[i][1], places[i][2]}, 0.0));
+  const double places[8][3] = {{0, 0, 2.5}, {6, 0, 2.6}, {12, 0, 2.4}, {12, 8, 2.7},
+                               {6, 8, 2.5}, {0, 8, 2.4}, {0, 4, 2.6},  {12, 4, 2.5}};
+  for (int i = 0; i < beacons; ++i)
+    site.beacons.push_back(
+        test::beacon("B" + std::to_string(i), {places[i][0], places[i][1], places[i][2]}, 0.0));
   test::add_octagon(site);
   site.tolerance.fix_m = 0.003;
   return site;
@@ -64,8 +67,8 @@ TEST(Survey, CellsAreTheFreeFloor) {
   for (const auto cell : grid.cells) EXPECT_FALSE(is_inside(scene.walls[0].points_m, grid.centre_m(cell)));
 }
 
-// The result does not depend on whether single failures are looked at, or on the threads; each is checked by surveying the
-// geometry without the beacons.
+// The result does not depend on whether single failures are looked at, or on the threads; each is checked by
+// surveying the geometry without the beacons.
 TEST(Survey, FailuresAgreeWithSurveysWithoutTheBeacons) {
   const Scene scene = small_scene();
   for (const Clock clock : {Clock::kSynchronised, Clock::kCycleOffset}) {
@@ -78,8 +81,11 @@ TEST(Survey, FailuresAgreeWithSurveysWithoutTheBeacons) {
     std::vector<float> worst_one = whole, worst_two = whole;
     const auto without = [&](const std::vector<std::size_t>& gone) {
       SurveyModel less = model;
-      for (auto g = gone.rbegin(); g != gone.rend(); ++g) less.beacons.erase(less.beacons.begin() + static_cast<std::ptrdiff_t>(*g));
-      return must(run_survey(less, scene, nullptr, {.failures = 0, .integrity = false})).find("sigma_m")->values;
+      for (auto g = gone.rbegin(); g != gone.rend(); ++g)
+        less.beacons.erase(less.beacons.begin() + static_cast<std::ptrdiff_t>(*g));
+      return must(run_survey(less, scene, nullptr, {.failures = 0, .integrity = false}))
+          .find("sigma_m")
+          ->values;
     };
     const auto agree = [&](const Loss& loss, const std::vector<float>& after) {
       std::size_t out = 0, no_fix = 0;
@@ -93,7 +99,8 @@ TEST(Survey, FailuresAgreeWithSurveysWithoutTheBeacons) {
     };
     for (std::size_t a = 0; a < model.beacons.size(); ++a) {
       const auto after = without({a});
-      const auto loss = std::find_if(survey.failures.begin(), survey.failures.end(), [&](const Loss& l) { return l.first == a; });
+      const auto loss = std::find_if(survey.failures.begin(), survey.failures.end(),
+                                     [&](const Loss& l) { return l.first == a; });
       ASSERT_NE(loss, survey.failures.end());
       agree(*loss, after);
       for (std::size_t i = 0; i < whole.size(); ++i) worst_one[i] = std::max(worst_one[i], after[i]);
@@ -108,8 +115,10 @@ TEST(Survey, FailuresAgreeWithSurveysWithoutTheBeacons) {
     const auto& one = survey.find("loss_one_m")->values;
     const auto& two = survey.find("loss_two_m")->values;
     for (std::size_t i = 0; i < whole.size(); ++i) {
-      EXPECT_TRUE(one[i] == worst_one[i] || std::abs(one[i] - worst_one[i]) < 1e-4F * worst_one[i]) << i << " " << one[i] << " " << worst_one[i];
-      EXPECT_TRUE(two[i] == worst_two[i] || std::abs(two[i] - worst_two[i]) < 1e-4F * worst_two[i]) << i << " " << two[i] << " " << worst_two[i];
+      EXPECT_TRUE(one[i] == worst_one[i] || std::abs(one[i] - worst_one[i]) < 1e-4F * worst_one[i])
+          << i << " " << one[i] << " " << worst_one[i];
+      EXPECT_TRUE(two[i] == worst_two[i] || std::abs(two[i] - worst_two[i]) < 1e-4F * worst_two[i])
+          << i << " " << two[i] << " " << worst_two[i];
     }
     EXPECT_GT(survey.failures[0].poses_out, 0u) << "some failure matters here";
     EXPECT_GE(survey.failures[0].poses_out, survey.failures[1].poses_out);
@@ -119,11 +128,13 @@ TEST(Survey, FailuresAgreeWithSurveysWithoutTheBeacons) {
 TEST(Survey, ThreadsAndFailuresChangeNothingElse) {
   const Scene scene = small_scene();
   const SurveyModel model = must(make_survey_model(small_site(), scene));
-  const auto one = must(run_survey(model, scene, nullptr, {.threads = 1})), three = must(run_survey(model, scene, nullptr, {.threads = 3}));
+  const auto one = must(run_survey(model, scene, nullptr, {.threads = 1})),
+             three = must(run_survey(model, scene, nullptr, {.threads = 3}));
   const auto none = must(run_survey(model, scene, nullptr, {.failures = 0}));
   for (const FloorMap& map : one.maps) EXPECT_EQ(map.values, three.find(map.name)->values) << map.name;
   for (const FloorMap& map : none.maps) EXPECT_EQ(map.values, one.find(map.name)->values) << map.name;
-  for (std::size_t i = 0; i < one.failures.size(); ++i) EXPECT_EQ(one.failures[i].spread_ppm, three.failures[i].spread_ppm);
+  for (std::size_t i = 0; i < one.failures.size(); ++i)
+    EXPECT_EQ(one.failures[i].spread_ppm, three.failures[i].spread_ppm);
 }
 
 TEST(Survey, SumsAreThoseOfTheMaps) {
@@ -135,7 +146,8 @@ TEST(Survey, SumsAreThoseOfTheMaps) {
   const auto& beacons = survey.find("beacons_heard")->values;
   std::size_t within = 0, fix = 0, k = 0, heard0 = 0;
   for (std::size_t i = 0; i < sigma.size(); ++i) {
-    within += sigma[i] <= 0.003F, fix += std::isfinite(sigma[i]), k += beacons[i] >= 3.0F, heard0 += survey.hears(0, i);
+    within += sigma[i] <= 0.003F, fix += std::isfinite(sigma[i]), k += beacons[i] >= 3.0F,
+        heard0 += survey.hears(0, i);
     int heard = 0;
     for (std::size_t b = 0; b < model.beacons.size(); ++b) heard += survey.hears(b, i);
     EXPECT_EQ(heard, static_cast<int>(beacons[i]));
@@ -161,7 +173,8 @@ Deployment small_deployment() {
   scenario.hall_m = {12, 8};
   scenario.path.epochs = scenario.heldout_path.epochs = 1;
   Deployment d = must(simulate(scenario, 1)).truth;
-  for (std::size_t b = 0; b < d.beacons.size(); ++b) d.beacons[b].covariance_m2 = 1e-6 * static_cast<double>(b + 1) * Eigen::Vector3d(1, 2, 3).asDiagonal();
+  for (std::size_t b = 0; b < d.beacons.size(); ++b)
+    d.beacons[b].covariance_m2 = 1e-6 * static_cast<double>(b + 1) * Eigen::Vector3d(1, 2, 3).asDiagonal();
   d.speed_sigma_mps = 0.2;
   d.tolerance.fix_m = 0.006;
   return d;
@@ -175,7 +188,9 @@ TEST(Survey, TotalAndProtectionHoldTheCalibrationsPart) {
   model.hearing.range_m = 9.0;
   const auto survey = must(run_survey(model, scene, &deployment));
   ASSERT_TRUE(survey.calibrated);
-  const auto map = [&](const char* name, std::size_t i) { return static_cast<double>(survey.find(name)->values[i]); };
+  const auto map = [&](const char* name, std::size_t i) {
+    return static_cast<double>(survey.find(name)->values[i]);
+  };
   const CalibrationMap calibration(deployment, model);
   const KernelModel kernel = kernel_model(model, model.beacons);
   const PoseList poses = poses_of(survey.grid, 0.0, 0.0);
@@ -192,16 +207,21 @@ TEST(Survey, TotalAndProtectionHoldTheCalibrationsPart) {
     heard_paths(model, kernel, tile, at, paths[0]);
     calibration.systematic(model, paths, part);
     const double systematic_m2 = part[0].xx_m2 + part[0].yy_m2;
-    const auto near = [&](const char* name, double expected) { EXPECT_NEAR(map(name, i), expected, 1e-5 * expected) << name << " " << i; };  // floats
+    const auto near = [&](const char* name, double expected) {
+      EXPECT_NEAR(map(name, i), expected, 1e-5 * expected) << name << " " << i;
+    };  // floats
     near("sigma_m", f.sigma_m[i]);
     near("calibration_m", std::sqrt(systematic_m2));
     near("total_m", std::sqrt(f.sigma_m[i] * f.sigma_m[i] + systematic_m2));
     near("speed_part_m", f.shift_by_speed_m[i] * 0.2 / model.speed_mps);
     if (f.fault_shift_m[i] == kNoFix) continue;
     Eigen::Matrix2d C;
-    C << f.sigma_x_m[i] * f.sigma_x_m[i] + part[0].xx_m2, f.covariance_xy_m2[i] + part[0].xy_m2, 0, f.sigma_y_m[i] * f.sigma_y_m[i] + part[0].yy_m2;
+    C << f.sigma_x_m[i] * f.sigma_x_m[i] + part[0].xx_m2, f.covariance_xy_m2[i] + part[0].xy_m2, 0,
+        f.sigma_y_m[i] * f.sigma_y_m[i] + part[0].yy_m2;
     C(1, 0) = C(0, 1);
-    near("protection_m", f.fault_shift_m[i] + 3.29 * std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C).eigenvalues()[1]));
+    near("protection_m",
+         f.fault_shift_m[i] +
+             3.29 * std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C).eigenvalues()[1]));
   }
   EXPECT_LT(within, noise_alone_within) << "the calibration's part matters here";
   EXPECT_GT(within, 0u);
@@ -210,9 +230,12 @@ TEST(Survey, TotalAndProtectionHoldTheCalibrationsPart) {
   for (const Loss& loss : survey.failures) {
     SurveyModel less = model;
     less.beacons.erase(less.beacons.begin() + static_cast<std::ptrdiff_t>(loss.first));
-    const auto after = must(run_survey(less, scene, nullptr, {.failures = 0, .integrity = false})).find("sigma_m")->values;
+    const auto after =
+        must(run_survey(less, scene, nullptr, {.failures = 0, .integrity = false})).find("sigma_m")->values;
     std::size_t out = 0;
-    for (std::size_t i = 0; i < poses.size(); ++i) out += map("total_m", i) <= 0.006 && !(std::hypot(static_cast<double>(after[i]), map("calibration_m", i)) <= 0.006);
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      out += map("total_m", i) <= 0.006 &&
+             !(std::hypot(static_cast<double>(after[i]), map("calibration_m", i)) <= 0.006);
     EXPECT_EQ(loss.poses_out, out) << loss.first;
   }
 }
@@ -229,10 +252,12 @@ TEST(Survey, OfSeveralHeadingsTheWorstCounts) {
     for (std::size_t i = 0; i < worst.size(); ++i) worst[i] = std::max(worst[i], sigma[i]);
   }
   EXPECT_NE(worst, first) << "headings matter here";
-  for (std::size_t i = 0; i < worst.size(); ++i) EXPECT_FLOAT_EQ(survey.find("sigma_m")->values[i], static_cast<float>(worst[i])) << i;
+  for (std::size_t i = 0; i < worst.size(); ++i)
+    EXPECT_FLOAT_EQ(survey.find("sigma_m")->values[i], static_cast<float>(worst[i])) << i;
 }
 
-// What is measured at c1 and taken for c0 is wrong by d (c0 / c1 - 1); the plain least-squares fix of such ranges.
+// What is measured at c1 and taken for c0 is wrong by d (c0 / c1 - 1); the plain least-squares fix of such
+// ranges.
 TEST(Survey, TemperatureWhatIf) {
   Scene scene = small_scene();
   scene.walls.clear();
@@ -249,7 +274,9 @@ TEST(Survey, TemperatureWhatIf) {
     const auto arrivals = test::brute_arrivals(model, p.x(), p.y(), 0, 0);
     Eigen::MatrixXd H(arrivals.size(), 2);
     Eigen::VectorXd error(arrivals.size());
-    for (std::size_t a = 0; a < arrivals.size(); ++a) H.row(static_cast<Eigen::Index>(a)) = arrivals[a].row, error[static_cast<Eigen::Index>(a)] = arrivals[a].distance_m * (c0 / c1 - 1);
+    for (std::size_t a = 0; a < arrivals.size(); ++a)
+      H.row(static_cast<Eigen::Index>(a)) = arrivals[a].row,
+      error[static_cast<Eigen::Index>(a)] = arrivals[a].distance_m * (c0 / c1 - 1);
     const double expected = H.colPivHouseholderQr().solve(error).norm();
     EXPECT_NEAR(survey.find("temperature_m")->values[i], expected, 1e-6 + 1e-5 * expected);
   }
@@ -259,7 +286,8 @@ TEST(Survey, MirrorImagesWhereBeaconsStandInALine) {
   Scene scene = small_scene();
   scene.walls.clear();
   Site site = small_site(0);
-  for (int i = 0; i < 4; ++i) site.beacons.push_back(test::beacon("L" + std::to_string(i), {3.0 * i + 1, 4.0, 2.5}, 0.0));
+  for (int i = 0; i < 4; ++i)
+    site.beacons.push_back(test::beacon("L" + std::to_string(i), {3.0 * i + 1, 4.0, 2.5}, 0.0));
   site.receivers.resize(1);
   site.receivers[0].axis.reset();
   site.receivers[0].position_m.setZero();
@@ -283,12 +311,15 @@ TEST(Survey, MirrorImagesWhereBeaconsStandInALine) {
   EXPECT_EQ(must(run_survey(must(make_survey_model(site, scene)), scene, nullptr)).mirror_fraction, 0.0);
 }
 
-// The quick look before the adjustment leaves no image out: beacons a centimetre off a line, whose images still explain the ranges.
+// The quick look before the adjustment leaves no image out: beacons a centimetre off a line, whose images
+// still explain the ranges.
 TEST(Survey, MirrorFilterLetsEveryImageThrough) {
   Scene scene = small_scene();
   scene.walls.clear();
   Site site = small_site(0);
-  for (int i = 0; i < 4; ++i) site.beacons.push_back(test::beacon("L" + std::to_string(i), {3.0 * i + 1, 4.0 + 0.01 * (i % 2), 2.5}, 0.0));
+  for (int i = 0; i < 4; ++i)
+    site.beacons.push_back(
+        test::beacon("L" + std::to_string(i), {3.0 * i + 1, 4.0 + 0.01 * (i % 2), 2.5}, 0.0));
   site.receivers.resize(1);
   site.receivers[0].axis.reset();
   site.vehicles[0].receiver_count = 1;
@@ -300,7 +331,8 @@ TEST(Survey, MirrorFilterLetsEveryImageThrough) {
       const PoseAt pose{x, y, 0, 0.3};
       std::vector<HeardPath> paths;
       for (std::size_t b = 0; b < 4; ++b)
-        for (std::size_t r = 0; r < model.receivers.size(); ++r) paths.push_back(path_between(model, b, r, pose));
+        for (std::size_t r = 0; r < model.receivers.size(); ++r)
+          paths.push_back(path_between(model, b, r, pose));
       if (!mirror_image(model, pose, paths).ambiguous) continue;
       ++images;
       EXPECT_TRUE(filter.may_have_image(model, pose, {0, 1, 2, 3})) << x << ", " << y;
@@ -323,7 +355,8 @@ TEST(Survey, OutlineWithoutAScene) {
   const auto hull = must(make_survey_model(small_site(6), {})).floor_m;
   EXPECT_NEAR(signed_area_m2(hull), 96.0, 1e-9);
   Site line = small_site(3);
-  EXPECT_NEAR(signed_area_m2(must(make_survey_model(line, {})).floor_m), 16.0 * 4.0, 1e-9);  // 2 m round a line of 12 m
+  EXPECT_NEAR(signed_area_m2(must(make_survey_model(line, {})).floor_m), 16.0 * 4.0,
+              1e-9);  // 2 m round a line of 12 m
   Scenario scenario = test::hall_scenario();
   scenario.path.epochs = scenario.heldout_path.epochs = 1;
   Deployment deployment = must(simulate(scenario, 1)).truth;
@@ -349,20 +382,38 @@ TEST(Survey, BadScenesNameTheElement) {
   error_of([](Scene& s) { std::swap(s.floor_m[1], s.floor_m[2]); }, "the floor crosses itself");
   error_of([](Scene& s) { s.floor_m.resize(2); }, "the floor has 2 corners");
   error_of([](Scene& s) { s.floor_m = {{0, 0}, {1, 0}, {2, 0}}; }, "the floor");
-  error_of([](Scene& s) { std::swap(s.walls[0].points_m[1], s.walls[0].points_m[2]); }, "obstacle 'column' crosses itself");
+  error_of([](Scene& s) { std::swap(s.walls[0].points_m[1], s.walls[0].points_m[2]); },
+           "obstacle 'column' crosses itself");
   error_of([](Scene& s) { s.walls[0].points_m = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}; }, "beacon 'B0'");
   error_of([](Scene& s) { s.floor_m[2].x() = s.floor_m[1].x() = 11; }, "beacon 'B2'");
   error_of([](Scene& s) { s.walls[1].top_m = -1; }, "wall 'curtain'");
   error_of([](Scene& s) { s.walls[1].points_m = {{1, 1}, {1, 1}}; }, "wall 'curtain'");
   error_of([](Scene& s) { s.routes[0].points_m = {{1, 1}, {20, 1}}; }, "route 'way' leaves the floor");
-  error_of([](Scene& s) { s.routes[0].points_m = {{1, 1}, {6, 4}}; }, "route 'way' runs through obstacle 'column'");
-  error_of([](Scene& s) { s.routes[0].points_m = {{1, 1}, {1e9, 1}}, s.floor_m.clear(), s.walls.clear(); }, "route 'way' has more poses");
+  error_of(
+      [](Scene& s) {
+        s.routes[0].points_m = {{1, 1}, {6, 4}};
+      },
+      "route 'way' runs through obstacle 'column'");
+  error_of(
+      [](Scene& s) {
+        s.routes[0].points_m = {{1, 1}, {1e9, 1}}, s.floor_m.clear(), s.walls.clear();
+      },
+      "route 'way' has more poses");
   error_of([](Scene& s) { s.cell_m = 0; }, "cell_m is 0");
   error_of([](Scene& s) { s.cell_m = 1e-4; }, "9.6e+09 cells");
-  error_of([](Scene& s) { s.walls[0].points_m = {{0.01, 0.01}, {11.99, 0.01}, {11.99, 7.99}, {0.01, 7.99}}, s.routes.clear(); }, "not a single cell");
+  error_of(
+      [](Scene& s) {
+        s.walls[0].points_m = {{0.01, 0.01}, {11.99, 0.01}, {11.99, 7.99}, {0.01, 7.99}}, s.routes.clear();
+      },
+      "not a single cell");
   error_of([](Scene& s) { s.beacons = {{"B77", {}, {}, 4}}; }, "beacon 'B77' is not in the site");
   error_of([](Scene& s) { s.patterns.resize(1), s.beacon_pattern = 0; }, "has no axis");
-  error_of([](Scene& s) { s.patterns = {{.name = "t", .kind = BeamPattern::Kind::kTable, .angle_rad = {0, 1, 1}, .gain = {1, 1, 0}}}; }, "pattern 't'");
+  error_of(
+      [](Scene& s) {
+        s.patterns = {
+            {.name = "t", .kind = BeamPattern::Kind::kTable, .angle_rad = {0, 1, 1}, .gain = {1, 1, 0}}};
+      },
+      "pattern 't'");
   error_of([](Scene& s) { s.acoustics.threshold_v = 1.0; }, "threshold_v alone");
   error_of([](Scene& s) { s.mounts = {{.name = "m", .kind = SceneMount::Kind::kPole}}; }, "mount 'm'");
 }
@@ -371,8 +422,8 @@ TEST(Polygon, SelfCrossing) {
   EXPECT_FALSE(self_crossing({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}, {0, 2}}));
   EXPECT_TRUE(self_crossing({{0, 0}, {2, 0}, {2, 2}, {1, -0.5}, {0, 2}}));
   EXPECT_TRUE(self_crossing({{0, 0}, {2, 2}, {2, 0}, {0, 2}}));
-  EXPECT_TRUE(self_crossing({{0, 0}, {2, 0}, {1, 0}, {1, 2}}));            // folds back
-  EXPECT_TRUE(self_crossing({{0, 0}, {4, 0}, {4, 2}, {2, 0}, {0, 2}}));    // touches its own side
+  EXPECT_TRUE(self_crossing({{0, 0}, {2, 0}, {1, 0}, {1, 2}}));          // folds back
+  EXPECT_TRUE(self_crossing({{0, 0}, {4, 0}, {4, 2}, {2, 0}, {0, 2}}));  // touches its own side
 }
 
 TEST(SurveyPage, NamesFromDataAreEscapedAndNothingRuns) {
@@ -382,9 +433,12 @@ TEST(SurveyPage, NamesFromDataAreEscapedAndNothingRuns) {
   site.beacons[0].name = "a\"b<i>";
   scene.routes[0].name = "'&<b>";
   const auto survey = must(run_survey(must(make_survey_model(site, scene)), scene, nullptr));
-  const std::string html = survey_html(survey, {.input = "<x>", .created = "now", .program = "octant", .command = "", .warnings = {"<w>"}}, false);
+  const std::string html = survey_html(
+      survey, {.input = "<x>", .created = "now", .program = "octant", .command = "", .warnings = {"<w>"}},
+      false);
   EXPECT_THAT(html, HasSubstr("default-src 'none'"));
-  for (const char* raw : {"<script", "<i>", "<b>", "<x>", "<w>", "http://localhost", " src="}) EXPECT_THAT(html, Not(HasSubstr(raw)));
+  for (const char* raw : {"<script", "<i>", "<b>", "<x>", "<w>", "http://localhost", " src="})
+    EXPECT_THAT(html, Not(HasSubstr(raw)));
   EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
   EXPECT_THAT(survey_csv(survey), HasSubstr("\"a\"\"b<i>"));
 }
@@ -403,7 +457,9 @@ TEST(SurveyPage, LivePlanHasWallsAndRoutesByName) {
   ASSERT_NE(figure, nullptr);
   EXPECT_EQ(figure->interactive.find_first_of("<>&"), std::string::npos);
   const auto data = nlohmann::json::parse(figure->interactive)["data"];
-  const auto trace = [&](const char* name) { return *std::find_if(data.begin(), data.end(), [&](const auto& t) { return t["name"] == name; }); };
+  const auto trace = [&](const char* name) {
+    return *std::find_if(data.begin(), data.end(), [&](const auto& t) { return t["name"] == name; });
+  };
   const auto walls = trace("wall"), route = trace("route");
   // The column closed, the curtain open; what lets sound through is no wall here.
   EXPECT_EQ(walls["x"], nlohmann::json::parse("[5, 7, 7, 5, 5, null, 9, 9, null]"));
@@ -418,7 +474,8 @@ TEST(SurveyPage, LivePlanHasWallsAndRoutesByName) {
 TEST(BinnedMap, ColoursGetLighterAndCostsFall) {
   BinnedMap scale{.columns = 101, .rows = 1};
   scale.low = 2.0, scale.high = 4.0;
-  for (int i = 0; i <= 100; ++i) scale.bins.push_back(BinnedMap::Bin::kValue), scale.values.push_back(2.0 + 0.02 * i);
+  for (int i = 0; i <= 100; ++i)
+    scale.bins.push_back(BinnedMap::Bin::kValue), scale.values.push_back(2.0 + 0.02 * i);
   const auto luminance = [&](std::size_t i) {
     const auto c = colour_of(scale, i);
     return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
@@ -450,7 +507,8 @@ TEST(BinnedMap, ABinHoldsTheWorstOfItsCells) {
   EXPECT_EQ(bins.bin_m, 1.5);
   double worst = 0.0, worst_bin = 0.0;
   for (std::size_t row = 0; row < 3; ++row)
-    for (std::size_t column = 0; column < 3; ++column) worst = std::max(worst, cells.values[row * 24 + column]);
+    for (std::size_t column = 0; column < 3; ++column)
+      worst = std::max(worst, cells.values[row * 24 + column]);
   worst_bin = bins.values[0];
   EXPECT_EQ(worst, worst_bin);
   EXPECT_EQ(cells.bins[7 * 24 + 11], BinnedMap::Bin::kOffFloor);  // in the column

@@ -16,7 +16,10 @@ using ::testing::Not;
 
 TEST(SiteSheet, TagIsJsonWhateverTheName) {
   Deployment d = full_report().plan.deployment;
-  for (const std::string name : {"B1", "\"];//", "<script>", "Gr\xc3\xbc\xc3\x9f" "e", "\xff"}) {
+  for (const std::string name : {"B1", "\"];//", "<script>",
+                                 "Gr\xc3\xbc\xc3\x9f"
+                                 "e",
+                                 "\xff"}) {
     d.beacons[1].name = name;
     d.beacons[1].position_m.x() = 10.00004;
     const auto tag = nlohmann::json::parse(beacon_tag(d, d.beacons[1], "abc"));
@@ -28,7 +31,8 @@ TEST(SiteSheet, TagIsJsonWhateverTheName) {
 }
 
 TEST(SiteSheet, CodeHasTheStandardsFrame) {
-  // Version 1 of the standard has 21 modules a side, 4 of white around; the finder pattern's upper edge is 7 dark modules.
+  // Version 1 of the standard has 21 modules a side, 4 of white around; the finder pattern's upper edge is 7
+  // dark modules.
   const std::string svg = qr_svg("OCTANT");
   EXPECT_THAT(svg, HasSubstr("viewBox='0 0 29 29'"));
   EXPECT_THAT(svg, HasSubstr("M4 4h7v1h-7z"));
@@ -46,7 +50,8 @@ TEST(SiteSheet, NamesAreText) {
   EXPECT_THAT(html, Not(HasSubstr("<b>")));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, HasSubstr("not determined"));
-  EXPECT_THAT(html, HasSubstr("x</dt><dd>10.0000\u00a0m, U\u00a0=\u00a0" "4\u00a0mm"));
+  EXPECT_THAT(html, HasSubstr("x</dt><dd>10.0000\u00a0m, U\u00a0=\u00a0"
+                              "4\u00a0mm"));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Placement: against regular, random and greedy layouts in three halls; mounts; what is kept and what is refused.
+// Placement: against regular, random and greedy layouts in three halls; mounts; what is kept and what is
+// refused.
 #include "survey/placement/placement.h"
 
 #include <algorithm>
@@ -9,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "survey/placement/mounts.h"
 #include "survey/geometry/polygon.h"
 #include "survey/page/proof_sheet.h"
+#include "survey/placement/mounts.h"
 #include "tests/survey/halls.h"
 
 namespace octant::survey {
@@ -20,7 +21,8 @@ namespace {
 using test::Hall;
 using test::must;
 
-constexpr double kAsRegularOrBetter = 0.85;  ///< what is asked of a plan: 15 % below a regular layout's worst error
+constexpr double kAsRegularOrBetter =
+    0.85;  ///< what is asked of a plan: 15 % below a regular layout's worst error
 
 /// The scene without the site's one beacon.
 SurveyModel model_of(const Hall& hall) { return must(make_empty_survey_model(hall.site, hall.scene)); }
@@ -41,14 +43,24 @@ void expect_better_than_regular(const Hall& hall, std::size_t beacons, const Pla
   EXPECT_TRUE(p.figures.covers_all()) << hall.name << " " << beacons;
   EXPECT_LE(p.figures.objective_m, p.greedy.objective_m) << hall.name << " " << beacons;
   EXPECT_LE(p.figures.objective_m, kAsRegularOrBetter * p.regular.objective_m) << hall.name << " " << beacons;
-  std::printf("%s, %zu beacons: worst %.1f mm, greedy %.1f, regular %.1f%s, random %.1f; %.2f of regular\n", hall.name.c_str(), beacons, 1e3 * p.figures.objective_m,
-              1e3 * p.greedy.objective_m, 1e3 * p.regular.objective_m, p.regular.covers_all() ? "" : " (not covered)", 1e3 * p.random.objective_m,
-              p.figures.objective_m / p.regular.objective_m);
+  std::printf("%s, %zu beacons: worst %.1f mm, greedy %.1f, regular %.1f%s, random %.1f; %.2f of regular\n",
+              hall.name.c_str(), beacons, 1e3 * p.figures.objective_m, 1e3 * p.greedy.objective_m,
+              1e3 * p.regular.objective_m, p.regular.covers_all() ? "" : " (not covered)",
+              1e3 * p.random.objective_m, p.figures.objective_m / p.regular.objective_m);
 }
 
-TEST(Placement, FourBeaconsInARectangle) { expect_better_than_regular(test::rectangle_hall(), 4, {.restarts = 2, .evaluations = 600, .cells = 150, .final_cells = 3000}); }
-TEST(Placement, FourBeaconsInAnL) { expect_better_than_regular(test::l_hall(), 4, {.restarts = 2, .evaluations = 600, .cells = 150, .final_cells = 3000}); }
-TEST(Placement, FourBeaconsInAWarehouse) { expect_better_than_regular(test::warehouse_hall(), 4, {.restarts = 2, .evaluations = 600, .cells = 150, .final_cells = 3000}); }
+TEST(Placement, FourBeaconsInARectangle) {
+  expect_better_than_regular(test::rectangle_hall(), 4,
+                             {.restarts = 2, .evaluations = 600, .cells = 150, .final_cells = 3000});
+}
+TEST(Placement, FourBeaconsInAnL) {
+  expect_better_than_regular(test::l_hall(), 4,
+                             {.restarts = 2, .evaluations = 600, .cells = 150, .final_cells = 3000});
+}
+TEST(Placement, FourBeaconsInAWarehouse) {
+  expect_better_than_regular(test::warehouse_hall(), 4,
+                             {.restarts = 2, .evaluations = 600, .cells = 150, .final_cells = 3000});
+}
 
 /// The whole must: minutes, so in the slow set only (tests/CMakeLists.txt).
 TEST(Placement, DISABLED_FourToTwelveBeaconsInThreeHalls) {
@@ -64,7 +76,8 @@ TEST(Placement, TheSameAgainWithItsSeed) {
   o.threads = 2;
   const Placement b = must(place_beacons(model, hall.scene, 4, o));
   ASSERT_EQ(a.beacons.size(), b.beacons.size());
-  for (std::size_t i = 0; i < a.beacons.size(); ++i) EXPECT_EQ(a.beacons[i].beacon.p_map_m, b.beacons[i].beacon.p_map_m) << "threads change nothing";
+  for (std::size_t i = 0; i < a.beacons.size(); ++i)
+    EXPECT_EQ(a.beacons[i].beacon.p_map_m, b.beacons[i].beacon.p_map_m) << "threads change nothing";
   EXPECT_EQ(a.evaluations, b.evaluations);
 }
 
@@ -88,7 +101,8 @@ TEST(Placement, NeverWorseThanGreedyByAnyAlgorithm) {
   EXPECT_FALSE(global_algorithm("newton"));
 }
 
-// Between the grid's places: what NLopt's algorithms add to greedy choices and exchanges, and that both kinds are asked.
+// Between the grid's places: what NLopt's algorithms add to greedy choices and exchanges, and that both kinds
+// are asked.
 TEST(Placement, NloptGainsOnTheGrid) {
   const Hall hall = test::warehouse_hall();
   const SurveyModel model = model_of(hall);
@@ -132,7 +146,8 @@ TEST(Placement, EachGoalIsBestByItsOwnMeasure) {
   EXPECT_LT(of[2].mean_m, 0.99 * of[0].mean_m);
 }
 
-// What a plan is held against: evenly spaced beacons at the best of several phases, and the median of random layouts.
+// What a plan is held against: evenly spaced beacons at the best of several phases, and the median of random
+// layouts.
 TEST(Placement, RegularAndRandomAreWhatTheySay) {
   const Hall hall = test::rectangle_hall();
   const SurveyModel model = model_of(hall);
@@ -145,10 +160,12 @@ TEST(Placement, RegularAndRandomAreWhatTheySay) {
     return must(layout_figures(with, hall.scene, o)).objective_m;
   };
   double best_m = INFINITY;
-  for (int phase = 0; phase < 8; ++phase) best_m = std::min(best_m, objective_m(space.regular(6, phase / 8.0)));
+  for (int phase = 0; phase < 8; ++phase)
+    best_m = std::min(best_m, objective_m(space.regular(6, phase / 8.0)));
   EXPECT_NEAR(p.regular.objective_m, best_m, 1e-9 * best_m);
   // Six along a round of 76 m: equal steps.
-  for (const auto& points = space.regular(6, 0.25); const std::size_t k : {0U, 2U, 4U}) EXPECT_NEAR(points[k + 1].along - points[k].along, 1.0 / 6, 1e-12);
+  for (const auto& points = space.regular(6, 0.25); const std::size_t k : {0U, 2U, 4U})
+    EXPECT_NEAR(points[k + 1].along - points[k].along, 1.0 / 6, 1e-12);
   Random draws(77);
   std::vector<double> random_m;
   for (int i = 0; i < 200; ++i) random_m.push_back(objective_m(space.random(6, draws)));
@@ -201,7 +218,8 @@ TEST(Placement, CoverageIsAskedOfEveryCell) {
   for (const auto& b : p.beacons) model.beacons.push_back(b.beacon);
   PlacementOptions five = o;
   five.coverage = 7;
-  EXPECT_DOUBLE_EQ(must(layout_figures(model, hall.scene, five)).covered_fraction, 0.0) << "six beacons are never seven";
+  EXPECT_DOUBLE_EQ(must(layout_figures(model, hall.scene, five)).covered_fraction, 0.0)
+      << "six beacons are never seven";
   EXPECT_DOUBLE_EQ(must(layout_figures(model, hall.scene, o)).objective_m, p.figures.objective_m);
 }
 
@@ -257,7 +275,8 @@ TEST(Mounts, EveryPlaceIsOnAMount) {
       EXPECT_EQ(b.axis, Eigen::Vector3d(0, 0, -1));
     } else {
       EXPECT_LT(distance_to_outline_m(hall.scene.floor_m, at), 0.03) << "two centimetres before the wall";
-      EXPECT_TRUE(is_inside(hall.scene.floor_m, at)) << "corners go counter-clockwise: the left of a wall is inside";
+      EXPECT_TRUE(is_inside(hall.scene.floor_m, at))
+          << "corners go counter-clockwise: the left of a wall is inside";
       EXPECT_GE(b.p_map_m.z(), 2.0);
       EXPECT_LE(b.p_map_m.z(), 4.0);
       EXPECT_NEAR(b.axis.norm(), 1.0, 1e-12);
@@ -267,7 +286,8 @@ TEST(Mounts, EveryPlaceIsOnAMount) {
   EXPECT_GT(under_ceiling, 20U);
   for (const std::size_t n : {1U, 4U, 7U}) EXPECT_EQ(space.regular(n, 0.25).size(), n);
   Scene warehouse = test::warehouse_hall().scene;
-  for (const std::size_t n : {1U, 4U, 7U, 12U}) EXPECT_EQ(must(MountSpace::of(warehouse)).regular(n, 0.5).size(), n);
+  for (const std::size_t n : {1U, 4U, 7U, 12U})
+    EXPECT_EQ(must(MountSpace::of(warehouse)).regular(n, 0.5).size(), n);
 }
 
 TEST(ProofSheet, EscapesNamesAndDrawsAPointForEachCoveredLayout) {
@@ -275,8 +295,15 @@ TEST(ProofSheet, EscapesNamesAndDrawsAPointForEachCoveredLayout) {
   const SurveyModel model = model_of(hall);
   Placement p = must(place_beacons(model, hall.scene, 4, quick()));
   p.beacons[0].beacon.name = "<B&0>";
-  ProofSheetInput sheet{.name = "a <hall>", .settings = "goal worst", .created = "now", .program = "octant", .rows = {proof_row(p)}, .placement = p, .floor_m = model.floor_m,
-                        .walls = model.walls, .tolerance_m = 0.05};
+  ProofSheetInput sheet{.name = "a <hall>",
+                        .settings = "goal worst",
+                        .created = "now",
+                        .program = "octant",
+                        .rows = {proof_row(p)},
+                        .placement = p,
+                        .floor_m = model.floor_m,
+                        .walls = model.walls,
+                        .tolerance_m = 0.05};
   const std::string html = proof_sheet_html(sheet);
   EXPECT_EQ(html.find("<B&0>"), std::string::npos);
   EXPECT_NE(html.find("&lt;B&amp;0&gt;"), std::string::npos);

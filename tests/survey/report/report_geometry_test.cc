@@ -19,7 +19,8 @@ ReportInput square_site() {
   d.medium.model = MediumModel::kConstant;
   d.medium.speed_mps = 343.0;
   d.noise.tof_sigma_s = 1e-5;
-  for (const auto& [name, x, y] : {std::tuple{"B0", 0, 0}, {"B1", 10, 0}, {"B2", 10, 10}, {"B3", 0, 10}, {"B4", 5, 11}})
+  for (const auto& [name, x, y] :
+       {std::tuple{"B0", 0, 0}, {"B1", 10, 0}, {"B2", 10, 10}, {"B3", 0, 10}, {"B4", 5, 11}})
     d.beacons.push_back(test_beacon(name, x, y, 0.001, BeaconStatus::kCalibrated));
   d.vehicles.resize(1);
   d.vehicles[0].receiver_count = 1;
@@ -47,14 +48,18 @@ TEST(ReportGeometry, LossIsWhatRemainsWithoutTheBeacon) {
     PoseList poses;
     std::vector<double> found_mm;
     for (std::size_t i = 0; i < map.values.size(); i += 37) {
-      const Eigen::Vector2d p = map.corner_m + map.cell_m * Eigen::Vector2d(static_cast<double>(i % map.columns) + 0.5, static_cast<double>(i / map.columns) + 0.5);
+      const Eigen::Vector2d p =
+          map.corner_m + map.cell_m * Eigen::Vector2d(static_cast<double>(i % map.columns) + 0.5,
+                                                      static_cast<double>(i / map.columns) + 0.5);
       poses.add(p.x(), p.y(), model.vehicle_z_m, 0.0);
       found_mm.push_back(map.values[i]);
     }
     const GeometryFigures expected = evaluate_poses(model, poses);
-    for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_NEAR(found_mm[i], 1e3 * expected.sigma_m[i], 1e-6 * found_mm[i]);  // sums in another order
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      EXPECT_NEAR(found_mm[i], 1e3 * expected.sigma_m[i], 1e-6 * found_mm[i]);  // sums in another order
   }
-  for (std::size_t i = 1; i < input.losses.size(); ++i) EXPECT_GE(*input.losses[i - 1].p95, *input.losses[i].p95);
+  for (std::size_t i = 1; i < input.losses.size(); ++i)
+    EXPECT_GE(*input.losses[i - 1].p95, *input.losses[i].p95);
 }
 
 TEST(ReportGeometry, NothingToTellIsNoFault) {

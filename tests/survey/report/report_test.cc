@@ -33,7 +33,8 @@ std::string page(const ReportInput& input) { return to_html(report_document(inpu
 TEST(Report, SaysThingsInTheOrderOfTheirUse) {
   std::vector<std::string> ids;
   for (const auto& section : report_document(full_report()).sections) ids.push_back(section.id);
-  EXPECT_THAT(ids, ::testing::ElementsAre("verdict", "plan", "beacons", "verification", "residuals", "determined", "loss", "changes", "next", "warnings", "provenance"));
+  EXPECT_THAT(ids, ::testing::ElementsAre("verdict", "plan", "beacons", "verification", "residuals",
+                                          "determined", "loss", "changes", "next", "warnings", "provenance"));
 }
 
 TEST(Report, StillPageIsClosedAndWithoutScript) {
@@ -76,20 +77,24 @@ TEST(Report, LiveMapsAreCividis) {
 }
 
 TEST(Report, TextFromDataIsText) {
-  for (const std::string evil : {"<script>alert(1)</script>", "\"];//", "</script><b>", "]]>", "&lt;", "<img src=x onerror=alert(1)>&\"'", "--><!--", "a\x01\n|b"}) {
+  for (const std::string evil : {"<script>alert(1)</script>", "\"];//", "</script><b>", "]]>", "&lt;",
+                                 "<img src=x onerror=alert(1)>&\"'", "--><!--", "a\x01\n|b"}) {
     const ReportInput input = report_full_of(evil);
     const std::string html = page(input), neutral = page(report_full_of("x"));
     // The markup is the same whatever the texts are.
-    for (const char* mark : {"<script", "</script", "<b>", "<img", "<!--", "-->", "<td", "<li", "<text"}) EXPECT_EQ(count(html, mark), count(neutral, mark)) << evil << mark;
+    for (const char* mark : {"<script", "</script", "<b>", "<img", "<!--", "-->", "<td", "<li", "<text"})
+      EXPECT_EQ(count(html, mark), count(neutral, mark)) << evil << mark;
     EXPECT_THAT(html, HasSubstr(escape_xml(evil)));
     // In embedded JSON nothing looks like markup.
     const std::regex data("<script type='application/json'[^>]*>([^<]*)</script>");
     const auto first = std::sregex_iterator(html.begin(), html.end(), data);
     EXPECT_EQ(std::distance(first, std::sregex_iterator()), 7);
-    for (auto it = first; it != std::sregex_iterator(); ++it) EXPECT_EQ((*it)[1].str().find_first_of("<>&"), std::string::npos);
+    for (auto it = first; it != std::sregex_iterator(); ++it)
+      EXPECT_EQ((*it)[1].str().find_first_of("<>&"), std::string::npos);
 
     const std::string markdown = report_markdown(input);
-    EXPECT_EQ(count(markdown, "\n|"), count(report_markdown(report_full_of("x")), "\n|")) << evil;  // tables keep their rows
+    EXPECT_EQ(count(markdown, "\n|"), count(report_markdown(report_full_of("x")), "\n|"))
+        << evil;  // tables keep their rows
     for (const char* mark : {"<script", "<img", "<b>"}) EXPECT_THAT(markdown, Not(HasSubstr(mark)));
   }
   EXPECT_EQ(escape_xml("a<b>&\"'\x01"), "a&lt;b&gt;&amp;&quot;&#39; ");
@@ -102,10 +107,12 @@ TEST(Report, WhatTheDataContradictStandsBeforeAllElse) {
   ReportInput input = full_report();
   input.evaluation.reset();
   input.plan.deployment.tolerance.beacon_m = 1.0;
-  input.plan.deployment.contradictions = {{ContradictionKind::kControlPoint, "B3", "at (1, 2, 3) m", "at (1, 2, 4) m", 12.0, "survey B3 again"}};
+  input.plan.deployment.contradictions = {
+      {ContradictionKind::kControlPoint, "B3", "at (1, 2, 3) m", "at (1, 2, 4) m", 12.0, "survey B3 again"}};
   const Verdict v = verdict(input);
   EXPECT_EQ(v.grade, Grade::kContradicted);
-  EXPECT_THAT(v.sentence, HasSubstr("Control point B3: stated at (1, 2, 3) m, found at (1, 2, 4) m (12 sigma)."));
+  EXPECT_THAT(v.sentence,
+              HasSubstr("Control point B3: stated at (1, 2, 3) m, found at (1, 2, 4) m (12 sigma)."));
   EXPECT_EQ(next_steps(input).front(), "Survey B3 again.");
   EXPECT_THAT(report_markdown(input), HasSubstr("Contradicted"));
   input.outcome = Outcome::kRefused;
@@ -157,27 +164,36 @@ TEST(Report, NextStepsBeginWithWhatBlocks) {
 TEST(Report, NumbersAreInTheTable) {
   const std::string html = page(full_report());
   // x 10, U = 2 sigma = 4 mm, delay 100 us with U 4 us, r, MDB, arrivals, rejected.
-  EXPECT_THAT(html, HasSubstr("<th scope='row'>B1</th><td>10.0000</td><td>0.0000</td><td>2.5000</td><td>4.00</td><td>4.00</td><td>4.00</td>"
-                              "<td>100.000</td><td>4.000</td><td>0.75</td><td>50.0</td><td>650</td><td>10</td><td class='words'>calibrated</td>"));
-  EXPECT_THAT(report_markdown(full_report()), HasSubstr("| B1 | 10.0000 | 0.0000 | 2.5000 | 4.00 | 4.00 | 4.00 | 100.000 | 4.000 | 0.75 | 50.0 | 650 | 10 | calibrated |"));
+  EXPECT_THAT(html, HasSubstr("<th "
+                              "scope='row'>B1</th><td>10.0000</td><td>0.0000</td><td>2.5000</td><td>4.00</"
+                              "td><td>4.00</td><td>4.00</td>"
+                              "<td>100.000</td><td>4.000</td><td>0.75</td><td>50.0</td><td>650</td><td>10</"
+                              "td><td class='words'>calibrated</td>"));
+  EXPECT_THAT(report_markdown(full_report()),
+              HasSubstr("| B1 | 10.0000 | 0.0000 | 2.5000 | 4.00 | 4.00 | 4.00 | 100.000 | 4.000 | 0.75 | "
+                        "50.0 | 650 | 10 | calibrated |"));
 }
 
 TEST(Report, NumbersKeepTheirUnits) {
   ReportInput input = full_report();
   input.warnings = {"off by 12 mm, 3.5 µs (95 %); 2 models of 20 beacons at 21 degC."};
-  EXPECT_THAT(page(input), HasSubstr("off by 12&#160;mm, 3.5&#160;µs (95&#160;%); 2 models of 20 beacons at 21&#160;degC."));
+  EXPECT_THAT(
+      page(input),
+      HasSubstr("off by 12&#160;mm, 3.5&#160;µs (95&#160;%); 2 models of 20 beacons at 21&#160;degC."));
 }
 
 TEST(Report, MarkdownHasAllSections) {
   const std::string markdown = report_markdown(full_report());
-  for (const auto& section : report_document(full_report()).sections) EXPECT_THAT(markdown, HasSubstr("\n## " + escape_markdown(section.title) + "\n"));
+  for (const auto& section : report_document(full_report()).sections)
+    EXPECT_THAT(markdown, HasSubstr("\n## " + escape_markdown(section.title) + "\n"));
   EXPECT_THAT(markdown, ::testing::StartsWith("# hall\n"));
 }
 
 TEST(Report, ManyBeaconsStaySmall) {
   ReportInput input = full_report();
   for (int i = 0; i < 5000; ++i) {
-    input.plan.deployment.beacons.push_back(test_beacon("N" + std::to_string(i), i % 70, i / 70, 0.001 + 1e-7 * i, BeaconStatus::kCalibrated));
+    input.plan.deployment.beacons.push_back(
+        test_beacon("N" + std::to_string(i), i % 70, i / 70, 0.001 + 1e-7 * i, BeaconStatus::kCalibrated));
     input.beacons.push_back({"N" + std::to_string(i), 10, 0, 0.5, 1e-5, 1.0, 1e-5, 1e-3, 1e-4, 1e-3});
     input.residuals[0].bins.push_back({"N" + std::to_string(i), 0, 0, 10, 0, 1e-5});
   }
@@ -207,16 +223,21 @@ TEST(Report, PaletteHasTheContrastOfAA) {
   EXPECT_NEAR(contrast("#ffffff", "#000000"), 21.0, 1e-9);
   EXPECT_NEAR(contrast("#777777", "#ffffff"), 4.48, 0.01);  // the well-known grey that just fails
   const std::string style(page_style());
-  const std::regex block(R"(:root\{(color-scheme:light dark;)?(--ink[^}]*)\})"), pair(R"(--([a-z]+):(#[0-9a-f]{6}))");
+  const std::regex block(R"(:root\{(color-scheme:light dark;)?(--ink[^}]*)\})"),
+      pair(R"(--([a-z]+):(#[0-9a-f]{6}))");
   int schemes = 0;
-  for (auto it = std::sregex_iterator(style.begin(), style.end(), block); it != std::sregex_iterator(); ++it, ++schemes) {
+  for (auto it = std::sregex_iterator(style.begin(), style.end(), block); it != std::sregex_iterator();
+       ++it, ++schemes) {
     const std::string text = (*it)[2];
     std::map<std::string, std::string> colour;
-    for (auto p = std::sregex_iterator(text.begin(), text.end(), pair); p != std::sregex_iterator(); ++p) colour[(*p)[1]] = (*p)[2];
+    for (auto p = std::sregex_iterator(text.begin(), text.end(), pair); p != std::sregex_iterator(); ++p)
+      colour[(*p)[1]] = (*p)[2];
     ASSERT_EQ(colour.size(), 13u);
     for (const char* words : {"ink", "soft", "good", "attention", "bad", "link"})
-      for (const char* ground : {"paper", "card"}) EXPECT_GE(contrast(colour[words], colour[ground]), 4.5) << words << " on " << ground;  // 1.4.3
-    for (const char* mark : {"beacon", "control", "track", "fix"}) EXPECT_GE(contrast(colour[mark], colour["paper"]), 3.0) << mark;       // 1.4.11
+      for (const char* ground : {"paper", "card"})
+        EXPECT_GE(contrast(colour[words], colour[ground]), 4.5) << words << " on " << ground;  // 1.4.3
+    for (const char* mark : {"beacon", "control", "track", "fix"})
+      EXPECT_GE(contrast(colour[mark], colour["paper"]), 3.0) << mark;  // 1.4.11
   }
   EXPECT_EQ(schemes, 2);
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Firing schedule: times of silence against closed forms and a list of image sources, groups against brute force.
+// Firing schedule: times of silence against closed forms and a list of image sources, groups against brute
+// force.
 #include "survey/schedule/schedule.h"
 
 #include <algorithm>
@@ -50,7 +51,8 @@ TEST(Schedule, KleemansFirstEquationWithItsReflectionsCounted) {
 }
 
 TEST(Schedule, NoImageSourceIsHeardAfterTheBound) {
-  // All image sources of a shoebox up to twelve reflections a direction, for several places: exact amplitudes (Allen and Berkley).
+  // All image sources of a shoebox up to twelve reflections a direction, for several places: exact amplitudes
+  // (Allen and Berkley).
   const Reverberance r = box();
   const double bound_s = fall_silent(r).single_echo_s;
   const double size[3] = {12, 8, 4};
@@ -69,7 +71,8 @@ TEST(Schedule, NoImageSourceIsHeardAfterTheBound) {
             d2 += (image - x[i]) * (image - x[i]);
           }
           const double d = std::sqrt(d2);
-          const double amplitude = 12.5 / d * std::exp(-r.absorption_np_per_m * d) * std::pow(r.wall_reflection, std::abs(a) + std::abs(b) + std::abs(c));
+          const double amplitude = 12.5 / d * std::exp(-r.absorption_np_per_m * d) *
+                                   std::pow(r.wall_reflection, std::abs(a) + std::abs(b) + std::abs(c));
           if (amplitude > r.threshold_v) latest_s = std::max(latest_s, d / r.speed_mps);
         }
   }
@@ -80,7 +83,8 @@ TEST(Schedule, NoImageSourceIsHeardAfterTheBound) {
 TEST(Schedule, EyringsReverberationTime) {
   Reverberance r = box();
   // T60 = 24 ln 10 V / (c (-S ln(1 - a) + 4 m V)), a = 1 - R^2 and m = 2 alpha of energies.
-  const double expected_s = 24 * std::log(10.0) * r.volume_m3 / (345.0 * (-r.surface_m2 * std::log(0.81) + 8 * 0.05 * r.volume_m3));
+  const double expected_s =
+      24 * std::log(10.0) * r.volume_m3 / (345.0 * (-r.surface_m2 * std::log(0.81) + 8 * 0.05 * r.volume_m3));
   EXPECT_NEAR(fall_silent(r).t60_s, expected_s, 1e-12);
   // Sixty decibels: a threshold a thousand times lower is reached one T60 later.
   const double before_s = fall_silent(r).all_echoes_s;
@@ -90,8 +94,10 @@ TEST(Schedule, EyringsReverberationTime) {
 
 TEST(Schedule, QuieterHallsHaveShorterSlots) {
   const double slot_s = fall_silent(box()).slot_s;
-  for (auto change : std::vector<void (*)(Reverberance&)>{[](Reverberance& r) { r.wall_reflection = 0.6; }, [](Reverberance& r) { r.absorption_np_per_m = 0.15; },
-                                                          [](Reverberance& r) { r.threshold_v = 0.5; }, [](Reverberance& r) { r.amplitude_1m_v = 5.0; }}) {
+  for (auto change : std::vector<void (*)(Reverberance&)>{
+           [](Reverberance& r) { r.wall_reflection = 0.6; },
+           [](Reverberance& r) { r.absorption_np_per_m = 0.15; },
+           [](Reverberance& r) { r.threshold_v = 0.5; }, [](Reverberance& r) { r.amplitude_1m_v = 5.0; }}) {
     Reverberance r = box();
     change(r);
     EXPECT_LT(fall_silent(r).slot_s, slot_s);
@@ -113,7 +119,8 @@ Audience line(const std::vector<double>& beacons_m, double length_m) {
 }
 
 TEST(Schedule, BeaconsOutOfEachOthersHearingShareASlot) {
-  // 4 m apart, heard within 5 m: a pose hears those up to 10 m from each other, so every third may fire together.
+  // 4 m apart, heard within 5 m: a pose hears those up to 10 m from each other, so every third may fire
+  // together.
   const FiringPlan plan = share_slots(line({0, 4, 8, 12, 16, 20}, 20), {.reach_m = 5.0}, 0.1);
   EXPECT_EQ(plan.groups, (std::vector<std::vector<std::size_t>>{{0, 3}, {1, 4}, {2, 5}}));
   EXPECT_EQ(plan.least_groups, 3U);
@@ -126,7 +133,8 @@ TEST(Schedule, BeaconsOutOfEachOthersHearingShareASlot) {
 TEST(Schedule, WallsCountOnlyWhenTrusted) {
   Audience audience = line({0, 4}, 4);
   std::fill(audience.heard[1].begin(), audience.heard[1].end(), 0);  // behind a wall
-  EXPECT_EQ(share_slots(audience, {.reach_m = 5.0}, 0.1).groups.size(), 2U) << "its echo may come round the wall";
+  EXPECT_EQ(share_slots(audience, {.reach_m = 5.0}, 0.1).groups.size(), 2U)
+      << "its echo may come round the wall";
   EXPECT_EQ(share_slots(audience, {.reach_m = 5.0, .trust_walls = true}, 0.1).groups.size(), 1U);
 }
 
@@ -135,8 +143,10 @@ TEST(Schedule, TimesThatAreApartCountOnlyWhenAsked) {
   Audience audience = line({0, 32}, 2);
   std::fill(audience.heard[1].begin(), audience.heard[1].end(), 1);
   EXPECT_EQ(share_slots(audience, {.reach_m = 40.0}, 0.1).between(0, 1), Sharing::kConfused);
-  EXPECT_EQ(share_slots(audience, {.reach_m = 40.0, .by_time = true, .guard_s = 0.05}, 0.1).between(0, 1), Sharing::kApartInTime);
-  EXPECT_EQ(share_slots(audience, {.reach_m = 40.0, .by_time = true, .guard_s = 0.09}, 0.1).between(0, 1), Sharing::kConfused);
+  EXPECT_EQ(share_slots(audience, {.reach_m = 40.0, .by_time = true, .guard_s = 0.05}, 0.1).between(0, 1),
+            Sharing::kApartInTime);
+  EXPECT_EQ(share_slots(audience, {.reach_m = 40.0, .by_time = true, .guard_s = 0.09}, 0.1).between(0, 1),
+            Sharing::kConfused);
 }
 
 TEST(Schedule, GroupsAreSoundAndNeverFewerThanAClique) {
@@ -151,7 +161,8 @@ TEST(Schedule, GroupsAreSoundAndNeverFewerThanAClique) {
       for (const std::size_t a : group) {
         ++seen[a];
         for (const std::size_t b : group)
-          for (std::size_t i = 0; a != b && i < audience.heard[a].size(); ++i) ASSERT_FALSE(audience.heard[a][i] && audience.heard[b][i]);
+          for (std::size_t i = 0; a != b && i < audience.heard[a].size(); ++i)
+            ASSERT_FALSE(audience.heard[a][i] && audience.heard[b][i]);
       }
     EXPECT_EQ(seen, std::vector<int>(places.size(), 1));
     // Intervals on a line: their graph is perfect, and as many groups as the largest clique do.

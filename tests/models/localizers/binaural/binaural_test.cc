@@ -24,7 +24,9 @@ using test::two_robots;
 constexpr std::uint64_t kSeed = 1999;
 
 /// Robot 1 in front of robot 2 at (x, y), looking back at it, turned by `turn_rad` off that.
-Pose opposite(double x_m, double y_m, double turn_rad) { return Pose::planar(x_m, y_m, std::numbers::pi + turn_rad); }
+Pose opposite(double x_m, double y_m, double turn_rad) {
+  return Pose::planar(x_m, y_m, std::numbers::pi + turn_rad);
+}
 
 double off_m(const Fix& fix, const Pose& truth) {
   return (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>().norm();
@@ -39,7 +41,8 @@ TEST(Circles, MeetInFrontOfTheReceivers) {
     const double turn = random.uniform(-4, 4);
     const Eigen::Rotation2Dd R(turn);
     const Eigen::Vector2d shift(random.normal(), random.normal());
-    const Eigen::Vector2d p1 = R * Eigen::Vector2d(-kBase_m / 2, 0) + shift, p2 = R * Eigen::Vector2d(kBase_m / 2, 0) + shift;
+    const Eigen::Vector2d p1 = R * Eigen::Vector2d(-kBase_m / 2, 0) + shift,
+                          p2 = R * Eigen::Vector2d(kBase_m / 2, 0) + shift;
     const Eigen::Vector2d p = R * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(0.2, 6)) + shift;
     const Eigen::Vector2d facing = R * Eigen::Vector2d(0, 1);
     const auto found = intersect_circles(p1, (p - p1).norm(), p2, (p - p2).norm(), facing);
@@ -57,8 +60,9 @@ TEST(Circles, MeetInFrontOfTheReceivers) {
 TEST(Circles, HaveNoSingularDirection) {
   for (const double angle : {0.0, 90.0, 180.0, 270.0}) {
     const Eigen::Rotation2Dd R(angle * kDegree);
-    const auto p = intersect_circles(R * Eigen::Vector2d(-0.175, 0), std::hypot(0.475, 1.5), R * Eigen::Vector2d(0.175, 0),
-                                     std::hypot(0.125, 1.5), R * Eigen::Vector2d(0, 1));
+    const auto p =
+        intersect_circles(R * Eigen::Vector2d(-0.175, 0), std::hypot(0.475, 1.5),
+                          R * Eigen::Vector2d(0.175, 0), std::hypot(0.125, 1.5), R * Eigen::Vector2d(0, 1));
     ASSERT_TRUE(p);
     EXPECT_LT((*p - R * Eigen::Vector2d(0.3, 1.5)).norm(), 1e-14);
   }
@@ -73,7 +77,8 @@ TEST(Circles, ThatDoNotMeetGiveNothing) {
 }
 
 TEST(Height, LengthensRanges) {
-  // Section 4.1: 0.25 m at 1.5 m make the range 20.7 mm longer; taken as it is, that is the error, inside the paper's 4 cm.
+  // Section 4.1: 0.25 m at 1.5 m make the range 20.7 mm longer; taken as it is, that is the error, inside the
+  // paper's 4 cm.
   EXPECT_NEAR(std::hypot(1.5, 0.25) - 1.5, 0.0207, 5e-5);
   EXPECT_NEAR(*level_range_m(std::hypot(1.5, 0.25), 0.25), 1.5, 1e-15);
   EXPECT_FALSE(level_range_m(0.2, 0.25));
@@ -102,9 +107,11 @@ TEST(Binaural, SaysWhatADeploymentLacks) {
   d.beacons[1].status = BeaconStatus::kUndetermined;
   EXPECT_FALSE(binaural_fits(d));
   d = two_robots();
-  d.receivers[0].position_m = {0.0, kBase_m * 1.5, 0.3};  // evenly spaced in a row: left is now between, a role each still
+  d.receivers[0].position_m = {0.0, kBase_m * 1.5,
+                               0.3};  // evenly spaced in a row: left is now between, a role each still
   EXPECT_TRUE(binaural_fits(d));
-  d.receivers[0].position_m = {std::sqrt(0.75) * kBase_m, 0.0, 0.3};  // equilateral: any may be the transmitter
+  d.receivers[0].position_m = {std::sqrt(0.75) * kBase_m, 0.0,
+                               0.3};  // equilateral: any may be the transmitter
   EXPECT_FALSE(binaural_fits(d));
   d = two_robots();
   for (DeploymentReceiver& r : d.receivers) std::swap(r.position_m.x(), r.position_m.y());
@@ -125,17 +132,19 @@ TEST(Binaural, IsExactWithoutNoise) {
   Binaural localizer(d);
   for (int k = 0; k < 200; ++k) {
     const double range = random.uniform(0.6, 5.0), sight = random.uniform(-9, 9) * kDegree;
-    const Pose truth = opposite(range * std::cos(sight), range * std::sin(sight), random.uniform(-9, 9) * kDegree);
+    const Pose truth =
+        opposite(range * std::cos(sight), range * std::sin(sight), random.uniform(-9, 9) * kDegree);
     const Fix fix = localizer.locate(Observations{exchange(d, truth, 0.0, random), {}});
     ASSERT_TRUE(fix.ok()) << k << " " << to_string(fix.status);
-    EXPECT_LT(off_m(fix, truth), 1e-9) << k;  // rounding, twenty times magnified, and the adjustment's stop at 1e-10
+    EXPECT_LT(off_m(fix, truth), 1e-9)
+        << k;  // rounding, twenty times magnified, and the adjustment's stop at 1e-10
     EXPECT_LT(off_rad(fix, truth), 1e-9) << k;
     EXPECT_EQ(fix.arrivals_used, 4);
   }
 }
 
-/// eq. 7-9 with the signs of the geometry: seen from itself, each robot finds the other to the same side when they are only
-/// offset (section 3); a turn shows on the robot that turns.
+/// eq. 7-9 with the signs of the geometry: seen from itself, each robot finds the other to the same side when
+/// they are only offset (section 3); a turn shows on the robot that turns.
 TEST(Binaural, SignsFollowGeometry) {
   Random random(kSeed);
   const Deployment d = two_robots();
@@ -176,7 +185,8 @@ TEST(Binaural, CovarianceIsConsistent) {
   double nees = 0.0, cost = 0.0;
   int count = 0;
   for (int k = 0; k < kFixes; ++k) {
-    const Pose truth = opposite(random.uniform(0.8, 2.0), random.uniform(-0.1, 0.1), random.uniform(-5, 5) * kDegree);
+    const Pose truth =
+        opposite(random.uniform(0.8, 2.0), random.uniform(-0.1, 0.1), random.uniform(-5, 5) * kDegree);
     const Fix fix = localizer.locate(Observations{exchange(d, truth, 1e-6, random), {}});
     if (!fix.ok()) continue;
     const Eigen::Vector3d e(fix.T_map_vehicle.translation_m.x() - truth.translation_m.x(),
@@ -218,7 +228,8 @@ TEST(Binaural, CovarianceHoldsTheCalibration) {
       b.delay_s += 5e-7 * random.normal();
     }
     for (DeploymentReceiver& r : truth_d.receivers) r.position_m += r.sigma_m.cwiseProduct(random.normal3());
-    const Pose truth = opposite(random.uniform(0.8, 2.0), random.uniform(-0.1, 0.1), random.uniform(-5, 5) * kDegree);
+    const Pose truth =
+        opposite(random.uniform(0.8, 2.0), random.uniform(-0.1, 0.1), random.uniform(-5, 5) * kDegree);
     const Fix fix = localizer.locate(Observations{exchange(truth_d, truth, 2e-7, random), {}});
     if (!fix.ok()) continue;
     const Eigen::Vector3d e(fix.T_map_vehicle.translation_m.x() - truth.translation_m.x(),

@@ -13,11 +13,13 @@
 namespace octant {
 namespace {
 
-const AttenuationModel kModel{.amplitude_1m_v = 12.5, .absorption_np_per_m = 0.15, .threshold_v = 0.2, .rise_time_s = 4.5e-4};
+const AttenuationModel kModel{
+    .amplitude_1m_v = 12.5, .absorption_np_per_m = 0.15, .threshold_v = 0.2, .rise_time_s = 4.5e-4};
 constexpr double kSpeed = 343.4;
 
 TEST(DetectionThreshold, WhatAPulseHasToReachFallsLikeThePulse) {
-  // Eq. 15 rises with the distance; the reach below the resting level V0 keeps its ratio to a pulse that is absorbed alone.
+  // Eq. 15 rises with the distance; the reach below the resting level V0 keeps its ratio to a pulse that is
+  // absorbed alone.
   const double rest_v = 5.0, reach_v = 0.8, a = 0.15;
   double before_v = 0.0;
   for (double x = 0.5; x < 12; x += 0.5) {
@@ -47,7 +49,8 @@ TEST(Figure6, TheErrorGrowsWithDistanceWithoutCompensationAndStaysLevelWith) {
   const AlterableThreshold alterable = alterable_threshold(kModel, 1.0);
   double before_m = 0.0, first_m = 0.0;
   for (double d = 1; d <= 9; d += 1) {
-    const double without_m = range_without_compensation_m(*crossing_time_s(d, kModel.threshold_v, kModel, kSpeed), kSpeed) - d;
+    const double without_m =
+        range_without_compensation_m(*crossing_time_s(d, kModel.threshold_v, kModel, kSpeed), kSpeed) - d;
     const double altered_s = *crossing_time_s(d, threshold_v(d, alterable), kModel, kSpeed);
     EXPECT_GT(without_m, before_m + 1e-3) << "each metre adds more than a millimetre";
     EXPECT_NEAR(range_with_compensation_m(altered_s, kSpeed, alterable) - d, 0.0, 1e-12);
@@ -64,8 +67,10 @@ TEST(Figure6, HoldsForSimulatedArrivals) {
   Scenario s;
   s.site.medium = {.speed_mps = kSpeed};
   s.site.noise.tof_sigma_s = 1e-5;
-  s.site.attenuation = AttenuationPrior{
-      .amplitude_1m_v = {12.5, 0}, .absorption_np_per_m = {0.15, 0}, .rise_time_s = {4.5e-4, 0}, .threshold_v = 0.2};
+  s.site.attenuation = AttenuationPrior{.amplitude_1m_v = {12.5, 0},
+                                        .absorption_np_per_m = {0.15, 0},
+                                        .rise_time_s = {4.5e-4, 0},
+                                        .threshold_v = 0.2};
   s.site.beacons.push_back(test::beacon("B0", {0, 0, 0.4}, 0.0));
   test::add_receivers(s.site, {{0, 0, 0.4}});
   s.range_m = 9.5;
@@ -94,8 +99,9 @@ TEST(Figure6, HoldsForSimulatedArrivals) {
     with_m[k] /= 50;
     // Mean of 50 with the stated sigma: 4.5 sigma is one in 100,000.
     EXPECT_NEAR(with_m[k], 0.0, 4.5 * share[k] / std::sqrt(50.0)) << k + 1 << " m";
-    RecordProperty("error_mm_at_" + std::to_string(k + 1) + "_m",
-                   std::to_string(1e3 * without_m[k]) + " without, " + std::to_string(1e3 * with_m[k]) + " with");
+    RecordProperty(
+        "error_mm_at_" + std::to_string(k + 1) + "_m",
+        std::to_string(1e3 * without_m[k]) + " without, " + std::to_string(1e3 * with_m[k]) + " with");
   }
   EXPECT_GT(without_m[8], without_m[4] + 0.02);
   EXPECT_GT(without_m[4], without_m[0] + 0.01);

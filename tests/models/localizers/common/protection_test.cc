@@ -60,7 +60,8 @@ TEST(Protection, TwoBeaconsCannotWatchEachOther) {
   std::erase_if(world.heldout.arrivals, [](const Arrival& a) { return a.beacon.value > 1; });
   // The heading alone connects them, over an array of 65 mm: metres, or none at all.
   for (const Fix& fix : LeastSquaresLocalizer(world.truth).locate(world.heldout))
-    EXPECT_TRUE(fix.protection_level_m == 0.0 || fix.protection_level_m > 0.5) << fix.epoch << " " << fix.protection_level_m;
+    EXPECT_TRUE(fix.protection_level_m == 0.0 || fix.protection_level_m > 0.5)
+        << fix.epoch << " " << fix.protection_level_m;
 }
 
 }  // namespace

@@ -30,18 +30,21 @@ std::vector<Rejection> judge(const std::vector<GatedArrival>& arrivals) {
 constexpr Rejection kUsed = Rejection::kUsed, kOut = Rejection::kOutOfRange, kEcho = Rejection::kReflection;
 
 TEST(RangeGates, WhatIsNearerOrFartherThanPossibleIsDiscarded) {
-  EXPECT_EQ(judge({signal(0, 0.49), signal(1, 0.51), signal(2, 7.99), signal(3, 8.01)}), (std::vector{kOut, kUsed, kUsed, kOut}));
+  EXPECT_EQ(judge({signal(0, 0.49), signal(1, 0.51), signal(2, 7.99), signal(3, 8.01)}),
+            (std::vector{kOut, kUsed, kUsed, kOut}));
   EXPECT_EQ(judge({signal(0, std::nan(""))}), std::vector{kOut});
 }
 
 TEST(RangeGates, TheLaterOfTwoSignalsThatAreCloseIsAReflection) {
   EXPECT_EQ(judge({signal(0, 3.0), signal(0, 3.4), signal(1, 3.45)}), (std::vector{kUsed, kEcho, kUsed}));
   EXPECT_EQ(judge({signal(0, 3.0), signal(0, 3.51)}), (std::vector{kUsed, kUsed})) << "not closer than d_min";
-  EXPECT_EQ(judge({signal(0, 3.0), signal(0, 3.2, 0.0, 1)}), (std::vector{kUsed, kUsed})) << "another receiver";
+  EXPECT_EQ(judge({signal(0, 3.0), signal(0, 3.2, 0.0, 1)}), (std::vector{kUsed, kUsed}))
+      << "another receiver";
 }
 
 TEST(RangeGates, ATrainOfEchoesGoesAsAWhole) {
-  EXPECT_EQ(judge({signal(0, 3.0), signal(0, 3.4), signal(0, 3.8), signal(0, 4.2)}), (std::vector{kUsed, kEcho, kEcho, kEcho}));
+  EXPECT_EQ(judge({signal(0, 3.0), signal(0, 3.4), signal(0, 3.8), signal(0, 4.2)}),
+            (std::vector{kUsed, kEcho, kEcho, kEcho}));
 }
 
 TEST(RangeGates, ASpuriousSignalOutOfRangeStartsNoTrain) {
@@ -50,7 +53,8 @@ TEST(RangeGates, ASpuriousSignalOutOfRangeStartsNoTrain) {
 
 TEST(RangeGates, ASecondFiringIsNoReflection) {
   // The same distance 50 ms later: 17 m behind.
-  EXPECT_EQ(judge({signal(0, 3.0), signal(0, 3.0, 0.05), signal(0, 3.3, 0.05)}), (std::vector{kUsed, kUsed, kEcho}));
+  EXPECT_EQ(judge({signal(0, 3.0), signal(0, 3.0, 0.05), signal(0, 3.3, 0.05)}),
+            (std::vector{kUsed, kUsed, kEcho}));
 }
 
 TEST(RangeGates, RowsOfOneInstantAreToldApartByDistance) {
@@ -93,14 +97,16 @@ TEST(ArrivalRange, TakesTimeWalkOutAtAnyDistance) {
   Deployment d = test::ranging_site({{0, 0, 0}}, {{0, 0, 0}});
   d.attenuation = AttenuationModel{12.5, 0.12, 0.05, 4.5e-4};
   std::mt19937_64 random(1);
-  for (double distance_m = 0.05; distance_m < 16.5; distance_m += 0.05) {  // 0.995 of the threshold's reach is 16.6 m
+  for (double distance_m = 0.05; distance_m < 16.5;
+       distance_m += 0.05) {  // 0.995 of the threshold's reach is 16.6 m
     std::vector<Arrival> a = test::hear(d, Pose::planar(distance_m, 0, 0), {.range_m = 100}, random);
     const ArrivalRange range = arrival_range(a.at(0), d);
     EXPECT_NEAR(range.range_m, distance_m, 1e-12) << distance_m;
     const double step_s = 1e-9;
     a[0].tof_s += step_s;
     // Rounding of the difference, 1e-15 m over 1e-9 s, and curvature near the threshold.
-    EXPECT_NEAR((arrival_range(a[0], d).range_m - range.range_m) / step_s, range.gain_mps, 1e-3) << distance_m;
+    EXPECT_NEAR((arrival_range(a[0], d).range_m - range.range_m) / step_s, range.gain_mps, 1e-3)
+        << distance_m;
     a[0].tof_s -= step_s;
     a[0].amplitude_v = amplitude_v(distance_m, *d.attenuation);
     EXPECT_NEAR(arrival_range(a[0], d).range_m, distance_m, 1e-12) << "from the measured amplitude";
@@ -116,9 +122,11 @@ TEST(ArrivalRange, OffADirectionalReceiversAxisItIsKnownLessWell) {
   d.attenuation->half_power_angle_rad = 0.4;
   EXPECT_EQ(arrival_range(a[0], d).sigma_m, all_round_m) << "no axis";
   d.receivers[0].axis = Eigen::Vector3d::UnitX();
-  const double walk_m = 343 * (*time_walk_s(amplitude_v(9, *d.attenuation) / std::sqrt(2.0), *d.attenuation) - *time_walk_s(amplitude_v(9, *d.attenuation), *d.attenuation));
+  const double walk_m = 343 * (*time_walk_s(amplitude_v(9, *d.attenuation) / std::sqrt(2.0), *d.attenuation) -
+                               *time_walk_s(amplitude_v(9, *d.attenuation), *d.attenuation));
   EXPECT_NEAR(arrival_range(a[0], d).sigma_m, std::hypot(all_round_m, walk_m), 0.05 * walk_m);
-  // From the measured amplitude the walk is known, from wherever it came; not from one at the receiver's stop.
+  // From the measured amplitude the walk is known, from wherever it came; not from one at the receiver's
+  // stop.
   a[0].amplitude_v = amplitude_v(9, *d.attenuation);
   const double measured_m = arrival_range(a[0], d).sigma_m;
   EXPECT_LT(measured_m, 0.5 * walk_m);
@@ -136,7 +144,8 @@ TEST(PairRanges, AllocatesNothingAndKeepsTheOrderOfReasons) {
   PairRanges pairs(d);
   std::vector<Rejection> rejections;
   EXPECT_EQ(pairs.collect(a, d, rejections).size(), 2u);
-  EXPECT_EQ(rejections, (std::vector{kUsed, kUsed, Rejection::kBeaconUnusable, Rejection::kBeaconUnusable, Rejection::kNoPose}));
+  EXPECT_EQ(rejections, (std::vector{kUsed, kUsed, Rejection::kBeaconUnusable, Rejection::kBeaconUnusable,
+                                     Rejection::kNoPose}));
 }
 
 }  // namespace

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/localizers/drive/odometry_track.h"
-#include "models/localizers/drive/drive_tracker.h"
 #include "models/localizers/drive/tracker.h"
+#include "models/localizers/drive/drive_tracker.h"
+#include "models/localizers/drive/odometry_track.h"
 
 #include <iostream>
 
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "models/localizers/drive/chain_covariance.h"
 #include "models/localizers/common/trajectory_model.h"
+#include "models/localizers/drive/chain_covariance.h"
 #include "tests/models/localizers/hall.h"
 #include "tests/support/allocation_count.h"
 
@@ -40,7 +40,8 @@ Drive drive(const Deployment& d, double seconds, double noise_s, double odometry
                                .floor_rad = 1e-4};
   const auto at = [](double t) {
     const double x = 10 + 6.5 * std::sin(0.09 * t + 0.3), y = 6 + 3.5 * std::sin(0.131 * t);
-    return Pose::planar(x, y, std::atan2(3.5 * 0.131 * std::cos(0.131 * t), 6.5 * 0.09 * std::cos(0.09 * t + 0.3)));
+    return Pose::planar(x, y,
+                        std::atan2(3.5 * 0.131 * std::cos(0.131 * t), 6.5 * 0.09 * std::cos(0.09 * t + 0.3)));
   };
   const double dt = 0.05;
   // The pose between two odometry rows is what interpolation says, so that nothing but noise is off.
@@ -95,8 +96,8 @@ TEST(Tracker, FollowsADriveFromAnUnknownStart) {
   ASSERT_GT(count, 500);
   // Two beacons within 0.1 s give 5 mm; smoothing over the drive does better than that.
   EXPECT_LT(std::sqrt(sum2 / count), 0.005);
-  // Neighbouring states share their errors: some 60 s over a correlation of 2 s leave 30 independent ones, three sigma of
-  // whose mean (3 + 3 sqrt(6 / 30)) are taken on either side.
+  // Neighbouring states share their errors: some 60 s over a correlation of 2 s leave 30 independent ones,
+  // three sigma of whose mean (3 + 3 sqrt(6 / 30)) are taken on either side.
   EXPECT_NEAR(nees / count, 3.0, 1.35);
 }
 
@@ -130,7 +131,8 @@ TEST(Tracker, CausalFixesUseOnlyThePast) {
     ++compared;
   }
   ASSERT_GT(compared, 150);
-  EXPECT_LT(std::sqrt(sum2 / compared), 0.008);  // a filter lacks the future half of what a smoother has: sqrt 2, and its start
+  EXPECT_LT(std::sqrt(sum2 / compared),
+            0.008);  // a filter lacks the future half of what a smoother has: sqrt 2, and its start
 }
 
 /// One receiver on the axis: only the odometry's turns tell the heading.
@@ -167,7 +169,8 @@ TEST(Tracker, EchoesAndAKidnapping) {
   for (const Fix& fix : fixes) {
     if (fix.time_s < 50) continue;
     ++late_all;
-    if (fix.ok() && (fix.T_map_vehicle.translation_m - truth_at(w, fix.time_s).translation_m).norm() < 0.05) ++late_good;
+    if (fix.ok() && (fix.T_map_vehicle.translation_m - truth_at(w, fix.time_s).translation_m).norm() < 0.05)
+      ++late_good;
   }
   EXPECT_GT(late_all, 50);
   EXPECT_GE(late_good, late_all * 95 / 100);
@@ -183,7 +186,8 @@ TEST(Tracker, NothingToStartFrom) {
   EXPECT_TRUE(track(w.log, d).empty());
 }
 
-/// The recursion against the one that is written independently for a single node, and against a dense inverse.
+/// The recursion against the one that is written independently for a single node, and against a dense
+/// inverse.
 TEST(ChainCovariance, AgreesWithTheSingleNodeAndTheDenseInverse) {
   const Deployment d = with_octagon(hall());
   const Drive w = drive(d, 10, 1e-5, 1.0, 37);
@@ -221,8 +225,10 @@ void replay(const Drive& w, DriveTracker& tracker, Fix& fix, Visit&& visit) {
   OdometryCursor cursor(w.log.odometry, w.log.odometry.front().time_s);
   for (std::size_t first = 0; first < w.log.arrivals.size();) {
     std::size_t last = first;
-    while (last < w.log.arrivals.size() && w.log.arrivals[last].time_s == w.log.arrivals[first].time_s) ++last;
-    cursor.advance_to(w.log.arrivals[first].time_s, [&](const OdometryStep& step, double part) { tracker.move(step, part); });
+    while (last < w.log.arrivals.size() && w.log.arrivals[last].time_s == w.log.arrivals[first].time_s)
+      ++last;
+    cursor.advance_to(w.log.arrivals[first].time_s,
+                      [&](const OdometryStep& step, double part) { tracker.move(step, part); });
     tracker.locate(Observations{std::span(w.log.arrivals).subspan(first, last - first), {}}, fix);
     visit(fix);
     first = last;

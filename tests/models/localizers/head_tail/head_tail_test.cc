@@ -19,7 +19,8 @@ using test::hear;
 using Point = Eigen::Vector2d;
 
 constexpr std::uint64_t kSeed = 31;
-/// Rounding of a solution from lengths of some ten metres, magnified by distance over height near a base line: 1e-15 * 10 * 100.
+/// Rounding of a solution from lengths of some ten metres, magnified by distance over height near a base
+/// line: 1e-15 * 10 * 100.
 constexpr double kExact_m = 1e-9;
 
 /// Four base stations near the corners of an 8 x 6 m floor, at uneven heights above the receivers' 0.4 m.
@@ -30,7 +31,8 @@ Deployment floor_site() {
 
 Deployment only(Deployment d, const std::vector<std::size_t>& heard) {
   for (std::size_t i = 0; i < d.beacons.size(); ++i)
-    if (std::find(heard.begin(), heard.end(), i) == heard.end()) d.beacons[i].status = BeaconStatus::kUndetermined;
+    if (std::find(heard.begin(), heard.end(), i) == heard.end())
+      d.beacons[i].status = BeaconStatus::kUndetermined;
   return d;
 }
 
@@ -39,7 +41,8 @@ std::vector<Arrival> arrivals_at(const Deployment& d, const Pose& truth, double 
   std::mt19937_64 random(seed);
   std::vector<Arrival> all;
   for (int i = 0; i < rounds; ++i) {
-    for (const Arrival& a : hear(d, truth, {.range_m = 100.0, .noise_s = noise_s}, random, 7, 0.3 * i)) all.push_back(a);
+    for (const Arrival& a : hear(d, truth, {.range_m = 100.0, .noise_s = noise_s}, random, 7, 0.3 * i))
+      all.push_back(a);
   }
   return all;
 }
@@ -70,13 +73,15 @@ TEST(CounterTimes, MeanOfFourLeavesTheOddOneOut) {
   EXPECT_EQ(three.agreeing, 3u);
   EXPECT_DOUBLE_EQ(three.mean, 10.0);
   const std::array<double, 4> tie = {14.0, 10.0, 14.1, 10.1};
-  EXPECT_DOUBLE_EQ(mean_of_agreeing(tie, 1.0).mean, 10.05) << "of two against two the earlier: echoes are late";
+  EXPECT_DOUBLE_EQ(mean_of_agreeing(tie, 1.0).mean, 10.05)
+      << "of two against two the earlier: echoes are late";
   const std::array<double, 1> one = {3.0};
   EXPECT_DOUBLE_EQ(mean_of_agreeing(one, 0.0).mean, 3.0);
 }
 
 TEST(TriangleVertex, IsExactInAllOrientations) {
-  // Apexes with acute, right and obtuse angles at B and C, beyond both ends and near the base line; figure 5 turned all round.
+  // Apexes with acute, right and obtuse angles at B and C, beyond both ends and near the base line; figure 5
+  // turned all round.
   const std::vector<Point> apexes = {{3, 4},     {0, 2},     {6, 1},    {-2, 1}, {9, 3},
                                      {-5, 0.01}, {11, 0.01}, {3, 0.02}, {6, 7},  {2.5, 30}};
   const Point B(1.3, -0.7);
@@ -98,7 +103,8 @@ TEST(TriangleVertex, IsExactInAllOrientations) {
 }
 
 TEST(TriangleVertex, TheLongestSideNeedNotFaceAnObtuseAngle) {
-  // c is the longest side, yet the angle at C is acute (82 degrees): the paper's step 5 would take its supplement.
+  // c is the longest side, yet the angle at C is acute (82 degrees): the paper's step 5 would take its
+  // supplement.
   const auto found = triangle_vertex({0, 0}, {8, 0}, 7.0, 9.9, BaseLineSide::kLeft);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->norm(), 9.9, 1e-12);
@@ -115,7 +121,8 @@ TEST(TriangleVertex, SidesThatDoNotCloseGiveNothing) {
 TEST(TriangleSolver, TwoStationsAgainstTwoAreAContradiction) {
   const Point place(3, 2);
   std::vector<StationRange> stations;
-  for (const Point& p : {Point(0, 0), Point(8, 0), Point(8, 6), Point(0, 6)}) stations.push_back({p, (p - place).norm(), 0.003});
+  for (const Point& p : {Point(0, 0), Point(8, 0), Point(8, 6), Point(0, 6)})
+    stations.push_back({p, (p - place).norm(), 0.003});
   TriangleSolver solver(4, 0.05, 4.0);
   ASSERT_EQ(solver.solve(stations), TriangleStatus::kOk);
   ASSERT_EQ(solver.places().size(), 1u);
@@ -131,7 +138,8 @@ TEST(TriangleSolver, TwoStationsAgainstTwoAreAContradiction) {
 TEST(Orientation, FollowsTheSevenSteps) {
   // Head north of its tail: the vector to the tail points along -y.
   EXPECT_DOUBLE_EQ(head_orientation_from_y_rad({0, 1}, {0, 0}), M_PI);
-  EXPECT_DOUBLE_EQ(head_orientation_from_y_rad({0, 0}, {1, 0}), M_PI / 2) << "+x is 90 degrees clockwise of +y";
+  EXPECT_DOUBLE_EQ(head_orientation_from_y_rad({0, 0}, {1, 0}), M_PI / 2)
+      << "+x is 90 degrees clockwise of +y";
   EXPECT_DOUBLE_EQ(head_orientation_from_y_rad({0, 0}, {-1, 0}), 3 * M_PI / 2);
   for (int k = 0; k < 360; ++k) {
     const double heading = k * M_PI / 180;
@@ -191,8 +199,9 @@ TEST(HeadTail, TheKnownLengthTellsTheTailsSide) {
   const Deployment d = floor_site();
   const Pose truth = Pose::planar(3.1, 2.2, 0.4);
   std::vector<Arrival> arrivals = arrivals_at(d, truth);
-  std::erase_if(arrivals,
-                [](const Arrival& a) { return a.receiver.index() == 1 ? a.beacon.index() > 1 : a.beacon.index() == 3; });
+  std::erase_if(arrivals, [](const Arrival& a) {
+    return a.receiver.index() == 1 ? a.beacon.index() > 1 : a.beacon.index() == 3;
+  });
   expect_pose(locate(d, arrivals), truth);
 }
 
@@ -204,7 +213,8 @@ TEST(HeadTail, CovarianceIsThatOfNumericDerivatives) {
     const Fix fix = localizer.locate({.arrivals = arrivals, .bearings = {}});
     ASSERT_TRUE(fix.ok());
     const Eigen::Matrix3d numeric = test::numeric_covariance(localizer, arrivals, d.noise.tof_sigma_s);
-    // Weights vary with the vertices (second order, absent without noise) and central differences err by step^2: 1e-4 covers.
+    // Weights vary with the vertices (second order, absent without noise) and central differences err by
+    // step^2: 1e-4 covers.
     EXPECT_LT((Eigen::Matrix3d(fix.covariance) - numeric).norm(), 1e-4 * numeric.norm());
   });
 }
@@ -256,7 +266,8 @@ TEST(HeadTail, WithNoiseItStaysWithinItsGeometrysBound) {
   // Two-sided at 0.1 %.
   EXPECT_GT(sum, test::chi2_quantile(0.0005, 3 * kFixes));
   EXPECT_LT(sum, test::chi2_quantile(0.9995, 3 * kFixes));
-  // The position takes nothing from the known distance between the ends, which the bound does; here that is worth 2 % at most.
+  // The position takes nothing from the known distance between the ends, which the bound does; here that is
+  // worth 2 % at most.
   EXPECT_LT(stated2, 1.04 * bound2);
 }
 
@@ -289,7 +300,8 @@ TEST(HeadTail, OneStationAgainstThreeIsOutvoted) {
     const Fix fix = locate(d, arrivals);
     expect_pose(fix, truth);
     for (std::size_t i = 0; i < arrivals.size(); ++i)
-      EXPECT_EQ(fix.rejections[i], arrivals[i].beacon.index() == shadowed ? Rejection::kOutvoted : Rejection::kUsed);
+      EXPECT_EQ(fix.rejections[i],
+                arrivals[i].beacon.index() == shadowed ? Rejection::kOutvoted : Rejection::kUsed);
   }
 }
 
@@ -303,7 +315,8 @@ TEST(HeadTail, WhereNothingIsKnownTheReasonIs) {
   std::erase_if(head_only, [](const Arrival& a) { return a.receiver.index() == 1; });
   EXPECT_EQ(locate(d, head_only).status, FixStatus::kTooFewArrivals);
   auto echoes = all;
-  for (std::size_t i = 0; i < echoes.size(); ++i) echoes[i].tof_s += 1e-3 * (1.0 + 0.7 * static_cast<double>((5 * i) % 8));
+  for (std::size_t i = 0; i < echoes.size(); ++i)
+    echoes[i].tof_s += 1e-3 * (1.0 + 0.7 * static_cast<double>((5 * i) % 8));
   EXPECT_EQ(locate(d, echoes).status, FixStatus::kNoConsensus);
   EXPECT_TRUE(locate(d, echoes).rejections.empty());
   auto no_numbers = all;
@@ -321,7 +334,8 @@ TEST(HeadTail, WhereNothingIsKnownTheReasonIs) {
 }
 
 TEST(HeadTail, EndsAtAWrongDistanceAreNotBelieved) {
-  // Stations agree at each end, but the vehicle is 5 cm longer than its description: ten sigma of the measured length.
+  // Stations agree at each end, but the vehicle is 5 cm longer than its description: ten sigma of the
+  // measured length.
   const Deployment built = floor_site();
   Deployment described = built;
   described.receivers[0].position_m.x() -= 0.05;
@@ -337,7 +351,8 @@ TEST(HeadTail, StationsInOneLineLeaveTheMirrorImage) {
 
 TEST(HeadTail, OfVeryManyStationsTheNearestAreUsed) {
   std::vector<Eigen::Vector3d> stations;
-  for (int i = 0; i < 40; ++i) stations.emplace_back(10 * std::cos(i), 10 * std::sin(1.3 * i), 2.0 + 0.01 * i);
+  for (int i = 0; i < 40; ++i)
+    stations.emplace_back(10 * std::cos(i), 10 * std::sin(1.3 * i), 2.0 + 0.01 * i);
   const Deployment d = test::ranging_site(stations, {{0.35, 0, 0.4}, {-0.35, 0, 0.4}});
   const Pose truth = Pose::planar(1, 2, 0.5);
   const auto arrivals = arrivals_at(d, truth);
@@ -347,7 +362,9 @@ TEST(HeadTail, OfVeryManyStationsTheNearestAreUsed) {
   double used_m = 0.0, left_out_m = 1e9;  // of the head
   for (std::size_t i = 0; i < arrivals.size(); i += 2) {
     const double distance_m =
-        (truth * d.receivers[0].position_m - d.beacons[arrivals[i].beacon.index()].position_m).head<2>().norm();
+        (truth * d.receivers[0].position_m - d.beacons[arrivals[i].beacon.index()].position_m)
+            .head<2>()
+            .norm();
     if (fix.rejections[i] == Rejection::kUsed) {
       used_m = std::max(used_m, distance_m);
     } else {
@@ -363,7 +380,8 @@ TEST(HeadTail, CalibrationsUncertaintyIsInTheFix) {
   for (auto& b : rough.beacons) b.covariance_m2 = 1e-4 * Eigen::Matrix3d::Identity();
   const Pose truth = Pose::planar(4, 3, 0.3);
   const Fix a = locate(exact, arrivals_at(exact, truth)), b = locate(rough, arrivals_at(rough, truth));
-  // Both ends see a station displaced alike, so it moves the vehicle and hardly turns it: the ranges' share of a centimetre.
+  // Both ends see a station displaced alike, so it moves the vehicle and hardly turns it: the ranges' share
+  // of a centimetre.
   EXPECT_GT(b.covariance(0, 0), a.covariance(0, 0) + 1e-5);
   EXPECT_LT(std::sqrt(b.covariance(2, 2)), 2 * std::sqrt(a.covariance(2, 2)));
   Deployment warm = exact;
@@ -389,8 +407,9 @@ TEST(HeadTail, SaysWhatADeploymentLacks) {
     return fits ? std::string() : fits.error().message();
   };
   EXPECT_NE(words(only(floor_site(), {2})).find("1 usable base stations"), std::string::npos);
-  EXPECT_NE(words(test::ranging_site({{0, 0, 1}, {4, 0, 1}}, {{0, 0, 1}, {0, 0, 1}})).find("no vehicle has a head"),
-            std::string::npos);
+  EXPECT_NE(
+      words(test::ranging_site({{0, 0, 1}, {4, 0, 1}}, {{0, 0, 1}, {0, 0, 1}})).find("no vehicle has a head"),
+      std::string::npos);
   Deployment d = floor_site();
   d.motion = Motion::kSpatial;
   EXPECT_NE(words(d).find("planar"), std::string::npos);

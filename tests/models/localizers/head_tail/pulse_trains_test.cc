@@ -26,18 +26,20 @@ TEST(PulseTrains, PhaseIsFinerThanASample) {
   constexpr int kTrials = 300;
   for (int k = 0; k < kTrials; ++k) {
     const double left_m = random.uniform(1.0, 1.5), right_m = left_m + random.uniform(-0.06, 0.06);
-    const PulseTiming t = time_pulse_trains(sonar.hear(left_m, 1.0, kSpeed, random), sonar.hear(right_m, 1.0, kSpeed, random));
+    const PulseTiming t =
+        time_pulse_trains(sonar.hear(left_m, 1.0, kSpeed, random), sonar.hear(right_m, 1.0, kSpeed, random));
     ASSERT_TRUE(t.ok);
     const double truth_s = (right_m - left_m) / kSpeed;
-    // No edge is off by more than half a sample, and a threshold at a few per cent of the amplitude turns the phase of both
-    // trains nearly alike: asin(V/A) differs by 0.4 % of a period at most over 60 mm.
+    // No edge is off by more than half a sample, and a threshold at a few per cent of the amplitude turns the
+    // phase of both trains nearly alike: asin(V/A) differs by 0.4 % of a period at most over 60 mm.
     EXPECT_LT(std::abs(t.difference_s - truth_s), kSample_s + 0.004 * kPeriod_s) << k;
     EXPECT_NEAR(t.right_tof_s - t.left_tof_s, t.difference_s, 1e-12);
     phase2 += (t.difference_s - truth_s) * (t.difference_s - truth_s);
     edge2 += (t.difference_edges_s - truth_s) * (t.difference_edges_s - truth_s);
   }
   const double phase_s = std::sqrt(phase2 / kTrials), edge_s = std::sqrt(edge2 / kTrials);
-  std::cout << "rms of the difference: by phase " << 1e6 * phase_s << " us, by first edges " << 1e6 * edge_s << " us\n";
+  std::cout << "rms of the difference: by phase " << 1e6 * phase_s << " us, by first edges " << 1e6 * edge_s
+            << " us\n";
   // A single pair of edges is quantised to sample / sqrt(6) = 0.204 us.
   EXPECT_GT(edge_s, 0.9 * kSample_s / std::sqrt(6.0));
   EXPECT_LT(phase_s, 0.6 * edge_s);
@@ -48,10 +50,12 @@ TEST(PulseTrains, FirstEdgesTellTheCycle) {
   const Sonar sonar;
   for (int cycle = -8; cycle <= 8; ++cycle) {
     const double left_m = 1.5, right_m = left_m + cycle * kPeriod_s * kSpeed + 0.002;  // 2 mm of phase
-    const PulseTiming t = time_pulse_trains(sonar.hear(left_m, 1.0, kSpeed, random), sonar.hear(right_m, 1.0, kSpeed, random));
+    const PulseTiming t =
+        time_pulse_trains(sonar.hear(left_m, 1.0, kSpeed, random), sonar.hear(right_m, 1.0, kSpeed, random));
     ASSERT_TRUE(t.ok);
     EXPECT_EQ(t.cycles, cycle);
-    EXPECT_NEAR(t.phase_rad, 2 * std::numbers::pi * 0.002 / kSpeed / kPeriod_s, 0.16);  // a sample is 0.155 rad
+    EXPECT_NEAR(t.phase_rad, 2 * std::numbers::pi * 0.002 / kSpeed / kPeriod_s,
+                0.16);  // a sample is 0.155 rad
   }
 }
 

@@ -100,7 +100,8 @@ TEST(KleemanHeading, OneBeaconLeavesASector) {
   expect("one is late", axis - 22.5 + 11.25, 67.5 / std::sqrt(12.0));
 }
 
-/// Of two receivers that hear, the louder is the nearer: its half of the sector. A difference within noise says nothing.
+/// Of two receivers that hear, the louder is the nearer: its half of the sector. A difference within noise
+/// says nothing.
 TEST(KleemanHeading, TheLouderReceiverIsTheNearer) {
   Listening l;
   l.beacons = {{5, 0, 0.3}};
@@ -133,7 +134,8 @@ TEST(KleemanHeading, TheLouderReceiverIsTheNearer) {
 TEST(KleemanHeading, TheGainsDerivativesAreTheNumericOnes) {
   std::mt19937_64 random(kSeed + 6);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  const AttenuationModel model{.amplitude_1m_v = 12.5, .absorption_np_per_m = 0.1, .half_power_angle_rad = 0.5};
+  const AttenuationModel model{
+      .amplitude_1m_v = 12.5, .absorption_np_per_m = 0.1, .half_power_angle_rad = 0.5};
   for (int k = 0; k < 200; ++k) {
     ArrayReceiver r;
     r.position_m = {0.3 * uniform(random), 0.3 * uniform(random), 0.3};
@@ -144,10 +146,16 @@ TEST(KleemanHeading, TheGainsDerivativesAreTheNumericOnes) {
     const ReceiverGain gain = receiver_gain(beacon, r, p, heading, model);
     // As the measurement equation has it.
     const Pose T = Pose::planar(p.x(), p.y(), heading);
-    const PathInput in{.T_map_vehicle = &T, .p_beacon_map_m = beacon, .p_receiver_vehicle_m = r.position_m, .attenuation = &model, .axis_vehicle = &r.direction};
+    const PathInput in{.T_map_vehicle = &T,
+                       .p_beacon_map_m = beacon,
+                       .p_receiver_vehicle_m = r.position_m,
+                       .attenuation = &model,
+                       .axis_vehicle = &r.direction};
     EXPECT_NEAR(gain.log + std::log(12.5), predict_arrival_value(in).log_amplitude, 1e-12) << k;
     constexpr double kStep = 1e-6;
-    const auto log_at = [&](double x, double y, double turn) { return receiver_gain(beacon, r, p + Eigen::Vector2d(x, y), heading + turn, model).log; };
+    const auto log_at = [&](double x, double y, double turn) {
+      return receiver_gain(beacon, r, p + Eigen::Vector2d(x, y), heading + turn, model).log;
+    };
     const double scale = 1e-6 * (1 + std::abs(gain.by_heading) + gain.by_position.norm());
     EXPECT_NEAR(gain.by_heading, (log_at(0, 0, kStep) - log_at(0, 0, -kStep)) / (2 * kStep), scale) << k;
     EXPECT_NEAR(gain.by_position.x(), (log_at(kStep, 0, 0) - log_at(-kStep, 0, 0)) / (2 * kStep), scale) << k;
@@ -164,7 +172,8 @@ TEST(KleemanHeading, SectorsOfMostBeaconsCount) {
     l.beacons.emplace_back(5 * std::cos(bearing), 5 * std::sin(bearing), 0.3);
     std::size_t nearest = 0;
     for (std::size_t r = 1; r < 8; ++r)
-      if (std::abs(wrap_angle(bearing - l.axis_deg(r) * kDegree)) < std::abs(wrap_angle(bearing - l.axis_deg(nearest) * kDegree)))
+      if (std::abs(wrap_angle(bearing - l.axis_deg(r) * kDegree)) <
+          std::abs(wrap_angle(bearing - l.axis_deg(nearest) * kDegree)))
         nearest = r;
     l.hear(static_cast<std::size_t>(b), {nearest});
   }
@@ -182,7 +191,8 @@ TEST(KleemanHeading, SectorsOfMostBeaconsCount) {
 /// Receivers are not alike to a tenth of a degree, so no overlap is that good.
 TEST(KleemanHeading, ASliverOfOverlapPromisesNoMoreThanADegree) {
   Listening l;
-  for (const double middle_deg : {22.5, 22.7, 67.2, 67.4}) {  // the first two end at 45 degrees, the others begin there
+  for (const double middle_deg :
+       {22.5, 22.7, 67.2, 67.4}) {  // the first two end at 45 degrees, the others begin there
     const double bearing = (middle_deg + l.axis_deg(2)) * kDegree;
     l.beacons.emplace_back(5 * std::cos(bearing), 5 * std::sin(bearing), 0.3);
     l.hear(l.beacons.size() - 1, {2});
@@ -225,13 +235,15 @@ TEST(KleemanHeading, HearingsDerivativeIsTheNumericOne) {
     const Pose truth = anywhere(random, 1.0);
     Listening l;
     for (const DeploymentBeacon& b : d.beacons) l.beacons.push_back(b.position_m);
-    for (const Arrival& a : hear(d, truth, {.range_m = 15.0}, random)) l.hear(a.beacon.index(), {a.receiver.index()});
+    for (const Arrival& a : hear(d, truth, {.range_m = 15.0}, random))
+      l.hear(a.beacon.index(), {a.receiver.index()});
     const auto at = [&](double x_m, double y_m) {
       l.p_map_m = truth.translation_m.head<2>() + Eigen::Vector2d(x_m, y_m);
       return l.hearing();
     };
     constexpr double kStep_m = 1e-6;
-    const Heading here = at(0, 0), x = at(kStep_m, 0), x_back = at(-kStep_m, 0), y = at(0, kStep_m), y_back = at(0, -kStep_m);
+    const Heading here = at(0, 0), x = at(kStep_m, 0), x_back = at(-kStep_m, 0), y = at(0, kStep_m),
+                  y_back = at(0, -kStep_m);
     ASSERT_TRUE(here.known);
     EXPECT_GE(here.sigma_rad, 0.02 - 1e-12);
     // Where two ends change places the derivative jumps; a micrometre seldom meets that.
@@ -273,12 +285,15 @@ TEST(KleemanHeading, DegenerateHearingIsUnknown) {
 TEST(KleemanHeading, NoneAllocates) {
   std::mt19937_64 random(kSeed + 5);
   const Deployment d = test::directional_room();
-  for (const auto heading : {KleemanHeading::kMeanAxes, KleemanHeading::kHearing, KleemanHeading::kInterpolation}) {
+  for (const auto heading :
+       {KleemanHeading::kMeanAxes, KleemanHeading::kHearing, KleemanHeading::kInterpolation}) {
     Kleeman kleeman(d, {.heading = heading});
     std::vector<std::vector<Arrival>> cycles;
     for (int k = 0; k < 50; ++k) {
-      cycles.push_back(
-          hear(d, anywhere(random), {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02, .amplitude_sigma = 0.05}, random));
+      cycles.push_back(hear(
+          d, anywhere(random),
+          {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02, .amplitude_sigma = 0.05},
+          random));
       add_echoes(cycles.back(), 0.1, random);
     }
     test::expect_no_allocations(kleeman, cycles);

@@ -63,7 +63,8 @@ TEST(TriangleViolations, TheLongerOfTwoIsRejected) {
 
 TEST(TriangleViolations, NoiseIsTolerated) {
   const Room room = ring(4, 0.0);
-  OffsetDistances d = from(room, {0, 0});  // on beacon 0: the inequality is an equality for every pair with it
+  OffsetDistances d =
+      from(room, {0, 0});  // on beacon 0: the inequality is an equality for every pair with it
   d.distance_m[1] += 3 * std::sqrt(2.0) * kSigma_m;
   EXPECT_TRUE(triangle_violations(d, room.in_space, 4.0).none());
   EXPECT_TRUE(triangle_violations(d, room.in_space, 2.0)[1]);
@@ -154,8 +155,9 @@ TEST(Longsolve, OneLateBeaconIsOutvoted) {
   }
 }
 
-/// Step 4 by itself, as published: triples with a late beacon are removed for the next best until the rest agree. (Where the
-/// late beacon is in most of the best triples they outvote the others; that the exclusions are for.)
+/// Step 4 by itself, as published: triples with a late beacon are removed for the next best until the rest
+/// agree. (Where the late beacon is in most of the best triples they outvote the others; that the exclusions
+/// are for.)
 TEST(Longsolve, RemovalAloneFindsMostOfTheLateBeacons) {
   Random random(9);
   LongsolveOptions published;
@@ -220,7 +222,8 @@ TEST(Longsolve, RoughDistancesCheckAndDoNotPlace) {
     OffsetDistances two = d;  // and another: four of five would do, four of six do not
     two.distance_m[(rough + 1) % 6] += 2.0;
     EXPECT_FALSE(solve(room, two).ok()) << k;
-    d.distance_m[rough] -= 2 * (1.0 + 10 * 30 * kSigma_m);  // no pulse comes early: the others are wrong, or nobody knows
+    d.distance_m[rough] -=
+        2 * (1.0 + 10 * 30 * kSigma_m);  // no pulse comes early: the others are wrong, or nobody knows
     EXPECT_FALSE(solve(room, d).ok()) << k;
   }
   EXPECT_LT(9 * squares, squares_all) << "a third of the error";
@@ -249,8 +252,8 @@ TEST(Longsolve, SaysWhyThereIsNoFix) {
   EXPECT_EQ(solve(room, four).status, FixStatus::kNoConsensus);
 }
 
-/// Two hyperbolas may meet twice. From the middle of a triangle of beacons they do not, or the other place is well outside;
-/// from outside it, nobody can tell.
+/// Two hyperbolas may meet twice. From the middle of a triangle of beacons they do not, or the other place is
+/// well outside; from outside it, nobody can tell.
 TEST(Longsolve, ThreeBeaconsMayBeAmbiguous) {
   Random random(8);
   Room room;
@@ -262,10 +265,12 @@ TEST(Longsolve, ThreeBeaconsMayBeAmbiguous) {
     options.max_sigma_m = 10.0;  // far from so small a triangle everything is vague
     const LongsolveFix fix = solve(room, from(room, p), options);
     if (fix.status == FixStatus::kAmbiguous) ++ambiguous;
-    const bool near = (p - p.cwiseMax(4.0).cwiseMin(6.0)).norm() < 1.0;  // farther from the beacons' box it is said not to be
+    const bool near = (p - p.cwiseMax(4.0).cwiseMin(6.0)).norm() <
+                      1.0;  // farther from the beacons' box it is said not to be
     // Close to each other the two are one place, known as badly as its sigma says.
     if (near && fix.ok() && (fix.p_map_m - p).norm() > 1e-3 + 3.5 * kSigma_m * fix.gain.norm()) ++wrong;
-    const LongsolveFix middle = solve(room, from(room, {random.uniform(4.6, 5.4), random.uniform(4.2, 4.8)}), options);
+    const LongsolveFix middle =
+        solve(room, from(room, {random.uniform(4.6, 5.4), random.uniform(4.2, 4.8)}), options);
     inside += middle.ok() ? 1 : 0;
   }
   EXPECT_GT(ambiguous, 50);

@@ -36,10 +36,10 @@ struct StreamOptions {
   std::function<bool(int beacon, std::int64_t cycle)> blocked = [](int, std::int64_t) { return false; };
 };
 
-/// What the eight channels of a standing vehicle log. An echo has gone up to 25 m more and lost 4 % of its amplitude or more
-/// besides; nothing is heard below 200 mV.
-std::vector<TruePulse> stream(const Deployment& room, const Pose& pose, const FiringSchedule& schedule, const StreamOptions& o,
-                              std::uint64_t seed) {
+/// What the eight channels of a standing vehicle log. An echo has gone up to 25 m more and lost 4 % of its
+/// amplitude or more besides; nothing is heard below 200 mV.
+std::vector<TruePulse> stream(const Deployment& room, const Pose& pose, const FiringSchedule& schedule,
+                              const StreamOptions& o, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   Random random(seed);
   std::vector<TruePulse> out;
@@ -54,7 +54,8 @@ std::vector<TruePulse> stream(const Deployment& room, const Pose& pose, const Fi
         if (amplitude_v < 0.2) return;
         const double time_s = fired_s + start_s + path_m / kSpeed_mps + 1e-5 * random.normal();
         const double noisy_v = amplitude_v * (1 + 0.03 * random.normal());
-        out.push_back({{time_s * (1 + o.drift), a.receiver.value, 2.5e-3 * (1 + 0.1 * random.clipped_normal()), noisy_v},
+        out.push_back({{time_s * (1 + o.drift), a.receiver.value,
+                        2.5e-3 * (1 + 0.1 * random.clipped_normal()), noisy_v},
                        beacon,
                        cycle,
                        direct});
@@ -63,7 +64,8 @@ std::vector<TruePulse> stream(const Deployment& room, const Pose& pose, const Fi
         log(start_s, distance_m, 1.0, true);
         for (int i = 0; i < 3; ++i)
           if (random.uniform() < o.echoes / 3)
-            log(start_s, distance_m + random.uniform(1.0, 25.0), std::pow(0.96, 1 + 3 * random.uniform()), false);
+            log(start_s, distance_m + random.uniform(1.0, 25.0), std::pow(0.96, 1 + 3 * random.uniform()),
+                false);
       };
       fire(0.0);
       if (beacon == 0) fire(schedule.double_s);
@@ -83,7 +85,8 @@ struct Labels {
 };
 
 /// Pushes what comes after start_s; direct pulses that got a label are compared with the truth.
-Labels run(PulseSync& sync, const std::vector<TruePulse>& pulses, double start_s = 0.0, double end_s = 1e300) {
+Labels run(PulseSync& sync, const std::vector<TruePulse>& pulses, double start_s = 0.0,
+           double end_s = 1e300) {
   Labels labels;
   std::map<std::pair<double, int>, const TruePulse*> by_time;
   for (const TruePulse& p : pulses) by_time[{p.pulse.time_s, p.pulse.channel}] = &p;
@@ -107,13 +110,15 @@ TEST(FiringSchedule, BeaconsFireInTurn) {
 /// Eq. 1 with the paper's figures.
 TEST(FiringSchedule, DesignRuleGivesThePublishedFigures) {
   EXPECT_NEAR(shortest_fire_s({.threshold_v = 0.087}), 0.416, 0.0005);
-  EXPECT_NEAR(shortest_fire_s({.threshold_v = 0.087, .speed_mps = 300.0}), 0.480, 0.002);  // the paper's 480 ms
-  EXPECT_NEAR(least_absorbed_fraction({.reflections = 5}, 0.150), 0.04, 0.005);            // "alpha > 0.04 for n = 5"
+  EXPECT_NEAR(shortest_fire_s({.threshold_v = 0.087, .speed_mps = 300.0}), 0.480,
+              0.002);                                                            // the paper's 480 ms
+  EXPECT_NEAR(least_absorbed_fraction({.reflections = 5}, 0.150), 0.04, 0.005);  // "alpha > 0.04 for n = 5"
   const FiringDesign chosen{.absorbed_fraction = 0.04, .reflections = 5};
   EXPECT_LE(shortest_fire_s(chosen), 0.150);  // "200 mV and 150 ms"
   EXPECT_NEAR(lowest_threshold_v(chosen, shortest_fire_s(chosen)), chosen.threshold_v, 1e-12);
-  EXPECT_NEAR(shortest_fire_s({.absorbed_fraction = least_absorbed_fraction({.reflections = 5}, 0.1), .reflections = 5}), 0.1,
-              1e-12);
+  EXPECT_NEAR(shortest_fire_s(
+                  {.absorbed_fraction = least_absorbed_fraction({.reflections = 5}, 0.1), .reflections = 5}),
+              0.1, 1e-12);
 }
 
 /// From any start phase, anywhere in the room, within one cycle (and the flight and the double pulse itself).
@@ -126,7 +131,8 @@ TEST(PulseSync, FindsBeacon0WithinACycle) {
     const Pose pose = Pose::planar(0.5 + k % 10, 0.5 + (k * 7) % 10, 0.3 * k);
     const double start_s = cycle_s(schedule) * (1 + k / 120.0);
     PulseSync sync;
-    const Labels labels = run(sync, stream(room, pose, schedule, {.cycles = 6}, static_cast<std::uint64_t>(k)), start_s);
+    const Labels labels =
+        run(sync, stream(room, pose, schedule, {.cycles = 6}, static_cast<std::uint64_t>(k)), start_s);
     EXPECT_LE(labels.synchronised_s, start_s + cycle_s(schedule) + 0.045 + 0.008) << k;
     // In phase: less than a flight behind a firing of beacon 0.
     const double phase = sync.cycle_start_s() / cycle_s(schedule);
@@ -135,8 +141,8 @@ TEST(PulseSync, FindsBeacon0WithinACycle) {
     right += labels.right;
   }
   EXPECT_GT(right, 120 * 3 * 15);
-  // Right before beacon 0 a slot has to begin before its firing, and the last echoes of the slot before, 38 m of path, may
-  // just reach into it: an early arrival at one receiver, which the localizer leaves out.
+  // Right before beacon 0 a slot has to begin before its firing, and the last echoes of the slot before, 38 m
+  // of path, may just reach into it: an early arrival at one receiver, which the localizer leaves out.
   EXPECT_LT(wrong, 0.002 * right);
 }
 
@@ -161,13 +167,15 @@ TEST(PulseSync, FeedsTheLocalizer) {
   }
 }
 
-/// Beacon 0 in a shadow for a while: the schedule runs on; for long: lost, and found again within a cycle of its return.
+/// Beacon 0 in a shadow for a while: the schedule runs on; for long: lost, and found again within a cycle of
+/// its return.
 TEST(PulseSync, OutlastsABlockedBeaconAndComesBack) {
   const Deployment room = test::kleeman_room();
   const FiringSchedule schedule;
   const Pose pose = Pose::planar(6.0, 3.0, 0.2);
-  StreamOptions o{.cycles = 20,
-                  .blocked = [](int beacon, std::int64_t cycle) { return beacon == 0 && cycle >= 3 && cycle < 15; }};
+  StreamOptions o{.cycles = 20, .blocked = [](int beacon, std::int64_t cycle) {
+                    return beacon == 0 && cycle >= 3 && cycle < 15;
+                  }};
   const auto pulses = stream(room, pose, schedule, o, 5);
   PulseSync patient;
   const Labels through = run(patient, pulses);
@@ -191,8 +199,8 @@ TEST(PulseSync, FollowsADriftingClock) {
   const Deployment room = test::kleeman_room();
   for (const double drift : {-1e-4, 1e-4}) {
     PulseSync sync;
-    const auto pulses =
-        stream(room, Pose::planar(3, 7, 1.0), FiringSchedule{}, {.cycles = 600, .echoes = 0.5, .drift = drift}, 9);
+    const auto pulses = stream(room, Pose::planar(3, 7, 1.0), FiringSchedule{},
+                               {.cycles = 600, .echoes = 0.5, .drift = drift}, 9);
     const Labels labels = run(sync, pulses);
     EXPECT_EQ(labels.wrong, 0);
     EXPECT_TRUE(sync.synchronised());
@@ -230,7 +238,8 @@ TEST(PulseSync, AnEchoIsNoDoublePulse) {
 }
 
 TEST(PulseSync, PushAllocatesNothing) {
-  const auto pulses = stream(test::kleeman_room(), Pose::planar(3, 7, 1.0), FiringSchedule{}, {.cycles = 6}, 13);
+  const auto pulses =
+      stream(test::kleeman_room(), Pose::planar(3, 7, 1.0), FiringSchedule{}, {.cycles = 6}, 13);
   PulseSync sync;
   const std::size_t before = test::allocations();
   std::size_t arrivals = 0;

@@ -33,7 +33,8 @@ double nees(const Fix& fix, const Pose& truth) {
   return e.dot(C.inverse() * e);
 }
 
-/// What is not noise is solved exactly: heights, lever arms, delays, time-walk, temperature, drift, the cycle's offset.
+/// What is not noise is solved exactly: heights, lever arms, delays, time-walk, temperature, drift, the
+/// cycle's offset.
 TEST(Kleeman, IsExactWithoutNoise) {
   std::mt19937_64 random(kSeed);
   for (const bool walk : {false, true}) {
@@ -46,7 +47,8 @@ TEST(Kleeman, IsExactWithoutNoise) {
     Kleeman kleeman(d);
     for (int k = 0; k < 100; ++k) {
       const Pose truth = anywhere(random);
-      std::vector<Arrival> arrivals = hear(d, truth, {.range_m = 15.0, .cycle_offset_s = 0.05 - 0.002 * k}, random);
+      std::vector<Arrival> arrivals =
+          hear(d, truth, {.range_m = 15.0, .cycle_offset_s = 0.05 - 0.002 * k}, random);
       for (Arrival& a : arrivals) a.tof_s += d.vehicles[0].clock_drift * a.time_s;
       const Fix fix = locate(kleeman, arrivals);
       ASSERT_TRUE(fix.ok()) << k << " " << to_string(fix.status);
@@ -69,17 +71,18 @@ TEST(Kleeman, SpreadIsWithinThePublished) {
       const Pose truth = Pose::planar(kPublished[p].x_m, kPublished[p].y_m, 0.4);
       Eigen::Array2d sum = Eigen::Array2d::Zero(), squares = Eigen::Array2d::Zero();
       for (int k = 0; k < samples[p]; ++k) {
-        const Fix fix =
-            locate(kleeman, hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
+        const Fix fix = locate(
+            kleeman,
+            hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
         ASSERT_TRUE(fix.ok()) << to_string(fix.status);
         const Eigen::Array2d e = error_of(fix, truth).head<2>().array();
         sum += e;
         squares += e * e;
       }
       const Eigen::Array2d sigma_m = (squares / samples[p] - (sum / samples[p]).square()).sqrt();
-      std::cout << "height " << height_m << " (" << kPublished[p].x_m << ", " << kPublished[p].y_m << "): " << 1e3 * sigma_m.x()
-                << ", " << 1e3 * sigma_m.y() << " mm; published " << 1e3 * kPublished[p].sigma_x_m << ", "
-                << 1e3 * kPublished[p].sigma_y_m << "\n";
+      std::cout << "height " << height_m << " (" << kPublished[p].x_m << ", " << kPublished[p].y_m
+                << "): " << 1e3 * sigma_m.x() << ", " << 1e3 * sigma_m.y() << " mm; published "
+                << 1e3 * kPublished[p].sigma_x_m << ", " << 1e3 * kPublished[p].sigma_y_m << "\n";
       EXPECT_LE(sigma_m.x(), kPublished[p].sigma_x_m);
       EXPECT_LE(sigma_m.y(), kPublished[p].sigma_y_m);
     }
@@ -96,15 +99,16 @@ TEST(Kleeman, CovarianceIsConsistent) {
     int count = 0;
     for (int k = 0; k < 1500; ++k) {
       const Pose truth = anywhere(random, 0.5);
-      const Fix fix =
-          locate(kleeman, hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
+      const Fix fix = locate(
+          kleeman,
+          hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
       if (!fix.ok()) continue;
       sum += nees(fix, truth);
       ++count;
     }
     EXPECT_GE(count, 1485);
-    // 1e-4 on either side, and 4 % for the curvature of a heading known to 1.4 degrees (the lever arms' cosines) and for the
-    // arrivals of a beacon that the gate at 4 sigma leaves out.
+    // 1e-4 on either side, and 4 % for the curvature of a heading known to 1.4 degrees (the lever arms'
+    // cosines) and for the arrivals of a beacon that the gate at 4 sigma leaves out.
     EXPECT_GT(sum, 0.96 * test::chi2_quantile(1e-4, 3.0 * count)) << height_m;
     EXPECT_LT(sum, 1.04 * test::chi2_quantile(1 - 1e-4, 3.0 * count)) << height_m;
   }
@@ -131,8 +135,9 @@ TEST(Kleeman, CovarianceHoldsTheCalibrations) {
     truth.speed_offset_mps = 0.7 * normal(random);
     Kleeman kleeman(known);
     const Pose pose = anywhere(random, 0.5);
-    const Fix fix =
-        locate(kleeman, hear(truth, pose, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
+    const Fix fix = locate(
+        kleeman,
+        hear(truth, pose, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
     if (!fix.ok()) continue;
     sum += nees(fix, pose);
     ++count;
@@ -142,7 +147,8 @@ TEST(Kleeman, CovarianceHoldsTheCalibrations) {
   EXPECT_LT(sum, 1.04 * test::chi2_quantile(1 - 1e-4, 3.0 * count));
 }
 
-/// "Consistently within 50 mm of the physical position over the 10 m square", here with one arrival in ten an echo.
+/// "Consistently within 50 mm of the physical position over the 10 m square", here with one arrival in ten an
+/// echo.
 TEST(Kleeman, FixesAreWithin50MillimetresInSpiteOfEchoes) {
   std::mt19937_64 random(kSeed + 3);
   std::cout << "seed " << kSeed + 3 << "\n";
@@ -167,15 +173,15 @@ TEST(Kleeman, FixesAreWithin50MillimetresInSpiteOfEchoes) {
   }
   std::cout << fixes << " of 2000 fixed, worst " << 1e3 * worst_m << " mm\n";
   EXPECT_LT(worst_m, 0.050);
-  // One beacon in twenty is in a shadow, and two or more of six leave no majority that could be checked: 96.7 % have fewer,
-  // less four standard deviations of the count.
+  // One beacon in twenty is in a shadow, and two or more of six leave no majority that could be checked: 96.7
+  // % have fewer, less four standard deviations of the count.
   EXPECT_GE(fixes, 1902);
   EXPECT_GT(late, 1000);
   EXPECT_GT(outvoted, 1000);
 }
 
-/// "The speed of sound is resolved down to 0.25 %", from the redundancy of a few cycles, when it is up to 3 % off: with receivers that
-/// hear all round at once, and with his, whose weak pulses come late.
+/// "The speed of sound is resolved down to 0.25 %", from the redundancy of a few cycles, when it is up to 3 %
+/// off: with receivers that hear all round at once, and with his, whose weak pulses come late.
 TEST(Kleeman, SpeedFollowsFromRedundancy) {
   std::mt19937_64 random(kSeed + 6);
   std::cout << "seed " << kSeed + 6 << "\n";
@@ -218,14 +224,17 @@ TEST(Kleeman, SpeedIsNotDeterminedFromTheMiddleOfARing) {
   std::mt19937_64 random(kSeed);
   Deployment d = kleeman_room();
   for (std::size_t b = 0; b < 6; ++b)
-    d.beacons[b].position_m.head<2>() = Eigen::Vector2d(5 + 5 * std::cos(b * M_PI / 3), 5 + 5 * std::sin(b * M_PI / 3));
+    d.beacons[b].position_m.head<2>() =
+        Eigen::Vector2d(5 + 5 * std::cos(b * M_PI / 3), 5 + 5 * std::sin(b * M_PI / 3));
   Kleeman kleeman(d);
   const Hearing hearing{.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02};
-  EXPECT_EQ(kleeman.estimate_speed(hear(d, Pose::planar(5, 5, 0.1), hearing, random)).status, FixStatus::kPoorGeometry);
+  EXPECT_EQ(kleeman.estimate_speed(hear(d, Pose::planar(5, 5, 0.1), hearing, random)).status,
+            FixStatus::kPoorGeometry);
   EXPECT_EQ(kleeman.estimate_speed({}).status, FixStatus::kTooFewArrivals);
 }
 
-/// Clean data: both methods see the same arrivals, and the average of triples loses little against least squares.
+/// Clean data: both methods see the same arrivals, and the average of triples loses little against least
+/// squares.
 TEST(Kleeman, AgreesWithLeastSquares) {
   std::mt19937_64 random(kSeed + 7);
   const Deployment d = kleeman_room();
@@ -235,12 +244,14 @@ TEST(Kleeman, AgreesWithLeastSquares) {
   int count = 0;
   for (int k = 0; k < 60; ++k) {
     const Pose truth = anywhere(random, 0.5);
-    const auto arrivals = hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random);
+    const auto arrivals =
+        hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random);
     const Fix fix = locate(kleeman, arrivals), other = least_squares.locate(arrivals);
     if (!fix.ok() || !other.ok()) continue;
     const Eigen::Vector3d between = error_of(fix, other.T_map_vehicle);
     for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(between[i]), 4 * std::sqrt(fix.covariance(i, i))) << k;
-    for (int i = 0; i < 3; ++i) EXPECT_GT(fix.covariance(i, i), 0.9 * other.covariance(i, i)) << "better than the bound";
+    for (int i = 0; i < 3; ++i)
+      EXPECT_GT(fix.covariance(i, i), 0.9 * other.covariance(i, i)) << "better than the bound";
     squares += error_of(fix, truth).head<2>().squaredNorm();
     squares_least += error_of(other, truth).head<2>().squaredNorm();
     ++count;
@@ -280,8 +291,11 @@ TEST(Kleeman, DegenerateInputHasAReason) {
   const Deployment d = kleeman_room();
   Kleeman kleeman(d);
   const Pose truth = Pose::planar(4, 6, 0.3);
-  const auto clean = hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random);
-  const auto sound = [](const Fix& fix) { return fix.T_map_vehicle.translation_m.allFinite() && fix.covariance.allFinite(); };
+  const auto clean =
+      hear(d, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random);
+  const auto sound = [](const Fix& fix) {
+    return fix.T_map_vehicle.translation_m.allFinite() && fix.covariance.allFinite();
+  };
 
   EXPECT_EQ(locate(kleeman, {}).status, FixStatus::kTooFewArrivals);
 
@@ -305,7 +319,8 @@ TEST(Kleeman, DegenerateInputHasAReason) {
   Deployment line = d;
   for (std::size_t b = 0; b < 6; ++b) line.beacons[b].position_m = {2.0 * static_cast<double>(b), 0.0, 2.0};
   Kleeman on_line(line);
-  const Fix mirrored = locate(on_line, hear(line, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s}, random));
+  const Fix mirrored =
+      locate(on_line, hear(line, truth, {.range_m = 15.0, .noise_s = kPrototypeSigma_s}, random));
   EXPECT_EQ(mirrored.status, FixStatus::kAmbiguous);
   EXPECT_TRUE(sound(mirrored));
 
@@ -343,10 +358,13 @@ TEST(Kleeman, SaysWhatADeploymentLacks) {
     EXPECT_THROW(Kleeman{d}, std::invalid_argument);
     return fits ? std::string("fits") : fits.error().message();
   };
-  EXPECT_NE(reason(good, [](Deployment& d) { d.motion = Motion::kSpatial; }).find("planar"), std::string::npos);
-  EXPECT_NE(reason(good, [](Deployment& d) { d.timing.ranging = Ranging::kTwoWay; }).find("one_way"), std::string::npos);
+  EXPECT_NE(reason(good, [](Deployment& d) { d.motion = Motion::kSpatial; }).find("planar"),
+            std::string::npos);
+  EXPECT_NE(reason(good, [](Deployment& d) { d.timing.ranging = Ranging::kTwoWay; }).find("one_way"),
+            std::string::npos);
   EXPECT_NE(reason(good, [](Deployment& d) { d.beacons.resize(2); }).find("3 or more"), std::string::npos);
-  EXPECT_NE(reason(good, [](Deployment& d) { d.beacons.resize(17, d.beacons[0]); }).find("16"), std::string::npos);
+  EXPECT_NE(reason(good, [](Deployment& d) { d.beacons.resize(17, d.beacons[0]); }).find("16"),
+            std::string::npos);
   EXPECT_NE(reason(good, [](Deployment& d) { d.receivers.clear(); }).find("receiver"), std::string::npos);
 }
 
@@ -357,13 +375,15 @@ TEST(Kleeman, LocateAllocatesNothing) {
   Kleeman kleeman(d);
   std::vector<std::vector<Arrival>> cycles;
   for (int k = 0; k < 50; ++k) {
-    cycles.push_back(hear(d, anywhere(random), {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
+    cycles.push_back(hear(d, anywhere(random),
+                          {.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02}, random));
     add_echoes(cycles.back(), k % 2 == 0 ? 0.0 : 0.5, random);  // some without a fix
   }
   test::expect_no_allocations(kleeman, cycles);
 }
 
-/// Beside a corner its beacon stands steeply above, and directional receivers just hear it: good to decimetres. The others place.
+/// Beside a corner its beacon stands steeply above, and directional receivers just hear it: good to
+/// decimetres. The others place.
 TEST(Kleeman, ABeaconThatIsJustHeardDoesNotSpoilTheFix) {
   std::mt19937_64 random(kSeed + 9);
   const Deployment d = test::directional_room();
@@ -374,7 +394,13 @@ TEST(Kleeman, ABeaconThatIsJustHeardDoesNotSpoilTheFix) {
   for (int k = 0; k < 400; ++k) {
     const double x = beside(random), y = beside(random);
     const Pose truth = Pose::planar(x, y, turn(random));
-    auto arrivals = hear(d, truth, {.range_m = 15.0, .half_angle_rad = M_PI, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02, .amplitude_sigma = 0.05}, random);
+    auto arrivals = hear(d, truth,
+                         {.range_m = 15.0,
+                          .half_angle_rad = M_PI,
+                          .noise_s = kPrototypeSigma_s,
+                          .cycle_offset_s = 0.02,
+                          .amplitude_sigma = 0.05},
+                         random);
     std::erase_if(arrivals, [&](const Arrival& a) { return a.amplitude_v < d.attenuation->threshold_v; });
     const Fix fix = locate(kleeman, arrivals);
     if (!fix.ok()) continue;
@@ -382,10 +408,12 @@ TEST(Kleeman, ABeaconThatIsJustHeardDoesNotSpoilTheFix) {
     const Eigen::Vector2d e = error_of(fix, truth).head<2>();
     squares += e.squaredNorm();
     normalised += e.dot(Eigen::Matrix2d(fix.covariance.topLeftCorner<2, 2>()).ldlt().solve(e)) / 2;
-    for (std::size_t i = 0; i < arrivals.size(); ++i) rough += arrivals[i].beacon == BeaconId(0) && fix.rejections[i] == Rejection::kNotNeeded;
+    for (std::size_t i = 0; i < arrivals.size(); ++i)
+      rough += arrivals[i].beacon == BeaconId(0) && fix.rejections[i] == Rejection::kNotNeeded;
   }
   const double rms_m = std::sqrt(squares / fixes);
-  std::cout << fixes << " fixes beside a corner, rms " << 1e3 * rms_m << " mm, of their variance " << normalised / fixes << ", " << rough << " arrivals set aside\n";
+  std::cout << fixes << " fixes beside a corner, rms " << 1e3 * rms_m << " mm, of their variance "
+            << normalised / fixes << ", " << rough << " arrivals set aside\n";
   EXPECT_GE(fixes, 390);
   EXPECT_GT(rough, 100);
   EXPECT_LT(rms_m, 0.012);

@@ -26,7 +26,9 @@ using test::with_receiver;
 constexpr std::uint64_t kSeed = 20260;
 
 double position_error_m(const Pose& a, const Pose& b) { return (a.translation_m - b.translation_m).norm(); }
-double heading_error_rad(const Pose& a, const Pose& b) { return std::abs(wrap_angle(a.heading_rad() - b.heading_rad())); }
+double heading_error_rad(const Pose& a, const Pose& b) {
+  return std::abs(wrap_angle(a.heading_rad() - b.heading_rad()));
+}
 
 TEST(EpochFix, IsExactWithoutNoise) {
   RecordProperty("seed", std::to_string(kSeed));
@@ -64,13 +66,15 @@ TEST(EpochFix, FindsTheCycleOffset) {
   LeastSquaresLocalizer localizer(d);
   for (int k = 0; k < 30; ++k) {
     const Pose truth = random_pose(random);
-    const Fix fix = localizer.locate(hear(d, truth, {.range_m = 15.0, .cycle_offset_s = 0.037 - 0.003 * k}, random));
+    const Fix fix =
+        localizer.locate(hear(d, truth, {.range_m = 15.0, .cycle_offset_s = 0.037 - 0.003 * k}, random));
     ASSERT_TRUE(fix.ok()) << k << " " << to_string(fix.status);
     EXPECT_LT(position_error_m(fix.T_map_vehicle, truth), 1e-9) << k;
   }
 }
 
-/// Errors against their covariance: the sum of NEES over all fixes is chi-square with three degrees of freedom each.
+/// Errors against their covariance: the sum of NEES over all fixes is chi-square with three degrees of
+/// freedom each.
 TEST(EpochFix, CovarianceIsConsistent) {
   std::cout << "seed " << kSeed + 1 << "\n";
   std::mt19937_64 random(kSeed + 1);
@@ -116,7 +120,8 @@ TEST(EpochFix, RejectsEchoesAndKeepsTheRest) {
       const std::size_t b = arrivals[i].beacon.index();
       const bool alone = uniform(random) < 0.15;
       late[i] = shadowed[b] || alone;
-      if (late[i]) arrivals[i].tof_s += shadowed[b] ? detour_s[b] : 1e-3 * std::exp(uniform(random) * std::log(10.0));
+      if (late[i])
+        arrivals[i].tof_s += shadowed[b] ? detour_s[b] : 1e-3 * std::exp(uniform(random) * std::log(10.0));
       good[b] += late[i] ? 0 : 1;
       clear += late[i] ? 0 : 1;
     }
@@ -129,7 +134,9 @@ TEST(EpochFix, RejectsEchoesAndKeepsTheRest) {
       continue;
     }
     // Five sigma of the covariance: 6e-7 by chance.
-    EXPECT_LT(position_error_m(fix.T_map_vehicle, truth), 5 * std::sqrt(fix.covariance.topLeftCorner<2, 2>().trace())) << k;
+    EXPECT_LT(position_error_m(fix.T_map_vehicle, truth),
+              5 * std::sqrt(fix.covariance.topLeftCorner<2, 2>().trace()))
+        << k;
     for (std::size_t i = 0; i < arrivals.size(); ++i)
       EXPECT_TRUE(!late[i] || fix.rejections[i] == Rejection::kLate) << k << " " << i;
   }
@@ -180,7 +187,8 @@ TEST(EpochFix, CollinearBeaconsAndOneReceiverAreAmbiguous) {
   std::mt19937_64 random(kSeed + 6);
   Deployment d = with_receiver(hall(), {0, 0, 0.3});
   d.beacons.resize(5);
-  for (std::size_t i = 0; i < d.beacons.size(); ++i) d.beacons[i].position_m = {2.0 + 4.0 * static_cast<double>(i), 0.0, 2.5};
+  for (std::size_t i = 0; i < d.beacons.size(); ++i)
+    d.beacons[i].position_m = {2.0 + 4.0 * static_cast<double>(i), 0.0, 2.5};
   LeastSquaresLocalizer localizer(d);
   const Fix fix = localizer.locate(hear(d, Pose::planar(8, 4, 0.0), {.range_m = 50}, random));
   EXPECT_EQ(fix.status, FixStatus::kAmbiguous) << to_string(fix.status);
@@ -224,7 +232,8 @@ TEST(EpochFix, LeavesOutUndeterminedBeacons) {
   EXPECT_EQ(fix.rejections.front(), Rejection::kBeaconUnusable);
 }
 
-/// Beacons known to 0.3 m: the fix cannot be better than they are, but the heading follows from the differences.
+/// Beacons known to 0.3 m: the fix cannot be better than they are, but the heading follows from the
+/// differences.
 TEST(EpochFix, SlackKeepsTheHeading) {
   std::cout << "seed " << kSeed + 10 << "\n";
   std::mt19937_64 random(kSeed + 10);
@@ -239,7 +248,8 @@ TEST(EpochFix, SlackKeepsTheHeading) {
     EpochFixOptions options;
     options.range_slack_m = 0.3;
     const Pose truth = random_pose(random);
-    const Fix fix = LeastSquaresLocalizer(d, options).locate(hear(truth_deployment, truth, {.noise_s = 1e-5}, random));
+    const Fix fix =
+        LeastSquaresLocalizer(d, options).locate(hear(truth_deployment, truth, {.noise_s = 1e-5}, random));
     if (!fix.ok()) continue;
     ++fixes;
     worst_m = std::max(worst_m, position_error_m(fix.T_map_vehicle, truth));
@@ -259,8 +269,11 @@ TEST(EpochFix, MeasuredPoseServesAsStart) {
   log.vehicle = VehicleId(0);
   log.arrivals = hear(d, truth, {}, random);
   log.poses = {{-1.0, truth}, {10.0, truth}};
-  log.pose_accuracy = {
-      .position_sigma_m = 0.01, .heading_sigma_rad = 0.0, .heading_known = false, .attitude_sigma_rad = 0.01, .max_gap_s = 100};
+  log.pose_accuracy = {.position_sigma_m = 0.01,
+                       .heading_sigma_rad = 0.0,
+                       .heading_known = false,
+                       .attitude_sigma_rad = 0.01,
+                       .max_gap_s = 100};
   const std::vector<Fix> fixes = LeastSquaresLocalizer(d).locate(log);
   ASSERT_EQ(fixes.size(), 1u);
   ASSERT_TRUE(fixes[0].ok()) << to_string(fixes[0].status);
@@ -272,7 +285,9 @@ TEST(EpochFix, SpatialMotion) {
   Deployment d = hall();
   d.motion = Motion::kSpatial;
   for (std::size_t i = 0; i < d.beacons.size(); ++i) d.beacons[i].position_m.z() = i % 2 == 0 ? 0.5 : 3.5;
-  d = with_receiver(with_receiver(with_receiver(with_receiver(d, {0.5, 0, 0}), {-0.4, 0.4, 0}), {-0.4, -0.4, 0.1}), {0, 0, 0.5});
+  d = with_receiver(
+      with_receiver(with_receiver(with_receiver(d, {0.5, 0, 0}), {-0.4, 0.4, 0}), {-0.4, -0.4, 0.1}),
+      {0, 0, 0.5});
   LeastSquaresLocalizer localizer(d);
   Pose truth;
   truth.translation_m = {7, 5, 1.4};
@@ -293,7 +308,8 @@ RC_GTEST_PROP(EpochFixProperty, FollowsARigidMotionOfTheWorld, ()) {
   const std::vector<Arrival> arrivals = hear(d, random_pose(random), {.noise_s = 1e-5}, random);
   Deployment moved = d;
   for (DeploymentBeacon& b : moved.beacons) b.position_m = M * b.position_m;
-  const Fix here = LeastSquaresLocalizer(d).locate(arrivals), there = LeastSquaresLocalizer(moved).locate(arrivals);
+  const Fix here = LeastSquaresLocalizer(d).locate(arrivals),
+            there = LeastSquaresLocalizer(moved).locate(arrivals);
   RC_ASSERT(here.status == there.status);
   if (!here.ok()) return;
   const Pose expected = M * here.T_map_vehicle;
@@ -321,11 +337,13 @@ RC_GTEST_PROP(EpochFixProperty, DoesNotDependOnTheOrderOfRows, ()) {
 }
 
 /// Fixes of a second epoch, after a first one of as many rows, take no memory.
-void expect_no_allocation(Deployment d, const Hearing& how, const std::vector<Bearing>& bearings, std::mt19937_64& random, bool spatial) {
+void expect_no_allocation(Deployment d, const Hearing& how, const std::vector<Bearing>& bearings,
+                          std::mt19937_64& random, bool spatial) {
   LeastSquaresLocalizer localizer(d);
   const auto pose = [&] {
     if (!spatial) return random_pose(random);
-    return Pose{Eigen::Vector3d(9, 5, 0.8), Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()))};
+    return Pose{Eigen::Vector3d(9, 5, 0.8),
+                Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()))};
   };
   std::vector<std::vector<Arrival>> epochs;
   for (int k = 0; k < 5; ++k) epochs.push_back(hear(d, pose(), how, random));
@@ -346,10 +364,15 @@ TEST(EpochFix, AllocatesNothing) {
   Deployment d = with_octagon(hall());
   // What calibration leaves open, so that its part of the covariance is computed too.
   for (const DeploymentBeacon& b : d.beacons)
-    for (const char* what : {"/x_m", "/y_m", "/delay_s"}) d.covariance.parameters.push_back("beacon/" + b.name + what);
+    for (const char* what : {"/x_m", "/y_m", "/delay_s"})
+      d.covariance.parameters.push_back("beacon/" + b.name + what);
   d.covariance.parameters.push_back("medium/speed_mps");
   d.covariance.matrix = 1e-8 * Eigen::MatrixXd::Identity(25, 25);
-  expect_no_allocation(d, {.noise_s = 1e-5, }, {}, random, false);
+  expect_no_allocation(d,
+                       {
+                           .noise_s = 1e-5,
+                       },
+                       {}, random, false);
   Deployment offset = d;
   offset.timing.clock = Clock::kCycleOffset;
   expect_no_allocation(offset, {.noise_s = 1e-5}, {}, random, false);
@@ -362,7 +385,10 @@ TEST(EpochFix, AllocatesNothing) {
   std::vector<Bearing> bearings;
   for (std::size_t i = 0; i < d.beacons.size(); ++i) {
     const Eigen::Vector3d p = truth.inverse() * d.beacons[i].position_m;
-    bearings.push_back({.bearing_rad = std::atan2(p.y(), p.x()), .reflector = BeaconId(i), .vehicle = VehicleId(0), .epoch = 3});
+    bearings.push_back({.bearing_rad = std::atan2(p.y(), p.x()),
+                        .reflector = BeaconId(i),
+                        .vehicle = VehicleId(0),
+                        .epoch = 3});
   }
   LeastSquaresLocalizer localizer(sees);
   Fix fix;

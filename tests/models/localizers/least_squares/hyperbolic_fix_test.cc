@@ -24,20 +24,22 @@ Three walls(Random& random, double height_m) {
   const Eigen::Vector2d places[8] = {{0, 0}, {5, 0}, {10, 0}, {10, 5}, {10, 10}, {5, 10}, {0, 10}, {0, 5}};
   const auto first = static_cast<int>(random.uniform(0, 8));
   Three three;
-  for (int i = 0; i < 3; ++i) three[static_cast<std::size_t>(i)] = {places[(first + 3 * i) % 8], height_m * random.uniform()};
+  for (int i = 0; i < 3; ++i)
+    three[static_cast<std::size_t>(i)] = {places[(first + 3 * i) % 8], height_m * random.uniform()};
   return three;
 }
 
 std::array<double, 3> distances(const Three& b, const Eigen::Vector2d& p, double offset_m = 0.0) {
-  return {slant_distance_m(b[0], p) + offset_m, slant_distance_m(b[1], p) + offset_m, slant_distance_m(b[2], p) + offset_m};
+  return {slant_distance_m(b[0], p) + offset_m, slant_distance_m(b[1], p) + offset_m,
+          slant_distance_m(b[2], p) + offset_m};
 }
 
 std::array<Eigen::Vector2d, 3> directions(const Three& b, const Eigen::Vector2d& p) {
   return {foreshortened(b[0], p), foreshortened(b[1], p), foreshortened(b[2], p)};
 }
 
-/// For level beacons the step is eq. 4 in the paper's half angles, x with cosines and y with sines, if the second term has
-/// d(d1 - d0): with the printed d(d0 - d1) it goes the other way.
+/// For level beacons the step is eq. 4 in the paper's half angles, x with cosines and y with sines, if the
+/// second term has d(d1 - d0): with the printed d(d0 - d1) it goes the other way.
 TEST(HyperbolicFix, StepIsEquation4) {
   Random random(1);
   for (int k = 0; k < 200; ++k) {
@@ -52,16 +54,18 @@ TEST(HyperbolicFix, StepIsEquation4) {
     }
     const double d12 = 2 * std::sin((psi[0] - psi[2]) / 2) * std::sin((psi[1] - psi[2]) / 2);
     const double d10 = 2 * std::sin((psi[2] - psi[0]) / 2) * std::sin((psi[1] - psi[0]) / 2);
-    const Eigen::Vector2d by_d12 = -Eigen::Vector2d(std::cos((psi[0] + psi[1]) / 2), std::sin((psi[0] + psi[1]) / 2)) / d12;
-    const Eigen::Vector2d by_d10 = -Eigen::Vector2d(std::cos((psi[2] + psi[1]) / 2), std::sin((psi[2] + psi[1]) / 2)) / d10;
+    const Eigen::Vector2d by_d12 =
+        -Eigen::Vector2d(std::cos((psi[0] + psi[1]) / 2), std::sin((psi[0] + psi[1]) / 2)) / d12;
+    const Eigen::Vector2d by_d10 =
+        -Eigen::Vector2d(std::cos((psi[2] + psi[1]) / 2), std::sin((psi[2] + psi[1]) / 2)) / d10;
     // Rounding, enlarged by the same small denominators.
     EXPECT_LT((step->by_d12 - by_d12).norm(), 1e-12 * by_d12.squaredNorm() + 1e-12) << k;
     EXPECT_LT((step->by_d10 - by_d10).norm(), 1e-12 * by_d10.squaredNorm() + 1e-12) << k;
   }
 }
 
-/// Eq. 4 undoes a small move, in space as in the plane: the differences of distances that a move makes, put into the step,
-/// give the move.
+/// Eq. 4 undoes a small move, in space as in the plane: the differences of distances that a move makes, put
+/// into the step, give the move.
 TEST(HyperbolicFix, StepIsTheInverseOfTheDistances) {
   Random random(2);
   for (int k = 0; k < 200; ++k) {
@@ -78,7 +82,8 @@ TEST(HyperbolicFix, StepIsTheInverseOfTheDistances) {
     const Eigen::Matrix2d J = test::numeric_jacobian(differences, p);
     // Central differences at a step of 1 um are good to some 1e-10, times the size of the inverse.
     EXPECT_LT((S * J - Eigen::Matrix2d::Identity()).norm(), 1e-8 * (1 + S.norm())) << k;
-    EXPECT_LT((step->by_distances().rowwise().sum()).norm(), 1e-12 * (1 + S.norm())) << "a common offset must not count";
+    EXPECT_LT((step->by_distances().rowwise().sum()).norm(), 1e-12 * (1 + S.norm()))
+        << "a common offset must not count";
   }
 }
 
@@ -142,7 +147,8 @@ TEST(HyperbolicFix, OtherIntersectionHasTheSameDifferences) {
 }
 
 TEST(HyperbolicFix, ParallelHyperbolasHaveNoIntersection) {
-  // From the extension of the line through two beacons their difference of distances is all baseline, wherever one stands.
+  // From the extension of the line through two beacons their difference of distances is all baseline,
+  // wherever one stands.
   const Three b = {{{{0, 0}, 0}, {{5, 0}, 0}, {{0, 5}, 0}}};
   const Eigen::Vector2d p(8, 0);
   EXPECT_FALSE(hyperbolic_step(directions(b, p)));
@@ -152,7 +158,8 @@ TEST(HyperbolicFix, ParallelHyperbolasHaveNoIntersection) {
 
 TEST(HyperbolicFix, DistancesThatNoPlaceHasDoNotConverge) {
   const Three b = {{{{0, 0}, 0}, {{10, 0}, 0}, {{0, 10}, 0}}};
-  const HyperbolicFix fix = hyperbolic_fix(b, {0.0, 14.0, 3.0}, {4, 4});  // 14 m apart in distance, 10 m apart in the room
+  const HyperbolicFix fix =
+      hyperbolic_fix(b, {0.0, 14.0, 3.0}, {4, 4});  // 14 m apart in distance, 10 m apart in the room
   EXPECT_FALSE(fix.converged);
   EXPECT_TRUE(fix.p_map_m.allFinite());
 }

@@ -24,9 +24,10 @@ using test::Wall;
 constexpr std::uint64_t kSeed = 42;
 
 /// Two rooms with a door between them and an oblique wall; nothing is symmetric.
-const std::vector<Wall> kRooms = {{{0, 0}, {12, 0}},      {{12, 0}, {12, 7}},   {{12, 7}, {9, 9}},      {{9, 9}, {0, 9}},
-                                  {{0, 9}, {0, 0}},       {{6, 0}, {6, 3.5}},   {{6, 5.0}, {6, 9}},     {{2, 3}, {3.5, 3}},
-                                  {{3.5, 3}, {3.5, 4.2}}, {{9, 2.2}, {9, 4.0}}, {{9, 4.0}, {10.4, 4.0}}};
+const std::vector<Wall> kRooms = {{{0, 0}, {12, 0}},    {{12, 0}, {12, 7}},     {{12, 7}, {9, 9}},
+                                  {{9, 9}, {0, 9}},     {{0, 9}, {0, 0}},       {{6, 0}, {6, 3.5}},
+                                  {{6, 5.0}, {6, 9}},   {{2, 3}, {3.5, 3}},     {{3.5, 3}, {3.5, 4.2}},
+                                  {{9, 2.2}, {9, 4.0}}, {{9, 4.0}, {10.4, 4.0}}};
 const std::vector<Wall> kCorridor = {{{-200, 1.1}, {200, 1.1}}, {{-200, -1.1}, {200, -1.1}}};
 
 LineMap map_of(const std::vector<Wall>& walls) {
@@ -42,23 +43,26 @@ struct Drive {
 };
 
 /// Round through both rooms (or straight on), with noisy odometry and a scan each step.
-Drive drive(const std::vector<Wall>& walls, int steps, const OdometryAccuracy& noise, double beam_m, Random& random,
-            bool straight = false) {
+Drive drive(const std::vector<Wall>& walls, int steps, const OdometryAccuracy& noise, double beam_m,
+            Random& random, bool straight = false) {
   Drive d;
   Pose T;
   for (int k = 0; k < steps; ++k) {
     const double a = 2 * M_PI * k / 80;
     // A loop through the door, heading along the track.
-    const auto at = [](double u) { return Eigen::Vector2d(6 + 4.6 * std::cos(u), 4.4 + 1.6 * std::sin(2 * u)); };
+    const auto at = [](double u) {
+      return Eigen::Vector2d(6 + 4.6 * std::cos(u), 4.4 + 1.6 * std::sin(2 * u));
+    };
     const Eigen::Vector2d p = at(a), ahead = at(a + 0.01) - p;
-    const Pose next = straight ? Pose::planar(0.2 * k, 0.1, 0.0) : Pose::planar(p.x(), p.y(), std::atan2(ahead.y(), ahead.x()));
+    const Pose next = straight ? Pose::planar(0.2 * k, 0.1, 0.0)
+                               : Pose::planar(p.x(), p.y(), std::atan2(ahead.y(), ahead.x()));
     OdometryStep step{.time_s = 0.5 * k, .vehicle = VehicleId(0)};
     if (k > 0) {
       const Pose move = T.inverse() * next;
       const double length = move.translation_m.norm(), turn = move.heading_rad();
       const double m = std::hypot(noise.distance_sigma_m_per_sqrt_m * std::sqrt(length), noise.floor_m);
-      const double r =
-          std::hypot(noise.heading_sigma_rad_per_sqrt_m * std::sqrt(length), noise.heading_sigma_per_rad * turn, noise.floor_rad);
+      const double r = std::hypot(noise.heading_sigma_rad_per_sqrt_m * std::sqrt(length),
+                                  noise.heading_sigma_per_rad * turn, noise.floor_rad);
       step.dx_m = move.translation_m.x() + m * random.normal();
       step.dy_m = move.translation_m.y() + m * random.normal();
       step.dheading_rad = turn + r * random.normal();
@@ -91,7 +95,8 @@ TEST(LineMap, IsBuiltFromScansAtKnownPoses) {
     bool is_wall = false;
     for (const Wall& w : kRooms) {
       const MapLine truth = wall(w.from_m, w.to_m);
-      is_wall = is_wall || may_join(truth.segment, line.segment, {.angle_rad = 0.05, .offset_m = 0.03, .gap_m = 0.0});
+      is_wall = is_wall ||
+                may_join(truth.segment, line.segment, {.angle_rad = 0.05, .offset_m = 0.03, .gap_m = 0.0});
     }
     EXPECT_TRUE(is_wall) << line.segment.from_m.transpose() << " - " << line.segment.to_m.transpose();
   }
@@ -104,7 +109,8 @@ TEST(LineMap, CorrectsOdometry) {
   Random random(kSeed);
   const Drive d = drive(kRooms, 160, kOdometry, 0.01, random);
   const TimedPose start{0.0, d.truth[0]};
-  const auto corrected = LineMapLocalizer(map_of(kRooms)).locate(d.scans, d.odometry, kOdometry, start, kStart);
+  const auto corrected =
+      LineMapLocalizer(map_of(kRooms)).locate(d.scans, d.odometry, kOdometry, start, kStart);
   const auto alone = LineMapLocalizer(LineMap{}).locate(d.scans, d.odometry, kOdometry, start, kStart);
   ASSERT_EQ(corrected.size(), d.scans.size());
   double with = 0.0, without = 0.0;
@@ -125,13 +131,15 @@ TEST(LineMap, CorrectsNothingAlongACorridor) {
   const Drive d = drive(kCorridor, 100, kOdometry, 0.01, random, true);
   const TimedPose start{0.0, d.truth[0]};
   LineMapOptions options;
-  const auto fixes = LineMapLocalizer(map_of(kCorridor), options).locate(d.scans, d.odometry, kOdometry, start, kStart);
-  const auto alone = LineMapLocalizer(LineMap{}, options).locate(d.scans, d.odometry, kOdometry, start, kStart);
+  const auto fixes =
+      LineMapLocalizer(map_of(kCorridor), options).locate(d.scans, d.odometry, kOdometry, start, kStart);
+  const auto alone =
+      LineMapLocalizer(LineMap{}, options).locate(d.scans, d.odometry, kOdometry, start, kStart);
   const Fix& last = fixes.back();
   EXPECT_LT(std::sqrt(last.covariance(1, 1)), 0.1);
   EXPECT_LT(std::abs(error(last, d.truth.back()).y()), 0.1);
-  // Along x: the steps' own noise adds up, 0.05 m per sqrt(m) over 20 m and 0.05 m each of 99 steps, as without the map; but
-  // for what heading adds without it.
+  // Along x: the steps' own noise adds up, 0.05 m per sqrt(m) over 20 m and 0.05 m each of 99 steps, as
+  // without the map; but for what heading adds without it.
   const double steps_variance = 0.0025 * 0.2 * 99 + 0.0025 * 99 + 4e-4 + 1e-8 * 99;
   EXPECT_NEAR(last.covariance(0, 0), steps_variance, 0.02 * steps_variance);
   EXPECT_GE(alone.back().covariance(0, 0), 0.99 * steps_variance);
@@ -161,7 +169,8 @@ TEST(LineMap, CovarianceIsHonest) {
       const Eigen::Vector2d shift = 0.03 * random.normal() * normal;
       w = {middle + turn * (w.from_m - middle) + shift, middle + turn * (w.to_m - middle) + shift};
     }
-    const auto fixes = LineMapLocalizer(map_of(drawn), options).locate(d.scans, d.odometry, kOdometry, {0.0, d.truth[0]}, kStart);
+    const auto fixes = LineMapLocalizer(map_of(drawn), options)
+                           .locate(d.scans, d.odometry, kOdometry, {0.0, d.truth[0]}, kStart);
     if (!fixes.back().ok()) continue;
     const Eigen::Vector3d e = error(fixes.back(), d.truth.back());
     nees += e.dot(Eigen::Matrix3d(fixes.back().covariance).inverse() * e);
@@ -169,7 +178,8 @@ TEST(LineMap, CovarianceIsHonest) {
   }
   std::cout << "NEES over degrees of freedom " << nees / (3 * count) << "\n";
   EXPECT_GE(count, kDrives - 2);
-  // The walls' errors are taken as fully correlated from scan to scan, an upper bound: not above chi-square, but below it.
+  // The walls' errors are taken as fully correlated from scan to scan, an upper bound: not above chi-square,
+  // but below it.
   EXPECT_LT(nees, test::chi2_quantile(0.999, 3 * count));
   EXPECT_GT(nees, 0.2 * 3 * count);
 }
@@ -189,7 +199,8 @@ TEST(LineMap, PointsSpeakForAndAgainstAPose) {
   EXPECT_EQ(support.through, 1);
 }
 
-/// Started between two places that fit equally well (pillars 0.8 m apart), the right one is found once the end wall is seen.
+/// Started between two places that fit equally well (pillars 0.8 m apart), the right one is found once the
+/// end wall is seen.
 TEST(LineMap, FollowsSeveralPosesUntilOneIsClear) {
   Random random(kSeed + 5);
   std::vector<Wall> walls = {{{-20, 1.5}, {12, 1.5}}, {{-20, -1.5}, {12, -1.5}}, {{12, -1.5}, {12, 1.5}}};
@@ -200,7 +211,8 @@ TEST(LineMap, FollowsSeveralPosesUntilOneIsClear) {
   LineMapOptions options;
   const Pose off = Pose::planar(0.42, 0.1, 0.0);
   const PoseAccuracy rough{.position_sigma_m = 0.4, .heading_sigma_rad = 0.02};
-  const auto fixes = LineMapLocalizer(map_of(walls), options).locate(d.scans, d.odometry, kOdometry, {0.0, off}, rough);
+  const auto fixes =
+      LineMapLocalizer(map_of(walls), options).locate(d.scans, d.odometry, kOdometry, {0.0, off}, rough);
   EXPECT_LT(error(fixes.back(), d.truth.back()).head<2>().norm(), 0.1);
   std::cout << "first status " << to_string(fixes.front().status) << ", last error "
             << error(fixes.back(), d.truth.back()).transpose() << "\n";
@@ -227,7 +239,8 @@ TEST(LineMap, LivesWithEmptyScansAndOdometryGaps) {
   d.scans[5].range_m.assign(181, std::nan(""));
   d.scans[6].range_m.clear();
   d.odometry.erase(d.odometry.begin() + 12, d.odometry.end());
-  const auto fixes = LineMapLocalizer(map_of(kRooms)).locate(d.scans, d.odometry, kOdometry, {0.0, d.truth[0]}, kStart);
+  const auto fixes =
+      LineMapLocalizer(map_of(kRooms)).locate(d.scans, d.odometry, kOdometry, {0.0, d.truth[0]}, kStart);
   ASSERT_EQ(fixes.size(), d.scans.size());
   for (const Fix& fix : fixes)
     EXPECT_TRUE(Eigen::Matrix3d(fix.covariance).allFinite() && fix.T_map_vehicle.translation_m.allFinite());
@@ -240,7 +253,8 @@ TEST(LineMap, FromOneRunToTheNext) {
   MeasurementLog first, second;
   const Drive a = drive(kRooms, 80, kOdometry, 0.01, random), b = drive(kRooms, 60, kOdometry, 0.01, random);
   first.scans = a.scans;
-  for (std::size_t k = 0; k < a.truth.size(); ++k) first.poses.push_back({0.5 * static_cast<double>(k), a.truth[k]});
+  for (std::size_t k = 0; k < a.truth.size(); ++k)
+    first.poses.push_back({0.5 * static_cast<double>(k), a.truth[k]});
   const auto map = build_line_map(first);
   ASSERT_TRUE(map) << map.error().message();
   second.scans = b.scans;

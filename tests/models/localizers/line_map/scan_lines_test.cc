@@ -30,8 +30,8 @@ struct Row {
 };
 constexpr std::array<Row, 3> kTable1 = {{{8700, 92}, {4600, 1}, {1600, 178}}};
 
-/// A driveway that has these lines: the building ahead (92 deg) and a wall on either side, seen by a scanner of 190 degrees and
-/// 80 m with half a degree between beams (LMS511), which looks along +y.
+/// A driveway that has these lines: the building ahead (92 deg) and a wall on either side, seen by a scanner
+/// of 190 degrees and 80 m with half a degree between beams (LMS511), which looks along +y.
 std::vector<Wall> driveway() {
   std::vector<Wall> walls;
   const double from[3] = {-1.9, -5.0, -8.5}, to[3] = {4.8, 8.5, 0.5};
@@ -45,8 +45,10 @@ std::vector<Wall> driveway() {
   return walls;
 }
 Scan driveway_scan(double noise_m, Random& random) {
-  return scan_of(driveway(), Pose(),
-                 {.angle_min_rad = -5 * kDegree, .step_rad = 0.5 * kDegree, .beams = 381, .range_max_m = 80.0}, noise_m, random);
+  return scan_of(
+      driveway(), Pose(),
+      {.angle_min_rad = -5 * kDegree, .step_rad = 0.5 * kDegree, .beams = 381, .range_max_m = 80.0}, noise_m,
+      random);
 }
 
 TEST(Table1, HoughFindsTheThreeLines) {
@@ -56,27 +58,31 @@ TEST(Table1, HoughFindsTheThreeLines) {
   for (const Row& row : kTable1) {
     bool is_found = false;
     for (const HoughLine& found : lines) {
-      // A cell is 1 degree by 0.1 m; the best may be a neighbour of the true one in angle, two where points are near.
+      // A cell is 1 degree by 0.1 m; the best may be a neighbour of the true one in angle, two where points
+      // are near.
       is_found = is_found || (std::abs(found.line.alpha_rad / kDegree - row.alpha_deg) < 1.01 &&
                               std::abs(1000 * found.line.c_m - row.c_mm) < 101);
     }
     EXPECT_TRUE(is_found) << row.c_mm << " " << row.alpha_deg;
   }
   for (const HoughLine& found : lines)
-    std::cout << 1000 * found.line.c_m << " mm at " << found.line.alpha_rad / kDegree << " deg, " << found.points << " points\n";
+    std::cout << 1000 * found.line.c_m << " mm at " << found.line.alpha_rad / kDegree << " deg, "
+              << found.points << " points\n";
 }
 
 TEST(Table1, IterativeSegmentsAreFiner) {
   Random random(2);
   const auto segments = scan_segments(driveway_scan(0.02, random), {.split_m = 0.08});
   for (const LineSegment& s : segments)
-    std::cout << 1000 * s.line.c_m << " mm at " << s.line.alpha_rad / kDegree << " deg, " << s.count << " points, "
-              << s.length_m() << " m\n";
+    std::cout << 1000 * s.line.c_m << " mm at " << s.line.alpha_rad / kDegree << " deg, " << s.count
+              << " points, " << s.length_m() << " m\n";
   for (const Row& row : kTable1) {
-    // Each wall's largest segment: 20 mm noise over 40 points or more leaves 10 mm and 0.2 degrees, at three sigma.
+    // Each wall's largest segment: 20 mm noise over 40 points or more leaves 10 mm and 0.2 degrees, at three
+    // sigma.
     const LineSegment* largest = nullptr;
     for (const LineSegment& s : segments)
-      if (std::abs(s.line.alpha_rad / kDegree - row.alpha_deg) < 3 && (largest == nullptr || s.count > largest->count))
+      if (std::abs(s.line.alpha_rad / kDegree - row.alpha_deg) < 3 &&
+          (largest == nullptr || s.count > largest->count))
         largest = &s;
     ASSERT_NE(largest, nullptr) << row.alpha_deg;
     EXPECT_NEAR(1000 * largest->line.c_m, row.c_mm, 12);
@@ -109,7 +115,10 @@ TEST(Segments, SplitAtTheCorner) {
 }
 
 TEST(Segments, LeaveOutWhatSawNothing) {
-  Scan scan{.time_s = 0, .angle_min_rad = 0, .angle_increment_rad = 0.1, .range_m = {1.0, std::nan(""), 80.0, -1.0, 2.0}};
+  Scan scan{.time_s = 0,
+            .angle_min_rad = 0,
+            .angle_increment_rad = 0.1,
+            .range_m = {1.0, std::nan(""), 80.0, -1.0, 2.0}};
   EXPECT_EQ(scan_points(scan, {.range_max_m = 80.0}).size(), 2u);
 }
 
@@ -137,7 +146,8 @@ TEST(Segments, JoinAndMove) {
 TEST(Segments, LinkAcrossScans) {
   Random random(4);
   const auto walls = driveway();
-  const test::Scanner scanner{.angle_min_rad = -5 * kDegree, .step_rad = 0.5 * kDegree, .beams = 381, .range_max_m = 80.0};
+  const test::Scanner scanner{
+      .angle_min_rad = -5 * kDegree, .step_rad = 0.5 * kDegree, .beams = 381, .range_max_m = 80.0};
   const Pose next = Pose::planar(0.1, 0.4, 0.05);
   const auto before = scan_segments(scan_of(walls, Pose(), scanner, 0.01, random));
   const auto current = scan_segments(scan_of(walls, next, scanner, 0.01, random));
@@ -148,19 +158,23 @@ TEST(Segments, LinkAcrossScans) {
     if (!links[i]) continue;
     ++linked;
     const LineSegment here = transformed(current[i], next);
-    EXPECT_LT(std::abs(std::remainder(here.line.alpha_rad - before[*links[i]].line.alpha_rad, std::numbers::pi)), 0.05);
+    EXPECT_LT(
+        std::abs(std::remainder(here.line.alpha_rad - before[*links[i]].line.alpha_rad, std::numbers::pi)),
+        0.05);
   }
   EXPECT_GE(linked, 3);
   // Without the motion between the scans they do not fit: 0.4 m ahead is more than the gate of 0.15 m.
   const auto still = link_segments(before, current, Pose());
-  EXPECT_LT(std::count_if(still.begin(), still.end(), [](const auto& link) { return link.has_value(); }), linked);
+  EXPECT_LT(std::count_if(still.begin(), still.end(), [](const auto& link) { return link.has_value(); }),
+            linked);
 }
 
 TEST(Odometry, Equation1IsAnArcInShortSteps) {
   const BodySpeed body = body_speed(0.45, 0.55, 0.5);
   EXPECT_DOUBLE_EQ(body.speed_mps, 0.5);
   EXPECT_DOUBLE_EQ(body.turn_rate_radps, 0.2);
-  const double total_s = 10.0, radius = body.speed_mps / body.turn_rate_radps, turn = total_s * body.turn_rate_radps;
+  const double total_s = 10.0, radius = body.speed_mps / body.turn_rate_radps,
+               turn = total_s * body.turn_rate_radps;
   const Eigen::Vector2d truth(radius * std::sin(turn), radius * (1 - std::cos(turn)));
   double before = 0.0;
   for (const int steps : {100, 200, 400}) {
@@ -179,9 +193,11 @@ TEST(Odometry, Equation1IsAnArcInShortSteps) {
 
 TEST(Odometry, CovarianceIsConsistent) {
   Random random(5);
-  const OdometryAccuracy accuracy{
-      .distance_sigma_m_per_sqrt_m = 0.02, .heading_sigma_rad_per_sqrt_m = 0.03, .heading_sigma_per_rad = 0.05};
-  std::vector<OdometryStep> steps(40, {.time_s = 0, .dx_m = 0.1, .dy_m = 0.01, .dheading_rad = 0.02, .vehicle = {}});
+  const OdometryAccuracy accuracy{.distance_sigma_m_per_sqrt_m = 0.02,
+                                  .heading_sigma_rad_per_sqrt_m = 0.03,
+                                  .heading_sigma_per_rad = 0.05};
+  std::vector<OdometryStep> steps(
+      40, {.time_s = 0, .dx_m = 0.1, .dy_m = 0.01, .dheading_rad = 0.02, .vehicle = {}});
   OdometryState mean;
   for (const OdometryStep& s : steps) advance(mean, s, accuracy);
   double sum = 0.0;
@@ -191,15 +207,17 @@ TEST(Odometry, CovarianceIsConsistent) {
     Pose T;
     for (const OdometryStep& s : steps) {
       const double d = std::hypot(s.dx_m, s.dy_m);
-      const double m = std::hypot(0.02 * std::sqrt(d), 1e-4), r = std::hypot(0.03 * std::sqrt(d), 0.05 * s.dheading_rad, 1e-4);
-      T = T * Pose::planar(s.dx_m + m * random.normal(), s.dy_m + m * random.normal(), s.dheading_rad + r * random.normal());
+      const double m = std::hypot(0.02 * std::sqrt(d), 1e-4),
+                   r = std::hypot(0.03 * std::sqrt(d), 0.05 * s.dheading_rad, 1e-4);
+      T = T * Pose::planar(s.dx_m + m * random.normal(), s.dy_m + m * random.normal(),
+                           s.dheading_rad + r * random.normal());
     }
     const Eigen::Vector3d e(T.translation_m.x() - mean.p_map_m.x(), T.translation_m.y() - mean.p_map_m.y(),
                             wrap_angle(T.heading_rad() - mean.heading_rad));
     sum += e.dot(information * e);
   }
-  // 1000 times 3 degrees of freedom: sigma of the mean is sqrt(2 / 3000) of it, and the linearisation's second order in a
-  // heading sigma of 0.06 rad is some per cent of a sigma.
+  // 1000 times 3 degrees of freedom: sigma of the mean is sqrt(2 / 3000) of it, and the linearisation's
+  // second order in a heading sigma of 0.06 rad is some per cent of a sigma.
   EXPECT_NEAR(sum / (3 * kRuns), 1.0, 4 * std::sqrt(2.0 / (3 * kRuns)));
 }
 

@@ -17,7 +17,8 @@ namespace {
 using Point = Eigen::Vector2d;
 
 constexpr std::uint64_t kSeed = 288;
-/// Rounding of ranges of some metres, 1e-15, magnified by distance over baseline (30) and in turn by the flattest place (10).
+/// Rounding of ranges of some metres, 1e-15, magnified by distance over baseline (30) and in turn by the
+/// flattest place (10).
 constexpr double kExact_m = 1e-9;
 
 /// Receivers 0.4 m apart along x at uneven heights; beacons on both sides.
@@ -25,7 +26,8 @@ Deployment site(const std::vector<Eigen::Vector3d>& beacons) {
   return test::ranging_site(beacons, {{-0.2, 0.03, 0.5}, {0.2, 0.03, 0.6}});
 }
 
-std::vector<Arrival> arrivals_at(const Deployment& d, const Pose& truth, double noise_s = 0.0, std::uint64_t seed = kSeed) {
+std::vector<Arrival> arrivals_at(const Deployment& d, const Pose& truth, double noise_s = 0.0,
+                                 std::uint64_t seed = kSeed) {
   std::mt19937_64 random(seed);
   return test::hear(d, truth, {.range_m = 100.0, .noise_s = noise_s}, random, 4, 1.0);
 }
@@ -47,14 +49,17 @@ void expect_pose(const Fix& fix, const Pose& truth) {
   EXPECT_LT(std::abs(wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad())), kExact_m);
 }
 
-bool on_the_left(const Pose& truth, const Eigen::Vector3d& beacon) { return (truth.inverse() * beacon).y() > 0.5; }
+bool on_the_left(const Pose& truth, const Eigen::Vector3d& beacon) {
+  return (truth.inverse() * beacon).y() > 0.5;
+}
 
 TEST(BeaconInRobotFrame, SolvesEquation4) {
   for (double x = -6; x < 6; x += 0.37) {
     for (double y = 0.4; y < 8; y += 0.31) {
       for (const double sign : {1.0, -1.0}) {
         const Point p(x, sign * y);
-        const auto found = beacon_in_robot_frame(0.2, (p - Point(-0.2, 0)).norm(), (p - Point(0.2, 0)).norm(), sign > 0);
+        const auto found =
+            beacon_in_robot_frame(0.2, (p - Point(-0.2, 0)).norm(), (p - Point(0.2, 0)).norm(), sign > 0);
         ASSERT_TRUE(found);
         // Rounding times distance over baseline, and over the height where it is small.
         EXPECT_LT((*found - p).norm(), 1e-11);
@@ -85,9 +90,10 @@ TEST(OneBeacon, IsExactWithKnownHeading) {
         const Pose truth = Pose::planar(x, y, wrap_angle(0.2 + k * M_PI / 4));
         const double side_m = (truth.inverse() * d.beacons[0].position_m).y();
         if (std::abs(side_m) < 0.5) continue;  // in line with the receivers nothing is left of the height
-        const Fix fix = locate(
-            d, arrivals_at(d, truth),
-            {.heading_rad = truth.heading_rad(), .facing = side_m > 0 ? Facing::kLeft : Facing::kRight, .max_sigma_m = 100.0});
+        const Fix fix = locate(d, arrivals_at(d, truth),
+                               {.heading_rad = truth.heading_rad(),
+                                .facing = side_m > 0 ? Facing::kLeft : Facing::kRight,
+                                .max_sigma_m = 100.0});
         expect_pose(fix, truth);
         EXPECT_EQ(fix.arrivals_used, 2);
         EXPECT_EQ(fix.epoch, 4);
@@ -102,7 +108,8 @@ TEST(OneBeacon, TwoBeaconsTellTheHeading) {
     for (double y = 0; y < 4; y += 0.7) {
       for (int k = 0; k < 12; ++k) {
         const Pose truth = Pose::planar(x, y, wrap_angle(k * M_PI / 6));
-        if (!on_the_left(truth, d.beacons[0].position_m) || !on_the_left(truth, d.beacons[1].position_m)) continue;
+        if (!on_the_left(truth, d.beacons[0].position_m) || !on_the_left(truth, d.beacons[1].position_m))
+          continue;
         expect_pose(locate(d, arrivals_at(d, truth)), truth);
       }
     }
@@ -142,7 +149,8 @@ TEST(OneBeacon, EitherSideOfASingleBeaconNeedsTheLastPosition) {
 TEST(OneBeacon, TheHeadingOfAStraightRailAndOfOdometryServe) {
   Deployment d = site({{3, 4, 2.0}});
   const Pose truth = Pose::planar(2, 1, 0.25);
-  EXPECT_EQ(locate(d, arrivals_at(d, truth)).status, FixStatus::kTooFewArrivals) << "two ranges for three unknowns";
+  EXPECT_EQ(locate(d, arrivals_at(d, truth)).status, FixStatus::kTooFewArrivals)
+      << "two ranges for three unknowns";
   OneBeacon told(d);
   told.set_heading(0.25, 1e-3);
   expect_pose(locate(told, arrivals_at(d, truth)), truth);
@@ -175,7 +183,8 @@ TEST(OneBeacon, CovarianceIsThatOfNumericDerivatives) {
       const Fix fix = locate(*localizer, arrivals);
       ASSERT_TRUE(fix.ok());
       const Eigen::Matrix3d numeric = test::numeric_covariance(*localizer, arrivals, 1e-7);
-      // Central differences over 1e-8 s; the exact heading is a weight of 1e18; noise of 1e-7 s bends nothing.
+      // Central differences over 1e-8 s; the exact heading is a weight of 1e18; noise of 1e-7 s bends
+      // nothing.
       EXPECT_LT((Eigen::Matrix3d(fix.covariance) - numeric).norm(), 1e-4 * numeric.norm());
     }
   }
@@ -193,7 +202,8 @@ TEST(OneBeacon, NoiseStaysWithinWhatIsStated) {
     const Pose truth = Pose::planar(x(random), y(random), heading(random));
     known.set_heading(truth.heading_rad() + 2e-3 * normal(random), 2e-3);
     for (auto* localizer : {&known, &solved}) {
-      auto arrivals = test::hear(localizer == &known ? one : two, truth, {.range_m = 100.0, .noise_s = 1e-5}, random);
+      auto arrivals =
+          test::hear(localizer == &known ? one : two, truth, {.range_m = 100.0, .noise_s = 1e-5}, random);
       localizer->forget();
       const Fix fix = locate(*localizer, arrivals);
       ASSERT_TRUE(fix.ok()) << i << " " << to_string(fix.status);
@@ -262,7 +272,8 @@ TEST(OneBeacon, TheRulesTakeEchoesOut) {
     echo.time_s += 0.03;
     arrivals.push_back(echo);
   }
-  std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
+  std::sort(arrivals.begin(), arrivals.end(),
+            [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
   const Fix fix = locate(d, arrivals, {.heading_rad = 0.1, .gates = {.min_m = 0.6, .max_m = 9.0}});
   expect_pose(fix, truth);
   EXPECT_EQ(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kReflection), 2);
@@ -314,7 +325,8 @@ TEST(OneBeacon, SaysWhatADeploymentLacks) {
   EXPECT_EQ(words(site({{0, 5, 2.0}}), {.heading_rad = 0.0}), "");
   EXPECT_NE(words(site({{0, 5, 2.0}})).find("does not tell the heading"), std::string::npos);
   EXPECT_NE(words(site({})).find("no usable beacon"), std::string::npos);
-  EXPECT_NE(words(test::ranging_site({{0, 5, 2}, {6, 5, 2}}, {{0, 0, 1}})).find("two receivers"), std::string::npos);
+  EXPECT_NE(words(test::ranging_site({{0, 5, 2}, {6, 5, 2}}, {{0, 0, 1}})).find("two receivers"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -19,7 +19,8 @@ namespace {
 using Point = Eigen::Vector2d;
 
 constexpr std::uint64_t kSeed = 291;
-/// Rounding of ranges and places of some tens of metres, magnified where a range hardly changes with the place (a hundred times).
+/// Rounding of ranges and places of some tens of metres, magnified where a range hardly changes with the
+/// place (a hundred times).
 constexpr double kExact_m = 1e-9;
 
 const Rail kStraight{.from_m = {1.0, 0.5}, .to_m = {39.0, 2.5}};
@@ -35,8 +36,8 @@ Deployment on_rail(const Rail& rail, const std::vector<Eigen::Vector3d>& beacons
 std::vector<Arrival> arrivals_at(const Deployment& d, double s_m, double noise_s = 0.0, double time_s = 0.0,
                                  double range_m = 100.0, std::uint64_t seed = kSeed) {
   std::mt19937_64 random(seed);
-  return test::hear(d, rail_point(*d.vehicles[0].rail, s_m).T_map_vehicle, {.range_m = range_m, .noise_s = noise_s}, random, 9,
-                    time_s);
+  return test::hear(d, rail_point(*d.vehicles[0].rail, s_m).T_map_vehicle,
+                    {.range_m = range_m, .noise_s = noise_s}, random, 9, time_s);
 }
 
 Fix locate(RailLocalizer& localizer, const std::vector<Arrival>& arrivals) {
@@ -66,7 +67,9 @@ TEST(RailPath, FollowsItsLine) {
       by_s << (b.translation_m - a.translation_m).head<2>(), wrap_angle(b.heading_rad() - a.heading_rad());
       EXPECT_LT((by_s / (2 * h) - rail_point(rail, s).by_s).norm(), 1e-8) << "central differences";
       const Eigen::Vector2d along = rail_point(rail, s).by_s.head<2>();
-      EXPECT_NEAR(wrap_angle(std::atan2(along.y(), along.x()) - rail_point(rail, s).T_map_vehicle.heading_rad()), 0, 1e-14);
+      EXPECT_NEAR(
+          wrap_angle(std::atan2(along.y(), along.x()) - rail_point(rail, s).T_map_vehicle.heading_rad()), 0,
+          1e-14);
     }
   }
   EXPECT_NEAR(rail_wrapped_m(kArc, rail_length_m(kArc) + 0.5), 0.5, 1e-14);
@@ -81,13 +84,14 @@ TEST(RailPlaces, AreAtTheRange) {
       ASSERT_EQ(places.count, 2);
       EXPECT_NEAR(distance_m(places.s_m[0]), distance_m(s), 1e-12);
       EXPECT_NEAR(distance_m(places.s_m[1]), distance_m(s), 1e-12);
-      const double nearest_m =
-          std::min(std::abs(rail_wrapped_m(rail, places.s_m[0] - s)), std::abs(rail_wrapped_m(rail, places.s_m[1] - s)));
+      const double nearest_m = std::min(std::abs(rail_wrapped_m(rail, places.s_m[0] - s)),
+                                        std::abs(rail_wrapped_m(rail, places.s_m[1] - s)));
       EXPECT_LT(nearest_m, kExact_m) << s;
     }
     EXPECT_EQ(rail_places(rail, o, p, 0.5, 0.01).count, 0) << "nearer than the rail comes";
   }
-  EXPECT_EQ(rail_places(kArc, o, {6, 5, 2}, 4.3, 0.01).count, 0) << "above the centre all places are equally far";
+  EXPECT_EQ(rail_places(kArc, o, {6, 5, 2}, 4.3, 0.01).count, 0)
+      << "above the centre all places are equally far";
 }
 
 TEST(ArcRail, AnglesAreThoseOfTheTriangle) {
@@ -111,7 +115,8 @@ TEST(ArcRail, AStepIsRightToFirstOrder) {
   const double alpha = 0.9;
   double before_m = 0.0;
   for (double step = 0.08; step > 0.001; step /= 2) {
-    const auto next = arc_step(arc, {at(alpha).norm(), arc_angles(arc, at(alpha).norm())->phi_rad}, at(alpha - step).norm());
+    const auto next = arc_step(arc, {at(alpha).norm(), arc_angles(arc, at(alpha).norm())->phi_rad},
+                               at(alpha - step).norm());
     ASSERT_TRUE(next);
     const double error_m = (arc_position_m(*next) - at(alpha - step)).norm();
     // Half the step, a quarter of the error; 10 % for the third order.
@@ -140,11 +145,13 @@ TEST(Rail, TwoReceiversTellTheSideOfASingleBeacon) {
     for (double s = -11; s < 12; s += 0.23) {
       if (rail.shape == Rail::Shape::kStraight && s < 0) continue;
       const Fix fix = locate(d, arrivals_at(d, s));
-      if (fix.status == FixStatus::kAmbiguous || fix.status == FixStatus::kPoorGeometry) continue;  // abreast; counted below
+      if (fix.status == FixStatus::kAmbiguous || fix.status == FixStatus::kPoorGeometry)
+        continue;  // abreast; counted below
       expect_at(fix, rail, s);
     }
   }
-  // Half a metre apart and 3.4 mm a range, abreast of a beacon 6 m away: both places merge into one within 0.2 m.
+  // Half a metre apart and 3.4 mm a range, abreast of a beacon 6 m away: both places merge into one within
+  // 0.2 m.
   const Deployment d = on_rail(kStraight, {{9.0, 7.5, 2.0}});
   int without = 0;
   for (double s = 0; s < 38; s += 0.1) without += locate(d, arrivals_at(d, s)).ok() ? 0 : 1;
@@ -164,7 +171,8 @@ TEST(Rail, OneReceiverLeavesTwoPlacesUnlessTheLastPositionTells) {
   expect_at(locate(localizer, later), kStraight, 5.6);
   auto much_later = arrivals_at(d, 5.6, 0.0, 100.0);
   much_later.resize(1);
-  EXPECT_EQ(locate(localizer, much_later).status, FixStatus::kAmbiguous) << "it may have gone past the beacon";
+  EXPECT_EQ(locate(localizer, much_later).status, FixStatus::kAmbiguous)
+      << "it may have gone past the beacon";
 }
 
 TEST(Rail, IsExactOnAnArc) {
@@ -183,10 +191,12 @@ TEST(Rail, ThePublishedArcStepFallsBehindTheExactOneBySecondOrder) {
       expect_at(locate(exact, arrivals), kArc, i * step_m);
       const Fix fix = locate(published, arrivals);
       ASSERT_TRUE(fix.ok());
-      worst_m =
-          std::max(worst_m, (fix.T_map_vehicle.translation_m - rail_point(kArc, i * step_m).T_map_vehicle.translation_m).norm());
+      worst_m = std::max(worst_m, (fix.T_map_vehicle.translation_m -
+                                   rail_point(kArc, i * step_m).T_map_vehicle.translation_m)
+                                      .norm());
     }
-    RecordProperty("published_worst_mm_at_step_" + std::to_string(static_cast<int>(1e3 * step_m)), std::to_string(1e3 * worst_m));
+    RecordProperty("published_worst_mm_at_step_" + std::to_string(static_cast<int>(1e3 * step_m)),
+                   std::to_string(1e3 * worst_m));
     EXPECT_GT(worst_m, 1e-6);
     if (before_m > 0) {
       EXPECT_LT(worst_m, 0.5 * before_m);  // second order: a quarter, and what the last step left
@@ -243,8 +253,8 @@ TEST(Rail, EchoesAreLeftOutAsLate) {
     const Fix fix = locate(d, arrivals);
     expect_at(fix, kStraight, s);
     EXPECT_EQ(fix.rejections[0], Rejection::kLate);
-    const auto echoes =
-        std::count_if(arrivals.begin(), arrivals.end(), [&](const Arrival& a) { return a.beacon == arrivals[0].beacon; });
+    const auto echoes = std::count_if(arrivals.begin(), arrivals.end(),
+                                      [&](const Arrival& a) { return a.beacon == arrivals[0].beacon; });
     EXPECT_EQ(fix.arrivals_rejected, echoes);
   }
 }
@@ -286,7 +296,8 @@ TEST(Rail, OfTwoRangesTheOneThatWouldBeEarlyIsRight) {
 }
 
 TEST(Rail, AShadowedBeaconPaysOnce) {
-  // A behind is late at both receivers, B ahead is heard by one: two ranges do not outvote one, because they share an obstacle.
+  // A behind is late at both receivers, B ahead is heard by one: two ranges do not outvote one, because they
+  // share an obstacle.
   const Deployment d = on_rail(kStraight, {{1.5, 3.0, 2.0}, {38.5, 5.0, 2.0}});
   auto arrivals = arrivals_at(d, 20.0);
   ASSERT_EQ(arrivals.size(), 4u);
@@ -315,7 +326,8 @@ TEST(Rail, WhereNothingIsKnownTheReasonIs) {
   const auto all = arrivals_at(d, 5.0);
   EXPECT_EQ(locate(d, {all[0]}).status, FixStatus::kAmbiguous);
   const Deployment end = on_rail(kStraight, {{-1.0, 0.4, 2.0}});
-  EXPECT_EQ(locate(end, {arrivals_at(end, 5.0)[0]}).status, FixStatus::kTooFewArrivals) << "one place, and nothing to confirm it";
+  EXPECT_EQ(locate(end, {arrivals_at(end, 5.0)[0]}).status, FixStatus::kTooFewArrivals)
+      << "one place, and nothing to confirm it";
   auto echoes = all;
   for (std::size_t i = 0; i < echoes.size(); ++i) echoes[i].tof_s += 4e-3 * static_cast<double>(1 + i * i);
   EXPECT_FALSE(locate(d, echoes).ok());
@@ -359,7 +371,8 @@ TEST(Rail, SaysWhatADeploymentLacks) {
   EXPECT_NE(words(on_rail(kStraight, {})).find("no usable beacon"), std::string::npos);
 }
 
-/// The paper's greenhouse: 40 m, ten beacons on walls or beams, receivers on both sides of the robot's middle.
+/// The paper's greenhouse: 40 m, ten beacons on walls or beams, receivers on both sides of the robot's
+/// middle.
 Scenario greenhouse() {
   Scenario s;
   s.site.name = "greenhouse";
@@ -385,7 +398,8 @@ Scenario greenhouse() {
   return s;
 }
 
-/// Figure 7: along the whole rail no serious fault; the paper's larger errors are where one beacon's range ends.
+/// Figure 7: along the whole rail no serious fault; the paper's larger errors are where one beacon's range
+/// ends.
 TEST(Figure7, NoGrossFaultAlongTheGreenhouse) {
   const World world = test::must(simulate(greenhouse(), 5));
   RailLocalizer rail(world.truth, {.max_speed_mps = 0.5});
@@ -398,8 +412,8 @@ TEST(Figure7, NoGrossFaultAlongTheGreenhouse) {
     for (int k = 0; k < 201; ++k) {
       std::size_t end = begin;
       while (end < world.heldout.arrivals.size() && world.heldout.arrivals[end].epoch == k) ++end;
-      const Fix fix =
-          localizer->locate({.arrivals = std::span(world.heldout.arrivals).subspan(begin, end - begin), .bearings = {}});
+      const Fix fix = localizer->locate(
+          {.arrivals = std::span(world.heldout.arrivals).subspan(begin, end - begin), .bearings = {}});
       begin = end;
       ASSERT_TRUE(fix.ok()) << k << " " << to_string(fix.status);
       const double error_m = fix.T_map_vehicle.translation_m.x() - 0.2 * k;
@@ -407,14 +421,16 @@ TEST(Figure7, NoGrossFaultAlongTheGreenhouse) {
       worst_m = std::max(worst_m, std::abs(error_m));
       z2 += error_m * error_m / fix.covariance(0, 0);
       // One of 201 beyond its sigma by so much comes by chance once in a thousand runs.
-      EXPECT_LT(error_m * error_m / fix.covariance(0, 0), test::chi2_quantile(1 - 1e-3 / 201, 1)) << name << " " << k;
+      EXPECT_LT(error_m * error_m / fix.covariance(0, 0), test::chi2_quantile(1 - 1e-3 / 201, 1))
+          << name << " " << k;
       ++fixes;
     }
     RecordProperty(name + "_rmse_mm", std::to_string(1e3 * std::sqrt(sum2 / fixes)));
     RecordProperty(name + "_worst_mm", std::to_string(1e3 * worst_m));
     RecordProperty(name + "_nees", std::to_string(z2 / fixes));
     EXPECT_LT(z2, test::chi2_quantile(0.9995, fixes)) << name;
-    EXPECT_LT(worst_m, 0.5) << name << ": a gross fault would be a wrong side or a wrong beacon, half a metre or more";
+    EXPECT_LT(worst_m, 0.5)
+        << name << ": a gross fault would be a wrong side or a wrong beacon, half a metre or more";
   }
 }
 

@@ -34,11 +34,12 @@ Deployment with_reflectors(const std::vector<Eigen::Vector2d>& p_map_m, double s
 
 /// Nine reflectors round a hall of 35 x 40 m (the size that table 2 implies), in no regular pattern.
 Deployment hall() {
-  return with_reflectors({{0, 40}, {35, 40}, {35, 0}, {0, 0}, {12.3, 0.2}, {34.8, 17.1}, {21.4, 39.9}, {0.1, 27.6}, {0.2, 8.9}});
+  return with_reflectors(
+      {{0, 40}, {35, 40}, {35, 0}, {0, 0}, {12.3, 0.2}, {34.8, 17.1}, {21.4, 39.9}, {0.1, 27.6}, {0.2, 8.9}});
 }
 
-std::vector<Bearing> see(const Deployment& d, const Pose& T, double sigma_rad, Random& random, double unlabelled = 0.0,
-                         double range_m = 1e9, double time_s = 0.0) {
+std::vector<Bearing> see(const Deployment& d, const Pose& T, double sigma_rad, Random& random,
+                         double unlabelled = 0.0, double range_m = 1e9, double time_s = 0.0) {
   std::vector<Bearing> out;
   for (std::size_t b = 0; b < d.beacons.size(); ++b) {
     const Eigen::Vector3d v = T.inverse() * d.beacons[b].position_m;
@@ -54,7 +55,9 @@ std::vector<Bearing> see(const Deployment& d, const Pose& T, double sigma_rad, R
   return out;
 }
 
-Pose somewhere(Random& random) { return Pose::planar(random.uniform(2, 33), random.uniform(2, 38), random.uniform(-3, 3)); }
+Pose somewhere(Random& random) {
+  return Pose::planar(random.uniform(2, 33), random.uniform(2, 38), random.uniform(-3, 3));
+}
 
 Observations of(const std::vector<Bearing>& bearings) { return {{}, bearings}; }
 
@@ -207,8 +210,10 @@ TEST(Reflectors, HasNoFixWithAReasonWhereItCannot) {
   Deployment d = with_reflectors({{5, 0}, {0, 5}, {-5, 0}});
   EXPECT_EQ(Reflectors(d).locate({}).status, FixStatus::kTooFewArrivals);
   // On the danger circle, and so near to it that the position is good to no metre.
-  EXPECT_EQ(Reflectors(d).locate(of(see(d, Pose::planar(0, -5, 1), 0.0, random))).status, FixStatus::kPoorGeometry);
-  EXPECT_EQ(Reflectors(d).locate(of(see(d, Pose::planar(0, -5.01, 1), 0.0, random))).status, FixStatus::kPoorGeometry);
+  EXPECT_EQ(Reflectors(d).locate(of(see(d, Pose::planar(0, -5, 1), 0.0, random))).status,
+            FixStatus::kPoorGeometry);
+  EXPECT_EQ(Reflectors(d).locate(of(see(d, Pose::planar(0, -5.01, 1), 0.0, random))).status,
+            FixStatus::kPoorGeometry);
   EXPECT_TRUE(Reflectors(d).locate(of(see(d, Pose::planar(0, -3, 1), 0.0, random))).ok());
   auto bearings = see(d, Pose::planar(0, -3, 1), 0.0, random);
   bearings[0].bearing_rad = std::nan("");
@@ -227,7 +232,8 @@ TEST(Reflectors, AllocatesNothing) {
   Random random(kSeed);
   const Deployment d = hall();
   Reflectors localizer(d, {.max_hypotheses = 3000});
-  const auto labelled = see(d, somewhere(random), kSigma, random), mixed = see(d, somewhere(random), kSigma, random, 0.5);
+  const auto labelled = see(d, somewhere(random), kSigma, random),
+             mixed = see(d, somewhere(random), kSigma, random, 0.5);
   Fix fix;
   localizer.locate(of(labelled), fix);
   const std::size_t before = test::allocations();

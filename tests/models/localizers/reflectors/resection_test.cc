@@ -19,7 +19,8 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::array<double, 3> bearings(const Points& p, const Eigen::Vector2d& at, double heading_rad) {
   std::array<double, 3> out{};
-  for (std::size_t i = 0; i < 3; ++i) out[i] = wrap_angle(std::atan2(p[i].y() - at.y(), p[i].x() - at.x()) - heading_rad);
+  for (std::size_t i = 0; i < 3; ++i)
+    out[i] = wrap_angle(std::atan2(p[i].y() - at.y(), p[i].x() - at.x()) - heading_rad);
   return out;
 }
 
@@ -34,16 +35,17 @@ constexpr std::array<Row, 6> kTable2 = {{{57.1, 64.8, 5.0, 12.0},
                                          {62.0, 73.6, 9.7, 12.5},
                                          {62.7, 74.5, 10.0, 12.8}}};
 
-/// The paper does not print where its reflectors stand. A least-squares fit of three points to the twelve angles (alpha
-/// between the first two, beta between the last two; residuals 0.02 deg, angles are printed to 0.1) lands within a metre or so
-/// of three corners of a hall of 35 x 40 m, and these corners explain every angle to 0.08 deg, what a position printed to
-/// 0.1 m leaves open.
+/// The paper does not print where its reflectors stand. A least-squares fit of three points to the twelve
+/// angles (alpha between the first two, beta between the last two; residuals 0.02 deg, angles are printed to
+/// 0.1) lands within a metre or so of three corners of a hall of 35 x 40 m, and these corners explain every
+/// angle to 0.08 deg, what a position printed to 0.1 m leaves open.
 const Points kCorners = {{{0.0, 40.0}, {35.0, 40.0}, {35.0, 0.0}}};
 
 TEST(Table2, ItsReflectorsAreThreeCornersOfAHall) {
   for (const Row& row : kTable2) {
     const auto b = bearings(kCorners, {row.x_m, row.y_m}, 0.0);
-    // Rounding: 0.05 deg of the angle, and 0.05 m in x and y at no less than 27 m from a reflector, twice: up to 0.1 deg each.
+    // Rounding: 0.05 deg of the angle, and 0.05 m in x and y at no less than 27 m from a reflector, twice: up
+    // to 0.1 deg each.
     EXPECT_NEAR((b[0] - b[1]) / kDegree, row.alpha_deg, 0.09);
     EXPECT_NEAR((b[1] - b[2]) / kDegree, row.beta_deg, 0.09);
   }
@@ -53,7 +55,8 @@ TEST(Table2, PositionsToThePrintedDigit) {
   for (const Row& row : kTable2) {
     const auto p = intersect_sight_circles(kCorners, -row.alpha_deg * kDegree, -row.beta_deg * kDegree);
     ASSERT_TRUE(p);
-    std::cout << row.alpha_deg << " " << row.beta_deg << ": " << p->transpose() << " (" << row.x_m << " " << row.y_m << ")\n";
+    std::cout << row.alpha_deg << " " << row.beta_deg << ": " << p->transpose() << " (" << row.x_m << " "
+              << row.y_m << ")\n";
     EXPECT_DOUBLE_EQ(std::round(p->x() * 10) / 10, row.x_m);
     EXPECT_DOUBLE_EQ(std::round(p->y() * 10) / 10, row.y_m);
   }
@@ -87,7 +90,8 @@ TEST(Resection, IsExact) {
 TEST(Resection, TakesCirclesThatAreLines) {
   // In line with the first two, between them and outside; and points in a row, which is no danger circle.
   const Points p = {{{0.0, 0.0}, {4.0, 0.0}, {4.0, 3.0}}};
-  for (const Eigen::Vector2d& at : {Eigen::Vector2d(1.0, 0.0), Eigen::Vector2d(-2.0, 0.0), Eigen::Vector2d(7.0, 0.0)}) {
+  for (const Eigen::Vector2d& at :
+       {Eigen::Vector2d(1.0, 0.0), Eigen::Vector2d(-2.0, 0.0), Eigen::Vector2d(7.0, 0.0)}) {
     const auto pose = resect(p, bearings(p, at, 0.3));
     ASSERT_TRUE(pose) << at.transpose();
     EXPECT_LT((pose->p_map_m - at).norm(), 1e-12);
