@@ -381,7 +381,7 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cost = summary.final_cost;
   result.message = point.at_rest
-                       ? "the cost came out as foretold, and what is left to gain is below the tolerance"
+                       ? "converged: the predicted decrease is below the tolerance"
                        : summary.message;
   if (point.dense && point.reduced_at.size() == layout.size())
     result.data_information = std::move(point.sum.H);

@@ -18,7 +18,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kTestedRows = 6'000;  ///< of a long log of stops, to see whether it is white at all
+constexpr std::size_t kTestedRows = 3'000;  ///< of a long log of stops, to see whether it is white at all
 constexpr std::size_t kMostRows = 40'000;
 constexpr std::size_t kFewestObservations =
     30;  ///< observations of a kind below which nothing is told of its errors

@@ -51,5 +51,13 @@ TEST_F(Contradicted, AcceptExportsItMarkedAndLocalizersSaySo) {
   EXPECT_THAT(octant({"verify", out("d.json"), hall("heldout")}).err, HasSubstr("B3"));
 }
 
+TEST_F(Contradicted, ABatchWritesItWithAcceptAlone) {
+  spit(hall("sites.yaml"), "octant_batch: 1\nsites:\n- {site: site.yaml, runs: [run], output: batch.json}\n");
+  EXPECT_EQ(octant({"batch", hall("sites.yaml")}).exit, 6);
+  EXPECT_FALSE(std::filesystem::exists(hall("batch.json")));
+  EXPECT_EQ(octant({"batch", hall("sites.yaml"), "--accept"}).exit, 6);
+  EXPECT_THAT(slurp(hall("batch.json")), HasSubstr("\"Contradicted\""));
+}
+
 }  // namespace
 }  // namespace octant::test

@@ -20,7 +20,7 @@ namespace {
 
 struct BatchArgs {
   std::string list, folder, shard;
-  bool strict = false;
+  CalibrateOptions how;
 };
 
 /// "2/10": the second of ten.
@@ -130,7 +130,7 @@ int run(const BatchArgs& words, Session& session) {
 
   std::size_t done = 0;
   const bool silent = session.options.progress == "none";
-  auto outcomes = calibrate_sites(*batch, shard, words.strict, session, [&](const SiteOutcome& outcome) {
+  auto outcomes = calibrate_sites(*batch, shard, words.how, session, [&](const SiteOutcome& outcome) {
     const std::string& name = batch->sites[outcome.number].name;
     const std::string what = outcome.message.empty() ? "calibrated" : outcome.message;
     ++done;
@@ -183,7 +183,9 @@ void add_batch(CLI::App& app, CommonOptions& common, Action& action) {
       ->add_option("--shard", words->shard,
                    "Only every N-th site, from the i-th on (i from 1 to N): a job of an array")
       ->type_name("i/N");
-  command->add_flag("--strict", words->strict, "A single undetermined beacon is a site's exit 5");
+  command->add_flag("--strict", words->how.strict, "A single undetermined beacon is a site's exit 5");
+  command->add_flag("--accept", words->how.accept,
+                    "Write deployments that the data contradict all the same, marked (exit 6)");
   command->footer(
       "Example:\n  octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10\n\n"
       "Exit code: 0 if all sites are calibrated, else that of the first site in the list that is not (the "

@@ -22,12 +22,13 @@ void end_with(const Ending& end, SiteOutcome& outcome) {
   outcome.object.update(end.object);
 }
 
-void calibrate_site(const io::BatchSite& site, bool strict, Session& session, SiteOutcome& outcome) {
+void calibrate_site(const io::BatchSite& site, const CalibrateOptions& how, Session& session,
+                    SiteOutcome& outcome) {
   ReportWords report;
   if (!site.report.empty()) report.paths.push_back(site.report);
   if (const auto fit = check_output(site.output); !fit) return end_with(ending(fit.error()), outcome);
   if (const auto fit = check_report(report); !fit) return end_with(ending(fit.error()), outcome);
-  const auto calibration = calibrate_files(site.site, site.runs, {.strict = strict}, session);
+  const auto calibration = calibrate_files(site.site, site.runs, how, session);
   if (!calibration) return end_with(ending(calibration.error()), outcome);
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
     return end_with({kInterrupted, interrupted_object(), "interrupted"}, outcome);
@@ -42,7 +43,8 @@ void calibrate_site(const io::BatchSite& site, bool strict, Session& session, Si
   outcome.object["status"] = "ok";
 }
 
-SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, bool strict, Session session) {
+SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, const CalibrateOptions& how,
+                       Session session) {
   SiteOutcome outcome;
   outcome.number = number;
   outcome.object = {{"name", site.name},
@@ -56,7 +58,7 @@ SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, bool stric
     if (interrupted()) {
       end_with({kInterrupted, interrupted_object(), "interrupted"}, outcome);
     } else {
-      calibrate_site(site, strict, session, outcome);
+      calibrate_site(site, how, session, outcome);
     }
   } catch (const std::exception& error) {
     const std::string message = fmt::format("a fault of octant: {}", error.what());
@@ -71,7 +73,7 @@ SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, bool stric
 
 }  // namespace
 
-std::vector<SiteOutcome> calibrate_sites(const io::Batch& batch, Shard shard, bool strict,
+std::vector<SiteOutcome> calibrate_sites(const io::Batch& batch, Shard shard, const CalibrateOptions& how,
                                          const Session& session,
                                          const std::function<void(const SiteOutcome&)>& on_done) {
   // While one site is being written, the reading of another must not end the program.
@@ -88,7 +90,7 @@ std::vector<SiteOutcome> calibrate_sites(const io::Batch& batch, Shard shard, bo
     for (std::size_t i = next++; i < outcomes.size(); i = next++) {
       const std::size_t number = outcomes[i].number;
       outcomes[i] =
-          outcome_of(batch.sites[number], number, strict, session.part(static_cast<int>(threads / workers)));
+          outcome_of(batch.sites[number], number, how, session.part(static_cast<int>(threads / workers)));
       const std::lock_guard lock(one_at_a_time);
       on_done(outcomes[i]);
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/octant/session.h"
+#include "apps/octant/steps/steps.h"
 #include "io/site/batch_yaml.h"
 
 // Many sites in one process, or in one of several that share a list.
@@ -35,7 +36,7 @@ struct SiteOutcome {
 /// @param on_done  called once a site is done, from one thread at a time
 /// @return in the order of the list
 [[nodiscard]] std::vector<SiteOutcome> calibrate_sites(
-    const io::Batch& batch, Shard shard, bool strict, const Session& session,
+    const io::Batch& batch, Shard shard, const CalibrateOptions& how, const Session& session,
     const std::function<void(const SiteOutcome&)>& on_done);
 
 }  // namespace octant::app

@@ -132,6 +132,7 @@ Result<void> line_map_fits(const LineMap& map, const MeasurementLog& log) {
 LineMapLocalizer::LineMapLocalizer(LineMap map, LineMapOptions options)
     : map_(std::move(map)), options_(options), scratch_(kScanScratchBytes) {
   tracks_.reserve(static_cast<std::size_t>(std::max(1, options_.max_hypotheses)));
+  for (std::size_t k = 0; k < map_.lines.size(); ++k) walls_.push_back(static_cast<int>(k));
 }
 
 void LineMapLocalizer::start(const Pose& T_map_vehicle, const PoseAccuracy& start_accuracy,
@@ -147,6 +148,7 @@ void LineMapLocalizer::start(const Pose& T_map_vehicle, const PoseAccuracy& star
   odometry_accuracy_.heading_sigma_per_rad =
       std::max(odometry_accuracy.heading_sigma_per_rad, options_.turn_sigma_per_rad);
   first_scan_ = true;
+  on_wall_share_ = 1.0;
 }
 
 void LineMapLocalizer::move(const OdometryStep& step, double fraction) noexcept {
@@ -228,6 +230,10 @@ void LineMapLocalizer::correct(const Scan& scan, Fix& fix) {
     if (!is_known) tracks_.push_back(track);
   }
   for (Track& track : tracks_) track.cost -= best.track.cost;
+  if (const MapSupport seen = map_support(tracks_.front().state, points, map_, walls_, options_);
+      seen.points > 0)
+    on_wall_share_ +=
+        (static_cast<double>(seen.on_wall) / seen.points - on_wall_share_) / options_.on_wall_scans;
   for (const int k : best.wall) {
     fix.rejections.push_back(k >= 0 ? Rejection::kUsed : Rejection::kOutvoted);
     ++(k >= 0 ? fix.arrivals_used : fix.arrivals_rejected);
@@ -241,6 +247,7 @@ void LineMapLocalizer::report(Fix& fix) const {
   const SymmetricEigen<Eigen::Matrix2d> axes(Eigen::Matrix2d(fix.covariance.topLeftCorner<2, 2>()));
   fix.status = FixStatus::kOk;
   if (tracks_.size() > 1 && tracks_[1].cost < options_.ambiguity_margin) fix.status = FixStatus::kAmbiguous;
+  if (!map_.lines.empty() && on_wall_share_ < options_.least_on_wall) fix.status = FixStatus::kNoConsensus;
   if (!(axes.eigenvalues().maxCoeff() < square(options_.max_sigma_m))) fix.status = FixStatus::kPoorGeometry;
 }
 

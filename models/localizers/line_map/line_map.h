@@ -59,6 +59,9 @@ struct LineMapOptions {
   double chance_share = 0.4;
   double through_cost = 1.0;
   double max_sigma_m = 2.0;  ///< horizontal; beyond it there is no fix
+  // Off the map nothing of a scan need be on it, and what is by chance must not make a fix.
+  double least_on_wall = 0.3;  ///< share of the latest scans' points on walls, below which there is no fix
+  double on_wall_scans = 8.0;  ///< over about so many scans
 };
 
 /// Map from scans at known poses of the sensor; segments that may be parts of one wall are added up.
@@ -93,7 +96,8 @@ class LineMapLocalizer {
   void move(const OdometryStep& step, double fraction = 1.0) noexcept;
   /// Fix at a scan, from where `start` and `move` have brought the vehicle. `arrivals_used` is the number of
   /// segments that corrected it, 0 for odometry alone; kAmbiguous while another pose explains the scans as
-  /// well, kPoorGeometry where the position's sigma is beyond max_sigma_m or nothing was said of the start.
+  /// well, kNoConsensus where the latest scans show something else than the map, kPoorGeometry where the
+  /// position's sigma is beyond max_sigma_m or nothing was said of the start.
   void locate(const Scan& scan, Fix& fix) noexcept;
 
   /// One fix a scan, in order, from the start on (scans before it are left out).
@@ -121,6 +125,8 @@ class LineMapLocalizer {
   LineMapOptions options_;
   OdometryAccuracy odometry_accuracy_;
   std::vector<Track> tracks_;
+  std::vector<int> walls_;      ///< all of the map, for map_support()
+  double on_wall_share_ = 1.0;  ///< of the latest scans' points at the best track's pose
   bool first_scan_ = true;
   Scratch scratch_;
 };

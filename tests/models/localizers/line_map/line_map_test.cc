@@ -218,6 +218,20 @@ TEST(LineMap, FollowsSeveralPosesUntilOneIsClear) {
             << error(fixes.back(), d.truth.back()).transpose() << "\n";
 }
 
+/// The map of another building: some of its walls lie near what the scans show, and must not make a sure fix.
+TEST(LineMap, OffItsMapThereIsNoFix) {
+  const std::vector<Wall> elsewhere = {{{1, 1.3}, {9, -1.2}}, {{9, -1.2}, {14, 8}}, {{14, 8}, {7.5, 11}},
+                                       {{7.5, 11}, {1, 1.3}}, {{5, 4}, {8, 6.5}},   {{3, 6.1}, {3.8, 8.4}}};
+  Random random(kSeed + 9);
+  const Drive d = drive(kRooms, 80, kOdometry, 0.01, random);
+  const auto fixes =
+      LineMapLocalizer(map_of(elsewhere)).locate(d.scans, d.odometry, kOdometry, {0.0, d.truth[0]}, kStart);
+  std::size_t ok = 0;
+  for (std::size_t k = 10; k < fixes.size(); ++k) ok += fixes[k].ok();
+  EXPECT_EQ(ok, 0u) << "of " << fixes.size() - 10;
+  EXPECT_EQ(fixes.back().status, FixStatus::kNoConsensus);
+}
+
 TEST(LineMap, SaysWhatARunLacks) {
   const LineMap map = map_of(kRooms);
   MeasurementLog log;
