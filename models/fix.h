@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,10 @@ enum class Rejection : std::uint8_t {
 /// Of a pose's tangent vector: planar (x, y, heading), 3x3; spatial (translation, rotation in the vehicle
 /// frame), 6x6. Its room is fixed, so that a fix takes no memory of its own.
 using PoseCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
+
+/// Variance of an angle of which nothing is known, uniform over a turn [rad^2]: rotations in a covariance
+/// that reach it were not estimated.
+inline constexpr double kUnknownRotationVariance = std::numbers::pi * std::numbers::pi / 3;
 
 /// Where the vehicle is, from the arrivals of one epoch or at one instant of a drive; or the reason why that
 /// is not known.

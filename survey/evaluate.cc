@@ -69,13 +69,20 @@ ErrorOfFix error_of(const Pose& fix, const Pose& truth, const PoseAccuracy& accu
   return error;
 }
 
+/// A fix in space whose attitude was not estimated says so by the variance of a uniform angle.
+bool has_rotation(const Fix& fix, Motion motion) {
+  return motion == Motion::kPlanar ||
+         fix.covariance.diagonal().tail<3>().minCoeff() < 0.99 * kUnknownRotationVariance;
+}
+
 /// Squared Mahalanobis distance over its degrees of freedom; the position's alone where the reference has no
-/// heading.
+/// heading, or the fix none.
 std::optional<double> nees_over_dof(const Fix& fix, const ErrorOfFix& error, bool heading_known,
                                     Motion motion) {
   if (fix.covariance.rows() < error.tangent.size() || fix.covariance.cols() < error.tangent.size())
     return std::nullopt;
-  const Eigen::Index n = heading_known ? error.tangent.size() : (motion == Motion::kPlanar ? 2 : 3);
+  const bool with_rotation = heading_known && has_rotation(fix, motion);
+  const Eigen::Index n = with_rotation ? error.tangent.size() : (motion == Motion::kPlanar ? 2 : 3);
   const Eigen::MatrixXd C = fix.covariance.topLeftCorner(n, n) + error.truth_covariance.topLeftCorner(n, n);
   if (!C.allFinite()) return std::nullopt;
   const Eigen::LLT<Eigen::MatrixXd> llt(C);
@@ -109,7 +116,7 @@ void add_run(const ReferencedRun& run, Motion motion, Evaluation& result, Sums& 
     if (!truth) continue;
     const ErrorOfFix error = error_of(fix.T_map_vehicle, *truth, run.truth_accuracy, motion);
     sums.position_m.push_back(error.position_m);
-    if (run.truth_accuracy.heading_known) {
+    if (run.truth_accuracy.heading_known && has_rotation(fix, motion)) {
       sums.heading_rad2 += error.heading_rad * error.heading_rad;
       ++sums.headings;
     }

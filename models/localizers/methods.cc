@@ -9,6 +9,7 @@
 
 #include "models/localizers/binaural/binaural.h"
 #include "models/localizers/common/localizer.h"
+#include "models/localizers/drive/space_track.h"
 #include "models/localizers/drive/tracker.h"
 #include "models/localizers/head_tail/head_tail.h"
 #include "models/localizers/kleeman/kleeman.h"
@@ -41,7 +42,8 @@ bool on_rails(const Deployment& deployment) {
 }
 
 bool is_drive(const Deployment& deployment, const MeasurementLog& run) {
-  return !run.has_epochs && (!run.odometry.empty() || (has_motion_prior(deployment) && run.poses.empty()));
+  return is_drive_in_space(deployment, run) ||
+         (!run.has_epochs && (!run.odometry.empty() || (has_motion_prior(deployment) && run.poses.empty())));
 }
 
 /// Stops can be tied together by the odometry between them.
@@ -192,6 +194,7 @@ MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& r
     return {Method::kLineMap, "scans alone"};
   if (!run.arrivals.empty() && on_rails(deployment) && rail_fits(deployment))
     return {Method::kRail, "the vehicle runs on a rail"};
+  if (is_drive_in_space(deployment, run)) return {Method::kTracker, "a drive in space"};
   if (is_drive(deployment, run))
     return {Method::kTracker, run.odometry.empty() ? "a drive with a motion prior" : "a drive with odometry"};
   if (run.has_epochs && !run.arrivals.empty() && !run.odometry.empty() && can_chain(deployment))

@@ -15,6 +15,7 @@
 #include "models/localizers/drive/drive_tracker.h"
 #include "models/localizers/drive/motion_start.h"
 #include "models/localizers/drive/odometry_track.h"
+#include "models/localizers/drive/space_track.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/trajectory/linearise.h"
 
@@ -267,6 +268,8 @@ bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions
 
 std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment,
                        const TrackerOptions& options) {
+  if (is_drive_in_space(deployment, log))
+    return track_in_space(log, deployment, {.rejection_sigmas = options.rejection_sigmas});
   std::vector<Fix> fixes;
   const EpochFixModel model = epoch_fix_model(deployment);
   const CalibrationPart calibration(deployment);

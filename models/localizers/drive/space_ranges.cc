@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/drive/space_ranges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "models/physics/plane.h"
+
+namespace octant {
+namespace {
+
+constexpr std::size_t kMostBiases = 24;       ///< beacons with a Gauss-Markov state of their own
+constexpr double kSearch_s = 2.0;             ///< longest stretch that a place is searched in
+constexpr double kAlike = 6.0;                ///< in half squares: two places explain the arrivals alike
+
+/// Place of a vehicle that hardly moves: robust Gauss-Newton from points around the beacons.
+class PlaceSearch {
+ public:
+  PlaceSearch(const SpaceRanges& ranges, std::size_t first, std::size_t last, const SpaceSetting& setting)
+      : ranges_(ranges), first_(first), last_(last), setting_(setting) {}
+
+  [[nodiscard]] std::optional<Eigen::Vector3d> best() const {
+    std::set<std::size_t> beacons;
+    for (std::size_t i = first_; i < last_; ++i)
+      if (ranges_.all[i].mark == Rejection::kUsed) beacons.insert(ranges_.all[i].arrival.beacon.index());
+    if (beacons.size() < 3) return std::nullopt;
+    std::vector<std::pair<double, Eigen::Vector3d>> found;
+    const double e = 0.4 * setting_.extent_m;
+    for (const Eigen::Vector3d& step :
+         {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(1, -1, 0),
+          Eigen::Vector3d(-1, 1, 0), Eigen::Vector3d(-1, -1, 0)})
+      for (const double up : {-0.5, 0.5}) {
+        Eigen::Vector3d p = setting_.centre_m + e * (step + Eigen::Vector3d(0, 0, up));
+        found.emplace_back(descend(p), p);
+      }
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    if (!std::isfinite(found.front().first)) return std::nullopt;
+    Eigen::Vector3d place = found.front().second;
+    for (const auto& [cost, p] : found)
+      if (cost < found.front().first + kAlike && is_likelier(p, place)) place = p;
+    return place;
+  }
+
+ private:
+  /// Of two mirror images: above the floor, and below the beacons.
+  [[nodiscard]] bool is_likelier(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const {
+    if ((a.z() >= 0) != (b.z() >= 0)) return a.z() >= 0;
+    return a.z() >= 0 && a.z() < b.z() - 0.01 * setting_.extent_m;
+  }
+
+  /// @return half the robust squares at the place that p becomes
+  double descend(Eigen::Vector3d& p) const {
+    double cost = INFINITY, damping = 1e-3;
+    for (int round = 0; round < 60; ++round) {
+      Eigen::Matrix3d H = 1e-6 * Eigen::Matrix3d::Identity();
+      Eigen::Vector3d g = Eigen::Vector3d::Zero();
+      accumulate(p, &H, &g);
+      Eigen::Matrix3d D = H;
+      D.diagonal() *= 1 + damping;
+      const Eigen::Vector3d step = -D.ldlt().solve(g);
+      const Eigen::Vector3d q = p + step;
+      const double there = accumulate(q, nullptr, nullptr), here = accumulate(p, nullptr, nullptr);
+      cost = here;
+      if (there < here) {
+        p = q;
+        cost = there;
+        damping = std::max(1e-9, damping / 5);
+        if (step.norm() < 1e-4 * setting_.extent_m * 1e-2) break;
+      } else if ((damping *= 8) > 1e8) {
+        break;
+      }
+    }
+    return cost;
+  }
+
+  double accumulate(const Eigen::Vector3d& p, Eigen::Matrix3d* H, Eigen::Vector3d* g) const {
+    double cost = 0.0;
+    for (std::size_t i = first_; i < last_; ++i) {
+      const SpaceRange& r = ranges_.all[i];
+      if (r.mark != Rejection::kUsed) continue;
+      const Eigen::Vector3d d = p - r.p_beacon_m;
+      const double length = std::max(1e-9, d.norm()), residual = length - r.distance.range_m;
+      // Within the stretch the vehicle moves by some of its speed's sigma; errors that last do not average
+      // out.
+      const double moved = 0.1 * setting_.options.speed_sigma_mps *
+                           (ranges_.all[last_ - 1].arrival.time_s - ranges_.all[first_].arrival.time_s);
+      const double variance = r.variance_m2 + square(setting_.bias_sigma_m) + square(moved);
+      const double s = square(residual) / variance, weight = 1 / (1 + s / 5.7);
+      cost += 0.5 * 5.7 * std::log1p(s / 5.7);
+      if (H == nullptr) continue;
+      const Eigen::Vector3d u = d / length;
+      *H += weight / variance * u * u.transpose();
+      *g += weight / variance * residual * u;
+    }
+    return cost;
+  }
+
+  const SpaceRanges& ranges_;
+  std::size_t first_, last_;
+  const SpaceSetting& setting_;
+};
+
+}  // namespace
+
+SpaceSetting::SpaceSetting(const Deployment& d, const SpaceTrackOptions& o)
+    : deployment(d), options(o), calibration(d) {
+  const double c = d.speed_mps(d.medium.temperature_degC);
+  const CorrelatedNoise& errors = d.correlated_noise;
+  bias_sigma_m = c * std::hypot(errors.sigma_s, errors.pair_sigma_s);
+  // Both parts in one state: it forgets as its larger part does.
+  const double lasting =
+      square(errors.pair_sigma_s) / std::max(1e-300, square(errors.pair_sigma_s) + square(errors.sigma_s));
+  bias_time_s = std::max(1e-3, errors.time_s) / std::max(1e-3, 1.0 - lasting);
+  std::size_t usable = 0;
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
+  for (const DeploymentBeacon& b : d.beacons) {
+    const bool has_state = errors.any() && usable < kMostBiases && b.status != BeaconStatus::kUndetermined;
+    bias.push_back(has_state ? static_cast<int>(size++) : -1);
+    if (b.status == BeaconStatus::kUndetermined) continue;
+    ++usable;
+    centre_m += b.position_m;
+    low = low.cwiseMin(b.position_m);
+    high = high.cwiseMax(b.position_m);
+  }
+  if (usable > 0) centre_m /= static_cast<double>(usable);
+  if (usable > 1) extent_m = std::max(1e-3, (high - low).norm());
+}
+
+SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle, SpaceSetting& setting) {
+  const Deployment& d = setting.deployment;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (const DeploymentReceiver& r : d.receivers)
+    if (r.vehicle == vehicle) {
+      centre += r.position_m;
+      count += 1;
+    }
+  centre /= std::max(1.0, count);
+  setting.lever_m2 = centre.squaredNorm() / 3;
+  SpaceRanges ranges;
+  for (const Arrival& a : log.arrivals) {
+    if (a.vehicle != vehicle || !a.beacon.valid() || !a.receiver.valid() ||
+        a.receiver.index() >= d.receivers.size() || a.beacon.index() >= d.beacons.size())
+      continue;
+    SpaceRange r{a, arrival_range(a, d), d.beacons[a.beacon.index()].position_m, 0.0, Rejection::kUsed};
+    if (d.beacons[a.beacon.index()].status == BeaconStatus::kUndetermined)
+      r.mark = Rejection::kBeaconUnusable;
+    if (!std::isfinite(r.distance.range_m)) r.mark = Rejection::kOutOfRange;
+    // A receiver off the centre is somewhere on a sphere about it.
+    r.variance_m2 =
+        square(r.distance.sigma_m) + (d.receivers[a.receiver.index()].position_m - centre).squaredNorm() / 3;
+    if (setting.bias[a.beacon.index()] < 0) r.variance_m2 += square(setting.bias_sigma_m);
+    if (ranges.instants.empty() || a.time_s - ranges.all.back().arrival.time_s > kInstantInSpace_s)
+      ranges.instants.push_back({a.time_s, ranges.all.size(), ranges.all.size()});
+    ranges.all.push_back(r);
+    ranges.instants.back().last = ranges.all.size();
+    ranges.instants.back().time_s = a.time_s;
+  }
+  return ranges;
+}
+
+std::optional<Eigen::Vector3d> place_in_space(const SpaceRanges& ranges, std::size_t k,
+                                              const SpaceSetting& setting) {
+  const std::size_t first = ranges.instants[k].first;
+  std::optional<Eigen::Vector3d> place;
+  for (const double span_s : {0.1, 0.3, 1.0, kSearch_s}) {
+    std::size_t last = ranges.instants[k].last, count = 0;
+    std::set<std::size_t> beacons;
+    for (std::size_t j = k;
+         j < ranges.instants.size() && ranges.instants[j].time_s <= ranges.instants[k].time_s + span_s; ++j)
+      last = ranges.instants[j].last;
+    for (std::size_t i = first; i < last; ++i) {
+      beacons.insert(ranges.all[i].arrival.beacon.index());
+      ++count;
+    }
+    if (beacons.size() < 3 || count < 6) continue;
+    place = PlaceSearch(ranges, first, last, setting).best();
+    if (place && beacons.size() >= 4) break;
+  }
+  return place;
+}
+
+}  // namespace octant

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "models/deployment.h"
+#include "models/fix.h"
+#include "models/run.h"
+
+namespace octant {
+
+struct SpaceTrackOptions {
+  double rejection_sigmas = 4.0;
+  double max_gap_s = 5.0;        ///< without arrivals, after which the place is searched anew
+  double speed_sigma_mps = 3.0;  ///< of each component, before anything is heard
+};
+
+/// Whether a run is a drive in space that arrivals alone tell: no epochs, no odometry, no motion prior, and
+/// too few arrivals at an instant for a pose of six degrees of freedom.
+[[nodiscard]] bool is_drive_in_space(const Deployment& deployment, const MeasurementLog& log);
+
+/// Track of a vehicle in space by its arrivals alone: position and velocity under white-noise acceleration,
+/// whose density is that of the greatest likelihood of the innovations. An iterated extended Kalman filter,
+/// smoothed over the run (Rauch, Tung and Striebel 1965). The attitude is not estimated: the fix's rotation
+/// is the identity with the variance of a uniform angle, and what the receivers' lever arms may put the
+/// origin off counts in its covariance. Errors that last (noise.correlated) are a first-order Gauss-Markov
+/// state a beacon; the calibration's part of the covariance follows the estimate through filter and smoother
+/// (Schmidt's consider parameters). One fix at every instant of arrivals.
+///
+/// Beacons in one plane leave a mirror image: taken is the one above the floor (z = 0) and, if both are,
+/// below the beacons.
+[[nodiscard]] std::vector<Fix> track_in_space(const MeasurementLog& log, const Deployment& deployment,
+                                              const SpaceTrackOptions& options = {});
+
+}  // namespace octant

@@ -1,0 +1,214 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/drive/space_track.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+
+#include "models/localizers/methods.h"
+#include "models/simulator/random.h"
+
+namespace octant {
+namespace {
+
+constexpr double kSpeed_mps = 340.0, kSigma_m = 0.03;
+
+Deployment deployment_of(const std::vector<Eigen::Vector3d>& beacons, const Eigen::Vector3d& lever_m) {
+  Deployment d;
+  d.motion = Motion::kSpatial;
+  d.medium.model = MediumModel::kConstant;
+  d.medium.speed_mps = kSpeed_mps;
+  d.timing.clock = Clock::kSynchronised;
+  d.noise.tof_sigma_s = kSigma_m / kSpeed_mps;
+  for (const Eigen::Vector3d& p : beacons) {
+    DeploymentBeacon b;
+    b.name = "B" + std::to_string(d.beacons.size());
+    b.position_m = p;
+    d.beacons.push_back(b);
+  }
+  SiteVehicle vehicle;
+  vehicle.receiver_count = 1;
+  d.vehicles.push_back(vehicle);
+  DeploymentReceiver receiver;
+  receiver.name = "r0";
+  receiver.vehicle = VehicleId(0);
+  receiver.position_m = lever_m;
+  d.receivers.push_back(receiver);
+  return d;
+}
+
+/// The joint covariance of beacons whose places are known to sigma_m.
+void know_beacons_to(double sigma_m, Deployment& d) {
+  for (const DeploymentBeacon& b : d.beacons)
+    for (const char* axis : {"x", "y", "z"})
+      d.covariance.parameters.push_back("beacon/" + b.name + "/" + axis + "_m");
+  const auto n = static_cast<Eigen::Index>(d.covariance.parameters.size());
+  d.covariance.matrix = sigma_m * sigma_m * Eigen::MatrixXd::Identity(n, n);
+}
+
+const std::vector<Eigen::Vector3d> kHall = {{0, 0, 0.3}, {10, 0, 4.0}, {10, 8, 0.5},
+                                            {0, 8, 4.2}, {5, -1, 3.0}, {5, 9, 1.0}};
+
+struct Flight {
+  MeasurementLog log;
+  std::vector<Pose> truth;  ///< at the instants
+};
+
+/// Through the hall on a smooth curve, turning about all axes; all beacons answer ten times a second.
+/// @param beacons  where they are in truth
+Flight fly(const std::vector<Eigen::Vector3d>& beacons, const Eigen::Vector3d& lever_m, double echoes,
+           int instants, double height_m, Random& random) {
+  Flight f;
+  for (int k = 0; k < instants; ++k) {
+    const double t = 0.1 * k;
+    Pose T;
+    T.translation_m = {5 + 3 * std::sin(0.4 * t), 4 + 2.5 * std::sin(0.27 * t + 1),
+                       height_m + 0.4 * std::sin(0.5 * t)};
+    T.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.9 * t, Eigen::Vector3d(0.3, 0.5, 1).normalized()));
+    f.truth.push_back(T);
+    const Eigen::Vector3d p = T.translation_m + T.rotation * lever_m;
+    for (std::size_t b = 0; b < beacons.size(); ++b) {
+      double range = (p - beacons[b]).norm() + kSigma_m * random.normal();
+      if (random.uniform() < echoes) range += 0.3 + 3 * random.uniform();
+      Arrival a;
+      a.time_s = t + 1e-4 * static_cast<double>(b);
+      a.tof_s = range / kSpeed_mps;
+      a.beacon = BeaconId(b);
+      a.receiver = ReceiverId(0);
+      a.vehicle = VehicleId(0);
+      f.log.arrivals.push_back(a);
+    }
+  }
+  return f;
+}
+
+struct Errors {
+  double rmse_m = 0.0, nees = 0.0;
+  std::size_t count = 0;
+};
+
+Errors errors_of(const std::vector<Fix>& fixes, const Flight& f, const Eigen::Vector3d& lever_m) {
+  Errors e;
+  EXPECT_EQ(fixes.size(), f.truth.size());
+  for (std::size_t k = 5; k < std::min(fixes.size(), f.truth.size()); ++k) {
+    if (!fixes[k].ok()) continue;
+    // With one antenna the place meant is the antenna's, and the origin's as far as the lever arm leaves it.
+    const Eigen::Vector3d truth =
+        f.truth[k].translation_m +
+        (lever_m.norm() > 0.05 ? Eigen::Vector3d(0, 0, 0) : f.truth[k].rotation * lever_m);
+    const Eigen::Vector3d off = fixes[k].T_map_vehicle.translation_m - truth;
+    e.rmse_m += off.squaredNorm();
+    e.nees += off.dot(Eigen::Matrix3d(fixes[k].covariance.topLeftCorner<3, 3>()).ldlt().solve(off)) / 3;
+    ++e.count;
+  }
+  e.rmse_m = std::sqrt(e.rmse_m / static_cast<double>(std::max<std::size_t>(1, e.count)));
+  e.nees /= static_cast<double>(std::max<std::size_t>(1, e.count));
+  return e;
+}
+
+/// Errors and what is said of them, pooled over flights: neighbouring fixes share their errors, so the pooled
+/// NEES of twelve flights of some twenty independent stretches scatters by less than a tenth.
+TEST(SpaceTrack, FixesAreAsGoodAsTheySay) {
+  double nees = 0.0, worst_m = 0.0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Random random(seed, 1);
+    const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 300, 1.5, random);
+    const Errors e = errors_of(track_in_space(f.log, deployment_of(kHall, Eigen::Vector3d::Zero())), f,
+                               Eigen::Vector3d::Zero());
+    EXPECT_GE(e.count, 290u);
+    nees += e.nees / 12;
+    worst_m = std::max(worst_m, e.rmse_m);
+  }
+  EXPECT_LT(worst_m, 2 * kSigma_m) << "six ranges an instant and a smooth track";
+  EXPECT_GT(nees, 0.7);
+  EXPECT_LT(nees, 1.3);
+}
+
+TEST(SpaceTrack, EchoesAreLeftOut) {
+  Random random(3, 1);
+  const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.1, 400, 1.5, random);
+  const auto fixes = track_in_space(f.log, deployment_of(kHall, Eigen::Vector3d::Zero()));
+  const Errors e = errors_of(fixes, f, Eigen::Vector3d::Zero());
+  EXPECT_GE(e.count, 390u);
+  EXPECT_LT(e.rmse_m, 2.5 * kSigma_m);
+  int rejected = 0;
+  for (const Fix& fix : fixes) rejected += fix.arrivals_rejected;
+  EXPECT_GT(rejected, 180) << "one in ten of 2,400";
+  EXPECT_LT(rejected, 320);
+}
+
+/// Beacons that are off as the joint covariance says: the errors of a flight do not average out, and the
+/// covariance says so.
+TEST(SpaceTrack, TheCalibrationsPartCounts) {
+  double nees = 0.0, without = 0.0;
+  constexpr int kFlights = 20;
+  for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
+    Random random(seed, 2);
+    std::vector<Eigen::Vector3d> off = kHall;
+    for (Eigen::Vector3d& p : off)
+      p += 0.06 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
+    const Flight f = fly(off, Eigen::Vector3d::Zero(), 0.0, 150, 1.5, random);
+    without += errors_of(track_in_space(f.log, d), f, Eigen::Vector3d::Zero()).nees / kFlights;
+    know_beacons_to(0.06, d);
+    nees += errors_of(track_in_space(f.log, d), f, Eigen::Vector3d::Zero()).nees / kFlights;
+  }
+  EXPECT_GT(without, 2.0);
+  EXPECT_GT(nees, 0.6);  // twenty flights of some few independent geometries each
+  EXPECT_LT(nees, 1.5);
+}
+
+/// What the antenna's lever arm puts the origin off is in the covariance, and the rotation is said to be
+/// unknown.
+TEST(SpaceTrack, TheLeverArmCounts) {
+  const Eigen::Vector3d lever_m(0.3, -0.1, 0.2);
+  Random random(5, 1);
+  const Flight f = fly(kHall, lever_m, 0.0, 600, 1.5, random);
+  const auto fixes = track_in_space(f.log, deployment_of(kHall, lever_m));
+  const Errors e = errors_of(fixes, f, lever_m);
+  EXPECT_GT(e.nees, 0.4);
+  EXPECT_LT(e.nees, 1.8);
+  EXPECT_DOUBLE_EQ(fixes[10].covariance(4, 4), kUnknownRotationVariance);
+}
+
+TEST(SpaceTrack, OfTwoMirrorImagesTheOneBelowTheBeaconsIsTaken) {
+  std::vector<Eigen::Vector3d> ceiling = kHall;
+  for (Eigen::Vector3d& p : ceiling) p.z() = 3.0;
+  Random random(7, 1);
+  const Flight f = fly(ceiling, Eigen::Vector3d::Zero(), 0.0, 200, 1.2, random);
+  const auto fixes = track_in_space(f.log, deployment_of(ceiling, Eigen::Vector3d::Zero()));
+  EXPECT_LT(errors_of(fixes, f, Eigen::Vector3d::Zero()).rmse_m, 0.2);
+}
+
+TEST(SpaceTrack, APauseOfTheRadioBeginsAnew) {
+  Random random(8, 1);
+  Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 300, 1.5, random);
+  for (Arrival& a : f.log.arrivals)
+    if (a.time_s > 14.95) a.time_s += 60;
+  const auto fixes = track_in_space(f.log, deployment_of(kHall, Eigen::Vector3d::Zero()));
+  EXPECT_LT(errors_of(fixes, f, Eigen::Vector3d::Zero()).rmse_m, 2.5 * kSigma_m);
+}
+
+TEST(SpaceTrack, TwoBeaconsGiveNoFix) {
+  Random random(9, 1);
+  const std::vector<Eigen::Vector3d> two = {kHall[0], kHall[1]};
+  const Flight f = fly(two, Eigen::Vector3d::Zero(), 0.0, 50, 1.5, random);
+  for (const Fix& fix : track_in_space(f.log, deployment_of(two, Eigen::Vector3d::Zero())))
+    EXPECT_FALSE(fix.ok());
+}
+
+TEST(SpaceTrack, AutoTakesItForADriveInSpace) {
+  Random random(10, 1);
+  const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 20, 1.5, random);
+  const Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(is_drive_in_space(d, f.log));
+  EXPECT_EQ(choose_method(d, f.log).method, Method::kTracker);
+  MeasurementLog stops = f.log;
+  stops.has_epochs = true;
+  EXPECT_FALSE(is_drive_in_space(d, stops));
+}
+
+}  // namespace
+}  // namespace octant
