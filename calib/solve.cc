@@ -118,14 +118,11 @@ class Calibrator {
   }
 
   void scale_noise(double factor) {
-    const double before_s = problem_.site.noise.tof_sigma_s * it_.noise_factor, now_s = before_s * factor;
+    const double before_s = problem_.site.noise.tof_sigma_s * it_.noise_factor;
     it_.noise_factor *= factor;
     it_.last.data_information.reset();
     statistics_.reset();
-    for (Trajectory& t : trajectories_)
-      for (ArrivalObservation& a :
-           t.arrivals)  // what a measured amplitude leaves of the walk is no noise of the times, and stays
-        a.sigma_s = std::hypot(now_s, std::sqrt(std::max(0.0, a.sigma_s * a.sigma_s - before_s * before_s)));
+    rescale_noise(trajectories_, before_s, factor * before_s);
   }
 
   bool reject_and_adjust() {

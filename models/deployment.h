@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "models/changes/change.h"
 #include "models/contradiction.h"
 #include "models/site.h"
 
@@ -27,6 +28,7 @@ struct DeploymentBeacon {
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
   double delay_s = 0.0;
   double delay_sigma_s = 0.0;
+  double gain = 1.0;  ///< of its amplitude over the attenuation's: below 1 where dirt or age dampen it
   BeaconStatus status = BeaconStatus::kCalibrated;
 };
 
@@ -108,6 +110,8 @@ struct Deployment {
   std::string program_version;
   std::string program_command;
   std::vector<std::string> warnings;
+  std::optional<Previous> previous;  ///< of a recalibration
+  std::string digest;                ///< SHA-256 of its file's content, where it was read from one
   /// What the data of the calibration say against its site file: exported against advice, and localizers say
   /// so. Empty: nothing.
   std::vector<Contradiction> contradictions;

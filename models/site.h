@@ -80,6 +80,8 @@ struct SiteBeacon {
   std::array<std::optional<double>, 3> position_m;
   std::array<std::optional<double>, 3> sigma_m;  ///< no value beside a position: unknown accuracy, no prior
   int line = 0;                                  ///< in the site file
+  std::optional<Prior> delay_s;                  ///< of its own delay; none: Timing's, as all others
+  Prior log_gain{};  ///< of its amplitude over the attenuation's, ln; sigma 0: held fixed
 
   [[nodiscard]] bool is_control_point() const {
     for (int i = 0; i < 3; ++i)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "models/changes/chi_square.h"
 #include "models/trajectory/decompositions.h"
 
 namespace octant::survey {
@@ -62,19 +63,26 @@ std::optional<double> chance_of_delay(const Deployment& before, const Deployment
   return std::erfc(std::abs(c.delay_change_s) / c.delay_sigma_s / std::sqrt(2.0));
 }
 
-/// What is more than chance, with the number of comparisons in mind; and what a control point that was
-/// knocked may explain. It is held, so that its own delay takes up a part of what it moved, and the others'
-/// places the rest.
-void judge(const Deployment& before, const Deployment& now, Changes& changes) {
-  std::size_t tests = 0;
-  for (const BeaconChange& c : changes.beacons)
-    tests += static_cast<std::size_t>(c.p.has_value()) + static_cast<std::size_t>(c.delay_p.has_value());
-  changes.limit_p =
-      std::min(kSignificance, kChangesByChance / static_cast<double>(std::max<std::size_t>(tests, 1)));
+/// Whether a beacon is one of those that a change of that kind names.
+bool names_beacon(const Changes& changes, ChangeKind kind, const std::string& name) {
+  return std::any_of(changes.found.begin(), changes.found.end(), [&](const Change& c) {
+    if (c.kind != kind) return false;
+    return kind == ChangeKind::kExchanged
+               ? c.subject.starts_with(name + ", ") || c.subject.ends_with(", " + name)
+               : c.subject == name;
+  });
+}
+
+/// What is more than chance; and what a control point that was knocked may explain. It is held, so that its
+/// own delay takes up a part of what it moved, and the others' places the rest.
+void judge(const Deployment& before, const Deployment& now, const Drift& drift, Changes& changes) {
+  Comparison comparison = compare(before, now, drift);
+  changes.limit_p = kFalseAlarm / static_cast<double>(std::max<std::size_t>(comparison.hypotheses.size(), 1));
+  changes.found = std::move(comparison.changes);
   for (BeaconChange& c : changes.beacons) {
-    // Two control points that disagree are not a matter of chance.
-    c.significant = c.p ? *c.p < changes.limit_p : c.shift_m.norm() > 0.0;
-    c.delay_significant = c.delay_p && *c.delay_p < changes.limit_p;
+    c.significant = names_beacon(changes, ChangeKind::kBeaconMoved, c.name) ||
+                    names_beacon(changes, ChangeKind::kExchanged, c.name);
+    c.delay_significant = names_beacon(changes, ChangeKind::kDelay, c.name);
     const DeploymentBeacon* a = find(before, c.name);
     const DeploymentBeacon* b = find(now, c.name);
     const bool held = a->status == BeaconStatus::kControlPoint && b->status == BeaconStatus::kControlPoint &&
@@ -83,18 +91,16 @@ void judge(const Deployment& before, const Deployment& now, Changes& changes) {
   }
   if (changes.doubted_control_points.empty()) return;
   for (BeaconChange& c : changes.beacons) c.by_datum = c.significant && c.p.has_value();
+  std::erase_if(changes.found, [](const Change& c) { return c.kind == ChangeKind::kBeaconMoved; });
 }
 
 }  // namespace
 
-double chi_square_tail(double value, int degrees_of_freedom) {
-  const double x = std::max(0.0, value), root = std::sqrt(x / 2);
-  if (degrees_of_freedom == 1) return std::erfc(root);
-  if (degrees_of_freedom == 2) return std::exp(-x / 2);
-  return std::erfc(root) + 2 / std::sqrt(M_PI) * root * std::exp(-x / 2);  // DLMF 8.4.15 with a = 3/2
+Changes changes_between(const Deployment& before, const Deployment& now) {
+  return changes_between(before, now, Drift::of_months(months_between(before.created, now.created)));
 }
 
-Changes changes_between(const Deployment& before, const Deployment& now) {
+Changes changes_between(const Deployment& before, const Deployment& now, const Drift& drift) {
   Changes changes;
   changes.since = before.created;
   changes.same_datum = same_frame(before.datum, now.datum);
@@ -116,7 +122,7 @@ Changes changes_between(const Deployment& before, const Deployment& now) {
     c.delay_p = chance_of_delay(before, now, c);
     changes.beacons.push_back(std::move(c));
   }
-  judge(before, now, changes);
+  judge(before, now, drift, changes);
   for (const auto& b : before.beacons)
     if (find(now, b.name) == nullptr) changes.gone.push_back(b.name);
   if (!now.beacons.empty()) {

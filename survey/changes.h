@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "models/changes/comparison.h"
 #include "models/deployment.h"
 
 namespace octant::survey {
@@ -17,12 +18,12 @@ struct BeaconChange {
   std::string name;
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< new less old
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();  ///< of the shift: both deployments' variances together
-  std::optional<double> p;  ///< of a shift this large by chance; none where both are held fixed
+  std::optional<double> p;  ///< of a shift this large by chance, on its own; none where both are held fixed
   double delay_change_s = 0.0, delay_sigma_s = 0.0;
   std::optional<double>
       delay_p;               ///< of such a change of the delay by chance; none where it is no beacon's own
-  bool significant = false;  ///< it moved: p below the limit
-  bool delay_significant = false;  ///< its delay is another one
+  bool significant = false;  ///< held to have moved, or to be exchanged
+  bool delay_significant = false;  ///< its delay is held to be another one
   /// Its shift may be that of the frame: a control point does not fit its stated position any more. Then
   /// nothing is said of it.
   bool by_datum = false;
@@ -30,30 +31,26 @@ struct BeaconChange {
   [[nodiscard]] bool moved() const { return significant && !by_datum; }
   [[nodiscard]] bool changed() const { return moved() || delay_significant; }
 };
-/// A place or a delay is called changed where chance makes such a difference less often than this; with more
-/// than kChangesByChance / kSignificance of them that are compared, less often in proportion (Bonferroni), so
-/// that of a hundred comparisons of unchanged sites one accuses somebody.
-inline constexpr double kSignificance = 1.0e-3, kChangesByChance = 0.01;
-
 struct Changes {
   std::string since;                  ///< when the earlier one was made
   bool same_datum = true;             ///< otherwise shifts are in part those of the frame
   std::vector<BeaconChange> beacons;  ///< of both
   std::vector<std::string> gone, added;
-  double limit_p = kSignificance;  ///< as used
+  std::vector<Change> found;     ///< what is held to be changed: beacons, delays, receivers, speed, datum
+  double limit_p = kFalseAlarm;  ///< of each test
   std::vector<std::string>
       doubted_control_points;  ///< held where they were stated, and their delays changed beyond chance
   std::optional<double> speed_change_mps;  ///< at the new one's reference temperature
   double speed_sigma_mps = 0.0;
 };
 
-/// The deployments are taken as independent: sigmas of shifts are too large where they share control points.
+/// What is held to be changed is told by all that both know together, free of the datum and with the drift
+/// that time allows (models/changes/comparison.h); the single shifts and their p stand beside it.
+[[nodiscard]] Changes changes_between(const Deployment& before, const Deployment& now, const Drift& drift);
+/// With the drift of the time between them.
 [[nodiscard]] Changes changes_between(const Deployment& before, const Deployment& now);
 
 /// How many beacons moved and how many delays changed, in a sentence.
 [[nodiscard]] std::string changes_sentence(const Changes& changes);
-
-/// Probability that chi-square with this many degrees of freedom (1 to 3) exceeds a value, in closed form.
-[[nodiscard]] double chi_square_tail(double value, int degrees_of_freedom);
 
 }  // namespace octant::survey

@@ -88,6 +88,9 @@ int run(int argc, const char* const* argv, Session& session) {
   add_survey(app, session.options, action);
   add_convert(app, session.options, action);
   add_plan(app, session.options, action);
+  add_recalibrate(app, session.options, action);
+  add_monitor(app, session.options, action);
+  add_diff(app, session.options, action);
   add_report(app, session.options, action);
   add_schema(app, session.options, action);
   const std::vector<const char*> words = asked_for_help(argc, argv);

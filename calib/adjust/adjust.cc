@@ -219,6 +219,43 @@ class PriorCost : public ceres::CostFunction {
   ParameterBlock block_;
 };
 
+/// What is known of parameters together, over the blocks that hold them.
+class JointPriorCost : public ceres::CostFunction {
+ public:
+  JointPriorCost(const ParameterLayout* layout, const Eigen::VectorXd* x, std::vector<int> blocks)
+      : layout_(layout), x_(x), blocks_(std::move(blocks)) {
+    for (const int b : blocks_)
+      mutable_parameter_block_sizes()->push_back(layout->blocks[static_cast<std::size_t>(b)].size);
+    set_num_residuals(static_cast<int>(layout->joint_prior->mean.size()));
+  }
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const JointPrior& prior = *layout_->joint_prior;
+    Eigen::VectorXd x = *x_;
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const ParameterBlock& block = layout_->blocks[static_cast<std::size_t>(blocks_[i])];
+      x.segment(block.first, block.size) = Eigen::Map<const Eigen::VectorXd>(parameters[i], block.size);
+    }
+    Eigen::Map<Eigen::VectorXd>(residuals, prior.mean.size()) = prior.residual(x);
+    if (jacobians == nullptr) return true;
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      if (jacobians[i] == nullptr) continue;
+      const ParameterBlock& block = layout_->blocks[static_cast<std::size_t>(blocks_[i])];
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(
+          jacobians[i], prior.mean.size(), block.size);
+      J.setZero();
+      for (std::size_t k = 0; k < prior.columns.size(); ++k)
+        if (const int c = prior.columns[k] - block.first; c >= 0 && c < block.size)
+          J.col(c) = prior.root.col(static_cast<Eigen::Index>(k));
+    }
+    return true;
+  }
+
+ private:
+  const ParameterLayout* layout_;
+  const Eigen::VectorXd* x_;  ///< what no block of these holds does not matter
+  std::vector<int> blocks_;
+};
+
 /// Weighted misfit of a taped distance and its derivative by the free coordinates of both beacons, in layout
 /// order.
 struct DistanceRow {
@@ -368,6 +405,12 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
     }
     if (!blocks.empty()) add(new DistanceCost(d, &point, &layout, blocks), blocks);
   }
+  if (layout.joint_prior) {
+    std::vector<int> blocks;
+    for (const int column : layout.joint_prior->columns)
+      if (const int b = block_of(layout, column); blocks.empty() || blocks.back() != b) blocks.push_back(b);
+    add(new JointPriorCost(&layout, &x, blocks), blocks);
+  }
   Watch watch;
   watch.options = &options;
   watch.point = &point;
@@ -410,6 +453,7 @@ double prior_cost(const Problem& problem, const ParameterLayout& layout, const E
     const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
     if (std::isfinite(p.prior_sigma)) cost += 0.5 * std::pow((x[i] - p.prior_mean) / p.prior_sigma, 2);
   }
+  if (layout.joint_prior) cost += 0.5 * layout.joint_prior->residual(x).squaredNorm();
   const SharedState state = layout.state_of(x);
   for (const ControlDistance& d : problem.site.distances)
     cost += 0.5 * std::pow(distance_row(d, layout, state).residual, 2);
@@ -425,6 +469,14 @@ void for_each_of_prior(const Problem& problem, const ParameterLayout& layout, co
   for (int i = 0; i < layout.size(); ++i) {
     const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
     if (std::isfinite(p.prior_sigma)) visit(i, i, 1.0 / (p.prior_sigma * p.prior_sigma));
+  }
+  if (layout.joint_prior) {
+    const JointPrior& prior = *layout.joint_prior;
+    const Eigen::MatrixXd N = prior.root.transpose() * prior.root;
+    for (std::size_t i = 0; i < prior.columns.size(); ++i)
+      for (std::size_t j = 0; j < prior.columns.size(); ++j)
+        visit(prior.columns[i], prior.columns[j],
+              N(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
   }
   const SharedState state = layout.state_of(x);
   for (const ControlDistance& d : problem.site.distances) {

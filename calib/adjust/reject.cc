@@ -95,6 +95,12 @@ std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedSta
   return changes;
 }
 
+void rescale_noise(std::vector<Trajectory>& trajectories, double before_s, double now_s) {
+  for (Trajectory& t : trajectories)
+    for (ArrivalObservation& a : t.arrivals)
+      a.sigma_s = std::hypot(now_s, std::sqrt(std::max(0.0, a.sigma_s * a.sigma_s - before_s * before_s)));
+}
+
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable) {
   for (Trajectory& t : trajectories) {
     for (ArrivalObservation& a : t.arrivals)

@@ -25,6 +25,11 @@ inline constexpr double kCauchyScale = 2.385;
 std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit,
                           int threads = 1);
 
+/// The noise of arrivals is another one: what a measured amplitude leaves of the walk is no noise of the
+/// times, and stays.
+/// @param before_s, now_s  of the times of flight
+void rescale_noise(std::vector<Trajectory>& trajectories, double before_s, double now_s);
+
 /// All arrivals and bearings in use again, but those of unusable beacons and of states without a place.
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable);
 

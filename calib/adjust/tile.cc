@@ -70,6 +70,7 @@ void Tile::find_columns() {
     if (beacon[b] == 0) continue;
     for (const int c : layout.beacon[b]) touch(c);
     touch(layout.beacon_delay[b]);
+    if (!layout.beacon_gain.empty()) touch(layout.beacon_gain[b]);
   }
   for (std::size_t r = 0; r < receiver.size(); ++r) {
     if (receiver[r] == 0) continue;

@@ -133,6 +133,7 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
   for (const MeasurementLog& run : problem.runs) counts.rejected += run.rejected.size();
   for (const Parameter& p : layout.parameters)
     counts.observations += std::isfinite(p.prior_sigma) ? 1.0 : 0.0;
+  if (layout.joint_prior) counts.observations += static_cast<double>(layout.joint_prior->mean.size());
   counts.observations += static_cast<double>(problem.site.distances.size());
   s.arrivals = counts.used;
   s.rejected = counts.rejected;

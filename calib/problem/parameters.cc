@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 namespace octant::calib {
 namespace {
 
@@ -23,6 +25,7 @@ class LayoutBuilder {
     add_receivers();
     add_drift();
     add_attenuation();
+    add_gains();
     add_pairs();
     return std::move(layout_);
   }
@@ -59,23 +62,28 @@ class LayoutBuilder {
     const double c = layout_.nominal_speed_mps;
     layout_.beacon_delay.assign(site_.beacons.size(), -1);
     layout_.receiver_delay.assign(site_.receivers.size(), -1);
-    if (!(timing.delay_sigma_s > 0)) return;
     const SharedState prior = prior_state(site_);
-    auto single = [&](std::string name, double mean_s) {
+    auto single = [&](std::string name, double mean_s, double sigma_s) {
       const int first = layout_.size();
-      add(std::move(name), c * mean_s, c * timing.delay_sigma_s, 1.0 / c);
+      add(std::move(name), c * mean_s, c * sigma_s, 1.0 / c);
       block_from(first);
       return first;
     };
     if (timing.delay_per.beacon)
-      for (std::size_t b = 0; b < site_.beacons.size(); ++b)
-        if (!held_[b])
+      for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
+        const double sigma_s =
+            site_.beacons[b].delay_s ? site_.beacons[b].delay_s->sigma : timing.delay_sigma_s;
+        if (!held_[b] && sigma_s > 0)
           layout_.beacon_delay[b] =
-              single("beacon/" + site_.beacons[b].name + "/delay_s", prior.beacon_delay_s[b]);
+              single("beacon/" + site_.beacons[b].name + "/delay_s", prior.beacon_delay_s[b], sigma_s);
+      }
+    if (!(timing.delay_sigma_s > 0)) return;
     if (timing.delay_per.receiver)
       for (std::size_t r = 0; r < site_.receivers.size(); ++r)
-        layout_.receiver_delay[r] = single(receiver_name(r) + "delay_s", prior.receiver_delay_s[r]);
-    if (timing.delay_per.site) layout_.site_delay = single("site/delay_s", prior.site_delay_s);
+        layout_.receiver_delay[r] =
+            single(receiver_name(r) + "delay_s", prior.receiver_delay_s[r], timing.delay_sigma_s);
+    if (timing.delay_per.site)
+      layout_.site_delay = single("site/delay_s", prior.site_delay_s, timing.delay_sigma_s);
   }
 
   void add_speed() {
@@ -170,6 +178,18 @@ class LayoutBuilder {
     block_from(first);
   }
 
+  void add_gains() {
+    layout_.beacon_gain.assign(site_.beacons.size(), -1);
+    if (!site_.attenuation) return;
+    for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
+      const Prior& gain = site_.beacons[b].log_gain;
+      if (held_[b] || !(gain.sigma > 0)) continue;
+      layout_.beacon_gain[b] =
+          add("beacon/" + site_.beacons[b].name + "/log_gain", gain.value, gain.sigma, 1.0);
+      block_from(layout_.beacon_gain[b]);
+    }
+  }
+
   void add_pairs() {
     if (!site_.noise.pair_sigma_s || !(*site_.noise.pair_sigma_s > 0)) return;
     const double c = layout_.nominal_speed_mps;
@@ -239,6 +259,8 @@ void for_each_free(const ParameterLayout& layout, State& state, Visit&& visit) {
     visit(layout.attenuation[2], state.attenuation->rise_time_s);
     visit(layout.attenuation[3], state.attenuation->half_power_angle_rad);
   }
+  for (std::size_t b = 0; b < layout.beacon_gain.size() && b < state.beacon_log_gain.size(); ++b)
+    visit(layout.beacon_gain[b], state.beacon_log_gain[b]);
   for (std::size_t i = 0; i < layout.pair_bias.size(); ++i) visit(layout.pair_bias[i], state.pair_bias_s[i]);
   for (std::size_t v = 0; v < layout.clock_drift.size() && v < state.clock_drift.size(); ++v)
     visit(layout.clock_drift[v], state.clock_drift[v]);
@@ -275,6 +297,18 @@ Eigen::VectorXd ParameterLayout::vector_of(const SharedState& state) const {
     }
   }
   return x;
+}
+
+Eigen::VectorXd JointPrior::residual(const Eigen::VectorXd& x) const { return root * (x(columns) - mean); }
+
+JointPrior joint_prior(std::vector<int> columns, Eigen::VectorXd mean, const Eigen::MatrixXd& covariance) {
+  // C = L L', so that R = L^-1; millimetres beside metres are scaled alike first.
+  const Eigen::VectorXd inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd root = inverse.asDiagonal();
+  Eigen::LLT<Eigen::MatrixXd>(inverse.asDiagonal() * covariance * inverse.asDiagonal())
+      .matrixL()
+      .solveInPlace(root);
+  return {std::move(columns), std::move(mean), std::move(root)};
 }
 
 ParameterLayout make_layout(const Problem& problem, const SharedState& state, const std::vector<bool>& held) {

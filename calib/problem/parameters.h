@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,20 @@ struct Parameter {
   double lower = -INFINITY, upper = INFINITY;  ///< bounds, internal unit
 };
 
+/// What is known of some parameters together, internal units: root (x - mean) has the covariance of unit
+/// noise.
+struct JointPrior {
+  std::vector<int> columns;  ///< ascending; their own Parameter::prior_sigma is infinite
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd root;  ///< as many columns; R'R is the inverse of the covariance
+
+  /// root (x - mean) at a vector of all parameters.
+  [[nodiscard]] Eigen::VectorXd residual(const Eigen::VectorXd& x) const;
+};
+/// @param covariance  positive definite
+[[nodiscard]] JointPrior joint_prior(std::vector<int> columns, Eigen::VectorXd mean,
+                                     const Eigen::MatrixXd& covariance);
+
 /// Free parameters that belong together: one parameter block of the solver.
 struct ParameterBlock {
   int first = 0;  ///< column of its first parameter
@@ -40,6 +55,7 @@ struct ParameterLayout {
   int site_delay = -1;
   std::vector<int> speed;                                                ///< one for all, or one for each run
   std::array<int, kAttenuationUnknowns> attenuation = {-1, -1, -1, -1};  ///< in the order of AttenuationRow
+  std::vector<int> beacon_gain;                                          ///< of each beacon's amplitude, ln
   std::vector<int> pair_bias;                                            ///< beacon-major; empty: none
   std::vector<int> clock_drift;                                          ///< of each vehicle
   std::vector<std::array<int, 2>>
@@ -47,8 +63,9 @@ struct ParameterLayout {
   std::vector<VehicleId> vehicle_of_receiver;
   double nominal_speed_mps = 343.0;  ///< turns delays into metres
   double nominal_amplitude_v = 1.0;
-  int dense_limit = kDenseLimit;  ///< up to so many parameters all matrices are dense
-  SharedState fixed;              ///< values of what is held fixed
+  int dense_limit = kDenseLimit;          ///< up to so many parameters all matrices are dense
+  SharedState fixed;                      ///< values of what is held fixed
+  std::optional<JointPrior> joint_prior;  ///< beside those that parameters have each for itself
 
   [[nodiscard]] int size() const { return static_cast<int>(parameters.size()); }
   [[nodiscard]] int speed_column(std::size_t run) const {

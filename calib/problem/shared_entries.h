@@ -13,8 +13,8 @@ namespace octant::calib {
 /// (column, value) pairs.
 struct RowEntries {
   int count = 0;
-  std::array<int, 16> column;
-  std::array<double, 16> value;
+  std::array<int, 18> column;
+  std::array<double, 18> value;
   void add(int c, double v) {
     if (c < 0) return;
     column[static_cast<std::size_t>(count)] = c;
@@ -48,6 +48,9 @@ struct RowEntries {
   }
   for (std::size_t i = 0; i < layout.attenuation.size(); ++i)
     e.add(layout.attenuation[i], row.by_attenuation[static_cast<int>(i)] * scale(layout.attenuation[i]));
+  // The gain multiplies the amplitude: d/d ln g = A_1m d/d A_1m.
+  if (state.attenuation && !layout.beacon_gain.empty())
+    e.add(layout.beacon_gain[row.beacon.index()], row.by_attenuation[0] * state.attenuation->amplitude_1m_v);
   if (row.kind != RowKind::kTof) return e;
   for (const int column : {layout.beacon_delay[row.beacon.index()],
                            layout.receiver_delay[row.receiver.index()], layout.site_delay})

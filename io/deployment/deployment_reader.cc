@@ -107,6 +107,7 @@ void read_deployed_beacons(const JsonValue& json, Deployment& d) {
       covariance.fail("with a negative variance", "a covariance");
     b.delay_s = item.at("delay_s").number();
     b.delay_sigma_s = item.at("delay_sigma_s").not_negative();
+    if (const JsonValue gain = item.find("gain"); gain.present()) b.gain = gain.positive();
     b.status = item.at("status").choice<BeaconStatus>({{"calibrated", BeaconStatus::kCalibrated},
                                                        {"control_point", BeaconStatus::kControlPoint},
                                                        {"undetermined", BeaconStatus::kUndetermined}});
@@ -231,6 +232,36 @@ void read_contradictions(const JsonValue& verdict, std::vector<Contradiction>& c
   }
 }
 
+Change read_change(const JsonValue& json) {
+  Change c;
+  const std::string kind = json.at("kind").text();
+  if (const auto known = change_kind(kind)) {
+    c.kind = *known;
+  } else {
+    json.at("kind").fail(in_quotes(kind), "a kind of change, such as 'beacon_moved'",
+                         "octant schema deployment lists them");
+  }
+  c.subject = json.at("subject").text();
+  c.size = json.at("size").number();
+  c.sigma = json.at("sigma").not_negative();
+  c.p = json.at("p").not_negative();
+  return c;
+}
+
+void read_previous(const JsonValue& json, Deployment& d) {
+  if (!json.present()) return;
+  Previous previous;
+  previous.sha256 = json.at("sha256").text();
+  previous.created = json.at("created").text();
+  const JsonValue drift = json.at("drift");
+  previous.drift = {drift.at("beacon_m").not_negative(),   drift.at("delay_s").not_negative(),
+                    drift.at("receiver_m").not_negative(), drift.at("speed_mps").not_negative(),
+                    drift.at("log_gain").not_negative(),   drift.at("attenuation").not_negative()};
+  previous.released = json.at("released").texts();
+  for (const JsonValue& change : json.at("changes").items()) previous.changes.push_back(read_change(change));
+  d.previous = std::move(previous);
+}
+
 void check_head(const JsonValue& root) {
   if (const std::string type = root.at("type").text(); type != "octant_deployment") {
     root.at("type").fail(in_quotes(type), "'octant_deployment'",
@@ -297,7 +328,9 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
     read_statistics(root.at("statistics"), d.statistics);
     read_validity(root.at("validity"), d);
     read_provenance(root, d);
+    read_previous(root.find("previous"), d);
     read_contradictions(root.find("verdict"), d.contradictions);
+    d.digest = digest_of(*json);
     d.warnings.insert(d.warnings.end(), warnings.begin(), warnings.end());
     if (log.error) return fail(*log.error);
     return d;

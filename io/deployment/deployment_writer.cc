@@ -84,6 +84,7 @@ Json beacons_json(const Deployment& d) {
                    {"delay_s", b.delay_s},
                    {"delay_sigma_s", b.delay_sigma_s},
                    {"status", to_string(b.status)}});
+    if (b.gain != 1.0) out.back()["gain"] = b.gain;  // absent else: older files keep their digest
   }
   return out;
 }
@@ -164,6 +165,28 @@ Json contradictions_json(const std::vector<Contradiction>& contradictions) {
   return list;
 }
 
+Json previous_json(const Previous& p) {
+  Json changes = Json::array();
+  for (const Change& c : p.changes)
+    changes.push_back({{"kind", to_string(c.kind)},
+                       {"subject", c.subject},
+                       {"size", c.size},
+                       {"sigma", c.sigma},
+                       {"unit", unit_of(c.kind)},
+                       {"p", c.p}});
+  return {{"sha256", p.sha256},
+          {"created", p.created},
+          {"drift",
+           {{"beacon_m", p.drift.beacon_m},
+            {"delay_s", p.drift.delay_s},
+            {"receiver_m", p.drift.receiver_m},
+            {"speed_mps", p.drift.speed_mps},
+            {"log_gain", p.drift.log_gain},
+            {"attenuation", p.drift.attenuation}}},
+          {"released", p.released},
+          {"changes", changes}};
+}
+
 Json content_of(const Deployment& d) {
   Json json = {{"type", "octant_deployment"},
                {"version", 1},
@@ -190,6 +213,7 @@ Json content_of(const Deployment& d) {
     json["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
   json["program"] = {{"name", "octant"}, {"version", d.program_version}, {"command", d.program_command}};
   json["warnings"] = d.warnings;
+  if (d.previous) json["previous"] = previous_json(*d.previous);
   if (!d.contradictions.empty())
     json["verdict"] = {{"grade", "Contradicted"}, {"contradictions", contradictions_json(d.contradictions)}};
   json["covariance"] = covariance_json(d.covariance);

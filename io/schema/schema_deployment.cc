@@ -107,6 +107,7 @@ std::string_view deployment_schema() {
           "covariance_m2": {"type": "array", "minItems": 3, "maxItems": 3, "items": {"$ref": "#/$defs/vector"}},
           "delay_s": {"type": "number"},
           "delay_sigma_s": {"$ref": "#/$defs/not_negative"},
+          "gain": {"$ref": "#/$defs/positive", "description": "of its amplitude over the attenuation's, where dirt or age dampen it; 1 where left out"},
           "status": {"enum": ["calibrated", "control_point", "undetermined"], "description": "localizers leave undetermined ones out"}
         }
       }
@@ -195,6 +196,44 @@ std::string_view deployment_schema() {
       "properties": {"name": {"type": "string"}, "version": {"type": "string"}, "command": {"type": "string"}}
     },
     "warnings": {"type": "array", "items": {"type": "string"}},
+    "previous": {
+      "description": "only of a recalibration: the deployment that it was made of, and what had changed since",
+      "type": "object",
+      "required": ["sha256", "created", "drift", "released", "changes"],
+      "properties": {
+        "sha256": {"type": "string", "description": "digest of the earlier file"},
+        "created": {"type": "string"},
+        "drift": {
+          "description": "standard deviations by which things may have drifted without being held to have changed",
+          "type": "object",
+          "required": ["beacon_m", "delay_s", "receiver_m", "speed_mps", "log_gain", "attenuation"],
+          "properties": {
+            "beacon_m": {"$ref": "#/$defs/not_negative"},
+            "delay_s": {"$ref": "#/$defs/not_negative"},
+            "receiver_m": {"$ref": "#/$defs/not_negative"},
+            "speed_mps": {"$ref": "#/$defs/not_negative"},
+            "log_gain": {"$ref": "#/$defs/not_negative", "description": "of each beacon's amplitude, natural logarithm"},
+            "attenuation": {"$ref": "#/$defs/not_negative", "description": "of amplitude, absorption and rise time, relative"}
+          }
+        },
+        "released": {"type": "array", "items": {"type": "string"}, "description": "parameters of which nothing earlier was believed"},
+        "changes": {
+          "type": "array",
+          "items": {
+            "type": "object",
+            "required": ["kind", "subject", "size", "sigma", "unit", "p"],
+            "properties": {
+              "kind": {"enum": ["beacon_moved", "delay", "receiver", "speed", "exchanged", "datum", "amplitude"]},
+              "subject": {"type": "string", "examples": ["B3", "robot/r0", "B2, B5", "speed"]},
+              "size": {"type": "number", "description": "length of a move; new less old of a delay or the speed; factor of an amplitude"},
+              "sigma": {"$ref": "#/$defs/not_negative"},
+              "unit": {"enum": ["m", "s", "m/s", "1"]},
+              "p": {"$ref": "#/$defs/not_negative", "description": "of chance, after all that was tested"}
+            }
+          }
+        }
+      }
+    },
     "verdict": {
       "description": "only of a calibration that was exported with --accept although its data contradict what its site file states",
       "type": "object",

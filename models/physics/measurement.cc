@@ -120,8 +120,8 @@ PathOutput predict_arrival_value(const PathInput& in) {
   }
   out.tof_s = legs * out.distance_m / in.speed_mps + in.delay_s;
   if (in.attenuation != nullptr) {
-    const Walk walk =
-        walk_at(out.distance_m, off_axis(in, back).log_gain.value, *in.attenuation, in.log_amplitude);
+    const Walk walk = walk_at(out.distance_m, off_axis(in, back).log_gain.value + in.log_gain,
+                              *in.attenuation, in.log_amplitude);
     out.tof_s += walk.walk_s;
     out.log_amplitude = walk.log_amplitude;
     out.heard = walk.heard;
@@ -158,7 +158,8 @@ PathOutput predict_arrival(const PathInput& in, Motion motion) {
   out.tof_by_attenuation.setZero();
   if (in.attenuation == nullptr) return out;
   const OffAxis off = off_axis(in, back);
-  const Walk walk = walk_at(out.distance_m, off.log_gain.value, *in.attenuation, in.log_amplitude);
+  const Walk walk =
+      walk_at(out.distance_m, off.log_gain.value + in.log_gain, *in.attenuation, in.log_amplitude);
   out.tof_s += walk.walk_s;
   out.log_amplitude = walk.log_amplitude;
   out.heard = walk.heard;

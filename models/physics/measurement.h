@@ -26,6 +26,8 @@ struct PathInput {
   /// Unit vector in which the receiver hears best, in the vehicle frame; null or zero: all round alike.
   /// Counts where the attenuation is directional.
   const Eigen::Vector3d* axis_vehicle = nullptr;
+  double log_gain =
+      0.0;  ///< of the beacon over the attenuation's amplitude, ln: dirt and age dampen one alone
   /// ln(A / 1 V) as measured: then the walk is that of this amplitude instead of the predicted one, and tells
   /// nothing of the states.
   std::optional<double> log_amplitude{};

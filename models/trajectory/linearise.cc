@@ -90,6 +90,7 @@ PathInput path_input(const Trajectory& t, const ArrivalObservation& a, const Sha
         t.nodes[a.node].cycle_offset_s + state.drift(t.vehicle) * (a.time_s - t.nodes[a.node].time_s);
   in.attenuation = state.attenuation ? &*state.attenuation : nullptr;
   in.axis_vehicle = state.axis_of(a.receiver);
+  in.log_gain = state.log_gain(a.beacon);
   in.log_amplitude = walk_amplitude(a, state);
   in.T_hear_send = a.two_way ? &t.T_hear_send[static_cast<std::size_t>(a.hear_send)] : nullptr;
   return in;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/trajectory/shared_state.h"
 
+#include <cmath>
+
 namespace octant {
 namespace {
 
@@ -35,6 +37,10 @@ SharedState prior_state(const Site& site) {
   state.receiver_delay_s.assign(site.receivers.size(), on_receivers ? timing.delay_s : 0.0);
   state.site_delay_s = on_beacons || on_receivers ? 0.0 : timing.delay_s;
   if (site.attenuation) state.attenuation = site.attenuation->mean();
+  for (std::size_t b = 0; b < site.beacons.size(); ++b) {
+    if (on_beacons && site.beacons[b].delay_s) state.beacon_delay_s[b] = site.beacons[b].delay_s->value;
+    if (site.attenuation) state.beacon_log_gain.push_back(site.beacons[b].log_gain.value);
+  }
   state.receiver_axis = axes_of(site.receivers, state.attenuation);
   state.clock_drift.assign(site.vehicles.size(), timing.drift);
   if (site.noise.pair_sigma_s) state.pair_bias_s.assign(site.beacons.size() * site.receivers.size(), 0.0);
@@ -46,6 +52,7 @@ SharedState shared_state(const Deployment& deployment) {
   for (const DeploymentBeacon& beacon : deployment.beacons) {
     state.beacon_p_map_m.push_back(beacon.position_m);
     state.beacon_delay_s.push_back(beacon.delay_s);
+    if (deployment.attenuation) state.beacon_log_gain.push_back(std::log(beacon.gain));
   }
   for (const DeploymentReceiver& receiver : deployment.receivers) {
     state.receiver_p_vehicle_m.push_back(receiver.position_m);

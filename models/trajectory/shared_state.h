@@ -26,12 +26,17 @@ struct SharedState {
   std::vector<Eigen::Vector3d>
       receiver_axis;  ///< unit vectors, zero: none; where the attenuation is directional, else empty
   std::vector<double> pair_bias_s;  ///< beacon-major, empty: none
+  std::vector<double>
+      beacon_log_gain;              ///< of each beacon's amplitude over the attenuation's, ln; empty: none
   std::vector<double> clock_drift;  ///< of each vehicle, see Timing::drift; empty: none
 
   [[nodiscard]] double delay_s(BeaconId beacon, ReceiverId receiver) const {
     double sum = site_delay_s + beacon_delay_s[beacon.index()] + receiver_delay_s[receiver.index()];
     if (!pair_bias_s.empty()) sum += pair_bias_s[beacon.index() * receiver_delay_s.size() + receiver.index()];
     return sum;
+  }
+  [[nodiscard]] double log_gain(BeaconId beacon) const {
+    return beacon_log_gain.empty() ? 0.0 : beacon_log_gain[beacon.index()];
   }
   /// As PathInput takes it.
   [[nodiscard]] const Eigen::Vector3d* axis_of(ReceiverId receiver) const {

@@ -34,12 +34,13 @@ ReportTable table_of(const Changes& changes) {
     time_s = std::max({time_s, std::abs(c.delay_change_s), c.delay_sigma_s});
   }
   const Unit length = length_unit(length_m), time = time_unit(time_s);
-  ReportTable table{"changes-table",
-                    fmt::format("New less old, with the sigma of the difference; moved, delay changed: so "
-                                "large a difference comes by chance less than once in {:.0f}",
-                                1 / changes.limit_p),
-                    {{"beacon", true}},
-                    {}};
+  ReportTable table{
+      "changes-table",
+      fmt::format("New less old, with the sigma of the difference; moved, delay changed: what is held to be "
+                  "changed by all comparisons together, each as rare by chance as once in {:.0f}",
+                  1 / changes.limit_p),
+      {{"beacon", true}},
+      {}};
   for (const char* axis : {"x", "y", "z"}) {
     table.columns.push_back({fmt::format("{} [{}]", axis, length.symbol)});
     table.columns.push_back({fmt::format("sigma {} [{}]", axis, length.symbol)});

@@ -11,18 +11,6 @@
 namespace octant::survey {
 namespace {
 
-TEST(Changes, TailOfChiSquare) {
-  // NIST/SEMATECH e-Handbook, table 1.3.6.7.4: upper critical values at 0.05 and 0.001; printed to three
-  // decimals.
-  EXPECT_NEAR(chi_square_tail(3.841, 1), 0.05, 2e-5);
-  EXPECT_NEAR(chi_square_tail(5.991, 2), 0.05, 2e-5);
-  EXPECT_NEAR(chi_square_tail(7.815, 3), 0.05, 2e-5);
-  EXPECT_NEAR(chi_square_tail(10.828, 1), 0.001, 1e-6);
-  EXPECT_NEAR(chi_square_tail(13.816, 2), 0.001, 1e-6);
-  EXPECT_NEAR(chi_square_tail(16.266, 3), 0.001, 1e-6);
-  EXPECT_DOUBLE_EQ(chi_square_tail(0, 3), 1.0);
-}
-
 TEST(Changes, ChanceIsUniformWhereNothingMoved) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;

@@ -59,7 +59,8 @@ ReportInput full_report() {
                           {{"B1", {0.02, 0, 0}, {0.003, 0.003, 0.003}, 1e-9, 1e-6, 2e-6, {}, true}},
                           {"B9"},
                           {"B2"},
-                          kSignificance,
+                          {},
+                          kFalseAlarm,
                           {},
                           0.1,
                           0.2};

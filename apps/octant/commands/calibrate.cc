@@ -68,7 +68,10 @@ Json solution_json(const Calibration& c, const Session& session) {
       {"reliability", reliability_json(c)}};
 }
 
-void add_deployment(Json& object, const Deployment& d) {
+}  // namespace
+
+void add_deployment_json(const Deployment& d, Json& object) {
+  for (const char* list : {"beacons", "receivers"}) object[list] = Json::array();
   object["speed_mps"] = d.speed_mps(d.medium.temperature_degC);
   object["speed_sigma_mps"] = d.speed_sigma_mps;
   for (const auto& b : d.beacons) {
@@ -94,8 +97,6 @@ void add_deployment(Json& object, const Deployment& d) {
       object["attenuation"]["half_power_angle_rad"] = d.attenuation->half_power_angle_rad;
   }
 }
-
-}  // namespace
 
 std::optional<Failure> failure_of(const Calibration& calibration) {
   const calib::Solution& s = calibration.solution;
@@ -135,7 +136,7 @@ std::optional<Failure> failure_of(const Calibration& calibration) {
 Json calibration_json(const Calibration& calibration, const Session& session) {
   Json object = solution_json(calibration, session);
   if (!calibration.deployment) return object;
-  add_deployment(object, *calibration.deployment);
+  add_deployment_json(*calibration.deployment, object);
   for (Json& beacon : object["beacons"]) {
     const auto white = calib::white_sigma_m(calibration.solution, beacon["id"].get<std::string>());
     beacon["white_sigma_m"] = white ? to_json(*white) : beacon["sigma_m"];

@@ -66,6 +66,8 @@ struct CalibrateOptions {
                                                   const CalibrateOptions& options, Session& session);
 /// The object of `octant calibrate`.
 [[nodiscard]] Json calibration_json(const Calibration& calibration, const Session& session);
+/// Speed, beacons, receivers and attenuation of a deployment, as calibrate and recalibrate have them.
+void add_deployment_json(const Deployment& deployment, Json& object);
 /// Why there is no deployment, or none that is to be trusted; none where all is well.
 [[nodiscard]] std::optional<Failure> failure_of(const Calibration& calibration);
 /// Says that a deployment was exported although its data contradict its site file.

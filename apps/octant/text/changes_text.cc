@@ -22,17 +22,81 @@ std::string verdict_of(const survey::BeaconChange& c) {
 
 std::string chance(const std::optional<double>& p) { return p ? fmt::format("{:.2g}", *p) : "-"; }
 
-/// Standard deviation of the length of a shift, along it.
-double sigma_along(const survey::BeaconChange& c) {
-  const double length = c.shift_m.norm();
-  return length > 0 ? c.shift_m.cwiseProduct(c.sigma_m).norm() / length : c.sigma_m.norm();
+std::string shift_in_words(const Change& c) {
+  const Unit unit = length_unit(c.size);
+  return fmt::format("x {:+.1f}, y {:+.1f}, z {:+.1f} {}", unit.per_si * c.shift_m.x(),
+                     unit.per_si * c.shift_m.y(), unit.per_si * c.shift_m.z(), unit.name);
+}
+
+std::string found_lines(const std::vector<Change>& found) {
+  std::string text;
+  for (const Change& c : found)
+    text += fmt::format("{:<17}{} (p = {:.1g})\n", &c == found.data() ? "changed" : "", in_words(c), c.p);
+  return text;
 }
 
 }  // namespace
 
+Json changes_json(const std::vector<Change>& changes) {
+  Json list = Json::array();
+  for (const Change& c : changes)
+    list.push_back({{"kind", to_string(c.kind)},
+                    {"subject", c.subject},
+                    {"size", c.size},
+                    {"sigma", c.sigma},
+                    {"unit", unit_of(c.kind)},
+                    {"p", c.p}});
+  return list;
+}
+
+std::string in_words(const Change& c) {
+  switch (c.kind) {
+    case ChangeKind::kBeaconMoved:
+      return fmt::format("{} stands {} (sigma {}) from where it was: {}", c.subject, length_text(c.size),
+                         length_text(c.sigma), shift_in_words(c));
+    case ChangeKind::kDelay:
+      return fmt::format("{} answers {} {} (sigma {}): replaced?", c.subject, time_text(std::abs(c.size)),
+                         c.size > 0 ? "later" : "earlier", time_text(c.sigma));
+    case ChangeKind::kReceiver:
+      return fmt::format("receiver {} sits {} (sigma {}) from its place: {}", c.subject, length_text(c.size),
+                         length_text(c.sigma), shift_in_words(c));
+    case ChangeKind::kSpeed:
+      return fmt::format(
+          "sound is {:.2f} m/s (sigma {:.2f} m/s) {} than the calibration has it at this temperature",
+          std::abs(c.size), c.sigma, c.size > 0 ? "faster" : "slower");
+    case ChangeKind::kExchanged:
+      return fmt::format("beacons {} hang at each other's places, {} apart", c.subject, length_text(c.size));
+    case ChangeKind::kDatum:
+      return fmt::format("the map as a whole lies {} (sigma {}) from where it was: {}", length_text(c.size),
+                         length_text(c.sigma), shift_in_words(c));
+    case ChangeKind::kAmplitude:
+      return fmt::format("{} is heard at {:.2f} of its amplitude (sigma {:.2f}): dirty, or ageing?",
+                         c.subject, c.size, c.sigma);
+  }
+  return c.subject;
+}
+
+std::string remedy_of(const Change& c) {
+  switch (c.kind) {
+    case ChangeKind::kBeaconMoved: return fmt::format("look at {} on site, then recalibrate", c.subject);
+    case ChangeKind::kDelay:
+      return fmt::format("if {} was replaced, recalibrate; else look at its electronics", c.subject);
+    case ChangeKind::kReceiver:
+      return fmt::format("look at receiver {}: straighten it, or recalibrate", c.subject);
+    case ChangeKind::kSpeed: return "compare the thermometer with another one";
+    case ChangeKind::kExchanged:
+      return fmt::format("compare the labels of {} with the plan, then recalibrate", c.subject);
+    case ChangeKind::kDatum: return "measure the control points again";
+    case ChangeKind::kAmplitude: return fmt::format("clean {}", c.subject);
+  }
+  return {};
+}
+
 std::string changes_text(const survey::ReportInput& input) {
-  if (!input.changes) return {};
-  const survey::Changes& changes = *input.changes;
+  return input.changes ? changes_text(*input.changes) : std::string();
+}
+
+std::string changes_text(const survey::Changes& changes) {
   double length_m = 0.0, time_s = 0.0;
   for (const auto& c : changes.beacons) {
     length_m = std::max({length_m, c.shift_m.cwiseAbs().maxCoeff(), c.sigma_m.maxCoeff()});
@@ -53,8 +117,9 @@ std::string changes_text(const survey::ReportInput& input) {
                 fmt::format("{:.2f}", time.per_si * c.delay_sigma_s), chance(c.delay_p), verdict_of(c)});
     table.rows.push_back(std::move(row));
   }
-  std::string text =
-      "\n" + table.text() + fmt::format("\n{:<17}{}\n", "changes", survey::changes_sentence(changes));
+  std::string text = "\n" + table.text() +
+                     fmt::format("\n{:<17}{}\n", "changes", survey::changes_sentence(changes)) +
+                     found_lines(changes.found);
   if (!changes.same_datum)
     text +=
         fmt::format("{:<17}the datum is another one: a part of the differences is that of the frame\n", "");
@@ -63,23 +128,7 @@ std::string changes_text(const survey::ReportInput& input) {
 
 bool add_changes_json(const survey::ReportInput& input, Json& object) {
   if (!input.changes) return false;
-  Json list = Json::array();
-  const double tests = survey::kSignificance / input.changes->limit_p;
-  const auto add = [&](const char* kind, const std::string& subject, double size, double sigma,
-                       const char* unit, const std::optional<double>& p) {
-    list.push_back({{"kind", kind},
-                    {"subject", subject},
-                    {"size", size},
-                    {"sigma", sigma},
-                    {"unit", unit},
-                    {"p", p ? std::min(1.0, *p * tests) : 0.0}});
-  };
-  for (const auto& c : input.changes->beacons) {
-    if (c.moved()) add("beacon_moved", c.name, c.shift_m.norm(), sigma_along(c), "m", c.p);
-    if (c.delay_significant)
-      add("delay", c.name, std::abs(c.delay_change_s), c.delay_sigma_s, "s", c.delay_p);
-  }
-  object["changes"] = std::move(list);
+  object["changes"] = changes_json(input.changes->found);
   return true;
 }
 

@@ -3,17 +3,27 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "apps/octant/session.h"
+#include "models/changes/change.h"
 #include "survey/report/report.h"
 
 namespace octant::app {
 
-/// What changed since an earlier deployment, for people; empty where none was given.
-[[nodiscard]] std::string changes_text(const survey::ReportInput& input);
 /// The list `changes`, {kind, subject, size, sigma, unit, p} each: what is held to be changed, not all that
-/// was compared. p is that of chance after multiple testing. Absent (false) where no earlier deployment was
-/// given.
+/// was compared. p is that of chance after multiple testing.
+[[nodiscard]] Json changes_json(const std::vector<Change>& changes);
+/// "A7 stands 46.5 mm (sigma 6.8 mm) from where it was: x +44.0, y +15.0, z -2.0 mm".
+[[nodiscard]] std::string in_words(const Change& change);
+/// What to do about it.
+[[nodiscard]] std::string remedy_of(const Change& change);
+
+/// Table of both deployments' beacons and what changed, for people.
+[[nodiscard]] std::string changes_text(const survey::Changes& changes);
+/// The same of a report; empty where no earlier deployment was given.
+[[nodiscard]] std::string changes_text(const survey::ReportInput& input);
+/// The list `changes` of a report; absent (false) where no earlier deployment was given.
 bool add_changes_json(const survey::ReportInput& input, Json& object);
 
 }  // namespace octant::app

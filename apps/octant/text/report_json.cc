@@ -33,6 +33,19 @@ struct adl_serializer<Eigen::Matrix<double, N, 1>> {
 
 }  // namespace nlohmann
 
+namespace octant {
+
+NLOHMANN_JSON_SERIALIZE_ENUM(ChangeKind, {{ChangeKind::kBeaconMoved, "beacon_moved"},
+                                          {ChangeKind::kDelay, "delay"},
+                                          {ChangeKind::kReceiver, "receiver"},
+                                          {ChangeKind::kSpeed, "speed"},
+                                          {ChangeKind::kExchanged, "exchanged"},
+                                          {ChangeKind::kDatum, "datum"},
+                                          {ChangeKind::kAmplitude, "amplitude"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Change, kind, subject, size, sigma, p)
+
+}  // namespace octant
+
 namespace octant::survey {
 
 using nlohmann::json;
@@ -54,8 +67,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Evaluation, fixes, no_fix, matched, position_
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(BeaconChange, name, shift_m, sigma_m, p, delay_change_s,
                                                 delay_sigma_s, delay_p, significant, delay_significant,
                                                 by_datum)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Changes, since, same_datum, beacons, gone, added, limit_p,
-                                                doubted_control_points, speed_change_mps, speed_sigma_mps)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Changes, since, same_datum, beacons, gone, added, found,
+                                                limit_p, doubted_control_points, speed_change_mps,
+                                                speed_sigma_mps)
 
 /// Cells without a value are NaN in memory and null in JSON.
 void to_json(json& j, const NamedMap& map) {

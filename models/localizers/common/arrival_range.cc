@@ -71,7 +71,8 @@ ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment)
   out.sigma_m = out.gain_mps * tof_sigma_s;
   out.range_m = path_m / legs;
   if (!deployment.attenuation) return out;
-  const AttenuationModel& a = *deployment.attenuation;
+  AttenuationModel a = *deployment.attenuation;
+  a.amplitude_1m_v *= deployment.beacons[arrival.beacon.index()].gain;
   const double share = a.threshold_v / arrival.amplitude_v;
   if (!a.measures(arrival.amplitude_v) ||
       !(share < kMaxImplicitShare)) {  // not logged, or (noise) not above the threshold

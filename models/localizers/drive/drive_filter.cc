@@ -158,6 +158,7 @@ Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObserva
   in.delay_s = model_.state.delay_s(a.beacon, a.receiver) + (a.two_way ? trajectory.turnaround_s : 0.0);
   in.attenuation = model_.state.attenuation ? &*model_.state.attenuation : nullptr;
   in.axis_vehicle = model_.state.axis_of(a.receiver);
+  in.log_gain = model_.state.log_gain(a.beacon);
   in.log_amplitude = walk_amplitude(a, model_.state);
   in.T_hear_send = a.two_way ? &trajectory.T_hear_send[static_cast<std::size_t>(a.hear_send)] : nullptr;
   const double slack_s = range_slack_m_ * (a.two_way ? 2.0 : 1.0) / in.speed_mps;

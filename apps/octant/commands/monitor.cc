@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "apps/octant/commands.h"
+#include "apps/octant/interrupt.h"
+#include "apps/octant/steps/revisiting.h"
+#include "apps/octant/text/changes_text.h"
+
+namespace octant::app {
+namespace {
+
+struct MonitorArgs {
+  std::string deployment;
+  std::vector<std::string> runs;
+  DriftWords drift;
+};
+
+int run(const MonitorArgs& words, Session& session) {
+  const auto visit = revisit_files(words.deployment, words.runs, words.drift, session);
+  if (!visit) return session.fail(visit.error());
+  if (visit->revisit.status == calib::SolveStatus::kInterrupted || interrupted())
+    return session.interrupted();
+  Json object = revisit_json(*visit, session);
+  if (const auto failure = failure_of(visit->revisit)) return session.fail(*failure, object);
+  session.result(revisit_text(*visit));
+  std::string message, advice;
+  for (const Change& c : visit->revisit.comparison.changes) {
+    if (!needs_action(c, visit->revisit.medium)) continue;
+    message += (message.empty() ? "" : "; ") + in_words(c);
+    advice += (advice.empty() ? "" : "; ") + remedy_of(c);
+  }
+  object["action"] = !message.empty();
+  if (message.empty()) return session.finish(object);
+  return session.fail({"changed", "changed", kGateFailed, message, advice}, object);
+}
+
+}  // namespace
+
+void add_monitor(CLI::App& app, CommonOptions& common, Action& action) {
+  auto words = std::make_shared<MonitorArgs>();
+  CLI::App* command = add_command(app, common, "monitor",
+                                  "Ask an ordinary recording whether the calibration still holds: which "
+                                  "beacon, receiver or speed no longer fits (exit 6)",
+                                  "octant monitor hall/deployment.json hall/night");
+  command->add_option("deployment", words->deployment, "Deployment file, from calibrate or recalibrate")
+      ->required()
+      ->type_name("DEPLOYMENT.json");
+  command->add_option("run", words->runs, "Run folders; no reference trajectory is needed")
+      ->required()
+      ->type_name("RUN");
+  add_drift_options(*command, words->drift);
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+}
+
+}  // namespace octant::app

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/revisit/as_left.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calib/problem/parameters.h"
+#include "models/trajectory/decompositions.h"
+
+namespace octant::calib {
+namespace {
+
+/// Known parameters after the visit; rows of what is held are zero.
+struct Posterior {
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;
+  std::vector<int> free;
+};
+
+Posterior posterior_of(const KnownParameters& known, const Eigen::VectorXd& drift,
+                       const Eigen::MatrixXd& released, const VisitInformation& visit) {
+  Posterior out{known.value, Eigen::MatrixXd::Zero(known.size(), known.size()), {}};
+  for (Eigen::Index i = 0; i < known.size(); ++i)
+    if (known.covariance(i, i) > 0 || released(i, i) > 0) out.free.push_back(static_cast<int>(i));
+  if (out.free.empty()) return out;
+  Eigen::MatrixXd P = known.covariance + released;
+  P.diagonal() += drift;
+  // In coordinates in which the prior is the unit matrix: (I + R^-T N R^-1)^-1 between 0 and 1.
+  const Eigen::MatrixXd root = joint_prior({}, {}, P(out.free, out.free)).root;
+  const Eigen::MatrixXd L = Eigen::PartialPivLU<Eigen::MatrixXd>(root).inverse();
+  Eigen::MatrixXd total = L.transpose() * visit.N(out.free, out.free) * L;
+  total.diagonal().array() += 1.0;
+  const Eigen::MatrixXd C = L * DenseLdlt(total).solve(L.transpose());
+  out.covariance(out.free, out.free) = 0.5 * (C + C.transpose());
+  out.value(out.free) += C * visit.gradient(out.free);
+  return out;
+}
+
+void write_value(const SharedParameter& p, double value, double sigma, Deployment& d) {
+  switch (p.quantity) {
+    case Quantity::kBeaconPosition: d.beacons[p.owner].position_m[p.component] = value; break;
+    case Quantity::kBeaconDelay:
+      d.beacons[p.owner].delay_s = value;
+      d.beacons[p.owner].delay_sigma_s = sigma;
+      break;
+    case Quantity::kBeaconGain: d.beacons[p.owner].gain = std::exp(value); break;
+    case Quantity::kReceiverPosition:
+      d.receivers[p.owner].position_m[p.component] = value;
+      d.receivers[p.owner].sigma_m[p.component] = sigma;
+      break;
+    case Quantity::kReceiverDelay:
+      d.receivers[p.owner].delay_s = value;
+      d.receivers[p.owner].delay_sigma_s = sigma;
+      break;
+    case Quantity::kSpeed:
+      d.speed_offset_mps = value;
+      d.speed_sigma_mps = sigma;
+      break;
+    case Quantity::kAttenuation: {
+      AttenuationModel& a = *d.attenuation;
+      const std::array<double*, kAttenuationUnknowns> all = {&a.amplitude_1m_v, &a.absorption_np_per_m,
+                                                             &a.rise_time_s, &a.half_power_angle_rad};
+      *all[static_cast<std::size_t>(p.component)] = value;
+      break;
+    }
+    case Quantity::kClockDrift:
+      d.vehicles[p.owner].clock_drift = value;
+      d.vehicles[p.owner].clock_drift_sigma = sigma;
+      break;
+  }
+}
+
+void write_parameters(const KnownParameters& known, const Posterior& posterior, Deployment& d) {
+  for (Eigen::Index i = 0; i < known.size(); ++i) {
+    const SharedParameter& p = known.parameters[static_cast<std::size_t>(i)];
+    write_value(p, posterior.value[i], std::sqrt(std::max(0.0, posterior.covariance(i, i))), d);
+    if (p.quantity == Quantity::kBeaconPosition && p.component == 0)
+      d.beacons[p.owner].covariance_m2 = posterior.covariance.block<3, 3>(i, i);
+  }
+  d.covariance.parameters.clear();
+  for (const int i : posterior.free)
+    d.covariance.parameters.push_back(parameter_name(known.parameters[static_cast<std::size_t>(i)], d));
+  d.covariance.matrix = posterior.covariance(posterior.free, posterior.free);
+}
+
+/// A control point that was knocked is none any more.
+void write_datum(Deployment& d) {
+  std::vector<std::string> still;
+  for (const DeploymentBeacon& b : d.beacons)
+    if (b.status == BeaconStatus::kControlPoint) still.push_back(b.name);
+  if (still == d.datum.control_points) return;
+  const std::string was = d.datum.description;
+  d.datum.control_points = still;
+  d.datum.description = fmt::format("as found earlier ({}), held by the control points that stayed: {}", was,
+                                    fmt::join(still, ", "));
+}
+
+}  // namespace
+
+AsLeft as_left(const Deployment& before, const KnownParameters& known, const Eigen::VectorXd& drift,
+               const Comparison& comparison, const VisitInformation& visit, double tolerance_m) {
+  AsLeft out;
+  Deployment& d = out.deployment;
+  d = before;
+  const Eigen::MatrixXd released =
+      released_covariance(known, changed_parameters(comparison, known, before), before);
+  const Posterior posterior = posterior_of(known, drift, released, visit);
+  for (Eigen::Index i = 0; i < known.size(); ++i) {
+    const SharedParameter& p = known.parameters[static_cast<std::size_t>(i)];
+    if (p.quantity == Quantity::kBeaconPosition && released(i, i) > 0)
+      d.beacons[p.owner].status = BeaconStatus::kCalibrated;
+    if (p.quantity == Quantity::kBeaconDelay && posterior.covariance(i, i) > 0)
+      d.timing.delay_per.beacon = true;
+    if (p.quantity == Quantity::kSpeed)
+      out.speed_change_sigma_mps = std::sqrt(std::max(0.0, posterior.covariance(i, i)));
+  }
+  d.timing.delay_per.site = d.timing.delay_per.site && !d.timing.delay_per.beacon;
+  write_parameters(known, posterior, d);
+  for (DeploymentBeacon& b : d.beacons) {
+    if (b.status != BeaconStatus::kCalibrated) continue;
+    const double worst_m =
+        std::sqrt(std::max(0.0, SymmetricEigen<Eigen::Matrix3d>(b.covariance_m2).eigenvalues()[2]));
+    if (worst_m <= tolerance_m) continue;
+    b.status = BeaconStatus::kUndetermined;
+    out.warnings.push_back(
+        fmt::format("beacon {} changed, and this visit tells its place to {:.2g} m only, the tolerance is "
+                    "{:.2g} m: localizers leave "
+                    "it out; hear it from places spread around it",
+                    b.name, worst_m, tolerance_m));
+  }
+  write_datum(d);
+  return out;
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calib/revisit/visit_information.h"
+#include "calib/statements/refit.h"
+#include "models/changes/comparison.h"
+#include "models/deployment.h"
+
+namespace octant::calib {
+
+/// An earlier deployment, updated by what a second visit says.
+struct AsLeft {
+  Deployment deployment;
+  double speed_change_sigma_mps = 0.0;  ///< of what the visit adds: its own, and the drift's
+  std::vector<std::string> warnings;    ///< beacons that are not determined any more
+};
+
+/// Mean and covariance of the parameters after the visit; what was held and did not change stays held.
+/// @param drift  variances
+[[nodiscard]] AsLeft as_left(const Deployment& before, const KnownParameters& known,
+                             const Eigen::VectorXd& drift, const Comparison& comparison,
+                             const VisitInformation& visit, double tolerance_m);
+
+}  // namespace octant::calib

@@ -1,0 +1,287 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/revisit/revisit.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calib/adjust/reject.h"
+#include "calib/errors/statistics.h"
+#include "calib/problem/ranges.h"
+#include "calib/revisit/as_left.h"
+#include "calib/revisit/revisited_site.h"
+#include "calib/revisit/visit_information.h"
+#include "calib/start/approach.h"
+#include "calib/stream/long_log.h"
+#include "calib/verdict/conclude.h"
+#include "calib/verdict/observability.h"
+#include "calib/verdict/validity.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr int kRounds = 4;
+/// Of the air where no thermometer was read: some ten degrees.
+constexpr double kUnknownTemperature_mps = 6.0;
+/// Changes that chance makes less often leave something unexplained.
+constexpr double kUnexplained = 1.0e-4;
+
+/// The thermometer of the recordings: whether each arrival has a temperature, and their mean.
+MediumFound thermometer_of(const Deployment& d, const std::vector<MeasurementLog>& runs) {
+  MediumFound out;
+  double sum = 0.0;
+  std::size_t count = 0, all = 0;
+  for (const MeasurementLog& run : runs)
+    for (const Arrival& a : run.arrivals) {
+      ++all;
+      if (!std::isfinite(a.temperature_degC) && !run.temperature_degC) continue;
+      sum += std::isfinite(a.temperature_degC) ? a.temperature_degC : *run.temperature_degC;
+      ++count;
+    }
+  out.temperature_known = d.medium.model == MediumModel::kConstant || count == all;
+  out.temperature_degC = count > 0 ? sum / static_cast<double>(count) : d.medium.temperature_degC;
+  return out;
+}
+
+class SecondVisit {
+ public:
+  SecondVisit(const Deployment& before, const RevisitOptions& options)
+      : before_(before),
+        options_(options),
+        known_(known_parameters(before)),
+        began_(Clock::now()),
+        course_(options.solve) {}
+
+  Result<Revisit> run(std::vector<MeasurementLog> runs) {
+    out_.medium = thermometer_of(before_, runs);
+    out_.drift = options_.drift;
+    if (!out_.medium.temperature_known)
+      out_.drift.speed_mps = std::hypot(out_.drift.speed_mps, kUnknownTemperature_mps);
+    drift_ = drift_variances(known_, out_.drift);
+    const Eigen::VectorXd room = room_for_change(known_);
+    auto problem = make_problem(revisited_site(before_, known_, known_.covariance.diagonal() + drift_ + room),
+                                std::move(runs), options_.solve.threads);
+    if (!problem) return fail(problem.error());
+    problem_ = std::move(*problem);
+    if (is_long(problem_))
+      if (Result<Problem> part = part_of(problem_, options_.solve.threads)) problem_ = std::move(*part);
+    out_.warnings = problem_.warnings;
+    if (start() && find_changes(room)) conclude_visit();
+    out_.seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+    return std::move(out_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool stopped() {
+    out_.status = SolveStatus::kInterrupted;
+    out_.message = "stopped";
+    return false;
+  }
+
+  /// Approximate states and parameters, by what the largest consensus of arrivals agrees on.
+  bool start() {
+    Approach found = approach(problem_, options_.solve, course_, false);
+    if (!found.ok) {
+      out_.status = found.why_not.status;
+      out_.message = found.why_not.message;
+      if (!found.why_not.weak.empty()) out_.remedy = found.why_not.weak.front().remedy;
+      return false;
+    }
+    const SharedState state = found.estimate.state();
+    std::vector<bool> held;
+    for (const bool usable : found.estimate.beacon_usable) held.push_back(!usable);
+    layout_ = make_layout(problem_, state, held);
+    fit_.problem.site = problem_.site;
+    fit_.problem.runs.resize(problem_.runs.size());
+    fit_.problem.typical_range_m = problem_.typical_range_m;
+    fit_.x = layout_.vector_of(state);
+    fit_.layout = layout_;
+    fit_.beacon_usable = found.estimate.beacon_usable;
+    fit_.trajectories = std::move(found.trajectories);
+    const double factor = agreeing_sigma(fit_.trajectories, state);
+    sigma_s_ = problem_.site.noise.tof_sigma_s;
+    if (is_far_off(factor)) scale_noise(factor);
+    return true;
+  }
+
+  void scale_noise(double factor) {
+    rescale_noise(fit_.trajectories, sigma_s_, factor * sigma_s_);
+    sigma_s_ *= factor;
+  }
+
+  /// What the approach found farther away than there is room for gets that much room.
+  [[nodiscard]] Eigen::VectorXd room_around(Eigen::VectorXd room) const {
+    const std::vector<int> columns = columns_of(layout_, known_);
+    for (Eigen::Index i = 0; i < known_.size(); ++i) {
+      const int c = columns[static_cast<std::size_t>(i)];
+      if (c < 0 || !(room[i] > 0)) continue;
+      const double off =
+          fit_.x[c] * layout_.parameters[static_cast<std::size_t>(c)].si_per_unit - known_.value[i];
+      room[i] = std::max(room[i], off * off);
+    }
+    return room;
+  }
+
+  /// Adjusts with all arrivals admitted, the noise as found.
+  bool adjust_under(const Eigen::MatrixXd& P) {
+    fit_.layout = layout_;
+    set_joint_prior(fit_.layout, known_, P);
+    for (int round = 0; round < kNoiseRounds; ++round) {
+      adjust_anew(options_.solve, fit_);
+      if (!fit_.ok || !fit_.x.allFinite()) {
+        out_.message = "the adjustment of the second visit did not converge: " + fit_.last.message;
+        return false;
+      }
+      statistics_ = statistics_of(fit_.problem, fit_.layout, fit_.trajectories, fit_.state(), fit_.last.cost,
+                                  options_.solve.threads);
+      const double off = noise_off_by(fit_.last.cost - prior_cost(fit_.problem, fit_.layout, fit_.x),
+                                      statistics_.redundancy);
+      if (off == 1.0) break;
+      scale_noise(off);
+    }
+    return true;
+  }
+
+  bool find_changes(const Eigen::VectorXd& usual_room) {
+    Eigen::MatrixXd room = room_around(usual_room).asDiagonal();
+    std::vector<std::string> released;
+    Eigen::MatrixXd prior = known_.covariance;
+    prior.diagonal() += drift_;
+    for (int round = 0; round < kRounds; ++round) {
+      if (!course_.report("what changed", 0.7 + 0.05 * round)) return stopped();
+      const Eigen::MatrixXd P = prior + room;
+      if (!adjust_under(P)) return false;
+      visit_ = visit_information(fit_, known_, P, before_, options_.solve.threads);
+      out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
+      std::vector<std::string> found = changed_parameters(out_.comparison, known_, before_);
+      if (round > 0 && found == released) break;
+      released = std::move(found);
+      room = released_covariance(known_, released, before_);
+    }
+    return true;
+  }
+
+  void conclude_visit() {
+    AsLeft left = as_left(before_, known_, drift_, out_.comparison, visit_, tolerance_m(problem_));
+    out_.as_left = std::move(left.deployment);
+    out_.warnings.insert(out_.warnings.end(), left.warnings.begin(), left.warnings.end());
+    out_.medium.speed_change_mps = out_.as_left.speed_offset_mps - before_.speed_offset_mps;
+    out_.medium.speed_change_sigma_mps = left.speed_change_sigma_mps;
+    out_.as_left.statistics = statistics_;
+    out_.as_left.statistics.converged = true;
+    extend_validity();
+    count_heard();
+    if (out_.comparison.p_left < kUnexplained)
+      out_.warnings.push_back(
+          fmt::format("something of this visit fits neither the earlier calibration nor the changes found (p "
+                      "= {:.2g}): record again, "
+                      "longer and over more of the site",
+                      out_.comparison.p_left));
+    out_.status = SolveStatus::kConverged;
+    out_.message = "converged";
+  }
+
+  void extend_validity() {
+    Deployment& d = out_.as_left;
+    std::vector<Eigen::Vector2d> places = d.validity_area_m;
+    for (const Trajectory& t : fit_.trajectories) {
+      for (const Node& node : t.nodes)
+        if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
+      for (const ArrivalObservation& a : t.arrivals) {
+        if (!d.validity_temperature_degC || !out_.medium.temperature_known) break;
+        const double degC =
+            temperature_of(problem_.runs[t.run].arrivals[a.arrival], problem_.runs[t.run], problem_.site);
+        auto& [coldest, hottest] = *d.validity_temperature_degC;
+        coldest = std::min(coldest, degC);
+        hottest = std::max(hottest, degC);
+      }
+    }
+    d.validity_area_m = convex_hull(std::move(places));
+  }
+
+  /// Median of the residuals of arrivals of one beacon, or at one receiver, in a state.
+  template <class Mine>
+  [[nodiscard]] Heard heard_of(std::string name, const SharedState& state, Mine&& mine) const {
+    Heard h;
+    h.name = std::move(name);
+    std::vector<double> misfits;
+    for (const Trajectory& t : fit_.trajectories)
+      for (const ArrivalObservation& a : t.arrivals) {
+        if (!mine(a) || !t.nodes[a.node].placed) continue;
+        h.used += a.rejection == Rejection::kUsed;
+        h.late += a.rejection == Rejection::kLate;
+        h.early += a.rejection == Rejection::kEarly;
+        if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate ||
+            a.rejection == Rejection::kEarly)
+          misfits.push_back(arrival_residual(t, a, state) * a.sigma_s);
+      }
+    h.misfit_s = median(std::move(misfits));
+    return h;
+  }
+
+  void count_heard() {
+    const SharedState now = fit_.state(), then = shared_state(before_);
+    for (std::size_t b = 0; b < before_.beacons.size(); ++b) {
+      SharedState state = now;
+      if (before_.beacons[b].status != BeaconStatus::kUndetermined) {
+        state.beacon_p_map_m[b] = then.beacon_p_map_m[b];
+        state.beacon_delay_s[b] = then.beacon_delay_s[b];
+        if (!then.beacon_log_gain.empty()) state.beacon_log_gain[b] = then.beacon_log_gain[b];
+      }
+      out_.beacons.push_back(heard_of(before_.beacons[b].name, state,
+                                      [b](const ArrivalObservation& a) { return a.beacon.index() == b; }));
+    }
+    for (std::size_t r = 0; r < before_.receivers.size(); ++r) {
+      SharedState state = now;
+      state.receiver_p_vehicle_m[r] = then.receiver_p_vehicle_m[r];
+      state.receiver_delay_s[r] = then.receiver_delay_s[r];
+      const std::string name =
+          before_.vehicles[before_.receivers[r].vehicle.index()].name + "/" + before_.receivers[r].name;
+      out_.receivers.push_back(
+          heard_of(name, state, [r](const ArrivalObservation& a) { return a.receiver.index() == r; }));
+    }
+  }
+
+  const Deployment& before_;
+  const RevisitOptions& options_;
+  KnownParameters known_;
+  Clock::time_point began_;
+  Course course_;
+  Eigen::VectorXd drift_;
+  Problem problem_;
+  ParameterLayout layout_;  ///< without the joint prior
+  Fit fit_;
+  double sigma_s_ = 0.0;  ///< noise of the arrivals as found
+  CalibrationStatistics statistics_;
+  VisitInformation visit_;
+  Revisit out_;
+};
+
+}  // namespace
+
+Result<Revisit> revisit(const Deployment& before, std::vector<MeasurementLog> runs,
+                        const RevisitOptions& options) {
+  return SecondVisit(before, options).run(std::move(runs));
+}
+
+Deployment finished(const Revisit& revisit, const Deployment& before, const Provenance& provenance) {
+  Deployment d = revisit.as_left;
+  d.created = provenance.created;
+  d.program_version = provenance.version;
+  d.program_command = provenance.command;
+  d.inputs = provenance.inputs;
+  d.warnings = revisit.warnings;
+  d.digest.clear();
+  d.previous = Previous{before.digest, before.created, revisit.drift,
+                        changed_parameters(revisit.comparison, known_parameters(before), before),
+                        revisit.comparison.changes};
+  return d;
+}
+
+}  // namespace octant::calib

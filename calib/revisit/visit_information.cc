@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/revisit/visit_information.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "calib/adjust/adjust.h"
+#include "calib/errors/error_model.h"
+#include "calib/errors/error_sample.h"
+#include "calib/revisit/revisited_site.h"
+#include "models/trajectory/decompositions.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr std::size_t kSampledRows = 20'000;
+constexpr double kUntold = 1e-9;  ///< of the information beside that of the prior
+
+/// Errors of a pair that hang together as exp(-t / time_s), and those that it keeps for good; variances as
+/// shares of the whole.
+struct StatedErrors {
+  double white = 1.0, correlated = 0.0, pair = 0.0, time_s = 0.0;
+};
+
+StatedErrors stated_errors(const Deployment& d) {
+  const CorrelatedNoise& c = d.correlated_noise;
+  const double white = d.noise.tof_sigma_s * d.noise.tof_sigma_s, some = c.sigma_s * c.sigma_s,
+               pair = c.pair_sigma_s * c.pair_sigma_s;
+  const double all = white + some + pair;
+  return {white / all, some / all, pair / all, c.time_s};
+}
+
+/// What errors of that kind make of the covariance: L (I + F' (Omega - I) F) L'.
+Eigen::MatrixXd covariance_under(const StatedErrors& errors, const ErrorSample& sample) {
+  std::map<std::tuple<std::size_t, int, int>, std::vector<std::size_t>> pairs;
+  for (std::size_t i = 0; i < sample.rows.size(); ++i)
+    if (const ErrorSample::Row& row = sample.rows[i]; row.kind == ErrorSample::Kind::kArrival)
+      pairs[{row.run, row.beacon, row.receiver}].push_back(i);
+  const Eigen::Index rank = sample.F.cols();
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(rank, rank);
+  for (auto& [pair, rows] : pairs) {
+    std::sort(rows.begin(), rows.end(),
+              [&](std::size_t a, std::size_t b) { return sample.rows[a].time_s < sample.rows[b].time_s; });
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(rank),
+                       faded = sum;  // of the rows before, as much as is left of their errors
+    double last_s = -INFINITY;
+    for (const std::size_t i : rows) {
+      const Eigen::RowVectorXd f = sample.F.row(static_cast<Eigen::Index>(i));
+      faded *= errors.time_s > 0 ? std::exp((last_s - sample.rows[i].time_s) / errors.time_s) : 0.0;
+      last_s = sample.rows[i].time_s;
+      S.noalias() += (errors.white - 1.0 + errors.correlated) * f.transpose() * f;
+      S.noalias() += errors.correlated * (f.transpose() * faded + faded.transpose() * f);
+      faded += f;
+      sum += f;
+    }
+    S.noalias() += errors.pair * sum.transpose() * sum;
+  }
+  S /= std::max(sample.share, 1e-9);
+  S.diagonal().array() += 1.0;
+  return sample.L * S * sample.L.transpose();
+}
+
+/// Honest covariance of all parameters of a fit; empty where errors are white.
+Eigen::MatrixXd correlated_covariance(const Fit& fit, const Eigen::MatrixXd& white, const Deployment& noise,
+                                      int threads) {
+  const SharedState state = fit.state();
+  const Covariance C(white);
+  const ErrorModel shown = error_model_of(fit.layout, fit.trajectories, state, C, 1.0, threads);
+  if (!noise.correlated_noise.any()) return shown.correlated ? shown.covariance : Eigen::MatrixXd();
+  const Eigen::MatrixXd stated = covariance_under(
+      stated_errors(noise), error_sample(fit.layout, fit.trajectories, state, C, kSampledRows));
+  if (!shown.correlated) return stated;
+  // A short visit tells its errors badly: they are not less than those of the first one.
+  const Eigen::VectorXd scale = white.diagonal().cwiseInverse();
+  return shown.covariance.diagonal().dot(scale) > stated.diagonal().dot(scale) ? shown.covariance : stated;
+}
+
+/// Columns of the known parameters that are free, and of all others.
+struct Partition {
+  std::vector<int> known, of_known, others;
+};
+
+Partition partition_of(const ParameterLayout& layout, const KnownParameters& known) {
+  Partition p;
+  std::vector<bool> taken(static_cast<std::size_t>(layout.size()), false);
+  const std::vector<int> columns = columns_of(layout, known);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (columns[k] < 0) continue;
+    p.known.push_back(columns[k]);
+    p.of_known.push_back(static_cast<int>(k));
+    taken[static_cast<std::size_t>(columns[k])] = true;
+  }
+  for (int c = 0; c < layout.size(); ++c)
+    if (!taken[static_cast<std::size_t>(c)]) p.others.push_back(c);
+  return p;
+}
+
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& H) {
+  const Eigen::VectorXd scale = H.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * H * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-13;
+  return scale.asDiagonal() * DenseLdlt(scaled).solve(Eigen::MatrixXd::Identity(H.rows(), H.cols())) *
+         scale.asDiagonal();
+}
+
+/// N M^-1 N and what becomes of the gradient, in coordinates in which the prior is the unit matrix.
+void discount(const Eigen::MatrixXd& honest, Eigen::MatrixXd& N, Eigen::VectorXd& gradient) {
+  const SymmetricEigen<Eigen::MatrixXd> eigen(N);
+  const Eigen::VectorXd& l = eigen.eigenvalues();
+  const Eigen::Index seen = (l.array() > kUntold * std::max(1.0, l.maxCoeff())).count();
+  const Eigen::MatrixXd V = eigen.eigenvectors().rightCols(seen);
+  const Eigen::VectorXd told = l.tail(seen), sum = (told.array() + 1.0).matrix();
+  Eigen::MatrixXd M = sum.asDiagonal() * (V.transpose() * honest * V) * sum.asDiagonal();
+  M.diagonal().array() -= 1.0;
+  // Errors that keep together are worth no more than white ones.
+  const Eigen::VectorXd root = told.cwiseSqrt(), per = root.cwiseInverse();
+  const SymmetricEigen<Eigen::MatrixXd> ratio(per.asDiagonal() * (0.5 * (M + M.transpose())) *
+                                              per.asDiagonal());
+  const Eigen::VectorXd inverse = ratio.eigenvalues().cwiseMax(1.0).cwiseInverse();
+  const Eigen::MatrixXd W = V * root.asDiagonal() * ratio.eigenvectors();
+  const Eigen::VectorXd y =
+      ratio.eigenvectors().transpose() * (per.asDiagonal() * (V.transpose() * gradient));
+  N = W * inverse.asDiagonal() * W.transpose();
+  gradient = W * inverse.cwiseProduct(y);
+}
+
+}  // namespace
+
+VisitInformation visit_information(const Fit& fit, const KnownParameters& known, const Eigen::MatrixXd& P_si,
+                                   const Deployment& noise, int threads) {
+  std::vector<Trajectory> trajectories = fit.trajectories;
+  Workers workers;
+  workers.threads = threads;
+  const Information information = information_at(fit.problem, fit.layout, trajectories, fit.x, {}, workers);
+  const Eigen::MatrixXd all = information.data + information.prior;
+  const Partition p = partition_of(fit.layout, known);
+  Eigen::MatrixXd N = information.data(p.known, p.known);
+  if (!p.others.empty()) {
+    const Eigen::MatrixXd across = all(p.others, p.known);
+    N -= across.transpose() * inverse_of(all(p.others, p.others)) * across;
+  }
+  // Unit prior: x = theta_1 + L u with P = L L'.
+  const auto n = static_cast<Eigen::Index>(p.known.size());
+  Eigen::VectorXd unit(n);
+  for (Eigen::Index k = 0; k < n; ++k)
+    unit[k] =
+        fit.layout.parameters[static_cast<std::size_t>(p.known[static_cast<std::size_t>(k)])].si_per_unit;
+  const JointPrior prior = joint_prior({}, {}, P_si(p.of_known, p.of_known));
+  const Eigen::MatrixXd inverse_root = prior.root;  // of P in SI: L^-1
+  const Eigen::MatrixXd L = Eigen::PartialPivLU<Eigen::MatrixXd>(inverse_root).inverse();
+  const Eigen::MatrixXd internal_L = unit.cwiseInverse().asDiagonal() * L;
+  Eigen::MatrixXd N_unit = internal_L.transpose() * N * internal_L;
+  N_unit = (0.5 * (N_unit + N_unit.transpose())).eval();
+  const Eigen::VectorXd u = inverse_root * (unit.cwiseProduct(fit.x(p.known)) - known.value(p.of_known));
+  Eigen::VectorXd gradient = u + N_unit * u;
+  VisitInformation out;
+  const Eigen::MatrixXd honest = correlated_covariance(fit, inverse_of(all), noise, threads);
+  if (honest.size() > 0) {
+    const Eigen::MatrixXd to_unit = inverse_root * unit.asDiagonal();
+    discount(to_unit * honest(p.known, p.known) * to_unit.transpose(), N_unit, gradient);
+    out.correlated = true;
+  }
+  out.N = Eigen::MatrixXd::Zero(known.size(), known.size());
+  out.gradient = Eigen::VectorXd::Zero(known.size());
+  out.N(p.of_known, p.of_known) = inverse_root.transpose() * N_unit * inverse_root;
+  out.gradient(p.of_known) = inverse_root.transpose() * gradient;
+  return out;
+}
+
+}  // namespace octant::calib

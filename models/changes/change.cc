@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/changes/change.h"
+
+#include <array>
+#include <cmath>
+
+namespace octant {
+namespace {
+
+struct KindWords {
+  ChangeKind kind;
+  const char* name;
+  const char* unit;
+};
+constexpr std::array<KindWords, 7> kKindWords = {{{ChangeKind::kBeaconMoved, "beacon_moved", "m"},
+                                                  {ChangeKind::kDelay, "delay", "s"},
+                                                  {ChangeKind::kReceiver, "receiver", "m"},
+                                                  {ChangeKind::kSpeed, "speed", "m/s"},
+                                                  {ChangeKind::kExchanged, "exchanged", "m"},
+                                                  {ChangeKind::kDatum, "datum", "m"},
+                                                  {ChangeKind::kAmplitude, "amplitude", "1"}}};
+
+const KindWords& words_of(ChangeKind kind) { return kKindWords[static_cast<std::size_t>(kind)]; }
+
+}  // namespace
+
+const char* to_string(ChangeKind kind) { return words_of(kind).name; }
+const char* unit_of(ChangeKind kind) { return words_of(kind).unit; }
+
+std::optional<ChangeKind> change_kind(std::string_view name) {
+  for (const KindWords& w : kKindWords)
+    if (name == w.name) return w.kind;
+  return std::nullopt;
+}
+
+Drift Drift::of_months(double months) {
+  const Drift at_once, a_month{1.0e-4, 3.0e-7, 5.0e-5, 0.03, 0.005, 0.005};
+  const double m = months > 0 ? months : 0.0;
+  const auto total = [m](double once, double monthly) { return std::hypot(once, m * monthly); };
+  return {total(at_once.beacon_m, a_month.beacon_m),     total(at_once.delay_s, a_month.delay_s),
+          total(at_once.receiver_m, a_month.receiver_m), total(at_once.speed_mps, a_month.speed_mps),
+          total(at_once.log_gain, a_month.log_gain),     total(at_once.attenuation, a_month.attenuation)};
+}
+
+}  // namespace octant

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/changes/change_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "models/changes/chi_square.h"
+#include "models/trajectory/decompositions.h"
+
+namespace octant {
+namespace {
+
+using Held = std::vector<std::size_t>;
+
+/// Least squares on the columns of some hypotheses.
+struct ChangeFit {
+  double explained = 0.0;  ///< of chi-square
+  int rank = 0;
+  Eigen::VectorXd estimate;  ///< hypothesis after hypothesis
+  Eigen::MatrixXd covariance;
+};
+
+class ChangeSearcher {
+ public:
+  ChangeSearcher(const Innovation& innovation, const std::vector<ChangeHypothesis>& hypotheses)
+      : hypotheses_(hypotheses),
+        G_(innovation.B.transpose() * innovation.B),
+        h_(innovation.B.transpose() * innovation.y) {
+    scale_ = G_.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    out_.chi2 = innovation.y.squaredNorm();
+    out_.degrees_of_freedom = innovation.degrees_of_freedom;
+    const double each = kFalseAlarm / static_cast<double>(std::max<std::size_t>(hypotheses.size(), 1));
+    for (const ChangeHypothesis& hypothesis : hypotheses_) {
+      const int rank = fit({static_cast<std::size_t>(&hypothesis - hypotheses_.data())}).rank;
+      price_.push_back(rank > 0 ? chi_square_beyond(each, rank) : INFINITY);
+    }
+  }
+
+  ChangeSearch run() {
+    while (improve()) continue;
+    report();
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] ChangeFit fit(const Held& held) const {
+    constexpr double kSingular = 1e-8;
+    std::vector<int> columns;
+    for (const std::size_t k : held)
+      columns.insert(columns.end(), hypotheses_[k].columns.begin(), hypotheses_[k].columns.end());
+    ChangeFit out;
+    if (columns.empty()) return out;
+    const Eigen::VectorXd scale = scale_(columns);
+    const SymmetricEigen<Eigen::MatrixXd> eigen(scale.asDiagonal() * G_(columns, columns) *
+                                                scale.asDiagonal());
+    const Eigen::VectorXd inverse =
+        eigen.eigenvalues().unaryExpr([](double v) { return v > kSingular ? 1.0 / v : 0.0; });
+    out.rank = static_cast<int>((inverse.array() > 0).count());
+    out.covariance = scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
+                     eigen.eigenvectors().transpose() * scale.asDiagonal();
+    out.estimate = out.covariance * h_(columns);
+    out.explained = out.estimate.dot(h_(columns));
+    return out;
+  }
+
+  /// Squares left and prices.
+  [[nodiscard]] double cost(const Held& held) const {
+    double total = out_.chi2 - fit(held).explained;
+    for (const std::size_t k : held) total += price_[k];
+    return total;
+  }
+
+  /// The best of all single steps: one more, one less, or another in the place of one.
+  bool improve() {
+    Held best;
+    double least = cost(held_) - 1e-9 * (1.0 + out_.chi2);
+    const auto consider = [&](const Held& candidate) {
+      if (const double c = cost(candidate); c < least) {
+        least = c;
+        best = candidate;
+        found_ = true;
+      }
+    };
+    found_ = false;
+    for (std::size_t at = 0; at <= held_.size(); ++at) {
+      Held without = held_;
+      if (at < held_.size()) {
+        without.erase(without.begin() + static_cast<std::ptrdiff_t>(at));
+        consider(without);
+      }
+      for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
+        if (!std::isfinite(price_[k]) || std::find(held_.begin(), held_.end(), k) != held_.end()) continue;
+        Held with = without;
+        with.push_back(k);
+        consider(with);
+      }
+    }
+    if (found_) held_ = best;
+    return found_;
+  }
+
+  void report() {
+    const double all = fit(held_).explained;
+    out_.chi2_left = out_.chi2 - all;
+    for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
+      TestedChange t;
+      t.hypothesis = k;
+      Held with = held_, without;
+      std::copy_if(held_.begin(), held_.end(), std::back_inserter(without),
+                   [k](std::size_t other) { return other != k; });
+      t.held = without.size() < held_.size();
+      if (!t.held) with.push_back(k);
+      // Its own columns first, so that they head the estimate.
+      std::stable_partition(with.begin(), with.end(), [k](std::size_t other) { return other == k; });
+      const ChangeFit fitted = fit(with);
+      const ChangeFit rest = fit(without);
+      const auto size = static_cast<Eigen::Index>(hypotheses_[k].columns.size());
+      t.drop = std::max(0.0, fitted.explained - rest.explained);
+      t.degrees_of_freedom = fitted.rank - rest.rank;
+      t.estimate = fitted.estimate.head(size);
+      t.covariance = fitted.covariance.topLeftCorner(size, size);
+      if (t.degrees_of_freedom > 0)
+        t.p = std::min(
+            1.0, static_cast<double>(hypotheses_.size()) * chi_square_tail(t.drop, t.degrees_of_freedom));
+      out_.tested.push_back(std::move(t));
+    }
+  }
+
+  const std::vector<ChangeHypothesis>& hypotheses_;
+  Eigen::MatrixXd G_;
+  Eigen::VectorXd h_, scale_;
+  std::vector<double> price_;
+  Held held_;
+  bool found_ = false;
+  ChangeSearch out_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> ChangeSearch::held() const {
+  std::vector<std::size_t> all;
+  for (const TestedChange& t : tested)
+    if (t.held) all.push_back(t.hypothesis);
+  return all;
+}
+
+std::vector<ChangeHypothesis> change_hypotheses(const KnownParameters& known) {
+  std::vector<ChangeHypothesis> all;
+  for (std::size_t i = 0; i < known.parameters.size(); ++i) {
+    const SharedParameter& p = known.parameters[i];
+    const auto add = [&](ChangeKind kind, int size) {
+      ChangeHypothesis h{kind, p.owner, {}};
+      for (int k = 0; k < size; ++k) h.columns.push_back(static_cast<int>(i) + k);
+      all.push_back(std::move(h));
+    };
+    switch (p.quantity) {
+      case Quantity::kBeaconPosition:
+        if (p.component == 0) add(ChangeKind::kBeaconMoved, 3);
+        break;
+      case Quantity::kBeaconDelay: add(ChangeKind::kDelay, 1); break;
+      case Quantity::kBeaconGain: add(ChangeKind::kAmplitude, 1); break;
+      case Quantity::kReceiverPosition:
+        if (p.component == 0) add(ChangeKind::kReceiver, 3);
+        break;
+      case Quantity::kSpeed: add(ChangeKind::kSpeed, 1); break;
+      default: break;
+    }
+  }
+  return all;
+}
+
+ChangeSearch search_changes(const Innovation& innovation, const std::vector<ChangeHypothesis>& hypotheses) {
+  return ChangeSearcher(innovation, hypotheses).run();
+}
+
+}  // namespace octant

@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/changes/comparison.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <set>
+#include <unordered_map>
+
+#include "models/changes/chi_square.h"
+
+namespace octant {
+namespace {
+
+constexpr double kUnseenPerMetre = 1e-3;
+constexpr const char* kDatumName = "datum";
+
+/// Variance of a parameter of which nothing earlier is believed.
+double released_variance(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::kBeaconPosition: return 100.0;  // m^2
+    case Quantity::kBeaconDelay:
+    case Quantity::kReceiverDelay: return 1.0e-4;  // s^2
+    case Quantity::kReceiverPosition: return 1.0;  // m^2
+    case Quantity::kSpeed: return 900.0;           // (m/s)^2
+    case Quantity::kBeaconGain: return 9.0;
+    default: return 0.0;
+  }
+}
+
+double sigma_along(const Eigen::Vector3d& v, const Eigen::Matrix3d& C) {
+  const double length = v.norm();
+  return length > 0 ? std::sqrt(std::max(0.0, v.dot(C * v))) / length
+                    : std::sqrt(std::max(0.0, C.trace() / 3));
+}
+
+Change change_of(const TestedChange& tested, const ChangeHypothesis& hypothesis, const Deployment& d) {
+  Change c;
+  c.kind = hypothesis.kind;
+  c.p = tested.p;
+  const bool datum = hypothesis.kind == ChangeKind::kDatum;
+  if (datum || hypothesis.kind == ChangeKind::kBeaconMoved || hypothesis.kind == ChangeKind::kReceiver) {
+    const Eigen::Index axes =
+        datum && d.motion == Motion::kPlanar ? 2 : 3;  // turns of the map come after its shifts
+    c.shift_m.head(axes) = tested.estimate.head(axes);
+    c.shift_covariance_m2.topLeftCorner(axes, axes) = tested.covariance.topLeftCorner(axes, axes);
+    c.size = c.shift_m.norm();
+    c.sigma = sigma_along(c.shift_m, c.shift_covariance_m2);
+  } else {
+    c.size = tested.estimate[0];
+    c.sigma = std::sqrt(std::max(0.0, tested.covariance(0, 0)));
+  }
+  if (hypothesis.kind == ChangeKind::kAmplitude) {
+    c.size = std::exp(c.size);
+    c.sigma *= c.size;
+  }
+  if (hypothesis.kind == ChangeKind::kReceiver) {
+    c.subject = d.vehicles[d.receivers[hypothesis.owner].vehicle.index()].name + "/" +
+                d.receivers[hypothesis.owner].name;
+  } else {
+    c.subject = datum                                   ? "datum"
+                : hypothesis.kind == ChangeKind::kSpeed ? "speed"
+                                                        : d.beacons[hypothesis.owner].name;
+  }
+  return c;
+}
+
+const DeploymentBeacon& beacon_named(const Deployment& d, const std::string& name) {
+  return *std::find_if(d.beacons.begin(), d.beacons.end(),
+                       [&](const DeploymentBeacon& b) { return b.name == name; });
+}
+
+/// Two that moved to each other's places, to a quarter of the way, became one change.
+void name_exchanges(const Deployment& d, std::vector<Change>& changes) {
+  constexpr double kNear = 0.25;
+  for (std::size_t i = 0; i < changes.size(); ++i)
+    for (std::size_t j = i + 1; j < changes.size(); ++j) {
+      Change &a = changes[i], &b = changes[j];
+      if (a.kind != ChangeKind::kBeaconMoved || b.kind != ChangeKind::kBeaconMoved) continue;
+      const Eigen::Vector3d way =
+          beacon_named(d, b.subject).position_m - beacon_named(d, a.subject).position_m;
+      if (std::max((a.shift_m - way).norm(), (b.shift_m + way).norm()) > kNear * way.norm()) continue;
+      a.kind = ChangeKind::kExchanged;
+      a.subject += ", " + b.subject;
+      a.size = way.norm();
+      a.sigma = std::max(a.sigma, b.sigma);
+      a.p = std::max(a.p, b.p);
+      changes.erase(changes.begin() + static_cast<std::ptrdiff_t>(j));
+      break;
+    }
+}
+
+/// Whether something beside approximate positions holds the map.
+bool frame_is_held(const Deployment& d) {
+  return d.datum.control_points.size() >= 2 || d.datum.position == "measured poses";
+}
+
+/// The motions of the map as columns of their own.
+Innovation with_motions(const Innovation& innovation, const Eigen::MatrixXd& T) {
+  Innovation out{Eigen::MatrixXd(innovation.B.rows(), innovation.B.cols() + T.cols()), innovation.y,
+                 innovation.degrees_of_freedom};
+  Eigen::MatrixXd moved = innovation.B * T;
+  // What a kilometre would not show is not seen: rounding is no information.
+  for (Eigen::Index k = 0; k < T.cols(); ++k)
+    if (moved.col(k).norm() < kUnseenPerMetre) moved.col(k).setZero();
+  out.B << innovation.B, moved;
+  return out;
+}
+
+/// Parameters that both deployments know, in the order of the first.
+struct CommonParameters {
+  KnownParameters before, now;
+};
+
+KnownParameters part_of_known(const KnownParameters& known, const std::vector<int>& which) {
+  KnownParameters part;
+  for (const int i : which) part.parameters.push_back(known.parameters[static_cast<std::size_t>(i)]);
+  part.value = known.value(which);
+  part.covariance = known.covariance(which, which);
+  return part;
+}
+
+CommonParameters common_parameters(const Deployment& before, const Deployment& now) {
+  const KnownParameters a = known_parameters(before);
+  KnownParameters b = known_parameters(now);
+  std::unordered_map<std::string, int> place;
+  for (std::size_t i = 0; i < b.parameters.size(); ++i)
+    place.emplace(parameter_name(b.parameters[i], now), static_cast<int>(i));
+  // Offsets are of one model at one temperature.
+  if (const int speed = b.index_of({Quantity::kSpeed, 0, 0}); speed >= 0)
+    b.value[speed] =
+        now.speed_mps(now.medium.temperature_degC) - speed_mps(before.medium, now.medium.temperature_degC);
+  std::vector<int> of_a, of_b;
+  for (std::size_t i = 0; i < a.parameters.size(); ++i)
+    if (const auto at = place.find(parameter_name(a.parameters[i], before)); at != place.end()) {
+      of_a.push_back(static_cast<int>(i));
+      of_b.push_back(at->second);
+    }
+  return {part_of_known(a, of_a), part_of_known(b, of_b)};
+}
+
+/// What the second visit alone said, of what it told; parameters that are held in the second deployment stay
+/// as they were.
+Innovation second_visit(const CommonParameters& common, const Deployment& before, const Deployment& now) {
+  std::vector<int> told;
+  for (Eigen::Index i = 0; i < common.now.size(); ++i)
+    if (common.now.covariance(i, i) > 0) told.push_back(static_cast<int>(i));
+  const KnownParameters a = part_of_known(common.before, told), b = part_of_known(common.now, told);
+  Eigen::MatrixXd P = a.covariance;
+  P.diagonal() += drift_variances(a, now.previous->drift);
+  const Eigen::MatrixXd released = P + released_covariance(a, now.previous->released, before);
+  const Innovation prior = innovation_of_difference(Eigen::VectorXd::Zero(a.size()), released);
+  const Innovation posterior = innovation_of_difference(b.value - a.value, b.covariance);
+  const Eigen::MatrixXd N = posterior.B.transpose() * posterior.B - prior.B.transpose() * prior.B;
+  const Innovation seen =
+      innovation_of_information(P, 0.5 * (N + N.transpose()), posterior.B.transpose() * posterior.y);
+  Innovation all{Eigen::MatrixXd::Zero(seen.B.rows(), common.before.size()), seen.y, seen.degrees_of_freedom};
+  all.B(Eigen::all, told) = seen.B;
+  return all;
+}
+
+}  // namespace
+
+Comparison compare(const Deployment& before, const KnownParameters& known, const Innovation& innovation) {
+  Comparison out;
+  out.hypotheses = change_hypotheses(known);
+  const Eigen::MatrixXd T = map_motions(known, before.motion);
+  Innovation seen = innovation;
+  if (frame_is_held(before)) {
+    ChangeHypothesis datum{ChangeKind::kDatum, 0, {}};
+    for (Eigen::Index k = 0; k < T.cols(); ++k) datum.columns.push_back(static_cast<int>(known.size() + k));
+    out.hypotheses.push_back(std::move(datum));
+    seen = with_motions(innovation, T);
+  } else {
+    seen = free_of(innovation, T);
+  }
+  out.search = search_changes(seen, out.hypotheses);
+  for (const TestedChange& t : out.search.tested)
+    if (t.held) out.changes.push_back(change_of(t, out.hypotheses[t.hypothesis], before));
+  name_exchanges(before, out.changes);
+  std::stable_sort(out.changes.begin(), out.changes.end(),
+                   [](const Change& a, const Change& b) { return a.p < b.p; });
+  int freedoms = seen.degrees_of_freedom;
+  if (freedoms > 0) out.p = chi_square_tail(out.search.chi2, freedoms);
+  for (const TestedChange& t : out.search.tested) freedoms -= t.held ? t.degrees_of_freedom : 0;
+  if (freedoms > 0) out.p_left = chi_square_tail(out.search.chi2_left, freedoms);
+  return out;
+}
+
+Comparison compare(const Deployment& before, const Deployment& now, const Drift& drift) {
+  const CommonParameters common = common_parameters(before, now);
+  if (common.before.size() == 0) return {};
+  if (is_derived(now, before)) return compare(before, common.before, second_visit(common, before, now));
+  Eigen::MatrixXd C = common.before.covariance + common.now.covariance;
+  C.diagonal() += drift_variances(common.before, drift);
+  return compare(before, common.before, innovation_of_difference(common.now.value - common.before.value, C));
+}
+
+bool is_derived(const Deployment& now, const Deployment& before) {
+  return now.previous && !before.digest.empty() && now.previous->sha256 == before.digest;
+}
+
+std::vector<std::string> changed_parameters(const Comparison& comparison, const KnownParameters& known,
+                                            const Deployment& before) {
+  std::vector<std::string> names;
+  for (const std::size_t k : comparison.search.held()) {
+    const ChangeHypothesis& hypothesis = comparison.hypotheses[k];
+    if (hypothesis.kind == ChangeKind::kDatum) {
+      names.emplace_back(kDatumName);
+      continue;
+    }
+    for (const int i : hypothesis.columns)
+      names.push_back(parameter_name(known.parameters[static_cast<std::size_t>(i)], before));
+  }
+  return names;
+}
+
+Eigen::MatrixXd released_covariance(const KnownParameters& known, const std::vector<std::string>& released,
+                                    const Deployment& before) {
+  const std::set<std::string> names(released.begin(), released.end());
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(known.size(), known.size());
+  for (Eigen::Index i = 0; i < known.size(); ++i) {
+    const SharedParameter& p = known.parameters[static_cast<std::size_t>(i)];
+    if (names.contains(parameter_name(p, before))) W(i, i) += released_variance(p.quantity);
+  }
+  if (names.contains(kDatumName)) {
+    const Eigen::MatrixXd T = map_motions(known, before.motion);
+    W += released_variance(Quantity::kBeaconPosition) * T * T.transpose();
+  }
+  return W;
+}
+
+double months_between(const std::string& before, const std::string& now) {
+  const auto days = [](const std::string& text) -> std::optional<double> {
+    int y = 0, m = 0, d = 0;
+    if (std::sscanf(text.c_str(), "%d-%d-%d", &y, &m, &d) != 3) return std::nullopt;
+    const std::chrono::year_month_day date{std::chrono::year(y), std::chrono::month(static_cast<unsigned>(m)),
+                                           std::chrono::day(static_cast<unsigned>(d))};
+    if (!date.ok()) return std::nullopt;
+    return static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
+  };
+  constexpr double kDaysAMonth = 30.44;
+  const auto a = days(before), b = days(now);
+  return a && b ? std::max(0.0, (*b - *a) / kDaysAMonth) : 0.0;
+}
+
+}  // namespace octant

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/changes/innovation.h"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "models/trajectory/decompositions.h"
+
+namespace octant {
+namespace {
+
+/// Of the whole, which a direction must tell to count.
+constexpr double kUntold = 1e-9;
+
+/// L of C = L L', microseconds beside metres scaled alike first.
+class Root {
+ public:
+  explicit Root(const Eigen::MatrixXd& covariance) : scale_(covariance.diagonal().cwiseSqrt()) {
+    const Eigen::VectorXd inverse = scale_.cwiseInverse();
+    llt_.compute(inverse.asDiagonal() * covariance * inverse.asDiagonal());
+  }
+  [[nodiscard]] Eigen::MatrixXd inverse() const {
+    Eigen::MatrixXd X = scale_.cwiseInverse().asDiagonal();
+    llt_.matrixL().solveInPlace(X);
+    return X;
+  }
+  [[nodiscard]] Eigen::MatrixXd lower() const {
+    return scale_.asDiagonal() * Eigen::MatrixXd(llt_.matrixL());
+  }
+
+ private:
+  Eigen::VectorXd scale_;
+  Eigen::LLT<Eigen::MatrixXd> llt_;
+};
+
+}  // namespace
+
+Innovation innovation_of_difference(const Eigen::VectorXd& difference, const Eigen::MatrixXd& covariance) {
+  Innovation out;
+  out.B = Root(covariance).inverse();
+  out.y = out.B * difference;
+  out.degrees_of_freedom = static_cast<int>(out.y.size());
+  return out;
+}
+
+Innovation innovation_of_information(const Eigen::MatrixXd& P, const Eigen::MatrixXd& N,
+                                     const Eigen::VectorXd& gradient) {
+  const Root root(P);
+  const Eigen::MatrixXd L = root.lower();
+  const SymmetricEigen<Eigen::MatrixXd> eigen(L.transpose() * N * L);
+  const Eigen::VectorXd& l = eigen.eigenvalues();
+  const double least = kUntold * std::max(l.maxCoeff(), 1.0);
+  const Eigen::Index seen = (l.array() > least).count();
+  const Eigen::MatrixXd V = eigen.eigenvectors().rightCols(seen);
+  const Eigen::ArrayXd told = l.tail(seen).array();
+  Innovation out;
+  out.B = (told / (1.0 + told)).sqrt().matrix().asDiagonal() * (V.transpose() * root.inverse());
+  out.y = (V.transpose() * (L.transpose() * gradient)).array() / (told * (1.0 + told)).sqrt();
+  out.degrees_of_freedom = static_cast<int>(seen);
+  return out;
+}
+
+Innovation free_of(const Innovation& innovation, const Eigen::MatrixXd& T) {
+  constexpr double kUnseen = 1e-3;
+  const Eigen::MatrixXd BT = innovation.B * T;
+  if (BT.size() == 0 || BT.norm() < kUnseen) return innovation;
+  const Eigen::MatrixXd Q = PivotedQr(BT).basis();
+  return {innovation.B - Q * (Q.transpose() * innovation.B),
+          innovation.y - Q * (Q.transpose() * innovation.y),
+          innovation.degrees_of_freedom - static_cast<int>(Q.cols())};
+}
+
+}  // namespace octant

@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// recalibrate, monitor and diff, with the program as a process.
+#include <algorithm>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/apps/hall_folder.h"
+
+namespace octant::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A calibrated hall, and the held-out run as a second visit.
+class SecondVisit : public HallFolder {
+ protected:
+  void SetUp() override {
+    make(60);
+    ASSERT_EQ(calibrate().exit, 0);
+    std::filesystem::copy(hall("heldout"), box / "visit", std::filesystem::copy_options::recursive);
+  }
+  [[nodiscard]] std::string visit() const { return box / "visit"; }
+  /// Every arrival of a beacon comes so much later.
+  void delay(const std::string& beacon, double by_s) const {
+    std::istringstream text(slurp(visit() + "/tof.csv"));
+    std::string line, all, field;
+    std::getline(text, line);
+    all = line + "\n";
+    std::vector<std::string> head;
+    for (std::istringstream row(line); std::getline(row, field, ',');) head.push_back(field);
+    const auto at = [&](const char* name) {
+      return static_cast<std::size_t>(std::find(head.begin(), head.end(), name) - head.begin());
+    };
+    while (std::getline(text, line)) {
+      std::vector<std::string> fields;
+      for (std::istringstream row(line); std::getline(row, field, ',');) fields.push_back(field);
+      if (fields.at(at("beacon")) == beacon)
+        fields.at(at("tof_s")) = fmt::format("{:.9f}", std::stod(fields.at(at("tof_s"))) + by_s);
+      line.clear();
+      for (const auto& f : fields) line += (line.empty() ? "" : ",") + f;
+      all += line + "\n";
+    }
+    spit(visit() + "/tof.csv", all);
+  }
+  [[nodiscard]] Outcome monitor(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words = {"monitor", out("d.json"), visit(), "--progress", "none"};
+    words.insert(words.end(), more.begin(), more.end());
+    return octant(words);
+  }
+};
+
+TEST_F(SecondVisit, NothingChangedIsSaidAndIsNoAlarm) {
+  const Outcome told = monitor({"--json"});
+  EXPECT_EQ(told.exit, 0) << told.err;
+  const auto json = told.json();
+  EXPECT_EQ(json["status"], "ok");
+  EXPECT_TRUE(json["changes"].empty());
+  EXPECT_FALSE(json["action"].get<bool>());
+  EXPECT_EQ(json["heard"]["beacons"].size(), 8U);
+  EXPECT_GT(json["heard"]["beacons"][0]["used"].get<int>(), 0);
+  EXPECT_THAT(monitor().out, HasSubstr("nothing beyond chance and drift"));
+}
+
+TEST_F(SecondVisit, AReplacedBeaconIsAnAlarmARecalibrationAndADifference) {
+  delay("B4", 120e-6);
+  const Outcome told = monitor({"--json"});
+  EXPECT_EQ(told.exit, 6);
+  auto changes = told.json()["changes"];
+  ASSERT_EQ(changes.size(), 1U) << told.out;
+  EXPECT_EQ(changes[0]["kind"], "delay");
+  EXPECT_EQ(changes[0]["subject"], "B4");
+  EXPECT_EQ(changes[0]["unit"], "s");
+  EXPECT_NEAR(changes[0]["size"].get<double>(), 120e-6, 5 * changes[0]["sigma"].get<double>());
+  EXPECT_LT(changes[0]["p"].get<double>(), 0.01);
+  EXPECT_THAT(monitor().err, HasSubstr("B4 answers"));
+
+  const Outcome left =
+      octant({"recalibrate", out("d.json"), visit(), "-o", out("n.json"), "--report", out("r.md"), "--json"});
+  EXPECT_EQ(left.exit, 0) << left.err;
+  EXPECT_EQ(left.json()["changes"][0]["subject"], "B4");
+  EXPECT_EQ(left.json()["beacons"].size(), 8U);
+  EXPECT_TRUE(left.json()["verdict"].contains("grade"));
+  EXPECT_THAT(slurp(out("r.md")), HasSubstr("delay changed"));
+  const auto now = nlohmann::json::parse(slurp(out("n.json")));
+  EXPECT_EQ(now["previous"]["released"][0], "beacon/B4/delay_s");
+  EXPECT_EQ(now["previous"]["sha256"], nlohmann::json::parse(slurp(out("d.json")))["digest"]);
+
+  const Outcome differ = octant({"diff", out("d.json"), out("n.json"), "--json"});
+  EXPECT_EQ(differ.exit, 0) << differ.err;
+  EXPECT_TRUE(differ.json()["derived"].get<bool>());
+  ASSERT_EQ(differ.json()["changes"].size(), 1U);
+  EXPECT_EQ(differ.json()["changes"][0]["subject"], "B4");
+  EXPECT_THAT(octant({"diff", out("d.json"), out("n.json")}).out, HasSubstr("B4 answers"));
+
+  // With the new deployment the visit is as it should be, and fixes are made with it.
+  EXPECT_EQ(octant({"monitor", out("n.json"), visit()}).exit, 0);
+  EXPECT_EQ(octant({"verify", out("n.json"), visit()}).exit, 0);
+}
+
+TEST_F(SecondVisit, NoOutputOverAnInputAndBadInputIsSaid) {
+  EXPECT_EQ(octant({"recalibrate", out("d.json"), visit(), "-o", out("d.json")}).exit, 2);
+  EXPECT_EQ(octant({"recalibrate", hall("site.yaml"), visit(), "-o", out("n.json")}).exit, 3);
+  EXPECT_EQ(octant({"monitor", out("missing.json"), visit()}).exit, 3);
+  EXPECT_EQ(octant({"monitor", out("d.json"), visit(), "--drift-beacon-m", "-1"}).exit, 2);
+  EXPECT_EQ(octant({"diff", out("d.json")}).exit, 2);
+  EXPECT_THAT(octant({"diff", out("d.json"), hall("site.yaml")}).err, HasSubstr("site file"));
+  EXPECT_THAT(outputs(), ::testing::ElementsAre("d.json"));
+}
+
+TEST_F(SecondVisit, AnUnchangedDeploymentDiffersInNothing) {
+  const Outcome same = octant({"diff", out("d.json"), out("d.json"), "--json"});
+  EXPECT_EQ(same.exit, 0);
+  EXPECT_TRUE(same.json()["changes"].empty());
+}
+
+}  // namespace
+}  // namespace octant::test

@@ -1,0 +1,243 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/revisit/revisit.h"
+
+#include <algorithm>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "tests/calib/calib_support.h"
+
+namespace octant::calib {
+namespace {
+
+using test::beacon;
+using test::must;
+
+constexpr std::size_t kControlPoint = 3, kFree = 4;
+
+/// Eight beacons, four receivers half a metre apart, 60 stops, temperature known.
+Scenario first_scenario() {
+  Scenario s = test::hall_scenario();
+  s.site.vehicles.clear();
+  s.site.receivers.clear();
+  test::add_receivers(s.site, {{0.4, 0.0, 0.3}, {0.0, 0.4, 0.45}, {-0.4, 0.0, 0.3}, {0.0, -0.4, 0.45}},
+                      0.001);
+  s.true_temperature_offset_degC.reset();
+  s.true_speed_offset_mps = 0.5;
+  s.true_delay_s = {1e-4, 1e-4};
+  s.path.epochs = 60;
+  return s;
+}
+
+/// What the first visit left, and a second visit of 20 stops to a world that was changed between.
+struct TwoVisits {
+  Deployment before;
+  MeasurementLog second;
+};
+
+TwoVisits two_visits(const std::function<void(Scenario&)>& change, int epochs = 20,
+                     Scenario scenario = first_scenario()) {
+  const World first = must(simulate(scenario, 11));
+  Problem problem = must(make_problem(first.site, {first.run}));
+  const Solution solution = solve(problem);
+  EXPECT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
+  TwoVisits out;
+  out.before = make_deployment(problem, solution, {"2026-01-01T00:00:00Z", "", "", {}});
+  out.before.digest = "first";
+  change(scenario);
+  scenario.path.epochs = epochs;
+  out.second = must(simulate(scenario, 12)).run;
+  return out;
+}
+
+Revisit revisited(const TwoVisits& visits) {
+  const Revisit found = must(revisit(visits.before, {visits.second}, {}));
+  EXPECT_EQ(found.status, SolveStatus::kConverged) << found.message;
+  return found;
+}
+
+void move(Scenario& s, std::size_t b, const Eigen::Vector3d& by_m) {
+  for (std::size_t i = 0; i < 3; ++i) *s.site.beacons[b].position_m[i] += by_m[static_cast<Eigen::Index>(i)];
+}
+
+TEST(Revisit, NothingChanged) {
+  const Revisit found = revisited(two_visits([](Scenario&) {}));
+  EXPECT_TRUE(found.comparison.changes.empty());
+  EXPECT_GT(found.comparison.p, 1e-3);
+  for (const Heard& h : found.beacons) EXPECT_GT(h.used, 0U) << h.name;
+}
+
+TEST(Revisit, AMovedBeaconIsFoundAndToldAnew) {
+  const TwoVisits visits = two_visits([](Scenario& s) { move(s, kFree, {0.04, -0.01, 0.0}); });
+  const Revisit found = revisited(visits);
+  ASSERT_EQ(found.comparison.changes.size(), 1U);
+  const Change& c = found.comparison.changes[0];
+  EXPECT_EQ(c.kind, ChangeKind::kBeaconMoved);
+  EXPECT_EQ(c.subject, "B4");
+  EXPECT_NEAR(c.size, std::hypot(0.04, 0.01), 4 * c.sigma);
+  const Eigen::Vector3d truth = Eigen::Vector3d(16.20, 11.95, 2.505) + Eigen::Vector3d(0.04, -0.01, 0.0);
+  const DeploymentBeacon& left = found.as_left.beacons[kFree];
+  const Eigen::Vector3d off = left.position_m - truth;
+  EXPECT_LT(off.dot(left.covariance_m2.ldlt().solve(off)),
+            16.3);  // chi-square with three degrees of freedom, one in a thousand
+}
+
+/// The vehicle's poses float: nobody else is accused, and the point is held no more.
+TEST(Revisit, AKnockedControlPointIsNamedAlone) {
+  const Revisit found = revisited(two_visits([](Scenario& s) { move(s, kControlPoint, {0.0, 0.08, 0.0}); }));
+  ASSERT_EQ(found.comparison.changes.size(), 1U);
+  EXPECT_EQ(found.comparison.changes[0].subject, "B3");
+  EXPECT_EQ(found.as_left.beacons[kControlPoint].status, BeaconStatus::kCalibrated);
+  EXPECT_GT(found.as_left.beacons[kControlPoint].covariance_m2.trace(), 0.0);
+  EXPECT_EQ(found.as_left.datum.control_points, (std::vector<std::string>{"B0", "B6"}));
+  EXPECT_EQ(found.as_left.beacons[0].status, BeaconStatus::kControlPoint);
+  EXPECT_EQ(found.as_left.beacons[0].covariance_m2.norm(), 0.0);
+  EXPECT_EQ(found.as_left.beacons[0].position_m, Eigen::Vector3d(3.90, 0.05, 2.520));
+}
+
+TEST(Revisit, ADelayIsNoMove) {
+  TwoVisits visits = two_visits([](Scenario&) {});
+  for (Arrival& a : visits.second.arrivals)
+    if (a.beacon == BeaconId(kFree)) a.tof_s += 80e-6;
+  const Revisit found = revisited(visits);
+  ASSERT_EQ(found.comparison.changes.size(), 1U);
+  EXPECT_EQ(found.comparison.changes[0].kind, ChangeKind::kDelay);
+  EXPECT_EQ(found.comparison.changes[0].subject, "B4");
+  EXPECT_NEAR(found.comparison.changes[0].size, 80e-6, 4 * found.comparison.changes[0].sigma);
+  EXPECT_NEAR(found.beacons[kFree].misfit_s, 80e-6, 2e-5);
+  EXPECT_NEAR(found.as_left.beacons[kFree].delay_s, visits.before.beacons[kFree].delay_s + 80e-6, 2e-5);
+}
+
+TEST(Revisit, ABentReceiverIsNoBeacon) {
+  const Revisit found = revisited(
+      two_visits([](Scenario& s) { s.site.receivers[1].position_m += Eigen::Vector3d(0.03, 0.0, 0.0); }));
+  ASSERT_EQ(found.comparison.changes.size(), 1U);
+  EXPECT_EQ(found.comparison.changes[0].kind, ChangeKind::kReceiver);
+  EXPECT_EQ(found.comparison.changes[0].subject, "robot/r1");
+  EXPECT_NEAR(found.comparison.changes[0].size, 0.03, 5 * found.comparison.changes[0].sigma);
+}
+
+TEST(Revisit, ExchangedBeacons) {
+  const Revisit found = revisited(
+      two_visits([](Scenario& s) { std::swap(s.site.beacons[1].position_m, s.site.beacons[5].position_m); }));
+  ASSERT_EQ(found.comparison.changes.size(), 1U);
+  EXPECT_EQ(found.comparison.changes[0].kind, ChangeKind::kExchanged);
+  EXPECT_EQ(found.comparison.changes[0].subject, "B1, B5");
+}
+
+TEST(Revisit, WarmerAirIsNoChangeWhereAThermometerSaysSo) {
+  const Revisit found = revisited(two_visits([](Scenario& s) { s.site.medium.temperature_degC += 8.0; }));
+  // The run's rows bring no temperature of their own here: then the speed may be any, and nobody is accused.
+  EXPECT_TRUE(found.comparison.changes.empty());
+  EXPECT_FALSE(found.medium.temperature_known);
+  EXPECT_NEAR(found.medium.speed_change_mps, 8 * 0.59, 0.5);
+  TwoVisits known = two_visits([](Scenario& s) { s.site.medium.temperature_degC += 8.0; });
+  known.second.temperature_degC = known.before.medium.temperature_degC + 8.0;
+  const Revisit with = revisited(known);
+  EXPECT_TRUE(with.comparison.changes.empty());
+  EXPECT_TRUE(with.medium.temperature_known);
+  EXPECT_NEAR(with.medium.speed_change_mps, 0.0, 0.3);
+}
+
+TEST(Revisit, DirtIsAnAmplitudeAndNoMove) {
+  Scenario scenario = first_scenario();
+  test::add_attenuation(scenario);
+  scenario.log_amplitude = true;
+  TwoVisits visits = two_visits([](Scenario&) {}, 20, scenario);
+  const AttenuationModel& a = *visits.before.attenuation;
+  std::vector<Arrival> heard;
+  for (Arrival arrival : visits.second.arrivals) {
+    if (arrival.beacon == BeaconId(kFree)) {
+      // Half the amplitude crosses the threshold later.
+      const auto before = time_walk_s(arrival.amplitude_v, a),
+                 after = time_walk_s(arrival.amplitude_v / 2, a);
+      if (!before || !after) continue;
+      arrival.tof_s += *after - *before;
+      arrival.amplitude_v /= 2;
+    }
+    heard.push_back(arrival);
+  }
+  visits.second.arrivals = std::move(heard);
+  const Revisit found = revisited(visits);
+  ASSERT_EQ(found.comparison.changes.size(), 1U);
+  EXPECT_EQ(found.comparison.changes[0].kind, ChangeKind::kAmplitude);
+  EXPECT_EQ(found.comparison.changes[0].subject, "B4");
+  EXPECT_NEAR(found.comparison.changes[0].size, 0.5, 0.02);
+  EXPECT_NEAR(found.as_left.beacons[kFree].gain, 0.5, 0.02);
+}
+
+/// A beacon was replaced: three stops tell its place and its delay, as everything else is known.
+TEST(Revisit, ThreeStopsSufficeForOneReplacedBeacon) {
+  TwoVisits visits = two_visits([](Scenario& s) { move(s, kFree, {-0.10, 0.05, 0.02}); }, 3);
+  for (Arrival& a : visits.second.arrivals)
+    if (a.beacon == BeaconId(kFree)) a.tof_s += 120e-6;
+  const Revisit found = revisited(visits);
+  ASSERT_FALSE(found.comparison.changes.empty());
+  for (const Change& c : found.comparison.changes) EXPECT_EQ(c.subject, "B4");
+  EXPECT_LT((found.as_left.beacons[kFree].position_m - Eigen::Vector3d(16.10, 12.00, 2.525)).norm(), 0.08);
+}
+
+TEST(Revisit, WhatWasNotHeardIsCarriedOver) {
+  TwoVisits visits = two_visits([](Scenario&) {});
+  std::erase_if(visits.second.arrivals, [](const Arrival& a) { return a.beacon == BeaconId(kFree); });
+  const Revisit found = revisited(visits);
+  EXPECT_TRUE(found.comparison.changes.empty());
+  EXPECT_EQ(found.beacons[kFree].used, 0U);
+  EXPECT_EQ(found.as_left.beacons[kFree].status, BeaconStatus::kCalibrated);
+  EXPECT_LT((found.as_left.beacons[kFree].position_m - visits.before.beacons[kFree].position_m).norm(), 5e-3);
+  EXPECT_GT(found.as_left.beacons[kFree].covariance_m2.trace(),
+            0.9 * visits.before.beacons[kFree].covariance_m2.trace());
+}
+
+/// diff of the two files says what recalibrate said.
+TEST(Revisit, TheDifferenceOfBothDeploymentsSaysTheSame) {
+  const TwoVisits visits = two_visits([](Scenario& s) { move(s, kFree, {0.04, -0.01, 0.0}); });
+  const Revisit found = revisited(visits);
+  const Deployment now = finished(found, visits.before, {"2026-07-01T00:00:00Z", "", "", {}});
+  ASSERT_TRUE(now.previous.has_value());
+  EXPECT_EQ(now.previous->sha256, "first");
+  EXPECT_EQ(now.previous->released,
+            (std::vector<std::string>{"beacon/B4/x_m", "beacon/B4/y_m", "beacon/B4/z_m"}));
+  const Comparison difference = compare(visits.before, now, {});
+  ASSERT_EQ(difference.changes.size(), 1U);
+  EXPECT_EQ(difference.changes[0].subject, "B4");
+  EXPECT_NEAR(difference.changes[0].size, found.comparison.changes[0].size,
+              found.comparison.changes[0].sigma);
+}
+
+/// Second visits only add: what neither moved nor drifted is known better than before.
+TEST(Revisit, SigmasOfTheNewDeploymentHold) {
+  const int visits = 12;
+  double nees = 0.0;
+  Eigen::Index count = 0;
+  Scenario scenario = first_scenario();
+  for (int seed = 0; seed < visits; ++seed) {
+    const World first = must(simulate(scenario, 100 + static_cast<std::uint64_t>(seed)));
+    Problem problem = must(make_problem(first.site, {first.run}));
+    Deployment before = make_deployment(problem, solve(problem), {"2026-01-01T00:00:00Z", "", "", {}});
+    Scenario again = scenario;
+    move(again, kFree, {0.05, 0.0, 0.0});
+    again.path.epochs = 20;
+    const Revisit found =
+        must(revisit(before, {must(simulate(again, 200 + static_cast<std::uint64_t>(seed))).run}, {}));
+    for (std::size_t b = 0; b < 8; ++b) {
+      const DeploymentBeacon& left = found.as_left.beacons[b];
+      if (left.status != BeaconStatus::kCalibrated) continue;
+      Eigen::Vector3d truth;
+      for (std::size_t i = 0; i < 3; ++i)
+        truth[static_cast<Eigen::Index>(i)] = *again.site.beacons[b].position_m[i];
+      const Eigen::Vector3d off = left.position_m - truth;
+      nees += off.dot(left.covariance_m2.ldlt().solve(off));
+      count += 3;
+    }
+  }
+  EXPECT_GE(count, visits * 15);
+  // The drift that is allowed for is not there, so that sigmas are too large rather than too small.
+  EXPECT_GT(nees / static_cast<double>(count), 0.3);
+  EXPECT_LT(nees / static_cast<double>(count), 1.3);
+}
+
+}  // namespace
+}  // namespace octant::calib
