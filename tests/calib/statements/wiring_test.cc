@@ -176,6 +176,23 @@ TEST(Readings, NameAMirroredPoseFrame) {
   EXPECT_THAT(found[0].found, HasSubstr("left-handed"));
 }
 
+/// Where the poses alone carry the map, everything agrees with a mirrored frame to a noise sixty times too large.
+TEST(Readings, NameAMirroredPoseFrameWhereNoBeaconIsKnown) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 60;
+  s.echo_fraction = 0.05;
+  s.log_poses = true;
+  World world = must(simulate(s, 3));
+  for (SiteBeacon& b : world.site.beacons) b.position_m = b.sigma_m = {};
+  for (TimedPose& p : world.run.poses) {
+    p.T_map_vehicle = Pose::planar(p.T_map_vehicle.translation_m.x(), -p.T_map_vehicle.translation_m.y(),
+                                   -p.T_map_vehicle.heading_rad());
+  }
+  const auto found = misreadings_of(world);
+  ASSERT_FALSE(found.empty());
+  EXPECT_THAT(found[0].found, HasSubstr("left-handed"));
+}
+
 TEST(Explain, PutsTheCulpritInPlaceOfAMeasurementThatWouldNotHelp) {
   const calib::Problem problem = problem_of(in_another_unit(cart(), 100.0, false));
   calib::Solution solution = calib::solve(problem);

@@ -145,6 +145,23 @@ void expect_both_ways_agree(const Oddness& odd) {
   if (odd.cell < 1'000) EXPECT_GT(refused, 10) << "some of these files are to be wrong";
 }
 
+/// A repeated row is found after the others of its piece; the list of refused rows is by line all the same.
+TEST(TofReader, RefusedRowsComeByLine) {
+  const std::string text =
+      "time_s,beacon,tof_s,receiver,vehicle\n1,B0,0.01,r0,robot\n1,B0,0.01,r0,robot\n2,B1,nan,r0,robot\n"
+      "3,B0,,r0,robot\n3,B1,0.02,r0,robot\n3,B1,0.02,r0,robot\n4,B1,-1,r0,robot\n";
+  const std::string whole = outcome_of_text(text, {.chunk_bytes = 1 << 17});
+  EXPECT_EQ(whole, outcome_of_text(text, {.general_way = true}));
+  EXPECT_EQ(whole, outcome_of_text(text, {.threads = 1, .chunk_bytes = 1}));
+  std::size_t at = 0;
+  for (const char* refused : {"\n3 the row", "\n4 tof_s", "\n5 tof_s", "\n7 the row", "\n8 tof_s"}) {
+    const std::size_t next = whole.find(refused);
+    ASSERT_NE(next, std::string::npos) << refused << " in\n" << whole;
+    EXPECT_GT(next, at);
+    at = next;
+  }
+}
+
 TEST(TofReader, ReadsGoodFilesTheSameWhateverThePieces) {
   expect_both_ways_agree({.cell = 1'000'000, .row = 20, .file = 1'000'000});
 }
