@@ -176,7 +176,8 @@ TEST(Readings, NameAMirroredPoseFrame) {
   EXPECT_THAT(found[0].found, HasSubstr("left-handed"));
 }
 
-/// Where the poses alone carry the map, everything agrees with a mirrored frame to a noise sixty times too large.
+/// Where the poses alone carry the map, everything agrees with a mirrored frame to a noise sixty times too
+/// large.
 TEST(Readings, NameAMirroredPoseFrameWhereNoBeaconIsKnown) {
   Scenario s = hall_scenario();
   s.path.epochs = 60;
