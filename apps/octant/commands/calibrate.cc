@@ -30,15 +30,6 @@ struct CalibrateArgs {
 /// What the adjustment itself says, whether or not there is something to export.
 Json solution_json(const Calibration& c, const Session& session) {
   const calib::Solution& s = c.solution;
-  Json weak = Json::array();
-  for (const auto& w : s.weak) {
-    weak.push_back({{"description", w.description},
-                    {"parameters", w.parameters},
-                    {"sigma_m", w.sigma_m},
-                    {"consequence_m", w.consequence_m},
-                    {"remedy", w.remedy},
-                    {"blocking", w.blocking}});
-  }
   return {
       {"converged", s.status == calib::SolveStatus::kConverged},
       {"iterations", s.iterations},
@@ -56,7 +47,7 @@ Json solution_json(const Calibration& c, const Session& session) {
       {"receivers", Json::array()},
       {"attenuation", nullptr},
       {"undetermined", s.undetermined},
-      {"weak", weak},
+      {"weak", weak_json(s.weak)},
       {"datum",
        {{"description", s.datum.description},
         {"position", s.datum.position},

@@ -98,19 +98,11 @@ Json health_json(const Logs& logs) {
 
 Json forecast_verdict_json(const calib::Forecast& f) {
   const calib::Solution& s = f.solution;
-  Json weak = Json::array();
-  for (const auto& w : s.weak)
-    weak.push_back({{"description", w.description},
-                    {"parameters", w.parameters},
-                    {"sigma_m", w.sigma_m},
-                    {"consequence_m", w.consequence_m},
-                    {"remedy", w.remedy},
-                    {"blocking", w.blocking}});
   return {{"status", calib::to_string(s.status)},
           {"forecast", true},
           {"message", s.message},
           {"undetermined", s.undetermined},
-          {"weak", weak},
+          {"weak", weak_json(s.weak)},
           {"speed_mps", f.speed_mps > 0 ? Json(f.speed_mps) : Json(nullptr)},
           {"speed_sigma_mps", f.speed_sigma_mps ? Json(*f.speed_sigma_mps) : Json(nullptr)},
           {"datum", s.datum.description},

@@ -145,6 +145,18 @@ std::string beacon_table(const Deployment& deployment) {
 
 }  // namespace
 
+Json weak_json(const std::vector<calib::WeakDirection>& weak) {
+  Json list = Json::array();
+  for (const auto& w : weak)
+    list.push_back({{"description", w.description},
+                    {"parameters", w.parameters},
+                    {"sigma_m", w.sigma_m},
+                    {"consequence_m", w.consequence_m},
+                    {"remedy", w.remedy},
+                    {"blocking", w.blocking}});
+  return list;
+}
+
 Result<Calibration> calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths,
                                     const CalibrateOptions& how, Session& session) {
   Calibration result;

@@ -64,6 +64,8 @@ struct CalibrateOptions {
 [[nodiscard]] Result<Calibration> calibrate_files(const std::string& site,
                                                   const std::vector<std::string>& runs,
                                                   const CalibrateOptions& options, Session& session);
+/// The list of weak directions, as `calibrate` and `check` have it.
+[[nodiscard]] Json weak_json(const std::vector<calib::WeakDirection>& weak);
 /// The object of `octant calibrate`.
 [[nodiscard]] Json calibration_json(const Calibration& calibration, const Session& session);
 /// Speed, beacons, receivers and attenuation of a deployment, as calibrate and recalibrate have them.

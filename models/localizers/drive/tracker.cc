@@ -24,18 +24,6 @@ namespace {
 
 constexpr int kSegmentMarkRounds = 5;
 
-void reset_segment_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
-  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
-    t.arrivals[i].rejection =
-        model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
-  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
-    BearingObservation& b = t.bearings[i];
-    b.rejection = !b.reflector.valid() || model.beacon_usable[b.reflector.index()]
-                      ? Rejection::kUsed
-                      : Rejection::kBeaconUnusable;
-  }
-}
-
 /// First arrival of the segment at or after a node.
 std::size_t arrival_from(const Trajectory& t, const Segment& segment, std::size_t node) {
   const auto begin = t.arrivals.begin();
@@ -133,7 +121,7 @@ bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& m
 /// out. Arrivals are judged by their own sigmas and left with those that they are weighed by.
 bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                     const TrackerOptions& options) {
-  reset_segment_marks(t, segment, model);
+  reset_marks(t, segment, model);
   const WidenedArrivals widened(t, segment, model, options.range_slack_m);
   CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kChanging);
   settle(t, segment, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 15);

@@ -54,18 +54,6 @@ Count count(const Trajectory& t, const Segment& segment, const EpochFixModel& mo
   return c;
 }
 
-void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
-  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
-    t.arrivals[i].rejection =
-        model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
-  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
-    BearingObservation& b = t.bearings[i];
-    b.rejection = !b.reflector.valid() || model.beacon_usable[b.reflector.index()]
-                      ? Rejection::kUsed
-                      : Rejection::kBeaconUnusable;
-  }
-}
-
 /// Bearings that contradict the pose; they are neither late nor early, so their reason is of the side they
 /// are off to.
 bool mark_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m,
@@ -222,6 +210,18 @@ bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& mo
 }
 
 }  // namespace
+
+void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
+    t.arrivals[i].rejection =
+        model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    BearingObservation& b = t.bearings[i];
+    b.rejection = !b.reflector.valid() || model.beacon_usable[b.reflector.index()]
+                      ? Rejection::kUsed
+                      : Rejection::kBeaconUnusable;
+  }
+}
 
 Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t node) {
   Segment out = segment;

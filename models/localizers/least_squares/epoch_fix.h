@@ -92,4 +92,7 @@ class LeastSquaresLocalizer final : public Localizer {
   Scratch scratch_;
 };
 
+/// All arrivals and bearings of a segment in use, but those of beacons that are not.
+void reset_marks(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model);
+
 }  // namespace octant
