@@ -22,7 +22,7 @@
 namespace octant::app {
 namespace {
 
-std::string in_words(Rejection reason) {
+std::string reason_in_words(Rejection reason) {
   switch (reason) {
     case Rejection::kUsed: return "used";
     case Rejection::kLate: return "late (echo)";
@@ -198,12 +198,12 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
 
 std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration) {
   std::map<std::string, std::size_t> counts;
-  for (const auto& arrival : calibration.solution.left_out) ++counts[in_words(arrival.reason)];
+  for (const auto& arrival : calibration.solution.left_out) ++counts[reason_in_words(arrival.reason)];
   if (const auto& whole = calibration.solution.whole) {
     for (const auto& of_beacon : whole->of_beacon)
       for (std::size_t reason = 0; reason < of_beacon.size(); ++reason)
         if (const auto r = static_cast<Rejection>(reason); r != Rejection::kUsed && of_beacon[reason] > 0)
-          counts[in_words(r)] += of_beacon[reason];
+          counts[reason_in_words(r)] += of_beacon[reason];
   }
   for (const auto& run : calibration.problem.runs)
     for (const auto& row : run.rejected) ++counts[row.reason];
@@ -213,7 +213,7 @@ std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibra
 void warn_if_contradicted(const Deployment& deployment, const std::string& path, Session& session) {
   for (const Contradiction& c : deployment.contradictions)
     session.warn(fmt::format("{} was exported although its data contradict its site file: {} {}", path,
-                             in_words(c), c.remedy));
+                             reason_in_words(c), c.remedy));
 }
 
 namespace {
@@ -262,7 +262,7 @@ Json bearings_left_out(const Calibration& calibration) {
   for (const auto& left : calibration.solution.left_out_bearings) {
     const BeaconId reflector = calibration.problem.runs[left.run].bearings[left.bearing].reflector;
     const bool misfit = left.reason == Rejection::kLate || left.reason == Rejection::kEarly;
-    counts.add(!reflector.valid() ? "unlabelled" : misfit ? "does not fit" : in_words(left.reason));
+    counts.add(!reflector.valid() ? "unlabelled" : misfit ? "does not fit" : reason_in_words(left.reason));
     if (reflector.valid()) counts.add_of(calibration.problem.site.beacons[reflector.index()].name);
   }
   return counts.json("by_beacon");
@@ -272,7 +272,7 @@ Json poses_left_out(const Calibration& calibration) {
   LeftOutCounts counts;
   for (const auto& left : calibration.solution.left_out_poses) {
     counts.add(left.reason == Rejection::kNotNeeded ? "nothing was heard or seen at its time"
-                                                    : in_words(left.reason));
+                                                    : reason_in_words(left.reason));
     counts.add_of(calibration.problem.runs[left.run].path);
   }
   return counts.json("by_run");
