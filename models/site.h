@@ -80,7 +80,8 @@ struct SiteBeacon {
   std::array<std::optional<double>, 3> position_m;
   std::array<std::optional<double>, 3> sigma_m;  ///< no value beside a position: unknown accuracy, no prior
   int line = 0;                                  ///< in the site file
-  std::optional<Prior> delay_s;                  ///< of its own delay; none: Timing's, as all others
+  std::optional<double> delay_s{},
+      delay_sigma_s{};  ///< prior of its delay, in place of timing's; with delay_per beacon
   Prior log_gain{};  ///< of its amplitude over the attenuation's, ln; sigma 0: held fixed
 
   [[nodiscard]] bool is_control_point() const {
@@ -178,6 +179,12 @@ struct Site {
   /// scans alone).
   bool medium_given = true, timing_given = true, tof_sigma_given = true;
 };
+
+/// Prior of a beacon's delay [s]: what the beacon states, and timing's for what it does not. With delay_per
+/// beacon.
+[[nodiscard]] Prior beacon_delay_prior(const Site& site, std::size_t beacon);
+/// Largest prior sigma of the delays in use [s]; 0: none is an unknown.
+[[nodiscard]] double largest_delay_sigma_s(const Site& site);
 
 /// Names by which a run's rows are resolved; from a site or from a deployment.
 struct NameTable {

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "models/deployment.h"
 #include "models/fix.h"
 #include "models/site.h"
@@ -17,6 +19,20 @@ NameTable collect_names(const Beacons& beacons, const Vehicles& vehicles, const 
 }
 
 }  // namespace
+
+Prior beacon_delay_prior(const Site& site, std::size_t beacon) {
+  const SiteBeacon& b = site.beacons[beacon];
+  return {b.delay_s.value_or(site.timing.delay_s), b.delay_sigma_s.value_or(site.timing.delay_sigma_s)};
+}
+
+double largest_delay_sigma_s(const Site& site) {
+  const DelayPer& per = site.timing.delay_per;
+  double largest_s = per.receiver || per.site ? site.timing.delay_sigma_s : 0.0;
+  if (per.beacon)
+    for (std::size_t b = 0; b < site.beacons.size(); ++b)
+      largest_s = std::max(largest_s, beacon_delay_prior(site, b).sigma);
+  return largest_s;
+}
 
 NameTable names_of(const Site& site) { return collect_names(site.beacons, site.vehicles, site.receivers); }
 

@@ -32,6 +32,9 @@ void add_survey(CLI::App& app, CommonOptions& common, Action& action);
 void add_convert(CLI::App& app, CommonOptions& common, Action& action);
 void add_plan(CLI::App& app, CommonOptions& common, Action& action);
 void add_report(CLI::App& app, CommonOptions& common, Action& action);
+void add_history(CLI::App& app, CommonOptions& common, Action& action);
+void add_sign(CLI::App& app, CommonOptions& common, Action& action);
+void add_verify_signature(CLI::App& app, CommonOptions& common, Action& action);
 void add_schema(CLI::App& app, CommonOptions& common, Action& action);
 
 /// A command with the options that all have. @param example  shown by --help

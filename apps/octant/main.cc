@@ -33,7 +33,13 @@ bool wants_json(int argc, const char* const* argv) {
 /// Help and version are no failures; all other faults of the words are exit 2, whatever CLI11 numbers them.
 int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& session) {
   const auto chosen = app.get_subcommands();
-  const CLI::App& command = chosen.empty() ? app : *chosen.back();
+  const CLI::App* innermost = &app;
+  std::string name = "octant";
+  for (auto inner = chosen; !inner.empty(); inner = innermost->get_subcommands()) {
+    innermost = inner.back();
+    name += " " + innermost->get_name();
+  }
+  const CLI::App& command = *innermost;
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
     const bool version = error.get_name() == "CallForVersion";
     const std::string text = version ? "octant " OCTANT_VERSION "\n" : command.help();
@@ -45,7 +51,6 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
   const auto strange = app.remaining(true);
   if (chosen.empty())
     message = strange.empty() ? "a command is missing" : fmt::format("unknown command '{}'", strange.front());
-  const std::string name = chosen.empty() ? "octant" : "octant " + command.get_name();
   return session.fail({"error", "usage", kUsage, message, fmt::format("{} --help explains", name)});
 }
 
@@ -92,6 +97,9 @@ int run(int argc, const char* const* argv, Session& session) {
   add_monitor(app, session.options, action);
   add_diff(app, session.options, action);
   add_report(app, session.options, action);
+  add_history(app, session.options, action);
+  add_sign(app, session.options, action);
+  add_verify_signature(app, session.options, action);
   add_schema(app, session.options, action);
   const std::vector<const char*> words = asked_for_help(argc, argv);
   try {

@@ -42,7 +42,7 @@ class TriangleGate {
       sigma_m_.push_back(sigma_m);
       placed_ += std::isfinite(sigma_m);
     }
-    delay_sigma_s_ = site.timing.delay_per.none() ? 0.0 : site.timing.delay_sigma_s;
+    delay_sigma_s_ = largest_delay_sigma_s(site);
     speed_sigma_mps_ = site.speed_sigma_mps;
   }
 

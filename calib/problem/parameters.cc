@@ -64,20 +64,17 @@ class LayoutBuilder {
     layout_.receiver_delay.assign(site_.receivers.size(), -1);
     const SharedState prior = prior_state(site_);
     auto single = [&](std::string name, double mean_s, double sigma_s) {
+      if (!(sigma_s > 0)) return -1;
       const int first = layout_.size();
       add(std::move(name), c * mean_s, c * sigma_s, 1.0 / c);
       block_from(first);
       return first;
     };
     if (timing.delay_per.beacon)
-      for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
-        const double sigma_s =
-            site_.beacons[b].delay_s ? site_.beacons[b].delay_s->sigma : timing.delay_sigma_s;
-        if (!held_[b] && sigma_s > 0)
-          layout_.beacon_delay[b] =
-              single("beacon/" + site_.beacons[b].name + "/delay_s", prior.beacon_delay_s[b], sigma_s);
-      }
-    if (!(timing.delay_sigma_s > 0)) return;
+      for (std::size_t b = 0; b < site_.beacons.size(); ++b)
+        if (!held_[b])
+          layout_.beacon_delay[b] = single("beacon/" + site_.beacons[b].name + "/delay_s",
+                                           prior.beacon_delay_s[b], beacon_delay_prior(site_, b).sigma);
     if (timing.delay_per.receiver)
       for (std::size_t r = 0; r < site_.receivers.size(); ++r)
         layout_.receiver_delay[r] =

@@ -44,6 +44,21 @@ double long_tof_s(const std::vector<MeasurementLog>& runs) {
   return *at;
 }
 
+Error too_long_a_delay(const std::string& file, int line, const std::string& key, double delay_s,
+                       double longest_s) {
+  std::string guess;
+  for (const auto& [name, factor] :
+       {std::pair{"milliseconds", 1e-3}, std::pair{"microseconds", 1e-6}, std::pair{"nanoseconds", 1e-9}})
+    if (guess.empty() && factor * delay_s < 0.5 * longest_s)
+      guess = fmt::format("is it in {}? Then write {:g}", name, factor * delay_s);
+  return {.file = file,
+          .line = line,
+          .found = fmt::format("{} is {:g} s, longer than nine of ten times of flight ({:.4g} s)", key,
+                               delay_s, longest_s),
+          .expected = "a delay in seconds, the unit of tof_s",
+          .advice = guess.empty() ? "check the unit" : guess};
+}
+
 }  // namespace
 
 const std::vector<LengthUnit>& length_units() {
@@ -105,19 +120,14 @@ Site in_unit(const Site& site, const LengthUnit& unit, const ScaledParts& parts)
 
 Result<void> check_site_units(const Site& site, const std::vector<MeasurementLog>& runs) {
   if (site.timing.clock == Clock::kCycleOffset || site.timing.delay_per.none()) return {};
-  const double longest_s = long_tof_s(runs), delay_s = site.timing.delay_s;
-  if (!(longest_s > 0) || delay_s < longest_s) return {};
-  std::string guess;
-  for (const auto& [name, factor] :
-       {std::pair{"milliseconds", 1e-3}, std::pair{"microseconds", 1e-6}, std::pair{"nanoseconds", 1e-9}})
-    if (guess.empty() && factor * delay_s < 0.5 * longest_s)
-      guess = fmt::format("is it in {}? Then write {:g}", name, factor * delay_s);
-  return fail(
-      {.file = site.path,
-       .found = fmt::format("timing.delay_s is {:g} s, longer than nine of ten times of flight ({:.4g} s)",
-                            delay_s, longest_s),
-       .expected = "a delay in seconds, the unit of tof_s",
-       .advice = guess.empty() ? "check the unit" : guess});
+  const double longest_s = long_tof_s(runs);
+  if (!(longest_s > 0)) return {};
+  if (site.timing.delay_s >= longest_s)
+    return fail(too_long_a_delay(site.path, 0, "timing.delay_s", site.timing.delay_s, longest_s));
+  for (const SiteBeacon& b : site.beacons)
+    if (b.delay_s.value_or(0.0) >= longest_s)
+      return fail(too_long_a_delay(site.path, b.line, "delay_s of beacon " + b.name, *b.delay_s, longest_s));
+  return {};
 }
 
 }  // namespace octant::calib

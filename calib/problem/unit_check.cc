@@ -88,7 +88,7 @@ std::vector<PairOfRanges> pairs_of_ranges(const Site& site, const MeasurementLog
   for (const SiteReceiver& r : site.receivers) array.extend(r.position_m);
   const double c = speed_mps(site.medium);
   const double common_m = (array.isEmpty() ? 0.0 : array.diagonal().norm()) +
-                          3 * c * (site.noise.tof_sigma_s + site.timing.delay_sigma_s);
+                          3 * c * (site.noise.tof_sigma_s + largest_delay_sigma_s(site));
   std::vector<double> sigma(site.beacons.size());
   std::vector<std::optional<Eigen::Vector3d>> place;
   for (std::size_t b = 0; b < site.beacons.size(); ++b)
@@ -145,9 +145,11 @@ double stated_range_m(const Site& site, const MeasurementLog& run, const Arrival
                                  ? a.temperature_degC
                                  : run.temperature_degC.value_or(medium.temperature_degC);
   const bool two_way = site.timing.ranging == Ranging::kTwoWay;
-  const double delays = static_cast<double>(site.timing.delay_per.beacon + site.timing.delay_per.receiver +
-                                            site.timing.delay_per.site);
-  const double tof_s = a.tof_s - delays * site.timing.delay_s - (two_way ? site.timing.turnaround_s : 0.0);
+  const double others = static_cast<double>(site.timing.delay_per.receiver + site.timing.delay_per.site);
+  const double delay_s =
+      others * site.timing.delay_s +
+      (site.timing.delay_per.beacon ? beacon_delay_prior(site, a.beacon.index()).value : 0.0);
+  const double tof_s = a.tof_s - delay_s - (two_way ? site.timing.turnaround_s : 0.0);
   return std::max(0.0, tof_s) * speed_mps(medium, temperature) / (two_way ? 2.0 : 1.0);
 }
 

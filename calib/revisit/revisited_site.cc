@@ -36,7 +36,8 @@ void add_known(const Deployment& d, const KnownParameters& known, const Eigen::V
         site.beacons[p.owner].sigma_m[i] = prior.sigma;
         break;
       case Quantity::kBeaconDelay:
-        site.beacons[p.owner].delay_s = prior;
+        site.beacons[p.owner].delay_s = prior.value;
+        site.beacons[p.owner].delay_sigma_s = prior.sigma;
         site.timing.delay_per.beacon = true;
         break;
       case Quantity::kBeaconGain: site.beacons[p.owner].log_gain = prior; break;

@@ -117,11 +117,9 @@ class Starter {
       start_.beacon_found[b] = sigma_m <= kKnownShareOfRange * range_m;
       if (start_.beacon_found[b]) worst_m = std::max(worst_m, sigma_m);
     }
-    const Timing& timing = site_.timing;
     const double c = speed_mps(site_.medium);
     const double speed_m = std::min(0.15, site_.speed_sigma_mps / c) * typical_range_m_;
-    const double delay_m =
-        timing.delay_per.none() ? 0.0 : std::min(c * timing.delay_sigma_s, 0.2 * typical_range_m_);
+    const double delay_m = std::min(c * largest_delay_sigma_s(site_), 0.2 * typical_range_m_);
     double lever_m = 0.0;
     for (const SiteReceiver& r : site_.receivers) lever_m = std::max(lever_m, r.sigma_m.maxCoeff());
     lever_m = std::min(lever_m, 0.2 * typical_range_m_);

@@ -127,7 +127,7 @@ class StatementTest {
         all_.push_back({What::kReceiver, r});
     }
     if (stated_.site_delay >= 0) all_.push_back({What::kSiteDelay, 0});
-    const bool has_delay = s.timing.delay_sigma_s > 0 && !s.timing.delay_per.none();
+    const bool has_delay = largest_delay_sigma_s(s) > 0;
     if (!has_delay && s.timing.clock == Clock::kSynchronised && s.tof_sigma_given)
       all_.push_back({What::kNoDelays, 0});
     for (std::size_t run = 0; run < stated_.speed.size(); ++run) all_.push_back({What::kSpeed, run});
@@ -181,6 +181,7 @@ class StatementTest {
       if (s.what == What::kNoDelays) {
         problem.site.timing.delay_per = {.beacon = true};
         problem.site.timing.delay_sigma_s = 1.0;
+        for (SiteBeacon& b : problem.site.beacons) b.delay_sigma_s.reset();
       }
     }
     std::vector<std::size_t> distances;
@@ -214,7 +215,7 @@ class StatementTest {
       for (std::size_t i = 0; i < 3; ++i)
         if (layout.beacon[s.index][i] == column) return *site().beacons[s.index].position_m[i];
     }
-    if (s.what == What::kNoDelays) return layout.nominal_speed_mps * stated_delay_s();
+    if (s.what == What::kNoDelays && site().timing.delay_per.none()) return 0.0;
     return layout.parameters[static_cast<std::size_t>(column)].prior_mean;
   }
   [[nodiscard]] double stated_delay_s() const {
@@ -481,12 +482,13 @@ class StatementTest {
     switch (s.what) {
       case What::kControlPoint: tell_control_point(s, state, c); break;
       case What::kBeaconDelay:
-        tell_delay(site().beacons[s.index].name, state.beacon_delay_s[s.index], c);
+        tell_delay(site().beacons[s.index].name, beacon_delay_prior(site(), s.index),
+                   state.beacon_delay_s[s.index], c);
         break;
       case What::kReceiverDelay:
-        tell_delay(receiver_name(s.index), state.receiver_delay_s[s.index], c);
+        tell_delay(receiver_name(s.index), timing_prior(), state.receiver_delay_s[s.index], c);
         break;
-      case What::kSiteDelay: tell_delay("the site", state.site_delay_s, c); break;
+      case What::kSiteDelay: tell_delay("the site", timing_prior(), state.site_delay_s, c); break;
       case What::kNoDelays: tell_delays(state, c); break;
       case What::kSpeed: tell_speed(s, c); break;
       case What::kReceiver: tell_receiver(s, state, c); break;
@@ -510,13 +512,16 @@ class StatementTest {
         b.name);
   }
 
-  void tell_delay(const std::string& whose, double found_s, Contradiction& c) const {
+  [[nodiscard]] Prior timing_prior() const { return {site().timing.delay_s, site().timing.delay_sigma_s}; }
+
+  void tell_delay(const std::string& whose, const Prior& stated, double found_s, Contradiction& c) const {
     c.kind = ContradictionKind::kDelay;
     c.subject = whose;
-    c.stated = fmt::format("{}, sigma {}", time(site().timing.delay_s), time(site().timing.delay_sigma_s));
+    c.stated = fmt::format("{}, sigma {}", time(stated.value), time(stated.sigma));
     c.found = time(found_s);
     c.remedy = fmt::format(
-        "look at the electronics of {} and at what stands before it, or state a larger timing.delay_sigma_s",
+        "look at the electronics of {} and at what stands before it, or state a larger delay_sigma_s "
+        "(timing, or the beacon)",
         whose);
   }
 
@@ -529,8 +534,11 @@ class StatementTest {
     }
     c.kind = ContradictionKind::kDelay;
     c.subject = "all beacons";
-    c.stated = stated_delay_s() == 0.0 ? std::string("no delay (timing.delay_per: none)")
-                                       : "a delay of exactly " + time(stated_delay_s());
+    const bool own = std::any_of(site().beacons.begin(), site().beacons.end(),
+                                 [](const SiteBeacon& b) { return b.delay_s.has_value(); });
+    c.stated = own                       ? std::string("delays of the beacons, held fixed (delay_sigma_s: 0)")
+               : stated_delay_s() == 0.0 ? std::string("no delay (timing.delay_per: none)")
+                                         : "a delay of exactly " + time(stated_delay_s());
     c.found = fmt::format("delays from {} to {}", time(least), time(most));
     c.remedy = "state the delay in the site file: timing.delay_per: beacon, with delay_s and delay_sigma_s";
   }

@@ -9,8 +9,8 @@
 
 namespace octant::io {
 
-/// SHA-256 of a deployment's content without its `digest`: keys sorted, no blanks, shortest numbers. Layout
-/// does not matter.
+/// SHA-256 of a deployment's content without its `digest` and `signature`: keys sorted, no blanks, shortest
+/// numbers. Layout does not matter.
 [[nodiscard]] std::string digest_of(nlohmann::json json);
 
 }  // namespace octant::io

@@ -19,6 +19,9 @@ namespace octant::io {
 /// Reads it back: read(write(x)) == x. Refuses an unknown version, a truncated or altered file, non-finite
 /// numbers.
 [[nodiscard]] Result<Deployment> deployment_from_json(const std::string& text, const std::string& file);
+/// SHA-256 of the content of a deployment file (layout does not matter): what its `digest` says where it has
+/// one.
+[[nodiscard]] Result<std::string> deployment_digest(const std::string& path);
 [[nodiscard]] Result<Deployment> read_deployment(const std::string& path);
 [[nodiscard]] Result<void> write_deployment(const std::string& path, const Deployment& deployment);
 

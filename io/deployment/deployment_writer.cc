@@ -248,7 +248,16 @@ std::string text_of(Json json) {
 
 std::string digest_of(nlohmann::json json) {
   json.erase("digest");
+  json.erase("signature");
   return sha256_hex(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+Result<std::string> deployment_digest(const std::string& path) {
+  const auto text = read_file(path);
+  if (!text) return fail(text.error());
+  const auto json = parse_json(*text, path);
+  if (!json) return fail(json.error());
+  return digest_of(*json);
 }
 
 std::string deployment_to_json(const Deployment& deployment) { return text_of(content_of(deployment)); }

@@ -259,7 +259,16 @@ std::string_view deployment_schema() {
         }
       }
     },
-    "digest": {"type": "string", "description": "SHA-256 of the content without this key: keys sorted, no blanks, shortest numbers"}
+    "digest": {"type": "string", "description": "SHA-256 of the content without this key and signature: keys sorted, no blanks, shortest numbers"},
+    "signature": {
+      "type": "object", "description": "octant sign: Ed25519 (RFC 8032) of the line 'octant deployment, ed25519, 1', a line feed, and the digest",
+      "required": ["algorithm", "public_key", "value"],
+      "properties": {
+        "algorithm": {"const": "ed25519"},
+        "public_key": {"type": "string", "description": "32 bytes, hexadecimal"},
+        "value": {"type": "string", "description": "64 bytes, hexadecimal"}
+      }
+    }
   },
   "$defs": {
     "positive": {"type": "number", "exclusiveMinimum": 0},

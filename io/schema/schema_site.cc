@@ -92,7 +92,9 @@ std::string_view site_schema() {
           "sigma_m": {
             "description": "one for all axes or one each; 0: held fixed; null or absent: no prior",
             "oneOf": [{"$ref": "#/$defs/not_negative"}, {"$ref": "#/$defs/coordinates_or_null"}, {"type": "null"}]
-          }
+          },
+          "delay_s": {"type": "number", "description": "prior of this beacon's delay, in place of timing.delay_s; delay_per: beacon"},
+          "delay_sigma_s": {"description": "in place of timing.delay_sigma_s; 0: held fixed", "$ref": "#/$defs/not_negative"}
         }
       }
     },

@@ -96,6 +96,8 @@ void write_beacons(const Site& site, SiteOut out) {
     fmt::format_to(out, "  - {{id: {}", yaml_text(b.name));
     if (any_stated(b.position_m)) fmt::format_to(out, ", position_m: {}", list_text(b.position_m));
     if (any_stated(b.sigma_m)) fmt::format_to(out, ", sigma_m: {}", sigma_text(b.sigma_m));
+    if (b.delay_s) fmt::format_to(out, ", delay_s: {}", exact(*b.delay_s));
+    if (b.delay_sigma_s) fmt::format_to(out, ", delay_sigma_s: {}", exact(*b.delay_sigma_s));
     fmt::format_to(out, "}}\n");
   }
 }

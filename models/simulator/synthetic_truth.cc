@@ -145,7 +145,11 @@ SharedState draw_truth(const Scenario& scenario, Random& draws) {
   truth.speed_offset_mps = {speed_offset(scenario, draws)};
   for (const SiteBeacon& beacon : site.beacons) {
     truth.beacon_p_map_m.emplace_back(*beacon.position_m[0], *beacon.position_m[1], *beacon.position_m[2]);
-    truth.beacon_delay_s.push_back(delay(per.beacon, true));
+    const bool states_its_own = beacon.delay_s || beacon.delay_sigma_s;
+    const Prior own = beacon_delay_prior(site, truth.beacon_delay_s.size());
+    truth.beacon_delay_s.push_back(per.beacon && states_its_own
+                                       ? own.value + own.sigma * draws.clipped_normal()
+                                       : delay(per.beacon, true));
   }
   for (const SiteReceiver& receiver : site.receivers) {
     Eigen::Vector3d error;

@@ -33,14 +33,13 @@ SharedState prior_state(const Site& site) {
   // unknown.
   const bool on_beacons = timing.delay_per.beacon;
   const bool on_receivers = !on_beacons && timing.delay_per.receiver;
-  state.beacon_delay_s.assign(site.beacons.size(), on_beacons ? timing.delay_s : 0.0);
+  for (std::size_t b = 0; b < site.beacons.size(); ++b)
+    state.beacon_delay_s.push_back(on_beacons ? beacon_delay_prior(site, b).value : 0.0);
   state.receiver_delay_s.assign(site.receivers.size(), on_receivers ? timing.delay_s : 0.0);
   state.site_delay_s = on_beacons || on_receivers ? 0.0 : timing.delay_s;
   if (site.attenuation) state.attenuation = site.attenuation->mean();
-  for (std::size_t b = 0; b < site.beacons.size(); ++b) {
-    if (on_beacons && site.beacons[b].delay_s) state.beacon_delay_s[b] = site.beacons[b].delay_s->value;
-    if (site.attenuation) state.beacon_log_gain.push_back(site.beacons[b].log_gain.value);
-  }
+  if (site.attenuation)
+    for (const SiteBeacon& b : site.beacons) state.beacon_log_gain.push_back(b.log_gain.value);
   state.receiver_axis = axes_of(site.receivers, state.attenuation);
   state.clock_drift.assign(site.vehicles.size(), timing.drift);
   if (site.noise.pair_sigma_s) state.pair_bias_s.assign(site.beacons.size() * site.receivers.size(), 0.0);

@@ -93,6 +93,42 @@ Scenario turned_array() {
 }
 
 // The turn of the array against the vehicle needs something that knows the vehicle's heading: measured poses.
+// One beacon of the hall is new: its data sheet says another delay, and how well that is known.
+TEST(BeaconDelay, ItsOwnPriorActsInPlaceOfTimings) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 20;
+  s.site.timing.delay_sigma_s = 2e-5;
+  s.site.beacons[4].delay_s = 9e-4;
+  s.site.beacons[4].delay_sigma_s = 1e-7;
+  World world = must(simulate(s, 3));
+  EXPECT_NEAR(world.truth.beacons[4].delay_s, 9e-4, 4e-7) << "drawn from its own prior";
+  const calib::Solution own = solution_of(world);
+  ASSERT_EQ(own.status, calib::SolveStatus::kConverged) << own.message;
+  EXPECT_LT(sigma_of(own, "beacon/B4/delay_s"), 1.01e-7) << "no wider than its prior";
+  EXPECT_NEAR(own.state.beacon_delay_s[4], 9e-4, 1e-6);
+  EXPECT_GT(sigma_of(own, "beacon/B5/delay_s"), 5e-7) << "of the others timing's holds";
+  EXPECT_TRUE(own.contradictions.empty());
+
+  // By timing's prior alone, 1e-4 +- 2e-5, the same beacon contradicts what is stated.
+  world.site.beacons[4].delay_s = world.site.beacons[4].delay_sigma_s = std::nullopt;
+  const calib::Solution by_timing = solution_of(world);
+  ASSERT_FALSE(by_timing.contradictions.empty());
+  EXPECT_EQ(by_timing.contradictions[0].subject, "B4");
+}
+
+TEST(BeaconDelay, ZeroSigmaHoldsOneBeaconsDelayAlone) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 20;
+  s.site.beacons[4].delay_s = 9e-4;
+  s.site.beacons[4].delay_sigma_s = 0.0;
+  const World world = must(simulate(s, 4));
+  const calib::Solution solution = solution_of(world);
+  ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+  EXPECT_EQ(solution.state.beacon_delay_s[4], 9e-4);
+  EXPECT_THAT(solution.covariance.parameters, testing::Not(testing::Contains("beacon/B4/delay_s")));
+  EXPECT_THAT(solution.covariance.parameters, testing::Contains("beacon/B5/delay_s"));
+}
+
 TEST(ArrayShape, RadiusAndTurnAreCalibratedWithinTheirSigmas) {
   double squares = 0.0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {

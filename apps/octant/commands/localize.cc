@@ -9,7 +9,8 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/steps.h"
-#include "io/deployment/deployment_json.h"
+#include "apps/octant/steps/trusted.h"
+#include "apps/octant/text/validity_words.h"
 #include "io/run/tum.h"
 #include "io/text/atomic_file.h"
 
@@ -17,7 +18,7 @@ namespace octant::app {
 namespace {
 
 struct LocalizeArgs {
-  std::string deployment, output, csv;
+  std::string deployment, output, csv, trusted_key;
   std::vector<std::string> runs;
   MethodWords how;
 };
@@ -53,12 +54,12 @@ int run(const LocalizeArgs& words, Session& session) {
         {"error", "usage", kUsage, "only one of -o -, --csv - and --json can have standard output", ""});
   if (words.output == "-" || words.csv == "-") session.result_to_stderr();
   CommandFiles files{.inputs = words.runs, .outputs = {words.output, words.csv}, .run_outputs = {}};
-  files.inputs.insert(files.inputs.end(), {words.deployment, words.how.map});
+  files.inputs.insert(files.inputs.end(), {words.deployment, words.trusted_key, words.how.map});
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   for (const auto& path : {words.output, words.csv})
     if (auto fit = check_output(path); !fit) return session.fail(fit.error());
 
-  const auto deployment = io::read_deployment(words.deployment);
+  const auto deployment = read_trusted_deployment(words.deployment, words.trusted_key);
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, words.deployment, session);
   const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing,
@@ -75,6 +76,7 @@ int run(const LocalizeArgs& words, Session& session) {
   if (interrupted()) return session.interrupted();
   const std::vector<Fix> fixes = found.all();
   warn_of_fixes(found, fixes, session);
+  warn_outside_validity(*deployment, *runs, found, session);
   if (auto written = write_outputs(words, *deployment, fixes); !written) return session.fail(written.error());
 
   Json reasons = Json::object();
@@ -95,7 +97,8 @@ int run(const LocalizeArgs& words, Session& session) {
                          {"seconds", session.seconds()},
                          {"arrivals", found.arrivals},
                          {"rejected", found.rejected},
-                         {"no_fix_reasons", reasons}});
+                         {"no_fix_reasons", reasons},
+                         {"assumed_temperature_degC", assumed_temperature_json(*deployment, *runs)}});
 }
 
 }  // namespace
@@ -114,6 +117,7 @@ void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
       ->type_name("FIXES.tum");
   command->add_option("--csv", words->csv, "Fixes with sigmas and reasons to write")->type_name("F.csv");
   add_method_options(*command, words->how);
+  add_trust_option(*command, words->trusted_key);
   command->callback(
       [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }

@@ -10,15 +10,16 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/reporting.h"
+#include "apps/octant/steps/trusted.h"
 #include "apps/octant/text/changes_text.h"
 #include "apps/octant/text/table.h"
-#include "io/deployment/deployment_json.h"
+#include "apps/octant/text/validity_words.h"
 
 namespace octant::app {
 namespace {
 
 struct VerifyArgs {
-  std::string deployment;
+  std::string deployment, trusted_key;
   std::vector<std::string> runs;
   ReportWords report;
   MethodWords how;
@@ -86,10 +87,11 @@ int run(const VerifyArgs& words, Session& session) {
     return session.fail({"error", "usage", kUsage, "--all-methods is a table without a report", ""});
   if (on_stdout(words.report) > 0) session.result_to_stderr();
   CommandFiles files{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
-  files.inputs.insert(files.inputs.end(), {words.deployment, words.how.map, words.report.since});
+  files.inputs.insert(files.inputs.end(),
+                      {words.deployment, words.trusted_key, words.how.map, words.report.since});
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
-  const auto deployment = io::read_deployment(words.deployment);
+  const auto deployment = read_trusted_deployment(words.deployment, words.trusted_key);
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, words.deployment, session);
   const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing,
@@ -112,6 +114,7 @@ int run(const VerifyArgs& words, Session& session) {
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
+  warn_outside_validity(*deployment, *runs, found, session);
   const auto evaluation = verify_fixes(*deployment, *runs, found);
   if (!evaluation) return session.fail(evaluation.error());
 
@@ -123,7 +126,8 @@ int run(const VerifyArgs& words, Session& session) {
   if (auto written = io::write_files(report_files(words.report, report)); !written)
     return session.fail(written.error());
   session.result(evaluation_text(*evaluation, found) + changes_text(report) + report_lines(words.report));
-  Json object = evaluation_json(*evaluation);
+  Json object = result_head("verification", words.deployment, *deployment, *runs);
+  object.update(evaluation_json(*evaluation));
   object["no_fix_reasons"] = no_fix_json(found);
   add_changes_json(report, object);
   if (!evaluation->pass())
@@ -147,6 +151,7 @@ void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_flag("--all-methods", words->all_methods,
                     "Compare all methods on these runs, as a table; no gates");
   add_method_options(*command, words->how);
+  add_trust_option(*command, words->trusted_key);
   add_report_options(*command, words->report, true);
   command->callback(
       [words, &action] { action = [words](Session& session) { return run(*words, session); }; });

@@ -215,6 +215,10 @@ TEST(SiteUnits, ADelayLongerThanEveryTimeOfFlightIsInAnotherUnit) {
   }
   world.site.timing.delay_s = 1e-4;
   EXPECT_TRUE(calib::make_problem(world.site, {world.run}));
+  world.site.beacons[1].delay_s = 100.0;
+  const auto result = calib::make_problem(world.site, {world.run});
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message(), HasSubstr("delay_s of beacon " + world.site.beacons[1].name));
 }
 
 TEST(SiteUnits, OfAPlace) {

@@ -134,6 +134,34 @@ TEST(SiteYaml, WarnsOfWhatItAssumes) {
                                    testing::HasSubstr("sigma_mps"), testing::HasSubstr("delay_sigma_s")));
 }
 
+TEST(SiteYaml, BeaconsMayHaveDelayPriorsOfTheirOwn) {
+  const std::string timing = "timing: {delay_per: beacon, delay_s: 1e-4, delay_sigma_s: 2e-5}\n";
+  const std::string beacons =
+      "beacons:\n  - {id: B0, delay_s: 3e-4}\n  - {id: B1, delay_s: 2e-4, delay_sigma_s: 0}\n  - {id: "
+      "B2}\nvehicles:\n  - id: robot\n";
+  const Site site = read(kHead + timing + beacons).value();
+  EXPECT_THAT(site.warnings, testing::IsEmpty());
+  EXPECT_EQ(beacon_delay_prior(site, 0).value, 3e-4);
+  EXPECT_EQ(beacon_delay_prior(site, 0).sigma, 2e-5) << "timing's, as it states none";
+  EXPECT_EQ(beacon_delay_prior(site, 1).sigma, 0.0);
+  EXPECT_EQ(beacon_delay_prior(site, 2).value, 1e-4);
+  EXPECT_EQ(largest_delay_sigma_s(site), 2e-5);
+  expect_error(read(kHead + "timing: {delay_per: receiver, delay_sigma_s: 2e-5}\n" + beacons), 5,
+               "timing.delay_per has no 'beacon'", "site.yaml");
+  expect_error(read(kHead + timing + "beacons:\n  - {id: B0, delay_sigma_s: -1}\nvehicles:\n  - id: robot\n"),
+               5, "beacons[0].delay_sigma_s", "site.yaml");
+}
+
+TEST(SiteYaml, WhereAllBeaconsStateTheirDelaysNothingIsAssumed) {
+  const std::string timing = "timing: {delay_per: beacon}\n";
+  const std::string tail = "vehicles:\n  - id: robot\n";
+  EXPECT_THAT(
+      read(kHead + timing + "beacons:\n  - {id: B0, delay_s: 1e-4, delay_sigma_s: 1e-6}\n" + tail)->warnings,
+      testing::IsEmpty());
+  EXPECT_THAT(read(kHead + timing + "beacons:\n  - {id: B0, delay_s: 1e-4}\n" + tail)->warnings,
+              testing::ElementsAre(testing::HasSubstr("delay_sigma_s")));
+}
+
 TEST(SiteYaml, ReadsRails) {
   const Site straight = read(kHead + kTail + "    rail: {from_m: [0, 1.5], to_m: [40, 1.5]}\n").value();
   EXPECT_THAT(straight.warnings, testing::IsEmpty());
@@ -300,6 +328,10 @@ Site some_site() {
       b.position_m[k] = test::maybe(test::some_number());
       b.sigma_m[k] = test::maybe(test::some_positive());
     }
+    if (s.timing.delay_per.beacon) {
+      b.delay_s = test::maybe(test::some_number());
+      b.delay_sigma_s = test::maybe(test::some_fraction());
+    }
     s.beacons.push_back(b);
   }
   for (std::size_t v = 0; v < *rc::gen::inRange<std::size_t>(1, 3); ++v) {
@@ -356,6 +388,8 @@ void assert_same(const Site& a, const Site& b) {
   for (std::size_t i = 0; i < a.beacons.size(); ++i) {
     RC_ASSERT(a.beacons[i].name == b.beacons[i].name && a.beacons[i].position_m == b.beacons[i].position_m);
     RC_ASSERT(a.beacons[i].sigma_m == b.beacons[i].sigma_m);
+    RC_ASSERT(a.beacons[i].delay_s == b.beacons[i].delay_s &&
+              a.beacons[i].delay_sigma_s == b.beacons[i].delay_sigma_s);
   }
   for (std::size_t i = 0; i < a.vehicles.size(); ++i) {
     RC_ASSERT(a.vehicles[i].name == b.vehicles[i].name &&

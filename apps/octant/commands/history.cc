@@ -1,0 +1,338 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <memory>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "apps/octant/commands.h"
+#include "apps/octant/commands/history_words.h"
+#include "apps/octant/outputs.h"
+#include "apps/octant/steps/reporting.h"
+#include "apps/octant/text/table.h"
+#include "io/deployment/deployment_json.h"
+#include "io/text/utc_time.h"
+
+namespace octant::app {
+namespace {
+
+std::string day_of(std::int64_t seconds) { return io::utc_text(seconds).substr(0, 10); }
+
+std::string temperature_text(const io::Visit& v) {
+  if (!v.temperature_degC) return "";
+  const auto [coldest, warmest] = *v.temperature_degC;
+  return warmest - coldest < 0.05 ? fmt::format("{:.1f}", coldest)
+                                  : fmt::format("{:.1f} to {:.1f}", coldest, warmest);
+}
+
+/// A calibration's grade is what a report of its deployment says.
+Result<io::Visit> graded_visit(const std::string& path, const HistoryWords& words, const Session& session) {
+  auto visit = io::read_visit(path);
+  if (!visit) return visit;
+  if (visit->kind == io::VisitKind::kCalibration) {
+    const auto deployment = io::deployment_from_json(visit->document, path);
+    if (!deployment) return fail(deployment.error());
+    visit->verdict = survey::to_string(survey::verdict(report_input(*deployment, session)).grade);
+  }
+  visit->who = words.who;
+  visit->note = words.note;
+  visit->added_s = static_cast<std::int64_t>(std::time(nullptr));
+  return visit;
+}
+
+int add(const HistoryWords& words, Session& session) {
+  CommandFiles files{.inputs = words.files, .outputs = {words.database}, .run_outputs = {}};
+  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
+  std::vector<io::Visit> visits;
+  for (const std::string& path : words.files) {
+    auto visit = graded_visit(path, words, session);
+    if (!visit) return session.fail(visit.error());
+    visits.push_back(std::move(*visit));
+  }
+  auto history = io::History::open(words.database, true);
+  if (!history) return session.fail(history.error());
+  const auto added = history->add(visits);
+  if (!added) return session.fail(added.error());
+  Json list = Json::array();
+  std::size_t fresh = 0;
+  for (std::size_t i = 0; i < visits.size(); ++i) {
+    const io::Addition& a = (*added)[i];
+    fresh += a.is_new;
+    list.push_back({{"id", a.id},
+                    {"new", a.is_new},
+                    {"kind", to_string(visits[i].kind)},
+                    {"site", visits[i].site},
+                    {"date", io::utc_text(visits[i].happened_s)},
+                    {"digest", visits[i].digest},
+                    {"verdict", visits[i].verdict},
+                    {"source", visits[i].source}});
+    session.result(fmt::format("{:<17}{} {} of {}, {}: {}\n", a.is_new ? "added" : "there already",
+                               to_string(visits[i].kind), a.id, visits[i].site, day_of(visits[i].happened_s),
+                               visits[i].verdict));
+  }
+  return session.finish({{"database", words.database}, {"added", fresh}, {"visits", list}});
+}
+
+Result<std::vector<io::Visit>> chosen_visits(io::History& history, const HistoryWords& words) {
+  io::VisitFilter filter{.site = words.site, .kind = {}};
+  for (const auto kind :
+       {io::VisitKind::kCalibration, io::VisitKind::kMonitoring, io::VisitKind::kVerification})
+    if (words.kind == to_string(kind)) filter.kind = kind;
+  return history.list(filter);
+}
+
+int list(const HistoryWords& words, Session& session) {
+  auto history = io::History::open(words.database, false);
+  if (!history) return session.fail(history.error());
+  const auto visits = chosen_visits(*history, words);
+  if (!visits) return session.fail(visits.error());
+  Json rows = Json::array();
+  Table table{"rlllllrll",
+              {{"id", "date", "kind", "site", "verdict", "air [degC]", "speed [m/s]", "operator", "note"}}};
+  for (const io::Visit& v : *visits) {
+    if (session.options.json) {
+      rows.push_back(visit_json(v));
+      continue;
+    }
+    table.rows.push_back({fmt::format("{}", v.id), day_of(v.happened_s), to_string(v.kind), v.site, v.verdict,
+                          temperature_text(v), v.speed ? fmt::format("{:.3f}", v.speed->speed_mps) : "",
+                          v.who, v.note});
+  }
+  session.result(visits->empty() ? std::string("no visits\n") : table.text());
+  return session.finish({{"database", words.database}, {"visits", rows}});
+}
+
+std::string beacons_text(const io::Visit& v) {
+  if (v.beacons.empty()) return "";
+  double time_s = 0.0;
+  for (const auto& b : v.beacons) time_s = std::max({time_s, std::abs(b.delay_s), b.delay_sigma_s});
+  const Unit time = time_unit(time_s);
+  Table table{
+      "lrrrrrrrrl",
+      {{"beacon", "x [m]", "y [m]", "z [m]", "sx [mm]", "sy", "sz", "delay [" + time.name + "]", "s", ""}}};
+  for (const auto& b : v.beacons) {
+    std::vector<std::string> row = {b.name};
+    for (int i = 0; i < 3; ++i) row.push_back(fmt::format("{:.4f}", b.position_m[i]));
+    for (int i = 0; i < 3; ++i) row.push_back(fmt::format("{:.2f}", 1e3 * b.sigma_m[i]));
+    row.insert(row.end(), {fmt::format("{:.3f}", time.per_si * b.delay_s),
+                           fmt::format("{:.3f}", time.per_si * b.delay_sigma_s),
+                           b.status == BeaconStatus::kCalibrated ? "" : to_string(b.status)});
+    table.rows.push_back(std::move(row));
+  }
+  return "\n" + table.text();
+}
+
+int show(const HistoryWords& words, Session& session) {
+  auto history = io::History::open(words.database, false);
+  if (!history) return session.fail(history.error());
+  const auto visit = history->get(words.id);
+  if (!visit) return session.fail(visit.error());
+  std::string text;
+  const auto line = [&text](const char* name, const std::string& what) {
+    if (!what.empty()) text += fmt::format("{:<17}{}\n", name, what);
+  };
+  line(to_string(visit->kind), fmt::format("{} of {}", visit->id, visit->site));
+  line("date", io::utc_text(visit->happened_s));
+  line("added", io::utc_text(visit->added_s));
+  line("verdict", visit->verdict);
+  line("air [degC]", temperature_text(*visit));
+  if (visit->speed)
+    line("speed", fmt::format("{:.5f} m/s, sigma {:.3f} m/s, at {:g} degC", visit->speed->speed_mps,
+                              visit->speed->sigma_mps, visit->speed->temperature_degC));
+  line("operator", visit->who);
+  line("note", visit->note);
+  line("source", visit->source);
+  line("digest", visit->digest);
+  line("deployment", visit->deployment_digest);
+  session.result(text + beacons_text(*visit));
+  Json object = visit_json(*visit);
+  object["beacons"] = visit_beacons_json(*visit);
+  object["document"] = Json::parse(visit->document, nullptr, false);
+  return session.finish({{"database", words.database}, {"visit", object}});
+}
+
+/// A row a beacon of each calibration, a row each other visit.
+std::string export_csv(const std::vector<io::Visit>& visits) {
+  std::string text =
+      "id,date,kind,site,verdict,operator,note,digest,deployment_digest,coldest_degC,warmest_degC,speed_mps,"
+      "speed_sigma_mps,"
+      "beacon,status,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,delay_s,delay_sigma_s\n";
+  for (const io::Visit& v : visits) {
+    std::string head = fmt::format("{},{},{},{},{},{},{},{},{}", v.id, io::utc_text(v.happened_s),
+                                   to_string(v.kind), csv_field(v.site), csv_field(v.verdict),
+                                   csv_field(v.who), csv_field(v.note), v.digest, v.deployment_digest);
+    head +=
+        v.temperature_degC ? fmt::format(",{},{}", (*v.temperature_degC)[0], (*v.temperature_degC)[1]) : ",,";
+    head += v.speed ? fmt::format(",{},{}", v.speed->speed_mps, v.speed->sigma_mps) : ",,";
+    if (v.beacons.empty()) text += head + ",,,,,,,,,,\n";
+    for (const io::VisitBeacon& b : v.beacons)
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", head, csv_field(b.name), to_string(b.status),
+                          b.position_m.x(), b.position_m.y(), b.position_m.z(), b.sigma_m.x(), b.sigma_m.y(),
+                          b.sigma_m.z(), b.delay_s, b.delay_sigma_s);
+  }
+  return text;
+}
+
+std::string export_json(const std::vector<io::Visit>& visits) {
+  Json list = Json::array();
+  for (const io::Visit& v : visits) {
+    Json object = visit_json(v);
+    object["beacons"] = visit_beacons_json(v);
+    object["document"] = Json::parse(v.document, nullptr, false);
+    list.push_back(std::move(object));
+  }
+  return dump({{"type", "octant_history"}, {"version", 1}, {"visits", list}}) + "\n";
+}
+
+int write_export(const HistoryWords& words, Session& session) {
+  const bool as_json = words.output.ends_with(".json");
+  if (!as_json && !words.output.ends_with(".csv") && words.output != "-")
+    return session.fail(
+        {"error", "usage", kUsage,
+         fmt::format("-o {}: expected a name in .csv or .json, or - for CSV on standard output",
+                     words.output),
+         ""});
+  if (words.output == "-" && session.options.json)
+    return session.fail(
+        {"error", "usage", kUsage, "only one of -o - and --json can have standard output", ""});
+  if (words.output == "-") session.result_to_stderr();
+  CommandFiles files{.inputs = {words.database, words.database + "-wal", words.database + "-shm"},
+                     .outputs = {words.output},
+                     .run_outputs = {}};
+  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
+  if (auto fit = check_output(words.output); !fit) return session.fail(fit.error());
+  auto history = io::History::open(words.database, false);
+  if (!history) return session.fail(history.error());
+  const auto chosen = chosen_visits(*history, words);
+  if (!chosen) return session.fail(chosen.error());
+  std::vector<io::Visit> visits;
+  for (const io::Visit& v : *chosen) {
+    auto whole = history->get(v.id);
+    if (!whole) return session.fail(whole.error());
+    visits.push_back(std::move(*whole));
+  }
+  if (auto written = io::write_file(words.output, as_json ? export_json(visits) : export_csv(visits));
+      !written)
+    return session.fail(written.error());
+  session.result(fmt::format("{:<17}{} visits, {}\n", "exported", visits.size(),
+                             words.output == "-" ? "standard output" : words.output));
+  return session.finish({{"database", words.database}, {"visits", visits.size()}, {"written", words.output}});
+}
+
+using HistoryCommand = int (*)(const HistoryWords&, Session&);
+
+}  // namespace
+
+Json visit_json(const io::Visit& v) {
+  Json object = {{"id", v.id},
+                 {"kind", to_string(v.kind)},
+                 {"site", v.site},
+                 {"date", io::utc_text(v.happened_s)},
+                 {"added", io::utc_text(v.added_s)},
+                 {"verdict", v.verdict},
+                 {"operator", v.who},
+                 {"note", v.note},
+                 {"digest", v.digest},
+                 {"deployment_digest", v.deployment_digest},
+                 {"temperature_degC", nullptr},
+                 {"speed_mps", nullptr},
+                 {"speed_sigma_mps", nullptr},
+                 {"speed_offset_mps", nullptr},
+                 {"reference_temperature_degC", nullptr},
+                 {"source", v.source},
+                 {"program_version", v.program}};
+  if (v.temperature_degC) object["temperature_degC"] = *v.temperature_degC;
+  if (v.speed) {
+    object["speed_mps"] = v.speed->speed_mps;
+    object["speed_sigma_mps"] = v.speed->sigma_mps;
+    object["speed_offset_mps"] = v.speed->offset_mps;
+    object["reference_temperature_degC"] = v.speed->temperature_degC;
+  }
+  return object;
+}
+
+Json visit_beacons_json(const io::Visit& visit) {
+  Json list = Json::array();
+  for (const io::VisitBeacon& b : visit.beacons)
+    list.push_back({{"id", b.name},
+                    {"position_m", to_json(b.position_m)},
+                    {"sigma_m", to_json(b.sigma_m)},
+                    {"delay_s", b.delay_s},
+                    {"delay_sigma_s", b.delay_sigma_s},
+                    {"status", to_string(b.status)}});
+  return list;
+}
+
+Result<std::string> chosen_site(io::History& history, const HistoryWords& words) {
+  const auto visits = history.list();
+  if (!visits) return fail(visits.error());
+  std::set<std::string> sites;
+  for (const io::Visit& v : *visits) sites.insert(v.site);
+  if (words.site.empty() && sites.size() == 1) return *sites.begin();
+  if (sites.contains(words.site)) return words.site;
+  std::string known;
+  for (const std::string& site : sites)
+    known += (known.empty() ? "" : ", ") + (site.empty() ? std::string("''") : site);
+  return fail({.code = words.site.empty() ? Errc::kUsage : Errc::kBadInput,
+               .file = words.database,
+               .found = words.site.empty() ? fmt::format("{} sites: {}", sites.size(), known)
+                                           : fmt::format("no site '{}', but {}", words.site, known),
+               .expected = "one of them by --site"});
+}
+
+void add_history(CLI::App& app, CommonOptions& common, Action& action) {
+  auto words = std::make_shared<HistoryWords>();
+  CLI::App* history = add_command(
+      app, common, "history", "The site's calibrations, verifications and monitorings over time, in one file",
+      "octant history add hall/deployment.json --operator Ada\n  octant history list\n  octant history trend "
+      "B3");
+  history->require_subcommand(1);
+  const auto command = [&](const char* name, const char* purpose, const char* example, HistoryCommand run) {
+    CLI::App* sub = add_command(*history, common, name, purpose, example);
+    sub->add_option("--db", words->database, "The history's file")->capture_default_str()->type_name("FILE");
+    sub->callback(
+        [words, run, &action] { action = [words, run](Session& session) { return run(*words, session); }; });
+    return sub;
+  };
+  const auto choose = [&](CLI::App* sub, bool kind) {
+    sub->add_option("--site", words->site, "Of this site alone")->type_name("SITE");
+    if (kind)
+      sub->add_option("--kind", words->kind, "Of this kind alone: calibration, monitoring or verification")
+          ->check(CLI::IsMember({"calibration", "monitoring", "verification"}))
+          ->type_name("KIND");
+  };
+  CLI::App* sub = command(
+      "add", "Put down deployments and results",
+      "octant history add hall/deployment.json verified.json --operator Ada --note 'new bracket on B3'", add);
+  sub->add_option("file", words->files, "Deployments, and what verify --json or monitor --json printed")
+      ->required()
+      ->type_name("DEPLOYMENT|RESULT.json");
+  sub->add_option("--operator", words->who, "Who did it")->envname("USER")->type_name("NAME");
+  sub->add_option("--note", words->note, "A remark")->type_name("TEXT");
+  choose(command("list", "List the visits by date", "octant history list --kind calibration", list), true);
+  sub =
+      command("show", "One visit with its beacons; with --json its document", "octant history show 3", show);
+  sub->add_option("id", words->id, "As list shows it")
+      ->required()
+      ->check(CLI::PositiveNumber)
+      ->type_name("ID");
+  sub = command("trend", "Control charts, alarms, drifts, and when the next recalibration is due",
+                "octant history trend B3", history_trend);
+  sub->add_option("beacon", words->beacon, "This beacon's charts, visit by visit")->type_name("BEACON");
+  sub->add_option("--limit", words->limit_m,
+                  "How far off a drift may put a range; else the site's tolerance.beacon_m, else 0.05")
+      ->check(CLI::PositiveNumber)
+      ->type_name("METRES");
+  choose(sub, false);
+  sub = command("export", "All visits as CSV or JSON", "octant history export -o history.csv", write_export);
+  sub->add_option("-o,--output", words->output,
+                  "File to write; .json has the documents too; - is CSV on standard output")
+      ->required()
+      ->type_name("FILE.csv|json");
+  choose(sub, true);
+}
+
+}  // namespace octant::app

@@ -1,0 +1,306 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "apps/octant/commands/history_words.h"
+#include "apps/octant/text/table.h"
+#include "io/deployment/deployment_json.h"
+#include "io/text/utc_time.h"
+#include "survey/trend/site_trend.h"
+
+namespace octant::app {
+namespace {
+
+using survey::QuantityTrend;
+using survey::TrendQuantity;
+
+constexpr double kYear_s = 365.25 * 86400.0;
+/// Beyond this nobody plans, and calendars have no names for it.
+constexpr double kFarthest_s = 50.0 * kYear_s;
+
+std::string day_at(double time_s) { return io::utc_text(static_cast<std::int64_t>(time_s)).substr(0, 10); }
+
+/// A date ahead, as far as anybody plans.
+std::string due_text(double time_s, double last_s) {
+  return time_s - last_s > kFarthest_s ? "in more than 50 years" : day_at(time_s);
+}
+Json due_json(const std::optional<double>& time_s, double last_s) {
+  return !time_s || *time_s - last_s > kFarthest_s ? Json(nullptr)
+                                                   : Json(io::utc_text(static_cast<std::int64_t>(*time_s)));
+}
+
+survey::CalibrationRecord record_of(const io::Visit& v) {
+  survey::CalibrationRecord record;
+  record.time_s = static_cast<double>(v.happened_s);
+  for (const io::VisitBeacon& b : v.beacons) {
+    DeploymentBeacon beacon{.name = b.name,
+                            .position_m = b.position_m,
+                            .delay_s = b.delay_s,
+                            .delay_sigma_s = b.delay_sigma_s,
+                            .status = b.status};
+    beacon.covariance_m2 = b.sigma_m.cwiseAbs2().asDiagonal();
+    record.beacons.push_back(std::move(beacon));
+  }
+  if (v.speed) {
+    record.speed_mps = v.speed->speed_mps;
+    record.speed_sigma_mps = v.speed->sigma_mps;
+    record.speed_offset_mps = v.speed->offset_mps;
+    record.temperature_degC = v.speed->temperature_degC;
+  }
+  return record;
+}
+
+/// Millimetres, microseconds (or what fits), millimetres a second.
+Unit unit_of(const QuantityTrend& q) {
+  if (q.quantity == TrendQuantity::kDelay) return time_unit(10.0 * q.limit);
+  return q.quantity == TrendQuantity::kSpeedOffset ? Unit{1e3, "mm/s", "mm/s"} : Unit{1e3, "mm", "mm"};
+}
+
+/// "x", "delay": the quantity without its unit.
+std::string plain_name(TrendQuantity quantity) {
+  const std::string name = survey::to_string(quantity);
+  return name.substr(0, name.rfind('_'));
+}
+
+/// A character a visit, the last forty: where it stands from what was foretold, ! an alarm.
+std::string strip_of(const survey::ControlChart& chart) {
+  constexpr std::size_t kShown = 40;
+  std::string text;
+  for (std::size_t i = chart.points.size() > kShown ? chart.points.size() - kShown : 0;
+       i < chart.points.size(); ++i) {
+    const survey::ChartPoint& p = chart.points[i];
+    const double d = p.deviation_sigmas;
+    text += p.alarm != 0 ? '!' : !p.foretold ? 'o' : d > 2 ? '+' : d < -2 ? '-' : '.';
+  }
+  return text;
+}
+
+std::string alarms_text(const QuantityTrend& q) {
+  std::string text;
+  const Unit unit = unit_of(q);
+  for (const survey::Shift& s : q.chart.shifts) {
+    const auto day_of_point = [&](std::size_t i) { return day_at(q.chart.points[i].measured.time_s); };
+    text += s.by_drift
+                ? fmt::format("{:<17}{} {} drifts: noticed {}\n", "alarm", q.subject, plain_name(q.quantity),
+                              day_of_point(s.at))
+                : fmt::format("{:<17}{} {} changed by {:+.3g} {} (sigma {:.2g}), between {} and {}\n",
+                              "alarm", q.subject, plain_name(q.quantity), unit.per_si * s.size, unit.name,
+                              unit.per_si * s.sigma, day_of_point(s.since - 1), day_of_point(s.since));
+  }
+  return text;
+}
+
+std::string forecast_text(const survey::SiteTrend& trend, double last_s) {
+  if (!trend.earliest) return fmt::format("{:<17}none yet: it takes two calibrations\n", "forecast");
+  const auto whose = [&](std::size_t i) {
+    return trend.quantities[i].subject + " " + plain_name(trend.quantities[i].quantity);
+  };
+  std::string text;
+  if (trend.due) {
+    const QuantityTrend& q = trend.quantities[*trend.due];
+    text += fmt::format("{:<17}recalibrate by {} ({} drifts; by two sigmas {} to {})\n", "forecast",
+                        due_text(*q.forecast->due_s, last_s), whose(*trend.due),
+                        due_text(q.forecast->earliest_s, last_s), due_text(*q.forecast->latest_s, last_s));
+  } else {
+    text += fmt::format("{:<17}no drift is told from zero\n", "forecast");
+  }
+  return text + fmt::format("{:<17}{} ({}, if it drifts by two sigmas more than found)\n", "not before",
+                            due_text(trend.quantities[*trend.earliest].forecast->earliest_s, last_s),
+                            whose(*trend.earliest));
+}
+
+std::string overview_text(const survey::SiteTrend& trend) {
+  Table table{"llrlrrrl", {{"", "", "last", "", "cusum", "drift/year", "sigma", "visits"}}};
+  for (const QuantityTrend& q : trend.quantities) {
+    const Unit unit = unit_of(q);
+    const survey::ChartPoint& last = q.chart.points.back();
+    table.rows.push_back(
+        {q.subject, plain_name(q.quantity),
+         last.foretold ? fmt::format("{:+.2f}", unit.per_si * (last.measured.value - *last.foretold)) : "",
+         unit.name, fmt::format("{:.1f}", std::max(last.upper, last.lower)),
+         q.chart.drift ? fmt::format("{:+.2f}", unit.per_si * kYear_s * q.chart.drift->per_s) : "",
+         q.chart.drift ? fmt::format("{:.2f}", unit.per_si * kYear_s * q.chart.drift->sigma_per_s) : "",
+         strip_of(q.chart)});
+  }
+  return "\n" + table.text() +
+         fmt::format(
+             "last: less what the calibrations before foretell; cusum: alarm at {:.1f}; visits: o first of a "
+             "level, . + - within and beyond two "
+             "sigmas, ! alarm\n",
+             trend.cusum_h);
+}
+
+/// A line a visit: its value, and where it stands between -6 and 6 sigmas of what was foretold.
+std::string chart_text(const QuantityTrend& q) {
+  constexpr int kHalf = 24;
+  constexpr double kWidest = 6.0;
+  const Unit unit = unit_of(q);
+  std::string text = fmt::format("\n{} {} [{}], -{:.0f} to {:.0f} sigmas of what was foretold\n", q.subject,
+                                 plain_name(q.quantity), unit.name, kWidest, kWidest);
+  for (const survey::ChartPoint& p : q.chart.points) {
+    std::string line(2 * kHalf + 1, ' ');
+    line[kHalf] = '|';
+    const double at = std::clamp(p.deviation_sigmas / kWidest, -1.0, 1.0);
+    line[static_cast<std::size_t>(kHalf + std::lround(at * kHalf))] = p.alarm != 0 ? '!'
+                                                                      : p.foretold ? '*'
+                                                                                   : 'o';
+    text += fmt::format("{}  {:>12.3f} {:>8.3f}  {}  cusum {:4.1f}\n", day_at(p.measured.time_s),
+                        unit.per_si * p.measured.value, unit.per_si * p.measured.sigma, line,
+                        std::max(p.upper, p.lower));
+  }
+  return text;
+}
+
+std::string speed_text(const std::vector<survey::CalibrationRecord>& records) {
+  std::vector<const survey::CalibrationRecord*> by_temperature;
+  for (const auto& record : records) by_temperature.push_back(&record);
+  std::sort(by_temperature.begin(), by_temperature.end(),
+            [](const auto* a, const auto* b) { return a->temperature_degC < b->temperature_degC; });
+  Table table{"rrrrl", {{"air [degC]", "speed [m/s]", "sigma", "off its model", "date"}}};
+  for (const auto* r : by_temperature)
+    table.rows.push_back({fmt::format("{:.1f}", r->temperature_degC), fmt::format("{:.3f}", r->speed_mps),
+                          fmt::format("{:.3f}", r->speed_sigma_mps),
+                          fmt::format("{:+.3f}", r->speed_offset_mps), day_at(r->time_s)});
+  return "\n" + table.text();
+}
+
+Json quantity_json(const QuantityTrend& q) {
+  Json points = Json::array(), alarms = Json::array();
+  for (const survey::ChartPoint& p : q.chart.points)
+    points.push_back({{"date", io::utc_text(static_cast<std::int64_t>(p.measured.time_s))},
+                      {"value", p.measured.value},
+                      {"sigma", p.measured.sigma},
+                      {"foretold", p.foretold ? Json(*p.foretold) : Json(nullptr)},
+                      {"deviation_sigmas", p.deviation_sigmas},
+                      {"cusum_upper", p.upper},
+                      {"cusum_lower", p.lower},
+                      {"alarm", p.alarm}});
+  for (const survey::Shift& s : q.chart.shifts)
+    alarms.push_back({{"date", points[s.at]["date"]},
+                      {"since", points[s.since]["date"]},
+                      {"size", s.size},
+                      {"sigma", s.sigma},
+                      {"drift", s.by_drift}});
+  const double last_s = q.chart.points.back().measured.time_s;
+  Json object = {{"subject", q.subject},
+                 {"quantity", survey::to_string(q.quantity)},
+                 {"limit", q.limit},
+                 {"points", points},
+                 {"alarms", alarms},
+                 {"drift_per_year", nullptr},
+                 {"drift_sigma_per_year", nullptr},
+                 {"due", nullptr},
+                 {"earliest", nullptr},
+                 {"latest", nullptr}};
+  if (q.chart.drift) {
+    object["drift_per_year"] = kYear_s * q.chart.drift->per_s;
+    object["drift_sigma_per_year"] = kYear_s * q.chart.drift->sigma_per_s;
+  }
+  if (q.forecast) {
+    object["due"] = due_json(q.forecast->due_s, last_s);
+    object["earliest"] = due_json(q.forecast->earliest_s, last_s);
+    object["latest"] = due_json(q.forecast->latest_s, last_s);
+  }
+  return object;
+}
+
+Json next_json(const survey::SiteTrend& trend, double last_s) {
+  const auto one = [&](const std::optional<std::size_t>& which, bool due) {
+    if (!which) return Json(nullptr);
+    const QuantityTrend& q = trend.quantities[*which];
+    const Json date = due ? due_json(q.forecast->due_s, last_s) : due_json(q.forecast->earliest_s, last_s);
+    Json object = {{"date", date}, {"subject", q.subject}, {"quantity", survey::to_string(q.quantity)}};
+    if (due)
+      object.update({{"earliest", due_json(q.forecast->earliest_s, last_s)},
+                     {"latest", due_json(q.forecast->latest_s, last_s)}});
+    return object;
+  };
+  return {{"due", one(trend.due, true)}, {"not_before", one(trend.earliest, false)}};
+}
+
+/// What the site must reach, by its latest calibration; where it says nothing, what TrendOptions says.
+Result<double> drift_limit_m(io::History& history, const HistoryWords& words, const io::Visit& latest) {
+  if (words.limit_m) return *words.limit_m;
+  const auto whole = history.get(latest.id);
+  if (!whole) return fail(whole.error());
+  const auto deployment = io::deployment_from_json(whole->document, words.database);
+  if (!deployment) return fail(deployment.error());
+  return deployment->tolerance.beacon_m.value_or(survey::TrendOptions{}.limit_m);
+}
+
+/// The charts that were asked for: all, or a beacon's.
+std::vector<const QuantityTrend*> charts_of(const survey::SiteTrend& trend, const std::string& beacon) {
+  std::vector<const QuantityTrend*> charts;
+  for (const QuantityTrend& q : trend.quantities)
+    if (beacon.empty() || q.subject == beacon) charts.push_back(&q);
+  return charts;
+}
+
+}  // namespace
+
+int history_trend(const HistoryWords& words, Session& session) {
+  auto history = io::History::open(words.database, false);
+  if (!history) return session.fail(history.error());
+  const auto site = chosen_site(*history, words);
+  if (!site) return session.fail(site.error());
+  const auto visits = history->calibrations(*site);
+  if (!visits) return session.fail(visits.error());
+  if (visits->empty())
+    return session.fail(Error{.file = words.database,
+                              .found = fmt::format("no calibration of {}", *site),
+                              .expected = "some",
+                              .advice = "octant history add DEPLOYMENT.json"});
+  const auto limit_m = drift_limit_m(*history, words, visits->back());
+  if (!limit_m) return session.fail(limit_m.error());
+  std::vector<survey::CalibrationRecord> records;
+  for (const io::Visit& v : *visits) records.push_back(record_of(v));
+  survey::TrendOptions options;
+  options.limit_m = *limit_m;
+  const survey::SiteTrend trend = survey::site_trend(records, options);
+  const auto charts = charts_of(trend, words.beacon);
+  const bool known =
+      words.beacon.empty() || std::any_of(visits->begin(), visits->end(), [&](const io::Visit& v) {
+        return std::any_of(v.beacons.begin(), v.beacons.end(),
+                           [&](const auto& b) { return b.name == words.beacon; });
+      });
+  if (!known)
+    return session.fail(
+        Error{.file = words.database,
+              .found = fmt::format("no beacon '{}' in the calibrations of {}", words.beacon, *site),
+              .expected = "one of theirs",
+              .advice = "octant history trend lists them"});
+
+  const double last_s = records.back().time_s;
+  std::string text = fmt::format("{}: {} calibrations, {} to {}\n", *site, records.size(),
+                                 day_at(records.front().time_s), day_at(last_s)),
+              alarms;
+  Json list = Json::array(), speeds = Json::array();
+  for (const QuantityTrend* q : charts) {
+    list.push_back(quantity_json(*q));
+    alarms += alarms_text(*q);
+    if (!words.beacon.empty()) text += chart_text(*q);
+  }
+  for (const auto& r : records)
+    speeds.push_back({{"date", io::utc_text(static_cast<std::int64_t>(r.time_s))},
+                      {"temperature_degC", r.temperature_degC},
+                      {"speed_mps", r.speed_mps},
+                      {"sigma_mps", r.speed_sigma_mps},
+                      {"offset_mps", r.speed_offset_mps}});
+  if (words.beacon.empty()) text += overview_text(trend) + speed_text(records);
+  session.result(text + "\n" + (alarms.empty() ? fmt::format("{:<17}none\n", "alarm") : alarms) +
+                 forecast_text(trend, last_s));
+  return session.finish({{"database", words.database},
+                         {"site", *site},
+                         {"calibrations", records.size()},
+                         {"limit_m", *limit_m},
+                         {"cusum_h", trend.cusum_h},
+                         {"visits_an_alarm", trend.visits_an_alarm},
+                         {"charts", list},
+                         {"speed", speeds},
+                         {"next", next_json(trend, last_s)}});
+}
+
+}  // namespace octant::app

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/steps/trusted.h"
+
+#include "io/deployment/deployment_json.h"
+#include "io/deployment/signature.h"
+#include "io/text/atomic_file.h"
+
+namespace octant::app {
+
+void add_trust_option(CLI::App& command, std::string& trusted_key) {
+  command
+      .add_option("--trusted-key", trusted_key,
+                  "Refuse a deployment that the owner of this public key did not sign")
+      ->envname("OCTANT_TRUSTED_KEY")
+      ->type_name("PUB");
+}
+
+Result<Deployment> read_trusted_deployment(const std::string& path, const std::string& trusted_key) {
+  if (trusted_key.empty()) return io::read_deployment(path);
+  // Read once: what was checked is what is used.
+  const auto text = io::read_file(path);
+  if (!text) return fail(text.error());
+  if (auto genuine = io::check_signature(*text, path, trusted_key); !genuine) return fail(genuine.error());
+  return io::deployment_from_json(*text, path);
+}
+
+}  // namespace octant::app

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/octant/steps/steps.h"
+
+namespace octant::app {
+
+/// Warns of recordings in air or at places for which the deployment was not calibrated, and notes which state
+/// no temperature.
+void warn_outside_validity(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
+                           const Localization& localization, Session& session);
+
+/// Temperature that was taken for recordings that state none; null where all do, or where the speed does not
+/// depend on it.
+[[nodiscard]] Json assumed_temperature_json(const Deployment& deployment,
+                                            const std::vector<MeasurementLog>& runs);
+
+/// What a result says of itself, so that `octant history` can put it down: kind, site, created, deployment
+/// {path, digest}, temperature_degC of the recordings, program.
+/// @param kind  "verification" or "monitoring"
+[[nodiscard]] Json result_head(const std::string& kind, const std::string& deployment_path,
+                               const Deployment& deployment, const std::vector<MeasurementLog>& runs);
+
+}  // namespace octant::app

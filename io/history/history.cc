@@ -1,0 +1,258 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/history/history.h"
+
+#include <map>
+
+#include <fmt/format.h>
+
+#include "io/history/migrations.h"
+#include "io/history/sql.h"
+
+namespace octant::io {
+namespace {
+
+constexpr VisitKind kVisitKinds[] = {VisitKind::kCalibration, VisitKind::kMonitoring,
+                                     VisitKind::kVerification};
+
+VisitKind visit_kind_of(const std::string& word) {
+  for (const VisitKind kind : kVisitKinds)
+    if (word == to_string(kind)) return kind;
+  return VisitKind::kCalibration;  // the table holds no other words
+}
+
+BeaconStatus beacon_status_of(const std::string& word) {
+  for (const BeaconStatus status : {BeaconStatus::kControlPoint, BeaconStatus::kUndetermined})
+    if (word == to_string(status)) return status;
+  return BeaconStatus::kCalibrated;
+}
+
+constexpr const char* kVisitColumns =
+    "id, kind, site, happened_s, added_s, digest, deployment_digest, coldest_degC, warmest_degC, speed_mps, "
+    "speed_sigma_mps, speed_offset_mps, "
+    "speed_temperature_degC, verdict, who, note, source, program";
+
+Visit visit_in(const SqlStatement& row) {
+  Visit v;
+  v.id = row.integer(0);
+  v.kind = visit_kind_of(row.text(1));
+  v.site = row.text(2);
+  v.happened_s = row.integer(3);
+  v.added_s = row.integer(4);
+  v.digest = row.text(5);
+  v.deployment_digest = row.text(6);
+  if (const auto coldest = row.real_or_none(7), warmest = row.real_or_none(8); coldest && warmest)
+    v.temperature_degC = {*coldest, *warmest};
+  if (row.real_or_none(9)) v.speed = VisitSpeed{row.real(9), row.real(10), row.real(11), row.real(12)};
+  v.verdict = row.text(13);
+  v.who = row.text(14);
+  v.note = row.text(15);
+  v.source = row.text(16);
+  v.program = row.text(17);
+  return v;
+}
+
+VisitBeacon beacon_in(const SqlStatement& row, int first) {
+  VisitBeacon b;
+  b.name = row.text(first);
+  for (int i = 0; i < 3; ++i) {
+    b.position_m[i] = row.real(first + 1 + i);
+    b.sigma_m[i] = row.real(first + 4 + i);
+  }
+  b.delay_s = row.real(first + 7);
+  b.delay_sigma_s = row.real(first + 8);
+  b.status = beacon_status_of(row.text(first + 9));
+  return b;
+}
+
+constexpr const char* kBeaconColumns =
+    "name, x_m, y_m, z_m, sigma_x_m, sigma_y_m, sigma_z_m, delay_s, delay_sigma_s, status";
+
+Result<void> put(SqlStatement& statement) {
+  const auto row = statement.next();
+  statement.reset();
+  if (!row) return fail(row.error());
+  return {};
+}
+
+/// The statements of an addition, prepared once for all of it.
+class VisitWriter {
+ public:
+  [[nodiscard]] static Result<VisitWriter> prepare(SqlDatabase& database) {
+    auto find = database.prepare("SELECT id FROM visit WHERE digest = ?1");
+    auto document = database.prepare("INSERT INTO document (digest, content) VALUES (?1, ?2)");
+    auto visit = database.prepare(
+        "INSERT INTO visit (kind, site, happened_s, added_s, digest, deployment_digest, coldest_degC, "
+        "warmest_degC, speed_mps, speed_sigma_mps, "
+        "speed_offset_mps, speed_temperature_degC, verdict, who, note, source, program) "
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)");
+    auto beacon =
+        database.prepare("INSERT INTO beacon VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)");
+    for (const auto* statement : {&find, &document, &visit, &beacon})
+      if (!*statement) return fail(statement->error());
+    return VisitWriter(database, std::move(*find), std::move(*document), std::move(*visit),
+                       std::move(*beacon));
+  }
+
+  [[nodiscard]] Result<Addition> add(const Visit& v) {
+    const auto there = find_.bind(1, v.digest).next();
+    const std::int64_t old = there && *there ? find_.integer(0) : 0;
+    find_.reset();
+    if (!there) return fail(there.error());
+    if (old > 0) return Addition{old, false};
+    document_.bind(1, v.digest).bind(2, v.document);
+    if (auto done = put(document_); !done) return fail(done.error());
+    if (auto done = put_visit(v); !done) return fail(done.error());
+    const std::int64_t id = database_->last_id();
+    for (std::size_t i = 0; i < v.beacons.size(); ++i)
+      if (auto done = put_beacon(id, i, v.beacons[i]); !done) return fail(done.error());
+    return Addition{id, true};
+  }
+
+ private:
+  VisitWriter(SqlDatabase& database, SqlStatement find, SqlStatement document, SqlStatement visit,
+              SqlStatement beacon)
+      : database_(&database),
+        find_(std::move(find)),
+        document_(std::move(document)),
+        visit_(std::move(visit)),
+        beacon_(std::move(beacon)) {}
+
+  [[nodiscard]] Result<void> put_visit(const Visit& v) {
+    const auto of_speed = [&v](double VisitSpeed::*member) {
+      return v.speed ? std::optional<double>((*v.speed).*member) : std::nullopt;
+    };
+    const auto temperature = [&v](std::size_t end) {
+      return v.temperature_degC ? std::optional<double>((*v.temperature_degC)[end]) : std::nullopt;
+    };
+    visit_.bind(1, to_string(v.kind))
+        .bind(2, v.site)
+        .bind(3, v.happened_s)
+        .bind(4, v.added_s)
+        .bind(5, v.digest)
+        .bind(6, v.deployment_digest);
+    visit_.bind(7, temperature(0))
+        .bind(8, temperature(1))
+        .bind(9, of_speed(&VisitSpeed::speed_mps))
+        .bind(10, of_speed(&VisitSpeed::sigma_mps));
+    visit_.bind(11, of_speed(&VisitSpeed::offset_mps)).bind(12, of_speed(&VisitSpeed::temperature_degC));
+    visit_.bind(13, v.verdict).bind(14, v.who).bind(15, v.note).bind(16, v.source).bind(17, v.program);
+    return put(visit_);
+  }
+
+  [[nodiscard]] Result<void> put_beacon(std::int64_t visit, std::size_t place, const VisitBeacon& b) {
+    beacon_.bind(1, visit).bind(2, static_cast<std::int64_t>(place)).bind(3, b.name);
+    for (int i = 0; i < 3; ++i) beacon_.bind(4 + i, b.position_m[i]).bind(7 + i, b.sigma_m[i]);
+    beacon_.bind(10, b.delay_s).bind(11, b.delay_sigma_s).bind(12, to_string(b.status));
+    return put(beacon_);
+  }
+
+  SqlDatabase* database_;
+  SqlStatement find_, document_, visit_, beacon_;
+};
+
+}  // namespace
+
+const char* to_string(VisitKind kind) {
+  switch (kind) {
+    case VisitKind::kCalibration: return "calibration";
+    case VisitKind::kMonitoring: return "monitoring";
+    case VisitKind::kVerification: return "verification";
+  }
+  return "calibration";
+}
+
+struct History::Content {
+  SqlDatabase database;
+  std::string path;
+};
+
+History::History(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+History::History(History&&) noexcept = default;
+History& History::operator=(History&&) noexcept = default;
+History::~History() = default;
+
+Result<History> History::open(const std::string& path, bool create) {
+  auto database = SqlDatabase::open(path, create);
+  if (!database) return fail(database.error());
+  if (auto ready = migrate(*database, path); !ready) return fail(ready.error());
+  return History(std::make_unique<Content>(Content{std::move(*database), path}));
+}
+
+Result<std::vector<Addition>> History::add(const std::vector<Visit>& visits) {
+  std::vector<Addition> additions;
+  auto transaction = SqlTransaction::begin(content_->database);
+  if (!transaction) return fail(transaction.error());
+  {
+    auto writer = VisitWriter::prepare(content_->database);
+    if (!writer) return fail(writer.error());
+    for (const Visit& visit : visits) {
+      const auto added = writer->add(visit);
+      if (!added) return fail(added.error());
+      additions.push_back(*added);
+    }
+  }
+  if (auto done = transaction->commit(); !done) return fail(done.error());
+  return additions;
+}
+
+Result<std::vector<Visit>> History::list(const VisitFilter& filter) {
+  auto rows = content_->database.prepare(fmt::format(
+      "SELECT {} FROM visit WHERE (?1 = '' OR site = ?1) AND (?2 = '' OR kind = ?2) ORDER BY happened_s, id",
+      kVisitColumns));
+  if (!rows) return fail(rows.error());
+  rows->bind(1, filter.site).bind(2, filter.kind ? to_string(*filter.kind) : "");
+  std::vector<Visit> visits;
+  for (;;) {
+    const auto row = rows->next();
+    if (!row) return fail(row.error());
+    if (!*row) return visits;
+    visits.push_back(visit_in(*rows));
+  }
+}
+
+Result<std::vector<Visit>> History::calibrations(const std::string& site) {
+  auto visits = list({.site = site, .kind = VisitKind::kCalibration});
+  if (!visits) return visits;
+  std::map<std::int64_t, Visit*> by_id;
+  for (Visit& v : *visits) by_id[v.id] = &v;
+  auto rows = content_->database.prepare(
+      fmt::format("SELECT {}, visit_id FROM beacon ORDER BY visit_id, place", kBeaconColumns));
+  if (!rows) return fail(rows.error());
+  for (;;) {
+    const auto row = rows->next();
+    if (!row) return fail(row.error());
+    if (!*row) return visits;
+    if (const auto visit = by_id.find(rows->integer(10)); visit != by_id.end())
+      visit->second->beacons.push_back(beacon_in(*rows, 0));
+  }
+}
+
+Result<Visit> History::get(std::int64_t id) {
+  auto head = content_->database.prepare(fmt::format("SELECT {} FROM visit WHERE id = ?1", kVisitColumns));
+  if (!head) return fail(head.error());
+  const auto there = head->bind(1, id).next();
+  if (!there) return fail(there.error());
+  if (!*there)
+    return fail({.file = content_->path,
+                 .found = fmt::format("no visit {}", id),
+                 .expected = "a number that octant history list shows"});
+  Visit visit = visit_in(*head);
+  auto document = content_->database.prepare("SELECT content FROM document WHERE digest = ?1");
+  if (!document) return fail(document.error());
+  const auto found = document->bind(1, visit.digest).next();
+  if (!found) return fail(found.error());
+  if (*found) visit.document = document->text(0);
+  auto beacons = content_->database.prepare(
+      fmt::format("SELECT {} FROM beacon WHERE visit_id = ?1 ORDER BY place", kBeaconColumns));
+  if (!beacons) return fail(beacons.error());
+  beacons->bind(1, id);
+  for (;;) {
+    const auto row = beacons->next();
+    if (!row) return fail(row.error());
+    if (!*row) return visit;
+    visit.beacons.push_back(beacon_in(*beacons, 0));
+  }
+}
+
+}  // namespace octant::io

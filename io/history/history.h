@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/deployment.h"
+#include "models/support/result.h"
+
+namespace octant::io {
+
+enum class VisitKind { kCalibration, kMonitoring, kVerification };
+[[nodiscard]] const char* to_string(VisitKind kind);
+
+/// A beacon as a calibration found it.
+struct VisitBeacon {
+  std::string name;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
+  double delay_s = 0.0, delay_sigma_s = 0.0;
+  BeaconStatus status = BeaconStatus::kCalibrated;
+};
+
+/// Speed as a calibration found it, at the reference temperature of its medium.
+struct VisitSpeed {
+  double speed_mps = 0.0, sigma_mps = 0.0;
+  double offset_mps =
+      0.0;  ///< from the medium's model: what is left of the speed once the temperature is accounted for
+  double temperature_degC = 0.0;
+};
+
+/// One thing that was found out about a site on one day: a calibration, what a monitor said, a verification.
+struct Visit {
+  std::int64_t id = 0;  ///< given by the history, from 1
+  VisitKind kind = VisitKind::kCalibration;
+  std::string site;
+  std::int64_t happened_s = 0;    ///< seconds since 1970, UTC: when the deployment or the result was made
+  std::int64_t added_s = 0;       ///< when it came into the history
+  std::string digest;             ///< SHA-256 of the document's content; layout does not matter
+  std::string deployment_digest;  ///< of the deployment that a result is about; of a calibration its own
+  std::optional<std::array<double, 2>> temperature_degC;  ///< coldest and warmest air of the recording
+  std::optional<VisitSpeed> speed;                        ///< of a calibration
+  std::string verdict;  ///< grade of a calibration; ok, gate_failed, ... of a result
+  std::string who, note, source,
+      program;           ///< operator, remark, path as it was added, version of octant that made it
+  std::string document;  ///< the JSON itself; not in lists
+  std::vector<VisitBeacon> beacons;  ///< of a calibration; not in lists
+};
+
+/// What a deployment file, or the JSON object of `octant verify` or `octant monitor`, says of a visit.
+/// `verdict` of a calibration is left to the caller, and so are operator and note. Errors: neither of them,
+/// no date, no site, a deployment that was altered.
+[[nodiscard]] Result<Visit> visit_of(const std::string& text, const std::string& file);
+[[nodiscard]] Result<Visit> read_visit(const std::string& path);
+
+/// Which visits; what is empty does not choose.
+struct VisitFilter {
+  std::string site;
+  std::optional<VisitKind> kind;
+};
+
+struct Addition {
+  std::int64_t id = 0;
+  bool is_new = false;  ///< false: the same document was there already
+};
+
+/// The visits to one or several sites in one SQLite file. Several programs may read and write at once; what
+/// add() has returned for is on the disk, and a program that dies leaves all of an addition or nothing of it.
+class History {
+ public:
+  /// @param create  makes the file where there is none. Errors: no history, one of a newer octant, a database
+  /// of another program.
+  [[nodiscard]] static Result<History> open(const std::string& path, bool create);
+  History(History&&) noexcept;
+  History& operator=(History&&) noexcept;
+  ~History();
+
+  /// All or none, in one transaction; documents that are there already stay as they are.
+  [[nodiscard]] Result<std::vector<Addition>> add(const std::vector<Visit>& visits);
+  /// By date, without documents and beacons.
+  [[nodiscard]] Result<std::vector<Visit>> list(const VisitFilter& filter = {});
+  /// Calibrations by date, with their beacons and without documents.
+  [[nodiscard]] Result<std::vector<Visit>> calibrations(const std::string& site);
+  /// Everything of one. Errors: there is none of this number.
+  [[nodiscard]] Result<Visit> get(std::int64_t id);
+
+ private:
+  struct Content;
+  explicit History(std::unique_ptr<Content> content);
+  std::unique_ptr<Content> content_;
+};
+
+}  // namespace octant::io

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "io/site/site_parts.h"
+
+namespace octant::io {
+
+std::string UniqueIds::take(YamlMap& map) {
+  std::string id = map.required_text("id");
+  if (log_.error) return id;
+  const YAML::Node node = map.get("id");
+  const bool odd = std::any_of(id.begin(), id.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  if (id.empty() || id.size() > 200 || odd || id.front() == ' ' || id.back() == ' ') {
+    log_.fail(node, fmt::format("{} is {}", map.path("id"), in_quotes(id)),
+              "a name of up to 200 characters on one line");
+  }
+  const auto [first, is_new] = lines_.emplace(id, line_of(node));
+  if (!is_new) {
+    log_.fail(node,
+              fmt::format("{} id {} is used twice (first in line {})", kind_, in_quotes(id), first->second),
+              "each id once", "rename one of them");
+  }
+  return id;
+}
+
+Coordinates read_coordinates(const YAML::Node& node, const std::string& name, NumberRange range,
+                             YamlLog& log) {
+  Coordinates values;
+  const std::vector<YAML::Node> items = list_of(node, name, log, 3);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (!items[i].IsNull()) values[i] = number_of(items[i], fmt::format("{}[{}]", name, i), log, range);
+  }
+  return values;
+}
+
+Coordinates read_sigmas(const YAML::Node& node, const std::string& name, YamlLog& log) {
+  if (!node.IsDefined()) return {};
+  if (node.IsSequence()) return read_coordinates(node, name, kNotNegative, log);
+  const double sigma = number_of(node, name, log, kNotNegative);
+  return {sigma, sigma, sigma};
+}
+
+namespace {
+
+/// delay_s and delay_sigma_s of one beacon, in place of timing's.
+void read_own_delay(YamlMap& map, const Timing& timing, SiteBeacon& beacon, YamlLog& log) {
+  beacon.delay_s = map.optional_number("delay_s");
+  beacon.delay_sigma_s = map.optional_number("delay_sigma_s", kNotNegative);
+  if (log.error || timing.delay_per.beacon || (!beacon.delay_s && !beacon.delay_sigma_s)) return;
+  const char* key = beacon.delay_s ? "delay_s" : "delay_sigma_s";
+  map.fail(key, fmt::format("{} of a beacon, and timing.delay_per has no 'beacon'", map.path(key)),
+           "delay_per: beacon, or a list with beacon",
+           "without it beacons have no delays of their own: state it, or take the line out");
+}
+
+}  // namespace
+
+void read_beacons(YamlMap& root, Site& site, YamlLog& log) {
+  if (!root.has("beacons"))
+    root.fail_missing("beacons", "a list of beacons (beacons: [] where there are none)");
+  UniqueIds ids("beacon", log);
+  for (const YAML::Node& node : root.list("beacons")) {
+    if (log.error) return;
+    YamlMap map(node, fmt::format("beacons[{}]", site.beacons.size()), log);
+    SiteBeacon beacon;
+    beacon.line = line_of(node);
+    beacon.name = ids.take(map);
+    if (const YAML::Node at = map.block("position_m"); at.IsDefined()) {
+      beacon.position_m = read_coordinates(at, map.path("position_m"), kAnyNumber, log);
+    }
+    beacon.sigma_m = read_sigmas(map.block("sigma_m"), map.path("sigma_m"), log);
+    read_own_delay(map, site.timing, beacon, log);
+    map.finish();
+    site.beacons.push_back(std::move(beacon));
+  }
+}
+
+}  // namespace octant::io

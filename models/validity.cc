@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/validity.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace octant {
+namespace {
+
+double distance_from_edge_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                            const Eigen::Vector2d& point) {
+  const Eigen::Vector2d along = b - a;
+  const double squared = along.squaredNorm();
+  const double at = squared > 0.0 ? std::clamp((point - a).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return (point - a - at * along).norm();
+}
+
+double extent_m(const std::vector<Eigen::Vector2d>& area) {
+  double largest = 0.0;
+  for (const auto& a : area)
+    for (const auto& b : area) largest = std::max(largest, (a - b).norm());
+  return largest;
+}
+
+void look_at_temperature(const Deployment& d, const MeasurementLog& run, OutsideValidity& out) {
+  if (d.medium.model == MediumModel::kConstant) return;
+  const auto stated = stated_temperatures(run);
+  out.reference_assumed = !stated && !run.arrivals.empty();
+  if (!stated || !d.validity_temperature_degC) return;
+  const double below = (*d.validity_temperature_degC)[0] - kTemperatureMargin_degC - (*stated)[0];
+  const double above = (*stated)[1] - (*d.validity_temperature_degC)[1] - kTemperatureMargin_degC;
+  if (std::max(below, above) > 0.0) out.temperature_degC = below > above ? (*stated)[0] : (*stated)[1];
+}
+
+}  // namespace
+
+std::optional<std::array<double, 2>> stated_temperatures(const MeasurementLog& run) {
+  double coldest = INFINITY, warmest = -INFINITY;
+  const auto take = [&](double degC) {
+    if (!std::isfinite(degC)) return;
+    coldest = std::min(coldest, degC);
+    warmest = std::max(warmest, degC);
+  };
+  for (const Arrival& a : run.arrivals)
+    take(std::isfinite(a.temperature_degC) ? a.temperature_degC : run.temperature_degC.value_or(NAN));
+  if (run.arrivals.empty() && run.temperature_degC) take(*run.temperature_degC);
+  if (coldest > warmest) return std::nullopt;
+  return std::array<double, 2>{coldest, warmest};
+}
+
+double distance_from_area_m(const std::vector<Eigen::Vector2d>& area, const Eigen::Vector2d& point) {
+  if (area.empty()) return 0.0;
+  bool inside = area.size() > 2;
+  double nearest_m = INFINITY;
+  for (std::size_t i = 0; i < area.size(); ++i) {
+    const Eigen::Vector2d &a = area[i], &b = area[(i + 1) % area.size()];
+    const Eigen::Vector2d along = b - a, to = point - a;
+    inside = inside && along.x() * to.y() - along.y() * to.x() >= 0.0;
+    nearest_m = std::min(nearest_m, distance_from_edge_m(a, b, point));
+  }
+  return inside ? 0.0 : nearest_m;
+}
+
+OutsideValidity outside_validity(const Deployment& d, const MeasurementLog& run,
+                                 const std::vector<Fix>& fixes) {
+  OutsideValidity out;
+  look_at_temperature(d, run, out);
+  const double margin_m = kAreaMargin * extent_m(d.validity_area_m);
+  for (const Fix& fix : fixes) {
+    if (!fix.ok()) continue;
+    ++out.fixes;
+    const double away_m = distance_from_area_m(d.validity_area_m, fix.T_map_vehicle.translation_m.head<2>());
+    if (away_m <= margin_m) continue;
+    ++out.outside;
+    out.farthest_m = std::max(out.farthest_m, away_m);
+  }
+  return out;
+}
+
+}  // namespace octant

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/validity.h"
+
+#include <gtest/gtest.h>
+
+namespace octant {
+namespace {
+
+Deployment ten_by_five() {
+  Deployment d;
+  d.medium.model = MediumModel::kCramer1993;
+  d.validity_temperature_degC = {18.0, 21.0};
+  d.validity_area_m = {{0, 0}, {10, 0}, {10, 5}, {0, 5}};
+  return d;
+}
+
+MeasurementLog run_at(std::optional<double> temperature_degC, std::vector<double> of_arrivals = {NAN}) {
+  MeasurementLog run;
+  run.temperature_degC = temperature_degC;
+  for (const double degC : of_arrivals) {
+    Arrival a;
+    a.temperature_degC = degC;
+    run.arrivals.push_back(a);
+  }
+  return run;
+}
+
+Fix fix_at(double x_m, double y_m, FixStatus status = FixStatus::kOk) {
+  Fix fix;
+  fix.status = status;
+  fix.T_map_vehicle.translation_m = {x_m, y_m, 0};
+  return fix;
+}
+
+TEST(Validity, TemperaturesAreThoseOfArrivalsThenOfTheRun) {
+  EXPECT_FALSE(stated_temperatures(run_at({})));
+  EXPECT_EQ(stated_temperatures(run_at(20.0)).value(), (std::array<double, 2>{20.0, 20.0}));
+  EXPECT_EQ(stated_temperatures(run_at(20.0, {15.0, NAN})).value(), (std::array<double, 2>{15.0, 20.0}));
+  EXPECT_EQ(stated_temperatures(run_at({}, {15.0, NAN, 16.5})).value(), (std::array<double, 2>{15.0, 16.5}));
+}
+
+TEST(Validity, TemperatureOutsideTheWidenedRangeIsTold) {
+  const Deployment d = ten_by_five();
+  EXPECT_FALSE(outside_validity(d, run_at(18.0 - kTemperatureMargin_degC), {}).any());
+  EXPECT_FALSE(outside_validity(d, run_at(21.0 + kTemperatureMargin_degC), {}).any());
+  EXPECT_EQ(outside_validity(d, run_at(12.9), {}).temperature_degC, 12.9);
+  EXPECT_EQ(outside_validity(d, run_at(20.0, {20.0, 26.1}), {}).temperature_degC, 26.1);
+  Deployment constant = d;
+  constant.medium.model = MediumModel::kConstant;
+  EXPECT_FALSE(outside_validity(constant, run_at(60.0), {}).any());
+}
+
+TEST(Validity, AnUnstatedTemperatureIsToldWhereItMatters) {
+  Deployment d = ten_by_five();
+  EXPECT_TRUE(outside_validity(d, run_at({}), {}).reference_assumed);
+  EXPECT_FALSE(outside_validity(d, run_at({}, {}), {}).reference_assumed) << "bearings alone know no speed";
+  d.medium.model = MediumModel::kConstant;
+  EXPECT_FALSE(outside_validity(d, run_at({}), {}).reference_assumed);
+}
+
+TEST(Validity, FixesOutsideTheWidenedAreaAreCounted) {
+  const Deployment d = ten_by_five();
+  const double margin_m = kAreaMargin * std::hypot(10.0, 5.0);
+  const auto found = outside_validity(
+      d, run_at(20.0),
+      {fix_at(5, 2), fix_at(10 + 0.99 * margin_m, 2), fix_at(13, 9), fix_at(50, 50, FixStatus::kAmbiguous)});
+  EXPECT_EQ(found.fixes, 3u);
+  EXPECT_EQ(found.outside, 1u);
+  EXPECT_NEAR(found.farthest_m, 5.0, 1e-12) << "from the corner (10, 5): 3 and 4";
+}
+
+TEST(Validity, AreasMayBeLinesPointsOrUnknown) {
+  EXPECT_EQ(distance_from_area_m({}, {3, 4}), 0.0);
+  EXPECT_NEAR(distance_from_area_m({{0, 0}}, {3, 4}), 5.0, 1e-12);
+  EXPECT_NEAR(distance_from_area_m({{0, 0}, {10, 0}}, {5, 2}), 2.0, 1e-12);
+  EXPECT_NEAR(distance_from_area_m({{0, 0}, {10, 0}}, {5, -2}), 2.0, 1e-12);
+  EXPECT_EQ(distance_from_area_m({{0, 0}, {10, 0}, {10, 5}}, {9, 1}), 0.0);
+}
+
+}  // namespace
+}  // namespace octant

@@ -1,0 +1,252 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/watch/watch.h"
+
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/physics/measurement.h"
+#include "models/simulator/random.h"
+#include "tests/support/allocation_count.h"
+#include "tests/support/worlds.h"
+
+namespace octant {
+namespace {
+
+/// The hall as it was calibrated, and a robot that stops all over it. What is wrong is wrong in `truth`
+/// alone.
+class Rounds {
+ public:
+  explicit Rounds(std::uint64_t seed) : draws_(seed, 7) {
+    Scenario s = test::hall_scenario();
+    s.path.epochs = s.heldout_path.epochs = 1;
+    deployment = test::must(simulate(s, 1)).truth;
+    deployment.speed_sigma_mps = 0.05;
+    for (DeploymentBeacon& b : deployment.beacons) {
+      if (b.status == BeaconStatus::kCalibrated) b.covariance_m2 = 4e-6 * Eigen::Matrix3d::Identity();
+      b.delay_sigma_s = 3e-6;
+    }
+    truth = deployment;
+  }
+
+  /// The arrivals of one stop, from the receivers that face a beacon within 12 m; the fix is the pose to a
+  /// centimetre.
+  void stop() {
+    time_s += 1.0;
+    const Pose at = planar_pose(draws_.uniform(2, 18), draws_.uniform(2, 10), draws_.uniform(-3.1, 3.1));
+    const SharedState state = shared_state(truth);
+    arrivals.clear();
+    for (std::size_t b = 0; b < truth.beacons.size(); ++b)
+      for (std::size_t r = 0; r < truth.receivers.size(); ++r) {
+        const Eigen::Vector3d to = state.beacon_p_map_m[b] - at * state.receiver_p_vehicle_m[r];
+        const Eigen::Vector3d axis =
+            truth.receivers[r].axis ? at.rotation * *truth.receivers[r].axis : to.normalized();
+        if (to.norm() > 12.0 || axis.dot(to.normalized()) < 0.4) continue;
+        PathInput in;
+        in.T_map_vehicle = &at;
+        in.p_beacon_map_m = state.beacon_p_map_m[b];
+        in.p_receiver_vehicle_m = state.receiver_p_vehicle_m[r];
+        in.speed_mps = truth.speed_mps(truth.medium.temperature_degC) + faster_air_mps;
+        in.delay_s = state.delay_s(BeaconId(b), ReceiverId(r));
+        Arrival a;
+        a.time_s = time_s;
+        a.beacon = BeaconId(b);
+        a.receiver = ReceiverId(r);
+        a.vehicle = VehicleId(0);
+        a.tof_s = predict_arrival_value(in).tof_s + noise_factor * truth.noise.tof_sigma_s * draws_.normal();
+        if (draws_.uniform() < echo_share) a.tof_s += draws_.log_uniform(1e-4, 3e-3);
+        arrivals.push_back(a);
+      }
+    fix.status = arrivals.size() >= 4 ? FixStatus::kOk : FixStatus::kTooFewArrivals;
+    fix.time_s = time_s;
+    fix.rejections.clear();
+    fix.T_map_vehicle = at;
+    fix.T_map_vehicle.translation_m += 0.01 * Eigen::Vector3d(draws_.normal(), draws_.normal(), 0);
+  }
+
+  Deployment deployment, truth;
+  std::vector<Arrival> arrivals;
+  Fix fix;
+  double time_s = 0.0, faster_air_mps = 0.0, noise_factor = 1.0, echo_share = 0.0;
+
+ private:
+  static Pose planar_pose(double x_m, double y_m, double heading_rad) {
+    Pose pose;
+    pose.translation_m = {x_m, y_m, 0.0};
+    pose.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitZ()));
+    return pose;
+  }
+  Random draws_;
+};
+
+std::optional<WatchAlarm> first_alarm(Watch& watch, Rounds& rounds, int stops) {
+  for (int i = 0; i < stops; ++i) {
+    rounds.stop();
+    if (auto alarm = watch.observe_epoch(rounds.arrivals, rounds.fix)) return alarm;
+  }
+  return std::nullopt;
+}
+
+/// False alarms of some hours, where the stated rate allows one in a thousand stops.
+int false_alarms(Rounds& rounds, int stops) {
+  WatchOptions options;
+  const double stops_a_month = 30.0 * 24 * 3600;
+  options.false_alarms_a_month = stops_a_month / 1000.0;
+  Watch watch(rounds.deployment, options);
+  int alarms = 0;
+  for (int i = 0; i < stops; ++i) {
+    rounds.stop();
+    if (!watch.observe_epoch(rounds.arrivals, rounds.fix)) continue;
+    ++alarms;
+    watch.restart();
+  }
+  return alarms;
+}
+
+// The stated rate is an upper bound: of 20 expected at most, beyond 38 is less than one in ten thousand
+// (Poisson).
+TEST(Watch, FalseAlarmsAreAtMostAsFrequentAsStated) {
+  Rounds rounds(1);
+  EXPECT_LE(false_alarms(rounds, 20'000), 38);
+}
+
+// At the edge of what is let pass, a beacon late by half of what matters, the bound must still hold.
+TEST(Watch, WhatIsLetPassDoesNotAlarm) {
+  Rounds rounds(2);
+  rounds.truth.beacons[4].delay_s += 0.5 * 0.03 / 345.0;
+  EXPECT_LE(false_alarms(rounds, 20'000), 38);
+}
+
+TEST(Watch, FasterAirAccusesNobody) {
+  Rounds rounds(3);
+  rounds.faster_air_mps = 0.6;
+  EXPECT_LE(false_alarms(rounds, 5'000), 15);
+}
+
+TEST(Watch, EchoesAccuseNobody) {
+  Rounds rounds(4);
+  rounds.echo_share = 0.05;
+  WatchOptions options;
+  Watch watch(rounds.deployment, options);
+  EXPECT_FALSE(first_alarm(watch, rounds, 5'000));
+}
+
+struct Change {
+  const char* name;
+  WatchKind kind;
+  std::function<void(Rounds&)> apply;
+  double size_m;
+};
+
+// Two hundred changes of what matters twice and three times, found within some minutes and named.
+TEST(Watch, ChangesAreFoundAndNamed) {
+  const Change changes[] = {
+      {"late", WatchKind::kBeaconLate, [](Rounds& r) { r.truth.beacons[4].delay_s += 0.09 / 345.0; }, 0.09},
+      {"early", WatchKind::kBeaconLate, [](Rounds& r) { r.truth.beacons[4].delay_s -= 0.09 / 345.0; }, -0.09},
+      {"moved east", WatchKind::kBeaconMoved, [](Rounds& r) { r.truth.beacons[4].position_m.x() += 0.09; },
+       0.09},
+      {"moved south", WatchKind::kBeaconMoved, [](Rounds& r) { r.truth.beacons[4].position_m.y() -= 0.09; },
+       -0.09}};
+  int found = 0, who = 0, what = 0, tried = 0;
+  double stops = 0.0;
+  for (const Change& change : changes)
+    for (std::uint64_t seed = 1; seed <= 25; ++seed, ++tried) {
+      Rounds rounds(100 + seed);
+      change.apply(rounds);
+      Watch watch(rounds.deployment);
+      const auto alarm = first_alarm(watch, rounds, 600);
+      if (!alarm) continue;
+      ++found;
+      stops += alarm->time_s;
+      const bool beacon = alarm->kind == WatchKind::kBeaconLate || alarm->kind == WatchKind::kBeaconMoved;
+      who += beacon && alarm->beacon == BeaconId(4);
+      what += alarm->kind == change.kind && alarm->size_m * change.size_m > 0;
+    }
+  RecordProperty("found", found);
+  RecordProperty("named", who);
+  RecordProperty("kind", what);
+  std::cout << "found " << found << " of " << tried << ", named " << who << ", kind " << what << ", "
+            << stops / std::max(1, found) << " stops on average\n";
+  EXPECT_GE(found, 0.97 * tried);
+  EXPECT_GE(who, 0.95 * tried);
+  EXPECT_GE(what, 0.8 * tried);
+}
+
+TEST(Watch, WhoeverIsToldIsOutAndTheNextIsFoundToo) {
+  Rounds rounds(5);
+  rounds.truth.beacons[4].delay_s += 0.2 / 345.0;
+  rounds.truth.receivers[2].delay_s += 0.1 / 345.0;
+  Watch watch(rounds.deployment);
+  const auto first = first_alarm(watch, rounds, 600);
+  ASSERT_TRUE(first);
+  const auto second = first_alarm(watch, rounds, 600);
+  ASSERT_TRUE(second);
+  EXPECT_TRUE(watch.is_out(BeaconId(4)));
+  EXPECT_TRUE(watch.is_out(ReceiverId(2)));
+  EXPECT_FALSE(first_alarm(watch, rounds, 600));
+  watch.restart();
+  EXPECT_FALSE(watch.is_out(BeaconId(4)));
+}
+
+// Arrivals that the fix rejects speak too: a beacon that moved far is never used again.
+TEST(Watch, RejectedArrivalsCount) {
+  Rounds rounds(6);
+  rounds.truth.beacons[4].delay_s += 1.0 / 345.0;
+  Watch watch(rounds.deployment);
+  std::optional<WatchAlarm> alarm;
+  for (int i = 0; i < 200 && !alarm; ++i) {
+    rounds.stop();
+    for (const Arrival& a : rounds.arrivals)
+      rounds.fix.rejections.push_back(a.beacon == BeaconId(4) ? Rejection::kLate : Rejection::kUsed);
+    alarm = watch.observe_epoch(rounds.arrivals, rounds.fix);
+  }
+  ASSERT_TRUE(alarm);
+  EXPECT_EQ(alarm->beacon, BeaconId(4));
+  EXPECT_EQ(alarm->kind, WatchKind::kBeaconLate);
+}
+
+// One by one, as a filter has them: the pose foretold to 5 mm and 5 mrad.
+TEST(Watch, InnovationsOfAFilterAreWatchedToo) {
+  for (const bool wrong : {false, true}) {
+    Rounds rounds(8);
+    if (wrong) rounds.truth.beacons[4].delay_s += 0.12 / 345.0;
+    Watch watch(rounds.deployment, {.fixes_per_s = 10.0});
+    const PoseCovariance covariance = Eigen::Vector3d(1e-4, 1e-4, 2.5e-5).asDiagonal();
+    std::optional<WatchAlarm> alarm;
+    for (int i = 0; i < 600 && !alarm; ++i) {
+      rounds.stop();
+      for (const Arrival& a : rounds.arrivals)
+        if (!alarm) alarm = watch.observe_arrival(a, rounds.fix.T_map_vehicle, covariance);
+    }
+    EXPECT_EQ(alarm.has_value(), wrong);
+    if (alarm) {
+      EXPECT_EQ(alarm->beacon, BeaconId(4));
+    }
+  }
+}
+
+TEST(Watch, AllocatesNothingAndBearsNonsense) {
+  Rounds rounds(9);
+  Watch watch(rounds.deployment);
+  rounds.stop();
+  rounds.arrivals.push_back(rounds.arrivals[0]);
+  rounds.arrivals.back().tof_s = NAN;
+  rounds.arrivals.push_back(rounds.arrivals[0]);
+  rounds.arrivals.back().beacon = BeaconId(77);
+  const PoseCovariance covariance = Eigen::Vector3d(1e-4, 1e-4, 2.5e-5).asDiagonal();
+  const std::size_t before = test::allocations();
+  for (int i = 0; i < 100; ++i) {
+    (void)watch.observe_epoch(rounds.arrivals, rounds.fix);
+    (void)watch.observe_arrival(rounds.arrivals[0], rounds.fix.T_map_vehicle, covariance);
+  }
+  EXPECT_EQ(test::allocations(), before);
+  Fix none;
+  EXPECT_FALSE(watch.observe_epoch(rounds.arrivals, none));
+  EXPECT_FALSE(watch.observe_epoch({}, rounds.fix));
+}
+
+}  // namespace
+}  // namespace octant
