@@ -82,7 +82,7 @@ struct SiteBeacon {
   int line = 0;                                  ///< in the site file
   std::optional<double> delay_s{},
       delay_sigma_s{};  ///< prior of its delay, in place of timing's; with delay_per beacon
-  Prior log_gain{};  ///< of its amplitude over the attenuation's, ln; sigma 0: held fixed
+  Prior log_gain{};     ///< of its amplitude over the attenuation's, ln; sigma 0: held fixed
 
   [[nodiscard]] bool is_control_point() const {
     for (int i = 0; i < 3; ++i)

@@ -423,9 +423,8 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   result.interrupted = watch.interrupted;
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cost = summary.final_cost;
-  result.message = point.at_rest
-                       ? "converged: the predicted decrease is below the tolerance"
-                       : summary.message;
+  result.message =
+      point.at_rest ? "converged: the predicted decrease is below the tolerance" : summary.message;
   if (point.dense && point.reduced_at.size() == layout.size())
     result.data_information = std::move(point.sum.H);
   return result;

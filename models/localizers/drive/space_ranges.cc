@@ -14,9 +14,9 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kMostBiases = 24;       ///< beacons with a Gauss-Markov state of their own
-constexpr double kSearch_s = 2.0;             ///< longest stretch that a place is searched in
-constexpr double kAlike = 6.0;                ///< in half squares: two places explain the arrivals alike
+constexpr std::size_t kMostBiases = 24;  ///< beacons with a Gauss-Markov state of their own
+constexpr double kSearch_s = 2.0;        ///< longest stretch that a place is searched in
+constexpr double kAlike = 6.0;           ///< in half squares: two places explain the arrivals alike
 
 /// Place of a vehicle that hardly moves: robust Gauss-Newton from points around the beacons.
 class PlaceSearch {
