@@ -102,7 +102,9 @@ int list(const HistoryWords& words, Session& session) {
                           v.who, v.note});
   }
   session.result(visits->empty() ? std::string("no visits\n") : table.text());
-  return session.finish({{"database", words.database}, {"visits", rows}});
+  Json object = {{"database", words.database}};
+  object["visits"] = std::move(rows);  // an initialiser list would copy them
+  return session.finish(object);
 }
 
 std::string beacons_text(const io::Visit& v) {
@@ -227,30 +229,27 @@ using HistoryCommand = int (*)(const HistoryWords&, Session&);
 }  // namespace
 
 Json visit_json(const io::Visit& v) {
-  Json object = {{"id", v.id},
-                 {"kind", to_string(v.kind)},
-                 {"site", v.site},
-                 {"date", io::utc_text(v.happened_s)},
-                 {"added", io::utc_text(v.added_s)},
-                 {"verdict", v.verdict},
-                 {"operator", v.who},
-                 {"note", v.note},
-                 {"digest", v.digest},
-                 {"deployment_digest", v.deployment_digest},
-                 {"temperature_degC", nullptr},
-                 {"speed_mps", nullptr},
-                 {"speed_sigma_mps", nullptr},
-                 {"speed_offset_mps", nullptr},
-                 {"reference_temperature_degC", nullptr},
-                 {"source", v.source},
-                 {"program_version", v.program}};
+  // Key by key: ten thousand of them are listed in a fraction of the time that nested initialiser lists take,
+  // which are copied.
+  Json object;
+  object["id"] = v.id;
+  object["kind"] = to_string(v.kind);
+  object["site"] = v.site;
+  object["date"] = io::utc_text(v.happened_s);
+  object["added"] = io::utc_text(v.added_s);
+  object["verdict"] = v.verdict;
+  object["operator"] = v.who;
+  object["note"] = v.note;
+  object["digest"] = v.digest;
+  object["deployment_digest"] = v.deployment_digest;
+  object["temperature_degC"] = nullptr;
   if (v.temperature_degC) object["temperature_degC"] = *v.temperature_degC;
-  if (v.speed) {
-    object["speed_mps"] = v.speed->speed_mps;
-    object["speed_sigma_mps"] = v.speed->sigma_mps;
-    object["speed_offset_mps"] = v.speed->offset_mps;
-    object["reference_temperature_degC"] = v.speed->temperature_degC;
-  }
+  object["speed_mps"] = v.speed ? Json(v.speed->speed_mps) : Json();
+  object["speed_sigma_mps"] = v.speed ? Json(v.speed->sigma_mps) : Json();
+  object["speed_offset_mps"] = v.speed ? Json(v.speed->offset_mps) : Json();
+  object["reference_temperature_degC"] = v.speed ? Json(v.speed->temperature_degC) : Json();
+  object["source"] = v.source;
+  object["program_version"] = v.program;
   return object;
 }
 

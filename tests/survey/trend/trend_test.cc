@@ -95,6 +95,18 @@ TEST(ControlChart, AStepIsFoundWhereItWasAndMeasured) {
   EXPECT_GE(right, 38);
 }
 
+// Noticed some visits late, the new level still begins where the step was.
+TEST(ControlChart, AnAlarmThatComesLateLosesNothing) {
+  std::vector<TrendValue> values;
+  for (int i = 0; i < 16; ++i) values.push_back({i * kMonth, i < 10 ? 0.0 : 3.0, 1.0});
+  const ControlChart c = control_chart(values, 0.5, 6.0, 1e-5);
+  ASSERT_EQ(c.shifts.size(), 1u);
+  EXPECT_EQ(c.shifts[0].since, 10u);
+  EXPECT_GT(c.shifts[0].at, 11u);
+  EXPECT_FALSE(c.points[10].foretold);
+  EXPECT_NEAR(c.points[11].foretold.value(), 3.0, 1e-12);
+}
+
 // A drift trips the sums as a step does; it must not be cut into steps, or nothing would be left to forecast
 // from.
 TEST(ControlChart, ADriftIsToldFromSteps) {
