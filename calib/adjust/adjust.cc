@@ -559,6 +559,7 @@ Information information_at(const Problem& problem, const ParameterLayout& layout
   tiles.reduce(state, loss, sum);
   tiles.share_states();
   info.data = std::move(sum.H);
+  info.data_gradient = std::move(sum.gradient);
   info.prior = prior_information(problem, layout, x);
   return info;
 }

@@ -58,6 +58,7 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, Syste
 struct Information {
   Eigen::MatrixXd data, prior;
   double data_cost = 0.0;
+  Eigen::VectorXd data_gradient;  ///< of data_cost
 };
 /// The part of priors and control distances.
 [[nodiscard]] Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout,

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calib/problem/parameters.h"
 #include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
@@ -30,14 +29,10 @@ Posterior posterior_of(const KnownParameters& known, const Eigen::VectorXd& drif
   if (out.free.empty()) return out;
   Eigen::MatrixXd P = known.covariance + released;
   P.diagonal() += drift;
-  // In coordinates in which the prior is the unit matrix: (I + R^-T N R^-1)^-1 between 0 and 1.
-  const Eigen::MatrixXd root = joint_prior({}, {}, P(out.free, out.free)).root;
-  const Eigen::MatrixXd L = Eigen::PartialPivLU<Eigen::MatrixXd>(root).inverse();
-  Eigen::MatrixXd total = L.transpose() * visit.N(out.free, out.free) * L;
-  total.diagonal().array() += 1.0;
-  const Eigen::MatrixXd C = L * DenseLdlt(total).solve(L.transpose());
-  out.covariance(out.free, out.free) = 0.5 * (C + C.transpose());
-  out.value(out.free) += C * visit.gradient(out.free);
+  const Updated updated =
+      updated_by(P(out.free, out.free), visit.N(out.free, out.free), visit.gradient(out.free));
+  out.covariance(out.free, out.free) = updated.covariance;
+  out.value(out.free) += updated.step;
   return out;
 }
 

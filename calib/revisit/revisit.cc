@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,19 +13,29 @@
 #include "calib/adjust/reject.h"
 #include "calib/errors/statistics.h"
 #include "calib/problem/ranges.h"
+#include "calib/problem/trilaterate.h"
 #include "calib/revisit/as_left.h"
 #include "calib/revisit/revisited_site.h"
+#include "calib/revisit/stretches.h"
 #include "calib/revisit/visit_information.h"
 #include "calib/start/approach.h"
+#include "calib/start/start.h"
 #include "calib/stream/long_log.h"
 #include "calib/verdict/conclude.h"
 #include "calib/verdict/observability.h"
 #include "calib/verdict/validity.h"
+#include "models/support/parallel.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 namespace {
 
 constexpr int kRounds = 4;
+/// Arrivals of a drive that tell what changed as well as all do; the rest only makes it sharper.
+constexpr std::size_t kEnoughArrivals = 3'000;
+constexpr int kPassesOfAll = 2;
+constexpr double kSlackM = 0.05;  ///< by which ranges may be off while a drive is tracked by what was known
+constexpr std::size_t kFewestRanges = 10;  ///< that locate a beacon
 /// Of the air where no thermometer was read: some ten degrees.
 constexpr double kUnknownTemperature_mps = 6.0;
 /// Changes that chance makes less often leave something unexplained.
@@ -70,7 +81,13 @@ class SecondVisit {
     if (is_long(problem_))
       if (Result<Problem> part = part_of(problem_, options_.solve.threads)) problem_ = std::move(*part);
     out_.warnings = problem_.warnings;
-    if (start() && find_changes(room)) conclude_visit();
+    std::optional<Problem> part;
+    if (std::vector<MeasurementLog> some = stretches_of(problem_.runs, kEnoughArrivals); !some.empty())
+      if (auto made = make_problem(problem_.site, std::move(some), options_.solve.threads))
+        part = std::move(*made);
+    if (((part && start_from_known(*part, room)) || start(part ? *part : problem_)) && find_changes(room) &&
+        (!part || take_all()))
+      conclude_visit();
     out_.seconds = std::chrono::duration<double>(Clock::now() - began_).count();
     return std::move(out_);
   }
@@ -84,9 +101,74 @@ class SecondVisit {
     return false;
   }
 
+  void take_start(const Problem& problem, const SharedState& state, std::vector<bool> usable,
+                  std::vector<Trajectory> trajectories) {
+    std::vector<bool> held;
+    for (const bool in_use : usable) held.push_back(!in_use);
+    layout_ = make_layout(problem, state, held);
+    fit_ = Fit();
+    fit_.problem.site = problem.site;
+    fit_.problem.runs.resize(problem.runs.size());
+    fit_.problem.typical_range_m = problem.typical_range_m;
+    fit_.x = layout_.vector_of(state);
+    fit_.layout = layout_;
+    fit_.beacon_usable = std::move(usable);
+    fit_.trajectories = std::move(trajectories);
+    sigma_s_ = problem.site.noise.tof_sigma_s;
+  }
+
+  /// A drive is tracked by what was known: most of it still holds, and a beacon that hangs elsewhere
+  /// altogether is then located by its ranges. False where that leads nowhere.
+  bool start_from_known(const Problem& problem, const Eigen::VectorXd& room) {
+    if (!course_.report("initial values", 0.02)) return false;
+    const SharedState state = shared_state(before_);
+    std::vector<bool> usable;
+    for (const DeploymentBeacon& b : before_.beacons)
+      usable.push_back(b.status != BeaconStatus::kUndetermined);
+    std::vector<Trajectory> trajectories = problem.trajectories;
+    const EpochFixModel model = search_model(problem, state, usable);
+    std::size_t placed = 0;
+    for (Trajectory& t : trajectories) {
+      static_cast<void>(place_states(t, model, kSlackM, false, 0.0, options_.solve.threads));
+      placed += static_cast<std::size_t>(
+          std::count_if(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; }));
+    }
+    if (placed == 0) return false;
+    take_start(problem, state, std::move(usable), std::move(trajectories));
+    if (!adjust_under(drifted() + Eigen::MatrixXd(room.asDiagonal()))) return false;
+    locate_lost(problem);
+    return true;
+  }
+
+  /// Beacons most of whose arrivals do not fit, from the vehicle's states by their own ranges.
+  void locate_lost(const Problem& problem) {
+    std::vector<std::size_t> in_use(before_.beacons.size(), 0), out(in_use);
+    for (const Trajectory& t : fit_.trajectories)
+      for (const ArrivalObservation& a : t.arrivals) {
+        in_use[a.beacon.index()] += a.rejection == Rejection::kUsed;
+        out[a.beacon.index()] += a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly;
+      }
+    const SharedState state = fit_.state();
+    for (std::size_t b = 0; b < in_use.size(); ++b) {
+      if (out[b] <= std::max(in_use[b], kFewestRanges) || layout_.beacon[b][0] < 0) continue;
+      TrilaterationOptions options;
+      options.guess = before_.beacons[b].position_m;
+      options.scale_m = 0.01 * problem.typical_range_m;
+      options.above = before_.motion == Motion::kPlanar;
+      const Trilateration found = trilaterate(ranges_to(fit_.trajectories, state, BeaconId(b)), options);
+      if (!found.ok) continue;
+      for (std::size_t i = 0; i < 3; ++i)
+        fit_.x[layout_.beacon[b][i]] = found.p_map_m[static_cast<Eigen::Index>(i)];
+      if (layout_.beacon_delay[b] >= 0)
+        fit_.x[layout_.beacon_delay[b]] =
+            before_.beacons[b].delay_s /
+            layout_.parameters[static_cast<std::size_t>(layout_.beacon_delay[b])].si_per_unit;
+    }
+  }
+
   /// Approximate states and parameters, by what the largest consensus of arrivals agrees on.
-  bool start() {
-    Approach found = approach(problem_, options_.solve, course_, false);
+  bool start(const Problem& problem) {
+    Approach found = approach(problem, options_.solve, course_, false);
     if (!found.ok) {
       out_.status = found.why_not.status;
       out_.message = found.why_not.message;
@@ -94,18 +176,8 @@ class SecondVisit {
       return false;
     }
     const SharedState state = found.estimate.state();
-    std::vector<bool> held;
-    for (const bool usable : found.estimate.beacon_usable) held.push_back(!usable);
-    layout_ = make_layout(problem_, state, held);
-    fit_.problem.site = problem_.site;
-    fit_.problem.runs.resize(problem_.runs.size());
-    fit_.problem.typical_range_m = problem_.typical_range_m;
-    fit_.x = layout_.vector_of(state);
-    fit_.layout = layout_;
-    fit_.beacon_usable = found.estimate.beacon_usable;
-    fit_.trajectories = std::move(found.trajectories);
+    take_start(problem, state, std::move(found.estimate.beacon_usable), std::move(found.trajectories));
     const double factor = agreeing_sigma(fit_.trajectories, state);
-    sigma_s_ = problem_.site.noise.tof_sigma_s;
     if (is_far_off(factor)) scale_noise(factor);
     return true;
   }
@@ -151,8 +223,7 @@ class SecondVisit {
   bool find_changes(const Eigen::VectorXd& usual_room) {
     Eigen::MatrixXd room = room_around(usual_room).asDiagonal();
     std::vector<std::string> released;
-    Eigen::MatrixXd prior = known_.covariance;
-    prior.diagonal() += drift_;
+    const Eigen::MatrixXd prior = drifted();
     for (int round = 0; round < kRounds; ++round) {
       if (!course_.report("what changed", 0.7 + 0.05 * round)) return stopped();
       const Eigen::MatrixXd P = prior + room;
@@ -165,6 +236,67 @@ class SecondVisit {
       room = released_covariance(known_, released, before_);
     }
     return true;
+  }
+
+  /// What was known, and how it may have drifted.
+  [[nodiscard]] Eigen::MatrixXd drifted() const {
+    Eigen::MatrixXd P = known_.covariance;
+    P.diagonal() += drift_;
+    return P;
+  }
+
+  /// The whole drive from where a part of it has put the parameters: they are good to a fraction of the
+  /// noise, so that states are placed and settled once and one linearisation does, repeated where that has
+  /// moved them.
+  bool take_all() {
+    if (!course_.report("the whole recording", 0.9)) return stopped();
+    fit_.problem.runs.resize(problem_.runs.size());
+    fit_.trajectories = problem_.trajectories;
+    rescale_noise(fit_.trajectories, problem_.site.noise.tof_sigma_s, sigma_s_);
+    const EpochFixModel model = search_model(problem_, fit_.state(), fit_.beacon_usable);
+    for (Trajectory& t : fit_.trajectories)
+      static_cast<void>(place_states(t, model, 0.0, false, 0.0, options_.solve.threads));
+    readmit_all(fit_.trajectories, fit_.beacon_usable);
+    const bool known_white = !visit_.correlated;
+    const Eigen::MatrixXd prior = drifted();
+    for (int pass = 0; pass < kPassesOfAll; ++pass) {
+      const SharedState state = fit_.state();
+      settle_all(state, pass == 0 ? kCauchyScale : 0.0);
+      mark_rejected(fit_.trajectories, state, options_.solve.rejection_sigmas, options_.solve.threads);
+      const Eigen::MatrixXd P =
+          prior + released_covariance(known_, changed_parameters(out_.comparison, known_, before_), before_);
+      set_joint_prior(fit_.layout = layout_, known_, P);
+      visit_ = visit_information(fit_, known_, P, before_, options_.solve.threads, known_white);
+      out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
+      move_to(known_.value + updated_by(P, visit_.N, visit_.gradient).step);
+    }
+    statistics_ = statistics_of(fit_.problem, fit_.layout, fit_.trajectories, fit_.state(), data_cost(),
+                                options_.solve.threads);
+    return true;
+  }
+
+  void settle_all(const SharedState& state, double scale) {
+    for (Trajectory& t : fit_.trajectories)
+      for_each_parallel(t.segments.size(), options_.solve.threads, [&](std::size_t s) {
+        if (t.nodes[t.segments[s].first_node].placed) settle(t, t.segments[s], state, {scale, scale});
+      });
+  }
+
+  /// Of all arrivals and priors where the fit stands.
+  [[nodiscard]] double data_cost() const {
+    double cost = prior_cost(fit_.problem, fit_.layout, fit_.x);
+    const SharedState state = fit_.state();
+    for (const Trajectory& t : fit_.trajectories)
+      for (const Segment& segment : t.segments)
+        if (t.nodes[segment.first_node].placed) cost += chain_cost(t, segment, state, {});
+    return cost;
+  }
+
+  void move_to(const Eigen::VectorXd& value) {
+    const std::vector<int> columns = columns_of(layout_, known_);
+    for (Eigen::Index i = 0; i < known_.size(); ++i)
+      if (const int c = columns[static_cast<std::size_t>(i)]; c >= 0)
+        fit_.x[c] = value[i] / layout_.parameters[static_cast<std::size_t>(c)].si_per_unit;
   }
 
   void conclude_visit() {

@@ -99,6 +99,18 @@ Partition partition_of(const ParameterLayout& layout, const KnownParameters& kno
   return p;
 }
 
+/// Of what is known of parameters each for itself.
+Eigen::VectorXd own_prior_gradient(const Fit& fit, const std::vector<int>& columns) {
+  Eigen::VectorXd gradient(static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Parameter& p = fit.layout.parameters[static_cast<std::size_t>(columns[k])];
+    gradient[static_cast<Eigen::Index>(k)] =
+        std::isfinite(p.prior_sigma) ? (fit.x[columns[k]] - p.prior_mean) / (p.prior_sigma * p.prior_sigma)
+                                     : 0.0;
+  }
+  return gradient;
+}
+
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& H) {
   const Eigen::VectorXd scale = H.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd scaled = scale.asDiagonal() * H * scale.asDiagonal();
@@ -130,18 +142,21 @@ void discount(const Eigen::MatrixXd& honest, Eigen::MatrixXd& N, Eigen::VectorXd
 
 }  // namespace
 
-VisitInformation visit_information(const Fit& fit, const KnownParameters& known, const Eigen::MatrixXd& P_si,
-                                   const Deployment& noise, int threads) {
-  std::vector<Trajectory> trajectories = fit.trajectories;
+VisitInformation visit_information(Fit& fit, const KnownParameters& known, const Eigen::MatrixXd& P_si,
+                                   const Deployment& noise, int threads, bool known_white) {
   Workers workers;
   workers.threads = threads;
-  const Information information = information_at(fit.problem, fit.layout, trajectories, fit.x, {}, workers);
+  const Information information =
+      information_at(fit.problem, fit.layout, fit.trajectories, fit.x, {}, workers);
   const Eigen::MatrixXd all = information.data + information.prior;
   const Partition p = partition_of(fit.layout, known);
   Eigen::MatrixXd N = information.data(p.known, p.known);
+  Eigen::VectorXd pull = -information.data_gradient(p.known);  // N (theta_2 - x)
   if (!p.others.empty()) {
-    const Eigen::MatrixXd across = all(p.others, p.known);
-    N -= across.transpose() * inverse_of(all(p.others, p.others)) * across;
+    const Eigen::MatrixXd across = all(p.others, p.known),
+                          eliminated = across.transpose() * inverse_of(all(p.others, p.others));
+    N -= eliminated * across;
+    pull += eliminated * (information.data_gradient(p.others) + own_prior_gradient(fit, p.others));
   }
   // Unit prior: x = theta_1 + L u with P = L L'.
   const auto n = static_cast<Eigen::Index>(p.known.size());
@@ -149,16 +164,17 @@ VisitInformation visit_information(const Fit& fit, const KnownParameters& known,
   for (Eigen::Index k = 0; k < n; ++k)
     unit[k] =
         fit.layout.parameters[static_cast<std::size_t>(p.known[static_cast<std::size_t>(k)])].si_per_unit;
-  const JointPrior prior = joint_prior({}, {}, P_si(p.of_known, p.of_known));
-  const Eigen::MatrixXd inverse_root = prior.root;  // of P in SI: L^-1
+  const Eigen::MatrixXd inverse_root =
+      joint_prior({}, {}, P_si(p.of_known, p.of_known)).root;  // of P in SI: L^-1
   const Eigen::MatrixXd L = Eigen::PartialPivLU<Eigen::MatrixXd>(inverse_root).inverse();
   const Eigen::MatrixXd internal_L = unit.cwiseInverse().asDiagonal() * L;
   Eigen::MatrixXd N_unit = internal_L.transpose() * N * internal_L;
   N_unit = (0.5 * (N_unit + N_unit.transpose())).eval();
   const Eigen::VectorXd u = inverse_root * (unit.cwiseProduct(fit.x(p.known)) - known.value(p.of_known));
-  Eigen::VectorXd gradient = u + N_unit * u;
+  Eigen::VectorXd gradient = internal_L.transpose() * pull + N_unit * u;
   VisitInformation out;
-  const Eigen::MatrixXd honest = correlated_covariance(fit, inverse_of(all), noise, threads);
+  const Eigen::MatrixXd honest =
+      known_white ? Eigen::MatrixXd() : correlated_covariance(fit, inverse_of(all), noise, threads);
   if (honest.size() > 0) {
     const Eigen::MatrixXd to_unit = inverse_root * unit.asDiagonal();
     discount(to_unit * honest(p.known, p.known) * to_unit.transpose(), N_unit, gradient);
@@ -169,6 +185,16 @@ VisitInformation visit_information(const Fit& fit, const KnownParameters& known,
   out.N(p.of_known, p.of_known) = inverse_root.transpose() * N_unit * inverse_root;
   out.gradient(p.of_known) = inverse_root.transpose() * gradient;
   return out;
+}
+
+Updated updated_by(const Eigen::MatrixXd& P, const Eigen::MatrixXd& N, const Eigen::VectorXd& gradient) {
+  // In coordinates in which the prior is the unit matrix: (I + L'N L)^-1 lies between 0 and 1.
+  const Eigen::MatrixXd root = joint_prior({}, {}, P).root;
+  const Eigen::MatrixXd L = Eigen::PartialPivLU<Eigen::MatrixXd>(root).inverse();
+  Eigen::MatrixXd total = L.transpose() * N * L;
+  total.diagonal().array() += 1.0;
+  const Eigen::MatrixXd C = L * DenseLdlt(total).solve(L.transpose());
+  return {C * gradient, 0.5 * (C + C.transpose())};
 }
 
 }  // namespace octant::calib

@@ -17,17 +17,27 @@ struct VisitInformation {
   bool correlated = false;   ///< errors keep together, so that N is less than their count
 };
 
-/// From a fit under a joint prior (covariance P), which is taken out again:
-///   P^-1 (x - theta_1) = N (theta_2 - x),   so that   N (theta_2 - theta_1) = P^-1 (x - theta_1) + N (x -
-///   theta_1)
+/// From the gradient and the Gauss-Newton matrix of the arrivals where a fit stands, x, near to what the
+/// visit says:
+///   N (theta_2 - x) = -g,   so that   N (theta_2 - theta_1) = N (x - theta_1) - g
 /// All other parameters are eliminated with what is known of them. Where errors are correlated, by the
 /// residuals or because those of the first calibration were, estimates of white weights have the covariance G
 /// (P^-1 + M) G with G = (P^-1 + N)^-1, and the visit is worth N M^-1 N (Huber's sandwich turned inside out).
-/// @param fit  settled, with the joint prior of set_joint_prior
+/// @param fit  its states are settled here; with the joint prior of set_joint_prior
 /// @param P  covariance of that prior [SI]
 /// @param noise  of the first calibration
-[[nodiscard]] VisitInformation visit_information(const Fit& fit, const KnownParameters& known,
+/// @param known_white  a part of the same recording has shown that errors are white: that is not tested again
+[[nodiscard]] VisitInformation visit_information(Fit& fit, const KnownParameters& known,
                                                  const Eigen::MatrixXd& P, const Deployment& noise,
-                                                 int threads);
+                                                 int threads, bool known_white = false);
+
+/// What a Gaussian prior of mean theta_1 becomes by a visit.
+struct Updated {
+  Eigen::VectorXd step;  ///< from theta_1
+  Eigen::MatrixXd covariance;
+};
+/// (P^-1 + N)^-1, and that times the gradient. @param P  positive definite
+[[nodiscard]] Updated updated_by(const Eigen::MatrixXd& P, const Eigen::MatrixXd& N,
+                                 const Eigen::VectorXd& gradient);
 
 }  // namespace octant::calib
