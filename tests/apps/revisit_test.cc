@@ -101,6 +101,16 @@ TEST_F(SecondVisit, AReplacedBeaconIsAnAlarmARecalibrationAndADifference) {
   EXPECT_EQ(octant({"verify", out("n.json"), visit()}).exit, 0);
 }
 
+TEST_F(SecondVisit, HistoryTakesWhatMonitorAndRecalibrateSay) {
+  spit(out("m.json"), monitor({"--json"}).out);
+  ASSERT_EQ(octant({"recalibrate", out("d.json"), visit(), "-o", out("n.json")}).exit, 0);
+  const Outcome added = octant({"history", "add", out("d.json"), out("m.json"), out("n.json"), "--db",
+                                out("site.octant.db"), "--json"});
+  EXPECT_EQ(added.exit, 0) << added.err;
+  const auto listed = octant({"history", "list", "--db", out("site.octant.db"), "--json"}).json();
+  EXPECT_EQ(listed["visits"].size(), 3U) << listed.dump();
+}
+
 TEST_F(SecondVisit, NoOutputOverAnInputAndBadInputIsSaid) {
   EXPECT_EQ(octant({"recalibrate", out("d.json"), visit(), "-o", out("d.json")}).exit, 2);
   EXPECT_EQ(octant({"recalibrate", hall("site.yaml"), visit(), "-o", out("n.json")}).exit, 3);

@@ -23,7 +23,8 @@ int run(const MonitorArgs& words, Session& session) {
   if (!visit) return session.fail(visit.error());
   if (visit->revisit.status == calib::SolveStatus::kInterrupted || interrupted())
     return session.interrupted();
-  Json object = revisit_json(*visit, session);
+  Json object = visit->head;
+  object.update(revisit_json(*visit, session));
   if (const auto failure = failure_of(visit->revisit)) return session.fail(*failure, object);
   session.result(revisit_text(*visit));
   std::string message, advice;

@@ -12,6 +12,7 @@
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/changes_text.h"
 #include "apps/octant/text/table.h"
+#include "apps/octant/text/validity_words.h"
 #include "io/deployment/deployment_json.h"
 
 namespace octant::app {
@@ -122,6 +123,7 @@ Result<SecondVisitFiles> revisit_files(const std::string& path, const std::vecto
   out.inputs.push_back({path, before->digest});
   for (const MeasurementLog& run : *runs)
     for (const auto& [file, sha256] : run.sha256) out.inputs.push_back({file, sha256});
+  out.head = result_head("monitoring", path, *before, *runs);
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::RevisitOptions options;
   options.drift = drift_between(before->created, created_now(), drift);

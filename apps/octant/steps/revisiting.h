@@ -29,6 +29,7 @@ void add_drift_options(CLI::App& command, DriftWords& words);
 struct SecondVisitFiles {
   Deployment before;
   std::vector<InputDigest> inputs;
+  Json head;  ///< what `octant history` wants to know of the result
   calib::Revisit revisit;
 };
 /// Reads both and asks; progress and warnings go to the session. Errors of reading; numerical trouble is in
