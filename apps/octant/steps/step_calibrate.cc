@@ -213,7 +213,7 @@ std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibra
 void warn_if_contradicted(const Deployment& deployment, const std::string& path, Session& session) {
   for (const Contradiction& c : deployment.contradictions)
     session.warn(fmt::format("{} was exported although its data contradict its site file: {} {}", path,
-                             reason_in_words(c), c.remedy));
+                             in_words(c), c.remedy));
 }
 
 namespace {
