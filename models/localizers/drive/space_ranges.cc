@@ -10,13 +10,15 @@
 #include <Eigen/Cholesky>
 
 #include "models/physics/plane.h"
+#include "models/trajectory/decompositions.h"
 
 namespace octant {
 namespace {
 
 constexpr std::size_t kMostBiases = 24;  ///< beacons with a Gauss-Markov state of their own
 constexpr double kSearch_s = 2.0;        ///< longest stretch that a place is searched in
-constexpr double kAlike = 6.0;           ///< in half squares: two places explain the arrivals alike
+constexpr double kCoplanar = 0.05;  ///< off their plane, of the beacons' extent: ranges do not tell the sides
+constexpr double kAlike = 6.0;      ///< in half squares: two places explain the arrivals alike
 
 /// Place of a vehicle that hardly moves: robust Gauss-Newton from points around the beacons.
 class PlaceSearch {
@@ -129,6 +131,13 @@ SpaceSetting::SpaceSetting(const Deployment& d, const SpaceTrackOptions& o)
   }
   if (usable > 0) centre_m /= static_cast<double>(usable);
   if (usable > 1) extent_m = std::max(1e-3, (high - low).norm());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const DeploymentBeacon& b : d.beacons)
+    if (b.status != BeaconStatus::kUndetermined)
+      spread += (b.position_m - centre_m) * (b.position_m - centre_m).transpose();
+  const SymmetricEigen<Eigen::Matrix3d> axes(spread);
+  coplanar = usable < 4 || axes.eigenvalues()[0] < square(kCoplanar * extent_m) * static_cast<double>(usable);
+  normal = axes.eigenvectors().col(0);
 }
 
 SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle, SpaceSetting& setting) {

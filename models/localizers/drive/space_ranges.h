@@ -43,6 +43,8 @@ struct SpaceSetting {
   double lever_m2 = 0.0;  ///< variance of the origin's place in each axis about the receivers' centre
   double extent_m = 1.0;  ///< of the beacons
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  bool coplanar = false;  ///< the beacons, so that their plane leaves a mirror image
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of that plane
 
   SpaceSetting(const Deployment& d, const SpaceTrackOptions& o);
 };

@@ -236,8 +236,25 @@ class SpaceTracker {
     track.smooth();
     std::size_t kept = track.steps().size();
     while (lost && kept > 0 && !is_heard(k + kept - 1)) --kept;
-    for (std::size_t j = 0; j < kept; ++j) fixes.push_back(fix_at(k + j, track.steps()[j].smoothed));
+    const bool side_is_open = comes_near_the_plane(track.steps());
+    for (std::size_t j = 0; j < kept; ++j)
+      fixes.push_back(fix_at(k + j, track.steps()[j].smoothed, side_is_open));
     return k + kept;
+  }
+
+  [[nodiscard]] double height_over_plane_m(const Belief& belief) const {
+    return setting_.normal.dot(Eigen::Vector3d(belief.x.head<3>()) - setting_.centre_m);
+  }
+
+  /// A track that stays clear of the plane of the beacons keeps its side; one that may have gone through it
+  /// does not.
+  [[nodiscard]] bool comes_near_the_plane(const std::vector<Step>& steps) const {
+    if (!setting_.coplanar) return false;
+    return std::any_of(steps.begin(), steps.end(), [this](const Step& step) {
+      const Eigen::Matrix3d P = step.smoothed.P.topLeftCorner<3, 3>();
+      const double sigma = std::sqrt(std::max(0.0, setting_.normal.dot(P * setting_.normal)));
+      return std::abs(height_over_plane_m(step.smoothed)) < setting_.options.rejection_sigmas * sigma;
+    });
   }
 
   [[nodiscard]] bool is_heard(std::size_t k) const {
@@ -255,7 +272,8 @@ class SpaceTracker {
     return fix;
   }
 
-  [[nodiscard]] Fix fix_at(std::size_t k, const Belief& belief) const {
+  /// @param side_is_open  it may as well be at the mirror image: half of the squares between both counts
+  [[nodiscard]] Fix fix_at(std::size_t k, const Belief& belief, bool side_is_open) const {
     Fix fix = no_fix(k);
     fix.arrivals_rejected = 0;
     for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i) {
@@ -267,6 +285,8 @@ class SpaceTracker {
     Eigen::Matrix3d P = belief.P.topLeftCorner<3, 3>();
     if (M.cols() > 0) P += M * setting_.calibration.covariance() * M.transpose();
     P.diagonal().array() += setting_.lever_m2;
+    if (side_is_open)
+      P += 2 * square(height_over_plane_m(belief)) * setting_.normal * setting_.normal.transpose();
     fix.covariance = Eigen::MatrixXd::Zero(6, 6);
     fix.covariance.topLeftCorner<3, 3>() = 0.5 * (P + P.transpose());
     fix.covariance.diagonal().tail<3>().setConstant(kUnknownRotationVariance);

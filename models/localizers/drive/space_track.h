@@ -29,7 +29,8 @@ struct SpaceTrackOptions {
 /// (Schmidt's consider parameters). One fix at every instant of arrivals.
 ///
 /// Beacons in one plane leave a mirror image: taken is the one above the floor (z = 0) and, if both are,
-/// below the beacons.
+/// below the beacons. A track that comes near their plane may have gone through it: then the distance of the
+/// images counts in the covariance.
 [[nodiscard]] std::vector<Fix> track_in_space(const MeasurementLog& log, const Deployment& deployment,
                                               const SpaceTrackOptions& options = {});
 
