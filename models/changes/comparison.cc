@@ -93,9 +93,12 @@ void name_exchanges(const Deployment& d, std::vector<Change>& changes) {
     }
 }
 
-/// Whether something beside approximate positions holds the map.
+/// Whether anything holds the map: of a free network the covariance says nothing of its place.
 bool frame_is_held(const Deployment& d) {
-  return d.datum.control_points.size() >= 2 || d.datum.position == "measured poses";
+  const auto is_free = [](const std::string& by) {
+    return by.find("inner constraints") != std::string::npos;
+  };
+  return !is_free(d.datum.position) && !is_free(d.datum.orientation);
 }
 
 /// The motions of the map as columns of their own.

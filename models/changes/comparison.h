@@ -20,8 +20,8 @@ struct Comparison {
 };
 
 /// That the map moved as a whole is one of the changes that are looked for, so that no beacon is accused of
-/// it; where nothing but approximate positions holds the map, its place has no meaning, and the comparison is
-/// free of it. Two beacons that moved to each other's places are named as exchanged.
+/// it; of a free network (inner constraints) the place has no meaning, and the comparison is free of it. Two
+/// beacons that moved to each other's places are named as exchanged.
 /// @param before  names and places  @param known  of it, as the innovation has its parameters
 [[nodiscard]] Comparison compare(const Deployment& before, const KnownParameters& known,
                                  const Innovation& innovation);
