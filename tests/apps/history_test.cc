@@ -12,7 +12,7 @@
 
 #include "io/deployment/deployment_json.h"
 #include "io/history/sql.h"
-#include "io/text/utc_time.h"
+#include "io/history/utc_time.h"
 #include "models/simulator/random.h"
 #include "tests/apps/hall_folder.h"
 

@@ -10,7 +10,7 @@
 
 #include "io/deployment/deployment_json.h"
 #include "io/history/sql.h"
-#include "io/text/utc_time.h"
+#include "io/history/utc_time.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {

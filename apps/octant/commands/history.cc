@@ -14,7 +14,7 @@
 #include "apps/octant/steps/reporting.h"
 #include "apps/octant/text/table.h"
 #include "io/deployment/deployment_json.h"
-#include "io/text/utc_time.h"
+#include "io/history/utc_time.h"
 
 namespace octant::app {
 namespace {

@@ -8,7 +8,7 @@
 #include "apps/octant/commands/history_words.h"
 #include "apps/octant/text/table.h"
 #include "io/deployment/deployment_json.h"
-#include "io/text/utc_time.h"
+#include "io/history/utc_time.h"
 #include "survey/trend/site_trend.h"
 
 namespace octant::app {

@@ -59,7 +59,7 @@ TEST(Adjust, StopsWhereTheLastStepIsForetoldAndNotBefore) {
       const calib::AdjustResult result = adjusted(off, tolerance, x, there);
       EXPECT_TRUE(result.converged);
       EXPECT_LE(result.cost - best, tolerance * best);
-      if (result.message.find("foretold") == std::string::npos) continue;
+      if (result.message.find("predicted decrease") == std::string::npos) continue;
       ++foretold;
       // The matrix is that of the point before the last step, the states are those of x.
       std::vector<Trajectory> settled = there;

@@ -46,6 +46,11 @@ TwoVisits two_visits(const std::function<void(Scenario&)>& change, int epochs = 
   TwoVisits out;
   out.before = make_deployment(problem, solution, {"2026-01-01T00:00:00Z", "", "", {}});
   out.before.digest = "first";
+  // The same receivers: the simulator draws their errors anew for each seed.
+  for (std::size_t r = 0; r < scenario.site.receivers.size(); ++r) {
+    scenario.site.receivers[r].position_m = first.truth.receivers[r].position_m;
+    scenario.site.receivers[r].sigma_m.setZero();
+  }
   change(scenario);
   scenario.path.epochs = epochs;
   out.second = must(simulate(scenario, 12)).run;

@@ -123,8 +123,8 @@ TEST_F(Search, GivesUpWhatOthersExplain) {
   // A sum of two changes that a third hypothesis explains almost as well as both together.
   std::vector<ChangeHypothesis> hypotheses = {
       {ChangeKind::kDelay, 0, {0}}, {ChangeKind::kDelay, 1, {1}}, {ChangeKind::kDelay, 2, {2}}};
-  Innovation innovation{Eigen::MatrixXd::Zero(3, 3), Eigen::Vector3d(10, 10, 5), 3};
-  innovation.B << 1, 0, 1, 0, 1, 1, 0.5, 0, 0;
+  Innovation innovation{Eigen::MatrixXd::Zero(3, 3), Eigen::Vector3d(10, 10, 8), 3};
+  innovation.B << 1, 0, 1, 0, 1, 1, 0.8, 0, 0;
   EXPECT_EQ(search_changes(innovation, hypotheses).held(), (std::vector<std::size_t>{0, 1}));
 }
 

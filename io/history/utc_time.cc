@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "io/text/utc_time.h"
+#include "io/history/utc_time.h"
 
 #include <chrono>
 
