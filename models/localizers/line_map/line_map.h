@@ -60,7 +60,7 @@ struct LineMapOptions {
   double through_cost = 1.0;
   double max_sigma_m = 2.0;  ///< horizontal; beyond it there is no fix
   // Off the map nothing of a scan need be on it, and what is by chance must not make a fix.
-  double least_on_wall = 0.3;  ///< share of the latest scans' points on walls, below which there is no fix
+  double least_on_wall = 0.4;  ///< share of the latest scans' points on walls, below which there is no fix
   double on_wall_scans = 8.0;  ///< over about so many scans
 };
 

@@ -46,7 +46,13 @@ TwoVisits two_visits(const std::function<void(Scenario&)>& change, int epochs = 
   TwoVisits out;
   out.before = make_deployment(problem, solution, {"2026-01-01T00:00:00Z", "", "", {}});
   out.before.digest = "first";
-  // The same receivers: the simulator draws their errors anew for each seed.
+  // The same receivers and air: the simulator draws both anew for each seed.
+  if (scenario.site.attenuation) {
+    const AttenuationModel& air = *first.truth.attenuation;
+    scenario.site.attenuation->amplitude_1m_v = {air.amplitude_1m_v, 0.0};
+    scenario.site.attenuation->absorption_np_per_m = {air.absorption_np_per_m, 0.0};
+    scenario.site.attenuation->rise_time_s = {air.rise_time_s, 0.0};
+  }
   for (std::size_t r = 0; r < scenario.site.receivers.size(); ++r) {
     scenario.site.receivers[r].position_m = first.truth.receivers[r].position_m;
     scenario.site.receivers[r].sigma_m.setZero();
