@@ -38,6 +38,8 @@ constexpr double kSlackM = 0.05;  ///< by which ranges may be off while a drive 
 constexpr std::size_t kFewestRanges = 10;  ///< that locate a beacon
 /// Of the air where no thermometer was read: some ten degrees.
 constexpr double kUnknownTemperature_mps = 6.0;
+/// Share of a beacon's arrivals left out, of those in use, from which its place is doubted.
+constexpr double kManyOut = 0.15;
 /// Changes that chance makes less often leave something unexplained.
 constexpr double kUnexplained = 1.0e-4;
 
@@ -136,34 +138,71 @@ class SecondVisit {
     if (placed == 0) return false;
     take_start(problem, state, std::move(usable), std::move(trajectories));
     if (!adjust_under(drifted() + Eigen::MatrixXd(room.asDiagonal()))) return false;
-    locate_lost(problem);
+    locate_lost();
     return true;
   }
 
-  /// Beacons most of whose arrivals do not fit, from the vehicle's states by their own ranges.
-  void locate_lost(const Problem& problem) {
-    std::vector<std::size_t> in_use(before_.beacons.size(), 0), out(in_use);
+  struct Agreeing {
+    std::size_t in_use = 0, out = 0;
+  };
+  [[nodiscard]] std::vector<Agreeing> agreeing() const {
+    std::vector<Agreeing> counts(before_.beacons.size());
     for (const Trajectory& t : fit_.trajectories)
       for (const ArrivalObservation& a : t.arrivals) {
-        in_use[a.beacon.index()] += a.rejection == Rejection::kUsed;
-        out[a.beacon.index()] += a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly;
+        counts[a.beacon.index()].in_use += a.rejection == Rejection::kUsed;
+        counts[a.beacon.index()].out += a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly;
       }
+    return counts;
+  }
+
+  /// A beacon at another place, with the delay that it had.
+  void put(std::size_t b, const Eigen::Vector3d& p_map_m) {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const int c = layout_.beacon[b][i]; c >= 0) fit_.x[c] = p_map_m[static_cast<Eigen::Index>(i)];
+    if (const int c = layout_.beacon_delay[b]; c >= 0)
+      fit_.x[c] = before_.beacons[b].delay_s / layout_.parameters[static_cast<std::size_t>(c)].si_per_unit;
+  }
+
+  /// Beacons most of whose arrivals do not fit, from the vehicle's states by their own ranges.
+  /// @return whether one was placed anew
+  bool locate_lost() {
+    bool any = false;
+    const std::vector<Agreeing> counts = agreeing();
     const SharedState state = fit_.state();
-    for (std::size_t b = 0; b < in_use.size(); ++b) {
-      if (out[b] <= std::max(in_use[b], kFewestRanges) || layout_.beacon[b][0] < 0) continue;
+    for (std::size_t b = 0; b < counts.size(); ++b) {
+      if (counts[b].out <= std::max(counts[b].in_use, kFewestRanges) || layout_.beacon[b][0] < 0) continue;
       TrilaterationOptions options;
       options.guess = before_.beacons[b].position_m;
-      options.scale_m = 0.01 * problem.typical_range_m;
+      options.scale_m = 0.01 * fit_.problem.typical_range_m;
       options.above = before_.motion == Motion::kPlanar;
       const Trilateration found = trilaterate(ranges_to(fit_.trajectories, state, BeaconId(b)), options);
       if (!found.ok) continue;
-      for (std::size_t i = 0; i < 3; ++i)
-        fit_.x[layout_.beacon[b][i]] = found.p_map_m[static_cast<Eigen::Index>(i)];
-      if (layout_.beacon_delay[b] >= 0)
-        fit_.x[layout_.beacon_delay[b]] =
-            before_.beacons[b].delay_s /
-            layout_.parameters[static_cast<std::size_t>(layout_.beacon_delay[b])].si_per_unit;
+      any = true;
+      put(b, found.p_map_m);
     }
+    return any;
+  }
+
+  /// Beacons that lost many arrivals may have ended in a minimum that trades their place for their delay:
+  /// tried from where they hung before, and kept there if that leaves less unexplained.
+  void reconsider(const Eigen::MatrixXd& P) {
+    const std::vector<Agreeing> counts = agreeing();
+    const Fit found = fit_;
+    const CalibrationStatistics its_statistics = statistics_;
+    const double its_sigma_s = sigma_s_;
+    bool any = false;
+    for (std::size_t b = 0; b < counts.size(); ++b) {
+      if (static_cast<double>(counts[b].out) < kManyOut * static_cast<double>(counts[b].in_use)) continue;
+      if (counts[b].out == 0 || before_.beacons[b].status == BeaconStatus::kUndetermined) continue;
+      put(b, before_.beacons[b].position_m);
+      any = true;
+    }
+    if (!any) return;
+    const double cost = found.cost * its_sigma_s * its_sigma_s;
+    if (adjust_under(P) && fit_.cost * sigma_s_ * sigma_s_ < cost) return;
+    fit_ = found;
+    statistics_ = its_statistics;
+    sigma_s_ = its_sigma_s;
   }
 
   /// Approximate states and parameters, by what the largest consensus of arrivals agrees on.
@@ -226,8 +265,13 @@ class SecondVisit {
     const Eigen::MatrixXd prior = drifted();
     for (int round = 0; round < kRounds; ++round) {
       if (!course_.report("what changed", 0.7 + 0.05 * round)) return stopped();
-      const Eigen::MatrixXd P = prior + room;
+      Eigen::MatrixXd P = prior + room;
       if (!adjust_under(P)) return false;
+      if (round == 0 && locate_lost()) {  // one that hangs metres away may have ended at its mirror image
+        P = prior + Eigen::MatrixXd(room_around(usual_room).asDiagonal());
+        if (!adjust_under(P)) return false;
+      }
+      if (round == 0) reconsider(P);
       visit_ = visit_information(fit_, known_, P, before_, options_.solve.threads);
       out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
       std::vector<std::string> found = changed_parameters(out_.comparison, known_, before_);
