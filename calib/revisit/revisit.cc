@@ -187,17 +187,16 @@ class SecondVisit {
   /// tried from where they hung before, and kept there if that leaves less unexplained.
   void reconsider(const Eigen::MatrixXd& P) {
     const std::vector<Agreeing> counts = agreeing();
+    std::vector<std::size_t> doubtful;
+    for (std::size_t b = 0; b < counts.size(); ++b)
+      if (counts[b].out > 0 && before_.beacons[b].status != BeaconStatus::kUndetermined &&
+          static_cast<double>(counts[b].out) >= kManyOut * static_cast<double>(counts[b].in_use))
+        doubtful.push_back(b);
+    if (doubtful.empty()) return;
     const Fit found = fit_;
     const CalibrationStatistics its_statistics = statistics_;
     const double its_sigma_s = sigma_s_;
-    bool any = false;
-    for (std::size_t b = 0; b < counts.size(); ++b) {
-      if (static_cast<double>(counts[b].out) < kManyOut * static_cast<double>(counts[b].in_use)) continue;
-      if (counts[b].out == 0 || before_.beacons[b].status == BeaconStatus::kUndetermined) continue;
-      put(b, before_.beacons[b].position_m);
-      any = true;
-    }
-    if (!any) return;
+    for (const std::size_t b : doubtful) put(b, before_.beacons[b].position_m);
     const double cost = found.cost * its_sigma_s * its_sigma_s;
     if (adjust_under(P) && fit_.cost * sigma_s_ * sigma_s_ < cost) return;
     fit_ = found;

@@ -100,6 +100,15 @@ double variance_inflation(const Fit& fit, int threads) {
   return w.white ? 1.0 : std::max({1.0, w.sigma_factor * w.sigma_factor, w.pair_ratio});
 }
 
+Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information) {
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-12;
+  return scale.asDiagonal() *
+         scaled.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols())) *
+         scale.asDiagonal();
+}
+
 Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit) {
   std::vector<Trajectory> trajectories = fit.trajectories;
   Workers workers;
@@ -108,11 +117,7 @@ Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit) {
   // Priors are no noise of the arrivals: only what the data say is worth less than their count.
   const double inflation = fit.noise_factor * fit.noise_factor * variance_inflation(fit, options.threads);
   const Eigen::MatrixXd total = information.data / inflation + information.prior;
-  const Eigen::VectorXd scale = total.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * total * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-12;
-  return scale.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(total.rows(), total.cols())) *
-         scale.asDiagonal();
+  return inverse_of_information(total);
 }
 
 }  // namespace octant::calib

@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <boost/math/distributions/chi_squared.hpp>
 
 #include "calib/adjust/tile_sum.h"
 #include "calib/statements/refit.h"
 #include "calib/verdict/observability.h"
 #include "calib/verdict/validity.h"
+#include "models/changes/chi_square.h"
 
 namespace octant::calib {
 namespace {
@@ -67,9 +67,7 @@ struct Difference {
 };
 
 double chance(double squares, Eigen::Index degrees) {
-  if (!(squares > 0) || degrees <= 0) return 1.0;
-  return boost::math::cdf(
-      boost::math::complement(boost::math::chi_squared(static_cast<double>(degrees)), squares));
+  return squares > 0 && degrees > 0 ? chi_square_tail(squares, static_cast<int>(degrees)) : 1.0;
 }
 
 /// Whether a statement's columns are those of a prior, or of what is held.
@@ -262,7 +260,7 @@ class StatementTest {
     for (int c = 0; c < wide.size(); ++c)
       if (!is_held[static_cast<std::size_t>(c)]) free.push_back(c);
     const Eigen::MatrixXd prior = prior_information(problem, wide, x);
-    const Eigen::MatrixXd C = inverse((data.H / noise2 + prior)(free, free));
+    const Eigen::MatrixXd C = inverse_of_information((data.H / noise2 + prior)(free, free));
     std::vector<int> place(static_cast<std::size_t>(wide.size()), -1);
     for (std::size_t i = 0; i < free.size(); ++i)
       place[static_cast<std::size_t>(free[i])] = static_cast<int>(i);
@@ -288,14 +286,6 @@ class StatementTest {
               [](const Suspect& a, const Suspect& b) { return a.sigmas > b.sigmas; });
     if (found.size() > kMostSuspects) found.resize(kMostSuspects);
     return found;
-  }
-
-  static Eigen::MatrixXd inverse(const Eigen::MatrixXd& N) {
-    const Eigen::VectorXd scale = N.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
-    Eigen::MatrixXd scaled = scale.asDiagonal() * N * scale.asDiagonal();
-    scaled.diagonal().array() += 1e-12;
-    return scale.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(N.rows(), N.cols())) *
-           scale.asDiagonal();
   }
 
   /// lambda' C^+ lambda as a normal deviate; directions of which the data tell nothing do not count.

@@ -21,9 +21,6 @@
 namespace octant {
 namespace {
 
-/// Arrivals of one ping at all receivers lie closer together than this, those of two pings do not.
-constexpr double kSamePing_s = 5e-3;
-
 tl::unexpected<Error> missing(const char* found, const char* expected) {
   return fail({.code = Errc::kBadInput,
                .found = found,

@@ -164,7 +164,7 @@ SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle, SpaceS
     r.variance_m2 =
         square(r.distance.sigma_m) + (d.receivers[a.receiver.index()].position_m - centre).squaredNorm() / 3;
     if (setting.bias[a.beacon.index()] < 0) r.variance_m2 += square(setting.bias_sigma_m);
-    if (ranges.instants.empty() || a.time_s - ranges.all.back().arrival.time_s > kInstantInSpace_s)
+    if (ranges.instants.empty() || a.time_s - ranges.all.back().arrival.time_s > kSamePing_s)
       ranges.instants.push_back({a.time_s, ranges.all.size(), ranges.all.size()});
     ranges.all.push_back(r);
     ranges.instants.back().last = ranges.all.size();

@@ -15,9 +15,6 @@
 
 namespace octant {
 
-/// Arrivals closer together than this are of one instant: those of one ping, as in methods.cc.
-inline constexpr double kInstantInSpace_s = 5e-3;
-
 /// An arrival as a distance.
 struct SpaceRange {
   Arrival arrival;

@@ -312,7 +312,7 @@ bool is_drive_in_space(const Deployment& deployment, const MeasurementLog& log) 
   std::size_t instants = 0, rich = 0, size = 0;
   double last_s = -INFINITY;
   for (const Arrival& a : log.arrivals) {
-    if (a.time_s - last_s > kInstantInSpace_s) {
+    if (a.time_s - last_s > kSamePing_s) {
       rich += size >= kPoseArrivals;
       size = 0;
       ++instants;

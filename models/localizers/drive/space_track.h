@@ -10,6 +10,9 @@
 
 namespace octant {
 
+/// Arrivals of one ping at all receivers lie closer together than this, those of two pings do not.
+inline constexpr double kSamePing_s = 5e-3;
+
 struct SpaceTrackOptions {
   double rejection_sigmas = 4.0;
   double max_gap_s = 5.0;        ///< without arrivals, after which the place is searched anew
