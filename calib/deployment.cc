@@ -12,21 +12,20 @@
 namespace octant::calib {
 namespace {
 
-constexpr const char* kAxisSuffix[3] = {"/x_m", "/y_m", "/z_m"};
-
 void add_beacons(const Problem& problem, const Solution& solution, const Variances& variances,
                  Deployment& d) {
   // A site's one delay stands on every beacon; pair biases are part of a pair and stay out.
   for (std::size_t b = 0; b < problem.site.beacons.size(); ++b) {
     DeploymentBeacon beacon;
     beacon.name = problem.site.beacons[b].name;
-    const std::string prefix = "beacon/" + beacon.name;
     beacon.position_m = solution.state.beacon_p_map_m[b];
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        beacon.covariance_m2(i, j) = variances.covariance(prefix + kAxisSuffix[i], prefix + kAxisSuffix[j]);
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        beacon.covariance_m2(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            variances.covariance(parameters::beacon_position(b, i), parameters::beacon_position(b, j));
     beacon.delay_s = solution.state.beacon_delay_s[b] + solution.state.site_delay_s;
-    beacon.delay_sigma_s = std::hypot(variances.sigma(prefix + "/delay_s"), variances.sigma("site/delay_s"));
+    beacon.delay_sigma_s =
+        std::hypot(variances.sigma(parameters::beacon_delay(b)), variances.sigma(parameters::site_delay()));
     beacon.status = solution.beacon_status[b];
     d.beacons.push_back(std::move(beacon));
   }
@@ -37,7 +36,7 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
   d.vehicles = problem.site.vehicles;
   for (std::size_t v = 0; v < d.vehicles.size() && v < solution.state.clock_drift.size(); ++v) {
     d.vehicles[v].clock_drift = solution.state.clock_drift[v];
-    d.vehicles[v].clock_drift_sigma = variances.sigma("vehicle/" + d.vehicles[v].name + "/clock_drift");
+    d.vehicles[v].clock_drift_sigma = variances.sigma(parameters::clock_drift(v));
   }
   for (std::size_t r = 0; r < problem.site.receivers.size(); ++r) {
     const SiteReceiver& given = problem.site.receivers[r];
@@ -46,22 +45,21 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
     receiver.vehicle = given.vehicle;
     receiver.axis = given.axis;
     receiver.position_m = solution.state.receiver_p_vehicle_m[r];
-    const std::string prefix =
-        "receiver/" + problem.site.vehicles[given.vehicle.index()].name + "/" + given.name;
-    for (int i = 0; i < 3; ++i) receiver.sigma_m[i] = variances.sigma(prefix + kAxisSuffix[i]);
-    const std::string& vehicle = problem.site.vehicles[given.vehicle.index()].name;
+    for (std::size_t i = 0; i < 3; ++i)
+      receiver.sigma_m[static_cast<Eigen::Index>(i)] = variances.sigma(parameters::receiver_position(r, i));
+    const std::size_t vehicle = given.vehicle.index();
     const Eigen::Vector2d o = receiver.position_m.head<2>();
-    if (problem.site.vehicles[given.vehicle.index()].array && o.norm() > 0) {
+    if (problem.site.vehicles[vehicle].array && o.norm() > 0) {
       Eigen::Matrix2d by_shape;  // by the circumradius and the turn
       by_shape << o.x() / o.norm(), -o.y(), o.y() / o.norm(), o.x();
-      const std::string radius = "array/" + vehicle + "/radius_m", turn = "array/" + vehicle + "/turn_rad";
+      const ParameterId radius = parameters::array_radius(vehicle), turn = parameters::array_turn(vehicle);
       Eigen::Matrix2d C;
       C << variances.covariance(radius, radius), variances.covariance(radius, turn),
           variances.covariance(turn, radius), variances.covariance(turn, turn);
       receiver.sigma_m.head<2>() = (by_shape * C * by_shape.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
     }
     receiver.delay_s = solution.state.receiver_delay_s[r];
-    receiver.delay_sigma_s = variances.sigma(prefix + "/delay_s");
+    receiver.delay_sigma_s = variances.sigma(parameters::receiver_delay(r));
     d.receivers.push_back(std::move(receiver));
   }
 }
@@ -170,8 +168,7 @@ Deployment make_deployment(const Problem& problem, const Solution& solution, con
   const auto& offsets = solution.state.speed_offset_mps;
   // With one offset a run, the last run is the nearest to the present.
   d.speed_offset_mps = offsets.back();
-  d.speed_sigma_mps = variances.sigma(
-      offsets.size() > 1 ? "medium/run" + std::to_string(offsets.size()) + "/speed_mps" : "medium/speed_mps");
+  d.speed_sigma_mps = variances.sigma(parameters::speed(offsets.size() > 1 ? offsets.size() : 0));
   add_noise(problem, solution, d);
   d.attenuation = solution.state.attenuation;
   d.covariance = solution.covariance;

@@ -40,7 +40,7 @@ struct WeakDirection {
 /// among themselves, and of those that no one beacon has. SI units, order of `parameters`; pairs that are not
 /// told have no element.
 struct MarginalCovariance {
-  std::vector<std::string> parameters;
+  std::vector<ParameterId> parameters;
   Eigen::SparseMatrix<double> matrix;
 };
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "models/changes/change.h"
 #include "models/contradiction.h"
+#include "models/parameter.h"
 #include "models/site.h"
 
 namespace octant {
@@ -66,9 +68,14 @@ struct CalibrationStatistics {
 
 /// Joint covariance of the calibrated parameters, SI units, order of `parameters`.
 struct JointCovariance {
-  std::vector<std::string>
-      parameters;  ///< beacon/B1/x_m, beacon/B1/delay_s, receiver/robot/r0/x_m, medium/speed_mps, ...
+  std::vector<ParameterId> parameters;
   Eigen::MatrixXd matrix;
+
+  /// Where a parameter stands; -1: it was held fixed.
+  [[nodiscard]] int index_of(const ParameterId& id) const {
+    const auto at = std::find(parameters.begin(), parameters.end(), id);
+    return at == parameters.end() ? -1 : static_cast<int>(at - parameters.begin());
+  }
 };
 
 /// The part of the errors of arrivals that is not white, as the calibration's residuals show it; zero: there

@@ -16,18 +16,20 @@ Variances::Variances(const JointCovariance& covariance) : joint_(&covariance) {
     index_[covariance.parameters[i]] = static_cast<Eigen::Index>(i);
 }
 
-double Variances::covariance(const std::string& a, const std::string& b) const {
+double Variances::covariance(const ParameterId& a, const ParameterId& b) const {
   const auto i = index_.find(a), j = index_.find(b);
   if (i == index_.end() || j == index_.end()) return 0.0;
   return marginals_ != nullptr ? marginals_->matrix.coeff(i->second, j->second)
                                : joint_->matrix(i->second, j->second);
 }
 
-std::optional<Eigen::Vector3d> white_sigma_m(const Solution& solution, const std::string& beacon) {
+std::optional<Eigen::Vector3d> white_sigma_m(const Solution& solution, std::size_t beacon) {
   if (solution.white_covariance.parameters.empty()) return std::nullopt;
   const Variances white(solution.white_covariance);
-  return Eigen::Vector3d(white.sigma("beacon/" + beacon + "/x_m"), white.sigma("beacon/" + beacon + "/y_m"),
-                         white.sigma("beacon/" + beacon + "/z_m"));
+  Eigen::Vector3d sigma_m;
+  for (std::size_t i = 0; i < 3; ++i)
+    sigma_m[static_cast<Eigen::Index>(i)] = white.sigma(parameters::beacon_position(beacon, i));
+  return sigma_m;
 }
 
 }  // namespace octant::calib

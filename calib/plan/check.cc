@@ -83,11 +83,10 @@ void weigh_as_whole(std::vector<Trajectory>& trajectories, const Counts& whole, 
 /// Beacons that took part in the adjustment: their parameters are free, or they are control points.
 std::vector<bool> usable_beacons(const Site& site, const Variances& variances) {
   std::vector<bool> usable;
-  for (const SiteBeacon& b : site.beacons) {
-    const std::string prefix = "beacon/" + b.name;
-    usable.push_back(b.is_control_point() || variances.has(prefix + "/x_m") ||
-                     variances.has(prefix + "/y_m") || variances.has(prefix + "/z_m") ||
-                     variances.has(prefix + "/delay_s"));
+  for (std::size_t b = 0; b < site.beacons.size(); ++b) {
+    bool free = variances.has(parameters::beacon_delay(b));
+    for (std::size_t i = 0; i < 3; ++i) free = free || variances.has(parameters::beacon_position(b, i));
+    usable.push_back(free || site.beacons[b].is_control_point());
   }
   return usable;
 }
@@ -137,11 +136,11 @@ BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& 
   if (!usable || (arrivals == 0 && f.status == BeaconStatus::kUndetermined)) return f;
   f.position_m = s.state.beacon_p_map_m[b];
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
-  const char* axis[3] = {"/x_m", "/y_m", "/z_m"};
-  for (int i = 0; i < 3; ++i) sigma[i] = variances.sigma("beacon/" + f.name + axis[i]);
+  for (std::size_t i = 0; i < 3; ++i)
+    sigma[static_cast<Eigen::Index>(i)] = variances.sigma(parameters::beacon_position(b, i));
   if (sigma.maxCoeff() < kUnseenM) f.sigma_m = sigma;
-  if (variances.has("beacon/" + f.name + "/delay_s"))
-    f.delay_sigma_s = variances.sigma("beacon/" + f.name + "/delay_s");
+  if (variances.has(parameters::beacon_delay(b)))
+    f.delay_sigma_s = variances.sigma(parameters::beacon_delay(b));
   return f;
 }
 
@@ -151,8 +150,8 @@ void speed_forecast(Forecast& f) {
   f.speed_mps = speed_mps(f.thinned.site.medium) + s.state.speed_offset(0);
   f.speed_sigma_mps = 0.0;
   const Variances variances(s);
-  for (const char* name : {"medium/speed_mps", "medium/run1/speed_mps"})
-    if (variances.has(name)) f.speed_sigma_mps = variances.sigma(name);
+  for (const ParameterId& id : {parameters::speed(), parameters::speed(1)})
+    if (variances.has(id)) f.speed_sigma_mps = variances.sigma(id);
 }
 
 ThinOptions share_of(const ThinOptions& options, std::size_t rows, std::size_t all) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -88,37 +87,34 @@ Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& C) {
 /// The site that a deployment describes, its sigmas as priors, so that the parameters of its covariance are
 /// free again.
 Site site_of(const Deployment& d) {
-  const std::set<std::string> free(d.covariance.parameters.begin(), d.covariance.parameters.end());
-  const auto prior = [&](const std::string& name, double value) {
-    return Prior{value, free.contains(name) ? std::max(1e-6, std::abs(value)) : 0.0};
-  };
+  const auto is_free = [&](const ParameterId& id) { return d.covariance.index_of(id) >= 0; };
   Site site;
   site.name = d.site;
   site.motion = d.motion;
   site.medium = d.medium;
-  site.speed_sigma_mps = free.contains("medium/speed_mps") ? std::max(d.speed_sigma_mps, 1e-9) : 0.0;
+  site.speed_sigma_mps = is_free(parameters::speed()) ? std::max(d.speed_sigma_mps, 1e-9) : 0.0;
   site.timing = d.timing;
   if (!(site.timing.delay_sigma_s > 0)) site.timing.delay_per = {};
   site.noise = d.noise;
   site.noise.pair_sigma_s.reset();
   site.tolerance = d.tolerance;
-  if (d.attenuation)
-    site.attenuation = AttenuationPrior{
-        .amplitude_1m_v = prior("attenuation/amplitude_1m_v", d.attenuation->amplitude_1m_v),
-        .absorption_np_per_m = prior("attenuation/absorption_np_per_m", d.attenuation->absorption_np_per_m),
-        .rise_time_s = prior("attenuation/rise_time_s", d.attenuation->rise_time_s),
-        .threshold_v = d.attenuation->threshold_v,
-        .half_power_angle_rad =
-            prior("attenuation/half_power_angle_rad", d.attenuation->half_power_angle_rad),
-        .saturation_v = d.attenuation->saturation_v};
-  const char* axis[3] = {"/x_m", "/y_m", "/z_m"};
+  if (d.attenuation) {
+    AttenuationPrior& prior = site.attenuation.emplace();
+    prior.threshold_v = d.attenuation->threshold_v;
+    prior.saturation_v = d.attenuation->saturation_v;
+    for (std::size_t i = 0; i < kAttenuationUnknowns; ++i) {
+      const double value = attenuation_unknown(*d.attenuation, i);
+      attenuation_unknown(prior, i) = {
+          value, is_free(parameters::attenuation(i)) ? std::max(1e-6, std::abs(value)) : 0.0};
+    }
+  }
   for (const DeploymentBeacon& b : d.beacons) {
     SiteBeacon beacon;
     beacon.name = b.name;
     for (std::size_t i = 0; i < 3 && b.status != BeaconStatus::kUndetermined; ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       beacon.position_m[i] = b.position_m[k];
-      beacon.sigma_m[i] = free.contains("beacon/" + b.name + axis[i])
+      beacon.sigma_m[i] = is_free(parameters::beacon_position(site.beacons.size(), i))
                               ? std::sqrt(std::max(1e-18, b.covariance_m2(k, k)))
                               : 0.0;
     }
@@ -126,25 +122,25 @@ Site site_of(const Deployment& d) {
   }
   site.vehicles = d.vehicles;
   for (const DeploymentReceiver& r : d.receivers) {
-    const std::string prefix = "receiver/" + d.vehicles[r.vehicle.index()].name + "/" + r.name;
     SiteReceiver receiver{.name = r.name, .vehicle = r.vehicle, .position_m = r.position_m, .axis = r.axis};
-    for (int i = 0; i < 3; ++i)
-      if (free.contains(prefix + axis[i])) receiver.sigma_m[i] = std::max(r.sigma_m[i], 1e-9);
+    for (std::size_t i = 0; i < 3; ++i)
+      if (is_free(parameters::receiver_position(site.receivers.size(), i)))
+        receiver.sigma_m[static_cast<Eigen::Index>(i)] =
+            std::max(r.sigma_m[static_cast<Eigen::Index>(i)], 1e-9);
     site.receivers.push_back(std::move(receiver));
   }
   return site;
 }
 
-/// A covariance of names in SI units, where the layout has its columns.
+/// A joint covariance in SI units, where the layout has its columns.
 Eigen::MatrixXd information_of(const JointCovariance& joint, const ParameterLayout& layout,
                                Eigen::MatrixXd information) {
   std::vector<Eigen::Index> from;
   std::vector<int> to;
   for (int i = 0; i < layout.size(); ++i) {
-    const auto at = std::find(joint.parameters.begin(), joint.parameters.end(),
-                              layout.parameters[static_cast<std::size_t>(i)].name);
-    if (at == joint.parameters.end()) continue;
-    from.push_back(at - joint.parameters.begin());
+    const int at = joint.index_of(layout.parameters[static_cast<std::size_t>(i)].id);
+    if (at < 0) continue;
+    from.push_back(at);
     to.push_back(i);
   }
   Eigen::MatrixXd C(from.size(), from.size());
@@ -287,13 +283,14 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
   k.state = solution.state;
   k.tof_sigma_s = solution.tof_sigma_s > 0 ? solution.tof_sigma_s : problem.site.noise.tof_sigma_s;
   std::vector<bool> held;
-  const auto& names =
+  const auto& known =
       solution.covariance.parameters.empty() ? solution.marginals.parameters : solution.covariance.parameters;
-  for (const SiteBeacon& b : problem.site.beacons) {
-    const std::string prefix = "beacon/" + b.name + "/";
-    const bool found =
-        b.is_control_point() ||
-        std::any_of(names.begin(), names.end(), [&](const std::string& n) { return n.starts_with(prefix); });
+  std::vector<bool> has_free(problem.site.beacons.size(), false);
+  for (const ParameterId& id : known)
+    if (const auto beacon = beacon_of(id)) has_free[*beacon] = true;
+  for (std::size_t i = 0; i < problem.site.beacons.size(); ++i) {
+    const SiteBeacon& b = problem.site.beacons[i];
+    const bool found = b.is_control_point() || has_free[i];
     k.placed.push_back(found);
     held.push_back(!found);
     if (!found) k.warnings.push_back(fmt::format("beacon {} was not found: the plan leaves it out", b.name));

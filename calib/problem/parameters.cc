@@ -9,8 +9,6 @@
 namespace octant::calib {
 namespace {
 
-constexpr const char* kAxis[3] = {"x_m", "y_m", "z_m"};
-
 class LayoutBuilder {
  public:
   LayoutBuilder(const Problem& problem, const SharedState& state, const std::vector<bool>& held)
@@ -31,9 +29,9 @@ class LayoutBuilder {
   }
 
  private:
-  int add(std::string name, double mean, double sigma, double si_per_unit, double lower = -INFINITY,
+  int add(ParameterId id, double mean, double sigma, double si_per_unit, double lower = -INFINITY,
           double upper = INFINITY) {
-    layout_.parameters.push_back({std::move(name), mean, sigma, si_per_unit, lower, upper});
+    layout_.parameters.push_back({id, mean, sigma, si_per_unit, lower, upper});
     return layout_.size() - 1;
   }
   void block_from(int first) {
@@ -49,9 +47,8 @@ class LayoutBuilder {
       for (std::size_t i = 0; i < 3; ++i) {
         const bool prior = beacon.position_m[i] && beacon.sigma_m[i];
         if (prior && *beacon.sigma_m[i] == 0.0) continue;
-        layout_.beacon[b][i] =
-            add("beacon/" + beacon.name + "/" + kAxis[i], prior ? *beacon.position_m[i] : 0.0,
-                prior ? *beacon.sigma_m[i] : INFINITY, 1.0);
+        layout_.beacon[b][i] = add(parameters::beacon_position(b, i), prior ? *beacon.position_m[i] : 0.0,
+                                   prior ? *beacon.sigma_m[i] : INFINITY, 1.0);
       }
       block_from(first);
     }
@@ -63,24 +60,24 @@ class LayoutBuilder {
     layout_.beacon_delay.assign(site_.beacons.size(), -1);
     layout_.receiver_delay.assign(site_.receivers.size(), -1);
     const SharedState prior = prior_state(site_);
-    auto single = [&](std::string name, double mean_s, double sigma_s) {
+    auto single = [&](ParameterId id, double mean_s, double sigma_s) {
       if (!(sigma_s > 0)) return -1;
       const int first = layout_.size();
-      add(std::move(name), c * mean_s, c * sigma_s, 1.0 / c);
+      add(id, c * mean_s, c * sigma_s, 1.0 / c);
       block_from(first);
       return first;
     };
     if (timing.delay_per.beacon)
       for (std::size_t b = 0; b < site_.beacons.size(); ++b)
         if (!held_[b])
-          layout_.beacon_delay[b] = single("beacon/" + site_.beacons[b].name + "/delay_s",
-                                           prior.beacon_delay_s[b], beacon_delay_prior(site_, b).sigma);
+          layout_.beacon_delay[b] = single(parameters::beacon_delay(b), prior.beacon_delay_s[b],
+                                           beacon_delay_prior(site_, b).sigma);
     if (timing.delay_per.receiver)
       for (std::size_t r = 0; r < site_.receivers.size(); ++r)
         layout_.receiver_delay[r] =
-            single(receiver_name(r) + "delay_s", prior.receiver_delay_s[r], timing.delay_sigma_s);
+            single(parameters::receiver_delay(r), prior.receiver_delay_s[r], timing.delay_sigma_s);
     if (timing.delay_per.site)
-      layout_.site_delay = single("site/delay_s", prior.site_delay_s, timing.delay_sigma_s);
+      layout_.site_delay = single(parameters::site_delay(), prior.site_delay_s, timing.delay_sigma_s);
   }
 
   void add_speed() {
@@ -89,16 +86,10 @@ class LayoutBuilder {
     const std::size_t count = site_.speed_offset_per_run ? problem_.runs.size() : 1;
     for (std::size_t i = 0; i < count; ++i) {
       const int first = layout_.size();
-      const std::string name =
-          count > 1 ? "medium/run" + std::to_string(i + 1) + "/speed_mps" : "medium/speed_mps";
-      layout_.speed.push_back(add(name, 0.0, site_.speed_sigma_mps / c, c));
+      layout_.speed.push_back(
+          add(parameters::speed(count > 1 ? i + 1 : 0), 0.0, site_.speed_sigma_mps / c, c));
       block_from(first);
     }
-  }
-
-  [[nodiscard]] std::string receiver_name(std::size_t r) const {
-    const SiteReceiver& receiver = site_.receivers[r];
-    return "receiver/" + site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name + "/";
   }
 
   void add_receivers() {
@@ -109,11 +100,12 @@ class LayoutBuilder {
     for (std::size_t r = 0; r < site_.receivers.size(); ++r) {
       if (layout_.has_array(site_.receivers[r].vehicle)) continue;
       const int first = layout_.size();
-      for (int i = 0; i < 3; ++i)
-        if (site_.receivers[r].sigma_m[i] > 0)
-          layout_.receiver[r][static_cast<std::size_t>(i)] =
-              add(receiver_name(r) + kAxis[i], site_.receivers[r].position_m[i],
-                  site_.receivers[r].sigma_m[i], 1.0);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto k = static_cast<Eigen::Index>(i);
+        if (site_.receivers[r].sigma_m[k] > 0)
+          layout_.receiver[r][i] = add(parameters::receiver_position(r, i), site_.receivers[r].position_m[k],
+                                       site_.receivers[r].sigma_m[k], 1.0);
+      }
       block_from(first);
     }
   }
@@ -128,11 +120,11 @@ class LayoutBuilder {
       const double radius_m = corner_m.head<2>().norm();
       const int first = layout_.size();
       if (vehicle.array->radius_sigma_m > 0)
-        layout_.array[v][0] = add("array/" + vehicle.name + "/radius_m", radius_m,
-                                  vehicle.array->radius_sigma_m, 1.0, 1e-3 * radius_m);
+        layout_.array[v][0] =
+            add(parameters::array_radius(v), radius_m, vehicle.array->radius_sigma_m, 1.0, 1e-3 * radius_m);
       if (vehicle.array->turn_sigma_rad > 0)
         layout_.array[v][1] =
-            add("array/" + vehicle.name + "/turn_rad", radius_m * std::atan2(corner_m.y(), corner_m.x()),
+            add(parameters::array_turn(v), radius_m * std::atan2(corner_m.y(), corner_m.x()),
                 radius_m * vehicle.array->turn_sigma_rad, 1.0 / radius_m);
       block_from(first);
     }
@@ -146,8 +138,8 @@ class LayoutBuilder {
     const double c = layout_.nominal_speed_mps;
     for (std::size_t v = 0; v < site_.vehicles.size(); ++v) {
       const int first = layout_.size();
-      layout_.clock_drift[v] = add("vehicle/" + site_.vehicles[v].name + "/clock_drift", c * timing.drift,
-                                   c * timing.drift_sigma, 1.0 / c);
+      layout_.clock_drift[v] =
+          add(parameters::clock_drift(v), c * timing.drift, c * timing.drift_sigma, 1.0 / c);
       block_from(first);
     }
   }
@@ -160,18 +152,18 @@ class LayoutBuilder {
     const int first = layout_.size();
     if (a.amplitude_1m_v.sigma > 0)
       layout_.attenuation[0] =
-          add("attenuation/amplitude_1m_v", 1.0, a.amplitude_1m_v.sigma / a.amplitude_1m_v.value,
+          add(parameters::attenuation(0), 1.0, a.amplitude_1m_v.sigma / a.amplitude_1m_v.value,
               a.amplitude_1m_v.value, 1e-3);
     if (a.absorption_np_per_m.sigma > 0)
-      layout_.attenuation[1] = add("attenuation/absorption_np_per_m", a.absorption_np_per_m.value,
-                                   a.absorption_np_per_m.sigma, 1.0);
+      layout_.attenuation[1] =
+          add(parameters::attenuation(1), a.absorption_np_per_m.value, a.absorption_np_per_m.sigma, 1.0);
     if (a.rise_time_s.sigma > 0)
       layout_.attenuation[2] =
-          add("attenuation/rise_time_s", c * a.rise_time_s.value, c * a.rise_time_s.sigma, 1.0 / c, 0.0);
+          add(parameters::attenuation(2), c * a.rise_time_s.value, c * a.rise_time_s.sigma, 1.0 / c, 0.0);
     if (a.half_power_angle_rad.sigma > 0)
       layout_.attenuation[3] =
-          add("attenuation/half_power_angle_rad", a.half_power_angle_rad.value, a.half_power_angle_rad.sigma,
-              1.0, kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
+          add(parameters::attenuation(3), a.half_power_angle_rad.value, a.half_power_angle_rad.sigma, 1.0,
+              kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
     block_from(first);
   }
 
@@ -181,8 +173,7 @@ class LayoutBuilder {
     for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
       const Prior& gain = site_.beacons[b].log_gain;
       if (held_[b] || !(gain.sigma > 0)) continue;
-      layout_.beacon_gain[b] =
-          add("beacon/" + site_.beacons[b].name + "/log_gain", gain.value, gain.sigma, 1.0);
+      layout_.beacon_gain[b] = add(parameters::beacon_gain(b), gain.value, gain.sigma, 1.0);
       block_from(layout_.beacon_gain[b]);
     }
   }
@@ -194,9 +185,7 @@ class LayoutBuilder {
       for (std::size_t r = 0; r < site_.receivers.size(); ++r) {
         const int first = layout_.size();
         layout_.pair_bias.push_back(
-            held_[b] ? -1
-                     : add("pair/" + site_.beacons[b].name + "/" + site_.receivers[r].name + "/bias_s", 0.0,
-                           c * *site_.noise.pair_sigma_s, 1.0 / c));
+            held_[b] ? -1 : add(parameters::pair_bias(b, r), 0.0, c * *site_.noise.pair_sigma_s, 1.0 / c));
         block_from(first);
       }
   }
@@ -235,43 +224,34 @@ void shape_arrays(const ParameterLayout& layout, const Eigen::VectorXd& x, Share
   }
 }
 
-/// Visits every free number of a state together with its column.
-template <class State, class Visit>
-void for_each_free(const ParameterLayout& layout, State& state, Visit&& visit) {
-  for (std::size_t b = 0; b < layout.beacon.size(); ++b)
-    for (std::size_t i = 0; i < 3; ++i)
-      visit(layout.beacon[b][i], state.beacon_p_map_m[b][static_cast<int>(i)]);
-  for (std::size_t b = 0; b < layout.beacon_delay.size(); ++b)
-    visit(layout.beacon_delay[b], state.beacon_delay_s[b]);
-  for (std::size_t r = 0; r < layout.receiver_delay.size(); ++r)
-    visit(layout.receiver_delay[r], state.receiver_delay_s[r]);
-  visit(layout.site_delay, state.site_delay_s);
-  for (std::size_t i = 0; i < layout.speed.size(); ++i) visit(layout.speed[i], state.speed_offset_mps[i]);
-  for (std::size_t r = 0; r < layout.receiver.size(); ++r)
-    for (std::size_t i = 0; i < 3; ++i)
-      visit(layout.receiver[r][i], state.receiver_p_vehicle_m[r][static_cast<int>(i)]);
-  if (state.attenuation) {
-    visit(layout.attenuation[0], state.attenuation->amplitude_1m_v);
-    visit(layout.attenuation[1], state.attenuation->absorption_np_per_m);
-    visit(layout.attenuation[2], state.attenuation->rise_time_s);
-    visit(layout.attenuation[3], state.attenuation->half_power_angle_rad);
-  }
-  for (std::size_t b = 0; b < layout.beacon_gain.size() && b < state.beacon_log_gain.size(); ++b)
-    visit(layout.beacon_gain[b], state.beacon_log_gain[b]);
-  for (std::size_t i = 0; i < layout.pair_bias.size(); ++i) visit(layout.pair_bias[i], state.pair_bias_s[i]);
-  for (std::size_t v = 0; v < layout.clock_drift.size() && v < state.clock_drift.size(); ++v)
-    visit(layout.clock_drift[v], state.clock_drift[v]);
-}
-
 }  // namespace
+
+int ParameterLayout::column_of(const ParameterId& id) const {
+  switch (id.kind) {
+    case ParameterKind::kBeaconPosition: return beacon[id.owner][id.component];
+    case ParameterKind::kBeaconDelay: return beacon_delay[id.owner];
+    case ParameterKind::kBeaconGain: return beacon_gain[id.owner];
+    case ParameterKind::kReceiverPosition: return receiver[id.owner][id.component];
+    case ParameterKind::kReceiverDelay: return receiver_delay[id.owner];
+    case ParameterKind::kArray: return array[id.owner][id.component];
+    case ParameterKind::kSiteDelay: return site_delay;
+    case ParameterKind::kSpeed: return speed_column(id.owner > 0 ? id.owner - 1 : 0);
+    case ParameterKind::kAttenuation: return attenuation[id.component];
+    case ParameterKind::kClockDrift: return clock_drift[id.owner];
+    case ParameterKind::kPairBias:
+      return pair_bias.empty() ? -1 : pair_bias[id.owner * receiver.size() + id.component];
+  }
+  return -1;
+}
 
 SharedState ParameterLayout::state_of(const Eigen::VectorXd& x) const {
   SharedState state = fixed;
   if (state.speed_offset_mps.size() < speed.size())
     state.speed_offset_mps.resize(speed.size(), state.speed_offset_mps[0]);
-  for_each_free(*this, state, [&](int column, double& value) {
-    if (column >= 0) value = x[column] * parameters[static_cast<std::size_t>(column)].si_per_unit;
-  });
+  for (int i = 0; i < size(); ++i) {
+    const Parameter& p = parameters[static_cast<std::size_t>(i)];
+    if (double* value = value_in(state, p.id)) *value = x[i] * p.si_per_unit;
+  }
   shape_arrays(*this, x, state);
   return state;
 }
@@ -281,9 +261,10 @@ Eigen::VectorXd ParameterLayout::vector_of(const SharedState& state) const {
   if (copy.speed_offset_mps.size() < speed.size())
     copy.speed_offset_mps.resize(speed.size(), copy.speed_offset_mps[0]);
   Eigen::VectorXd x(size());
-  for_each_free(*this, copy, [&](int column, double& value) {
-    if (column >= 0) x[column] = value / parameters[static_cast<std::size_t>(column)].si_per_unit;
-  });
+  for (int i = 0; i < size(); ++i) {
+    const Parameter& p = parameters[static_cast<std::size_t>(i)];
+    if (const double* value = value_in(copy, p.id)) x[i] = *value / p.si_per_unit;
+  }
   for (std::size_t v = 0; v < array.size(); ++v) {
     if (!has_array(VehicleId(v))) continue;
     const Eigen::Vector2d now = corner_of(*this, state, v);

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "calib/problem/problem.h"
+#include "models/parameter.h"
 #include "models/trajectory/shared_state.h"
 
 namespace octant::calib {
@@ -16,7 +16,7 @@ namespace octant::calib {
 /// One shared unknown. Inside the adjustment all are metres or pure numbers, so that radio and sound scale
 /// alike.
 struct Parameter {
-  std::string name;  ///< beacon/B1/x_m, beacon/B1/delay_s, receiver/robot/r0/x_m, medium/speed_mps, ...
+  ParameterId id;
   double prior_mean = 0.0;                     ///< internal unit
   double prior_sigma = 0.0;                    ///< internal unit; infinite: no prior
   double si_per_unit = 1.0;                    ///< SI value = internal value times this
@@ -71,6 +71,8 @@ struct ParameterLayout {
   [[nodiscard]] int speed_column(std::size_t run) const {
     return speed.empty() ? -1 : speed[speed.size() > 1 ? run : 0];
   }
+  /// -1: held fixed. Of several offsets of the speed, the first stands for all runs.
+  [[nodiscard]] int column_of(const ParameterId& id) const;
   [[nodiscard]] SharedState state_of(const Eigen::VectorXd& x) const;
   [[nodiscard]] Eigen::VectorXd vector_of(const SharedState& state) const;
   [[nodiscard]] bool has_array(VehicleId vehicle) const {

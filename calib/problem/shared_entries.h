@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdlib>
 
 #include "calib/problem/parameters.h"
 #include "models/trajectory/linearise.h"
@@ -12,11 +13,14 @@ namespace octant::calib {
 /// Derivatives of one whitened row by the free shared parameters that it touches (internal units), as
 /// (column, value) pairs.
 struct RowEntries {
+  /// Beacon and receiver (or the two of an array), attenuation, gain, three delays, pair, drift and speed.
+  static constexpr int kCapacity = 3 + 3 + static_cast<int>(kAttenuationUnknowns) + 1 + 3 + 1 + 1 + 1;
   int count = 0;
-  std::array<int, 18> column;
-  std::array<double, 18> value;
+  std::array<int, kCapacity> column;
+  std::array<double, kCapacity> value;
   void add(int c, double v) {
     if (c < 0) return;
+    if (count == kCapacity) std::abort();  // a new unknown that is not in the sum above
     column[static_cast<std::size_t>(count)] = c;
     value[static_cast<std::size_t>(count++)] = v;
   }

@@ -3,7 +3,6 @@
 #include "calib/revisit/as_left.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -36,50 +35,47 @@ Posterior posterior_of(const KnownParameters& known, const Eigen::VectorXd& drif
   return out;
 }
 
-void write_value(const SharedParameter& p, double value, double sigma, Deployment& d) {
-  switch (p.quantity) {
-    case Quantity::kBeaconPosition: d.beacons[p.owner].position_m[p.component] = value; break;
-    case Quantity::kBeaconDelay:
+void write_value(const ParameterId& p, double value, double sigma, Deployment& d) {
+  switch (p.kind) {
+    case ParameterKind::kBeaconPosition: d.beacons[p.owner].position_m[p.component] = value; break;
+    case ParameterKind::kBeaconDelay:
       d.beacons[p.owner].delay_s = value;
       d.beacons[p.owner].delay_sigma_s = sigma;
       break;
-    case Quantity::kBeaconGain: d.beacons[p.owner].gain = std::exp(value); break;
-    case Quantity::kReceiverPosition:
+    case ParameterKind::kBeaconGain: d.beacons[p.owner].gain = std::exp(value); break;
+    case ParameterKind::kReceiverPosition:
       d.receivers[p.owner].position_m[p.component] = value;
       d.receivers[p.owner].sigma_m[p.component] = sigma;
       break;
-    case Quantity::kReceiverDelay:
+    case ParameterKind::kReceiverDelay:
       d.receivers[p.owner].delay_s = value;
       d.receivers[p.owner].delay_sigma_s = sigma;
       break;
-    case Quantity::kSpeed:
+    case ParameterKind::kSpeed:
       d.speed_offset_mps = value;
       d.speed_sigma_mps = sigma;
       break;
-    case Quantity::kAttenuation: {
-      AttenuationModel& a = *d.attenuation;
-      const std::array<double*, kAttenuationUnknowns> all = {&a.amplitude_1m_v, &a.absorption_np_per_m,
-                                                             &a.rise_time_s, &a.half_power_angle_rad};
-      *all[static_cast<std::size_t>(p.component)] = value;
-      break;
-    }
-    case Quantity::kClockDrift:
+    case ParameterKind::kAttenuation: attenuation_unknown(*d.attenuation, p.component) = value; break;
+    case ParameterKind::kClockDrift:
       d.vehicles[p.owner].clock_drift = value;
       d.vehicles[p.owner].clock_drift_sigma = sigma;
       break;
+    case ParameterKind::kArray:  // it stands on the receivers
+    case ParameterKind::kSiteDelay:
+    case ParameterKind::kPairBias: break;
   }
 }
 
 void write_parameters(const KnownParameters& known, const Posterior& posterior, Deployment& d) {
   for (Eigen::Index i = 0; i < known.size(); ++i) {
-    const SharedParameter& p = known.parameters[static_cast<std::size_t>(i)];
+    const ParameterId& p = known.parameters[static_cast<std::size_t>(i)];
     write_value(p, posterior.value[i], std::sqrt(std::max(0.0, posterior.covariance(i, i))), d);
-    if (p.quantity == Quantity::kBeaconPosition && p.component == 0)
+    if (p.kind == ParameterKind::kBeaconPosition && p.component == 0)
       d.beacons[p.owner].covariance_m2 = posterior.covariance.block<3, 3>(i, i);
   }
   d.covariance.parameters.clear();
   for (const int i : posterior.free)
-    d.covariance.parameters.push_back(parameter_name(known.parameters[static_cast<std::size_t>(i)], d));
+    d.covariance.parameters.push_back(known.parameters[static_cast<std::size_t>(i)]);
   d.covariance.matrix = posterior.covariance(posterior.free, posterior.free);
 }
 
@@ -103,15 +99,15 @@ AsLeft as_left(const Deployment& before, const KnownParameters& known, const Eig
   Deployment& d = out.deployment;
   d = before;
   const Eigen::MatrixXd released =
-      released_covariance(known, changed_parameters(comparison, known, before), before);
+      released_covariance(known, changed_parameters(comparison, known), before.motion);
   const Posterior posterior = posterior_of(known, drift, released, visit);
   for (Eigen::Index i = 0; i < known.size(); ++i) {
-    const SharedParameter& p = known.parameters[static_cast<std::size_t>(i)];
-    if (p.quantity == Quantity::kBeaconPosition && released(i, i) > 0)
+    const ParameterId& p = known.parameters[static_cast<std::size_t>(i)];
+    if (p.kind == ParameterKind::kBeaconPosition && released(i, i) > 0)
       d.beacons[p.owner].status = BeaconStatus::kCalibrated;
-    if (p.quantity == Quantity::kBeaconDelay && posterior.covariance(i, i) > 0)
+    if (p.kind == ParameterKind::kBeaconDelay && posterior.covariance(i, i) > 0)
       d.timing.delay_per.beacon = true;
-    if (p.quantity == Quantity::kSpeed)
+    if (p.kind == ParameterKind::kSpeed)
       out.speed_change_sigma_mps = std::sqrt(std::max(0.0, posterior.covariance(i, i)));
   }
   d.timing.delay_per.site = d.timing.delay_per.site && !d.timing.delay_per.beacon;

@@ -260,7 +260,7 @@ class SecondVisit {
 
   bool find_changes(const Eigen::VectorXd& usual_room) {
     Eigen::MatrixXd room = room_around(usual_room).asDiagonal();
-    std::vector<std::string> released;
+    Released released;
     const Eigen::MatrixXd prior = drifted();
     for (int round = 0; round < kRounds; ++round) {
       if (!course_.report("what changed", 0.7 + 0.05 * round)) return stopped();
@@ -273,10 +273,10 @@ class SecondVisit {
       if (round == 0) reconsider(P);
       visit_ = visit_information(fit_, known_, P, before_, options_.solve.threads);
       out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
-      std::vector<std::string> found = changed_parameters(out_.comparison, known_, before_);
+      Released found = changed_parameters(out_.comparison, known_);
       if (round > 0 && found == released) break;
       released = std::move(found);
-      room = released_covariance(known_, released, before_);
+      room = released_covariance(known_, released, before_.motion);
     }
     return true;
   }
@@ -307,7 +307,7 @@ class SecondVisit {
       settle_all(state, pass == 0 ? kCauchyScale : 0.0);
       mark_rejected(fit_.trajectories, state, options_.solve.rejection_sigmas, options_.solve.threads);
       const Eigen::MatrixXd P =
-          prior + released_covariance(known_, changed_parameters(out_.comparison, known_, before_), before_);
+          prior + released_covariance(known_, changed_parameters(out_.comparison, known_), before_.motion);
       set_joint_prior(fit_.layout = layout_, known_, P);
       visit_ = visit_information(fit_, known_, P, before_, options_.solve.threads, known_white);
       out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
@@ -453,9 +453,9 @@ Deployment finished(const Revisit& revisit, const Deployment& before, const Prov
   d.inputs = provenance.inputs;
   d.warnings = revisit.warnings;
   d.digest.clear();
-  d.previous = Previous{before.digest, before.created, revisit.drift,
-                        changed_parameters(revisit.comparison, known_parameters(before), before),
-                        revisit.comparison.changes};
+  d.previous =
+      Previous{before.digest, before.created, revisit.drift,
+               changed_parameters(revisit.comparison, known_parameters(before)), revisit.comparison.changes};
   return d;
 }
 

@@ -9,56 +9,40 @@
 namespace octant::calib {
 namespace {
 
-int column_of(const ParameterLayout& layout, const SharedParameter& p) {
-  const auto i = static_cast<std::size_t>(p.component);
-  switch (p.quantity) {
-    case Quantity::kBeaconPosition: return layout.beacon[p.owner][i];
-    case Quantity::kBeaconDelay: return layout.beacon_delay[p.owner];
-    case Quantity::kBeaconGain: return layout.beacon_gain[p.owner];
-    case Quantity::kReceiverPosition: return layout.receiver[p.owner][i];
-    case Quantity::kReceiverDelay: return layout.receiver_delay[p.owner];
-    case Quantity::kSpeed: return layout.speed_column(0);
-    case Quantity::kAttenuation: return layout.attenuation[i];
-    case Quantity::kClockDrift: return layout.clock_drift[p.owner];
-  }
-  return -1;
-}
-
 void add_known(const Deployment& d, const KnownParameters& known, const Eigen::VectorXd& variance,
                Site& site) {
   for (Eigen::Index k = 0; k < known.size(); ++k) {
-    const SharedParameter& p = known.parameters[static_cast<std::size_t>(k)];
+    const ParameterId& p = known.parameters[static_cast<std::size_t>(k)];
     const Prior prior{known.value[k], std::sqrt(variance[k])};
     const auto i = static_cast<std::size_t>(p.component);
-    switch (p.quantity) {
-      case Quantity::kBeaconPosition:
+    switch (p.kind) {
+      case ParameterKind::kBeaconPosition:
         site.beacons[p.owner].position_m[i] = prior.value;
         site.beacons[p.owner].sigma_m[i] = prior.sigma;
         break;
-      case Quantity::kBeaconDelay:
+      case ParameterKind::kBeaconDelay:
         site.beacons[p.owner].delay_s = prior.value;
         site.beacons[p.owner].delay_sigma_s = prior.sigma;
         site.timing.delay_per.beacon = true;
         break;
-      case Quantity::kBeaconGain: site.beacons[p.owner].log_gain = prior; break;
-      case Quantity::kReceiverPosition: site.receivers[p.owner].sigma_m[p.component] = prior.sigma; break;
-      case Quantity::kReceiverDelay:
+      case ParameterKind::kBeaconGain: site.beacons[p.owner].log_gain = prior; break;
+      case ParameterKind::kReceiverPosition:
+        site.receivers[p.owner].sigma_m[p.component] = prior.sigma;
+        break;
+      case ParameterKind::kReceiverDelay:
         site.timing.delay_sigma_s = std::max({site.timing.delay_sigma_s, std::abs(prior.value), prior.sigma});
         break;
       // The offset starts at nothing, and is known to be what it was.
-      case Quantity::kSpeed: site.speed_sigma_mps = std::hypot(prior.sigma, prior.value); break;
-      case Quantity::kAttenuation: {
-        AttenuationPrior& a = *site.attenuation;
-        const std::array<Prior*, kAttenuationUnknowns> all = {&a.amplitude_1m_v, &a.absorption_np_per_m,
-                                                              &a.rise_time_s, &a.half_power_angle_rad};
-        *all[i] = prior;
-        break;
-      }
-      case Quantity::kClockDrift:
+      case ParameterKind::kSpeed: site.speed_sigma_mps = std::hypot(prior.sigma, prior.value); break;
+      case ParameterKind::kAttenuation: attenuation_unknown(*site.attenuation, i) = prior; break;
+      case ParameterKind::kClockDrift:
         site.timing.drift = d.timing.drift;
         site.timing.drift_sigma =
             std::max({site.timing.drift_sigma, std::abs(prior.value - d.timing.drift), prior.sigma});
         break;
+      case ParameterKind::kArray:  // it stands on the receivers
+      case ParameterKind::kSiteDelay:
+      case ParameterKind::kPairBias: break;
     }
   }
 }
@@ -68,12 +52,12 @@ void add_known(const Deployment& d, const KnownParameters& known, const Eigen::V
 Eigen::VectorXd room_for_change(const KnownParameters& known, const RoomForChange& room) {
   Eigen::VectorXd sigma(known.size());
   for (Eigen::Index k = 0; k < known.size(); ++k) {
-    switch (known.parameters[static_cast<std::size_t>(k)].quantity) {
-      case Quantity::kBeaconPosition: sigma[k] = room.beacon_m; break;
-      case Quantity::kBeaconDelay: sigma[k] = room.delay_s; break;
-      case Quantity::kReceiverPosition: sigma[k] = room.receiver_m; break;
-      case Quantity::kSpeed: sigma[k] = room.speed_mps; break;
-      case Quantity::kBeaconGain: sigma[k] = room.log_gain; break;
+    switch (known.parameters[static_cast<std::size_t>(k)].kind) {
+      case ParameterKind::kBeaconPosition: sigma[k] = room.beacon_m; break;
+      case ParameterKind::kBeaconDelay: sigma[k] = room.delay_s; break;
+      case ParameterKind::kReceiverPosition: sigma[k] = room.receiver_m; break;
+      case ParameterKind::kSpeed: sigma[k] = room.speed_mps; break;
+      case ParameterKind::kBeaconGain: sigma[k] = room.log_gain; break;
       default: sigma[k] = 0.0;
     }
   }
@@ -112,7 +96,7 @@ Site revisited_site(const Deployment& d, const KnownParameters& known, const Eig
 
 std::vector<int> columns_of(const ParameterLayout& layout, const KnownParameters& known) {
   std::vector<int> columns;
-  for (const SharedParameter& p : known.parameters) columns.push_back(column_of(layout, p));
+  for (const ParameterId& p : known.parameters) columns.push_back(layout.column_of(p));
   return columns;
 }
 

@@ -75,18 +75,18 @@ class Approacher {
 
   Solution unplaced() {
     WeakDirection direction;
+    const NameTable site_names = names_of(problem_.site);
     std::vector<std::string> names;
     for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) {
       if (it_.beacon_usable[b]) continue;
-      direction.parameters.push_back("beacon/" + problem_.site.beacons[b].name);
+      direction.parameters.push_back(owner_name(parameters::beacon_delay(b), site_names));
       names.push_back(problem_.site.beacons[b].name);
     }
     if (names.empty()) {
       // All beacons are known and still no pose came of them: too few are heard together.
-      for (const SiteBeacon& beacon : problem_.site.beacons) {
-        direction.parameters.push_back("beacon/" + beacon.name);
-        names.push_back(beacon.name);
-      }
+      for (std::size_t b = 0; b < problem_.site.beacons.size(); ++b)
+        direction.parameters.push_back(owner_name(parameters::beacon_delay(b), site_names));
+      names = site_names.beacons;
       direction.description =
           fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once",
                       fmt::join(names, ", "));

@@ -90,7 +90,7 @@ Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t b, double
   split.layout.dense_limit = fit.layout.dense_limit;
   for (Parameter& p : split.layout.parameters)  // as they are believed by now
     for (const Parameter& old : fit.layout.parameters)
-      if (old.name == p.name) p = old;
+      if (old.id == p.id) p = old;
   split.x = split.layout.vector_of(state);
   adjust_anew(options, split);
   return split;

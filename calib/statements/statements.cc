@@ -222,10 +222,10 @@ class StatementTest {
 
   /// Sigma by which the site file states it; 0: held.
   [[nodiscard]] double stated_sigma(const Statement& s, const ParameterLayout& layout, int column) const {
-    const std::string& name = layout.parameters[static_cast<std::size_t>(column)].name;
+    const ParameterId& id = layout.parameters[static_cast<std::size_t>(column)].id;
     if (s.what == What::kControlPoint || s.what == What::kNoDelays) return 0.0;
     for (const Parameter& p : stated_.parameters)
-      if (p.name == name) return p.prior_sigma;
+      if (p.id == id) return p.prior_sigma;
     return 0.0;
   }
 
@@ -596,11 +596,11 @@ class StatementTest {
     const int column = now_.layout.attenuation[s.index];
     const Parameter& p = stated_.parameters[static_cast<std::size_t>(stated_.attenuation[s.index])];
     c.kind = ContradictionKind::kAttenuation;
-    c.subject = p.name;
+    c.subject = parameter_name(p.id, names_of(site()));
     c.stated =
         fmt::format("{:.4g}, sigma {:.2g}", p.prior_mean * p.si_per_unit, p.prior_sigma * p.si_per_unit);
     c.found = fmt::format("{:.4g}", now_.x[column] * p.si_per_unit);
-    c.remedy = fmt::format("check {} in the site file, or state a larger sigma", p.name);
+    c.remedy = fmt::format("check {} in the site file, or state a larger sigma", c.subject);
   }
 
   void tell_distance(const Statement& s, const SharedState& state, Contradiction& c) const {

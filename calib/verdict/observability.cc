@@ -65,7 +65,6 @@ class Judge {
     }
     for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
       BeaconStatus status = BeaconStatus::kCalibrated;
-      const std::string& name = site_.beacons[b].name;
       const double sigma_m =
           std::max(worst_sigma_m(beacon_block(layout_, C_, b)), sigma_of(C_, layout_.beacon_delay[b]));
       if (site_.beacons[b].is_control_point()) {
@@ -73,13 +72,13 @@ class Judge {
       } else {
         ++asked_;
         if (heard[b] == 0) {
-          status = undetermined(name, "it was not heard", "drive where it is heard, or check that it sends",
+          status = undetermined(b, "it was not heard", "drive where it is heard, or check that it sends",
                                 INFINITY);
         } else if (!usable[b]) {
-          status = undetermined(name, "too few arrivals agree on a place for it",
+          status = undetermined(b, "too few arrivals agree on a place for it",
                                 "hear it from more places, or give its approximate position", INFINITY);
         } else if (sigma_m > limit_m_) {
-          status = undetermined(name,
+          status = undetermined(b,
                                 fmt::format("its position is {}, the tolerance is {}",
                                             sigma_m < kNothingM ? "known to " + length(sigma_m) + " only"
                                                                 : "hardly known at all",
@@ -89,7 +88,7 @@ class Judge {
                                 sigma_m);
         } else if (mirrored[b]) {
           status = undetermined(
-              name, "a mirror image explains the arrivals as well",
+              b, "a mirror image explains the arrivals as well",
               "hear it from beside the line driven so far, or give its approximate position", sigma_m);
         }
       }
@@ -146,21 +145,18 @@ class Judge {
            : m < kNothingM ? fmt::format("{:.2f} m", m)
                            : "nothing";
   }
-  [[nodiscard]] const std::string& name_of(int column) const {
-    return layout_.parameters[static_cast<std::size_t>(column)].name;
+  [[nodiscard]] std::string name_of(int column) const {
+    return parameter_name(layout_.parameters[static_cast<std::size_t>(column)].id, names_of(site_));
   }
 
-  BeaconStatus undetermined(const std::string& beacon, const std::string& why, const std::string& remedy,
+  BeaconStatus undetermined(std::size_t b, const std::string& why, const std::string& remedy,
                             double sigma_m) {
-    solution_.undetermined.push_back("beacon/" + beacon);
+    const std::string name = owner_name(parameters::beacon_delay(b), names_of(site_));
+    const std::string& beacon = site_.beacons[b].name;
+    solution_.undetermined.push_back(name);
     solution_.warnings.push_back(fmt::format("beacon {} is undetermined: {}; {}", beacon, why, remedy));
-    solution_.weak.push_back({fmt::format("beacon {} ({})", beacon, why),
-                              {"beacon/" + beacon},
-                              sigma_m,
-                              0.0,
-                              remedy,
-                              false,
-                              true});
+    solution_.weak.push_back(
+        {fmt::format("beacon {} ({})", beacon, why), {name}, sigma_m, 0.0, remedy, false, true});
     return BeaconStatus::kUndetermined;
   }
 
@@ -225,7 +221,7 @@ class Judge {
       for (std::size_t i = 0; i < columns.size(); ++i)
         v[columns[i]] = eigen.eigenvectors()(static_cast<Eigen::Index>(i), k);
       weigh({fmt::format("receiver {} of {}", receiver.name, site_.vehicles[receiver.vehicle.index()].name),
-             {"receiver/" + site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name},
+             {owner_name(parameters::receiver_delay(r), names_of(site_))},
              sigma_m,
              sigma_m,
              "measure its place on the vehicle, or turn the vehicle on the spot among the beacons",
@@ -270,7 +266,7 @@ std::optional<WeakDirection> missing_scale(const Problem& problem) {
     if (!run.odometry.empty() || run.poses.size() >= 2) return {};
   return WeakDirection{
       "speed of sound and overall scale",
-      {"medium/speed_mps"},
+      {parameter_name(parameters::speed(), names_of(site))},
       INFINITY,
       INFINITY,
       "tape the distance between two beacons, or state the temperature and a smaller medium.sigma_mps",
@@ -356,7 +352,7 @@ MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance&
       of_beacon[static_cast<std::size_t>(column)] = true;
     }
   for (int column = 0; column < layout.size(); ++column) {
-    out.parameters.push_back(layout.parameters[static_cast<std::size_t>(column)].name);
+    out.parameters.push_back(layout.parameters[static_cast<std::size_t>(column)].id);
     if (!of_beacon[static_cast<std::size_t>(column)]) groups[layout.beacon.size()].push_back(column);
   }
   std::vector<Eigen::Triplet<double>> elements;
@@ -402,7 +398,7 @@ Covariance covariance_at(const Problem& problem, const ParameterLayout& layout, 
   Eigen::VectorXd si(layout.size());
   for (int i = 0; i < layout.size(); ++i) {
     si[i] = layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
-    solution.covariance.parameters.push_back(layout.parameters[static_cast<std::size_t>(i)].name);
+    solution.covariance.parameters.push_back(layout.parameters[static_cast<std::size_t>(i)].id);
   }
   solution.covariance.matrix = si.asDiagonal() * *C.matrix() * si.asDiagonal();
   return C;
@@ -422,7 +418,7 @@ Covariance judge(const Problem& problem, const ParameterLayout& layout, const Ei
   for (std::size_t b = 0; b < known.size(); ++b)
     known[b] = solution.beacon_status[b] != BeaconStatus::kUndetermined;
   for (WeakDirection& w :
-       weak_directions(layout, x, C, known, trajectories,
+       weak_directions(layout, names_of(problem.site), x, C, known, trajectories,
                        {.limit_m = tolerance_m(problem), .typical_range_m = typical_range_m(problem)}))
     solution.weak.push_back(std::move(w));
   judge.verdict(strict);

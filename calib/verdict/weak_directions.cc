@@ -20,73 +20,39 @@ constexpr double kNamedPart =
     0.1;  ///< share of a combination's square that makes a kind of parameter a part of it
 constexpr double kParameterPart = 0.03;  ///< the same for a single parameter
 constexpr std::size_t kSegmentsMoved = 2000;
-
-enum ParameterKind { kHeight, kPlace, kDelay, kSpeed, kReceiver, kAttenuation, kDrift, kOther, kKinds };
-
-ParameterKind parameter_kind_of(const std::string& name) {
-  const auto ends = [&name](const char* end) {
-    return name.size() >= std::string(end).size() &&
-           name.compare(name.size() - std::string(end).size(), std::string::npos, end) == 0;
-  };
-  if (name.rfind("medium/", 0) == 0) return kSpeed;
-  if (name.rfind("attenuation/", 0) == 0) return kAttenuation;
-  if (ends("/delay_s") || ends("/bias_s")) return kDelay;
-  if (name.rfind("receiver/", 0) == 0 || name.rfind("array/", 0) == 0) return kReceiver;
-  if (ends("/clock_drift")) return kDrift;
-  if (name.rfind("beacon/", 0) == 0) return ends("/z_m") ? kHeight : kPlace;
-  return kOther;
-}
-
-constexpr std::array<const char*, kKinds> kWords = {"heights of beacons",
-                                                    "horizontal places of beacons",
-                                                    "delays",
-                                                    "speed of sound and overall scale",
-                                                    "places of receivers",
-                                                    "attenuation and time-walk",
-                                                    "drift of the vehicle's clock",
-                                                    "other parameters"};
-constexpr std::array<const char*, kKinds> kRemedies = {
-    "tape the height of one of these beacons",
-    "survey one of these beacons, or hear it from another side",
-    "hear these beacons from near and from far",
-    "tape the distance between two beacons that are far apart, or measure the temperature",
-    "measure the receivers on the vehicle, or turn it on the spot among the beacons",
-    "log amplitudes, or hear the beacons from two metres and from the end of their range",
-    "fire each beacon again at the end of the cycle",
-    ""};
-/// Of the kinds that take part, the one that is cheapest to settle by a measurement.
-constexpr std::array<ParameterKind, kKinds> kCheapestFirst = {kSpeed,    kHeight,      kPlace, kDelay,
-                                                              kReceiver, kAttenuation, kDrift, kOther};
-
-std::string beacon_of(const std::string& name) {
-  if (name.rfind("beacon/", 0) != 0) return {};
-  return name.substr(7, name.rfind('/') - 7);
-}
+/// What one came for first: "delays against speed of sound".
+constexpr std::array<ParameterTopic, kParameterTopics> kAsToldOf = {
+    ParameterTopic::kHeight,   ParameterTopic::kPlace,       ParameterTopic::kDelay, ParameterTopic::kSpeed,
+    ParameterTopic::kReceiver, ParameterTopic::kAttenuation, ParameterTopic::kGain,  ParameterTopic::kDrift};
+constexpr ParameterId kRiseTime = parameters::attenuation(2);
 
 /// Puts a unit combination (in metres) into words.
-WeakDirection in_words(const ParameterLayout& layout, const Eigen::VectorXd& v) {
+WeakDirection in_words(const ParameterLayout& layout, const NameTable& names, const Eigen::VectorXd& v) {
   WeakDirection w;
-  std::array<double, kKinds> share = {};
+  std::array<double, kParameterTopics> share = {};
   std::vector<int> order(static_cast<std::size_t>(v.size()));
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&v](int a, int b) { return std::abs(v[a]) > std::abs(v[b]); });
   std::vector<std::string> beacons;
   for (const int i : order) {
-    const std::string& name = layout.parameters[static_cast<std::size_t>(i)].name;
-    share[parameter_kind_of(name)] += v[i] * v[i];
+    const ParameterId& id = layout.parameters[static_cast<std::size_t>(i)].id;
+    share[static_cast<std::size_t>(topic_of(id))] += v[i] * v[i];
     if (v[i] * v[i] < kParameterPart) continue;
-    w.parameters.push_back(name);
-    const std::string beacon = beacon_of(name);
-    if (!beacon.empty() && std::find(beacons.begin(), beacons.end(), beacon) == beacons.end())
-      beacons.push_back(beacon);
+    w.parameters.push_back(parameter_name(id, names));
+    const auto beacon = beacon_of(id);
+    if (beacon && std::find(beacons.begin(), beacons.end(), names.beacons[*beacon]) == beacons.end())
+      beacons.push_back(names.beacons[*beacon]);
   }
   std::vector<std::string> parts;
-  for (std::size_t k = 0; k < kKinds; ++k)
-    if (share[k] > kNamedPart) parts.emplace_back(kWords[k]);
+  const auto takes_part = [&](ParameterTopic topic) {
+    return share[static_cast<std::size_t>(topic)] > kNamedPart;
+  };
+  for (const ParameterTopic topic : kAsToldOf)
+    if (takes_part(topic)) parts.emplace_back(words_of(topic));
+  for (std::size_t k = 0; k < kParameterTopics && w.remedy.empty(); ++k)  // topics stand cheapest first
+    if (takes_part(static_cast<ParameterTopic>(k))) w.remedy = remedy_of(static_cast<ParameterTopic>(k));
   w.description = fmt::format("{}{}", fmt::join(parts, " against "),
                               beacons.empty() ? "" : fmt::format(" ({})", fmt::join(beacons, ", ")));
-  for (const ParameterKind kind : kCheapestFirst)
-    if (w.remedy.empty() && share[kind] > kNamedPart) w.remedy = kRemedies[kind];
   return w;
 }
 
@@ -126,8 +92,9 @@ double shift_at_robot_m(const ParameterLayout& layout, const Eigen::VectorXd& x,
   return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
 }
 
-std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const Eigen::VectorXd& x,
-                                           const Covariance& C, const std::vector<bool>& usable,
+std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const NameTable& names,
+                                           const Eigen::VectorXd& x, const Covariance& C,
+                                           const std::vector<bool>& usable,
                                            const std::vector<Trajectory>& trajectories,
                                            const WeakDirectionOptions& options) {
   std::vector<WeakDirection> told;
@@ -135,10 +102,10 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
   // metres is left open.
   Eigen::VectorXd metres = Eigen::VectorXd::Ones(layout.size());
   for (int i = 0; i < layout.size(); ++i) {
-    const std::string& name = layout.parameters[static_cast<std::size_t>(i)].name;
-    const ParameterKind kind = parameter_kind_of(name);
-    if (kind == kSpeed) metres[i] = options.typical_range_m;
-    if (kind == kAttenuation && name != "attenuation/rise_time_s") metres[i] = 0.0;
+    const ParameterId& id = layout.parameters[static_cast<std::size_t>(i)].id;
+    if (id.kind == ParameterKind::kSpeed) metres[i] = options.typical_range_m;
+    const bool amplitude = id.kind == ParameterKind::kAttenuation || id.kind == ParameterKind::kBeaconGain;
+    if (amplitude && id != kRiseTime) metres[i] = 0.0;
   }
   for (std::size_t b = 0; b < usable.size(); ++b)  // told already
     for (const int column :
@@ -147,7 +114,7 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
   if (layout.size() == 0) return told;
   for (const auto& [variance, v] : C.largest(metres, options.most, std::pow(kTold * options.limit_m, 2))) {
     const double sigma_m = std::sqrt(variance);
-    WeakDirection w = in_words(layout, v);
+    WeakDirection w = in_words(layout, names, v);
     w.sigma_m = sigma_m;
     // The parameters move together with all that is correlated with the combination.
     const Eigen::VectorXd step = C.times(metres.cwiseProduct(v)) / sigma_m;

@@ -26,8 +26,8 @@ struct WeakDirectionOptions {
 /// @param C  joint covariance in internal units  @param usable  beacons that are not undetermined on their
 /// own
 [[nodiscard]] std::vector<WeakDirection> weak_directions(const ParameterLayout& layout,
-                                                         const Eigen::VectorXd& x, const Covariance& C,
-                                                         const std::vector<bool>& usable,
+                                                         const NameTable& names, const Eigen::VectorXd& x,
+                                                         const Covariance& C, const std::vector<bool>& usable,
                                                          const std::vector<Trajectory>& trajectories,
                                                          const WeakDirectionOptions& options);
 

@@ -167,15 +167,25 @@ void read_deployed_vehicles(const JsonValue& json, Deployment& d) {
   if (d.vehicles.empty()) json.fail("empty", "at least one vehicle");
 }
 
-void read_covariance(const JsonValue& json, JointCovariance& c) {
-  c.parameters = json.at("parameters").texts();
-  const std::size_t n = c.parameters.size();
+/// Numbers that this program does not know (those of a later one) are left out: the covariance of the others
+/// is the marginal one.
+void read_covariance(const JsonValue& json, const ParameterLookup& lookup, JointCovariance& c) {
+  const std::vector<std::string> names = json.at("parameters").texts();
+  const std::size_t n = names.size();
   const std::vector<double> triangle = json.at("upper_triangle").numbers(n * (n + 1) / 2);
-  c.matrix.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   std::size_t k = 0;
-  for (Eigen::Index i = 0; i < c.matrix.rows(); ++i) {
-    for (Eigen::Index j = i; j < c.matrix.cols(); ++j) c.matrix(i, j) = c.matrix(j, i) = triangle[k++];
+  for (Eigen::Index i = 0; i < all.rows(); ++i) {
+    for (Eigen::Index j = i; j < all.cols() && k < triangle.size(); ++j)
+      all(i, j) = all(j, i) = triangle[k++];
   }
+  std::vector<Eigen::Index> known;
+  for (std::size_t i = 0; i < n; ++i)
+    if (const auto id = lookup.find(names[i])) {
+      c.parameters.push_back(*id);
+      known.push_back(static_cast<Eigen::Index>(i));
+    }
+  c.matrix = all(known, known);
 }
 
 void read_statistics(const JsonValue& json, CalibrationStatistics& s) {
@@ -248,7 +258,7 @@ Change read_change(const JsonValue& json) {
   return c;
 }
 
-void read_previous(const JsonValue& json, Deployment& d) {
+void read_previous(const JsonValue& json, const ParameterLookup& lookup, Deployment& d) {
   if (!json.present()) return;
   Previous previous;
   previous.sha256 = json.at("sha256").text();
@@ -257,7 +267,12 @@ void read_previous(const JsonValue& json, Deployment& d) {
   previous.drift = {drift.at("beacon_m").not_negative(),   drift.at("delay_s").not_negative(),
                     drift.at("receiver_m").not_negative(), drift.at("speed_mps").not_negative(),
                     drift.at("log_gain").not_negative(),   drift.at("attenuation").not_negative()};
-  previous.released = json.at("released").texts();
+  for (const std::string& name : json.at("released").texts())
+    if (name == "datum") {
+      previous.released.datum = true;
+    } else if (const auto id = lookup.find(name)) {
+      previous.released.parameters.push_back(*id);
+    }
   for (const JsonValue& change : json.at("changes").items()) previous.changes.push_back(read_change(change));
   d.previous = std::move(previous);
 }
@@ -324,11 +339,13 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
     }
     read_deployed_beacons(root.at("beacons"), d);
     read_deployed_vehicles(root.at("vehicles"), d);
-    read_covariance(root.at("covariance"), d.covariance);
+    const NameTable names = names_of(d);
+    const ParameterLookup lookup(names);
+    read_covariance(root.at("covariance"), lookup, d.covariance);
     read_statistics(root.at("statistics"), d.statistics);
     read_validity(root.at("validity"), d);
     read_provenance(root, d);
-    read_previous(root.find("previous"), d);
+    read_previous(root.find("previous"), lookup, d);
     read_contradictions(root.find("verdict"), d.contradictions);
     d.digest = digest_of(*json);
     d.warnings.insert(d.warnings.end(), warnings.begin(), warnings.end());

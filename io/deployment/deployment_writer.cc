@@ -127,12 +127,12 @@ Json vehicles_json(const Deployment& d) {
   return out;
 }
 
-Json covariance_json(const JointCovariance& c) {
+Json covariance_json(const JointCovariance& c, const NameTable& names) {
   Json triangle = Json::array();
   for (Eigen::Index i = 0; i < c.matrix.rows(); ++i) {
     for (Eigen::Index j = i; j < c.matrix.cols(); ++j) triangle.push_back(c.matrix(i, j));
   }
-  return {{"parameters", c.parameters}, {"upper_triangle", triangle}};
+  return {{"parameters", parameter_names(c.parameters, names)}, {"upper_triangle", triangle}};
 }
 
 Json statistics_json(const CalibrationStatistics& s) {
@@ -165,7 +165,9 @@ Json contradictions_json(const std::vector<Contradiction>& contradictions) {
   return list;
 }
 
-Json previous_json(const Previous& p) {
+Json previous_json(const Previous& p, const NameTable& names) {
+  std::vector<std::string> released = parameter_names(p.released.parameters, names);
+  if (p.released.datum) released.emplace_back("datum");
   Json changes = Json::array();
   for (const Change& c : p.changes)
     changes.push_back({{"kind", to_string(c.kind)},
@@ -183,7 +185,7 @@ Json previous_json(const Previous& p) {
             {"speed_mps", p.drift.speed_mps},
             {"log_gain", p.drift.log_gain},
             {"attenuation", p.drift.attenuation}}},
-          {"released", p.released},
+          {"released", released},
           {"changes", changes}};
 }
 
@@ -213,10 +215,10 @@ Json content_of(const Deployment& d) {
     json["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
   json["program"] = {{"name", "octant"}, {"version", d.program_version}, {"command", d.program_command}};
   json["warnings"] = d.warnings;
-  if (d.previous) json["previous"] = previous_json(*d.previous);
+  if (d.previous) json["previous"] = previous_json(*d.previous, names_of(d));
   if (!d.contradictions.empty())
     json["verdict"] = {{"grade", "Contradicted"}, {"contradictions", contradictions_json(d.contradictions)}};
-  json["covariance"] = covariance_json(d.covariance);
+  json["covariance"] = covariance_json(d.covariance, names_of(d));
   return json;
 }
 

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "models/parameter.h"
+
 namespace octant {
 
 /// What may have changed at a site between two visits.
@@ -54,13 +56,20 @@ struct Drift {
   [[nodiscard]] static Drift of_months(double months);
 };
 
+/// Parameters of which nothing earlier was believed.
+struct Released {
+  std::vector<ParameterId> parameters;
+  bool datum = false;  ///< the map as a whole
+  friend bool operator==(const Released&, const Released&) = default;
+};
+
 /// Where a deployment comes from that was made of an earlier one and a second visit.
 struct Previous {
-  std::string sha256;                 ///< of the earlier file
-  std::string created;                ///< the earlier one, ISO 8601
-  Drift drift;                        ///< that was allowed for
-  std::vector<std::string> released;  ///< parameters that were told anew, names as in the joint covariance
-  std::vector<Change> changes;        ///< as found
+  std::string sha256;   ///< of the earlier file
+  std::string created;  ///< the earlier one, ISO 8601
+  Drift drift;          ///< that was allowed for
+  Released released;
+  std::vector<Change> changes;  ///< as found
 };
 
 }  // namespace octant

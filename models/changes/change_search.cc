@@ -149,22 +149,22 @@ std::vector<std::size_t> ChangeSearch::held() const {
 std::vector<ChangeHypothesis> change_hypotheses(const KnownParameters& known) {
   std::vector<ChangeHypothesis> all;
   for (std::size_t i = 0; i < known.parameters.size(); ++i) {
-    const SharedParameter& p = known.parameters[i];
+    const ParameterId& p = known.parameters[i];
     const auto add = [&](ChangeKind kind, int size) {
       ChangeHypothesis h{kind, p.owner, {}};
       for (int k = 0; k < size; ++k) h.columns.push_back(static_cast<int>(i) + k);
       all.push_back(std::move(h));
     };
-    switch (p.quantity) {
-      case Quantity::kBeaconPosition:
+    switch (p.kind) {
+      case ParameterKind::kBeaconPosition:
         if (p.component == 0) add(ChangeKind::kBeaconMoved, 3);
         break;
-      case Quantity::kBeaconDelay: add(ChangeKind::kDelay, 1); break;
-      case Quantity::kBeaconGain: add(ChangeKind::kAmplitude, 1); break;
-      case Quantity::kReceiverPosition:
+      case ParameterKind::kBeaconDelay: add(ChangeKind::kDelay, 1); break;
+      case ParameterKind::kBeaconGain: add(ChangeKind::kAmplitude, 1); break;
+      case ParameterKind::kReceiverPosition:
         if (p.component == 0) add(ChangeKind::kReceiver, 3);
         break;
-      case Quantity::kSpeed: add(ChangeKind::kSpeed, 1); break;
+      case ParameterKind::kSpeed: add(ChangeKind::kSpeed, 1); break;
       default: break;
     }
   }

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
-#include <set>
-#include <unordered_map>
 
 #include "models/changes/chi_square.h"
 
@@ -16,17 +14,16 @@ namespace octant {
 namespace {
 
 constexpr double kUnseenPerMetre = 1e-3;
-constexpr const char* kDatumName = "datum";
 
 /// Variance of a parameter of which nothing earlier is believed.
-double released_variance(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::kBeaconPosition: return 100.0;  // m^2
-    case Quantity::kBeaconDelay:
-    case Quantity::kReceiverDelay: return 1.0e-4;  // s^2
-    case Quantity::kReceiverPosition: return 1.0;  // m^2
-    case Quantity::kSpeed: return 900.0;           // (m/s)^2
-    case Quantity::kBeaconGain: return 9.0;
+double released_variance(ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::kBeaconPosition: return 100.0;  // m^2
+    case ParameterKind::kBeaconDelay:
+    case ParameterKind::kReceiverDelay: return 1.0e-4;  // s^2
+    case ParameterKind::kReceiverPosition: return 1.0;  // m^2
+    case ParameterKind::kSpeed: return 900.0;           // (m/s)^2
+    case ParameterKind::kBeaconGain: return 9.0;
     default: return 0.0;
   }
 }
@@ -129,20 +126,30 @@ KnownParameters part_of_known(const KnownParameters& known, const std::vector<in
 CommonParameters common_parameters(const Deployment& before, const Deployment& now) {
   const KnownParameters a = known_parameters(before);
   KnownParameters b = known_parameters(now);
-  std::unordered_map<std::string, int> place;
-  for (std::size_t i = 0; i < b.parameters.size(); ++i)
-    place.emplace(parameter_name(b.parameters[i], now), static_cast<int>(i));
+  const NameTable names = names_of(before), present = names_of(now);
+  const ParameterLookup lookup(present);
   // Offsets are of one model at one temperature.
-  if (const int speed = b.index_of({Quantity::kSpeed, 0, 0}); speed >= 0)
+  if (const int speed = b.index_of(parameters::speed()); speed >= 0)
     b.value[speed] =
         now.speed_mps(now.medium.temperature_degC) - speed_mps(before.medium, now.medium.temperature_degC);
   std::vector<int> of_a, of_b;
   for (std::size_t i = 0; i < a.parameters.size(); ++i)
-    if (const auto at = place.find(parameter_name(a.parameters[i], before)); at != place.end()) {
-      of_a.push_back(static_cast<int>(i));
-      of_b.push_back(at->second);
-    }
+    if (const auto same = lookup.find(parameter_name(a.parameters[i], names)))
+      if (const int at = b.index_of(*same); at >= 0) {
+        of_a.push_back(static_cast<int>(i));
+        of_b.push_back(at);
+      }
   return {part_of_known(a, of_a), part_of_known(b, of_b)};
+}
+
+/// The same parameters by the indices of another deployment.
+Released by_indices_of(const Deployment& d, const Released& released, const Deployment& of) {
+  const NameTable names = names_of(d), other = names_of(of);
+  const ParameterLookup lookup(names);
+  Released same{{}, released.datum};
+  for (const ParameterId& id : released.parameters)
+    if (const auto found = lookup.find(parameter_name(id, other))) same.parameters.push_back(*found);
+  return same;
 }
 
 /// What the second visit alone said, of what it told; parameters that are held in the second deployment stay
@@ -154,7 +161,8 @@ Innovation second_visit(const CommonParameters& common, const Deployment& before
   const KnownParameters a = part_of_known(common.before, told), b = part_of_known(common.now, told);
   Eigen::MatrixXd P = a.covariance;
   P.diagonal() += drift_variances(a, now.previous->drift);
-  const Eigen::MatrixXd released = P + released_covariance(a, now.previous->released, before);
+  const Eigen::MatrixXd released =
+      P + released_covariance(a, by_indices_of(before, now.previous->released, now), before.motion);
   const Innovation prior = innovation_of_difference(Eigen::VectorXd::Zero(a.size()), released);
   const Innovation posterior = innovation_of_difference(b.value - a.value, b.covariance);
   const Eigen::MatrixXd N = posterior.B.transpose() * posterior.B - prior.B.transpose() * prior.B;
@@ -206,32 +214,27 @@ bool is_derived(const Deployment& now, const Deployment& before) {
   return now.previous && !before.digest.empty() && now.previous->sha256 == before.digest;
 }
 
-std::vector<std::string> changed_parameters(const Comparison& comparison, const KnownParameters& known,
-                                            const Deployment& before) {
-  std::vector<std::string> names;
+Released changed_parameters(const Comparison& comparison, const KnownParameters& known) {
+  Released released;
   for (const std::size_t k : comparison.search.held()) {
     const ChangeHypothesis& hypothesis = comparison.hypotheses[k];
     if (hypothesis.kind == ChangeKind::kDatum) {
-      names.emplace_back(kDatumName);
+      released.datum = true;
       continue;
     }
     for (const int i : hypothesis.columns)
-      names.push_back(parameter_name(known.parameters[static_cast<std::size_t>(i)], before));
+      released.parameters.push_back(known.parameters[static_cast<std::size_t>(i)]);
   }
-  return names;
+  return released;
 }
 
-Eigen::MatrixXd released_covariance(const KnownParameters& known, const std::vector<std::string>& released,
-                                    const Deployment& before) {
-  const std::set<std::string> names(released.begin(), released.end());
+Eigen::MatrixXd released_covariance(const KnownParameters& known, const Released& released, Motion motion) {
   Eigen::MatrixXd W = Eigen::MatrixXd::Zero(known.size(), known.size());
-  for (Eigen::Index i = 0; i < known.size(); ++i) {
-    const SharedParameter& p = known.parameters[static_cast<std::size_t>(i)];
-    if (names.contains(parameter_name(p, before))) W(i, i) += released_variance(p.quantity);
-  }
-  if (names.contains(kDatumName)) {
-    const Eigen::MatrixXd T = map_motions(known, before.motion);
-    W += released_variance(Quantity::kBeaconPosition) * T * T.transpose();
+  for (const ParameterId& id : released.parameters)
+    if (const int i = known.index_of(id); i >= 0) W(i, i) = released_variance(id.kind);
+  if (released.datum) {
+    const Eigen::MatrixXd T = map_motions(known, motion);
+    W += released_variance(ParameterKind::kBeaconPosition) * T * T.transpose();
   }
   return W;
 }

@@ -36,16 +36,12 @@ struct Comparison {
 /// Whether a deployment was made of another one by a recalibration.
 [[nodiscard]] bool is_derived(const Deployment& now, const Deployment& before);
 
-/// Names of the parameters that changed by what a comparison holds; "datum" where the map moved as a whole.
-[[nodiscard]] std::vector<std::string> changed_parameters(const Comparison& comparison,
-                                                          const KnownParameters& known,
-                                                          const Deployment& before);
+/// The parameters that changed by what a comparison holds.
+[[nodiscard]] Released changed_parameters(const Comparison& comparison, const KnownParameters& known);
 /// Covariance that parameters get beside their drift when they are told anew: nothing of the old values is
 /// believed.
-/// @param released  names
-[[nodiscard]] Eigen::MatrixXd released_covariance(const KnownParameters& known,
-                                                  const std::vector<std::string>& released,
-                                                  const Deployment& before);
+[[nodiscard]] Eigen::MatrixXd released_covariance(const KnownParameters& known, const Released& released,
+                                                  Motion motion);
 /// What so many months are between two instants in ISO 8601; 0 where one of them cannot be read or the second
 /// comes first.
 [[nodiscard]] double months_between(const std::string& before, const std::string& now);

@@ -2,53 +2,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <compare>
-#include <cstddef>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "models/deployment.h"
+#include "models/parameter.h"
 
 namespace octant {
 
-/// What a number that all arrivals share is about.
-enum class Quantity {
-  kBeaconPosition,    ///< component: axis [m]
-  kBeaconDelay,       ///< [s]
-  kBeaconGain,        ///< of its amplitude over the attenuation's, ln
-  kReceiverPosition,  ///< component: axis, in the vehicle frame [m]
-  kReceiverDelay,     ///< [s]
-  kSpeed,             ///< offset from the medium's model [m/s]
-  kAttenuation,       ///< component: in the order of AttenuationRow
-  kClockDrift         ///< of a vehicle
-};
-
-struct SharedParameter {
-  Quantity quantity = Quantity::kSpeed;
-  std::size_t owner = 0;  ///< index of the beacon, receiver or vehicle in its deployment
-  int component = 0;
-  friend auto operator<=>(const SharedParameter&, const SharedParameter&) = default;
-};
-
 /// What a deployment knows of its shared numbers, together. SI units.
 struct KnownParameters {
-  std::vector<SharedParameter> parameters;
+  std::vector<ParameterId> parameters;
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;  ///< zero rows: held fixed
 
   [[nodiscard]] Eigen::Index size() const { return value.size(); }
   /// Where a parameter stands; -1: not known.
-  [[nodiscard]] int index_of(const SharedParameter& parameter) const;
+  [[nodiscard]] int index_of(const ParameterId& parameter) const;
 };
 
 /// All but beacons that are undetermined. A site's one delay stands on every beacon, fully correlated;
 /// receivers of an octagon that was adjusted as a whole have the covariance that its radius and turn give
 /// them.
 [[nodiscard]] KnownParameters known_parameters(const Deployment& deployment);
-/// As in the joint covariance: "beacon/B1/x_m".
-[[nodiscard]] std::string parameter_name(const SharedParameter& parameter, const Deployment& deployment);
 
 /// Variances by which they may have drifted; those of amplitude, absorption and rise time in proportion to
 /// the values.

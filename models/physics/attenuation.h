@@ -34,7 +34,17 @@ struct AttenuationModel {
 
 /// What calibration may solve for, in this order: amplitude_1m_v, absorption_np_per_m, rise_time_s,
 /// half_power_angle_rad.
-inline constexpr int kAttenuationUnknowns = 4;
+inline constexpr std::size_t kAttenuationUnknowns = 4;
+/// @param attenuation  AttenuationModel, or the AttenuationPrior of a site
+template <class Attenuation>
+[[nodiscard]] auto& attenuation_unknown(Attenuation& attenuation, std::size_t unknown) {
+  switch (unknown) {
+    case 0: return attenuation.amplitude_1m_v;
+    case 1: return attenuation.absorption_np_per_m;
+    case 2: return attenuation.rise_time_s;
+    default: return attenuation.half_power_angle_rad;
+  }
+}
 
 /// ln D and its derivatives. D falls all the way round to the back and has no side lobes: what small piezo
 /// receivers do in front, which is where they hear. Within a thousandth of straight behind it is held, as it

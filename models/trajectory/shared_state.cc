@@ -19,6 +19,28 @@ std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers,
 
 }  // namespace
 
+double* value_in(SharedState& state, const ParameterId& id) {
+  const auto at = [&id](std::vector<double>& all) {
+    return id.owner < all.size() ? &all[id.owner] : nullptr;
+  };
+  switch (id.kind) {
+    case ParameterKind::kBeaconPosition: return &state.beacon_p_map_m[id.owner][id.component];
+    case ParameterKind::kBeaconDelay: return at(state.beacon_delay_s);
+    case ParameterKind::kBeaconGain: return at(state.beacon_log_gain);
+    case ParameterKind::kReceiverPosition: return &state.receiver_p_vehicle_m[id.owner][id.component];
+    case ParameterKind::kReceiverDelay: return at(state.receiver_delay_s);
+    case ParameterKind::kArray: return nullptr;
+    case ParameterKind::kSiteDelay: return &state.site_delay_s;
+    case ParameterKind::kSpeed: return &state.speed_offset_mps[id.owner > 0 ? id.owner - 1 : 0];
+    case ParameterKind::kAttenuation:
+      return state.attenuation ? &attenuation_unknown(*state.attenuation, id.component) : nullptr;
+    case ParameterKind::kClockDrift: return at(state.clock_drift);
+    case ParameterKind::kPairBias:
+      return &state.pair_bias_s[id.owner * state.receiver_delay_s.size() + id.component];
+  }
+  return nullptr;
+}
+
 SharedState prior_state(const Site& site) {
   SharedState state;
   const Timing& timing = site.timing;

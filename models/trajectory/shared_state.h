@@ -50,6 +50,10 @@ struct SharedState {
   }
 };
 
+/// Where a state holds a shared number; null where it holds none: what an array's circumradius and turn make
+/// of it stands on the receivers.
+[[nodiscard]] double* value_in(SharedState& state, const ParameterId& id);
+
 /// Prior means of a site; unknown coordinates are zero.
 [[nodiscard]] SharedState prior_state(const Site& site);
 /// The calibrated values of a deployment (a site's one delay is carried by the beacons).

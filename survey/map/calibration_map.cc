@@ -36,13 +36,13 @@ JointCovariance joint_of(const Deployment& d) {
   const auto n = static_cast<Eigen::Index>(4 * d.beacons.size() + 1);
   joint.matrix = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t b = 0; b < d.beacons.size(); ++b) {
-    for (const char* what : {"/x_m", "/y_m", "/z_m", "/delay_s"})
-      joint.parameters.push_back("beacon/" + d.beacons[b].name + what);
+    for (std::size_t i = 0; i < 3; ++i) joint.parameters.push_back(parameters::beacon_position(b, i));
+    joint.parameters.push_back(parameters::beacon_delay(b));
     const auto at = static_cast<Eigen::Index>(4 * b);
     joint.matrix.block<3, 3>(at, at) = d.beacons[b].covariance_m2;
     joint.matrix(at + 3, at + 3) = d.beacons[b].delay_sigma_s * d.beacons[b].delay_sigma_s;
   }
-  joint.parameters.emplace_back("medium/speed_mps");
+  joint.parameters.push_back(parameters::speed());
   joint.matrix(n - 1, n - 1) = d.speed_sigma_mps * d.speed_sigma_mps;
   return joint;
 }
@@ -53,22 +53,35 @@ CalibrationMap::CalibrationMap(const Deployment& d, const SurveyModel& model) {
   const JointCovariance joint = joint_of(d);
   if (joint.matrix.isZero(0.0)) return;
   root_ = root_of(joint.matrix);
-  const auto column = [&](const std::string& name) {
-    const auto found = std::find(joint.parameters.begin(), joint.parameters.end(), name);
-    return found == joint.parameters.end() ? -1 : static_cast<int>(found - joint.parameters.begin());
-  };
-  const auto columns_of = [&](const std::string& prefix) {
-    return std::array<int, 4>{column(prefix + "/x_m"), column(prefix + "/y_m"), column(prefix + "/z_m"),
-                              column(prefix + "/delay_s")};
-  };
-  for (const SurveyBeacon& b : model.beacons) beacon_.push_back(columns_of("beacon/" + b.name));
-  const std::string vehicle = d.vehicles.empty() ? "robot" : d.vehicles[model.vehicle].name;
-  for (const SurveyReceiver& r : model.receivers)
-    receiver_.push_back(columns_of("receiver/" + vehicle + "/" + r.name));
-  site_delay_ = column("site/delay_s");
-  speed_ = column("medium/speed_mps");
-  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"),
-                  column("attenuation/rise_time_s"), column("attenuation/half_power_angle_rad")};
+  // The model's beacons and receivers are some of the deployment's, or those of a scene, which are exact.
+  constexpr std::array<int, 4> kExact = {-1, -1, -1, -1};
+  for (const SurveyBeacon& beacon : model.beacons) {
+    const auto at = std::find_if(d.beacons.begin(), d.beacons.end(),
+                                 [&](const DeploymentBeacon& b) { return b.name == beacon.name; });
+    const auto b = static_cast<std::size_t>(at - d.beacons.begin());
+    beacon_.push_back(at == d.beacons.end()
+                          ? kExact
+                          : std::array<int, 4>{joint.index_of(parameters::beacon_position(b, 0)),
+                                               joint.index_of(parameters::beacon_position(b, 1)),
+                                               joint.index_of(parameters::beacon_position(b, 2)),
+                                               joint.index_of(parameters::beacon_delay(b))});
+  }
+  for (const SurveyReceiver& receiver : model.receivers) {
+    const auto at = std::find_if(d.receivers.begin(), d.receivers.end(), [&](const DeploymentReceiver& r) {
+      return r.vehicle.index() == model.vehicle && r.name == receiver.name;
+    });
+    const auto r = static_cast<std::size_t>(at - d.receivers.begin());
+    receiver_.push_back(at == d.receivers.end()
+                            ? kExact
+                            : std::array<int, 4>{joint.index_of(parameters::receiver_position(r, 0)),
+                                                 joint.index_of(parameters::receiver_position(r, 1)),
+                                                 joint.index_of(parameters::receiver_position(r, 2)),
+                                                 joint.index_of(parameters::receiver_delay(r))});
+  }
+  site_delay_ = joint.index_of(parameters::site_delay());
+  speed_ = joint.index_of(parameters::speed());
+  for (std::size_t i = 0; i < attenuation_.size(); ++i)
+    attenuation_[i] = joint.index_of(parameters::attenuation(i));
   walk_ = d.attenuation;
   speed_mps_ = model.speed_mps;
   mps_by_delay_ = model.speed_mps / (d.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0);

@@ -24,9 +24,8 @@ std::string directivity_in_words(const Deployment& d) {
   constexpr double kDegree = std::numbers::pi / 180;
   std::string text =
       fmt::format("3 dB less at {:.4g} degrees off the axis", d.attenuation->half_power_angle_rad / kDegree);
-  const auto& names = d.covariance.parameters;
-  const auto at = std::find(names.begin(), names.end(), "attenuation/half_power_angle_rad") - names.begin();
-  return at >= d.covariance.matrix.rows()
+  const int at = d.covariance.index_of(parameters::attenuation(3));
+  return at < 0
              ? text
              : text + fmt::format(", sigma {:.2g} degrees", std::sqrt(d.covariance.matrix(at, at)) / kDegree);
 }

@@ -38,6 +38,16 @@ inline Eigen::Vector3d fix_error(const World& world, const Fix& fix) {
   return error;
 }
 
+/// By name: "beacon/B1/x_m".
+inline double sigma_of(const calib::Solution& solution, const Site& site, const std::string& name) {
+  const NameTable names = names_of(site);
+  const auto id = ParameterLookup(names).find(name);
+  const int at = id ? solution.covariance.index_of(*id) : -1;
+  if (at >= 0) return std::sqrt(solution.covariance.matrix(at, at));
+  ADD_FAILURE() << "no parameter " << name;
+  return NAN;
+}
+
 /// Free beacon coordinates, estimate less truth, with their joint covariance.
 struct BeaconErrors {
   Eigen::VectorXd error;
@@ -47,15 +57,12 @@ struct BeaconErrors {
 inline BeaconErrors beacon_errors(const World& world, const calib::Solution& solution) {
   std::vector<Eigen::Index> at;
   std::vector<double> error;
-  const char* axis[3] = {"/x_m", "/y_m", "/z_m"};
-  std::map<std::string, Eigen::Index> index;
-  for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i)
-    index[solution.covariance.parameters[i]] = static_cast<Eigen::Index>(i);
   for (std::size_t b = 0; b < world.truth.beacons.size(); ++b)
     for (int i = 0; i < 3; ++i) {
-      const auto found = index.find("beacon/" + world.truth.beacons[b].name + axis[i]);
-      if (found == index.end()) continue;
-      at.push_back(found->second);
+      const int found =
+          solution.covariance.index_of(parameters::beacon_position(b, static_cast<std::size_t>(i)));
+      if (found < 0) continue;
+      at.push_back(found);
       error.push_back(solution.state.beacon_p_map_m[b][i] - world.truth.beacons[b].position_m[i]);
     }
   BeaconErrors out;

@@ -21,8 +21,9 @@ void expect_same(const Scenario& scenario, std::uint64_t seed) {
   ASSERT_TRUE(other.converged);
   EXPECT_NEAR(solution.final_cost, other.cost, 1e-6 * other.cost);
   std::map<std::string, Eigen::Index> index;
+  const NameTable names = names_of(world.site);
   for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i)
-    index[solution.covariance.parameters[i]] = static_cast<Eigen::Index>(i);
+    index[parameter_name(solution.covariance.parameters[i], names)] = static_cast<Eigen::Index>(i);
   ASSERT_EQ(solution.covariance.parameters.size(), other.parameters.size());
   for (std::size_t i = 0; i < other.parameters.size(); ++i) {
     ASSERT_TRUE(index.count(other.parameters[i])) << other.parameters[i];

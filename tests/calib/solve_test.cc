@@ -216,8 +216,8 @@ TEST(Solve, NothingKnownButTapesGivesAFreeNetwork) {
   for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i)
     for (std::size_t j = 0; j < solution.covariance.parameters.size(); ++j) {
       const auto is_x = [&](std::size_t k) {
-        return solution.covariance.parameters[k].find("beacon/") == 0 &&
-               solution.covariance.parameters[k].find("/x_m") != std::string::npos;
+        const ParameterId& id = solution.covariance.parameters[k];
+        return id.kind == ParameterKind::kBeaconPosition && id.component == 0;
       };
       if (is_x(i) && is_x(j))
         translation += solution.covariance.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));

@@ -26,18 +26,18 @@ constexpr int kDraws = 400;  // of 2 degrees of freedom each: the RMSE's own sta
 
 /// A joint covariance with everything correlated: millimetres, microseconds, tenths of metres a second.
 void add_covariance(Deployment& d, Random& draw) {
-  auto& names = d.covariance.parameters;
+  auto& ids = d.covariance.parameters;
   std::vector<double> sigma;
-  for (const auto& b : d.beacons) {
-    for (const char* what : {"/x_m", "/y_m", "/z_m"})
-      names.push_back("beacon/" + b.name + what), sigma.push_back(3e-3);
-    names.push_back("beacon/" + b.name + "/delay_s"), sigma.push_back(6e-6);
+  for (std::size_t b = 0; b < d.beacons.size(); ++b) {
+    for (std::size_t i = 0; i < 3; ++i)
+      ids.push_back(parameters::beacon_position(b, i)), sigma.push_back(3e-3);
+    ids.push_back(parameters::beacon_delay(b)), sigma.push_back(6e-6);
   }
-  for (const auto& r : d.receivers)
-    for (const char* what : {"/x_m", "/y_m", "/z_m"})
-      names.push_back("receiver/robot/" + r.name + what), sigma.push_back(5e-4);
-  names.push_back("medium/speed_mps"), sigma.push_back(0.1);
-  const auto n = static_cast<Eigen::Index>(names.size());
+  for (std::size_t r = 0; r < d.receivers.size(); ++r)
+    for (std::size_t i = 0; i < 3; ++i)
+      ids.push_back(parameters::receiver_position(r, i)), sigma.push_back(5e-4);
+  ids.push_back(parameters::speed()), sigma.push_back(0.1);
+  const auto n = static_cast<Eigen::Index>(ids.size());
   Eigen::MatrixXd mix(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j)
@@ -257,7 +257,8 @@ TEST(Predicted, EachParametersErrorMovesTheFixAsTheMapSays) {
     const Eigen::Vector2d shift = (fix_with(p, p.error) - fix_with(p, -p.error)) / 2;
     EXPECT_GT(shift.norm(), 1e-6) << p.name << " moves the fix by more than the fix' own rounding";
     Deployment known = truth;
-    known.covariance.parameters = {p.name};
+    const NameTable names = names_of(known);
+    known.covariance.parameters = {ParameterLookup(names).find(p.name).value()};
     known.covariance.matrix = Eigen::MatrixXd::Constant(1, 1, p.error * p.error);
     const SystematicPart part = part_at(known, model, place);
     // The map leaves the slope of the time-walk along the path out: some 1 % of a range.
@@ -277,14 +278,15 @@ TEST(Predicted, WithoutAJointCovarianceEachBeaconsOwnCounts) {
     const double s = 1e-3 * static_cast<double>(b + 1);
     own.beacons[b].covariance_m2 << 2 * s * s, s * s / 2, 0, s * s / 2, s * s, 0, 0, 0, s * s;
     own.beacons[b].delay_sigma_s = 1e-6 * static_cast<double>(b + 1);
-    for (const char* what : {"/x_m", "/y_m", "/z_m", "/delay_s"})
-      joint.covariance.parameters.push_back("beacon/" + own.beacons[b].name + what);
+    for (std::size_t i = 0; i < 3; ++i)
+      joint.covariance.parameters.push_back(parameters::beacon_position(b, i));
+    joint.covariance.parameters.push_back(parameters::beacon_delay(b));
     const auto at = static_cast<Eigen::Index>(4 * b);
     joint.covariance.matrix.block<3, 3>(at, at) = own.beacons[b].covariance_m2;
     joint.covariance.matrix(at + 3, at + 3) = std::pow(own.beacons[b].delay_sigma_s, 2);
   }
   own.speed_sigma_mps = 0.2;
-  joint.covariance.parameters.emplace_back("medium/speed_mps");
+  joint.covariance.parameters.push_back(parameters::speed());
   joint.covariance.matrix(n - 1, n - 1) = 0.04;
   const SurveyModel model = must(make_survey_model(own, {}));
   const SystematicPart a = part_at(own, model, {7.2, 4.4, 0, 0.6}),

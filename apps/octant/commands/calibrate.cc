@@ -128,8 +128,9 @@ Json calibration_json(const Calibration& calibration, const Session& session) {
   Json object = solution_json(calibration, session);
   if (!calibration.deployment) return object;
   add_deployment_json(*calibration.deployment, object);
-  for (Json& beacon : object["beacons"]) {
-    const auto white = calib::white_sigma_m(calibration.solution, beacon["id"].get<std::string>());
+  for (std::size_t b = 0; b < object["beacons"].size(); ++b) {
+    Json& beacon = object["beacons"][b];
+    const auto white = calib::white_sigma_m(calibration.solution, b);
     beacon["white_sigma_m"] = white ? to_json(*white) : beacon["sigma_m"];
   }
   return object;

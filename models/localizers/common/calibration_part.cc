@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/common/calibration_part.h"
 
-#include <algorithm>
 #include <numbers>
 
 #include <Eigen/Cholesky>
@@ -12,22 +11,20 @@
 namespace octant {
 
 CalibrationPart::CalibrationPart(const Deployment& deployment) : covariance_(deployment.covariance.matrix) {
-  const auto& names = deployment.covariance.parameters;
-  const auto column = [&names](const std::string& name) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
-  };
-  const auto columns_of = [&column](const std::string& prefix) {
-    return std::array<int, 4>{column(prefix + "/x_m"), column(prefix + "/y_m"), column(prefix + "/z_m"),
-                              column(prefix + "/delay_s")};
-  };
-  for (const DeploymentBeacon& b : deployment.beacons) beacon_.push_back(columns_of("beacon/" + b.name));
-  for (const DeploymentReceiver& r : deployment.receivers)
-    receiver_.push_back(columns_of("receiver/" + deployment.vehicles[r.vehicle.index()].name + "/" + r.name));
-  site_delay_ = column("site/delay_s");
-  speed_ = column("medium/speed_mps");
-  attenuation_ = {column("attenuation/amplitude_1m_v"), column("attenuation/absorption_np_per_m"),
-                  column("attenuation/rise_time_s"), column("attenuation/half_power_angle_rad")};
+  const JointCovariance& joint = deployment.covariance;
+  for (std::size_t b = 0; b < deployment.beacons.size(); ++b)
+    beacon_.push_back(
+        {joint.index_of(parameters::beacon_position(b, 0)), joint.index_of(parameters::beacon_position(b, 1)),
+         joint.index_of(parameters::beacon_position(b, 2)), joint.index_of(parameters::beacon_delay(b))});
+  for (std::size_t r = 0; r < deployment.receivers.size(); ++r)
+    receiver_.push_back({joint.index_of(parameters::receiver_position(r, 0)),
+                         joint.index_of(parameters::receiver_position(r, 1)),
+                         joint.index_of(parameters::receiver_position(r, 2)),
+                         joint.index_of(parameters::receiver_delay(r))});
+  site_delay_ = joint.index_of(parameters::site_delay());
+  speed_ = joint.index_of(parameters::speed());
+  for (std::size_t i = 0; i < attenuation_.size(); ++i)
+    attenuation_[i] = joint.index_of(parameters::attenuation(i));
 }
 
 void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, const Segment& segment,

@@ -20,23 +20,19 @@ constexpr std::size_t kRowsEachPair = 2;  ///< an epoch may hold a few pings
 
 /// Rows of the joint covariance that move a beacon's arrivals: x, y, z, delay, speed; -1 where a parameter is
 /// held.
-std::array<int, 5> rows_of(const JointCovariance& joint, const std::string& beacon) {
-  const std::array<std::string, 5> names = {"beacon/" + beacon + "/x_m", "beacon/" + beacon + "/y_m",
-                                            "beacon/" + beacon + "/z_m", "beacon/" + beacon + "/delay_s",
-                                            "medium/speed_mps"};
-  std::array<int, 5> rows{};
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto at = std::find(joint.parameters.begin(), joint.parameters.end(), names[i]);
-    rows[i] = at == joint.parameters.end() ? -1 : static_cast<int>(at - joint.parameters.begin());
-  }
-  return rows;
+std::array<int, 5> rows_of(const JointCovariance& joint, std::size_t beacon) {
+  return {joint.index_of(parameters::beacon_position(beacon, 0)),
+          joint.index_of(parameters::beacon_position(beacon, 1)),
+          joint.index_of(parameters::beacon_position(beacon, 2)),
+          joint.index_of(parameters::beacon_delay(beacon)), joint.index_of(parameters::speed())};
 }
 
-Matrix5d covariance_of(const Deployment& deployment, const DeploymentBeacon& beacon) {
+Matrix5d covariance_of(const Deployment& deployment, std::size_t b) {
+  const DeploymentBeacon& beacon = deployment.beacons[b];
   Matrix5d C = Matrix5d::Zero();
   const JointCovariance& joint = deployment.covariance;
   if (joint.matrix.rows() > 0 && joint.matrix.rows() == static_cast<Eigen::Index>(joint.parameters.size())) {
-    const std::array<int, 5> rows = rows_of(joint, beacon.name);
+    const std::array<int, 5> rows = rows_of(joint, b);
     for (int i = 0; i < 5; ++i)
       for (int j = 0; j < 5; ++j)
         if (rows[static_cast<std::size_t>(i)] >= 0 && rows[static_cast<std::size_t>(j)] >= 0)
@@ -66,9 +62,9 @@ TrajectoryModel trajectory_model(const Deployment& deployment) {
 EpochFixModel epoch_fix_model(const Deployment& deployment) {
   EpochFixModel model;
   model.state = shared_state(deployment);
-  for (const DeploymentBeacon& beacon : deployment.beacons) {
-    model.beacon_usable.push_back(beacon.status != BeaconStatus::kUndetermined);
-    model.beacon_covariance.push_back(covariance_of(deployment, beacon));
+  for (std::size_t b = 0; b < deployment.beacons.size(); ++b) {
+    model.beacon_usable.push_back(deployment.beacons[b].status != BeaconStatus::kUndetermined);
+    model.beacon_covariance.push_back(covariance_of(deployment, b));
   }
   for (const DeploymentReceiver& receiver : deployment.receivers) {
     model.receiver_axis.push_back(receiver.axis);

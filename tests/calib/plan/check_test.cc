@@ -230,8 +230,8 @@ void expect_like_calibrate(const World& world, const calib::ThinOptions& options
   for (std::size_t i = 0; i < whole.covariance.parameters.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     const double ratio = std::sqrt(forecast.solution.covariance.matrix(k, k) / whole.covariance.matrix(k, k));
-    EXPECT_GT(ratio, 1 / 1.5) << whole.covariance.parameters[i];
-    EXPECT_LT(ratio, 1.5) << whole.covariance.parameters[i];
+    EXPECT_GT(ratio, 1 / 1.5) << parameter_name(whole.covariance.parameters[i], names_of(problem.site));
+    EXPECT_LT(ratio, 1.5) << parameter_name(whole.covariance.parameters[i], names_of(problem.site));
   }
   for (const auto& b : forecast.beacons) {
     ASSERT_TRUE(b.sigma_m) << b.name;

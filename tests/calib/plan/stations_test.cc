@@ -68,14 +68,12 @@ World world_at(Scenario s, const std::vector<Eigen::Vector3d>& stops, std::uint6
 double stated_mean_m(const calib::Solution& solution, const Site& site) {
   double sum = 0.0;
   std::size_t asked = 0;
-  for (const SiteBeacon& b : site.beacons) {
-    if (b.is_control_point()) continue;
+  for (std::size_t b = 0; b < site.beacons.size(); ++b) {
+    if (site.beacons[b].is_control_point()) continue;
     double variance = 0.0;
-    for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i) {
-      const std::string& name = solution.covariance.parameters[i];
-      if (name.starts_with("beacon/" + b.name + "/") && !name.ends_with("delay_s"))
-        variance += solution.covariance.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
-    }
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (const int i = solution.covariance.index_of(parameters::beacon_position(b, axis)); i >= 0)
+        variance += solution.covariance.matrix(i, i);
     sum += std::sqrt(variance);
     ++asked;
   }

@@ -29,7 +29,8 @@ Deployment small_deployment() {
   d.vehicles.push_back({"robot", 0, 1});
   d.receivers.push_back(
       {.name = "r0", .vehicle = VehicleId(0), .position_m = {0.1, 0, 0.3}, .axis = std::nullopt});
-  d.covariance = {{"beacon/B0/x_m", "medium/speed_mps"}, (Eigen::Matrix2d() << 1, 0.5, 0.5, 2).finished()};
+  d.covariance = {{parameters::beacon_position(0, 0), parameters::speed()},
+                  (Eigen::Matrix2d() << 1, 0.5, 0.5, 2).finished()};
   d.statistics.converged = true;
   d.warnings = {"w"};
   return d;
@@ -42,6 +43,17 @@ std::string changed(const std::string& pointer, const Json& value, bool with_dig
   json.erase("digest");
   if (with_digest) json["digest"] = digest_of(nlohmann::json(json));
   return json.dump(1);
+}
+
+/// A later program's unknowns: the covariance of the others is the marginal one.
+TEST(DeploymentJson, NumbersThatAreNotKnownHereAreLeftOutOfTheCovariance) {
+  const std::string later =
+      changed("/covariance", {{"parameters", {"beacon/B0/x_m", "clock/robot/scale", "medium/speed_mps"}},
+                              {"upper_triangle", {1.0, 7.0, 0.5, 9.0, 8.0, 2.0}}});
+  const Result<Deployment> read = deployment_from_json(later, "d.json");
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->covariance.parameters, small_deployment().covariance.parameters);
+  EXPECT_EQ(read->covariance.matrix, small_deployment().covariance.matrix);
 }
 
 TEST(DeploymentJson, HoldsWhatTheContractAsksFor) {

@@ -34,10 +34,11 @@ Deployment hall() {
     beacon.status = b < 4 ? BeaconStatus::kControlPoint : BeaconStatus::kCalibrated;
     for (int i = 0; i < 3 && b >= 4; ++i) {
       beacon.covariance_m2(i, i) = 4e-6;
-      d.covariance.parameters.push_back("beacon/" + beacon.name + kAxes[i]);
+      d.covariance.parameters.push_back(
+          parameters::beacon_position(static_cast<std::size_t>(b), static_cast<std::size_t>(i)));
       sigma.push_back(2e-3);
     }
-    d.covariance.parameters.push_back("beacon/" + beacon.name + "/delay_s");
+    d.covariance.parameters.push_back(parameters::beacon_delay(static_cast<std::size_t>(b)));
     sigma.push_back(2e-6);
     d.beacons.push_back(beacon);
   }
@@ -47,11 +48,11 @@ Deployment hall() {
   receiver.vehicle = VehicleId(std::size_t{0});
   receiver.sigma_m.setConstant(1e-3);
   d.receivers.push_back(receiver);
-  for (const char* axis : kAxes) {
-    d.covariance.parameters.push_back(std::string("receiver/robot/r0") + axis);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    d.covariance.parameters.push_back(parameters::receiver_position(0, axis));
     sigma.push_back(1e-3);
   }
-  d.covariance.parameters.emplace_back("medium/speed_mps");
+  d.covariance.parameters.push_back(parameters::speed());
   sigma.push_back(0.1);
   d.covariance.matrix = Eigen::Map<Eigen::VectorXd>(sigma.data(), static_cast<Eigen::Index>(sigma.size()))
                             .cwiseAbs2()
@@ -109,16 +110,15 @@ TEST(Comparison, AMapThatMovedAsAWholeIsTheDatum) {
 /// A second visit that tells the beacons to a millimetre, carried over by recalibration as the Kalman filter
 /// has it.
 Deployment recalibrated(const Deployment& before, const Eigen::VectorXd& measured,
-                        const std::vector<std::string>& released) {
+                        const std::vector<ParameterId>& released) {
   const KnownParameters known = known_parameters(before);
   std::vector<int> free;
   Eigen::MatrixXd P = known.covariance;
   P.diagonal() += drift_variances(known, Drift{});
-  P += released_covariance(known, released, before);
+  P += released_covariance(known, {released, false}, before.motion);
   for (Eigen::Index i = 0; i < known.size(); ++i) {
-    const SharedParameter& p = known.parameters[static_cast<std::size_t>(i)];
-    const bool told =
-        std::find(released.begin(), released.end(), parameter_name(p, before)) != released.end();
+    const ParameterId& p = known.parameters[static_cast<std::size_t>(i)];
+    const bool told = std::find(released.begin(), released.end(), p) != released.end();
     if (told || known.covariance(i, i) > 0) free.push_back(static_cast<int>(i));
   }
   Eigen::VectorXd sigma(known.size());
@@ -130,17 +130,17 @@ Deployment recalibrated(const Deployment& before, const Eigen::VectorXd& measure
   const Eigen::MatrixXd C = (Eigen::MatrixXd::Identity(Pf.rows(), Pf.cols()) - K) * Pf;
   Deployment now = before;
   now.digest = "now";
-  now.previous = Previous{before.digest, before.created, Drift{}, released, {}};
+  now.previous = Previous{before.digest, before.created, Drift{}, {released, false}, {}};
   now.covariance.parameters.clear();
   now.covariance.matrix = 0.5 * (C + C.transpose());
   for (std::size_t k = 0; k < free.size(); ++k) {
-    const SharedParameter& p = known.parameters[static_cast<std::size_t>(free[k])];
-    now.covariance.parameters.push_back(parameter_name(p, before));
+    const ParameterId& p = known.parameters[static_cast<std::size_t>(free[k])];
+    now.covariance.parameters.push_back(p);
     const double value = known.value[free[k]] + step[static_cast<Eigen::Index>(k)];
-    if (p.quantity == Quantity::kBeaconPosition) now.beacons[p.owner].position_m[p.component] = value;
-    if (p.quantity == Quantity::kBeaconDelay) now.beacons[p.owner].delay_s = value;
-    if (p.quantity == Quantity::kReceiverPosition) now.receivers[p.owner].position_m[p.component] = value;
-    if (p.quantity == Quantity::kSpeed) now.speed_offset_mps = value;
+    if (p.kind == ParameterKind::kBeaconPosition) now.beacons[p.owner].position_m[p.component] = value;
+    if (p.kind == ParameterKind::kBeaconDelay) now.beacons[p.owner].delay_s = value;
+    if (p.kind == ParameterKind::kReceiverPosition) now.receivers[p.owner].position_m[p.component] = value;
+    if (p.kind == ParameterKind::kSpeed) now.speed_offset_mps = value;
   }
   return now;
 }
@@ -151,8 +151,10 @@ TEST(Comparison, ARecalibrationIsHeldAgainstWhatItsVisitSaid) {
   const Deployment before = hall();
   const KnownParameters known = known_parameters(before);
   Eigen::VectorXd measured = known.value;
-  measured[known.index_of({Quantity::kBeaconPosition, 6, 0})] += 0.02;
-  const Deployment now = recalibrated(before, measured, {"beacon/B6/x_m", "beacon/B6/y_m", "beacon/B6/z_m"});
+  measured[known.index_of({ParameterKind::kBeaconPosition, 6, 0})] += 0.02;
+  const Deployment now = recalibrated(before, measured,
+                                      {parameters::beacon_position(6, 0), parameters::beacon_position(6, 1),
+                                       parameters::beacon_position(6, 2)});
   ASSERT_TRUE(is_derived(now, before));
   const Comparison found = compare(before, now, Drift{});
   ASSERT_EQ(found.changes.size(), 1U);

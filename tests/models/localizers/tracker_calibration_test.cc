@@ -30,9 +30,9 @@ constexpr double kStep_s = 0.1, kBeacon_m = 0.03, kSpeed_mps = 0.5;
 Deployment uncertain_hall() {
   Deployment d = with_receiver(hall(), {0.2, 0.0, 0.3});
   JointCovariance& joint = d.covariance;
-  for (const DeploymentBeacon& b : d.beacons)
-    for (const char* axis : {"/x_m", "/y_m"}) joint.parameters.push_back("beacon/" + b.name + axis);
-  joint.parameters.emplace_back("medium/speed_mps");
+  for (std::size_t b = 0; b < d.beacons.size(); ++b)
+    for (std::size_t i = 0; i < 2; ++i) joint.parameters.push_back(parameters::beacon_position(b, i));
+  joint.parameters.push_back(parameters::speed());
   joint.matrix = Eigen::MatrixXd::Identity(static_cast<Eigen::Index>(joint.parameters.size()),
                                            static_cast<Eigen::Index>(joint.parameters.size())) *
                  kBeacon_m * kBeacon_m;

@@ -41,9 +41,8 @@ Deployment deployment_of(const std::vector<Eigen::Vector3d>& beacons, const Eige
 
 /// The joint covariance of beacons whose places are known to sigma_m.
 void know_beacons_to(double sigma_m, Deployment& d) {
-  for (const DeploymentBeacon& b : d.beacons)
-    for (const char* axis : {"x", "y", "z"})
-      d.covariance.parameters.push_back("beacon/" + b.name + "/" + axis + "_m");
+  for (std::size_t b = 0; b < d.beacons.size(); ++b)
+    for (std::size_t i = 0; i < 3; ++i) d.covariance.parameters.push_back(parameters::beacon_position(b, i));
   const auto n = static_cast<Eigen::Index>(d.covariance.parameters.size());
   d.covariance.matrix = sigma_m * sigma_m * Eigen::MatrixXd::Identity(n, n);
 }

@@ -363,10 +363,11 @@ TEST(EpochFix, AllocatesNothing) {
   std::mt19937_64 random(kSeed);
   Deployment d = with_octagon(hall());
   // What calibration leaves open, so that its part of the covariance is computed too.
-  for (const DeploymentBeacon& b : d.beacons)
-    for (const char* what : {"/x_m", "/y_m", "/delay_s"})
-      d.covariance.parameters.push_back("beacon/" + b.name + what);
-  d.covariance.parameters.push_back("medium/speed_mps");
+  for (std::size_t b = 0; b < d.beacons.size(); ++b) {
+    for (std::size_t i = 0; i < 2; ++i) d.covariance.parameters.push_back(parameters::beacon_position(b, i));
+    d.covariance.parameters.push_back(parameters::beacon_delay(b));
+  }
+  d.covariance.parameters.push_back(parameters::speed());
   d.covariance.matrix = 1e-8 * Eigen::MatrixXd::Identity(25, 25);
   expect_no_allocation(d,
                        {

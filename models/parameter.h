@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "models/ids.h"
+
+namespace octant {
+
+struct NameTable;
+
+/// What a number that all arrivals share is about. Each kind has a row in the table of parameter.cc.
+enum class ParameterKind : std::uint8_t {
+  kBeaconPosition,    ///< owner: beacon; component: axis [m]
+  kBeaconDelay,       ///< owner: beacon [s]
+  kBeaconGain,        ///< owner: beacon; of its amplitude over the attenuation's, ln
+  kReceiverPosition,  ///< owner: receiver; component: axis, in the vehicle frame [m]
+  kReceiverDelay,     ///< owner: receiver [s]
+  kArray,  ///< owner: vehicle; of a regular array that is adjusted as a whole: circumradius [m], turn [rad]
+  kSiteDelay,  ///< one delay for all pairs [s]
+  kSpeed,  ///< offset from the medium's model [m/s]; owner: 0 for all runs together, else the run's number
+  kAttenuation,  ///< component: in the order of AttenuationRow
+  kClockDrift,   ///< owner: vehicle
+  kPairBias      ///< owner: beacon; component: receiver [s]
+};
+inline constexpr std::size_t kParameterKinds = 11;
+
+/// What settles a parameter, for a human: several kinds share one.
+enum class ParameterTopic : std::uint8_t {
+  kSpeed,
+  kHeight,
+  kPlace,
+  kDelay,
+  kReceiver,
+  kAttenuation,
+  kGain,
+  kDrift
+};
+inline constexpr std::size_t kParameterTopics = 8;
+
+/// One shared number of a site or deployment.
+struct ParameterId {
+  ParameterKind kind = ParameterKind::kSpeed;
+  std::uint32_t owner = 0;  ///< index of the beacon, receiver or vehicle in its site or deployment
+  std::uint32_t component = 0;
+  friend auto operator<=>(const ParameterId&, const ParameterId&) = default;
+};
+
+struct ParameterHash {
+  [[nodiscard]] std::size_t operator()(const ParameterId& id) const {
+    return (static_cast<std::size_t>(id.kind) << 56) ^ (static_cast<std::size_t>(id.owner) << 24) ^
+           id.component;
+  }
+};
+
+namespace parameters {
+
+template <class Index>
+[[nodiscard]] constexpr ParameterId of(ParameterKind kind, Index owner, std::size_t component = 0) {
+  return {kind, static_cast<std::uint32_t>(owner), static_cast<std::uint32_t>(component)};
+}
+[[nodiscard]] constexpr ParameterId beacon_position(std::size_t beacon, std::size_t axis) {
+  return of(ParameterKind::kBeaconPosition, beacon, axis);
+}
+[[nodiscard]] constexpr ParameterId beacon_delay(std::size_t beacon) {
+  return of(ParameterKind::kBeaconDelay, beacon);
+}
+[[nodiscard]] constexpr ParameterId beacon_gain(std::size_t beacon) {
+  return of(ParameterKind::kBeaconGain, beacon);
+}
+[[nodiscard]] constexpr ParameterId receiver_position(std::size_t receiver, std::size_t axis) {
+  return of(ParameterKind::kReceiverPosition, receiver, axis);
+}
+[[nodiscard]] constexpr ParameterId receiver_delay(std::size_t receiver) {
+  return of(ParameterKind::kReceiverDelay, receiver);
+}
+[[nodiscard]] constexpr ParameterId array_radius(std::size_t vehicle) {
+  return of(ParameterKind::kArray, vehicle, 0);
+}
+[[nodiscard]] constexpr ParameterId array_turn(std::size_t vehicle) {
+  return of(ParameterKind::kArray, vehicle, 1);
+}
+[[nodiscard]] constexpr ParameterId site_delay() { return of(ParameterKind::kSiteDelay, 0); }
+/// Of all runs together, or of the run of that number (from 1).
+[[nodiscard]] constexpr ParameterId speed(std::size_t run_number = 0) {
+  return of(ParameterKind::kSpeed, run_number);
+}
+/// @param unknown  in the order of AttenuationRow
+[[nodiscard]] constexpr ParameterId attenuation(std::size_t unknown) {
+  return of(ParameterKind::kAttenuation, 0, unknown);
+}
+[[nodiscard]] constexpr ParameterId clock_drift(std::size_t vehicle) {
+  return of(ParameterKind::kClockDrift, vehicle);
+}
+[[nodiscard]] constexpr ParameterId pair_bias(std::size_t beacon, std::size_t receiver) {
+  return of(ParameterKind::kPairBias, beacon, receiver);
+}
+
+}  // namespace parameters
+
+/// The beacon whose number it is.
+[[nodiscard]] std::optional<std::size_t> beacon_of(const ParameterId& id);
+[[nodiscard]] ParameterTopic topic_of(const ParameterId& id);
+/// "heights of beacons"
+[[nodiscard]] const char* words_of(ParameterTopic topic);
+/// The measurement that settles it: "tape the height of one of these beacons".
+[[nodiscard]] const char* remedy_of(ParameterTopic topic);
+
+/// The name in files and words: "beacon/B1/x_m", "receiver/robot/r0/delay_s", "medium/speed_mps",
+/// "medium/run2/speed_mps", "pair/B1/r0/bias_s".
+[[nodiscard]] std::string parameter_name(const ParameterId& id, const NameTable& names);
+[[nodiscard]] std::vector<std::string> parameter_names(std::span<const ParameterId> ids,
+                                                       const NameTable& names);
+
+/// All numbers of the owner: "beacon/B1", "receiver/robot/r0".
+[[nodiscard]] std::string owner_name(const ParameterId& id, const NameTable& names);
+
+/// Parameters by their names.
+class ParameterLookup {
+ public:
+  /// @param names  not owned
+  explicit ParameterLookup(const NameTable& names);
+  /// None where this program has no such number or the site no such owner.
+  [[nodiscard]] std::optional<ParameterId> find(std::string_view name) const;
+
+ private:
+  [[nodiscard]] std::optional<ParameterId> owned(ParameterKind kind, std::string_view owner,
+                                                 std::uint32_t component) const;
+  [[nodiscard]] std::optional<ParameterId> pair_named(std::string_view owners) const;
+
+  std::unordered_map<std::string, std::uint32_t> beacons_, vehicles_;
+  std::unordered_map<std::string, std::uint32_t> receivers_;              ///< "robot/r0"
+  std::unordered_map<std::string, std::uint32_t> receivers_by_own_name_;  ///< the first of each name
+};
+
+}  // namespace octant
