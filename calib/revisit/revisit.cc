@@ -183,25 +183,37 @@ class SecondVisit {
     return any;
   }
 
-  /// Beacons that lost many arrivals may have ended in a minimum that trades their place for their delay:
-  /// tried from where they hung before, and kept there if that leaves less unexplained.
-  void reconsider(const Eigen::MatrixXd& P) {
+  /// @param room  of changes beside the drift; beacon b gets none
+  [[nodiscard]] Eigen::MatrixXd holding(std::size_t b, Eigen::MatrixXd room) const {
+    for (Eigen::Index i = 0; i < known_.size(); ++i)
+      if (beacon_of(known_.parameters[static_cast<std::size_t>(i)]) == b) room(i, i) = 0.0;
+    return room;
+  }
+
+  /// A beacon that is heard by a few stops of one side alone, and some of whose arrivals are echoes, may
+  /// trade its place for its delay. Those that lost many arrivals are held where they hung before, and stay
+  /// held if that leaves less unexplained: a beacon that did move would lose most of them.
+  /// @param room  of changes beside the drift  @return the room that is left
+  [[nodiscard]] Eigen::MatrixXd reconsidered(Eigen::MatrixXd room) {
     const std::vector<Agreeing> counts = agreeing();
-    std::vector<std::size_t> doubtful;
-    for (std::size_t b = 0; b < counts.size(); ++b)
-      if (counts[b].out > 0 && before_.beacons[b].status != BeaconStatus::kUndetermined &&
-          static_cast<double>(counts[b].out) >= kManyOut * static_cast<double>(counts[b].in_use))
-        doubtful.push_back(b);
-    if (doubtful.empty()) return;
-    const Fit found = fit_;
-    const CalibrationStatistics its_statistics = statistics_;
-    const double its_sigma_s = sigma_s_;
-    for (const std::size_t b : doubtful) put(b, before_.beacons[b].position_m);
-    const double cost = found.cost * its_sigma_s * its_sigma_s;
-    if (adjust_under(P) && fit_.cost * sigma_s_ * sigma_s_ < cost) return;
-    fit_ = found;
-    statistics_ = its_statistics;
-    sigma_s_ = its_sigma_s;
+    for (std::size_t b = 0; b < counts.size(); ++b) {
+      if (counts[b].out == 0 || before_.beacons[b].status == BeaconStatus::kUndetermined ||
+          static_cast<double>(counts[b].out) < kManyOut * static_cast<double>(counts[b].in_use))
+        continue;
+      const Fit found = fit_;
+      const CalibrationStatistics its_statistics = statistics_;
+      const double its_sigma_s = sigma_s_, cost = found.cost * its_sigma_s * its_sigma_s;
+      put(b, before_.beacons[b].position_m);
+      Eigen::MatrixXd held = holding(b, room);
+      if (adjust_under(drifted() + held) && fit_.cost * sigma_s_ * sigma_s_ < cost) {
+        room = std::move(held);
+        continue;
+      }
+      fit_ = found;
+      statistics_ = its_statistics;
+      sigma_s_ = its_sigma_s;
+    }
+    return room;
   }
 
   /// Approximate states and parameters, by what the largest consensus of arrivals agrees on.
@@ -264,14 +276,13 @@ class SecondVisit {
     const Eigen::MatrixXd prior = drifted();
     for (int round = 0; round < kRounds; ++round) {
       if (!course_.report("what changed", 0.7 + 0.05 * round)) return stopped();
-      Eigen::MatrixXd P = prior + room;
-      if (!adjust_under(P)) return false;
+      if (!adjust_under(prior + room)) return false;
       if (round == 0 && locate_lost()) {  // one that hangs metres away may have ended at its mirror image
-        P = prior + Eigen::MatrixXd(room_around(usual_room).asDiagonal());
-        if (!adjust_under(P)) return false;
+        room = room_around(usual_room).asDiagonal();
+        if (!adjust_under(prior + room)) return false;
       }
-      if (round == 0) reconsider(P);
-      visit_ = visit_information(fit_, known_, P, before_, options_.solve.threads);
+      if (round == 0) room = reconsidered(std::move(room));
+      visit_ = visit_information(fit_, known_, prior + room, before_, options_.solve.threads);
       out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
       Released found = changed_parameters(out_.comparison, known_);
       if (round > 0 && found == released) break;
