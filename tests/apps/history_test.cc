@@ -2,13 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // octant history as a process: what it says, writers side by side, writers that are killed.
 #include <chrono>
-#include <csignal>
 #include <thread>
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "io/deployment/deployment_json.h"
 #include "io/history/sql.h"
@@ -204,24 +200,6 @@ TEST_F(HistoryFolder, EightProgramsAtOnceLoseNothing) {
   EXPECT_EQ(visits(), static_cast<std::size_t>(kWriters * kEach));
 }
 
-/// Ends after some time by SIGKILL, if it has not ended by itself. @return whether it had done its work
-bool add_and_kill(const std::string& db, const std::string& file, double after_s) {
-  const pid_t child = fork();
-  if (child == 0) {
-    const int nowhere = open("/dev/null", O_RDWR);
-    dup2(nowhere, STDOUT_FILENO);
-    dup2(nowhere, STDERR_FILENO);
-    execl(OCTANT_BINARY, "octant", "history", "add", file.c_str(), "--db", db.c_str(),
-          static_cast<char*>(nullptr));
-    _exit(126);
-  }
-  std::this_thread::sleep_for(std::chrono::duration<double>(after_s));
-  kill(child, SIGKILL);
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
 class KilledWriters : public HistoryFolder {
  protected:
   void expect_a_readable_history_after(int kills) {
@@ -231,7 +209,8 @@ class KilledWriters : public HistoryFolder {
     const double whole_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     Random draws(1);
     std::size_t told = 2;
-    for (int i = 0; i < kills; ++i) told += add_and_kill(db, file(2 + i), draws.uniform(0.0, 1.3 * whole_s));
+    for (int i = 0; i < kills; ++i)
+      told += octant_killed({"history", "add", file(2 + i), "--db", db}, draws.uniform(0.0, 1.3 * whole_s));
     auto database = io::SqlDatabase::open(db, false);
     ASSERT_TRUE(database) << database.error().message();
     auto check = database->prepare("PRAGMA integrity_check");

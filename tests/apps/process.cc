@@ -3,12 +3,14 @@
 #include "tests/apps/process.h"
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -92,6 +94,19 @@ void collect(std::vector<Channel> channels, pid_t child, int interrupt_signal) {
 }
 
 }  // namespace
+
+bool octant_killed(const std::vector<std::string>& words, double after_s) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const int nowhere = open("/dev/null", O_WRONLY);
+    become_octant(words, {}, nowhere, nowhere);
+  }
+  std::this_thread::sleep_for(std::chrono::duration<double>(after_s));
+  kill(child, SIGKILL);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
 
 nlohmann::json Outcome::json() const {
   if (out.empty() || out.back() != '\n' || std::count(out.begin(), out.end(), '\n') != 1) return nullptr;

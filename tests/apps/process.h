@@ -31,6 +31,9 @@ struct RunOptions {
 /// Runs the octant binary with these words.
 [[nodiscard]] Outcome octant(const std::vector<std::string>& words, const RunOptions& options = {});
 
+/// Runs it, and ends it by SIGKILL after some time. @return whether it had done its work by then
+[[nodiscard]] bool octant_killed(const std::vector<std::string>& words, double after_s);
+
 /// Whether this machine has pseudo-terminals; some containers mount no /dev/pts.
 [[nodiscard]] bool has_terminals();
 

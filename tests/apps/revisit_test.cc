@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // recalibrate, monitor and diff, with the program as a process.
 #include <algorithm>
+#include <chrono>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/deployment/deployment_json.h"
+#include "models/simulator/random.h"
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
@@ -126,6 +129,34 @@ TEST_F(SecondVisit, AnUnchangedDeploymentDiffersInNothing) {
   EXPECT_EQ(same.exit, 0);
   EXPECT_TRUE(same.json()["changes"].empty());
 }
+
+/// Killed at any moment: the old deployment is as it was, the new one whole or not there.
+class KilledRecalibrations : public SecondVisit {
+ protected:
+  void expect_whole_files_after(int kills) {
+    const std::string before = slurp(out("d.json"));
+    const std::vector<std::string> words = {"recalibrate",   out("d.json"), visit(), "-o",
+                                            out("new.json"), "--progress",  "none"};
+    const auto began = std::chrono::steady_clock::now();
+    ASSERT_EQ(octant(words).exit, 0);
+    const double whole_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    Random draws(2);
+    for (int i = 0; i < kills; ++i) {
+      std::filesystem::remove(out("new.json"));
+      const bool ended = octant_killed(words, draws.uniform(0.0, 1.3 * whole_s));
+      EXPECT_TRUE(!ended || std::filesystem::exists(out("new.json")));
+      if (std::filesystem::exists(out("new.json"))) {
+        const auto read = io::read_deployment(out("new.json"));
+        EXPECT_TRUE(read && read->warnings.empty()) << "kill " << i;
+      }
+      EXPECT_EQ(slurp(out("d.json")), before);
+    }
+    EXPECT_EQ(octant(words).exit, 0) << "and it goes on";
+  }
+};
+
+TEST_F(KilledRecalibrations, LeaveWholeFiles) { expect_whole_files_after(20); }
+TEST_F(KilledRecalibrations, DISABLED_TwoHundredLeaveWholeFiles) { expect_whole_files_after(200); }
 
 }  // namespace
 }  // namespace octant::test
