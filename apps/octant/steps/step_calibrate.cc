@@ -17,6 +17,7 @@
 #include "calib/stream/streamed.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 #include "survey/report/report.h"
 
 namespace octant::app {
@@ -163,7 +164,7 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
   result.accepted = how.accept;
   auto site = io::read_site(site_path);
   if (!site) return fail(site.error());
-  const auto bytes = io::read_file(site_path);
+  const auto bytes = io::read_document(site_path);
   if (!bytes) return fail(bytes.error());
   const std::string sha256 = io::sha256_hex(*bytes);
   session.warn(site->warnings);
