@@ -145,8 +145,8 @@ void CsvReader::read_header() {
                        "each column once");
     }
     header_.emplace_back(name);
+    known_.push_back(false);
   }
-  known_.assign(header_.size(), false);
 }
 
 int CsvReader::find(std::string_view name) {

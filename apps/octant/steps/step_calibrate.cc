@@ -132,8 +132,10 @@ std::string beacon_table(const Deployment& deployment) {
       row.emplace_back("undetermined");
     } else {
       for (int i = 0; i < 3; ++i) row.push_back(fmt::format("{:.4f}", b.position_m[i]));
-      for (int i = 0; i < 3; ++i)
-        row.push_back(fmt::format("{:.2f}", length.per_si * std::sqrt(std::max(0.0, b.covariance_m2(i, i)))));
+      for (int i = 0; i < 3; ++i) {
+        const double sigma_m = std::sqrt(std::max(0.0, b.covariance_m2(i, i)));
+        row.push_back(sigma_m > 0 ? fmt::format("{:.2f}", length.per_si * sigma_m) : "fixed");
+      }
       if (delays)
         row.insert(row.end(), {fmt::format("{:.3f}", time.per_si * b.delay_s),
                                fmt::format("{:.3f}", time.per_si * b.delay_sigma_s)});
