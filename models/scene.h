@@ -110,6 +110,7 @@ struct Scene {
   double vehicle_z_m = 0.0;             ///< of the vehicle's frame, spatial motion only
   double temperature_error_degC = 5.0;  ///< what-if: the air is warmer by this and nobody says so
   int coverage = 0;  ///< beacons that a cell should hear; 0: as many as the pose has unknowns, and one
+  std::vector<std::string> imported;  ///< files that the scene was read from beside its own
   std::vector<std::string> warnings;
 };
 

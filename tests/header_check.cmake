@@ -20,7 +20,7 @@ endforeach()
 add_library(octant_header_check OBJECT ${header_checks})
 target_include_directories(octant_header_check PRIVATE ${PROJECT_SOURCE_DIR})
 target_include_directories(octant_header_check SYSTEM PRIVATE ${CLI11_INCLUDE} ${FAST_FLOAT_INCLUDE})
-target_link_libraries(octant_header_check PRIVATE octant::calib octant::survey octant::io Ceres::ceres yaml-cpp
+target_link_libraries(octant_header_check PRIVATE octant::calib octant::survey octant::io Ceres::ceres
   nlohmann_json::nlohmann_json fmt::fmt)
 target_compile_options(octant_header_check PRIVATE -O0 -g0)
 set_target_properties(octant_header_check PROPERTIES UNITY_BUILD OFF)

@@ -9,12 +9,13 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "apps/octant/help/help.h"
 #include "apps/octant/steps/steps.h"
 
 namespace octant::app {
 
 void add_common_options(CLI::App& app, CommonOptions& common) {
-  const std::string group = "Common options";
+  const std::string group(kCommonGroup);
   app.set_help_flag("-h,--help", "Print this help and exit")->group(group);
   app.set_version_flag("--version", "octant " OCTANT_VERSION)->group(group);
   app.add_flag("--json", common.json,
@@ -22,7 +23,8 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
       ->group(group);
   app.add_flag("-q,--quiet", common.quiet, "No notes and no progress; warnings and errors stay")
       ->group(group);
-  app.add_flag("-v,--verbose", common.verbose, "Say more on standard error")->group(group);
+  app.add_flag("-v,--verbose", common.verbose, "Say more: notes on standard error, all tables in results")
+      ->group(group);
   app.add_option("--progress", common.progress, "On standard error: auto, plain, json or none")
       ->check(CLI::IsMember({"auto", "plain", "json", "none"}))
       ->capture_default_str()

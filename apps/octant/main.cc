@@ -15,6 +15,7 @@
 #include <CLI/Formatter.hpp>
 
 #include "apps/octant/commands.h"
+#include "apps/octant/help/help.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/ranks.h"
 
@@ -42,25 +43,24 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
   const CLI::App& command = *innermost;
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
     const bool version = error.get_name() == "CallForVersion";
-    const std::string text = version ? "octant " OCTANT_VERSION "\n" : command.help();
+    const std::string text = version ? version_text() + "\n" : help_of(command);
     session.result(text);
-    return session.finish(version ? Json{{"program", "octant"}, {"version", OCTANT_VERSION}}
+    return session.finish(version ? Json{{"program", "octant"},
+                                         {"version", OCTANT_VERSION},
+                                         {"commit", commit().empty() ? Json(nullptr) : Json(commit())}}
                                   : Json{{"help", text}});
   }
   std::string message = error.what();
   const auto strange = app.remaining(true);
   if (chosen.empty())
-    message = strange.empty() ? "a command is missing" : fmt::format("unknown command '{}'", strange.front());
+    message = strange.empty() ? "a command is missing"
+                              : fmt::format("unknown command '{}'{}", strange.front(),
+                                            did_you_mean(strange.front(), command_names(app)));
+  else if (!strange.empty() && strange.front().starts_with("-"))
+    message = fmt::format(
+        "{} has no option '{}'{}", name, strange.front(),
+        did_you_mean(strange.front().substr(0, strange.front().find('=')), option_names(command)));
   return session.fail({"error", "usage", kUsage, message, fmt::format("{} --help explains", name)});
-}
-
-/// `octant help COMMAND` as `octant COMMAND --help`, `octant help` as `octant --help`.
-std::vector<const char*> asked_for_help(int argc, const char* const* argv) {
-  std::vector<const char*> words(argv, argv + argc);
-  if (argc < 2 || std::string_view(argv[1]) != "help") return words;
-  words.erase(words.begin() + 1);
-  words.push_back("--help");
-  return words;
 }
 
 int run(int argc, const char* const* argv, Session& session) {
@@ -73,17 +73,21 @@ int run(int argc, const char* const* argv, Session& session) {
 
   CLI::App app(
       "Octant calibrates time-of-flight beacon positioning: beacons, delays and the speed of sound from a "
-      "recording,\n"
-      "and tells a robot where it is.",
+      "recording, and tells a robot where it is.",
       "octant");
   add_common_options(app, session.options);
   app.footer(
-      "Example:\n  octant demo\n\nExit codes: 0 done, 1 fault of the program, 2 wrong usage, 3 bad input, 4 "
-      "not converged,\n"
-      "5 undetermined, 6 a quality gate failed or the data contradict the site file, 130 interrupted.");
+      "Example:\n  octant demo                    a simulated hall, from recording to report\n  octant "
+      "init RUN -o "
+      "site.yaml   a site file to fill in for your own\n  octant explain WORD            what a word or an "
+      "exit code "
+      "means\n\nExit codes: 0 done, 1 fault of the program, 2 wrong usage, 3 bad input,\n4 not converged, 5 "
+      "undetermined, "
+      "6 a quality gate failed or the data contradict\nthe site file, 130 interrupted.");
   app.require_subcommand(1);
   Action action;
   add_demo(app, session.options, action);
+  add_init(app, session.options, action);
   add_simulate(app, session.options, action);
   add_check(app, session.options, action);
   add_calibrate(app, session.options, action);
@@ -101,9 +105,11 @@ int run(int argc, const char* const* argv, Session& session) {
   add_sign(app, session.options, action);
   add_verify_signature(app, session.options, action);
   add_schema(app, session.options, action);
-  const std::vector<const char*> words = asked_for_help(argc, argv);
+  add_explain(app, session.options, action);
+  add_completion(app, session.options, action);
+  add_help(app, session.options, action);
   try {
-    app.parse(static_cast<int>(words.size()), words.data());
+    app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return end_of_parsing(app, error, session);
   }

@@ -7,7 +7,7 @@
 #include "io/deployment/deployment_json.h"
 #include "io/site/scene_yaml.h"
 #include "io/site/site_yaml.h"
-#include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 
 namespace octant::app {
 namespace {
@@ -42,7 +42,7 @@ Result<void> read_scene_of(const std::string& path, const std::string& scene_pat
 Result<SurveyInput> read_survey_input(const std::string& path, const std::string& scene_path,
                                       const std::string& vehicle, std::optional<double> cell_m,
                                       Session& session, bool without_beacons) {
-  const auto text = io::read_file(path);
+  const auto text = io::read_document(path);
   if (!text) return fail(text.error());
   SurveyInput input;
   const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");

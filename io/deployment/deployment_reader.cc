@@ -7,7 +7,7 @@
 
 #include "io/deployment/deployment_digest.h"
 #include "io/deployment/deployment_json.h"
-#include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 #include "io/text/json_reader.h"
 
 namespace octant::io {
@@ -357,7 +357,7 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
 }
 
 Result<Deployment> read_deployment(const std::string& path) {
-  const Result<std::string> text = read_file(path);
+  const Result<std::string> text = read_document(path);
   if (!text) return fail(text.error());
   return deployment_from_json(*text, path);
 }

@@ -8,6 +8,7 @@
 #include "io/deployment/deployment_digest.h"
 #include "io/deployment/deployment_json.h"
 #include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 #include "io/text/json_reader.h"
 
 namespace octant::io {
@@ -255,7 +256,7 @@ std::string digest_of(nlohmann::json json) {
 }
 
 Result<std::string> deployment_digest(const std::string& path) {
-  const auto text = read_file(path);
+  const auto text = read_document(path);
   if (!text) return fail(text.error());
   const auto json = parse_json(*text, path);
   if (!json) return fail(json.error());

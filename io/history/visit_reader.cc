@@ -6,7 +6,7 @@
 #include "io/deployment/deployment_json.h"
 #include "io/history/history.h"
 #include "io/history/utc_time.h"
-#include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 #include "io/text/json_reader.h"
 
 namespace octant::io {
@@ -83,7 +83,7 @@ Result<Visit> visit_of(const std::string& text, const std::string& file) {
 }
 
 Result<Visit> read_visit(const std::string& path) {
-  const auto text = read_file(path);
+  const auto text = read_document(path);
   if (!text) return fail(text.error());
   return visit_of(*text, path);
 }

@@ -8,13 +8,15 @@
 #include <fmt/format.h>
 
 #include "io/import/plan_import.h"
-#include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
+#include "io/text/mapped_file.h"
 #include "io/text/text.h"
 
 namespace octant::io {
 namespace {
 
 constexpr std::size_t kMostPoints = 2'000'000;
+constexpr std::size_t kLargestDxf = std::size_t{1} << 28;
 
 /// A group: a code that says what the value is, each on a line of its own.
 struct Group {
@@ -285,13 +287,19 @@ Result<Drawing> drawing_from_dxf(std::string_view text, const std::string& file,
                  .found = "a binary DXF",
                  .expected = "an ASCII DXF",
                  .advice = "save it as ASCII"});
+  if (auto ok = check_lines(text, file); !ok) return fail(ok.error());
   return Reader(without_bom(text), file, unit_m).read();
 }
 
 Result<Drawing> read_dxf(const std::string& path, std::optional<double> unit_m) {
-  const auto text = read_file(path, std::size_t{1} << 28);
-  if (!text) return fail(text.error());
-  return drawing_from_dxf(*text, path, unit_m);
+  const auto map = MappedFile::open(path);
+  if (!map) return fail(map.error());
+  if (map->text().size() > kLargestDxf)
+    return fail({.file = path,
+                 .found = fmt::format("{} bytes", map->text().size()),
+                 .expected = fmt::format("a DXF of at most {} MB", kLargestDxf >> 20U),
+                 .advice = "export the walls' layers alone"});
+  return drawing_from_dxf(map->text(), path, unit_m);
 }
 
 }  // namespace octant::io

@@ -8,8 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 #include "io/text/csv.h"
+#include "io/text/mapped_file.h"
 #include "io/tof/run_parts.h"
 
 namespace octant::io {
@@ -221,15 +222,16 @@ class CarmenReader {
 }  // namespace
 
 Result<MeasurementLog> read_carmen_log(const std::string& path) {
-  const auto text = read_file(path);
-  if (!text) return fail(text.error());
-  return CarmenReader(path).read(*text);
+  const auto map = MappedFile::open(path);
+  if (!map) return fail(map.error());
+  if (auto ok = check_lines(map->text(), path); !ok) return fail(ok.error());
+  return CarmenReader(path).read(map->text());
 }
 
 Result<std::vector<CounterReading>> read_counter_log(const std::string& path, const NameTable& names) {
-  const auto text = read_file(path);
-  if (!text) return fail(text.error());
-  CsvReader csv(*text, path);
+  const auto map = MappedFile::open(path);
+  if (!map) return fail(map.error());
+  CsvReader csv(map->text(), path);
   csv.read_header();
   const int time = csv.require("time_s"), beacon = csv.require("beacon"), counts = csv.require("counts"),
             epoch = csv.find("epoch"), receiver = csv.find("receiver");
@@ -272,9 +274,9 @@ Result<std::vector<CounterReading>> read_counter_log(const std::string& path, co
 }
 
 Result<std::vector<PulseArrival>> read_pulse_log(const std::string& path) {
-  const auto text = read_file(path);
-  if (!text) return fail(text.error());
-  CsvReader csv(*text, path);
+  const auto map = MappedFile::open(path);
+  if (!map) return fail(map.error());
+  CsvReader csv(map->text(), path);
   csv.read_header();
   const int time = csv.require("time_s"), channel = csv.require("channel"),
             duration = csv.require("duration_s"), amplitude = csv.require("amplitude_v");

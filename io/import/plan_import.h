@@ -43,6 +43,7 @@ struct RosMap {
   Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();  ///< of the lower left corner
   double yaw_rad = 0.0;                                ///< of the columns' direction
   std::vector<std::uint8_t> cells;                     ///< Cell, row by row
+  std::string image;                                   ///< the PGM
   [[nodiscard]] Eigen::Vector2d place_m(double column, double row) const;
 };
 

@@ -6,13 +6,15 @@
 #include <fmt/format.h>
 
 #include "io/import/plan_import.h"
-#include "io/text/atomic_file.h"
-#include "io/text/yaml_reader.h"
+#include "io/text/bounds.h"
+#include "io/text/mapped_file.h"
+#include "io/yaml/yaml_reader.h"
 
 namespace octant::io {
 namespace {
 
 constexpr double kMostPixels = 1e8;
+constexpr std::size_t kLargestPicture = std::size_t{1} << 30;
 
 struct Picture {
   std::size_t columns = 0, rows = 0;
@@ -28,7 +30,8 @@ class PgmHead {
     while (at < text_.size() &&
            (std::isspace(static_cast<unsigned char>(text_[at])) != 0 || text_[at] == '#')) {
       if (text_[at] == '#')
-        at = std::min(text_.find('\n', at), text_.size());
+        at =
+            std::min(text_.substr(0, std::min(text_.size(), at + kLongestLine)).find('\n', at), text_.size());
       else
         ++at;
     }
@@ -96,24 +99,18 @@ struct Head {
 };
 
 Result<Head> head_from_yaml(const std::string& path) {
-  const auto text = read_file(path);
-  if (!text) return fail(text.error());
-  const auto root = parse_yaml(*text, path);
+  const auto root = read_yaml(path);
   if (!root) return fail(root.error());
   YamlLog log(path);
   Head head;
-  try {
-    YamlMap map(*root, "", log);
-    head.image = map.required_text("image");
-    head.resolution_m = map.required_number("resolution", kPositive);
-    head.origin = map.numbers("origin", 3);
-    if (head.origin.size() != 3) map.fail_missing("origin", "[x, y, yaw]");
-    head.negate = map.integer("negate", 0, 0, 1) == 1;
-    head.occupied = map.number("occupied_thresh", head.occupied, kFraction);
-    head.free = map.number("free_thresh", head.free, kFraction);
-  } catch (const YAML::Exception& e) {
-    return fail({.file = path, .line = e.mark.line + 1, .column = e.mark.column + 1, .found = e.msg});
-  }
+  YamlMap map(*root, "", log);
+  head.image = map.required_text("image");
+  head.resolution_m = map.required_number("resolution", kPositive);
+  head.origin = map.numbers("origin", 3);
+  if (head.origin.size() != 3) map.fail_missing("origin", "[x, y, yaw]");
+  head.negate = map.integer("negate", 0, 0, 1) == 1;
+  head.occupied = map.number("occupied_thresh", head.occupied, kFraction);
+  head.free = map.number("free_thresh", head.free, kFraction);
   if (log.error) return fail(*log.error);
   return head;
 }
@@ -132,16 +129,21 @@ Result<RosMap> read_ros_map(const std::string& yaml_path) {
   const std::filesystem::path image(head->image);
   const std::string path =
       image.is_absolute() ? head->image : (std::filesystem::path(yaml_path).parent_path() / image).string();
-  const auto text = read_file(path, std::size_t{1} << 30);
-  if (!text) return fail(text.error());
-  const auto picture = picture_from_pgm(*text, path);
+  const auto pixels = MappedFile::open(path);
+  if (!pixels) return fail(pixels.error());
+  if (pixels->text().size() > kLargestPicture)
+    return fail({.file = path,
+                 .found = fmt::format("{} bytes", pixels->text().size()),
+                 .expected = fmt::format("a picture of at most {} MB", kLargestPicture >> 20U)});
+  const auto picture = picture_from_pgm(pixels->text(), path);
   if (!picture) return fail(picture.error());
   RosMap map{.columns = picture->columns,
              .rows = picture->rows,
              .resolution_m = head->resolution_m,
              .origin_m = {head->origin[0], head->origin[1]},
              .yaw_rad = head->origin[2],
-             .cells = {}};
+             .cells = {},
+             .image = path};
   map.cells.resize(map.columns * map.rows);
   for (std::size_t row = 0; row < map.rows; ++row)
     for (std::size_t column = 0; column < map.columns; ++column) {

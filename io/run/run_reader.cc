@@ -15,6 +15,7 @@
 
 #include "io/run/tum.h"
 #include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 
 namespace octant::io {
 namespace {
@@ -71,13 +72,14 @@ bool RunReader::is_there(const std::string& file) const {
 }
 
 /// Content of a file of the folder; nothing if there is none.
-Result<std::optional<std::string>> RunReader::load(const char* name) {
+Result<std::optional<MappedFile>> RunReader::load(const char* name) {
   const std::string file = path(name);
   if (!is_there(file)) return std::nullopt;
-  Result<std::string> text = read_file(file);
-  if (!text) return fail(text.error());
-  log_.sha256[file] = sha256_hex(*text);
-  return std::optional<std::string>(std::move(*text));
+  auto map = MappedFile::open(file);
+  if (!map) return fail(map.error());
+  if (auto ok = check_lines(map->text(), file); !ok) return fail(ok.error());
+  log_.sha256[file] = sha256_hex(map->text());
+  return std::optional<MappedFile>(std::move(*map));
 }
 
 Result<void> RunReader::read_header() {
@@ -88,7 +90,7 @@ Result<void> RunReader::read_header() {
   }
   log_.vehicle = lookup_.default_vehicle;
   if (!*text) return {};
-  const auto header = parse_run_yaml(**text, path("run.yaml"), log_);
+  const auto header = parse_run_yaml((*text)->text(), path("run.yaml"), log_);
   if (!header) return fail(header.error());
   range_max_m_ = header->range_max_m;
   if (header->vehicle.empty()) return {};
@@ -189,7 +191,7 @@ Result<void> RunReader::read_points(const char* name, const char* instead_of, st
     return fail({.file = path(name),
                  .found = fmt::format("there is {} too", instead_of),
                  .expected = "one of them: poses by time, or points by epoch"});
-  auto points = parse_points(**text, path(name), lookup_, log_, accuracy);
+  auto points = parse_points((*text)->text(), path(name), lookup_, log_, accuracy);
   if (!points) return fail(points.error());
   poses = std::move(*points);
   return {};
@@ -198,26 +200,26 @@ Result<void> RunReader::read_points(const char* name, const char* instead_of, st
 Result<void> RunReader::read_bearings() {
   const auto text = load("bearings.csv");
   if (!text) return fail(text.error());
-  return *text ? parse_bearings(**text, path("bearings.csv"), lookup_, log_) : Result<void>{};
+  return *text ? parse_bearings((*text)->text(), path("bearings.csv"), lookup_, log_) : Result<void>{};
 }
 
 Result<void> RunReader::read_scans() {
   const auto text = load("scans.csv");
   if (!text) return fail(text.error());
-  return *text ? parse_scans(**text, path("scans.csv"), range_max_m_, log_) : Result<void>{};
+  return *text ? parse_scans((*text)->text(), path("scans.csv"), range_max_m_, log_) : Result<void>{};
 }
 
 Result<void> RunReader::read_odometry() {
   const auto text = load("odometry.csv");
   if (!text) return fail(text.error());
-  return *text ? parse_odometry(**text, path("odometry.csv"), lookup_, log_) : Result<void>{};
+  return *text ? parse_odometry((*text)->text(), path("odometry.csv"), lookup_, log_) : Result<void>{};
 }
 
 Result<void> RunReader::read_track(const char* name, std::vector<TimedPose>& poses) {
   const auto text = load(name);
   if (!text) return fail(text.error());
   if (!*text) return {};
-  auto track = tum_from_text(**text, path(name));
+  auto track = tum_from_text((*text)->text(), path(name));
   if (!track) return fail(track.error());
   poses = std::move(*track);
   if (poses.empty() || log_.vehicle.valid()) return {};

@@ -51,7 +51,7 @@ class RunReader {
   [[nodiscard]] std::string path(const char* name) const;
   [[nodiscard]] bool is_there(const std::string& file) const;
   [[nodiscard]] Result<void> check_folder() const;
-  Result<std::optional<std::string>> load(const char* name);
+  Result<std::optional<MappedFile>> load(const char* name);
   Result<bool> append_arrivals(std::vector<Arrival>& all);
   Result<void> read_header();
   Result<void> open_tof();

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "io/text/yaml_reader.h"
-#include "io/text/yaml_text.h"
 #include "io/tof/run_parts.h"
+#include "io/yaml/yaml_reader.h"
+#include "io/yaml/yaml_text.h"
 
 namespace octant::io {
 namespace {
@@ -18,7 +18,7 @@ constexpr NumberRange kRunHumidity{.low = 0.0, .high = 1.0, .words = "a fraction
 constexpr NumberRange kRunPressure{
     .low = 1.0e4, .high = 1.0e7, .words = "pascals, such as 101325 (1013 hPa are 101300)"};
 
-void read_accuracy(const YAML::Node& node, const char* name, bool observations, PoseAccuracy& accuracy,
+void read_accuracy(const YamlNode& node, const char* name, bool observations, PoseAccuracy& accuracy,
                    YamlLog& log) {
   YamlMap map(node, name, log);
   if (!map.present()) return;
@@ -39,7 +39,7 @@ void read_accuracy(const YAML::Node& node, const char* name, bool observations, 
   map.finish();
 }
 
-void read_odometry(const YAML::Node& node, OdometryAccuracy& accuracy, YamlLog& log) {
+void read_odometry(const YamlNode& node, OdometryAccuracy& accuracy, YamlLog& log) {
   YamlMap map(node, "odometry", log);
   const auto take = [&](const char* key, double& value) { value = map.number(key, value, kNotNegative); };
   take("distance_sigma_m_per_sqrt_m", accuracy.distance_sigma_m_per_sqrt_m);
@@ -65,26 +65,22 @@ void write_accuracy(const char* name, const PoseAccuracy& a, bool observations, 
 }  // namespace
 
 Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file, MeasurementLog& log) {
-  const Result<YAML::Node> node = parse_yaml(text, file);
+  const Result<YamlNode> node = parse_yaml(text, file);
   if (!node) return fail(node.error());
   YamlLog yaml(file);
   RunHeader header{"", std::numeric_limits<double>::infinity()};
-  try {
-    YamlMap root(*node, "", yaml);
-    check_version(root, "octant_run", yaml);
-    if (yaml.error) return fail(*yaml.error);
-    header.vehicle = root.text("vehicle", "");
-    log.temperature_degC = root.optional_number("temperature_degC", kRunTemperature);
-    log.relative_humidity = root.optional_number("relative_humidity", kRunHumidity);
-    log.pressure_pa = root.optional_number("pressure_pa", kRunPressure);
-    header.range_max_m = root.number("range_max_m", header.range_max_m, kPositive);
-    read_accuracy(root.block("poses"), "poses", true, log.pose_accuracy, yaml);
-    read_accuracy(root.block("truth"), "truth", false, log.truth_accuracy, yaml);
-    read_odometry(root.block("odometry"), log.odometry_accuracy, yaml);
-    root.finish();
-  } catch (const YAML::Exception& e) {
-    return fail({.file = file, .line = e.mark.line + 1, .column = e.mark.column + 1, .found = e.msg});
-  }
+  YamlMap root(*node, "", yaml);
+  check_version(root, "octant_run", yaml);
+  if (yaml.error) return fail(*yaml.error);
+  header.vehicle = root.text("vehicle", "");
+  log.temperature_degC = root.optional_number("temperature_degC", kRunTemperature);
+  log.relative_humidity = root.optional_number("relative_humidity", kRunHumidity);
+  log.pressure_pa = root.optional_number("pressure_pa", kRunPressure);
+  header.range_max_m = root.number("range_max_m", header.range_max_m, kPositive);
+  read_accuracy(root.block("poses"), "poses", true, log.pose_accuracy, yaml);
+  read_accuracy(root.block("truth"), "truth", false, log.truth_accuracy, yaml);
+  read_odometry(root.block("odometry"), log.odometry_accuracy, yaml);
+  root.finish();
   if (yaml.error) return fail(*yaml.error);
   log.warnings.insert(log.warnings.end(), yaml.warnings.begin(), yaml.warnings.end());
   return header;

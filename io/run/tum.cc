@@ -9,7 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
+#include "io/text/mapped_file.h"
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
 
@@ -24,7 +25,7 @@ class TumReader {
   TumReader(std::string_view text, const std::string& file) : text_(without_bom(text)), file_(file) {}
 
   Result<std::vector<TimedPose>> read() {
-    if (auto ok = check_utf8(text_, file_); !ok) return fail(ok.error());
+    if (auto ok = check_lines(text_, file_); !ok) return fail(ok.error());
     std::vector<TimedPose> poses;
     for (std::size_t at = 0; at < text_.size() && !error_; ++line_) {
       const std::size_t stop = std::min(text_.find('\n', at), text_.size());
@@ -144,9 +145,9 @@ Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::s
 }
 
 Result<std::vector<TimedPose>> read_tum(const std::string& path) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return fail(text.error());
-  return tum_from_text(*text, path);
+  const auto map = MappedFile::open(path);
+  if (!map) return fail(map.error());
+  return tum_from_text(map->text(), path);
 }
 
 std::string poses_to_tum(const std::vector<TimedPose>& poses) {

@@ -92,7 +92,8 @@ std::string_view run_schema() {
       "columns": {"epoch": "of tof.csv or bearings.csv, once each", "x_m": "of the vehicle, in the map", "y_m": "of the vehicle, in the map", "z_m": "optional", "heading_rad": "optional", "sigma_m": "optional; else poses.position_sigma_m of run.yaml", "heading_sigma_rad": "optional; else poses.heading_sigma_rad", "vehicle": "optional"}
     },
     "truth.csv": {"description": "a reference for octant verify, with the columns of points.csv; nothing else opens it"},
-    "poses.tum": {"description": "measured poses of the vehicle, observations: time_s x y z qx qy qz qw in a row, separated by blanks, time strictly increasing"},
+    "poses.tum": {"description": "measured poses of the vehicle, observations: time_s x y z qx qy qz qw in a row, separated by blanks, time strictly increasing; # begins a comment",
+      "columns": {"time_s": "strictly increasing", "x y z": "of the vehicle in the map, metres", "qx qy qz qw": "its rotation as a quaternion; 0 0 0 1 for none"}},
     "truth.tum": {"description": "a reference trajectory for octant verify, in the format of poses.tum; nothing else opens it"}
   }
 }

@@ -15,5 +15,7 @@ namespace octant::io {
 [[nodiscard]] std::string_view scene_schema();
 /// Properties of a scene, for the schemas that hold one.
 [[nodiscard]] std::string_view scene_properties();
+/// Lines "path | example | description" of the keys and columns of a format; a column's path is FILE:NAME.
+[[nodiscard]] std::string_view key_words(std::string_view format);
 
 }  // namespace octant::io

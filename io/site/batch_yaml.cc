@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "io/text/atomic_file.h"
-#include "io/text/yaml_reader.h"
+#include "io/yaml/yaml_reader.h"
 
 namespace octant::io {
 namespace {
@@ -23,12 +23,12 @@ class BatchReader {
     outputs_ = output_folder.empty() ? inputs_ : fs::path(output_folder);
   }
 
-  Result<Batch> read(const YAML::Node& node) {
+  Result<Batch> read(const YamlNode& node) {
     Batch batch;
     YamlMap root(node, "", log_);
     check_version(root, "octant_batch", log_);
     if (log_.error) return fail(*log_.error);
-    const std::vector<YAML::Node> items = root.list("sites");
+    const std::vector<YamlNode> items = root.list("sites");
     if (items.empty()) root.fail_missing("sites", "a list of sites");
     for (std::size_t i = 0; i < items.size() && !log_.error; ++i) batch.sites.push_back(site(items[i], i));
     root.finish();
@@ -38,15 +38,15 @@ class BatchReader {
   }
 
  private:
-  BatchSite site(const YAML::Node& node, std::size_t number) {
+  BatchSite site(const YamlNode& node, std::size_t number) {
     YamlMap map(node, fmt::format("sites[{}]", number), log_);
     BatchSite site;
     const std::string file = map.required_text("site");
     site.name = map.text("name", file);
     site.site = below(inputs_, file);
-    const std::vector<YAML::Node> runs = map.list("runs");
+    const std::vector<YamlNode> runs = map.list("runs");
     if (runs.empty()) map.fail_missing("runs", "a list of run folders");
-    for (const YAML::Node& run : runs)
+    for (const YamlNode& run : runs)
       site.runs.push_back(below(inputs_, text_of(run, map.path("runs"), log_)));
     site.output = output(map, "output", map.required_text("output"));
     if (map.has("report")) site.report = output(map, "report", map.required_text("report"));
@@ -79,15 +79,9 @@ class BatchReader {
 }  // namespace
 
 Result<Batch> read_batch(const std::string& path, const std::string& output_folder) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return fail(text.error());
-  const Result<YAML::Node> node = parse_yaml(*text, path);
+  const Result<YamlNode> node = read_yaml(path);
   if (!node) return fail(node.error());
-  try {
-    return BatchReader(path, output_folder).read(*node);
-  } catch (const YAML::Exception& e) {
-    return fail({.file = path, .line = e.mark.line + 1, .column = e.mark.column + 1, .found = e.msg});
-  }
+  return BatchReader(path, output_folder).read(*node);
 }
 
 }  // namespace octant::io

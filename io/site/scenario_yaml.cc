@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "io/text/atomic_file.h"
-#include "io/text/yaml_reader.h"
+#include "io/text/bounds.h"
+#include "io/yaml/yaml_reader.h"
 
 namespace octant::io {
 namespace {
@@ -24,7 +24,7 @@ Interval interval(YamlMap& map, const char* key, Interval fallback, NumberRange 
 
 std::vector<Eigen::Vector2d> waypoints(YamlMap& map, YamlLog& log) {
   std::vector<Eigen::Vector2d> points;
-  for (const YAML::Node& item : map.list("waypoints_m")) {
+  for (const YamlNode& item : map.list("waypoints_m")) {
     const std::vector<double> p = numbers_of(item, map.path("waypoints_m"), log, 2);
     if (p.size() == 2) points.emplace_back(p[0], p[1]);
   }
@@ -33,7 +33,7 @@ std::vector<Eigen::Vector2d> waypoints(YamlMap& map, YamlLog& log) {
 
 std::vector<Eigen::Vector3d> stations(YamlMap& map, YamlLog& log) {
   std::vector<Eigen::Vector3d> poses;
-  for (const YAML::Node& item : map.list("stations")) {
+  for (const YamlNode& item : map.list("stations")) {
     const std::vector<double> p = numbers_of(item, map.path("stations"), log, 3);
     if (p.size() == 3) poses.emplace_back(p[0], p[1], p[2]);
   }
@@ -41,7 +41,7 @@ std::vector<Eigen::Vector3d> stations(YamlMap& map, YamlLog& log) {
 }
 
 /// Keys that are absent stay as they are in `path`.
-void read_path(const YAML::Node& node, const char* name, YamlLog& log, Scenario::Path& path) {
+void read_path(const YamlNode& node, const char* name, YamlLog& log, Scenario::Path& path) {
   YamlMap map(node, name, log);
   if (!map.present()) return;
   path.kind = map.choice<PathKind>("kind",
@@ -136,7 +136,7 @@ void read_sensors(YamlMap& root, YamlLog& log, Scenario& scenario) {
     scans.finish();
     scenario.scans = s;
   }
-  for (const YAML::Node& item : root.list("walls_m")) {
+  for (const YamlNode& item : root.list("walls_m")) {
     const std::vector<double> w = numbers_of(item, root.path("walls_m"), log, 4);
     if (w.size() == 4) scenario.walls_m.push_back({w[0], w[1], w[2], w[3]});
   }
@@ -158,8 +158,8 @@ Result<Scenario> scenario_from_yaml(std::string_view text, const std::string& fi
   YamlMap root(*document, "", log);
   check_version(root, "octant_scenario", log);
   Scenario scenario;
-  const YAML::Node site_node = root.block("site");
-  if (!site_node.IsDefined()) {
+  const YamlNode site_node = root.block("site");
+  if (!site_node.is_defined()) {
     root.fail_missing("site", "the content of a site file, with true positions");
   }
   read_path(root.block("path"), "path", log, scenario.path);
@@ -195,7 +195,7 @@ Result<Scenario> scenario_from_yaml(std::string_view text, const std::string& fi
 }
 
 Result<Scenario> read_scenario(const std::string& path) {
-  auto text = read_file(path);
+  auto text = read_document(path);
   if (!text) return fail(text.error());
   return scenario_from_yaml(*text, path);
 }

@@ -10,16 +10,16 @@
 
 #include "io/import/plan_import.h"
 #include "io/text/atomic_file.h"
-#include "io/text/yaml_reader.h"
+#include "io/yaml/yaml_reader.h"
 
 namespace octant::io {
 namespace {
 
 constexpr double kImportedSlack = 1.0;  ///< pixels that a beacon may stand in an occupied cell
 
-std::vector<Eigen::Vector2d> read_points(const YAML::Node& node, const std::string& name, YamlLog& log) {
+std::vector<Eigen::Vector2d> read_points(const YamlNode& node, const std::string& name, YamlLog& log) {
   std::vector<Eigen::Vector2d> points;
-  for (const YAML::Node& item : list_of(node, name, log)) {
+  for (const YamlNode& item : list_of(node, name, log)) {
     const std::vector<double> p = numbers_of(item, fmt::format("{}[{}]", name, points.size()), log, 2);
     if (p.size() != 2) return points;
     points.emplace_back(p[0], p[1]);
@@ -28,9 +28,9 @@ std::vector<Eigen::Vector2d> read_points(const YAML::Node& node, const std::stri
 }
 
 std::vector<Eigen::Vector2d> required_points(YamlMap& map, YamlLog& log, const char* key = "points_m") {
-  const YAML::Node node = map.block(key);
-  if (!node.IsDefined()) map.fail_missing(key, "a list of [x, y]");
-  return node.IsDefined() ? read_points(node, map.path(key), log) : std::vector<Eigen::Vector2d>{};
+  const YamlNode node = map.block(key);
+  if (!node.is_defined()) map.fail_missing(key, "a list of [x, y]");
+  return node.is_defined() ? read_points(node, map.path(key), log) : std::vector<Eigen::Vector2d>{};
 }
 
 std::optional<Eigen::Vector3d> read_direction(YamlMap& map, YamlLog& log) {
@@ -66,10 +66,10 @@ std::string id_of(YamlMap& map, const char* kind, std::size_t index) {
 
 void read_walls(YamlMap& root, const char* key, bool solid, Scene& scene, YamlLog& log) {
   std::size_t index = 0;
-  for (const YAML::Node& node : root.list(key)) {
+  for (const YamlNode& node : root.list(key)) {
     YamlMap map(node, fmt::format("{}[{}]", root.path(key), index), log);
     SceneWall wall;
-    wall.line = line_of(node);
+    wall.line = node.line();
     wall.name = id_of(map, solid ? "O" : "W", index++);
     wall.points_m = required_points(map, log);
     wall.solid = solid;
@@ -85,10 +85,10 @@ void read_walls(YamlMap& root, const char* key, bool solid, Scene& scene, YamlLo
 }
 
 void read_mounts(YamlMap& root, Scene& scene, YamlLog& log) {
-  for (const YAML::Node& node : root.list("mounts")) {
+  for (const YamlNode& node : root.list("mounts")) {
     YamlMap map(node, fmt::format("{}[{}]", root.path("mounts"), scene.mounts.size()), log);
     SceneMount mount;
-    mount.line = line_of(node);
+    mount.line = node.line();
     mount.name = id_of(map, "M", scene.mounts.size());
     if (!map.has("kind")) map.fail_missing("kind", "wall, ceiling or pole");
     mount.kind = map.choice<SceneMount::Kind>("kind",
@@ -110,10 +110,10 @@ void read_mounts(YamlMap& root, Scene& scene, YamlLog& log) {
 }
 
 void read_patterns(YamlMap& root, Scene& scene, YamlLog& log) {
-  for (const YAML::Node& node : root.list("patterns")) {
+  for (const YamlNode& node : root.list("patterns")) {
     YamlMap map(node, fmt::format("{}[{}]", root.path("patterns"), scene.patterns.size()), log);
     BeamPattern pattern;
-    pattern.line = line_of(node);
+    pattern.line = node.line();
     pattern.name = map.required_text("id");
     if (!map.has("kind")) map.fail_missing("kind", "cone, cosine_power, half_power or table");
     using Kind = BeamPattern::Kind;
@@ -143,10 +143,10 @@ void read_patterns(YamlMap& root, Scene& scene, YamlLog& log) {
 }
 
 void read_scene_beacons(YamlMap& root, Scene& scene, YamlLog& log) {
-  for (const YAML::Node& node : root.list("beacons")) {
+  for (const YamlNode& node : root.list("beacons")) {
     YamlMap map(node, fmt::format("{}[{}]", root.path("beacons"), scene.beacons.size()), log);
     SceneBeacon beacon;
-    beacon.line = line_of(node);
+    beacon.line = node.line();
     beacon.name = map.required_text("id");
     beacon.axis = read_direction(map, log);
     beacon.pattern = read_pattern_name(map, "pattern", scene);
@@ -156,9 +156,9 @@ void read_scene_beacons(YamlMap& root, Scene& scene, YamlLog& log) {
 }
 
 void read_routes(YamlMap& root, Scene& scene, YamlLog& log) {
-  for (const YAML::Node& node : root.list("routes")) {
+  for (const YamlNode& node : root.list("routes")) {
     YamlMap map(node, fmt::format("{}[{}]", root.path("routes"), scene.routes.size()), log);
-    SceneRoute route{id_of(map, "R", scene.routes.size()), required_points(map, log), line_of(node)};
+    SceneRoute route{id_of(map, "R", scene.routes.size()), required_points(map, log), node.line()};
     map.finish();
     scene.routes.push_back(std::move(route));
   }
@@ -186,7 +186,7 @@ std::string beside(const std::string& file, const std::string& path) {
 
 std::vector<std::string> read_layers(YamlMap& map, const char* key, YamlLog& log) {
   std::vector<std::string> layers;
-  for (const YAML::Node& item : map.list(key)) layers.push_back(text_of(item, map.path(key), log));
+  for (const YamlNode& item : map.list(key)) layers.push_back(text_of(item, map.path(key), log));
   return layers;
 }
 
@@ -204,13 +204,14 @@ std::optional<Error> import_dxf(YamlMap& map, Scene& scene, YamlLog& log) {
   const std::string floor = map.text("floor_layer", "");
   map.finish();
   if (log.error) return log.error;
-  const auto drawing = read_dxf(beside(log.file, file), unit_m);
+  scene.imported.push_back(beside(log.file, file));
+  const auto drawing = read_dxf(scene.imported.back(), unit_m);
   if (!drawing) return drawing.error();
   scene.warnings.insert(scene.warnings.end(), drawing->warnings.begin(), drawing->warnings.end());
   std::size_t taken = 0;
   for (const DrawnLine& line : drawing->lines) {
     if (!floor.empty() && line.layer == floor) {
-      scene.floor_m = line.points_m, scene.floor_line = line_of(map.node());
+      scene.floor_m = line.points_m, scene.floor_line = map.node().line();
       ++taken;
       continue;
     }
@@ -221,7 +222,7 @@ std::optional<Error> import_dxf(YamlMap& map, Scene& scene, YamlLog& log) {
     wall.points_m = line.points_m;
     if (line.closed && !wall.solid) wall.points_m.push_back(line.points_m.front());
     wall.bottom_m = bottom_m, wall.top_m = top_m;
-    wall.line = line_of(map.node());
+    wall.line = map.node().line();
     scene.walls.push_back(std::move(wall));
     ++taken;
   }
@@ -230,7 +231,7 @@ std::optional<Error> import_dxf(YamlMap& map, Scene& scene, YamlLog& log) {
     for (const DrawnLine& line : drawing->lines)
       if (!among(names, line.layer)) names.push_back(line.layer);
     return Error{.file = log.file,
-                 .line = line_of(map.node()),
+                 .line = map.node().line(),
                  .found = fmt::format("{} gives not a single line", in_quotes(file)),
                  .expected = "LINE, LWPOLYLINE or POLYLINE in the layers asked for",
                  .advice = names.empty() ? "" : "its layers: " + listed(names)};
@@ -246,6 +247,7 @@ std::optional<Error> import_ros(YamlMap& map, Scene& scene, YamlLog& log) {
   if (log.error) return log.error;
   const auto ros = read_ros_map(beside(log.file, file));
   if (!ros) return ros.error();
+  scene.imported.insert(scene.imported.end(), {beside(log.file, file), ros->image});
   for (const auto kind : {RosMap::kOccupied, RosMap::kUnknown}) {
     std::size_t index = 0;
     for (auto& corners : rectangles_of(*ros, kind)) {
@@ -256,21 +258,21 @@ std::optional<Error> import_ros(YamlMap& map, Scene& scene, YamlLog& log) {
       wall.blocks_sound = kind == RosMap::kOccupied;
       wall.bottom_m = bottom_m, wall.top_m = top_m;
       wall.slack_m = kind == RosMap::kOccupied ? kImportedSlack * ros->resolution_m : 1e300;
-      wall.line = line_of(map.node());
+      wall.line = map.node().line();
       scene.walls.push_back(std::move(wall));
     }
   }
   if (scene.floor_m.empty()) {
     const auto c = static_cast<double>(ros->columns), r = static_cast<double>(ros->rows);
     scene.floor_m = {ros->place_m(0, 0), ros->place_m(c, 0), ros->place_m(c, r), ros->place_m(0, r)};
-    scene.floor_line = line_of(map.node());
+    scene.floor_line = map.node().line();
   }
   return std::nullopt;
 }
 
 void read_imports(YamlMap& root, Scene& scene, YamlLog& log) {
   std::size_t index = 0;
-  for (const YAML::Node& node : root.list("import")) {
+  for (const YamlNode& node : root.list("import")) {
     if (log.error) return;
     YamlMap map(node, fmt::format("{}[{}]", root.path("import"), index++), log);
     if (map.has("dxf") == map.has("ros_map")) {
@@ -283,9 +285,9 @@ void read_imports(YamlMap& root, Scene& scene, YamlLog& log) {
 }
 
 void read_block(YamlMap& root, Scene& scene, YamlLog& log) {
-  if (const YAML::Node floor = root.block("floor_m"); floor.IsDefined()) {
+  if (const YamlNode floor = root.block("floor_m"); floor.is_defined()) {
     scene.floor_m = read_points(floor, root.path("floor_m"), log);
-    scene.floor_line = line_of(floor);
+    scene.floor_line = floor.line();
   }
   read_walls(root, "walls", false, scene, log);
   read_walls(root, "obstacles", true, scene, log);
@@ -296,8 +298,8 @@ void read_block(YamlMap& root, Scene& scene, YamlLog& log) {
   read_scene_beacons(root, scene, log);
   read_routes(root, scene, log);
   read_acoustics(root, scene, log);
-  const YAML::Node cell = root.get("cell_m");
-  scene.cell_line = cell.IsDefined() ? line_of(cell) : line_of(root.node());
+  const YamlNode cell = root.get("cell_m");
+  scene.cell_line = cell.is_defined() ? cell.line() : root.node().line();
   scene.cell_m =
       root.number("cell_m", scene.cell_m,
                   {.low = 0.0, .low_excluded = true, .words = "a positive size in metres, such as 0.25"});
@@ -309,45 +311,35 @@ void read_block(YamlMap& root, Scene& scene, YamlLog& log) {
   root.finish();
 }
 
-Result<Scene> scene_of(const YAML::Node& node, const char* name, const std::string& file) {
+Result<Scene> scene_of(const YamlNode& node, const char* name, const std::string& file) {
   YamlLog log(file);
   Scene scene;
   scene.path = file;
-  try {
-    YamlMap root(node, name, log);
-    if (*name == '\0') check_version(root, "octant_scene", log);
-    if (!log.error) read_block(root, scene, log);
-  } catch (const YAML::Exception& e) {
-    return fail({.file = file, .line = e.mark.line + 1, .column = e.mark.column + 1, .found = e.msg});
-  }
+  YamlMap root(node, name, log);
+  if (*name == '\0') check_version(root, "octant_scene", log);
+  if (!log.error) read_block(root, scene, log);
   if (log.error) return fail(*log.error);
   scene.warnings.insert(scene.warnings.begin(), log.warnings.begin(), log.warnings.end());
   return scene;
 }
 
-Result<YAML::Node> document(const std::string& path) {
-  const auto text = read_file(path);
-  if (!text) return fail(text.error());
-  return parse_yaml(*text, path);
-}
-
 }  // namespace
 
 Result<std::optional<Scene>> read_site_scene(const std::string& site_path) {
-  const auto root = document(site_path);
+  const auto root = read_yaml(site_path);
   if (!root) return fail(root.error());
   YamlLog log(site_path);
   YamlMap map(*root, "", log);
-  const YAML::Node block = map.block("scene");
+  const YamlNode block = map.block("scene");
   if (log.error) return fail(*log.error);
-  if (!block.IsDefined()) return std::optional<Scene>();
+  if (!block.is_defined()) return std::optional<Scene>();
   auto scene = scene_of(block, "scene", site_path);
   if (!scene) return fail(scene.error());
   return std::optional<Scene>(std::move(*scene));
 }
 
 Result<Scene> read_scene(const std::string& path) {
-  const auto root = document(path);
+  const auto root = read_yaml(path);
   if (!root) return fail(root.error());
   return scene_of(*root, "", path);
 }

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/site/site_beacons.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "io/text/yaml_reader.h"
-#include "io/text/yaml_text.h"
+#include "io/yaml/yaml_reader.h"
+#include "io/yaml/yaml_text.h"
+#include "io/yaml/yaml_writer.h"
 
 namespace octant::io {
 namespace {
@@ -15,38 +17,94 @@ namespace {
 /// To a tenth of a millimetre: nobody drills finer.
 std::string number(double value) { return fmt::format("{:.4f}", std::round(value * 1e4) / 1e4 + 0.0); }
 
-YAML::Node flow(const std::vector<std::string>& items) {
-  YAML::Node list(YAML::NodeType::Sequence);
-  list.SetStyle(YAML::EmitterStyle::Flow);
-  for (const std::string& item : items) list.push_back(item);
-  return list;
+void write_point(YamlWriter& out, const Eigen::Vector3d& p) {
+  out.begin_list(true);
+  for (int i = 0; i < 3; ++i) out.text(number(p[i]));
+  out.end_list();
 }
 
-YAML::Node beacon_node(const SiteBeaconEntry& b) {
-  YAML::Node node(YAML::NodeType::Map);
-  node.SetStyle(YAML::EmitterStyle::Flow);
-  node["id"] = b.name;
-  node["position_m"] = flow({number(b.position_m.x()), number(b.position_m.y()), number(b.position_m.z())});
-  node["sigma_m"] = number(b.sigma_m);
-  return node;
+void write_beacon(YamlWriter& out, const SiteBeaconEntry& b) {
+  out.begin_map(true);
+  out.text("id"), out.text(b.name, yaml_text(b.name) != b.name);
+  out.text("position_m"), write_point(out, b.position_m);
+  out.text("sigma_m"), out.text(number(b.sigma_m));
+  out.end_map();
 }
 
-YAML::Node axis_node(const SiteBeaconEntry& b) {
-  YAML::Node node(YAML::NodeType::Map);
-  node.SetStyle(YAML::EmitterStyle::Flow);
-  node["id"] = b.name;
-  node["axis"] = flow({number(b.axis->x()), number(b.axis->y()), number(b.axis->z())});
-  return node;
+void write_axis(YamlWriter& out, const SiteBeaconEntry& b) {
+  out.begin_map(true);
+  out.text("id"), out.text(b.name, yaml_text(b.name) != b.name);
+  out.text("axis"), write_point(out, *b.axis);
+  out.end_map();
 }
 
-void replace(YAML::Node owner, const std::vector<YAML::Node>& entries, bool keep) {
-  YAML::Node list = keep && owner["beacons"] && owner["beacons"].IsSequence()
-                        ? owner["beacons"]
-                        : YAML::Node(YAML::NodeType::Sequence);
-  for (const YAML::Node& entry : entries) list.push_back(entry);
-  list.SetStyle(YAML::EmitterStyle::Block);
-  owner["beacons"] = list;
-}
+/// A site file's document with other beacons.
+class BeaconsInPlace {
+ public:
+  BeaconsInPlace(const YamlNode& root, const std::vector<SiteBeaconEntry>& beacons, bool keep)
+      : root_(root), beacons_(beacons), keep_(keep) {}
+
+  std::string text(std::vector<std::string>& warnings) {
+    out_.begin_map(false);
+    for (std::size_t i = 0; i < root_.size(); ++i) {
+      const std::string_view key = root_.key(i).scalar();
+      if (key == "control" && !keep_) {
+        warnings.emplace_back(
+            "control distances were between beacons that the plan does not keep, and are left out");
+        continue;
+      }
+      out_.copy(root_.key(i));
+      if (key == "beacons")
+        write_beacons(root_.value(i));
+      else if (key == "scene" && root_.value(i).is_map())
+        write_scene(root_.value(i));
+      else
+        out_.copy(root_.value(i));
+    }
+    out_.end_map();
+    return out_.finish();
+  }
+
+ private:
+  void write_kept(const YamlNode& list) {
+    out_.begin_list(false);
+    if (!keep_ || !list.is_sequence()) return;
+    for (std::size_t i = 0; i < list.size(); ++i) out_.copy(list.item(i));
+  }
+
+  void write_beacons(const YamlNode& list) {
+    write_kept(list);
+    for (const SiteBeaconEntry& b : beacons_) write_beacon(out_, b);
+    out_.end_list();
+  }
+
+  void write_axes(const YamlNode& list) {
+    write_kept(list);
+    for (const SiteBeaconEntry& b : beacons_)
+      if (b.axis) write_axis(out_, b);
+    out_.end_list();
+  }
+
+  void write_scene(const YamlNode& scene) {
+    bool written = false;
+    out_.begin_map(false);
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+      out_.copy(scene.key(i));
+      const bool here = scene.key(i).scalar() == "beacons";
+      here ? write_axes(scene.value(i)) : out_.copy(scene.value(i));
+      written = written || here;
+    }
+    const bool any = std::any_of(beacons_.begin(), beacons_.end(),
+                                 [](const SiteBeaconEntry& b) { return b.axis.has_value(); });
+    if (any && !written) out_.text("beacons"), write_axes({});
+    out_.end_map();
+  }
+
+  YamlWriter out_;
+  const YamlNode& root_;
+  const std::vector<SiteBeaconEntry>& beacons_;
+  bool keep_;
+};
 
 }  // namespace
 
@@ -55,28 +113,13 @@ Result<SiteBeaconsText> with_beacons(std::string_view site_yaml, const std::stri
   auto root = parse_yaml(site_yaml, path);
   if (!root) return fail(root.error());
   if (auto old = site_from_yaml(*root, path); !old) return fail(old.error());
-  SiteBeaconsText out;
-  std::vector<YAML::Node> entries, axes;
-  for (const SiteBeaconEntry& b : beacons) {
-    entries.push_back(beacon_node(b));
-    if (b.axis) axes.push_back(axis_node(b));
-  }
-  replace(*root, entries, keep);
-  if (!keep && (*root)["control"]) {
-    root->remove("control");
-    out.warnings.push_back(
-        "control distances were between beacons that the plan does not keep, and are left out");
-  }
-  if (YAML::Node scene = (*root)["scene"];
-      scene && scene.IsMap() && (!axes.empty() || (!keep && scene["beacons"])))
-    replace(scene, axes, keep);
-  YAML::Emitter emitter;
-  emitter << *root;
-  out.text = fmt::format("# Written by octant plan from {}\n{}\n", path, emitter.c_str());
-  const auto again = parse_yaml(out.text, path);
+  SiteBeaconsText result;
+  result.text = fmt::format("# Written by octant plan from {}\n{}", path,
+                            BeaconsInPlace(*root, beacons, keep).text(result.warnings));
+  const auto again = parse_yaml(result.text, path);
   if (!again) return fail(again.error());
   if (auto site = site_from_yaml(*again, path); !site) return fail(site.error());
-  return out;
+  return result;
 }
 
 }  // namespace octant::io

@@ -11,13 +11,13 @@ namespace octant::io {
 std::string UniqueIds::take(YamlMap& map) {
   std::string id = map.required_text("id");
   if (log_.error) return id;
-  const YAML::Node node = map.get("id");
+  const YamlNode node = map.get("id");
   const bool odd = std::any_of(id.begin(), id.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
   if (id.empty() || id.size() > 200 || odd || id.front() == ' ' || id.back() == ' ') {
     log_.fail(node, fmt::format("{} is {}", map.path("id"), in_quotes(id)),
               "a name of up to 200 characters on one line");
   }
-  const auto [first, is_new] = lines_.emplace(id, line_of(node));
+  const auto [first, is_new] = lines_.emplace(id, node.line());
   if (!is_new) {
     log_.fail(node,
               fmt::format("{} id {} is used twice (first in line {})", kind_, in_quotes(id), first->second),
@@ -26,19 +26,18 @@ std::string UniqueIds::take(YamlMap& map) {
   return id;
 }
 
-Coordinates read_coordinates(const YAML::Node& node, const std::string& name, NumberRange range,
-                             YamlLog& log) {
+Coordinates read_coordinates(const YamlNode& node, const std::string& name, NumberRange range, YamlLog& log) {
   Coordinates values;
-  const std::vector<YAML::Node> items = list_of(node, name, log, 3);
+  const std::vector<YamlNode> items = list_of(node, name, log, 3);
   for (std::size_t i = 0; i < items.size(); ++i) {
-    if (!items[i].IsNull()) values[i] = number_of(items[i], fmt::format("{}[{}]", name, i), log, range);
+    if (!items[i].is_null()) values[i] = number_of(items[i], fmt::format("{}[{}]", name, i), log, range);
   }
   return values;
 }
 
-Coordinates read_sigmas(const YAML::Node& node, const std::string& name, YamlLog& log) {
-  if (!node.IsDefined()) return {};
-  if (node.IsSequence()) return read_coordinates(node, name, kNotNegative, log);
+Coordinates read_sigmas(const YamlNode& node, const std::string& name, YamlLog& log) {
+  if (!node.is_defined()) return {};
+  if (node.is_sequence()) return read_coordinates(node, name, kNotNegative, log);
   const double sigma = number_of(node, name, log, kNotNegative);
   return {sigma, sigma, sigma};
 }
@@ -62,13 +61,13 @@ void read_beacons(YamlMap& root, Site& site, YamlLog& log) {
   if (!root.has("beacons"))
     root.fail_missing("beacons", "a list of beacons (beacons: [] where there are none)");
   UniqueIds ids("beacon", log);
-  for (const YAML::Node& node : root.list("beacons")) {
+  for (const YamlNode& node : root.list("beacons")) {
     if (log.error) return;
     YamlMap map(node, fmt::format("beacons[{}]", site.beacons.size()), log);
     SiteBeacon beacon;
-    beacon.line = line_of(node);
+    beacon.line = node.line();
     beacon.name = ids.take(map);
-    if (const YAML::Node at = map.block("position_m"); at.IsDefined()) {
+    if (const YamlNode at = map.block("position_m"); at.is_defined()) {
       beacon.position_m = read_coordinates(at, map.path("position_m"), kAnyNumber, log);
     }
     beacon.sigma_m = read_sigmas(map.block("sigma_m"), map.path("sigma_m"), log);

@@ -8,7 +8,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "io/text/yaml_reader.h"
+#include "io/yaml/yaml_reader.h"
 
 namespace octant::io {
 
@@ -28,10 +28,10 @@ class UniqueIds {
 using Coordinates = std::array<std::optional<double>, 3>;
 
 /// [x, y, z], each a number or null.
-[[nodiscard]] Coordinates read_coordinates(const YAML::Node& node, const std::string& name, NumberRange range,
+[[nodiscard]] Coordinates read_coordinates(const YamlNode& node, const std::string& name, NumberRange range,
                                            YamlLog& log);
 /// A number for all three axes, or [sx, sy, sz].
-[[nodiscard]] Coordinates read_sigmas(const YAML::Node& node, const std::string& name, YamlLog& log);
+[[nodiscard]] Coordinates read_sigmas(const YamlNode& node, const std::string& name, YamlLog& log);
 
 /// `beacons`; Site::timing has been read.
 void read_beacons(YamlMap& root, Site& site, YamlLog& log);

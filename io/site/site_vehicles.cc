@@ -16,8 +16,7 @@ Eigen::Vector3d read_receiver_sigma(YamlMap& map, YamlLog& log) {
 }
 
 /// {layout: octagon, side_m: 0.050, height_m: 0.30, sigma_m: 0.002}
-void read_layout(const YAML::Node& node, const std::string& name, VehicleId vehicle, Site& site,
-                 YamlLog& log) {
+void read_layout(const YamlNode& node, const std::string& name, VehicleId vehicle, Site& site, YamlLog& log) {
   YamlMap map(node, name, log);
   map.choice<int>("layout", {{"octagon", 0}}, 0);
   if (!map.has("layout")) map.fail_missing("layout", "layout: octagon, or a list of receivers");
@@ -49,12 +48,12 @@ std::optional<Eigen::Vector3d> read_axis(YamlMap& map, YamlLog& log) {
 }
 
 void read_receivers(YamlMap& vehicle_map, VehicleId vehicle, Site& site, YamlLog& log) {
-  const YAML::Node node = vehicle_map.block("receivers");
-  if (!node.IsDefined()) return;  // bearings and scans need none
+  const YamlNode node = vehicle_map.block("receivers");
+  if (!node.is_defined()) return;  // bearings and scans need none
   const std::string name = vehicle_map.path("receivers");
-  if (node.IsMap()) return read_layout(node, name, vehicle, site, log);
+  if (node.is_map()) return read_layout(node, name, vehicle, site, log);
   UniqueIds ids("receiver", log);
-  for (const YAML::Node& item : list_of(node, name, log)) {
+  for (const YamlNode& item : list_of(node, name, log)) {
     if (log.error) return;
     YamlMap map(
         item,
@@ -79,8 +78,8 @@ void read_receivers(YamlMap& vehicle_map, VehicleId vehicle, Site& site, YamlLog
 /// array: {radius_sigma_m: 0.002, turn_sigma_rad: 0.02}: the receivers as one piece, adjusted by its radius
 /// and its turn.
 void read_array(YamlMap& vehicle_map, SiteVehicle& vehicle, const Site& site, YamlLog& log) {
-  const YAML::Node node = vehicle_map.block("array");
-  if (!node.IsDefined()) return;
+  const YamlNode node = vehicle_map.block("array");
+  if (!node.is_defined()) return;
   YamlMap map(node, vehicle_map.path("array"), log);
   vehicle.array = ArrayShape{map.number("radius_sigma_m", 0.0, kNotNegative),
                              map.number("turn_sigma_rad", 0.0, kNotNegative)};
@@ -101,8 +100,8 @@ void read_array(YamlMap& vehicle_map, SiteVehicle& vehicle, const Site& site, Ya
 
 /// motion: {speed_mps: 1.0, acceleration_mps2: 0.5}
 void read_motion(YamlMap& vehicle_map, SiteVehicle& vehicle, YamlLog& log) {
-  const YAML::Node node = vehicle_map.block("motion");
-  if (!node.IsDefined()) return;
+  const YamlNode node = vehicle_map.block("motion");
+  if (!node.is_defined()) return;
   YamlMap map(node, vehicle_map.path("motion"), log);
   MotionPrior prior;
   prior.speed_mps = map.number("speed_mps", prior.speed_mps, kPositive);
@@ -115,7 +114,7 @@ void read_motion(YamlMap& vehicle_map, SiteVehicle& vehicle, YamlLog& log) {
 }
 
 /// {from_m: [x, y], to_m: [x, y]}, straight, or {centre_m: [x, y], radius_m: R}, an arc.
-std::optional<Rail> read_rail(const YAML::Node& node, const std::string& name, YamlLog& log) {
+std::optional<Rail> read_rail(const YamlNode& node, const std::string& name, YamlLog& log) {
   YamlMap map(node, name, log);
   if (!map.present()) return std::nullopt;
   const auto point = [&](const char* key) {
@@ -148,7 +147,7 @@ std::optional<Rail> read_rail(const YAML::Node& node, const std::string& name, Y
 
 void read_vehicles(YamlMap& root, Site& site, YamlLog& log) {
   UniqueIds ids("vehicle", log);
-  for (const YAML::Node& node : root.list("vehicles")) {
+  for (const YamlNode& node : root.list("vehicles")) {
     if (log.error) return;
     YamlMap map(node, fmt::format("vehicles[{}]", site.vehicles.size()), log);
     const VehicleId vehicle(site.vehicles.size());

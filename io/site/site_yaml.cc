@@ -8,11 +8,13 @@
 #include <fmt/format.h>
 
 #include "io/site/site_parts.h"
-#include "io/text/atomic_file.h"
-#include "io/text/yaml_reader.h"
+#include "io/text/mapped_file.h"
+#include "io/yaml/yaml_reader.h"
 
 namespace octant::io {
 namespace {
+
+constexpr std::size_t kHeadBytes = 65536;  // in which a deployment says that it is one
 
 constexpr NumberRange kTemperature{
     .low = -100.0, .high = 100.0, .words = "degrees Celsius from -100 to 100 (20 degC are 293 K)"};
@@ -20,7 +22,7 @@ constexpr NumberRange kHumidity{.low = 0.0, .high = 1.0, .words = "a fraction fr
 constexpr NumberRange kPressure{
     .low = 1.0e4, .high = 1.0e7, .words = "pascals, such as 101325 (1013 hPa are 101300)"};
 
-void read_medium(const YAML::Node& node, Site& site, YamlLog& log) {
+void read_medium(const YamlNode& node, Site& site, YamlLog& log) {
   YamlMap map(node, "medium", log);
   site.medium_given = map.present();
   if (!map.present()) return;
@@ -54,19 +56,19 @@ void read_medium(const YAML::Node& node, Site& site, YamlLog& log) {
   map.finish();
 }
 
-DelayPer read_delay_per(const YAML::Node& node, YamlLog& log) {
+DelayPer read_delay_per(const YamlNode& node, YamlLog& log) {
   DelayPer per;
   const std::vector<std::pair<std::string, bool DelayPer::*>> choices = {{"beacon", &DelayPer::beacon},
                                                                          {"receiver", &DelayPer::receiver},
                                                                          {"site", &DelayPer::site},
                                                                          {"none", nullptr}};
-  std::vector<YAML::Node> items;
-  if (node.IsSequence()) {
+  std::vector<YamlNode> items;
+  if (node.is_sequence()) {
     items = list_of(node, "timing.delay_per", log);
   } else {
     items.push_back(node);
   }
-  for (const YAML::Node& item : items) {
+  for (const YamlNode& item : items) {
     const auto member = YamlMap::choice_of<bool DelayPer::*>(item, "timing.delay_per", choices, nullptr, log);
     if (member != nullptr) {
       per.*member = true;
@@ -78,7 +80,7 @@ DelayPer read_delay_per(const YAML::Node& node, YamlLog& log) {
   return per;
 }
 
-void read_timing(const YAML::Node& node, Site& site, YamlLog& log) {
+void read_timing(const YamlNode& node, Site& site, YamlLog& log) {
   YamlMap map(node, "timing", log);
   site.timing_given = map.present();
   if (!map.present()) return;
@@ -90,7 +92,7 @@ void read_timing(const YAML::Node& node, Site& site, YamlLog& log) {
   timing.turnaround_s = map.number("turnaround_s", 0.0, kNotNegative);
   if (map.has("delay_per")) {
     timing.delay_per = read_delay_per(map.get("delay_per"), log);
-  } else if (map.get("delay_per").IsDefined()) {
+  } else if (map.get("delay_per").is_defined()) {
     map.fail_missing("delay_per", "beacon, receiver, site, none, or a list");
   }
   timing.delay_s = map.number("delay_s", 0.0);
@@ -104,7 +106,7 @@ void read_timing(const YAML::Node& node, Site& site, YamlLog& log) {
   map.finish();
 }
 
-void read_noise(const YAML::Node& node, Site& site, YamlLog& log) {
+void read_noise(const YamlNode& node, Site& site, YamlLog& log) {
   YamlMap map(node, "noise", log);
   Noise& noise = site.noise;
   site.tof_sigma_given = map.has("tof_sigma_s");
@@ -119,19 +121,19 @@ void read_noise(const YAML::Node& node, Site& site, YamlLog& log) {
 
 /// {value: 12.5, sigma: 3.0}, or the value alone: held fixed.
 Prior read_prior(YamlMap& parent, const char* key, NumberRange range, YamlLog& log) {
-  const YAML::Node node = parent.block(key);
-  if (!node.IsDefined()) {
+  const YamlNode node = parent.block(key);
+  if (!node.is_defined()) {
     parent.fail_missing(key, "{value: ..., sigma: ...}");
     return {};
   }
-  if (node.IsScalar()) return {number_of(node, parent.path(key), log, range), 0.0};
+  if (node.is_scalar()) return {number_of(node, parent.path(key), log, range), 0.0};
   YamlMap map(node, parent.path(key), log);
   const Prior prior{map.required_number("value", range), map.required_number("sigma", kNotNegative)};
   map.finish();
   return prior;
 }
 
-void read_attenuation(const YAML::Node& node, Site& site, YamlLog& log) {
+void read_attenuation(const YamlNode& node, Site& site, YamlLog& log) {
   YamlMap map(node, "attenuation", log);
   if (!map.present()) return;
   AttenuationPrior prior;
@@ -165,7 +167,7 @@ BeaconId read_beacon_name(YamlMap& map, const char* key, const Site& site, YamlL
 
 void read_control(YamlMap& root, Site& site, YamlLog& log) {
   YamlMap control(root.block("control"), "control", log);
-  for (const YAML::Node& node : control.list("distances")) {
+  for (const YamlNode& node : control.list("distances")) {
     if (log.error) return;
     YamlMap map(node, fmt::format("control.distances[{}]", site.distances.size()), log);
     ControlDistance distance;
@@ -184,7 +186,7 @@ void read_control(YamlMap& root, Site& site, YamlLog& log) {
 
 /// Delays that are held fixed because nobody said how well they are known.
 void warn_of_held_delays(YamlMap& root, const Site& site, YamlLog& log) {
-  const YAML::Node node = root.block("timing");
+  const YamlNode node = root.block("timing");
   const DelayPer& per = site.timing.delay_per;
   if (per.none() || YamlMap(node, "timing", log).has("delay_sigma_s")) return;
   const bool all_state_their_own =
@@ -207,58 +209,55 @@ void check_axes(YamlMap& root, const Site& site, YamlLog& log) {
 
 }  // namespace
 
-Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file, bool version_required) {
+Result<Site> site_from_yaml(const YamlNode& node, const std::string& file, bool version_required) {
   YamlLog log(file);
   Site site;
   site.path = file;
-  try {
-    YamlMap root(node, "", log);
-    if (version_required || root.has("octant_site")) check_version(root, "octant_site", log);
-    if (log.error) return fail(*log.error);
-    site.name = root.text("name", "");
-    if (!root.has("motion")) root.fail_missing("motion", "motion: planar (x, y, heading) or motion: spatial");
-    site.motion = root.choice<Motion>("motion", {{"planar", Motion::kPlanar}, {"spatial", Motion::kSpatial}},
-                                      Motion::kPlanar);
-    read_medium(root.block("medium"), site, log);
-    read_timing(root.block("timing"), site, log);
-    read_noise(root.block("noise"), site, log);
-    read_attenuation(root.block("attenuation"), site, log);
-    read_beacons(root, site, log);
-    warn_of_held_delays(root, site, log);
-    read_vehicles(root, site, log);
-    check_axes(root, site, log);
-    read_control(root, site, log);
-    YamlMap gates(root.block("gates"), "gates", log);
-    site.gates.min_range_m = gates.number("min_range_m", 0.0, kNotNegative);
-    site.gates.max_range_m = gates.optional_number("max_range_m", kPositive).value_or(site.gates.max_range_m);
-    site.gates.triangle = gates.boolean("triangle", true);
-    gates.finish();
-    YamlMap tolerance(root.block("tolerance"), "tolerance", log);
-    site.tolerance.beacon_m = tolerance.optional_number("beacon_m", kPositive);
-    site.tolerance.fix_m = tolerance.optional_number("fix_m", kPositive);
-    tolerance.finish();
-    root.get("scene");  // scene_yaml.cc's
-    root.finish();
-  } catch (const YAML::Exception& e) {
-    return fail({.file = file, .line = e.mark.line + 1, .column = e.mark.column + 1, .found = e.msg});
-  }
+  YamlMap root(node, "", log);
+  if (version_required || root.has("octant_site")) check_version(root, "octant_site", log);
+  if (log.error) return fail(*log.error);
+  site.name = root.text("name", "");
+  if (!root.has("motion")) root.fail_missing("motion", "motion: planar (x, y, heading) or motion: spatial");
+  site.motion = root.choice<Motion>("motion", {{"planar", Motion::kPlanar}, {"spatial", Motion::kSpatial}},
+                                    Motion::kPlanar);
+  read_medium(root.block("medium"), site, log);
+  read_timing(root.block("timing"), site, log);
+  read_noise(root.block("noise"), site, log);
+  read_attenuation(root.block("attenuation"), site, log);
+  read_beacons(root, site, log);
+  warn_of_held_delays(root, site, log);
+  read_vehicles(root, site, log);
+  check_axes(root, site, log);
+  read_control(root, site, log);
+  YamlMap gates(root.block("gates"), "gates", log);
+  site.gates.min_range_m = gates.number("min_range_m", 0.0, kNotNegative);
+  site.gates.max_range_m = gates.optional_number("max_range_m", kPositive).value_or(site.gates.max_range_m);
+  site.gates.triangle = gates.boolean("triangle", true);
+  gates.finish();
+  YamlMap tolerance(root.block("tolerance"), "tolerance", log);
+  site.tolerance.beacon_m = tolerance.optional_number("beacon_m", kPositive);
+  site.tolerance.fix_m = tolerance.optional_number("fix_m", kPositive);
+  tolerance.finish();
+  root.get("scene");  // scene_yaml.cc's
+  root.finish();
   if (log.error) return fail(*log.error);
   site.warnings = std::move(log.warnings);
   return site;
 }
 
 Result<Site> read_site(const std::string& path) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return fail(text.error());
-  if (text->find("\"octant_deployment\"") != std::string::npos &&
-      text->find_first_not_of(" \t\r\n") == text->find('{'))
+  const auto map = MappedFile::open(path);
+  if (!map) return fail(map.error());
+  const std::string_view text = map->text(), head = text.substr(0, kHeadBytes);
+  if (head.find("\"octant_deployment\"") != std::string_view::npos &&
+      head.find_first_not_of(" \t\r\n") == head.find('{'))
     return fail(
         {.file = path,
          .found = "a deployment file",
          .expected = "a site file (octant schema site): what is known before a calibration",
          .advice =
              "to hold a recording against a deployment: octant verify; to say what changed since: --since"});
-  const Result<YAML::Node> root = parse_yaml(*text, path);
+  const Result<YamlNode> root = parse_yaml(text, path);
   if (!root) return fail(root.error());
   return site_from_yaml(*root, path);
 }

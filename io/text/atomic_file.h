@@ -13,8 +13,9 @@ namespace octant::io {
 
 /// Writes a file whole or not at all: a temporary file beside it, flushed to disk, renamed over it. "-" is
 /// standard output; pipes and devices are written in place. A link keeps pointing where it did, a file keeps
-/// its permissions. Errors: kOutput with the path and the system's reason; the file that was there stays as
-/// it was. Folders are not created.
+/// its permissions. What killed processes left beside it under such a temporary name is removed. Errors:
+/// kOutput with the path and the system's reason; the file that was there stays as it was. Folders are not
+/// created.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view content);
 
 struct FileContent {
@@ -25,7 +26,7 @@ struct FileContent {
 /// pipes and devices cannot be taken back.)
 [[nodiscard]] Result<void> write_files(const std::vector<FileContent>& files);
 
-inline constexpr std::size_t kLargestFile = std::size_t{1} << 36;
+inline constexpr std::size_t kLargestFile = std::size_t{1} << 30;
 
 /// Content of a regular file. Errors: kBadInput (missing, a folder, unreadable, a loop of links, larger than
 /// max_bytes).

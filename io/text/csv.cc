@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "io/text/bounds.h"
 #include "io/text/csv_scan.h"
 
 namespace octant::io {
@@ -51,6 +52,7 @@ bool may_be_called(std::string_view ours, std::string_view theirs) {
 namespace {
 
 constexpr std::size_t kMostColumns = 65536;
+constexpr std::ptrdiff_t kMostRow = kLongestLine;
 constexpr std::size_t kSpareFields = 64;  // fields too many in a row that an error message still counts
 
 }  // namespace
@@ -61,7 +63,7 @@ CsvReader::CsvReader(std::string_view text, std::string file, bool checked)
       at_(without_bom(text).data()),
       end_(text.data() + text.size()) {
   if (checked) return;
-  if (auto ok = check_utf8(text, file_); !ok) error_ = ok.error();
+  if (auto ok = check_lines(text, file_); !ok) error_ = ok.error();
 }
 
 bool CsvReader::fail_at(int column, std::string found, std::string expected, std::string advice) {
@@ -99,15 +101,23 @@ int CsvReader::column_in_line(const char* at) const {
   return static_cast<int>(before.size() - (newline == std::string_view::npos ? 0 : newline + 1)) + 1;
 }
 
+bool CsvReader::fail_long(int line) {
+  fail_file(line, fmt::format("a row of more than {} bytes", kMostRow), "rows of some hundreds",
+            "a newline or a closing quote is missing, or the file is of another kind");
+  return false;
+}
+
 std::string CsvReader::place() const { return fmt::format("{}:{}", file_, row_line_); }
 
 void CsvReader::skip_comments() {
   while (at_ != end_) {
-    const char* stop = std::find(at_, end_, '\n');
+    const char* last = end_ - at_ > kMostRow ? at_ + kMostRow : end_;
+    const char* stop = std::find(at_, last, '\n');
+    if (stop == last && last != end_) return (void)fail_long(line_);
     const std::string_view line = trimmed(at_, stop);
     if (!line.empty() && line[0] != '#') return;
     at_ = stop == end_ ? end_ : stop + 1;
-    if (stop != end_) ++line_;
+    if (stop != end_) next_line_of_file();
   }
 }
 
@@ -124,6 +134,7 @@ void CsvReader::check_separator(std::string_view line) {
 void CsvReader::read_header() {
   if (error_) return;
   skip_comments();
+  if (error_) return;
   if (at_ == end_) return fail_file(0, "the file is empty", "a header row with the names of the columns");
   check_separator(trimmed(at_, std::find(at_, end_, '\n')));
   if (error_ || !read_fields()) return;
@@ -134,8 +145,8 @@ void CsvReader::read_header() {
                        "each column once");
     }
     header_.emplace_back(name);
+    known_.push_back(false);
   }
-  known_.assign(header_.size(), false);
 }
 
 int CsvReader::find(std::string_view name) {
@@ -203,7 +214,7 @@ bool CsvReader::next_row() {
     while (p != end_ && is_blank(*p)) ++p;
     if (p != end_ && *p != '\n') break;
     at_ = p == end_ ? end_ : p + 1;
-    ++line_;
+    next_line_of_file();
   }
   if (at_ == end_) return false;
   return read_fields() && check_count();
@@ -224,7 +235,9 @@ bool CsvReader::read_fields() {
       p = read_quoted(begin);
       if (p == nullptr) return false;
     } else {
-      p = find_separator(begin, end_);
+      const char* stop = end_ - row_ > kMostRow ? row_ + kMostRow : end_;
+      p = find_separator(std::min(begin, stop), stop);
+      if (p == stop && stop != end_) return fail_long(row_line_);
       fields_.push_back(trimmed(begin, p));
     }
     if (fields_.size() > most) {
@@ -236,7 +249,7 @@ bool CsvReader::read_fields() {
       ++p;
       continue;
     }
-    if (p != end_) ++line_;
+    if (p != end_) next_line_of_file();
     at_ = p == end_ ? end_ : p + 1;
     return true;
   }
@@ -253,7 +266,11 @@ const char* CsvReader::read_quoted(const char* at) {
                 "the file may be cut off");
       return nullptr;
     }
-    if (*p == '\n') ++line_;
+    if (p - row_ > kMostRow) {
+      fail_long(opened);
+      return nullptr;
+    }
+    if (*p == '\n') next_line_of_file();
     if (*p != '"') continue;
     if (p + 1 != end_ && p[1] == '"') {  // a doubled quote stands for one
       if (joined == nullptr) joined = &unquoted_.emplace_back();

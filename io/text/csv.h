@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -83,6 +84,9 @@ class CsvReader {
   [[nodiscard]] int column_in_line(const char* at) const;
   void skip_comments();
   void check_separator(std::string_view line);
+  bool fail_long(int line);
+  /// Two billion lines are counted as that many.
+  void next_line_of_file() { line_ += static_cast<int>(line_ < std::numeric_limits<int>::max()); }
   bool not_a_number(int column, const char* expected);
   [[nodiscard]] std::string renamed_columns() const;
   void fail_file(int line, std::string found, std::string expected, std::string advice = "");

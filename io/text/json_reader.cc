@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "io/text/bounds.h"
+
 namespace octant::io {
 namespace {
 
@@ -120,6 +122,7 @@ void append_pretty(std::string& out, const nlohmann::ordered_json& json, int ind
 
 Result<nlohmann::json> parse_json(std::string_view text, const std::string& file) {
   if (auto ok = check_utf8(text, file); !ok) return fail(ok.error());
+  if (auto ok = check_json(text, file); !ok) return fail(ok.error());
   text = without_bom(text);
   try {
     return nlohmann::json::parse(text.begin(), text.end());

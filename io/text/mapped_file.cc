@@ -7,13 +7,12 @@
 
 #include <utility>
 
-#include "io/text/atomic_file.h"
 #include "io/text/open_file.h"
 
 namespace octant::io {
 
 Result<MappedFile> MappedFile::open(const std::string& path) {
-  const auto file = open_regular(path, kLargestFile);
+  const auto file = open_regular(path, kLargest);
   if (!file) return fail(file.error());
   if (file->size > 0) {
     void* map = ::mmap(nullptr, file->size, PROT_READ, MAP_PRIVATE, file->fd.get(), 0);

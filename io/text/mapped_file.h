@@ -16,6 +16,7 @@ namespace octant::io {
 /// and does no harm.
 class MappedFile {
  public:
+  static constexpr std::size_t kLargest = std::size_t{1} << 40;
   /// Errors: those of read_file().
   [[nodiscard]] static Result<MappedFile> open(const std::string& path);
   MappedFile(MappedFile&& other) noexcept;

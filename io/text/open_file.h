@@ -16,6 +16,7 @@ class Descriptor {
   explicit Descriptor(int fd) : fd_(fd) {}
   Descriptor(Descriptor&& other) noexcept;
   Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(Descriptor&& other) noexcept;
   Descriptor& operator=(const Descriptor&) = delete;
   ~Descriptor();
   [[nodiscard]] int get() const { return fd_; }

@@ -3,14 +3,19 @@
 #include "io/tof/tof_reader.h"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
+
+#include "io/text/bounds.h"
 
 namespace octant::io {
 namespace {
 
 constexpr std::size_t kDigestBytes = std::size_t{1} << 20;  // at once
-constexpr std::size_t kBlockRows = 4096;                    // of the general way
+constexpr std::size_t kNoSeam = std::string_view::npos;
+constexpr std::size_t kMostReserved = std::size_t{1} << 25;  // rows; a file of newlines seems to hold many
+constexpr std::size_t kBlockRows = 4096;                     // of the general way
 
 }  // namespace
 
@@ -48,7 +53,11 @@ Result<void> TofReader::check_text() const {
   if (options_.from) return {};
   for (std::size_t begin = 0, end = 0; begin < text_.size(); begin = end) {
     end = seam(std::max(begin, body_) + kDigestBytes);
-    if (!is_utf8(text_.substr(begin, end - begin))) return check_utf8(text_, file_);
+    if (end == kNoSeam || !is_utf8(text_.substr(begin, end - begin))) {
+      auto error = check_lines(text_.substr(begin), file_).error();
+      error.line += position_of(text_, begin).line - 1;
+      return fail(error);
+    }
     map_->release(begin, end);
   }
   return {};
@@ -56,16 +65,18 @@ Result<void> TofReader::check_text() const {
 
 /// That the text is none comes before all else that is wrong with it.
 Error TofReader::text_error(const Error& otherwise) const {
-  const auto ok = check_utf8(text_, file_);
+  const auto ok = check_text();
   return ok ? otherwise : ok.error();
 }
 
-/// The first line that begins at an offset of the body or behind it.
+/// The first line that begins at an offset of the body or behind it; kNoSeam within a line that never ends.
 std::size_t TofReader::seam(std::size_t offset) const {
   if (offset <= body_) return body_;
   if (offset >= text_.size()) return text_.size();
-  const std::size_t newline = text_.find('\n', offset - 1);
-  return newline == std::string_view::npos ? text_.size() : newline + 1;
+  const std::string_view near = text_.substr(offset - 1, kLongestLine);
+  const std::size_t newline = near.find('\n');
+  if (newline != std::string_view::npos) return offset + newline;
+  return offset - 1 + near.size() == text_.size() ? text_.size() : kNoSeam;
 }
 
 void TofReader::start() {
@@ -85,6 +96,10 @@ void TofReader::parse(std::size_t task, std::size_t slot) {
   const std::size_t begin = seam(body_ + task * options_.chunk_bytes),
                     end = seam(body_ + (task + 1) * options_.chunk_bytes);
   if (options_.threads > 1) chunks_[slot].arrivals.clear();
+  if (begin == kNoSeam || end == kNoSeam) {
+    chunks_[slot].regular = false;
+    return;
+  }
   parsers_[slot].parse(text_.substr(begin, end - begin), chunks_[slot]);
 }
 
@@ -152,7 +167,7 @@ bool TofReader::take(TofChunk& chunk, std::size_t first) {
   }
   for (std::size_t i = first; i < chunk.arrivals.size(); ++i) chunk.arrivals[i].line += line_;
   for (const auto& [line, refusal, text] : chunk.refused) refusals_.add(refusal, line_ + line, text);
-  line_ += chunk.lines;
+  line_ += std::min(chunk.lines, std::numeric_limits<int>::max() - line_);
   rows_ += chunk.rows;
   return true;
 }
@@ -233,7 +248,8 @@ std::size_t TofReader::rows_estimate() const {
   }
   const double density =
       sampled == 0 ? 0.0 : static_cast<double>(lines + kSamples) / static_cast<double>(sampled);
-  return static_cast<std::size_t>(1.02 * density * static_cast<double>(body.size())) + 1;
+  return std::min(kMostReserved,
+                  static_cast<std::size_t>(1.02 * density * static_cast<double>(body.size())) + 1);
 }
 
 }  // namespace octant::io

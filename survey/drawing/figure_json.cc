@@ -77,6 +77,19 @@ void put_gap(Json& trace, bool space) {
     if (space || *axis_name != 'z') trace[axis_name].push_back(nullptr);
 }
 
+/// The classes of map_classes() as plotly's scale from 0 to a class beyond the last limit.
+Json tolerance_scale() {
+  const double end = kToleranceParts.back() + kToleranceParts.front();
+  Json scale = Json::array();
+  for (std::size_t k = 0; k < kToleranceColours.size(); ++k) {
+    const double from = k == 0 ? 0.0 : kToleranceParts[k - 1] / end;
+    const double to = k == kToleranceParts.size() ? 1.0 : kToleranceParts[k] / end;
+    scale.push_back({from, kToleranceColours[k]});
+    scale.push_back({to, kToleranceColours[k]});
+  }
+  return scale;
+}
+
 Json map_trace(const NamedMap& map, std::size_t layer) {
   Json rows = Json::array();
   for (std::size_t first = 0; map.columns > 0 && first + map.columns <= map.values.size();
@@ -88,25 +101,32 @@ Json map_trace(const NamedMap& map, std::size_t layer) {
     rows.push_back(std::move(row));
   }
   const std::vector<double> limits = map_classes(map);
-  Json trace = {{"type", "heatmap"},
-                {"name", label(map.name)},
-                {"layer", layer},
-                {"visible", layer == 0},
-                {"colorscale", "Cividis"},
-                {"opacity", 0.85},
-                {"x0", map.corner_m.x() + map.cell_m / 2},
-                {"dx", map.cell_m},
-                {"y0", map.corner_m.y() + map.cell_m / 2},
-                {"dy", map.cell_m},
-                {"z", rows},
-                {"hovertemplate", "%{z:.3g}" + (map.unit.empty() ? "" : " " + label(map.unit)) +
-                                      "<br>x %{x:.2f} m, y %{y:.2f} m<extra></extra>"},
-                {"colorbar",
-                 {{"title",
-                   {{"text", label(map.unit.empty() ? map.name : map.name + " [" + map.unit + "]")},
-                    {"side", "right"}}},
-                  {"thickness", 14}}}};
-  if (!limits.empty()) {
+  Json trace = {
+      {"type", "heatmap"},
+      {"name", label(map.name)},
+      {"layer", layer},
+      {"visible", layer == 0},
+      {"colorscale", "Cividis"},
+      {"opacity", 0.85},
+      {"x0", map.corner_m.x() + map.cell_m / 2},
+      {"dx", map.cell_m},
+      {"y0", map.corner_m.y() + map.cell_m / 2},
+      {"dy", map.cell_m},
+      {"z", rows},
+      {"hovertemplate", "%{z:.3g}" + (map.unit.empty() ? "" : " " + label(map.unit)) +
+                            "<br>x %{x:.2f} m, y %{y:.2f} m<extra></extra>"},
+      {"colorbar",
+       {{"title",
+         {{"text", label(map.tolerance      ? fmt::format("{}, tolerance {:.3g}", map.unit, *map.tolerance)
+                         : map.unit.empty() ? map.name
+                                            : map.unit)},
+          {"side", "right"}}},
+        {"thickness", 14}}}};
+  if (map.tolerance) {
+    trace["zmin"] = 0.0;
+    trace["zmax"] = limits.back() + limits.front();
+    trace["colorscale"] = tolerance_scale();
+  } else if (!limits.empty()) {
     // The last class has no end.
     trace["zmin"] = 2 * limits[0] - limits[1];
     trace["zmax"] = 2 * limits.back() - limits[limits.size() - 2];

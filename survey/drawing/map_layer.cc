@@ -44,6 +44,11 @@ std::string cells(const NamedMap& map, const std::vector<double>& limits, std::s
 }  // namespace
 
 std::vector<double> map_classes(const NamedMap& map) {
+  if (map.tolerance) {
+    std::vector<double> limits;
+    for (const double part : kToleranceParts) limits.push_back(part * *map.tolerance);
+    return limits;
+  }
   if (!map.limits.empty()) return map.limits;
   std::vector<double> values;
   std::copy_if(map.values.begin(), map.values.end(), std::back_inserter(values),
@@ -69,23 +74,30 @@ std::string map_layer_svg(const NamedMap& map, std::size_t index, const PlanFram
   std::string svg = fmt::format("<g class='layer layer-{}'>\n", index);
   if (map.columns == 0) return svg + "</g>\n";
   const std::string unit = map.unit.empty() ? "" : " [" + map.unit + "]";
-  svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", kPlanMargin_px - 4, legend_y_px,
-                     escape_xml(map.name + unit + ":"));
-  double x = kPlanMargin_px + 6.6 * static_cast<double>(map.name.size() + unit.size() + 2);
+  const auto& colours = map.tolerance ? kToleranceColours : kMapColours;
+  // Which map it is stands where it was chosen; what matters here is the tolerance.
+  const std::string what = map.tolerance
+                               ? fmt::format("against the tolerance of {:.3g} {}", *map.tolerance, map.unit)
+                               : map.name + unit;
+  std::string legend = fmt::format("<g class='legend'><text x='{:.1f}' y='{:.1f}'>{}</text>\n",
+                                   kPlanMargin_px - 4, legend_y_px, escape_xml(what + ":"));
+  double x = kPlanMargin_px + 6.6 * static_cast<double>(what.size() + 2);
   for (std::size_t k = 0; k <= limits.size(); ++k) {
     const std::string path = cells(map, limits, k, frame);
-    if (!path.empty()) svg += fmt::format("<path class='cell' fill='{}' d='{}'/>\n", kMapColours[k], path);
+    if (!path.empty()) svg += fmt::format("<path class='cell' fill='{}' d='{}'/>\n", colours[k], path);
     const std::string label = limits.empty()       ? "all the same"
                               : k == 0             ? fmt::format("below {:.3g}", limits[0])
                               : k == limits.size() ? fmt::format("from {:.3g}", limits.back())
-                                                   : fmt::format("{:.3g}", limits[k - 1]);
-    svg += fmt::format(
+                              : map.tolerance && limits[k - 1] == *map.tolerance
+                                  ? fmt::format("{:.3g}, beyond it", limits[k - 1])
+                                  : fmt::format("{:.3g}", limits[k - 1]);
+    legend += fmt::format(
         "<rect class='swatch' fill='{}' x='{:.1f}' y='{:.1f}' width='14' height='12'/><text x='{:.1f}' "
         "y='{:.1f}'>{}</text>\n",
-        kMapColours[k], x, legend_y_px - 10, x + 18, legend_y_px, label);
+        colours[k], x, legend_y_px - 10, x + 18, legend_y_px, label);
     x += 28 + 6.6 * static_cast<double>(label.size());
   }
-  return svg + "</g>\n";
+  return svg + legend + "</g>\n</g>\n";
 }
 
 }  // namespace octant::survey

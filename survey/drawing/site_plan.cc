@@ -164,6 +164,7 @@ double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& fr
     return std::any_of(input.tracks.begin(), input.tracks.end(),
                        [&](const auto& t) { return t.moving == moving && !t.points_m.empty(); });
   };
+  svg += "<g class='legend'>\n";
   if (any(BeaconStatus::kCalibrated)) entry(mark(BeaconStatus::kCalibrated, x, y), "calibrated beacon");
   if (any(BeaconStatus::kControlPoint))
     entry(mark(BeaconStatus::kControlPoint, x, y), "control point, held fixed");
@@ -175,6 +176,7 @@ double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& fr
     entry("<path class='fix' d='" + fix_mark(x, y) + "'/>", "fix of the localized run");
   svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", kPlanMargin_px - 4, y + 4 + kLegendRow_px,
                      last_line);
+  svg += "</g>\n";
   return 2 * kLegendRow_px;
 }
 

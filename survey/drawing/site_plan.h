@@ -34,6 +34,7 @@ struct NamedMap {
   std::vector<double> values;    ///< row by row from below; NaN: nothing there
   std::string silent_beacon{};   ///< crossed out while this map is shown
   std::vector<double> limits{};  ///< between classes, where several maps are to be compared; empty: its own
+  std::optional<double> tolerance{};  ///< colours say where the values lie against it: inside, near, beyond
 };
 
 /// What is drawn on the plan.
@@ -71,6 +72,11 @@ inline constexpr std::size_t kMostNamed = 300;
 [[nodiscard]] std::vector<double> map_classes(const NamedMap& map);
 /// Cividis (Nunez, Anderton, Renslow 2018): the same to all kinds of colour vision, and ascending in grey.
 /// Low values are dark.
+/// Inside the tolerance (three), near it, beyond it (three); darker is worse, for eyes that see no red.
+inline constexpr std::array<const char*, 7> kToleranceColours = {"#d9f0d3", "#b2dfa5", "#8cc97d", "#f6b53c",
+                                                                 "#e8713c", "#bf2f2f", "#6b0f1a"};
+/// Where those classes end, as parts of the tolerance.
+inline constexpr std::array<double, 6> kToleranceParts = {0.25, 0.5, 0.75, 1.0, 1.5, 2.0};
 inline constexpr std::array<const char*, 7> kMapColours = {"#00204d", "#31446b", "#555b6c", "#7b7a77",
                                                            "#a59c74", "#d3c064", "#ffe945"};
 

@@ -10,29 +10,29 @@ std::string_view page_style() {
 @media(prefers-color-scheme:dark){:root{--ink:#dfe6ec;--soft:#a3b0bb;--line:#3a4651;--paper:#12181e;--card:#1b242c;--good:#67c587;
 --attention:#e6b35c;--bad:#f2867e;--link:#6db3f2;--beacon:#6db3f2;--control:#67c587;--track:#9aa7b3;--fix:#f0945a}}
 *{box-sizing:border-box}html{scroll-behavior:smooth}
-body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:64rem;margin:0 auto;padding:1.5rem 1rem 4rem;overflow-wrap:break-word}
-h1{font-size:1.8rem;line-height:1.2;margin:0}h2{font-size:1.3rem;margin:2.4rem 0 .6rem;padding-top:.6rem;border-top:1px solid var(--line)}
+body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:64rem;margin:0 auto;padding:1rem 1rem 4rem;overflow-wrap:break-word}
+h1{font-size:1.8rem;line-height:1.2;margin:0}h2{font-size:1.2rem;margin:1.1rem 0 .3rem;padding-top:.4rem;border-top:1px solid var(--line)}
 p{margin:.5rem 0}a{color:var(--link)}.soft{color:var(--soft)}
 .skip{position:absolute;left:-999rem}.skip:focus{left:1rem;top:1rem;background:var(--paper);padding:.5rem 1rem;z-index:9}
 :focus-visible{outline:3px solid var(--link);outline-offset:2px}
-p.verdict{color:var(--ink);border-left:.5rem solid var(--attention);background:var(--card);padding:.8rem 1.2rem;margin:1rem 0;font-size:1.15rem}
+p.verdict{color:var(--ink);border-left:.5rem solid var(--attention);background:var(--card);padding:.5rem 1.2rem;margin:.6rem 0;font-size:1.15rem}
 .verdict strong{display:block;font-size:1.5rem;line-height:1.2;color:var(--attention)}
 .verdict.good{border-color:var(--good)}.verdict.good strong,.good{color:var(--good)}
 .verdict.bad{border-color:var(--bad)}.verdict.bad strong,.bad{color:var(--bad)}.attention{color:var(--attention)}
-nav ul{list-style:none;display:flex;flex-wrap:wrap;gap:.2rem 1.2rem;padding:0;margin:.8rem 0}
+nav ul{list-style:none;display:flex;flex-wrap:wrap;gap:.2rem 1.2rem;padding:0;margin:.4rem 0;font-size:.9rem}
 .scroll{overflow-x:auto;max-width:100%}
 table{border-collapse:collapse;min-width:60%;margin:.6rem 0;font-size:.875rem}
 caption{text-align:left;color:var(--soft);padding-bottom:.3rem;font-size:.875rem}
 th,td{padding:.3rem .55rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top;font-variant-numeric:tabular-nums}
 thead th{vertical-align:bottom;border-bottom:2px solid var(--soft)}th.words,td.words,tbody th{text-align:left}
 tbody th{font-weight:600}td.words{overflow-wrap:anywhere;min-width:5rem}#beacon-table td.words{white-space:nowrap}#inputs td{font-family:monospace;font-size:.8rem;word-break:break-all}
-figure{margin:1rem 0}figcaption{color:var(--soft);font-size:.875rem;margin-top:.3rem}.still svg{max-width:100%;height:auto;display:block}
+figure{margin:.4rem 0}ol,ul{margin:.3rem 0}figcaption{color:var(--soft);font-size:.875rem;margin-top:.3rem}.still svg{max-width:100%;height:auto;display:block}
 .live{display:none}.is-live .live{display:block}.is-live .still{display:none}
 .live .textpoint text{paint-order:stroke;stroke:var(--paper);stroke-width:3px;stroke-linejoin:round}
 fieldset{border:1px solid var(--line);border-radius:.4rem;padding:.2rem .8rem .5rem;margin:.6rem 0 0;display:flex;flex-wrap:wrap;gap:.1rem 1.2rem}
 fieldset{min-width:0}fieldset span{overflow-wrap:anywhere}input{accent-color:var(--link)}label{cursor:pointer}details{margin:.3rem 0 1rem}summary{cursor:pointer;color:var(--link)}
 footer{margin-top:3rem;color:var(--soft);font-size:.8rem}
-@media(max-width:640px){body{font-size:15px;padding:1rem .8rem}.still svg{min-width:600px}h1{font-size:1.5rem}.verdict{font-size:1rem;padding:.7rem .9rem}}
+@media(max-width:640px){body{font-size:15px;padding:1rem .8rem}.still svg text{font-size:20px}.still svg .legend text{font-size:13px}table{min-width:0}caption{max-width:calc(100vw - 1.8rem)}nav{display:none}h1{font-size:1.5rem}.verdict{font-size:1rem;padding:.7rem .9rem}}
 @page{size:A4;margin:14mm}
 @media print{body{max-width:none;padding:0;font-size:10pt}nav,.skip,.controls,fieldset{display:none}.live,.is-live .live{display:none}.is-live .still{display:block}
 .scroll{overflow:visible}table{font-size:7.5pt;width:100%}#beacon-table td.words{white-space:normal}caption{font-size:8pt}th,td{padding:1.2pt 2.5pt}thead{display:table-header-group}

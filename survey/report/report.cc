@@ -70,10 +70,11 @@ ReportDocument report_document(const ReportInput& input) {
                                                 : Tone::kBad;
   document.sentence = v.sentence;
   using MakeSection = std::optional<ReportSection> (*)(const ReportInput&);
-  constexpr MakeSection kSections[] = {verdict_section,      plan_section,      beacons_section,
-                                       verification_section, residuals_section, weak_section,
-                                       loss_section,         changes_section,   next_section,
-                                       warnings_section,     provenance_section};
+  // What to do and where it is come first, then why; how it was found out comes last.
+  constexpr MakeSection kSections[] = {next_section,         plan_section,      verdict_section,
+                                       warnings_section,     changes_section,   beacons_section,
+                                       verification_section, weak_section,      loss_section,
+                                       residuals_section,    provenance_section};
   for (const MakeSection make : kSections)
     if (auto section = make(input)) document.sections.push_back(std::move(*section));
   return document;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -71,6 +72,15 @@ struct BeaconLoss {
   std::optional<NamedMap> map;
 };
 
+/// A beacon that was found elsewhere than where the site file has it: how wrong the tape was.
+struct MovedNote {
+  std::string beacon;
+  std::array<std::optional<double>, 3> shift_m;  ///< found less stated, where something was stated
+  double sigma_m = 0.0;                          ///< largest of what was found, of the stated axes
+  std::optional<double> stated_sigma_m;          ///< largest that the site file states
+  double distance_m = 0.0;                       ///< over the stated axes
+};
+
 enum class Outcome {
   kCalibrated,
   kRefused,  ///< the data cannot tell; nothing was exported
@@ -84,6 +94,7 @@ struct ReportInput {
   std::string message;  ///< of the solver, where there is something to say
   PlanInput plan;
   std::vector<BeaconNote> beacons;
+  std::vector<MovedNote> moved;  ///< farthest first
   std::vector<WeakNote> weak;
   std::vector<LeftOutNote> left_out;
   std::vector<ResidualChart> residuals;

@@ -14,6 +14,7 @@
 namespace octant::survey {
 namespace {
 
+constexpr double kFarMoved = 4.0;  // times the stated sigma: no chance in three dimensions (p = 0.001)
 constexpr double kCoverage = 2.0;  // U = k sigma, some 95 %
 
 double sigma_m(const DeploymentBeacon& beacon, int axis) {
@@ -61,7 +62,10 @@ std::vector<ReportText> row_of(const DeploymentBeacon& b, const BeaconNote* note
   const bool known = b.status != BeaconStatus::kUndetermined;
   for (int i = 0; i < 3; ++i) row.push_back({known ? fmt::format("{:.4f}", b.position_m[i]) : "-"});
   for (int i = 0; i < 3; ++i)
-    row.push_back({known ? fmt::format("{:.2f}", units.length.per_si * kCoverage * sigma_m(b, i)) : "-"});
+    row.push_back({!known ? "-"
+                   : sigma_m(b, i) == 0.0
+                       ? "fixed"
+                       : fmt::format("{:.2f}", units.length.per_si * kCoverage * sigma_m(b, i))});
   if (delays) {
     row.push_back({known ? fmt::format("{:.3f}", units.time.per_si * b.delay_s) : "-"});
     row.push_back({known ? fmt::format("{:.3f}", units.time.per_si * kCoverage * b.delay_sigma_s) : "-"});
@@ -73,6 +77,29 @@ std::vector<ReportText> row_of(const DeploymentBeacon& b, const BeaconNote* note
   row.push_back({note != nullptr ? std::to_string(note->rejected) : "-"});
   row.push_back({in_words(b.status), known ? Tone::kPlain : Tone::kBad});
   return row;
+}
+
+/// How wrong the tape was.
+ReportTable moved_table(const ReportInput& input) {
+  const Unit unit = length_unit(input.moved.front().distance_m);
+  const std::string in = " [" + std::string(unit.symbol) + "]";
+  ReportTable table{
+      "moved",
+      "Moved from the site file: found less stated, farthest first. Up to twice what was stated is as "
+      "expected; far beyond it is a slip of the tape, or an exchanged label.",
+      {{"beacon", true}, {"dx" + in}, {"dy" + in}, {"dz" + in}, {"known to" + in}, {"stated within" + in}},
+      {}};
+  for (std::size_t i = 0; i < std::min(kMaxRows, input.moved.size()); ++i) {
+    const MovedNote& m = input.moved[i];
+    const bool far = m.stated_sigma_m && m.distance_m > kFarMoved * *m.stated_sigma_m;
+    table.rows.push_back({{m.beacon, far ? Tone::kAttention : Tone::kPlain},
+                          number_cell(m.shift_m[0], unit.per_si, 1),
+                          number_cell(m.shift_m[1], unit.per_si, 1),
+                          number_cell(m.shift_m[2], unit.per_si, 1),
+                          number_cell(m.sigma_m, unit.per_si, 1),
+                          number_cell(m.stated_sigma_m, unit.per_si, 1)});
+  }
+  return table;
 }
 
 ReportTable reliability_table(const ReportInput& input, const std::vector<std::size_t>& rows,
@@ -136,18 +163,20 @@ std::optional<ReportSection> beacons_section(const ReportInput& input) {
   std::map<std::string, const BeaconNote*> notes;
   for (const auto& note : input.beacons) notes[note.name] = &note;
   const std::string u = units.length.symbol;
-  ReportTable table{"beacon-table",
-                    "Positions in the map with their expanded uncertainty U (k = 2, some 95 %); r: mean "
-                    "redundancy number of the arrivals, 0 to 1; "
-                    "MDB: smallest bias of one arrival that is found (0.1 %, power 80 %).",
-                    {{"beacon", true},
-                     {"x [m]"},
-                     {"y [m]"},
-                     {"z [m]"},
-                     {"U x [" + u + "]"},
-                     {"U y [" + u + "]"},
-                     {"U z [" + u + "]"}},
-                    {}};
+  ReportTable table{
+      "beacon-table",
+      "Positions in the map with their expanded uncertainty U (k = 2, some 95 %); fixed: held where the site "
+      "file has it, so its error is not among these figures; r: mean "
+      "redundancy number of the arrivals, 0 to 1; "
+      "MDB: smallest bias of one arrival that is found (0.1 %, power 80 %).",
+      {{"beacon", true},
+       {"x [m]"},
+       {"y [m]"},
+       {"z [m]"},
+       {"U x [" + u + "]"},
+       {"U y [" + u + "]"},
+       {"U z [" + u + "]"}},
+      {}};
   if (delays)
     table.columns.insert(table.columns.end(),
                          {{"delay [" + units.time.symbol + "]"}, {"U delay [" + units.time.symbol + "]"}});
@@ -164,6 +193,7 @@ std::optional<ReportSection> beacons_section(const ReportInput& input) {
         fmt::format("The {} of {} beacons that are known least well; all are in the deployment file.",
                     rows.size(), d.beacons.size())});
   section.blocks.emplace_back(std::move(table));
+  if (!input.moved.empty()) section.blocks.emplace_back(moved_table(input));
   if (ReportTable more = reliability_table(input, rows, notes, units); !more.rows.empty())
     section.blocks.emplace_back(std::move(more));
   return section;

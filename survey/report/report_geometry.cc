@@ -116,6 +116,9 @@ void add_geometry(ReportInput& input, int threads) {
     const Unit unit = map->unit == "m" ? length_unit(map->spread.p95) : Unit{};
     input.plan.maps.push_back(
         map_of(survey->grid, map->title, unit.symbol, {map->values.begin(), map->values.end()}, unit.per_si));
+    const bool of_a_fix = std::string_view(name) == "total_m" || std::string_view(name) == "sigma_m";
+    if (const auto& limit_m = input.plan.deployment.tolerance.fix_m; limit_m && of_a_fix)
+      input.plan.maps.back().tolerance = unit.per_si * *limit_m;
   }
   add_losses(*model, threads, input);
 }

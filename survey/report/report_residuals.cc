@@ -12,6 +12,8 @@
 namespace octant::survey {
 namespace {
 
+constexpr std::size_t kLeastBins = 2;
+
 /// Of very many names those whose residuals are largest.
 ResidualChart worst_of(const ResidualChart& chart) {
   ResidualChart few = chart;
@@ -59,7 +61,7 @@ std::optional<ReportSection> residuals_section(const ReportInput& input) {
                         input.looked_at, used);
   section.blocks.emplace_back(ReportText{what});
   for (const auto& whole : input.residuals) {
-    if (whole.bins.empty()) continue;
+    if (whole.bins.size() < kLeastBins) continue;  // a chart of one point shows nothing
     const ResidualChart chart = worst_of(whole);
     const std::string bins =
         chart.bins.size() == whole.bins.size()

@@ -147,7 +147,7 @@ Verdict verdict(const ReportInput& input) {
 
 std::optional<ReportSection> verdict_section(const ReportInput& input) {
   const Verdict v = verdict(input);
-  ReportSection section{"verdict", "Verdict", {}};
+  ReportSection section{"verdict", "What the verdict rests on", {}};
   ReportTable table{"gates", "What must hold", {{"gate", true}, {"found"}, {"limit"}, {"verdict", true}}, {}};
   for (const auto& gate : v.gates)
     table.rows.push_back({{gate.name},
@@ -168,7 +168,6 @@ std::optional<ReportSection> verdict_section(const ReportInput& input) {
                             {c.remedy}});
     section.blocks.emplace_back(std::move(found));
   }
-  section.blocks.emplace_back(ReportText{"Next: " + next_steps(input).front()});
   return section;
 }
 

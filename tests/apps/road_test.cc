@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -82,8 +83,17 @@ TEST_F(Road, CalibrateForPeople) {
   const Outcome done = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json",
                                "--report", box / "out/r.html"});
   ASSERT_EQ(done.exit, 0) << done.err;
-  for (const char* word : {"B7", "control point", "speed", "datum", "variance factor", "d.json", "r.html"})
+  // The verdict first, some lines that fit a terminal.
+  EXPECT_TRUE(done.out.starts_with("verdict          Good: ")) << done.out;
+  EXPECT_LE(std::count(done.out.begin(), done.out.end(), '\n'), 20) << done.out;
+  std::istringstream in(done.out.substr(0, done.out.find("\ndeployment ")));
+  for (std::string line; std::getline(in, line);) EXPECT_LE(line.size(), 80U) << line;
+  for (const char* word : {"moved from site", "speed", "variance factor", "next ", "d.json", "r.html"})
     EXPECT_THAT(done.out, HasSubstr(word));
+  const Outcome verbose =
+      octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json", "-v"});
+  for (const char* word : {"B7", "control point", "datum", "redundancy"})
+    EXPECT_THAT(verbose.out, HasSubstr(word));
   EXPECT_THAT(done.err, HasSubstr(" % "));  // plain progress lines where there is no terminal
   EXPECT_THAT(done.err, Not(HasSubstr("\r")));
   EXPECT_THAT(slurp(box / "out/r.html"), HasSubstr("<svg"));

@@ -140,7 +140,7 @@ class Reports(unittest.TestCase):
             self.assertEqual(cell["beacon"], beacon["id"])
             for i, axis in enumerate("xyz"):
                 self.assertEqual(cell[f"{axis} [m]"], f"{beacon['position_m'][i]:.4f}")
-                self.assertEqual(cell[f"U {axis} [mm]"], f"{2e3 * beacon['sigma_m'][i]:.2f}")
+                self.assertEqual(cell[f"U {axis} [mm]"], f"{2e3 * beacon['sigma_m'][i]:.2f}" if beacon["sigma_m"][i] > 0 else "fixed")
             self.assertEqual(cell["delay [µs]"], f"{1e6 * beacon['delay_s']:.3f}")
             self.assertEqual(cell["U delay [µs]"], f"{2e6 * beacon['delay_sigma_s']:.3f}")
             of = reliability[beacon["id"]]
@@ -203,6 +203,22 @@ class Reports(unittest.TestCase):
                 self.assertLessEqual(b.run("return document.documentElement.scrollWidth"), width, (page, width))
                 self.assertEqual(b.run("return getComputedStyle(document.body).backgroundColor"), "rgb(18, 24, 30)" if dark else "rgb(255, 255, 255)")
                 self.assert_quiet()
+
+    def test_first_screen_says_what_to_do_and_where(self):
+        b = self.browser
+        box = "const r = document.querySelector(arguments[0]).getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]"
+        b.open(self.at("still.html"), width=1280)
+        self.assertLess(b.run(box, "#sentence")[3], 250)
+        self.assertLess(b.run(box, "[aria-labelledby=next] li")[3], 450)
+        plan = b.run(box, "#figure-plan svg")
+        self.assertLess(plan[1], 620)
+        self.assertLess((plan[1] + plan[3]) / 2, 900)  # half of it and more
+        b.open(self.at("still.html"), width=400)
+        self.assertLess(b.run(box, "[aria-labelledby=next] li")[3], 700)
+        for figure in b.run("return [...document.querySelectorAll('figure')].map(f => f.id)"):
+            left, _, right, _ = b.run(box, f"#{figure} svg")
+            self.assertGreaterEqual(left, 0, figure)
+            self.assertLessEqual(right, 400, figure)  # whole, nothing to scroll for
 
     def test_paper_has_all_sections(self):
         if not shutil.which("pdftotext"):

@@ -170,10 +170,11 @@ int run(const CalibrateArgs& words, Session& session) {
     session.result(report_lines(words.report));
     return session.fail(*failure, object);
   }
-  session.result(calibration_text(*calibration) + changes_text(*input) + "\n" + verdict_text(*input));
+  session.result(calibration_summary(*calibration, *input) + changes_text(*input));
   if (calibration->exported() && words.output != "-")
     session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
   session.result(report_lines(words.report));
+  if (session.options.verbose > 0) session.result("\n" + calibration_text(*calibration));
   return failure ? session.fail(*failure, object) : session.finish(object);
 }
 

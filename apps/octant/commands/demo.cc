@@ -133,7 +133,8 @@ int run(const std::string& folder, Session& session) {
   if (auto written = io::write_deployment(at.deployment, *calibration->deployment); !written)
     return session.fail(written.error());
   session.result(fmt::format("$ octant calibrate {} {} -o {} --report {}\n{}\n", at.site, at.run,
-                             at.deployment, at.report, calibration_text(*calibration)));
+                             at.deployment, at.report,
+                             calibration_summary(*calibration, report_input(*calibration, session))));
 
   const auto checked = localize_and_verify(at, session);
   if (!checked) return session.fail(checked.error());

@@ -11,6 +11,7 @@
 #include "apps/octant/text/table.h"
 #include "io/site/site_beacons.h"
 #include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 #include "survey/page/proof_sheet.h"
 
 namespace octant::app {
@@ -140,7 +141,7 @@ std::string plan_text(const PlanWords& words, const BeaconPlan& plan, const std:
 }
 
 Result<std::string> new_site(const PlanWords& words, const BeaconPlan& plan, Session& session) {
-  const auto old = io::read_file(words.input);
+  const auto old = io::read_document(words.input);
   if (!old) return fail(old.error());
   std::vector<io::SiteBeaconEntry> entries;
   for (const auto& b : plan.placement.beacons) {
@@ -197,6 +198,10 @@ int plan_beacons(const PlanWords& words, Session& session) {
   const auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session,
                                        /*without_beacons=*/!words.keep);
   if (!input) return session.fail(input.error());
+  if (auto fit = check_no_overwriting(
+          {.inputs = input->scene.imported, .outputs = {words.output, words.report}, .run_outputs = {}});
+      !fit)
+    return session.fail(fit.error());
   if (!input->site)
     return session.fail(Error{.file = words.input,
                               .found = "a deployment",

@@ -12,6 +12,7 @@
 #include "apps/octant/text/changes_text.h"
 #include "apps/octant/text/report_json.h"
 #include "io/deployment/deployment_json.h"
+#include "io/text/bounds.h"
 #include "survey/page/site_sheet.h"
 
 namespace octant::app {
@@ -78,7 +79,7 @@ int run(const ReportArgs& words, Session& session) {
   if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
   if (auto fit = check_output(words.site_sheet); !fit) return session.fail(fit.error());
 
-  const auto text = io::read_file(words.saved);
+  const auto text = io::read_document(words.saved);
   if (!text) return session.fail(text.error());
   auto input = read_saved(*text, words, session);
   if (!input) return session.fail(input.error());

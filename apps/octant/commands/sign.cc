@@ -9,6 +9,7 @@
 #include "apps/octant/steps/steps.h"
 #include "io/deployment/signature.h"
 #include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 
 namespace octant::app {
 namespace {
@@ -40,7 +41,7 @@ int sign(const SignArgs& words, Session& session) {
   CommandFiles files{.inputs = {words.deployment, words.key}, .outputs = {words.output}, .run_outputs = {}};
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   if (auto fit = check_output(words.output); !fit) return session.fail(fit.error());
-  const auto text = io::read_file(words.deployment);
+  const auto text = io::read_document(words.deployment);
   if (!text) return session.fail(text.error());
   const auto signed_text = io::signed_deployment(*text, words.deployment, words.key);
   if (!signed_text) return session.fail(signed_text.error());
@@ -51,7 +52,7 @@ int sign(const SignArgs& words, Session& session) {
 }
 
 int verify_signature(const SignArgs& words, Session& session) {
-  const auto text = io::read_file(words.deployment);
+  const auto text = io::read_document(words.deployment);
   if (!text) return session.fail(text.error());
   if (auto genuine = io::check_signature(*text, words.deployment, words.key); !genuine)
     return session.fail(genuine.error());

@@ -10,6 +10,7 @@
 #include "apps/octant/steps/steps.h"
 #include "io/site/scenario_yaml.h"
 #include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 
 namespace octant::app {
 namespace {
@@ -20,7 +21,7 @@ struct SimulateArgs {
 
 Result<World> make_world(const SimulateArgs& words, Session& session, std::string& text) {
   const ExitAtOnce nothing_written_yet;
-  auto read = io::read_file(words.scenario);
+  auto read = io::read_document(words.scenario);
   if (!read) return fail(read.error());
   text = *read;
   auto scenario = io::scenario_from_yaml(text, words.scenario);

@@ -67,6 +67,17 @@ Result<Json> write_survey_outputs(const SurveyArgs& words, const survey::Survey&
   return written;
 }
 
+/// With what the survey itself names: plans that were imported, a file for each map.
+CommandFiles files_of(const SurveyArgs& words, const survey::Survey& survey) {
+  CommandFiles files{
+      .inputs = survey.scene.imported, .outputs = {words.report, words.csv}, .run_outputs = {}};
+  files.inputs.insert(files.inputs.end(), {words.input, words.scene});
+  if (words.maps.empty()) return files;
+  const auto maps = map_files(survey, words.maps);
+  files.outputs.insert(files.outputs.end(), maps.begin(), maps.end());
+  return files;
+}
+
 int run(const SurveyArgs& words, Session& session) {
   const int on_stdout = (words.report == "-") + (words.csv == "-") + session.options.json;
   if (on_stdout > 1)
@@ -82,6 +93,7 @@ int run(const SurveyArgs& words, Session& session) {
   const auto survey = look(words, session);
   if (!survey) return session.fail(survey.error());
   if (interrupted()) return session.interrupted();
+  if (auto fit = check_no_overwriting(files_of(words, *survey)); !fit) return session.fail(fit.error());
   const auto schedule = survey::schedule_of_survey(survey->model, survey->scene, session.threads());
   const auto written = write_survey_outputs(words, *survey, schedule, session);
   if (!written) return session.fail(written.error());

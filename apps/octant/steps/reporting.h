@@ -59,6 +59,11 @@ void add_verification(survey::ReportInput& input, const Localization& localizati
 [[nodiscard]] std::string report_lines(const ReportWords& words);
 
 /// Verdict and next steps for people, in the words of the report.
+/// Beacons against where the site file has them, farthest first; control points are where it has them.
+[[nodiscard]] std::vector<survey::MovedNote> moved_from_site(const Calibration& calibration);
+/// A calibration that was exported in the dozen lines that everybody reads, the verdict first.
+[[nodiscard]] std::string calibration_summary(const Calibration& calibration,
+                                              const survey::ReportInput& input);
 [[nodiscard]] std::string verdict_text(const survey::ReportInput& input);
 [[nodiscard]] Json verdict_json(const survey::ReportInput& input);
 

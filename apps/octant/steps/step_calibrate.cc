@@ -17,6 +17,7 @@
 #include "calib/stream/streamed.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 #include "survey/report/report.h"
 
 namespace octant::app {
@@ -131,8 +132,10 @@ std::string beacon_table(const Deployment& deployment) {
       row.emplace_back("undetermined");
     } else {
       for (int i = 0; i < 3; ++i) row.push_back(fmt::format("{:.4f}", b.position_m[i]));
-      for (int i = 0; i < 3; ++i)
-        row.push_back(fmt::format("{:.2f}", length.per_si * std::sqrt(std::max(0.0, b.covariance_m2(i, i)))));
+      for (int i = 0; i < 3; ++i) {
+        const double sigma_m = std::sqrt(std::max(0.0, b.covariance_m2(i, i)));
+        row.push_back(sigma_m > 0 ? fmt::format("{:.2f}", length.per_si * sigma_m) : "fixed");
+      }
       if (delays)
         row.insert(row.end(), {fmt::format("{:.3f}", time.per_si * b.delay_s),
                                fmt::format("{:.3f}", time.per_si * b.delay_sigma_s)});
@@ -163,7 +166,7 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
   result.accepted = how.accept;
   auto site = io::read_site(site_path);
   if (!site) return fail(site.error());
-  const auto bytes = io::read_file(site_path);
+  const auto bytes = io::read_document(site_path);
   if (!bytes) return fail(bytes.error());
   const std::string sha256 = io::sha256_hex(*bytes);
   session.warn(site->warnings);

@@ -134,6 +134,7 @@ survey::ReportInput report_input(const Calibration& c, const Session& session) {
     track.points_m = survey::thinned(track.points_m);
     input.plan.tracks.push_back(std::move(track));
   }
+  if (c.deployment) input.moved = moved_from_site(c);
   for (const auto& weak : s.weak)
     input.weak.push_back({weak.description, weak.remedy, finite(weak.consequence_m), weak.blocking});
   for (const auto& [reason, count] : left_out_by_reason(c)) input.left_out.push_back({reason, count});

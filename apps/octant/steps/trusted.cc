@@ -4,7 +4,7 @@
 
 #include "io/deployment/deployment_json.h"
 #include "io/deployment/signature.h"
-#include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
 
 namespace octant::app {
 
@@ -19,7 +19,7 @@ void add_trust_option(CLI::App& command, std::string& trusted_key) {
 Result<Deployment> read_trusted_deployment(const std::string& path, const std::string& trusted_key) {
   if (trusted_key.empty()) return io::read_deployment(path);
   // Read once: what was checked is what is used.
-  const auto text = io::read_file(path);
+  const auto text = io::read_document(path);
   if (!text) return fail(text.error());
   if (auto genuine = io::check_signature(*text, path, trusted_key); !genuine) return fail(genuine.error());
   return io::deployment_from_json(*text, path);

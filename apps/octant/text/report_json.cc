@@ -56,6 +56,7 @@ NLOHMANN_JSON_SERIALIZE_ENUM(Outcome, {{Outcome::kCalibrated, "calibrated"},
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Track, moving, points_m, thinned_from)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WeakNote, description, remedy, consequence_m, blocking)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LeftOutNote, reason, count)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MovedNote, beacon, shift_m, sigma_m, stated_sigma_m, distance_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconNote, name, used, rejected, redundancy, rms_s, variance_factor,
                                    mdb_s, influence_m, lateness_mdb_s, lateness_influence_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResidualBin, name, from, to, count, mean_s, rms_s)
@@ -73,13 +74,10 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Changes, since, same_datum, beac
 
 /// Cells without a value are NaN in memory and null in JSON.
 void to_json(json& j, const NamedMap& map) {
-  j = {{"name", map.name},
-       {"unit", map.unit},
-       {"corner_m", map.corner_m},
-       {"cell_m", map.cell_m},
-       {"columns", map.columns},
-       {"values", map.values},
-       {"silent_beacon", map.silent_beacon}};
+  j = {{"name", map.name},           {"unit", map.unit},
+       {"corner_m", map.corner_m},   {"cell_m", map.cell_m},
+       {"columns", map.columns},     {"values", map.values},
+       {"tolerance", map.tolerance}, {"silent_beacon", map.silent_beacon}};
 }
 void from_json(const json& j, NamedMap& map) {
   map.name = j.at("name");
@@ -88,6 +86,7 @@ void from_json(const json& j, NamedMap& map) {
   map.cell_m = j.at("cell_m");
   map.columns = j.at("columns");
   map.silent_beacon = j.at("silent_beacon");
+  if (j.contains("tolerance")) j.at("tolerance").get_to(map.tolerance);  // earlier ones had none
   for (const auto& value : j.at("values"))
     map.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());
 }
@@ -96,26 +95,13 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconLoss, beacon, covered_fraction, median,
 
 /// All but the deployment, which has a format of its own.
 void to_json(json& j, const ReportInput& r) {
-  j = {{"kind", r.kind},
-       {"outcome", r.outcome},
-       {"message", r.message},
-       {"tracks", r.plan.tracks},
-       {"fixes_m", r.plan.fixes_m},
-       {"maps", r.plan.maps},
-       {"beacons", r.beacons},
-       {"weak", r.weak},
-       {"left_out", r.left_out},
-       {"residuals", r.residuals},
-       {"standardised", r.standardised},
-       {"looked_at", r.looked_at},
-       {"evaluation", r.evaluation},
-       {"no_loss", r.no_loss},
-       {"losses", r.losses},
-       {"loss_name", r.loss_name},
-       {"loss_unit", r.loss_unit},
-       {"changes", r.changes},
-       {"warnings", r.warnings},
-       {"command", r.command},
+  j = {{"kind", r.kind},           {"outcome", r.outcome},       {"message", r.message},
+       {"tracks", r.plan.tracks},  {"fixes_m", r.plan.fixes_m},  {"maps", r.plan.maps},
+       {"beacons", r.beacons},     {"moved", r.moved},           {"weak", r.weak},
+       {"left_out", r.left_out},   {"residuals", r.residuals},   {"standardised", r.standardised},
+       {"looked_at", r.looked_at}, {"evaluation", r.evaluation}, {"no_loss", r.no_loss},
+       {"losses", r.losses},       {"loss_name", r.loss_name},   {"loss_unit", r.loss_unit},
+       {"changes", r.changes},     {"warnings", r.warnings},     {"command", r.command},
        {"options", r.options}};
 }
 void from_json(const json& j, ReportInput& r) {
@@ -126,6 +112,7 @@ void from_json(const json& j, ReportInput& r) {
   j.at("fixes_m").get_to(r.plan.fixes_m);
   j.at("maps").get_to(r.plan.maps);
   j.at("beacons").get_to(r.beacons);
+  if (j.contains("moved")) j.at("moved").get_to(r.moved);  // earlier ones had none
   j.at("weak").get_to(r.weak);
   j.at("left_out").get_to(r.left_out);
   j.at("residuals").get_to(r.residuals);

@@ -201,6 +201,15 @@ std::string survey_text(const Survey& survey, const std::optional<survey::FloorS
   return text + "\n" + slots_text(*schedule, survey.model);
 }
 
+std::vector<std::string> map_files(const Survey& survey, const std::string& folder) {
+  const std::filesystem::path at(folder);
+  std::vector<std::string> files = {(at / "cells.csv").string(), (at / "routes.csv").string()};
+  for (const FloorMap& map : survey.maps)
+    for (const char* extension : {".svg", ".png", ".pgm", ".yaml"})
+      files.push_back((at / (map.name + extension)).string());
+  return files;
+}
+
 Result<std::vector<std::string>> write_maps(const Survey& survey, const std::string& folder) {
   std::error_code trouble;
   std::filesystem::create_directory(folder, trouble);

@@ -22,5 +22,7 @@ namespace octant::app {
 /// ROS' map_server); cells.csv, routes.csv. Each file whole or not at all.
 [[nodiscard]] Result<std::vector<std::string>> write_maps(const survey::Survey& survey,
                                                           const std::string& folder);
+/// What it may write.
+[[nodiscard]] std::vector<std::string> map_files(const survey::Survey& survey, const std::string& folder);
 
 }  // namespace octant::app

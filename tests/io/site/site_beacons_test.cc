@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/text/yaml_reader.h"
+#include "io/yaml/yaml_reader.h"
 
 namespace octant::io {
 namespace {
@@ -69,7 +69,7 @@ TEST(SiteBeacons, ReplacesThemAndWhatHungOnThem) {
   EXPECT_TRUE(site->distances.empty());
   const auto node = parse_yaml(out->text, "new.yaml");
   ASSERT_EQ((*node)["scene"]["beacons"].size(), 1U) << "axes of those that have one";
-  EXPECT_EQ((*node)["scene"]["beacons"][0]["id"].as<std::string>(), "N0");
+  EXPECT_EQ((*node)["scene"]["beacons"][0]["id"].scalar(), "N0");
 }
 
 TEST(SiteBeacons, RefusesWhatIsNoSite) {

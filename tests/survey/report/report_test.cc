@@ -33,8 +33,9 @@ std::string page(const ReportInput& input) { return to_html(report_document(inpu
 TEST(Report, SaysThingsInTheOrderOfTheirUse) {
   std::vector<std::string> ids;
   for (const auto& section : report_document(full_report()).sections) ids.push_back(section.id);
-  EXPECT_THAT(ids, ::testing::ElementsAre("verdict", "plan", "beacons", "verification", "residuals",
-                                          "determined", "loss", "changes", "next", "warnings", "provenance"));
+  // What to do and where it is first, how it was found out last.
+  EXPECT_THAT(ids, ::testing::ElementsAre("next", "plan", "verdict", "warnings", "changes", "beacons",
+                                          "verification", "determined", "loss", "residuals", "provenance"));
 }
 
 TEST(Report, StillPageIsClosedAndWithoutScript) {

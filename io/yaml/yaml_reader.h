@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: a thin layer over yaml-cpp. Include it from .cc files only.
+// Private to io/: typed access to a YAML document.
 
 #include <limits>
 #include <optional>
@@ -10,9 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include <yaml-cpp/yaml.h>
-
 #include "io/text/text.h"
+#include "io/yaml/yaml_node.h"
 #include "models/site.h"
 #include "models/support/result.h"
 
@@ -26,16 +25,9 @@ struct YamlLog {
   std::vector<std::string> warnings;  ///< each "file:line: ..."
 
   explicit YamlLog(std::string file_name) : file(std::move(file_name)) {}
-  void fail(const YAML::Node& where, std::string found, std::string expected, std::string advice = "");
-  void warn(const YAML::Node& where, const std::string& text);
+  void fail(const YamlNode& where, std::string found, std::string expected, std::string advice = "");
+  void warn(const YamlNode& where, const std::string& text);
 };
-
-/// Line of a node, from 1; 0 if it has none.
-[[nodiscard]] int line_of(const YAML::Node& node);
-
-/// One YAML document. Errors: not UTF-8, not YAML, nested too deeply, empty, more than one document; all with
-/// line and column.
-[[nodiscard]] Result<YAML::Node> parse_yaml(std::string_view text, const std::string& file);
 
 /// Values a number may take; `words` names them in messages ("a positive number").
 struct NumberRange {
@@ -55,18 +47,18 @@ inline constexpr NumberRange kFraction{.low = 0.0, .high = 1.0, .words = "a frac
 
 // Values of a node. `name` is its path in messages, e.g. "medium.sigma_mps". On failure they log and return
 // the fallback.
-[[nodiscard]] double number_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+[[nodiscard]] double number_of(const YamlNode& node, const std::string& name, YamlLog& log,
                                NumberRange range = kAnyNumber, double fallback = 0.0);
-[[nodiscard]] int integer_of(const YAML::Node& node, const std::string& name, YamlLog& log, int low, int high,
+[[nodiscard]] int integer_of(const YamlNode& node, const std::string& name, YamlLog& log, int low, int high,
                              int fallback = 0);
-[[nodiscard]] bool boolean_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+[[nodiscard]] bool boolean_of(const YamlNode& node, const std::string& name, YamlLog& log,
                               bool fallback = false);
 /// Any scalar but null, as it is written.
-[[nodiscard]] std::string text_of(const YAML::Node& node, const std::string& name, YamlLog& log);
+[[nodiscard]] std::string text_of(const YamlNode& node, const std::string& name, YamlLog& log);
 /// Items of a list; size 0: any number of them.
-[[nodiscard]] std::vector<YAML::Node> list_of(const YAML::Node& node, const std::string& name, YamlLog& log,
-                                              std::size_t size = 0);
-[[nodiscard]] std::vector<double> numbers_of(const YAML::Node& node, const std::string& name, YamlLog& log,
+[[nodiscard]] std::vector<YamlNode> list_of(const YamlNode& node, const std::string& name, YamlLog& log,
+                                            std::size_t size = 0);
+[[nodiscard]] std::vector<double> numbers_of(const YamlNode& node, const std::string& name, YamlLog& log,
                                              std::size_t size = 0, NumberRange range = kAnyNumber);
 
 /// A mapping and its keys. Each getter marks its key as known; finish() warns about the others.
@@ -80,18 +72,18 @@ inline constexpr NumberRange kFraction{.low = 0.0, .high = 1.0, .words = "a frac
 /// @endcode
 class YamlMap {
  public:
-  YamlMap(const YAML::Node& node, std::string name, YamlLog& log);
+  YamlMap(const YamlNode& node, std::string name, YamlLog& log);
 
   [[nodiscard]] bool present() const { return present_; }  ///< false: there is no such block
   [[nodiscard]] bool has(std::string_view key) const;      ///< key is there, with a value that is not null
-  [[nodiscard]] const YAML::Node& node() const { return node_; }
+  [[nodiscard]] const YamlNode& node() const { return node_; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::string path(std::string_view key) const;  ///< "medium.sigma_mps"
 
   /// Value of a key, undefined node if absent; marks the key as known.
-  YAML::Node get(std::string_view key);
+  YamlNode get(std::string_view key);
   /// The same, undefined if null as well: for blocks and lists.
-  YAML::Node block(std::string_view key);
+  YamlNode block(std::string_view key);
 
   // Values; absent keys give the fallback, a null is an error.
   double number(std::string_view key, double fallback, NumberRange range = kAnyNumber);
@@ -102,17 +94,17 @@ class YamlMap {
   std::string text(std::string_view key, const std::string& fallback);
   std::string required_text(std::string_view key);
   /// Items of a list; empty where it is absent.
-  std::vector<YAML::Node> list(std::string_view key);
+  std::vector<YamlNode> list(std::string_view key);
   std::vector<double> numbers(std::string_view key, std::size_t size, NumberRange range = kAnyNumber);
 
   template <class Enum>
   Enum choice(std::string_view key, const std::vector<std::pair<std::string, Enum>>& choices, Enum fallback) {
-    const YAML::Node node = scalar(key, "a word");
-    if (!node.IsDefined()) return fallback;
+    const YamlNode node = scalar(key, "a word");
+    if (!node.is_defined()) return fallback;
     return choice_of(node, path(key), choices, fallback, log_);
   }
   template <class Enum>
-  static Enum choice_of(const YAML::Node& node, const std::string& name,
+  static Enum choice_of(const YamlNode& node, const std::string& name,
                         const std::vector<std::pair<std::string, Enum>>& choices, Enum fallback,
                         YamlLog& log) {
     const std::string word = text_of(node, name, log);
@@ -133,16 +125,16 @@ class YamlMap {
  private:
   struct Entry {
     std::string key;
-    YAML::Node key_node, value;
+    YamlNode key_node, value;
     bool known = false;
   };
   Entry* find(std::string_view key);
   /// Value of a key, undefined node if absent; null is an error.
-  YAML::Node scalar(std::string_view key, const std::string& expected);
-  static void fail_choice(const YAML::Node& node, const std::string& name, const std::string& word,
+  YamlNode scalar(std::string_view key, const std::string& expected);
+  static void fail_choice(const YamlNode& node, const std::string& name, const std::string& word,
                           const std::vector<std::string>& words, YamlLog& log);
 
-  YAML::Node node_;
+  YamlNode node_;
   std::string name_;
   YamlLog& log_;
   bool present_ = false;
@@ -155,7 +147,7 @@ void check_version(YamlMap& root, std::string_view version_key, YamlLog& log);
 
 /// A site from the content of a site file, or from the `site:` block of another file (then octant_site may be
 /// left out). Warnings are in Site::warnings, lines are those of `file`.
-[[nodiscard]] Result<Site> site_from_yaml(const YAML::Node& node, const std::string& file,
+[[nodiscard]] Result<Site> site_from_yaml(const YamlNode& node, const std::string& file,
                                           bool version_required = true);
 
 }  // namespace octant::io

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "io/text/yaml_text.h"
+#include "io/yaml/yaml_text.h"
 
 #include <algorithm>
 #include <cctype>

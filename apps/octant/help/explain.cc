@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "apps/octant/help/glossary.h"
+#include "apps/octant/help/help.h"
+#include "apps/octant/text/paragraph.h"
+
+namespace octant::app {
+namespace {
+
+struct ExplainWords {
+  std::vector<std::string> term;
+  bool page = false;
+};
+
+int explain(const ExplainWords& words, Session& session) {
+  if (words.page) {
+    if (!session.options.json) return session.finish_document(glossary_page());
+    return session.finish({{"page", glossary_page()}});
+  }
+  if (words.term.empty()) {
+    std::string all;
+    Json list = Json::array();
+    for (const GlossaryTerm& term : glossary()) {
+      all += (all.empty() ? "" : ", ") + std::string(term.name);
+      list.push_back(term.name);
+    }
+    session.result(paragraph(all) + "\noctant explain WORD explains one of them.\n");
+    return session.finish({{"terms", list}});
+  }
+  std::string wanted;
+  for (const std::string& word : words.term) wanted += (wanted.empty() ? "" : " ") + word;
+  const GlossaryTerm* term = find_term(wanted);
+  if (term == nullptr) {
+    std::vector<std::string> known;
+    for (const GlossaryTerm& t : glossary()) known.emplace_back(t.name);
+    return session.fail({"error", "usage", kUsage,
+                         fmt::format("'{}' is not among the words{}", wanted, did_you_mean(wanted, known)),
+                         "octant explain lists them all"});
+  }
+  const std::string name = (term->kind == GlossaryKind::kExit ? "exit " : "") + std::string(term->name);
+  session.result(paragraph(fmt::format("{}: {}", name, term->text)));
+  return session.finish({{"term", name}, {"text", term->text}});
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app, CommonOptions& common, Action& action) {
+  auto words = std::make_shared<ExplainWords>();
+  CLI::App* command = add_command(app, common, "explain", "Explain a word of the outputs or an exit code",
+                                  "octant explain variance factor\n  octant explain 6");
+  command->add_option("term", words->term, "A term, a reason, a grade or an exit code; left out: lists them")
+      ->type_name("TERM|CODE");
+  command->add_flag("--page", words->page, "All of them as a page of Markdown");
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return explain(*words, session); }; });
+}
+
+}  // namespace octant::app

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace octant::app {
+
+enum class GlossaryKind { kTerm, kGrade, kReason, kExit };
+
+/// A word of the program's outputs, in a paragraph.
+struct GlossaryTerm {
+  GlossaryKind kind = GlossaryKind::kTerm;
+  std::string_view name;
+  std::string_view others;  ///< spellings that mean the same, comma between them
+  std::string_view text;
+};
+
+/// All of them: terms, grades of a verdict, reasons why an arrival is left out, exit codes. By kind, then
+/// name.
+[[nodiscard]] const std::vector<GlossaryTerm>& glossary();
+
+/// The term of this name or spelling, whatever its case; "exit 5" and "5" are the same. Null if there is
+/// none.
+[[nodiscard]] const GlossaryTerm* find_term(std::string_view word);
+
+/// As a page of Markdown.
+[[nodiscard]] std::string glossary_page();
+
+}  // namespace octant::app

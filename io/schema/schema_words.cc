@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/schema/schema_words.h"
+
+#include <array>
+#include <functional>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "io/schema/schema.h"
+#include "io/schema/schema_texts.h"
+#include "io/text/json_reader.h"
+
+namespace octant::io {
+namespace {
+
+using WordsJson = nlohmann::ordered_json;
+
+struct KeyWords {
+  std::string example, description;
+};
+
+std::string stripped(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(' ');
+  return first == std::string_view::npos
+             ? std::string()
+             : std::string(text.substr(first, text.find_last_not_of(' ') - first + 1));
+}
+
+/// Lines of key_words(): path | example | description.
+std::map<std::string, KeyWords> words_of(std::string_view format) {
+  std::map<std::string, KeyWords> words;
+  std::string_view text = key_words(format);
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::size_t first = line.find('|'), second = line.find('|', first + 1);
+    if (second == std::string_view::npos) continue;
+    words[stripped(line.substr(0, first))] = {stripped(line.substr(first + 1, second - first - 1)),
+                                              stripped(line.substr(second + 1))};
+  }
+  return words;
+}
+
+/// A JSON value where it is one, else the text.
+WordsJson example_of(const std::string& text) {
+  WordsJson value = WordsJson::parse(text, nullptr, false);
+  return value.is_discarded() ? WordsJson(text) : value;
+}
+
+/// Walks over all keys of a schema. visit(path, key's schema, is it required)
+class SchemaWalk {
+ public:
+  using Visit = std::function<void(const std::string& path, WordsJson& key, bool required)>;
+  explicit SchemaWalk(Visit visit) : visit_(std::move(visit)) {}
+
+  void walk(WordsJson& node, const std::string& path) const {
+    if (!node.is_object()) return;
+    const WordsJson required = node.value("required", WordsJson::array());
+    if (node.contains("properties"))
+      for (auto& [name, key] : node["properties"].items()) {
+        const std::string below = path.empty() ? name : path + "." + name;
+        visit_(below, key, std::find(required.begin(), required.end(), WordsJson(name)) != required.end());
+        walk(key, below);
+      }
+    if (node.contains("items")) walk(node["items"], path + "[]");
+    if (node.contains("oneOf"))
+      for (auto& choice : node["oneOf"]) walk(choice, path);
+    if (node.contains("$defs"))
+      for (auto& [name, definition] : node["$defs"].items()) walk(definition, "$" + name);
+  }
+
+ private:
+  Visit visit_;
+};
+
+/// Columns of the files of a run: a text becomes an object.
+void describe_columns(WordsJson& files, const std::map<std::string, KeyWords>& words) {
+  constexpr std::string_view kOptional = "optional";
+  for (auto& [file, about] : files.items()) {
+    if (!about.contains("columns")) continue;
+    for (auto& [name, column] : about["columns"].items()) {
+      std::string text = column.get<std::string>();
+      const bool optional = text.starts_with(kOptional);
+      if (optional)
+        text = stripped(std::string_view(text).substr(std::min(text.size(), kOptional.size() + 1)));
+      const auto found = words.find(file + ":" + name);
+      if (found != words.end() && !found->second.description.empty()) text = found->second.description;
+      column = {{"description", text}, {"required", !optional}};
+      const std::string first(name.substr(0, name.find(',')));
+      if (const std::string_view unit = unit_of_key(first); !unit.empty()) column["x-unit"] = unit;
+      if (found != words.end()) column["examples"] = {example_of(found->second.example)};
+    }
+  }
+}
+
+constexpr std::string_view kInScene = "scene.";  // of a site file
+
+WordsJson described(std::string_view format) {
+  WordsJson root = WordsJson::parse(schema(format));
+  const auto words = words_of(format), scene_words = words_of("scene");
+  SchemaWalk([&](const std::string& path, WordsJson& key, bool) {
+    const std::string name = path.substr(path.rfind('.') == std::string::npos ? 0 : path.rfind('.') + 1);
+    if (const std::string_view unit = unit_of_key(name); !unit.empty()) key["x-unit"] = unit;
+    const bool in_scene = path.starts_with(kInScene);
+    const auto& all = in_scene ? scene_words : words;
+    const auto found = all.find(in_scene ? path.substr(kInScene.size()) : path);
+    if (found == all.end()) return;
+    if (!found->second.description.empty()) key["description"] = found->second.description;
+    if (!found->second.example.empty()) key["examples"] = {example_of(found->second.example)};
+  }).walk(root, "");
+  if (root.contains("x-files")) describe_columns(root["x-files"], words);
+  return root;
+}
+
+/// Text of a table's cell.
+std::string cell(const WordsJson& object, const char* key) {
+  if (!object.contains(key)) return "";
+  const WordsJson& value =
+      object[key].is_array() && std::string_view(key) == "examples" ? object[key][0] : object[key];
+  std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+  return text;
+}
+
+constexpr const char* kHeading = "| {} | unit | default | example | what it is |\n|---|---|---|---|---|\n";
+
+std::string row(const std::string& name, const WordsJson& key, bool required) {
+  return fmt::format("| `{}` | {} | {} | `{}` | {} |\n", name, cell(key, "x-unit"),
+                     required ? "required" : cell(key, "default"), cell(key, "examples"),
+                     cell(key, "description"));
+}
+
+}  // namespace
+
+std::string_view unit_of_key(std::string_view key) {
+  using Unit = std::pair<std::string_view, std::string_view>;
+  static constexpr std::array<Unit, 22> kUnits = {{{"_m_per_sqrt_m", "m per root of m"},
+                                                   {"_rad_per_sqrt_m", "rad per root of m"},
+                                                   {"_rad_per_s2", "rad/s2"},
+                                                   {"_rad_per_s", "rad/s"},
+                                                   {"_per_rad", "rad per rad"},
+                                                   {"_np_per_m", "Np/m"},
+                                                   {"_m_per_m", "m per m"},
+                                                   {"_mps2", "m/s2"},
+                                                   {"_mps", "m/s"},
+                                                   {"_degC", "degC"},
+                                                   {"_dbm", "dBm"},
+                                                   {"_ppm", "1e-6"},
+                                                   {"_rad", "rad"},
+                                                   {"_hz", "Hz"},
+                                                   {"_pa", "Pa"},
+                                                   {"_m2", "m2"},
+                                                   {"_s", "s"},
+                                                   {"_m", "m"},
+                                                   {"_v", "V"},
+                                                   {"_humidity", "fraction, 0 to 1"},
+                                                   {"_fraction", "fraction, 0 to 1"},
+                                                   {"_relative_sigma", "fraction of the amplitude"}}};
+  for (const auto& [ending, unit] : kUnits)
+    if (key.ends_with(ending)) return unit;
+  return "";
+}
+
+std::string schema_with_words(std::string_view format) { return pretty(described(format)); }
+
+std::string schema_page(std::string_view format) {
+  WordsJson root = described(format);
+  std::string page = fmt::format("# {}\n\n{}\n\n", cell(root, "title"), cell(root, "description"));
+  page += fmt::format(kHeading, "key");
+  SchemaWalk([&page](const std::string& path, WordsJson& key, bool required) {
+    page += row(path, key, required);
+  }).walk(root, "");
+  if (!root.contains("x-files")) return page;
+  for (auto& [file, about] : root["x-files"].items()) {
+    page += fmt::format("\n## {}\n\n{}\n", file, cell(about, "description"));
+    if (!about.contains("columns")) continue;
+    page += "\n" + fmt::format(kHeading, "column");
+    for (auto& [name, column] : about["columns"].items())
+      page += row(name, column, column["required"].get<bool>());
+  }
+  return page;
+}
+
+}  // namespace octant::io

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: a YAML document in memory, built from libyaml's events within stated bounds.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "io/text/bounds.h"
+#include "models/support/result.h"
+
+namespace octant::io {
+
+inline constexpr std::size_t kMostYamlValues = 1'000'000;  ///< each alias for all it stands for
+inline constexpr std::size_t kDeepestYaml = 64;            ///< brackets and indentation
+
+struct YamlDocument;
+
+/// A value of a document, or none (default): cheap to copy, keeps the document alive. Aliases are the value
+/// that they name.
+class YamlNode {
+ public:
+  enum class Kind : std::uint8_t { kUndefined, kNull, kScalar, kSequence, kMap };
+
+  YamlNode() = default;
+  YamlNode(std::shared_ptr<const YamlDocument> document, std::uint32_t index)
+      : document_(std::move(document)), index_(index) {}
+
+  [[nodiscard]] Kind kind() const;
+  [[nodiscard]] bool is_defined() const { return document_ != nullptr; }
+  [[nodiscard]] bool is_null() const { return kind() == Kind::kNull; }  ///< nothing, ~ or null
+  [[nodiscard]] bool is_scalar() const { return kind() == Kind::kScalar; }
+  [[nodiscard]] bool is_sequence() const { return kind() == Kind::kSequence; }
+  [[nodiscard]] bool is_map() const { return kind() == Kind::kMap; }
+  /// A scalar that was not written plainly: in quotes, or as a block of text.
+  [[nodiscard]] bool is_quoted() const;
+  /// A list or mapping in brackets.
+  [[nodiscard]] bool is_flow() const;
+
+  /// From 1; 0 where there is no value.
+  [[nodiscard]] int line() const;
+  [[nodiscard]] int column() const;
+
+  /// Text of a scalar, as long as the document lives; empty for others.
+  [[nodiscard]] std::string_view scalar() const;
+  /// Items of a list or keys of a mapping.
+  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] YamlNode item(std::size_t i) const;   ///< of a list
+  [[nodiscard]] YamlNode key(std::size_t i) const;    ///< of a mapping
+  [[nodiscard]] YamlNode value(std::size_t i) const;  ///< of a mapping
+  /// Value of the first such key, item of an index; none if there is none.
+  [[nodiscard]] YamlNode operator[](std::string_view key) const;
+  [[nodiscard]] YamlNode operator[](int index) const;
+
+ private:
+  [[nodiscard]] YamlNode child(std::size_t i) const;
+
+  std::shared_ptr<const YamlDocument> document_;
+  std::uint32_t index_ = 0;
+};
+
+/// One YAML document. Errors, with line and column: not UTF-8, not YAML, empty, more than one document,
+/// larger, deeper or of more values than the bounds above, an alias within what it names.
+[[nodiscard]] Result<YamlNode> parse_yaml(std::string_view text, const std::string& file);
+
+/// The same of a file, of which no more than kLargestYaml is read. Errors: those of read_file() too.
+[[nodiscard]] Result<YamlNode> read_yaml(const std::string& path);
+
+}  // namespace octant::io

@@ -1,0 +1,218 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/fuzz/targets.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "io/deployment/deployment_json.h"
+#include "io/history/history.h"
+#include "io/import/foreign_logs.h"
+#include "io/import/plan_import.h"
+#include "io/run/run_folder.h"
+#include "io/run/run_ids.h"
+#include "io/run/tum.h"
+#include "io/site/batch_yaml.h"
+#include "io/site/scenario_yaml.h"
+#include "io/site/scene_yaml.h"
+#include "io/site/site_yaml.h"
+#include "io/text/mapped_file.h"
+#include "io/tof/run_parts.h"
+#include "io/tof/tof_reader.h"
+#include "io/yaml/yaml_reader.h"
+#include "io/yaml/yaml_writer.h"
+
+namespace octant::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+void must(bool holds, const char* what) {
+  if (holds) return;
+  std::fprintf(stderr, "does not hold: %s\n", what);
+  std::abort();
+}
+
+/// An error says something, of lines that there are.
+template <class T>
+void must_explain(const Result<T>& result) {
+  if (result) return;
+  must(!result.error().message().empty(), "an error has a message");
+  must(result.error().line >= 0 && result.error().column >= 0, "places count from 1");
+}
+
+/// A folder of this process, in memory where there is such a place.
+const fs::path& folder() {
+  static const fs::path path = [] {
+    const fs::path base = ::access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path();
+    fs::path made = base / ("octant_fuzz." + std::to_string(::getpid()));
+    fs::create_directories(made / "run");
+    std::atexit([] { fs::remove_all(folder()); });
+    return made;
+  }();
+  return path;
+}
+
+std::string written(const std::string& name, std::string_view content) {
+  const std::string path = (folder() / name).string();
+  std::ofstream(path, std::ios::binary).write(content.data(), static_cast<std::streamsize>(content.size()));
+  return path;
+}
+
+const NameTable& names() {
+  static const NameTable table = [] {
+    NameTable t;
+    t.beacons = {"B0", "B1", "B,2"};
+    t.vehicles = {"robot", "cart"};
+    t.receivers = {{"r0", VehicleId(0)}, {"r1", VehicleId(0)}, {"r0", VehicleId(1)}};
+    return t;
+  }();
+  return table;
+}
+
+void take_site(std::string_view input) {
+  const auto site = io::read_site(written("site.yaml", input));
+  must_explain(site);
+  if (!site) return;
+  const auto again = io::read_site(written("again.yaml", io::site_to_yaml(*site)));
+  must(again.has_value(), "a site that was written reads back");
+  must(again->beacons.size() == site->beacons.size() && again->receivers.size() == site->receivers.size(),
+       "with all that is in it");
+}
+
+void take_yaml(std::string_view input) {
+  const auto root = io::parse_yaml(input, "a.yaml");
+  must_explain(root);
+  if (!root) return;
+  io::YamlWriter out;
+  out.copy(*root);
+  must(io::parse_yaml(out.finish(), "b.yaml").has_value(), "a document that was written reads back");
+}
+
+void take_scene(std::string_view input) { must_explain(io::read_scene(written("scene.yaml", input))); }
+void take_batch(std::string_view input) { must_explain(io::read_batch(written("batch.yaml", input), "")); }
+void take_scenario(std::string_view input) { must_explain(io::scenario_from_yaml(input, "scenario.yaml")); }
+
+void take_run_yaml(std::string_view input) {
+  MeasurementLog log;
+  const auto header = io::parse_run_yaml(input, "run.yaml", log);
+  must_explain(header);
+  if (header) must(io::parse_run_yaml(io::run_to_yaml(log, names()), "b", log).has_value(), "reads back");
+}
+
+/// All arrivals, and the error in the end if there is one.
+struct AllArrivals {
+  std::vector<Arrival> rows;
+  std::string error;
+};
+
+AllArrivals arrivals_of(const std::shared_ptr<const io::MappedFile>& map, const io::NameLookup& lookup,
+                        io::TofReaderOptions options) {
+  AllArrivals all;
+  io::TofReader reader(map, "tof.csv", lookup, Clock::kSynchronised, options);
+  if (const auto ok = reader.read_header(); !ok) return {{}, ok.error().message()};
+  for (;;) {
+    const auto more = reader.append(all.rows);
+    if (!more) all.error = more.error().message();
+    if (!more || !*more) return all;
+  }
+}
+
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+/// The fast way through tof.csv, in pieces and by threads, comes to what the general way comes to.
+void take_tof(std::string_view input) {
+  auto map = io::MappedFile::open(written("tof.csv", input));
+  must(map.has_value(), "the file was just written");
+  const auto shared = std::make_shared<const io::MappedFile>(std::move(*map));
+  io::NameLookup lookup(names());
+  lookup.default_vehicle = VehicleId(0);
+  const AllArrivals general = arrivals_of(shared, lookup, {.general_way = true});
+  for (const std::size_t chunk : {std::size_t{40}, std::size_t{1} << 17}) {
+    const AllArrivals fast = arrivals_of(shared, lookup, {.threads = 1, .chunk_bytes = chunk});
+    must(fast.error == general.error, "both ways find the same error");
+    if (!fast.error.empty()) continue;
+    must(fast.rows.size() == general.rows.size(), "both ways find the same rows");
+    for (std::size_t i = 0; i < fast.rows.size(); ++i) {
+      const Arrival &a = fast.rows[i], &b = general.rows[i];
+      must(same(a.time_s, b.time_s) && same(a.tof_s, b.tof_s) && same(a.amplitude_v, b.amplitude_v) &&
+               same(a.temperature_degC, b.temperature_degC) && a.epoch == b.epoch && a.beacon == b.beacon &&
+               a.receiver == b.receiver && a.vehicle == b.vehicle && a.line == b.line,
+           "both ways read the same values");
+    }
+  }
+}
+
+/// A run folder with one file from outside.
+void take_in_run(const std::string& name, std::string_view input) {
+  const fs::path run = folder() / "run";
+  for (const auto& entry : fs::directory_iterator(run)) fs::remove(entry.path());
+  (void)written("run/tof.csv", "time_s,beacon,tof_s,epoch,receiver\n1,B0,0.01,1,r0\n2,B1,0.02,2,r0\n");
+  (void)written("run/" + name, input);
+  const auto log = io::read_run(run.string(), names(), {}, {.read_truth = true, .read_poses = true});
+  must_explain(log);
+  must_explain(io::read_run_ids(run.string()));
+}
+
+void take_bearings(std::string_view input) { take_in_run("bearings.csv", input); }
+void take_odometry(std::string_view input) { take_in_run("odometry.csv", input); }
+void take_scans(std::string_view input) { take_in_run("scans.csv", input); }
+void take_points(std::string_view input) { take_in_run("points.csv", input); }
+void take_ids(std::string_view input) { take_in_run("tof.csv", input); }
+
+void take_tum(std::string_view input) {
+  const auto poses = io::tum_from_text(input, "poses.tum");
+  must_explain(poses);
+  if (poses) must(io::tum_from_text(io::poses_to_tum(*poses), "b").has_value(), "a track reads back");
+}
+
+void take_deployment(std::string_view input) {
+  const auto deployment = io::deployment_from_json(std::string(input), "d.json");
+  must_explain(deployment);
+  if (!deployment) return;
+  for (const auto& b : deployment->beacons)
+    must(b.position_m.allFinite() && b.covariance_m2.allFinite() && std::isfinite(b.delay_s),
+         "numbers are finite");
+  must(io::deployment_from_json(io::deployment_to_json(*deployment), "e.json").has_value(), "it reads back");
+}
+
+void take_visit(std::string_view input) { must_explain(io::visit_of(std::string(input), "visit.json")); }
+void take_dxf(std::string_view input) { must_explain(io::drawing_from_dxf(input, "a.dxf")); }
+
+void take_pgm(std::string_view input) {
+  (void)written("map.pgm", input);
+  const auto map =
+      io::read_ros_map(written("map.yaml", "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0.5]\n"));
+  must_explain(map);
+  if (map && map->cells.size() < 100'000) (void)io::rectangles_of(*map, io::RosMap::kOccupied);
+}
+
+void take_carmen(std::string_view input) { must_explain(io::read_carmen_log(written("carmen.log", input))); }
+void take_counters(std::string_view input) {
+  must_explain(io::read_counter_log(written("counters.csv", input), names()));
+}
+void take_pulses(std::string_view input) { must_explain(io::read_pulse_log(written("pulses.csv", input))); }
+
+}  // namespace
+
+const std::vector<Target>& targets() {
+  static const std::vector<Target> all = {{"site", take_site},         {"yaml", take_yaml},
+                                          {"scene", take_scene},       {"batch", take_batch},
+                                          {"scenario", take_scenario}, {"run_yaml", take_run_yaml},
+                                          {"tof", take_tof},           {"bearings", take_bearings},
+                                          {"odometry", take_odometry}, {"scans", take_scans},
+                                          {"points", take_points},     {"ids", take_ids},
+                                          {"tum", take_tum},           {"deployment", take_deployment},
+                                          {"visit", take_visit},       {"dxf", take_dxf},
+                                          {"pgm", take_pgm},           {"carmen", take_carmen},
+                                          {"counters", take_counters}, {"pulses", take_pulses}};
+  return all;
+}
+
+}  // namespace octant::fuzz

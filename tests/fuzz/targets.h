@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace octant::fuzz {
+
+/// A reader, and what must hold of whatever it accepts; aborts where that does not hold.
+struct Target {
+  std::string name;  ///< also of its folder in corpus/
+  void (*take)(std::string_view input);
+};
+[[nodiscard]] const std::vector<Target>& targets();
+
+}  // namespace octant::fuzz
