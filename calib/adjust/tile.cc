@@ -10,17 +10,18 @@
 #include <tuple>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "calib/adjust/stop_block.h"
-#include "calib/problem/shared_entries.h"
+#include "calib/chain/chain_reduction.h"
 #include "models/support/parallel.h"
-#include "models/trajectory/linearise.h"
+#include "models/trajectory/settle.h"
 
 namespace octant::calib {
 namespace {
 
 constexpr std::size_t kNodesPerTile = 512;
+constexpr std::size_t kNodesOfLongChain = 1024;
+/// A step of a chain's states that gains less than this share of the cost is the last.
+constexpr double kChainAtRest = 1e-8;
 /// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the
 /// columns it touches.
 constexpr std::size_t kBeaconsPerSparseTile = 24;
@@ -35,6 +36,11 @@ Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArr
       general_(std::move(general)) {
   if (!stop_segments_.empty())
     stops_ = std::make_unique<StopBlock>(trajectory_, stop_segments_, *arrivals, layout_);
+  if (!general_.empty()) chains_ = std::make_unique<ChainReduction>(*trajectory_, *layout_, general_);
+  for (const std::size_t s : general_) {
+    const Segment& segment = trajectory_->segments[s];
+    is_long_ = is_long_ || segment.last_node - segment.first_node > kNodesOfLongChain;
+  }
   find_columns();
   commit();
 }
@@ -127,24 +133,28 @@ void Tile::rewind_general() {
   }
 }
 
-double Tile::settle(const SharedState& state, const RobustLoss& loss) {
+double Tile::settle(const SharedState& state, const RobustLoss& loss, int threads) {
   rewind_general();
   double cost = stops_ ? stops_->settle(state, loss) : 0.0;
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
     if (!trajectory_->nodes[segment.first_node].placed)
       continue;  // a segment that no start could place says nothing
-    cost += octant::settle(*trajectory_, segment, state, loss).cost;
+    const bool is_chain = segment.last_node - segment.first_node > 1;
+    cost += octant::settle(*trajectory_, segment, state, loss,
+                           {.tolerance = is_chain ? kChainAtRest : kSettledToRounding, .threads = threads})
+                .cost;
   }
   return cost;
 }
 
 void Tile::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
-                  ReducedSystem& system) {
+                  ReducedSystem& system, int threads) {
   if (stops_) stops_->reduce(state, loss, place, system);
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
-    if (trajectory_->nodes[segment.first_node].placed) reduce_segment(segment, state, loss, place, system);
+    if (trajectory_->nodes[segment.first_node].placed)
+      chains_->reduce(segment, state, loss, place, threads, system);
   }
 }
 
@@ -158,121 +168,6 @@ double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedS
   reduce(state, loss, local_of_, *system);
   system->H = system->H.selfadjointView<Eigen::Lower>();
   return cost;
-}
-
-void Tile::reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss,
-                          const std::vector<int>& place, ReducedSystem& system) {
-  const Trajectory& t = *trajectory_;
-  const auto n = t.block_size();
-  const std::size_t count = segment.last_node - segment.first_node;
-  // Coupling of each state to the shared parameters it sees; the last column carries the states' own
-  // gradient.
-  struct NodeSystem {
-    NodeBlock D, U;
-    std::vector<int> active;  ///< local columns, in order of appearance
-    Eigen::Matrix<double, kMaxBlock, Eigen::Dynamic> G;
-  };
-  thread_local std::vector<NodeSystem> nodes;
-  thread_local std::vector<int> slot;  ///< local column -> position in the node's active list
-  if (nodes.size() < count) nodes.resize(count);
-  std::vector<NodeVector> g(count, NodeVector::Zero(n));
-  for (std::size_t k = 0; k < count; ++k) {
-    nodes[k].D.setZero(n, n);
-    nodes[k].U.setZero(n, n);
-    nodes[k].active.clear();
-  }
-  const auto couple = [&](std::size_t k, const NodeRow& by_state, const RowEntries& e, double w) {
-    NodeSystem& node = nodes[k];
-    for (int i = 0; i < e.count; ++i) {
-      const int local = e.column[static_cast<std::size_t>(i)];
-      const auto found = std::find(node.active.begin(), node.active.end(), local);
-      const auto at = static_cast<Eigen::Index>(found - node.active.begin());
-      if (found == node.active.end()) {
-        node.active.push_back(local);
-        if (node.G.cols() < at + 1) node.G.conservativeResize(Eigen::NoChange, 2 * at + 16);
-        node.G.col(at).setZero();
-      }
-      node.G.col(at).head(n) += w * e.value[static_cast<std::size_t>(i)] * by_state.transpose();
-    }
-  };
-  for_each_row(t, segment, state, [&](const ObservationRow& row) {
-    double rho = 0.0, w = 1.0;
-    if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
-    RowEntries e = row_entries(row, t.run, *layout_, state);
-    for (int i = 0; i < e.count; ++i)
-      e.column[static_cast<std::size_t>(i)] =
-          place[static_cast<std::size_t>(e.column[static_cast<std::size_t>(i)])];
-    for (int i = 0; i < e.count; ++i) {
-      const double wi = w * e.value[static_cast<std::size_t>(i)];
-      const int ci = e.column[static_cast<std::size_t>(i)];
-      system.gradient[ci] += wi * row.residual;
-      for (int j = 0; j <= i; ++j) {
-        const int cj = e.column[static_cast<std::size_t>(j)];
-        system.H(std::max(ci, cj), std::min(ci, cj)) += wi * e.value[static_cast<std::size_t>(j)];
-      }
-    }
-    const std::size_t k = row.node - segment.first_node;
-    nodes[k].D.noalias() += w * row.by_node.transpose() * row.by_node;
-    g[k].noalias() += w * row.residual * row.by_node.transpose();
-    couple(k, row.by_node, e, w);
-    if (!row.has_next) return;
-    nodes[k + 1].D.noalias() += w * row.by_next.transpose() * row.by_next;
-    g[k + 1].noalias() += w * row.residual * row.by_next.transpose();
-    nodes[k].U.noalias() += w * row.by_node.transpose() * row.by_next;
-    couple(k + 1, row.by_next, e, w);
-  });
-
-  // Eliminate front to back: what a state passes on to the next one touches all the columns seen so far.
-  if (slot.size() < static_cast<std::size_t>(system.H.cols()))
-    slot.assign(static_cast<std::size_t>(system.H.cols()), -1);
-  Eigen::LLT<NodeBlock> factor;
-  for (std::size_t k = 0; k < count; ++k) {
-    NodeSystem& node = nodes[k];
-    // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing. Within a
-    // chain odometry observes all, and a floor there would act as a measured pose at every node.
-    if (k + 1 == count) node.D.diagonal().array() += kUnobservedFloor * (1.0 + node.D.diagonal().maxCoeff());
-    factor.compute(node.D);
-    if (factor.info() != Eigen::Success) {
-      node.D.diagonal().array() += 100 * kUnobservedFloor * (1.0 + node.D.diagonal().maxCoeff());
-      factor.compute(node.D);
-    }
-    const auto active = static_cast<Eigen::Index>(node.active.size());
-    Eigen::Matrix<double, kMaxBlock, Eigen::Dynamic> Y(kMaxBlock, active);
-    const NodeVector y = factor.matrixL().solve(g[k]);
-    for (Eigen::Index c = 0; c < active; ++c) {
-      NodeVector column = node.G.col(c).head(n);
-      factor.matrixL().solveInPlace(column);
-      Y.col(c).head(n) = column;
-    }
-    for (Eigen::Index i = 0; i < active; ++i) {
-      const int ci = node.active[static_cast<std::size_t>(i)];
-      system.gradient[ci] -= Y.col(i).head(n).dot(y);
-      for (Eigen::Index j = 0; j <= i; ++j) {
-        const int cj = node.active[static_cast<std::size_t>(j)];
-        system.H(std::max(ci, cj), std::min(ci, cj)) -= Y.col(i).head(n).dot(Y.col(j).head(n));
-      }
-    }
-    if (k + 1 == count) break;
-    NodeBlock W = node.U;
-    factor.matrixL().solveInPlace(W);
-    NodeSystem& next = nodes[k + 1];
-    next.D.noalias() -= W.transpose() * W;
-    g[k + 1].noalias() -= W.transpose() * y;
-    for (std::size_t i = 0; i < next.active.size(); ++i)
-      slot[static_cast<std::size_t>(next.active[i])] = static_cast<int>(i);
-    for (Eigen::Index c = 0; c < active; ++c) {
-      const int local = node.active[static_cast<std::size_t>(c)];
-      int& at = slot[static_cast<std::size_t>(local)];
-      if (at < 0) {
-        at = static_cast<int>(next.active.size());
-        next.active.push_back(local);
-        if (next.G.cols() < at + 1) next.G.conservativeResize(Eigen::NoChange, 2 * at + 16);
-        next.G.col(at).setZero();
-      }
-      next.G.col(at).head(n) -= W.transpose() * Y.col(c).head(n);
-    }
-    for (const int local : next.active) slot[static_cast<std::size_t>(local)] = -1;
-  }
 }
 
 namespace {

@@ -12,6 +12,7 @@
 
 namespace octant::calib {
 
+class ChainReduction;
 class StopArrivals;
 class StopBlock;
 
@@ -57,13 +58,16 @@ class Tile {
   /// Where each column of the layout stands in columns(); -1: nowhere.
   [[nodiscard]] const std::vector<int>& local_of() const { return local_of_; }
 
+  /// Whether it holds a chain so long that threads share its work: such tiles are evaluated one by one.
+  [[nodiscard]] bool is_long() const { return is_long_; }
+
   /// Settles the states from where they were committed and returns the cost. The trajectory shows them once
   /// they are committed and `rewind` was called.
-  double settle(const SharedState& state, const RobustLoss& loss);
+  double settle(const SharedState& state, const RobustLoss& loss, int threads = 1);
   /// Adds gradient and lower triangle of H at the states of the last `settle`; `place` tells where each
   /// column of the layout stands in the system.
   void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
-              ReducedSystem& system);
+              ReducedSystem& system, int threads = 1);
   /// Both, in the tile's own columns.
   double evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system);
   /// Makes the states of the last evaluation the start of the next ones (a step was accepted).
@@ -74,16 +78,16 @@ class Tile {
  private:
   void find_columns();
   void rewind_general();
-  void reduce_segment(const Segment& segment, const SharedState& state, const RobustLoss& loss,
-                      const std::vector<int>& place, ReducedSystem& system);
 
   Trajectory* trajectory_;
   const ParameterLayout* layout_;
   std::vector<int> columns_, blocks_;
   std::vector<int> local_of_;                         ///< global column -> local, -1
   std::vector<std::size_t> stop_segments_, general_;  ///< those that the vector kernel takes, all others
+  bool is_long_ = false;
   std::unique_ptr<StopBlock> stops_;
-  std::vector<Node> committed_;  ///< nodes of the general segments
+  std::unique_ptr<ChainReduction> chains_;  ///< of the general segments
+  std::vector<Node> committed_;             ///< nodes of the general segments
 };
 
 /// Tiles of all trajectories; their number does not depend on the number of threads, so neither does any sum.

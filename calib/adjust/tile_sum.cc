@@ -49,18 +49,27 @@ bool TileSum::is_mine(std::size_t share) const {
 
 std::size_t TileSum::first_of(std::size_t share) const { return share * tiles_.size() / kShares; }
 
-/// Calls work(tile, index, share) for every tile of this rank; those of one share in order, on one thread.
+/// Calls work(tile, index, share, threads) for every tile of this rank; those of one share in order, on one
+/// thread, then long ones one by one, on all threads.
 template <class Work>
 void TileSum::for_each_of_mine(Work&& work) {
   for_each_parallel(kShares, workers_.threads, [&](std::size_t share) {
     if (!is_mine(share)) return;
-    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) work(tiles_[i], i, share);
+    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i)
+      if (!tiles_[i].is_long()) work(tiles_[i], i, share, 1);
   });
+  for (std::size_t share = 0; share < kShares; ++share) {
+    if (!is_mine(share)) continue;
+    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i)
+      if (tiles_[i].is_long()) work(tiles_[i], i, share, workers_.threads);
+  }
 }
 
 double TileSum::settle(const SharedState& state, const RobustLoss& loss) {
   std::fill(costs_.begin(), costs_.end(), 0.0);
-  for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t) { costs_[i] = tile.settle(state, loss); });
+  for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t, int threads) {
+    costs_[i] = tile.settle(state, loss, threads);
+  });
   if (workers_.ranks != nullptr) workers_.ranks->sum(costs_);
   return std::accumulate(costs_.begin(), costs_.end(), 0.0);
 }
@@ -72,8 +81,8 @@ void TileSum::reduce(const SharedState& state, const RobustLoss& loss, ReducedSy
     share.H.setZero(n, n);
     share.gradient.setZero(n);
   }
-  for_each_of_mine([&](Tile& tile, std::size_t, std::size_t share) {
-    tile.reduce(state, loss, all_columns_, shares_[share]);
+  for_each_of_mine([&](Tile& tile, std::size_t, std::size_t share, int threads) {
+    tile.reduce(state, loss, all_columns_, shares_[share], threads);
     tile.commit();
   });
   sum.H = shares_[0].H;
@@ -99,8 +108,8 @@ void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss,
     systems[i].gradient.setZero(n);
     systems[i].cost = costs_[i];
   }
-  for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t) {
-    tile.reduce(state, loss, tile.local_of(), systems[i]);
+  for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t, int threads) {
+    tile.reduce(state, loss, tile.local_of(), systems[i], threads);
     tile.commit();
   });
   for (ReducedSystem& system : systems) {
@@ -113,11 +122,11 @@ void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss,
 }
 
 void TileSum::commit() {
-  for_each_of_mine([](Tile& tile, std::size_t, std::size_t) { tile.commit(); });
+  for_each_of_mine([](Tile& tile, std::size_t, std::size_t, int) { tile.commit(); });
 }
 
 void TileSum::share_states() {
-  for_each_of_mine([](Tile& tile, std::size_t, std::size_t) { tile.rewind(); });
+  for_each_of_mine([](Tile& tile, std::size_t, std::size_t, int) { tile.rewind(); });
   if (workers_.ranks == nullptr) return;
   std::size_t nodes = 0;
   for (const Trajectory& t : trajectories_) nodes += t.nodes.size();

@@ -12,11 +12,15 @@
 #include "calib/adjust/leverage.h"
 #include "calib/problem/ranges.h"
 #include "models/physics/pose.h"
+#include "models/trajectory/stretches.h"
 
 namespace octant::calib {
 namespace {
 
 constexpr std::size_t kStretches = 8;  ///< of a long log
+/// A drive is taken as a whole unless the sample is at most this part of it: cutting costs what its states
+/// know of each other across the cuts.
+constexpr double kShareOfLongDrive = 0.1;
 constexpr double kStateFloor =
     1e-9;  ///< of a state's block: directions that nothing observes stay where they are
 constexpr std::size_t kShifts = 3;  ///< partitions of a component
@@ -71,6 +75,10 @@ class SampleBuilder {
   /// All segments of a trajectory, or stretches of them that lie evenly.
   void take(const Trajectory& t, double share, double observations) {
     const std::size_t segments = t.segments.size();
+    if (share < kShareOfLongDrive && segments == 1 && is_long_chain(t.segments[0])) {
+      take_stretches(t, share);
+      return;
+    }
     if (share >= 1.0 || segments < 4 * kStretches || observations < 1.0) {
       take(t, 0, segments);
       return;
@@ -79,6 +87,18 @@ class SampleBuilder {
     const auto length =
         std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(pitch)));
     for (std::size_t i = 0; i < kStretches; ++i) take(t, i * pitch, i * pitch + length);
+  }
+
+  /// Stretches of a long drive, each settled for itself: residuals of one that hangs together with its
+  /// neighbours are not those that its own states leave.
+  void take_stretches(const Trajectory& t, double share) {
+    const Segment& whole = t.segments[0];
+    const double nodes = share * static_cast<double>(whole.last_node - whole.first_node) / kStretches;
+    Trajectory some = pick_segments(
+        t, spread_stretches(t, whole, kStretches, std::max<std::size_t>(2, static_cast<std::size_t>(nodes))));
+    for (const Segment& s : some.segments)
+      if (some.nodes[s.first_node].placed) settle(some, s, state_, {});
+    take(some, 0, some.segments.size());
   }
 
   void take(const Trajectory& t, std::size_t first, std::size_t last) {

@@ -12,6 +12,7 @@
 #include "calib/problem/ranges.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/decompositions.h"
+#include "models/trajectory/stretches.h"
 
 namespace octant::calib {
 namespace {
@@ -81,6 +82,7 @@ class Collector {
     std::size_t epochs = 0;
     for (const Trajectory& t : trajectories) {
       if (!t.moving && t.segments.size() == t.nodes.size()) epochs += t.segments.size();
+      if (has_long_chain(t)) epochs += t.nodes.size();
     }
     step_ = looked_at_every(epochs, all_epochs);
     out_.every = step_ * (whole == nullptr ? 1 : whole->every);
@@ -90,6 +92,8 @@ class Collector {
     for (const Trajectory& t : trajectories_) {
       if (out_.every > 1 && t.segments.size() == t.nodes.size()) {
         sweep_spread_stops(t);
+      } else if (out_.every > 1 && has_long_chain(t)) {
+        sweep_spread_stretches(t);
       } else {
         sweep_.sweep(t, state_, 0, t.segments.size(), 1,
                      [&](const RowLeverage& l) { observation(t, seen_of(l)); });
@@ -137,6 +141,47 @@ class Collector {
                    });
     for (const auto& chunk : seen)
       for (const Seen& s : chunk) observation(t, s);
+  }
+
+  [[nodiscard]] static bool has_long_chain(const Trajectory& t) {
+    return t.segments.size() == 1 && is_long_chain(t.segments[0]);
+  }
+
+  /// Stretches of a long drive side by side, each with margins that are swept but not looked at: beyond some
+  /// hundred arrivals a state does not feel where the chain was cut.
+  void sweep_spread_stretches(const Trajectory& t) {
+    constexpr std::size_t kMarginArrivals = 150, kLeastMargin = 48;
+    const Segment& whole = t.segments[0];
+    const std::size_t margin = std::max(
+        kLeastMargin, kMarginArrivals * t.nodes.size() / std::max<std::size_t>(t.arrivals.size(), 1));
+    const std::size_t pitch = kStretchNodes * step_, count = chunk_count(t.nodes.size(), pitch);
+    std::vector<std::vector<Seen>> seen(count);
+    for_each_parallel(count, threads_, [&](std::size_t i) {
+      const std::size_t first = whole.first_node + i * pitch;
+      const std::size_t last = std::min(whole.last_node, first + kStretchNodes);
+      const std::size_t from = first - std::min(first - whole.first_node, margin);
+      Trajectory some =
+          pick_segments(t, {stretch_of(t, whole, from, std::min(whole.last_node, last + margin))});
+      LeverageSweep sweep = sweep_;
+      const std::size_t first_arrival = first_of(t.arrivals, from),
+                        first_bearing = first_of(t.bearings, from);
+      sweep.sweep(some, state_, 0, 1, 1, [&](const RowLeverage& l) {
+        if (const std::size_t node = l.row.node + from; node < first || node >= last) return;
+        Seen s = seen_of(l);
+        if (s.kind == RowKind::kTof || s.kind == RowKind::kAmplitude) s.index += first_arrival;
+        if (s.kind == RowKind::kBearing) s.index += first_bearing;
+        seen[i].push_back(s);
+      });
+    });
+    for (const auto& stretch : seen)
+      for (const Seen& s : stretch) observation(t, s);
+  }
+  template <class Observation>
+  static std::size_t first_of(const std::vector<Observation>& list, std::size_t node) {
+    return static_cast<std::size_t>(
+        std::partition_point(list.begin(), list.end(),
+                             [node](const Observation& o) { return o.node < node; }) -
+        list.begin());
   }
 
   /// What is needed of a row and its leverage.

@@ -13,25 +13,15 @@
 #include "calib/adjust/tile_sum.h"
 #include "calib/problem/thin.h"
 #include "calib/start/start.h"
-#include "models/localizers/least_squares/search_problem.h"
+#include "models/localizers/least_squares/linear_ranges.h"
 #include "models/support/parallel.h"
 
 namespace octant::calib {
 namespace {
 
 constexpr std::size_t kLongEpochs = 4000;
+constexpr std::size_t kLongDrive = 20'000;  ///< arrivals
 constexpr ThinOptions kPart = {.instants = 600, .per_beacon = 200};
-constexpr double kInLine = 1e-4;  ///< of the largest pivot: beacons in line do not tell the side
-
-/// Mean range and place of each beacon that the epoch hears, in order of first appearance.
-struct Heard {
-  Eigen::Vector3d p_map_m;
-  double range_m = 0.0;
-  int count = 0;
-  BeaconId beacon;
-};
-
-constexpr std::size_t kMaxHeard = 64;
 
 }  // namespace
 
@@ -44,6 +34,17 @@ bool is_long(const Problem& problem) {
     epochs += t.nodes.size();
   }
   return epochs > kLongEpochs && problem.site.timing.ranging == Ranging::kOneWay;
+}
+
+bool is_long_drive(const Problem& problem) {
+  std::size_t arrivals = 0;
+  for (const Trajectory& t : problem.trajectories) {
+    if (!t.moving || t.motion != Motion::kPlanar || t.has_cycle_offset || t.odometry.empty() ||
+        !t.poses.empty() || !t.bearings.empty())
+      return false;
+    arrivals += t.arrivals.size();
+  }
+  return arrivals > kLongDrive && problem.site.timing.ranging == Ranging::kOneWay;
 }
 
 Result<Problem> part_of(const Problem& problem, int threads) {
@@ -180,64 +181,6 @@ Result<Problem> part_of(const Site& site, const ArrivalSource& source, const Log
   return make_problem(site, std::move(runs), threads);
 }
 
-bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& state,
-                            const std::vector<bool>& usable) {
-  std::array<Heard, kMaxHeard> heard;
-  std::size_t beacons = 0;
-  double receiver_z_m = 0.0;
-  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
-    const ArrivalObservation& a = t.arrivals[i];
-    if (!usable[a.beacon.index()]) continue;
-    std::size_t at = 0;
-    while (at < beacons && heard[at].beacon != a.beacon) ++at;
-    if (at == kMaxHeard) continue;
-    if (at == beacons) heard[beacons++] = {state.beacon_p_map_m[a.beacon.index()], 0.0, 0, a.beacon};
-    heard[at].range_m += range_of(a, t, state);
-    ++heard[at].count;
-    receiver_z_m = state.receiver_p_vehicle_m[a.receiver.index()].z();
-  }
-  if (beacons < 3) return false;
-  // About the first beacon, so that the squares do not cancel.
-  const Eigen::Vector2d origin = heard[0].p_map_m.head<2>();
-  Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d rhs = Eigen::Vector3d::Zero();
-  for (std::size_t b = 0; b < beacons; ++b) {
-    const Heard& h = heard[b];
-    const double range_m = h.range_m / h.count, dz = h.p_map_m.z() - receiver_z_m;
-    const Eigen::Vector2d p = h.p_map_m.head<2>() - origin;
-    const double weight = h.count / std::max(range_m * range_m, 1e-6);
-    const Eigen::Vector3d row(-2 * p.x(), -2 * p.y(), 1.0);
-    N.noalias() += weight * row * row.transpose();
-    rhs += weight * (range_m * range_m - dz * dz - p.squaredNorm()) * row;
-  }
-  const Eigen::Vector3d scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<Eigen::Matrix3d> ldlt((scale.asDiagonal() * N * scale.asDiagonal()).eval());
-  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kInLine)) return false;
-  const Eigen::Vector3d solution = scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * rhs);
-  const Eigen::Vector2d p_m = origin + solution.head<2>();
-  Eigen::Matrix4d M = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d m = Eigen::Vector4d::Zero();
-  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
-    const ArrivalObservation& a = t.arrivals[i];
-    if (!usable[a.beacon.index()]) continue;
-    const Eigen::Vector3d& o = state.receiver_p_vehicle_m[a.receiver.index()];
-    const Eigen::Vector3d v =
-        Eigen::Vector3d(p_m.x(), p_m.y(), o.z()) - state.beacon_p_map_m[a.beacon.index()];
-    const double distance = std::max(v.norm(), 1e-3);
-    const Eigen::Vector2d u = v.head<2>() / distance;
-    const Eigen::Vector4d row(u.x(), u.y(), u.x() * o.x() + u.y() * o.y(), u.y() * o.x() - u.x() * o.y());
-    M.noalias() += row * row.transpose();
-    m += (range_of(a, t, state) - distance) * row;
-  }
-  M.diagonal().array() += 1e-9;
-  const Eigen::Vector4d fine = M.ldlt().solve(m);
-  if (!fine.allFinite()) return false;
-  Node& node = t.nodes[s.first_node];
-  node.T_map_vehicle = Pose::planar(p_m.x() + fine[0], p_m.y() + fine[1], std::atan2(fine[3], fine[2]));
-  node.placed = true;
-  return true;
-}
-
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
                      const std::vector<bool>& usable, double suspect_sigmas, const Workers& workers,
                      std::vector<Trajectory>& trajectories) {
@@ -271,6 +214,13 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
                    });
     place_states(t, model, 0.0, false, 0.0, workers.threads);
   }
+  readmit_all(trajectories, usable);
+}
+
+void place_all_drives(const Problem& problem, const SharedState& state, const std::vector<bool>& usable,
+                      int threads, std::vector<Trajectory>& trajectories) {
+  const EpochFixModel model = search_model(problem, state, usable);
+  for (Trajectory& t : trajectories) place_states(t, model, 0.0, false, 0.0, threads);
   readmit_all(trajectories, usable);
 }
 

@@ -14,6 +14,9 @@ namespace octant::calib {
 /// Whether a log is so long that a part of it tells all that a start needs: many thousands of planar stops.
 [[nodiscard]] bool is_long(const Problem& problem);
 
+/// The same of drives: many thousands of arrivals on chains of odometry in the plane, no measured poses.
+[[nodiscard]] bool is_long_drive(const Problem& problem);
+
 /// A problem with evenly spread epochs of a long log, enough of each beacon (see thin).
 [[nodiscard]] Result<Problem> part_of(const Problem& problem, int threads = 1);
 /// The same of a log that is not at hand. Reads the blocks in which those epochs lie; all blocks once more
@@ -21,20 +24,17 @@ namespace octant::calib {
 [[nodiscard]] Result<Problem> part_of(const Site& site, const ArrivalSource& source, const LogIndex& index,
                                       int threads = 1);
 
-/// Pose of a stop by linear least squares, good enough to be settled from: the ranges to three and more
-/// beacons give
-///   -2 b.p + |p|^2 = r^2 - |b|^2
-/// as in Figueroa and Mahajan (1994), then the ranges' differences give a correction and (cos, sin) of the
-/// heading. Synchronised clocks, one way. False where the beacons do not tell (too few, in line); the node is
-/// then left as it is.
-[[nodiscard]] bool place_by_linear_ranges(Trajectory& trajectory, const Segment& segment,
-                                          const SharedState& state, const std::vector<bool>& beacon_usable);
-
 /// Places all states of a long log whose shared parameters are known but for the noise: linear ranges,
 /// settled in lanes; epochs in which an arrival then disagrees by more than `suspect_sigmas` are searched as
 /// any other. Marks all arrivals used.
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
                      const std::vector<bool>& beacon_usable, double suspect_sigmas, const Workers& workers,
                      std::vector<Trajectory>& trajectories);
+
+/// Places all states of long drives whose shared parameters are known but for the noise, as `localize` does.
+/// Marks all arrivals used.
+void place_all_drives(const Problem& problem, const SharedState& state,
+                      const std::vector<bool>& beacon_usable, int threads,
+                      std::vector<Trajectory>& trajectories);
 
 }  // namespace octant::calib

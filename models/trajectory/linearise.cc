@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "models/trajectory/planar.h"
+
 namespace octant {
 
 void RobustLoss::evaluate(double residual, double& rho, double& weight) const {
@@ -374,6 +376,13 @@ double chain_cost(const Trajectory& t, const Segment& segment, const SharedState
 }
 
 double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
+  if (a.alpha != 0.0 && t.motion == Motion::kPlanar && !a.two_way && !t.has_cycle_offset &&
+      !state.attenuation) {
+    PlanarWhitening whitening(state.speed_offset(t.run));
+    whitening.take(a);
+    const PlanarState from(t.nodes[a.node].T_map_vehicle), to(t.nodes[a.node + 1].T_map_vehicle);
+    return PlanarArrival(a, PlanarInterval(from, to).at(a.alpha), state, whitening).residual;
+  }
   if (a.alpha == 0.0 && !a.two_way && !t.has_cycle_offset && !state.attenuation) {
     // What most arrivals are, of which long logs have many.
     const Eigen::Vector3d path_m =

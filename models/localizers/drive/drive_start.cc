@@ -162,31 +162,6 @@ Eigen::Matrix3d start_covariance(Trajectory& t, const Segment& stretch, const Ep
   return kStartInflation * P.topLeftCorner<3, 3>();
 }
 
-Segment stretch_of(const Trajectory& t, const Segment& segment, std::size_t first_node,
-                   std::size_t last_node) {
-  Segment out = segment;
-  out.first_node = first_node;
-  out.last_node = last_node;
-  // The last node carries no observation that reaches beyond it, so those on it with alpha > 0 are out as
-  // well.
-  const auto narrow = [&](const auto& list, std::size_t& first, std::size_t& last) {
-    const auto begin = list.begin();
-    const auto from = std::partition_point(begin + static_cast<std::ptrdiff_t>(first),
-                                           begin + static_cast<std::ptrdiff_t>(last),
-                                           [&](const auto& o) { return o.node < first_node; });
-    const auto to = std::partition_point(from, begin + static_cast<std::ptrdiff_t>(last),
-                                         [&](const auto& o) { return o.node + 1 < last_node; });
-    first = static_cast<std::size_t>(from - begin);
-    last = static_cast<std::size_t>(to - begin);
-  };
-  narrow(t.arrivals, out.first_arrival, out.last_arrival);
-  narrow(t.bearings, out.first_bearing, out.last_bearing);
-  narrow(t.poses, out.first_pose, out.last_pose);
-  narrow(t.odometry, out.first_odometry, out.last_odometry);
-  narrow(t.motion_steps, out.first_motion, out.last_motion);
-  return out;
-}
-
 DriveStart find_start(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                       const TrackerOptions& options, std::size_t from_node) {
   DriveStart start;

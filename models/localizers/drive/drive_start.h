@@ -9,6 +9,7 @@
 
 #include "models/localizers/drive/tracker.h"
 #include "models/support/scratch.h"
+#include "models/trajectory/stretches.h"
 
 namespace octant {
 
@@ -38,10 +39,6 @@ class WidenedArrivals {
   std::size_t first_;
   std::pmr::vector<double> sigma_s_{scratch()};
 };
-
-/// The part of a segment between two of its nodes, with the observations that touch no other.
-[[nodiscard]] Segment stretch_of(const Trajectory& trajectory, const Segment& segment, std::size_t first_node,
-                                 std::size_t last_node);
 
 /// Places a stretch if the arrivals settle it: the odometry is taken as a rigid piece, whose middle pose is
 /// found as an epoch's is, with lever arms along the path; then its states are settled robustly. False:

@@ -18,11 +18,14 @@
 #include "models/localizers/drive/space_track.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/trajectory/linearise.h"
+#include "models/trajectory/settle.h"
 
 namespace octant {
 namespace {
 
 constexpr int kSegmentMarkRounds = 5;
+/// Steps that gain less than this share of the cost are the last: before arrivals are marked, and after.
+constexpr double kNearlySettled = 1e-5, kSettled = 1e-10;
 
 /// First arrival of the segment at or after a node.
 std::size_t arrival_from(const Trajectory& t, const Segment& segment, std::size_t node) {
@@ -124,13 +127,15 @@ bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& 
   reset_marks(t, segment, model);
   const WidenedArrivals widened(t, segment, model, options.range_slack_m);
   CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kChanging);
-  settle(t, segment, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 15);
-  SettleResult result = settle(t, segment, model.state, {.late_scale = 2.5, .early_scale = 4.0}, 25);
+  settle(t, segment, model.state, {.late_scale = 10.0, .early_scale = 15.0},
+         {.max_iterations = 15, .tolerance = kNearlySettled});
+  SettleResult result = settle(t, segment, model.state, {.late_scale = 2.5, .early_scale = 4.0},
+                               {.max_iterations = 25, .tolerance = kNearlySettled});
   for (int round = 0; round < kSegmentMarkRounds; ++round) {
     sigmas.restore();
     if (!mark_arrivals(t, segment, model, 0.0, options.rejection_sigmas) && round > 0) break;
     sigmas.weigh();
-    result = settle(t, segment, model.state, RobustLoss{}, 20);
+    result = settle(t, segment, model.state, RobustLoss{}, {.max_iterations = 20, .tolerance = kSettled});
   }
   sigmas.weigh();
   return std::isfinite(result.cost);

@@ -11,6 +11,8 @@
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/least_squares/candidates.h"
+#include "models/localizers/least_squares/direct_fix.h"
+#include "models/localizers/least_squares/linear_ranges.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/localizers/least_squares/spatial_start.h"
 #include "models/trajectory/decompositions.h"
@@ -109,8 +111,7 @@ PlanarState start_at_measured_pose(const PoseObservation& measured, const Search
 /// Adjusts and marks in turn until the marks rest. Each arrival is judged by its own sigma and weighed by
 /// what it adds to the others of its pair.
 NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                               const EpochFixOptions& options) {
-  CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kSame);
+                               const EpochFixOptions& options, CorrelatedArrivals& sigmas) {
   const auto adjust = [&] {
     sigmas.weigh();
     return adjust_node(t, segment, model.state, options.range_slack_m);
@@ -182,6 +183,30 @@ double instant_of(const Trajectory& t, const Segment& segment) {
   return t.arrivals[segment.first_arrival + (segment.last_arrival - segment.first_arrival) / 2].time_s;
 }
 
+/// Whether ranges alone may place the node at once.
+bool may_begin_closed(const Trajectory& t, const Segment& segment, const EpochFixOptions& options) {
+  return options.range_slack_m == 0.0 && t.motion == Motion::kPlanar && !t.has_cycle_offset &&
+         segment.first_pose == segment.last_pose;
+}
+
+/// Whether no search could find a better pose than one at which all arrivals agree: three beacons and more
+/// that are not in line (which the closed form takes), seven arrivals and more, all within the limit, and
+/// they tell the heading. Few enough wrong arrivals to fit into that do not exist.
+bool is_beyond_doubt(const Count& c, const NodeAdjustment& adjustment) {
+  constexpr int kFewestSpare = 4;
+  constexpr double kHeadingSigmaRad = 0.3;
+  if (!adjustment.converged || c.used != c.heard || c.bearings != c.bearings_seen || c.beacons_used < 3 ||
+      c.used < 3 + kFewestSpare)
+    return false;
+  const NodeBlock& A = adjustment.information;
+  // What is left of the heading's information when the position is open (Schur complement).
+  const double det = A(0, 0) * A(1, 1) - A(0, 1) * A(0, 1);
+  if (!(det > 0)) return false;
+  const double taken =
+      (A(1, 1) * A(0, 2) * A(0, 2) - 2 * A(0, 1) * A(0, 2) * A(1, 2) + A(0, 0) * A(1, 2) * A(1, 2)) / det;
+  return A(2, 2) - taken > 1.0 / (kHeadingSigmaRad * kHeadingSigmaRad);
+}
+
 /// Sets the node to the best pose of a planar search; returns whether another pose is as good.
 bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                   const EpochFixOptions& options, bool& found) {
@@ -245,15 +270,10 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
   return out;
 }
 
-Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-              const EpochFixOptions& options) {
-  Fix fix;
-  fix_epoch(t, segment, model, options, fix);
-  return fix;
-}
+namespace {
 
-void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-               const EpochFixOptions& options, Fix& fix) {
+void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+              const EpochFixOptions& options, bool closed_form_first, Fix& fix) {
   clear(fix);
   Node& node = t.nodes[segment.first_node];
   node.placed = false;
@@ -267,7 +287,22 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
   const int least = (t.motion == Motion::kPlanar ? 2 : 6) + (t.has_cycle_offset ? 1 : 0);
   const bool enough = c.poses > 0 || (c.heard + c.bearings >= least && c.beacons_heard + c.bearings >= 2);
   bool found = false, ambiguous = false;
-  if (enough) {
+  NodeAdjustment adjustment;
+  CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kSame);
+  if (closed_form_first && enough && may_begin_closed(t, segment, options) &&
+      place_by_linear_ranges(t, segment, model.state, model.beacon_usable)) {
+    node.placed = false;
+    adjustment = adjust_and_mark(t, segment, model, options, sigmas);
+    c = count(t, segment, model);
+    found = is_beyond_doubt(c, adjustment);
+    if (!found) {
+      sigmas.restore();
+      reset_marks(t, segment, model);
+      c = count(t, segment, model);
+    }
+  }
+  const bool search = !found;
+  if (enough && search) {
     if (t.motion == Motion::kPlanar) {
       ambiguous = start_planar(t, segment, model, options, found);
     } else {
@@ -280,8 +315,10 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
     return;
   }
 
-  const NodeAdjustment adjustment = adjust_and_mark(t, segment, model, options);
-  c = count(t, segment, model);
+  if (search) {
+    adjustment = adjust_and_mark(t, segment, model, options, sigmas);
+    c = count(t, segment, model);
+  }
   fix.T_map_vehicle = node.T_map_vehicle;
   fix.cost = adjustment.cost;
   report_arrivals(t, segment, fix);
@@ -299,6 +336,25 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
     fix.status = adjustment.converged ? FixStatus::kOk : FixStatus::kNotConverged;
   }
   node.placed = fix.ok();
+}
+
+}  // namespace
+
+Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+              const EpochFixOptions& options) {
+  Fix fix;
+  fix_epoch(t, segment, model, options, fix);
+  return fix;
+}
+
+void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+               const EpochFixOptions& options, Fix& fix) {
+  fix_node(t, segment, model, options, false, fix);
+}
+
+void fix_directly(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                  const EpochFixOptions& options, Fix& fix) {
+  fix_node(t, segment, model, options, true, fix);
 }
 
 }  // namespace octant

@@ -7,7 +7,7 @@
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/protection.h"
 #include "models/localizers/common/trajectory_model.h"
-#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/least_squares/direct_fix.h"
 
 namespace octant {
 namespace {
@@ -99,7 +99,7 @@ void LeastSquaresLocalizer::locate(const Observations& observations, Fix& fix) n
   if (observations.arrivals.empty() && observations.bearings.empty()) return;
   const ScratchScope scope(scratch_);
   set_epoch(epoch_, observations.arrivals, observations.bearings, trajectory_model_);
-  fix_epoch(epoch_, epoch_.segments.front(), model_, options_, fix);
+  fix_directly(epoch_, epoch_.segments.front(), model_, options_, fix);
   finish(epoch_, epoch_.segments.front(), fix);
 }
 
@@ -111,7 +111,7 @@ std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) {
       for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
         const ScratchScope scope(scratch_);
         const Segment epoch = node_segment(trajectory, segment, node);
-        fixes.push_back(fix_epoch(trajectory, epoch, model_, options_));
+        fix_directly(trajectory, epoch, model_, options_, fixes.emplace_back());
         finish(trajectory, epoch, fixes.back());
       }
   }

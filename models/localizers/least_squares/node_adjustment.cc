@@ -9,6 +9,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/trajectory/planar.h"
+
 namespace octant {
 namespace {
 
@@ -64,6 +66,34 @@ void add_biased_arrivals(const Trajectory& t, const Segment& segment, const Shar
   }
 }
 
+/// The arrivals of a planar node, without rows.
+void add_planar_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state,
+                         NormalEquations& eq) {
+  const PlanarState at(t.nodes[segment.first_node].T_map_vehicle);
+  PlanarWhitening whitening(state.speed_offset(t.run));
+  double H[6] = {}, g[3] = {}, squares = 0.0;
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (a.rejection != Rejection::kUsed) continue;
+    whitening.take(a);
+    const PlanarArrival row(a, at, state, whitening);
+    const double by[3] = {row.by_x(), row.by_y(), row.by_heading};
+    for (int p = 0, e = 0; p < 3; ++p) {
+      g[p] += by[p] * row.residual;
+      for (int q = p; q < 3; ++q) H[e++] += by[p] * by[q];
+    }
+    squares += row.residual * row.residual;
+  }
+  for (int p = 0, e = 0; p < 3; ++p) {
+    eq.g[p] += g[p];
+    for (int q = p; q < 3; ++q, ++e) {
+      eq.H(p, q) += H[e];
+      if (q != p) eq.H(q, p) += H[e];
+    }
+  }
+  eq.cost += 0.5 * squares;
+}
+
 /// Bearings of a beacon that is off by the slack are off by the slack over its distance.
 double bearing_weight(const Trajectory& t, const BearingObservation& b, const SharedState& state,
                       double slack_m) {
@@ -86,12 +116,14 @@ NormalEquations normal_equations(const Trajectory& t, const Segment& segment, co
   const auto weigh = [&](const ObservationRow& row) {
     add(row, row.kind == RowKind::kBearing ? bearing_weight(t, t.bearings[row.index], state, slack_m) : 1.0);
   };
-  if (slack_m == 0.0) {
-    for_each_row(t, segment, state, weigh);
-    return eq;
-  }
   Segment others = segment;
   others.first_arrival = others.last_arrival;
+  if (slack_m == 0.0) {
+    const bool plain = n == 3 && has_planar_arrivals(t, segment, state);
+    if (plain) add_planar_arrivals(t, segment, state, eq);
+    for_each_row(t, plain ? others : segment, state, weigh);
+    return eq;
+  }
   for_each_row(t, others, state, weigh);
   add_biased_arrivals(t, segment, state, slack_m, eq);
   return eq;

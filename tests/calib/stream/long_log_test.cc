@@ -6,6 +6,7 @@
 
 #include "calib/adjust/adjust.h"
 #include "calib/errors/reliability.h"
+#include "models/localizers/least_squares/linear_ranges.h"
 #include "models/trajectory/linearise.h"
 #include "tests/calib/calib_support.h"
 #include "tests/support/statistics.h"
@@ -27,7 +28,7 @@ TEST(LinearRanges, AreNearEnoughToSettleFrom) {
   const SharedState truth = shared_state(world.truth);
   int placed = 0;
   for (const Segment& s : t.segments) {
-    if (!calib::place_by_linear_ranges(t, s, truth, std::vector<bool>(8, true))) continue;
+    if (!place_by_linear_ranges(t, s, truth, std::vector<bool>(8, true))) continue;
     ++placed;
     Pose T;
     ASSERT_TRUE(interpolate_poses(world.run.truth, t.nodes[s.first_node].time_s, 1.0, T));
@@ -45,10 +46,10 @@ TEST(LinearRanges, TwoBeaconsAndBeaconsInLineTellNothing) {
   SharedState state = shared_state(world.truth);
   std::vector<bool> two(8, false);
   two[0] = two[1] = true;
-  for (const Segment& s : t.segments) EXPECT_FALSE(calib::place_by_linear_ranges(t, s, state, two));
+  for (const Segment& s : t.segments) EXPECT_FALSE(place_by_linear_ranges(t, s, state, two));
   for (std::size_t b = 0; b < 8; ++b) state.beacon_p_map_m[b] = {static_cast<double>(b), 0.0, 2.5};
   for (const Segment& s : t.segments)
-    EXPECT_FALSE(calib::place_by_linear_ranges(t, s, state, std::vector<bool>(8, true)));
+    EXPECT_FALSE(place_by_linear_ranges(t, s, state, std::vector<bool>(8, true)));
 }
 
 // What a part of the log began, all of it ends: sigmas shrink with the root of the number, and stay honest.
@@ -115,6 +116,75 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
                 1e-2 * *all.beacons[b].lateness_influence_m)
         << b;
   }
+}
+
+// A part of a long drive finds the shared parameters, the whole of it ends at its own optimum.
+TEST(LongDrive, IsCalibratedByWayOfAPart) {
+  Scenario s = drive_scenario(500.0);
+  s.echo_fraction = 0.02;
+  const World world = must(simulate(s, 1));
+  const calib::Problem problem = problem_of(world);
+  ASSERT_TRUE(calib::is_long_drive(problem));
+  const calib::Solution solution = calib::solve(problem, {});
+  ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+  const BeaconErrors errors = beacon_errors(world, solution);
+  const auto dof = static_cast<double>(errors.error.size());
+  EXPECT_LT(errors.nees(), chi2_quantile(1 - 1e-4, dof));
+  EXPECT_GT(errors.nees(), chi2_quantile(1e-4, dof));
+  // Nothing is left to gain from there.
+  calib::ParameterLayout layout = calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  std::vector<Trajectory> trajectories = solution.trajectories;
+  Eigen::VectorXd x = layout.vector_of(solution.state);
+  calib::AdjustOptions options;
+  options.function_tolerance = 1e-14;
+  const calib::AdjustResult again = calib::adjust(problem, layout, trajectories, x, options);
+  EXPECT_NEAR(again.cost, solution.final_cost, 1e-4);
+  Eigen::VectorXd per_si(layout.size());
+  for (int i = 0; i < layout.size(); ++i)
+    per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
+  const Eigen::VectorXd sigma = per_si.cwiseProduct(solution.covariance.matrix.diagonal().cwiseSqrt());
+  const Eigen::VectorXd moved = (x - layout.vector_of(solution.state)).cwiseQuotient(sigma);
+  EXPECT_LT(moved.cwiseAbs().maxCoeff(), 0.01);
+}
+
+TEST(LongDrive, DoesNotDependOnThreads) {
+  const World world = must(simulate(drive_scenario(500.0), 2));
+  const calib::Problem problem = problem_of(world);
+  calib::SolveOptions options;
+  const calib::Solution one = calib::solve(problem, options);
+  options.threads = 3;
+  const calib::Solution three = calib::solve(problem, options);
+  ASSERT_EQ(one.status, calib::SolveStatus::kConverged);
+  for (std::size_t b = 0; b < 8; ++b) EXPECT_EQ(one.state.beacon_p_map_m[b], three.state.beacon_p_map_m[b]);
+  EXPECT_EQ(one.statistics.rejected, three.statistics.rejected);
+  EXPECT_EQ(one.reliability.redundancy_sum, three.reliability.redundancy_sum);
+}
+
+// Stretches of a long drive with margins have the redundancies that they have within it.
+TEST(LongDrive, ReliabilityOfSomeStretchesIsThatOfAll) {
+  const World world = must(simulate(drive_scenario(260.0), 3));
+  const calib::Problem problem = problem_of(world);
+  const calib::Solution solution = calib::solve(problem, {});
+  const calib::ParameterLayout layout =
+      calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  Eigen::VectorXd per_si(layout.size());
+  for (int i = 0; i < layout.size(); ++i)
+    per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
+  const calib::Covariance C(
+      Eigen::MatrixXd(per_si.asDiagonal() * solution.covariance.matrix * per_si.asDiagonal()));
+  const auto reliability = [&](std::size_t all_epochs) {
+    return calib::reliability_of(problem, layout, solution.trajectories, solution.state, C,
+                                 solution.beacon_status, 1.0, 2, all_epochs);
+  };
+  const calib::Reliability all = reliability(10'000), some = reliability(2'000);
+  ASSERT_EQ(all.every, 1U);
+  ASSERT_GT(some.every, 1U);
+  EXPECT_NEAR(some.redundancy_sum, all.redundancy_sum, 0.03 * all.redundancy_sum);
+  std::vector<double> redundancy(world.run.arrivals.size(), NAN);
+  for (const calib::ArrivalReliability& a : all.arrivals) redundancy[a.arrival] = a.redundancy;
+  EXPECT_GT(some.arrivals.size(), all.arrivals.size() / 5);
+  for (const calib::ArrivalReliability& a : some.arrivals)
+    ASSERT_NEAR(a.redundancy, redundancy[a.arrival], 1e-3) << a.arrival;
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+namespace octant::calib {
+
+/// Columns of a border are padded to a multiple of this.
+inline constexpr std::size_t kBorderPad = 8;
+
+/// Some states of a chain that follow each other, with a border of columns that all of them couple to. All
+/// arrays are row by row.
+struct ChainWindow {
+  int block = 3;           ///< unknowns of a state: 3, 4, 6 or 7
+  std::size_t states = 0;  ///< to be eliminated; one more follows them
+  std::size_t width = 0;   ///< of the border, a multiple of kBorderPad
+  double* D = nullptr;     ///< (states + 1) x block x block: diagonal blocks, both triangles
+  double* U = nullptr;     ///< states x block x block: coupling to the next state
+  double* G = nullptr;     ///< (states + 1) x block x width: coupling to the border
+  double* H = nullptr;     ///< width x width: the border's own; only the lower triangle is meant
+};
+
+/// Eliminates the states front to back: with D = L L', W = L^-1 U, Y = L^-1 G of each,
+///   D_next -= W'W,   G_next -= W'Y,   H -= Y'Y
+/// (Schur complement of a bordered block-tridiagonal matrix). D and G of the state behind them are left as
+/// they then are; G of the others holds Y.
+/// @param floor  of a diagonal, by how much of its largest element it grows before it is factored; where that
+/// is not positive definite, 100 times `spare_floor` is added
+void eliminate(const ChainWindow& window, double floor_of_last, double spare_floor);
+
+/// The instruction set in use.
+[[nodiscard]] const char* chain_kernel_target();
+
+}  // namespace octant::calib

@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/chain/chain_reduction.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "calib/adjust/stop_block.h"
+#include "calib/adjust/tile.h"
+#include "calib/chain/chain_kernel.h"
+#include "calib/chain/stretch_reducer.h"
+#include "models/support/parallel.h"
+
+namespace octant::calib {
+namespace {
+
+using chain::AlignedDoubles;
+using chain::Remains;
+using chain::Stretch;
+using chain::StretchReducer;
+
+constexpr std::size_t kNodesPerStretch = 512;
+constexpr std::size_t kDoublesAtOnce = 1U << 20U;  ///< of the borders of stretches that are kept side by side
+
+/// Puts the ends of stretches together, one after the other.
+template <int N>
+class Joiner {
+ public:
+  static constexpr std::size_t n = N;
+
+  explicit Joiner(ReducedSystem& system)
+      : system_(system),
+        columns_(static_cast<std::size_t>(system.H.cols())),
+        width_((columns_ + kBorderPad) / kBorderPad * kBorderPad) {}
+
+  void take(const Stretch& stretch, const Remains& from) {
+    const std::size_t m = from.columns.size(), gradient = m + (stretch.has_left ? n : 0);
+    for (std::size_t i = 0; i < m; ++i) {
+      const double* row = from.H.data() + i * from.width;
+      for (std::size_t j = 0; j <= i; ++j) system_.H(from.columns[i], from.columns[j]) += row[j];
+      system_.gradient[from.columns[i]] += from.H.data()[gradient * from.width + i];
+    }
+    if (!stretch.has_left && !stretch.has_right) return;
+    if (H_.data() == nullptr) {
+      H_.assign_zero(width_ * width_);
+      D_.assign_zero(2 * n * n);
+      U_.assign_zero(n * n);
+      G_.assign_zero(2 * n * width_);
+    }
+    if (stretch.has_left) take_left(from, gradient);
+    double* const D = D_.data() + (stretch.has_left ? n * n : 0);
+    double* const G = G_.data() + (stretch.has_left ? n * width_ : 0);
+    if (stretch.has_right) {
+      for (std::size_t i = 0; i < n; ++i) {
+        const double* g = from.G.data() + i * from.width;
+        for (std::size_t j = 0; j < n; ++j) {
+          D[i * n + j] += from.D[i * n + j];
+          if (stretch.has_left) U_.data()[j * n + i] = g[from.left() + j];
+        }
+        for (std::size_t j = 0; j < m; ++j) G[i * width_ + static_cast<std::size_t>(from.columns[j])] += g[j];
+        G[i * width_ + columns_] += g[gradient];
+      }
+    }
+    if (!stretch.has_left) return;
+    eliminate({N, 1, width_, D_.data(), U_.data(), G_.data(), H_.data()}, 0.0, kUnobservedFloor);
+    std::memcpy(D_.data(), D, n * n * sizeof(double));
+    std::memcpy(G_.data(), G, n * width_ * sizeof(double));
+    std::fill(D, D + n * n, 0.0);
+    std::fill(G, G + n * width_, 0.0);
+    std::fill(U_.data(), U_.data() + n * n, 0.0);
+  }
+
+  void finish() {
+    if (H_.data() == nullptr) return;
+    for (std::size_t i = 0; i < columns_; ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      for (std::size_t j = 0; j <= i; ++j)
+        system_.H(row, static_cast<Eigen::Index>(j)) += H_.data()[i * width_ + j];
+      system_.gradient[row] += H_.data()[columns_ * width_ + i];
+    }
+  }
+
+ private:
+  /// What a stretch adds to the end before it.
+  void take_left(const Remains& from, std::size_t gradient) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const double* row = from.H.data() + (from.left() + i) * from.width;
+      for (std::size_t j = 0; j < n; ++j)
+        D_.data()[i * n + j] +=
+            j <= i ? row[from.left() + j] : from.H.data()[(from.left() + j) * from.width + from.left() + i];
+      double* G = G_.data() + i * width_;
+      for (std::size_t j = 0; j < from.columns.size(); ++j)
+        G[static_cast<std::size_t>(from.columns[j])] += row[j];
+      G[columns_] += from.H.data()[gradient * from.width + from.left() + i];
+    }
+  }
+
+  ReducedSystem& system_;
+  std::size_t columns_, width_;
+  AlignedDoubles H_, D_, U_, G_;  ///< of an end and the one behind it
+};
+
+std::vector<Stretch> stretches_of(std::size_t states) {
+  if (states <= 2 * kNodesPerStretch) return {{false, false, 0, states}};
+  std::vector<Stretch> out;
+  for (std::size_t end = kNodesPerStretch, first = 0;; end += kNodesPerStretch) {
+    const bool is_last = end + kNodesPerStretch / 2 > states;
+    out.push_back({first > 0, !is_last, first, is_last ? states : end});
+    if (is_last) return out;
+    first = end + 1;
+  }
+}
+
+template <int N>
+void reduce_segment(const ChainReduction& chain, const Segment& segment, const SharedState& state,
+                    const RobustLoss& loss, const std::vector<int>& place, int threads,
+                    ReducedSystem& system) {
+  const auto columns = static_cast<std::size_t>(system.H.cols());
+  const std::vector<Stretch> stretches = stretches_of(segment.last_node - segment.first_node);
+  const std::size_t at_once =
+      std::clamp<std::size_t>(kDoublesAtOnce / std::max<std::size_t>(columns * columns, 1), 2, 32);
+  std::vector<Remains> remains(std::min(at_once, stretches.size()));
+  Joiner<N> join(system);
+  for (std::size_t first = 0; first < stretches.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, stretches.size() - first);
+    for_each_parallel(count, threads, [&](std::size_t i) {
+      StretchReducer<N>(chain, segment, state, loss, place, columns).reduce(stretches[first + i], remains[i]);
+    });
+    for (std::size_t i = 0; i < count; ++i) join.take(stretches[first + i], remains[i]);
+  }
+  join.finish();
+}
+
+}  // namespace
+
+ChainReduction::ChainReduction(const Trajectory& trajectory, const ParameterLayout& layout,
+                               const std::vector<std::size_t>& segments)
+    : trajectory_(&trajectory), layout_(&layout), receivers_(layout.receiver.size()) {
+  path_of_.assign(layout.beacon.size() * receivers_, -1);
+  for (const std::size_t s : segments) {
+    const Segment& segment = trajectory.segments[s];
+    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+      const std::size_t b = trajectory.arrivals[i].beacon.index(),
+                        r = trajectory.arrivals[i].receiver.index();
+      std::int32_t& path = path_of_[b * receivers_ + r];
+      if (path >= 0) continue;
+      path = static_cast<std::int32_t>(paths_.size());
+      paths_.push_back(make_columns(b, r));
+    }
+  }
+}
+
+/// The same columns as row_entries, which says what each is.
+PathColumns ChainReduction::make_columns(std::size_t beacon, std::size_t receiver) const {
+  const ParameterLayout& layout = *layout_;
+  PathColumns out;
+  const auto add = [&](int column, int what, bool scaled) {
+    if (column < 0) return;
+    const double scale = scaled ? layout.parameters[static_cast<std::size_t>(column)].si_per_unit : 1.0;
+    out.entry[static_cast<std::size_t>(out.count++)] = {column, static_cast<PathColumns::What>(what), scale};
+  };
+  const VehicleId vehicle = layout.vehicle_of_receiver[receiver];
+  for (int i = 0; i < 3; ++i)
+    add(layout.beacon[beacon][static_cast<std::size_t>(i)], PathColumns::kBeacon + i, false);
+  if (layout.has_array(vehicle)) {
+    add(layout.array[vehicle.index()][0], PathColumns::kRadius, false);
+    add(layout.array[vehicle.index()][1], PathColumns::kTurn, true);
+  } else {
+    for (int i = 0; i < 3; ++i)
+      add(layout.receiver[receiver][static_cast<std::size_t>(i)], PathColumns::kReceiver + i, false);
+  }
+  for (const int column : layout.attenuation) add(column, PathColumns::kOther, true);
+  if (!layout.beacon_gain.empty()) add(layout.beacon_gain[beacon], PathColumns::kOther, false);
+  add(layout.beacon_delay[beacon], PathColumns::kDelay, true);
+  add(layout.receiver_delay[receiver], PathColumns::kDelay, true);
+  add(layout.site_delay, PathColumns::kDelay, true);
+  if (!layout.pair_bias.empty())
+    add(layout.pair_bias[beacon * receivers_ + receiver], PathColumns::kDelay, true);
+  add(layout.clock_drift[vehicle.index()], PathColumns::kOther, true);
+  add(layout.speed_column(trajectory_->run), PathColumns::kSpeed, true);
+  std::sort(out.entry.begin(), out.entry.begin() + out.count,
+            [](const auto& a, const auto& b) { return a.column < b.column; });
+  return out;
+}
+
+void ChainReduction::reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
+                            const std::vector<int>& place, int threads, ReducedSystem& system) const {
+  switch (trajectory_->block_size()) {
+    case 3: return reduce_segment<3>(*this, segment, state, loss, place, threads, system);
+    case 4: return reduce_segment<4>(*this, segment, state, loss, place, threads, system);
+    case 6: return reduce_segment<6>(*this, segment, state, loss, place, threads, system);
+    default: return reduce_segment<7>(*this, segment, state, loss, place, threads, system);
+  }
+}
+
+}  // namespace octant::calib

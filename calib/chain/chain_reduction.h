@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "calib/problem/parameters.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant::calib {
+
+struct ReducedSystem;
+
+/// Columns of the shared parameters that an arrival over one path (beacon, receiver) touches, ascending.
+struct PathColumns {
+  /// What an arrival's residual is derived by.
+  enum What : std::uint8_t { kBeacon, kReceiver = 3, kRadius = 6, kTurn, kDelay, kSpeed, kOther, kWhats };
+  struct Entry {
+    int column = 0;
+    What what = kOther;
+    double scale = 1.0;  ///< internal unit of the parameter
+  };
+  int count = 0;
+  std::array<Entry, 20> entry;
+};
+
+/// Eliminates the states of segments of a trajectory, and leaves their cost's gradient and Gauss-Newton
+/// matrix in the shared parameters:
+///   H = sum Js'Js - Js'Jx (Jx'Jx)^-1 Jx'Js,   g = Js'r - Js'Jx (Jx'Jx)^-1 Jx'r
+/// Jx'Jx is block-tridiagonal. A long chain is cut into stretches (nested dissection: George 1973): the inner
+/// states of a stretch are eliminated onto its two ends and the parameters that the stretch sees, stretches
+/// side by side; then the ends, one after the other. That is exact, and no sum depends on how many threads
+/// there are.
+class ChainReduction {
+ public:
+  /// @param trajectory, layout  not owned
+  /// @param segments  those that it will be asked for
+  ChainReduction(const Trajectory& trajectory, const ParameterLayout& layout,
+                 const std::vector<std::size_t>& segments);
+
+  /// Adds gradient and lower triangle of H at the states as the trajectory has them.
+  /// @param place  where each column of the layout stands in the system, ascending; -1: nowhere
+  void reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
+              const std::vector<int>& place, int threads, ReducedSystem& system) const;
+
+  /// Of a path that some arrival of the segments took.
+  [[nodiscard]] const PathColumns& columns_of(BeaconId beacon, ReceiverId receiver) const {
+    return paths_[static_cast<std::size_t>(path_of_[beacon.index() * receivers_ + receiver.index()])];
+  }
+  [[nodiscard]] const Trajectory& trajectory() const { return *trajectory_; }
+  [[nodiscard]] const ParameterLayout& layout() const { return *layout_; }
+
+ private:
+  [[nodiscard]] PathColumns make_columns(std::size_t beacon, std::size_t receiver) const;
+
+  const Trajectory* trajectory_;
+  const ParameterLayout* layout_;
+  std::size_t receivers_;
+  std::vector<std::int32_t> path_of_;  ///< by beacon and receiver; -1: not heard
+  std::vector<PathColumns> paths_;
+};
+
+}  // namespace octant::calib

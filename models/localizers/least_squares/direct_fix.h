@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "models/localizers/least_squares/epoch_fix.h"
+
+namespace octant {
+
+/// As fix_epoch, without its search where that could find nothing better: linear ranges place a planar node
+/// in closed form, it is adjusted, and if then all arrivals agree, of three beacons and more that are not in
+/// line, seven arrivals and more, and they tell the heading, that is the fix. Else fix_epoch.
+void fix_directly(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                  const EpochFixOptions& options, Fix& fix);
+
+}  // namespace octant

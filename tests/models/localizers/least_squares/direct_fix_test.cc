@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/least_squares/direct_fix.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "models/localizers/common/trajectory_model.h"
+#include "tests/models/localizers/hall.h"
+
+namespace octant {
+namespace {
+
+using test::hall;
+using test::hear;
+using test::random_pose;
+using test::with_octagon;
+
+/// The same epoch by both ways.
+struct Both {
+  Fix searched, direct;
+  Both(const Deployment& d, const std::vector<Arrival>& arrivals) {
+    using Way = void (*)(Trajectory&, const Segment&, const EpochFixModel&, const EpochFixOptions&, Fix&);
+    const EpochFixModel model = epoch_fix_model(d);
+    for (Fix* fix : {&searched, &direct}) {
+      Trajectory t;
+      set_epoch(t, arrivals, {}, trajectory_model(d));
+      (fix == &direct ? static_cast<Way>(fix_directly) : static_cast<Way>(fix_epoch))(t, t.segments[0], model,
+                                                                                      {}, *fix);
+    }
+  }
+  void expect_alike(int k) const {
+    ASSERT_EQ(searched.status, direct.status) << k;
+    EXPECT_EQ(searched.rejections, direct.rejections) << k;
+    if (!searched.ok()) return;
+    // Both end where plain squares have their minimum, to a part in 1e10 of the cost.
+    const Pose &a = searched.T_map_vehicle, &b = direct.T_map_vehicle;
+    EXPECT_LT((a.translation_m - b.translation_m).norm(), 1e-5) << k;
+    EXPECT_LT(std::abs(wrap_angle(a.heading_rad() - b.heading_rad())), 1e-4) << k;
+    EXPECT_LT((searched.covariance - direct.covariance).norm(), 1e-3 * searched.covariance.norm()) << k;
+  }
+};
+
+TEST(DirectFix, IsThatOfTheSearch) {
+  std::mt19937_64 random(3);
+  const Deployment d = with_octagon(hall());
+  for (int k = 0; k < 300; ++k)
+    Both(d, hear(d, random_pose(random), {.noise_s = 1e-5}, random)).expect_alike(k);
+}
+
+TEST(DirectFix, LeavesEchoesToTheSearch) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform;
+  const Deployment d = with_octagon(hall());
+  for (int k = 0; k < 300; ++k) {
+    std::vector<Arrival> arrivals = hear(d, random_pose(random), {.noise_s = 1e-5}, random);
+    const auto shadowed = static_cast<std::size_t>(8 * uniform(random));
+    for (Arrival& a : arrivals)
+      if (a.beacon.index() == shadowed || uniform(random) < 0.1) a.tof_s += 3e-4 + 5e-3 * uniform(random);
+    Both(d, arrivals).expect_alike(k);
+  }
+}
+
+TEST(DirectFix, BeaconsInLineAreNotBeyondDoubt) {
+  std::mt19937_64 random(5);
+  Deployment d = with_octagon(hall(4));
+  for (std::size_t b = 0; b < 4; ++b)
+    d.beacons[b].position_m = {2.0 + 4.0 * static_cast<double>(b), 0.0, 2.5};
+  for (int k = 0; k < 50; ++k)
+    Both(d, hear(d, random_pose(random), {.noise_s = 1e-5}, random)).expect_alike(k);
+}
+
+}  // namespace
+}  // namespace octant

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/trajectory/settle.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "models/trajectory/linearise.h"
+
+namespace octant {
+namespace {
+
+struct Drive {
+  Trajectory t;
+  SharedState state;
+};
+
+/// A long drive in the plane with plain arrivals and odometry, its states off by centimetres.
+Drive long_plain_drive(std::size_t nodes) {
+  Drive drive;
+  std::mt19937 random(11);
+  std::normal_distribution<double> n;
+  Trajectory& t = drive.t;
+  for (int b = 0; b < 3; ++b) {
+    drive.state.beacon_p_map_m.emplace_back(4.0 * b, 3.0 + n(random), 2.0 + 0.2 * b);
+    drive.state.beacon_delay_s.push_back(1e-4);
+  }
+  drive.state.receiver_p_vehicle_m = {{0.2, 0.05, 0.3}, {-0.2, 0.1, 0.35}};
+  drive.state.receiver_delay_s = {0.0, 1e-5};
+  for (std::size_t k = 0; k < nodes; ++k) {
+    const double a = 0.02 * static_cast<double>(k);
+    Node node;
+    node.placed = true;
+    node.T_map_vehicle = Pose::planar(4 + 2 * std::cos(a), -1 + std::sin(a), 3 * a);
+    t.nodes.push_back(node);
+  }
+  for (std::size_t k = 0; k + 1 < nodes; ++k) {
+    ArrivalObservation a;
+    a.node = static_cast<std::uint32_t>(k);
+    a.alpha = 0.1 * static_cast<double>(k % 10);
+    a.beacon = BeaconId(k % 3);
+    a.receiver = ReceiverId(k % 2);
+    a.sigma_s = 1e-5;
+    a.model_speed_mps = 343.0;
+    a.tof_s = -1e-5 * (arrival_residual(t, a, drive.state) + n(random));
+    t.arrivals.push_back(a);
+    const Pose step = t.nodes[k].T_map_vehicle.inverse() * t.nodes[k + 1].T_map_vehicle;
+    t.odometry.push_back(
+        {k, step * Pose::planar(1e-3 * n(random), 1e-3 * n(random), 1e-3 * n(random)), 1e-3, 1e-3});
+  }
+  t.poses.push_back({(nodes - 1) / 2, 0.5, t.nodes[(nodes - 1) / 2].T_map_vehicle, 0.01, 0.02, 0.03});
+  t.bearings.push_back({(nodes - 1) / 3, 0.5, 0, BeaconId(1), 0.7, 0.5, Rejection::kUsed});
+  t.segments.push_back({0, nodes, 0, t.arrivals.size(), 0, 1, 0, 1, 0, t.odometry.size()});
+  for (Node& node : t.nodes)
+    node.T_map_vehicle = retract(
+        node.T_map_vehicle, Eigen::Vector3d(0.02 * n(random), 0.02 * n(random), 0.02 * n(random)), t.motion);
+  return drive;
+}
+
+TEST(PlanarChain, SettlesWhereTheRowsHaveNoGradient) {
+  for (const std::size_t nodes : {std::size_t{2}, std::size_t{50}, std::size_t{9000}}) {
+    Drive drive = long_plain_drive(nodes);
+    const SettleResult result =
+        settle(drive.t, drive.t.segments[0], drive.state, {}, {.max_iterations = 100});
+    EXPECT_TRUE(result.converged);
+    ChainSystem system;
+    build_chain_system(drive.t, drive.t.segments[0], drive.state, {}, system);
+    EXPECT_NEAR(result.cost, system.cost, 1e-9 * system.cost);
+    for (std::size_t k = 0; k < system.g.size(); ++k)
+      EXPECT_LT(system.g[k].norm(), 1e-3 * std::sqrt(system.D[k].trace())) << "gradient left at node " << k;
+  }
+}
+
+TEST(PlanarChain, DoesNotDependOnTheNumberOfThreads) {
+  Drive one = long_plain_drive(9000), three = one;
+  const SettleResult a = settle(one.t, one.t.segments[0], one.state, {2.0, 3.0}, {.threads = 1});
+  const SettleResult b = settle(three.t, three.t.segments[0], three.state, {2.0, 3.0}, {.threads = 3});
+  EXPECT_EQ(a.cost, b.cost);
+  for (std::size_t k = 0; k < one.t.nodes.size(); ++k)
+    EXPECT_EQ(one.t.nodes[k].T_map_vehicle.translation_m, three.t.nodes[k].T_map_vehicle.translation_m);
+}
+
+TEST(PlanarChain, LastStepTakenOnTrustCostsNothing) {
+  Drive whole = long_plain_drive(3000), early = whole;
+  const SettleResult a = settle(whole.t, whole.t.segments[0], whole.state, {});
+  const SettleResult b = settle(early.t, early.t.segments[0], early.state, {}, {.tolerance = 1e-6});
+  EXPECT_LT(b.iterations, a.iterations);
+  EXPECT_NEAR(a.cost, b.cost, 1e-6 * a.cost);
+  ChainSystem system;
+  build_chain_system(early.t, early.t.segments[0], early.state, {}, system);
+  EXPECT_NEAR(system.cost, a.cost, 1e-6 * a.cost);
+}
+
+}  // namespace
+}  // namespace octant
