@@ -14,9 +14,9 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
   auto format = std::make_shared<std::string>();
   CLI::App* command = add_command(app, common, "schema", "Print the JSON Schema of a file format",
                                   "octant schema deployment > deployment.schema.json");
-  command->add_option("format", *format, "site, run, deployment, scenario, scene or batch")
+  command->add_option("format", *format, "site, run, deployment, scenario, scene, batch or live")
       ->required()
-      ->check(CLI::IsMember({"site", "run", "deployment", "scenario", "scene", "batch"}))
+      ->check(CLI::IsMember({"site", "run", "deployment", "scenario", "scene", "batch", "live"}))
       ->type_name("FORMAT");
   command->callback([format, &action] {
     action = [format](Session& session) {
