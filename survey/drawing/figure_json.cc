@@ -274,6 +274,7 @@ std::string plan_figure_json(const PlanInput& input, const PlanLines& lines) {
   }
   if (!lines.walls.empty()) data.push_back(lines_trace(lines.walls, "wall", "solid", size));
   if (!lines.routes.empty()) data.push_back(lines_trace(lines.routes, "route", "dash", size));
+  if (!lines.moves.empty()) data.push_back(lines_trace(lines.moves, "move", "solid", size));
   add_tracks(data, input, size, false);
   add_beacon_traces(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, false,
                     lines.beacon);

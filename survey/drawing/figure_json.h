@@ -21,7 +21,7 @@ struct NamedLine {
   bool closed = false;
 };
 struct PlanLines {
-  std::vector<NamedLine> walls, routes;
+  std::vector<NamedLine> walls, routes, moves;
   std::string area = "calibrated area", beacon = "calibrated beacon";  ///< as the legend calls them
 };
 

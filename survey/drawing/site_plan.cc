@@ -24,11 +24,11 @@ constexpr const char* kPlanStyle = R"(<style>
 .plan .track{fill:none;stroke:#5d6b78;stroke-width:1.2}.plan .stop{fill:none;stroke:#5d6b78;stroke-width:4;stroke-linecap:round}
 .plan .fix{fill:none;stroke:#b3470b;stroke-width:1.3}.plan .beacon{fill:#1660a8}.plan .control{fill:#176b34}
 .plan .beacon,.plan .control{stroke:#fff;stroke-width:1}.plan .dots{fill:none;stroke:#1660a8;stroke-width:5;stroke-linecap:round}.plan .ellipse{fill:#1660a8;fill-opacity:.15;stroke:#1660a8}
-.plan .silent{stroke:#b3261e;stroke-width:3}.plan .swatch{stroke:#1b2733;stroke-width:.5}.plan .layer~.layer{display:none}
+.plan .silent{stroke:#b3261e;stroke-width:3}.plan .move{fill:none;stroke:#b3261e;stroke-width:2}.plan .swatch{stroke:#1b2733;stroke-width:.5}.plan .layer~.layer{display:none}
 @media(prefers-color-scheme:dark){.plan text{fill:#dfe6ec}.plan .name{stroke:#12181e}.plan .paper{fill:#12181e}.plan .grid{stroke:#2b353f}
 .plan .area{fill:#18251d;stroke:#8fb09a}.plan .track,.plan .stop{stroke:#9aa7b3}.plan .fix{stroke:#f0945a}.plan .beacon{fill:#6db3f2}
 .plan .control{fill:#67c587}.plan .beacon,.plan .control{stroke:#12181e}.plan .dots{stroke:#6db3f2}.plan .ellipse{fill:#6db3f2;stroke:#6db3f2}
-.plan .silent{stroke:#f2867e}.plan .swatch{stroke:#dfe6ec}}
+.plan .silent,.plan .move{stroke:#f2867e}.plan .swatch{stroke:#dfe6ec}}
 </style>
 )";
 
@@ -136,6 +136,26 @@ void draw_beacons(std::string& svg, const Deployment& deployment, const PlanFram
   }
 }
 
+/// From where a beacon hung to where it hangs, drawn larger.
+void draw_moves(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
+  const double scale_px = move_exaggeration(input, frame.extent_m()) * frame.px_per_m;
+  for (const PlanMove& move : input.moves) {
+    const auto beacon = std::find_if(input.deployment.beacons.begin(), input.deployment.beacons.end(),
+                                     [&](const DeploymentBeacon& b) { return b.name == move.beacon; });
+    if (beacon == input.deployment.beacons.end() || !is_drawn(*beacon)) continue;
+    const Eigen::Vector2d way_px = Eigen::Vector2d(move.shift_m.x(), -move.shift_m.y()) * scale_px;
+    const double length_px = way_px.norm();
+    if (!(length_px > 1.0)) continue;
+    const Eigen::Vector2d to(frame.x(beacon->position_m.x()), frame.y(beacon->position_m.y()));
+    const Eigen::Vector2d from = to - way_px, back = way_px / length_px * std::min(9.0, 0.4 * length_px),
+                          aside(-0.5 * back.y(), 0.5 * back.x());
+    const Eigen::Vector2d left = to - back + aside, right = to - back - aside;
+    svg += fmt::format(
+        "<path class='move' d='M{:.1f} {:.1f}L{:.1f} {:.1f}M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}'/>\n",
+        from.x(), from.y(), to.x(), to.y(), left.x(), left.y(), to.x(), to.y(), right.x(), right.y());
+  }
+}
+
 /// The beacon that is out of work while a map is shown.
 void draw_silent(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
   for (std::size_t k = 0; k < input.maps.size(); ++k) {
@@ -200,6 +220,15 @@ double ellipse_exaggeration(const Deployment& deployment, double plan_extent_m) 
   return std::max(1.0, round_down(0.05 * plan_extent_m / (kEllipse95 * std::sqrt(largest_m2))));
 }
 
+double move_exaggeration(const PlanInput& input, double plan_extent_m) {
+  constexpr double kLongest = 0.1;
+  double longest_m = 0.0;
+  for (const PlanMove& move : input.moves) longest_m = std::max(longest_m, move.shift_m.head<2>().norm());
+  const double ellipses = ellipse_exaggeration(input.deployment, plan_extent_m);
+  if (!(longest_m > 0.0) || !std::isfinite(longest_m) || !(plan_extent_m > 0.0)) return ellipses;
+  return std::min(ellipses, std::max(1.0, round_down(kLongest * plan_extent_m / longest_m)));
+}
+
 std::string site_plan_svg(const PlanInput& input) {
   const PlanFrame frame = plan_frame(input);
   const double exaggeration = ellipse_exaggeration(input.deployment, frame.extent_m());
@@ -214,13 +243,18 @@ std::string site_plan_svg(const PlanInput& input) {
   for (const auto& beacon : input.deployment.beacons)
     if (named && is_drawn(beacon)) draw_ellipse(svg, beacon, frame, exaggeration);
   draw_beacons(svg, input.deployment, frame, flat);
+  draw_moves(svg, input, frame);
   draw_silent(svg, input, frame);
   double height = frame.height_px;
   height += draw_legend(
       svg, input, frame,
-      !named ? "Names and error ellipses are left out: there are too many beacons."
-             : fmt::format("Error ellipses: 95 % (2.45 sigma), drawn {:g} times as large as they are.",
-                           exaggeration));
+      !named
+          ? "Names and error ellipses are left out: there are too many beacons."
+          : fmt::format(
+                "Error ellipses: 95 % (2.45 sigma), drawn {:g} times as large as they are.{}", exaggeration,
+                input.moves.empty() ? ""
+                                    : fmt::format(" Arrows: moves since the earlier calibration, {:g} times.",
+                                                  move_exaggeration(input, frame.extent_m()))));
   if (!input.maps.empty()) height += kLegendRow_px;
   return framed("Plan of " + input.deployment.site, height, svg);
 }

@@ -37,12 +37,19 @@ struct NamedMap {
   std::optional<double> tolerance{};  ///< colours say where the values lie against it: inside, near, beyond
 };
 
+/// How a beacon moved since an earlier deployment.
+struct PlanMove {
+  std::string beacon;
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< new less old
+};
+
 /// What is drawn on the plan.
 struct PlanInput {
   Deployment deployment;
   std::vector<Track> tracks;             ///< of the calibration
   std::vector<Eigen::Vector3d> fixes_m;  ///< of a run that was localized; may be empty
   std::vector<NamedMap> maps;
+  std::vector<PlanMove> moves{};  ///< arrows to where beacons hang now
 };
 
 /// A plan shows no more marks of a kind than this; more would not be seen.
@@ -57,6 +64,10 @@ inline constexpr std::size_t kMostNamed = 300;
 /// By how much error ellipses are drawn larger than they are, so that the largest is some 5 % of the plan: 1,
 /// 2 or 5 times a power of ten, at least 1.
 [[nodiscard]] double ellipse_exaggeration(const Deployment& deployment, double plan_extent_m);
+
+/// By how much moves are drawn larger than they are: as ellipses if the longest is then at most a tenth of
+/// the plan, else less.
+[[nodiscard]] double move_exaggeration(const PlanInput& input, double plan_extent_m);
 
 /// Plan of a site as a self-contained SVG: grid in metres, maps, calibrated area, tracks, fixes, beacons with
 /// exaggerated 95 % error ellipses and a legend that says by how much. Follows the reader's light or dark

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "survey/drawing/figure_json.h"
+#include "survey/drawing/plan_frame.h"
 #include "survey/report/report_sections.h"
 
 namespace octant::survey {
@@ -17,17 +18,44 @@ bool anything_placed(const PlanInput& plan) {
                      [](const auto& t) { return !t.points_m.empty(); });
 }
 
+/// Of the beacons that are held to have moved.
+std::vector<PlanMove> moves_of(const ReportInput& input) {
+  std::vector<PlanMove> moves;
+  if (input.changes)
+    for (const BeaconChange& c : input.changes->beacons)
+      if (c.moved()) moves.push_back({c.name, c.shift_m});
+  return moves;
+}
+
+/// As the plan draws them: from where a beacon hung, so many times as far.
+std::vector<NamedLine> move_lines(const PlanInput& plan) {
+  std::vector<NamedLine> lines;
+  const double factor = move_exaggeration(plan, plan_frame(plan).extent_m());
+  for (const PlanMove& move : plan.moves)
+    for (const DeploymentBeacon& b : plan.deployment.beacons)
+      if (b.name == move.beacon && is_drawn(b)) {
+        const Eigen::Vector2d to = b.position_m.head<2>();
+        lines.push_back(
+            {fmt::format("of {}, {:g} times", b.name, factor), {to - factor * move.shift_m.head<2>(), to}});
+      }
+  return lines;
+}
+
 }  // namespace
 
 std::optional<ReportSection> plan_section(const ReportInput& input) {
   if (!anything_placed(input.plan)) return {};
   ReportSection section{"plan", "Plan of the site", {}};
+  PlanInput drawn = input.plan;
+  drawn.moves = moves_of(input);
+  PlanLines lines;
+  lines.moves = move_lines(drawn);
   ReportFigure plan{"figure-plan",
                     "The site from above: beacons with their 95 % error ellipses (2.45 sigma, drawn larger "
                     "by the factor in the legend), "
                     "the calibrated area and where the vehicle was.",
-                    site_plan_svg(input.plan),
-                    plan_figure_json(input.plan),
+                    site_plan_svg(drawn),
+                    plan_figure_json(drawn, lines),
                     {},
                     {}};
   if (!input.plan.maps.empty()) {

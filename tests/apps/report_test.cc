@@ -107,6 +107,19 @@ TEST_F(Report, SiteSheetNamesTheDeployment) {
   EXPECT_EQ(codes, 8u);
 }
 
+TEST_F(Report, ACertificateNamesWhoAndWhatWasFound) {
+  ASSERT_EQ(calibrate().exit, 0);
+  const Outcome made = octant({"report", out("d.json"), "--certificate", out("c.md"), "--operator",
+                               "A. Mason", "--certificate-number", "C-17"});
+  ASSERT_EQ(made.exit, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("certificate"));
+  const std::string text = slurp(out("c.md"));
+  for (const char* what : {"C-17", "A. Mason", "k = 2", "B4", "SHA-256"}) EXPECT_THAT(text, HasSubstr(what));
+  EXPECT_EQ(octant({"report", out("d.json"), "--certificate", out("d.json")}).exit, 2) << "over its input";
+  ASSERT_EQ(octant({"report", out("d.json"), "--certificate", out("c.html")}).exit, 0);
+  EXPECT_THAT(slurp(out("c.html")), HasSubstr("<!doctype html>"));
+}
+
 TEST_F(Report, WrongFilesAreExit3) {
   ASSERT_EQ(calibrate().exit, 0);
   spit(box / "not.json", "{}");

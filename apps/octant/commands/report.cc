@@ -13,7 +13,10 @@
 #include "apps/octant/text/report_json.h"
 #include "io/deployment/deployment_json.h"
 #include "io/text/bounds.h"
+#include "survey/page/report_html.h"
+#include "survey/page/report_markdown.h"
 #include "survey/page/site_sheet.h"
+#include "survey/report/certificate.h"
 
 namespace octant::app {
 namespace {
@@ -23,6 +26,8 @@ struct ReportArgs {
   std::vector<std::string> runs;
   ReportWords report;
   std::string site_sheet;
+  std::string certificate;
+  survey::CertificateInput certified;
 };
 
 /// The digest that the file carries; of a file without one, that of its bytes.
@@ -66,18 +71,31 @@ Result<void> verify_with(const std::vector<std::string>& folders, survey::Report
   return {};
 }
 
+/// As Markdown where its name says so, else as a page without a script.
+std::string certificate_page(const ReportArgs& words, const survey::ReportInput& input,
+                             const std::string& digest) {
+  survey::CertificateInput certified = words.certified;
+  certified.issued = created_now();
+  certified.digest = digest;
+  const survey::ReportDocument document = survey::certificate_document(input.plan.deployment, certified);
+  return words.certificate.ends_with(".md") ? survey::to_markdown(document) : survey::to_html(document, "");
+}
+
 int run(const ReportArgs& words, Session& session) {
-  const int files_on_stdout = on_stdout(words.report) + (words.site_sheet == "-");
+  const int files_on_stdout =
+      on_stdout(words.report) + (words.site_sheet == "-") + (words.certificate == "-");
   if (files_on_stdout + session.options.json > 1)
-    return session.fail({"error", "usage", kUsage,
-                         "only one of -o -, --site-sheet - and --json can have standard output", ""});
+    return session.fail(
+        {"error", "usage", kUsage,
+         "only one of -o -, --site-sheet -, --certificate - and --json can have standard output", ""});
   if (files_on_stdout > 0) session.result_to_stderr();
   CommandFiles of_command{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
   of_command.inputs.insert(of_command.inputs.end(), {words.saved, words.report.since});
-  of_command.outputs.push_back(words.site_sheet);
+  of_command.outputs.insert(of_command.outputs.end(), {words.site_sheet, words.certificate});
   if (auto fit = check_no_overwriting(of_command); !fit) return session.fail(fit.error());
   if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
-  if (auto fit = check_output(words.site_sheet); !fit) return session.fail(fit.error());
+  for (const std::string& file : {words.site_sheet, words.certificate})
+    if (auto fit = check_output(file); !fit) return session.fail(fit.error());
 
   const auto text = io::read_document(words.saved);
   if (!text) return session.fail(text.error());
@@ -91,10 +109,19 @@ int run(const ReportArgs& words, Session& session) {
   auto files = report_files(words.report, *input);
   if (!words.site_sheet.empty())
     files.push_back({words.site_sheet, survey::site_sheet_html(input->plan.deployment, digest_of(*text))});
+  if (!words.certificate.empty()) {
+    if (input->outcome != survey::Outcome::kCalibrated)
+      return session.fail(Error{.code = Errc::kUsage,
+                                .found = "--certificate of a calibration that exported nothing",
+                                .expected = "a deployment, or the report of a calibration that has one"});
+    files.push_back({words.certificate, certificate_page(words, *input, digest_of(*text))});
+  }
   if (auto written = io::write_files(files); !written) return session.fail(written.error());
   session.result(changes_text(*input) + verdict_text(*input) + report_lines(words.report));
   if (!words.site_sheet.empty() && words.site_sheet != "-")
     session.result(fmt::format("{:<17}{}\n", "site sheet", words.site_sheet));
+  if (!words.certificate.empty() && words.certificate != "-")
+    session.result(fmt::format("{:<17}{}\n", "certificate", words.certificate));
   Json object = {{"verdict", verdict_json(*input)}};
   add_changes_json(*input, object);
   return session.finish(object);
@@ -127,6 +154,19 @@ void add_report(CLI::App& app, CommonOptions& common, Action& action) {
       ->add_option("--site-sheet", words->site_sheet,
                    "Sheets to print: each beacon with coordinates, delay and a QR code")
       ->type_name("S.html");
+  command
+      ->add_option("--certificate", words->certificate,
+                   "Calibration record with what ISO/IEC 17025 7.8 asks of one: .html or .md")
+      ->type_name("C.html");
+  const auto certified = [&](const char* name, std::string& value, const char* help) {
+    command->add_option(name, value, help)->type_name("TEXT");
+  };
+  certified("--certificate-number", words->certified.number,
+            "Its number; by default of the site and the digest");
+  certified("--organisation", words->certified.organisation, "Who calibrated: name and address");
+  certified("--operator", words->certified.operator_name, "Who did it");
+  certified("--customer", words->certified.customer, "For whom");
+  certified("--place", words->certified.place, "Where");
   command->callback(
       [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }

@@ -38,6 +38,18 @@ TEST(Report, SaysThingsInTheOrderOfTheirUse) {
                                           "verification", "determined", "loss", "residuals", "provenance"));
 }
 
+TEST(Report, ThePlanHasAnArrowToWhatMoved) {
+  ReportInput input = full_report();
+  ASSERT_TRUE(input.changes && input.changes->beacons[0].moved());
+  const std::string moved = to_html(report_document(input), "");
+  EXPECT_EQ(count(moved, "class='move'"), 1u);
+  EXPECT_THAT(moved, HasSubstr("Arrows: moves since the earlier calibration"));
+  input.changes->beacons[0].significant = false;
+  const std::string still = to_html(report_document(input), "");
+  EXPECT_EQ(count(still, "class='move'"), 0u);
+  EXPECT_THAT(still, Not(HasSubstr("Arrows:")));
+}
+
 TEST(Report, StillPageIsClosedAndWithoutScript) {
   const std::string html = report_html(full_report(), {.interactive = false});
   EXPECT_THAT(html, HasSubstr("default-src 'none'"));
