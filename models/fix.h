@@ -38,6 +38,7 @@ enum class Rejection : std::uint8_t {
   kOutvoted,   ///< the fixes it takes part in disagree with the others (Kleeman's longsolve, Thamma's four
                ///< times)
   kNotNeeded,  ///< the method fixes the pose from others
+  kUnknownId   ///< its beacon or receiver is none of the deployment's
 };
 [[nodiscard]] const char* to_string(Rejection rejection);
 

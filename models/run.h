@@ -7,10 +7,13 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "models/ids.h"
 #include "models/physics/pose.h"
+#include "models/site.h"
+#include "models/support/result.h"
 
 namespace octant {
 
@@ -28,6 +31,12 @@ struct Arrival {
   double temperature_degC = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the run's or the site's
   int line = 0;                                                        ///< row in tof.csv
 };
+
+/// An arrival by names, for a robot's own program. Errors: a name that there is not; a receiver that is not
+/// named where the vehicle has several.
+[[nodiscard]] Result<Arrival> arrival_of(const NameTable& names, std::string_view beacon, double tof_s,
+                                         double time_s = 0.0, std::string_view receiver = {},
+                                         std::string_view vehicle = {});
 
 /// Direction of a reflector in the vehicle frame, counter-clockwise from +x.
 struct Bearing {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -195,6 +196,12 @@ struct NameTable {
     VehicleId vehicle;
   };
   std::vector<Receiver> receivers;
+
+  /// By name, one after the other; an id that is not valid() where there is none. @param vehicle, receiver
+  /// empty: the only one, or the vehicle `robot`
+  [[nodiscard]] BeaconId find_beacon(std::string_view name) const;
+  [[nodiscard]] VehicleId find_vehicle(std::string_view name) const;
+  [[nodiscard]] ReceiverId find_receiver(VehicleId vehicle, std::string_view name) const;
 };
 [[nodiscard]] NameTable names_of(const Site& site);
 

@@ -4,6 +4,7 @@
 
 #include "models/deployment.h"
 #include "models/fix.h"
+#include "models/run.h"
 #include "models/site.h"
 
 namespace octant {
@@ -40,6 +41,47 @@ NameTable names_of(const Deployment& deployment) {
   return collect_names(deployment.beacons, deployment.vehicles, deployment.receivers);
 }
 
+Result<Arrival> arrival_of(const NameTable& names, std::string_view beacon, double tof_s, double time_s,
+                           std::string_view receiver, std::string_view vehicle) {
+  const auto unknown = [](const char* what, std::string_view name) {
+    return fail({.code = Errc::kBadInput,
+                 .found = name.empty()
+                              ? std::string("no ") + what + " is named, and there is not just one"
+                              : std::string(what) + " '" + std::string(name) + "' is not in the deployment"});
+  };
+  Arrival a;
+  a.time_s = time_s;
+  a.tof_s = tof_s;
+  a.beacon = names.find_beacon(beacon);
+  if (!a.beacon.valid()) return unknown("beacon", beacon);
+  a.vehicle = names.find_vehicle(vehicle);
+  if (!a.vehicle.valid()) return unknown("vehicle", vehicle);
+  a.receiver = names.find_receiver(a.vehicle, receiver);
+  if (!a.receiver.valid()) return unknown("receiver", receiver);
+  return a;
+}
+
+BeaconId NameTable::find_beacon(std::string_view name) const {
+  const auto at = std::find(beacons.begin(), beacons.end(), name);
+  return at == beacons.end() ? BeaconId() : BeaconId(static_cast<std::size_t>(at - beacons.begin()));
+}
+
+VehicleId NameTable::find_vehicle(std::string_view name) const {
+  if (name.empty() && vehicles.size() == 1) return VehicleId(0);
+  const auto at = std::find(vehicles.begin(), vehicles.end(), name.empty() ? "robot" : name);
+  return at == vehicles.end() ? VehicleId() : VehicleId(static_cast<std::size_t>(at - vehicles.begin()));
+}
+
+ReceiverId NameTable::find_receiver(VehicleId vehicle, std::string_view name) const {
+  ReceiverId found;
+  for (std::size_t i = 0; i < receivers.size(); ++i) {
+    if (receivers[i].vehicle != vehicle || (!name.empty() && receivers[i].name != name)) continue;
+    if (found.valid()) return {};  // not named, and there are several
+    found = ReceiverId(i);
+  }
+  return found;
+}
+
 const char* to_string(BeaconStatus status) {
   switch (status) {
     case BeaconStatus::kCalibrated: return "calibrated";
@@ -73,6 +115,7 @@ const char* to_string(Rejection rejection) {
     case Rejection::kReflection: return "reflection";
     case Rejection::kOutvoted: return "outvoted";
     case Rejection::kNotNeeded: return "not_needed";
+    case Rejection::kUnknownId: return "unknown_id";
   }
   return "no_pose";
 }

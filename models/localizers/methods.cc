@@ -48,20 +48,6 @@ bool can_chain(const Deployment& deployment) {
   return deployment.motion == Motion::kPlanar && deployment.timing.clock == Clock::kSynchronised;
 }
 
-std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment,
-                                          const MethodInput& input) {
-  switch (method) {
-    case Method::kKleeman:
-      return std::make_unique<Kleeman>(deployment, KleemanOptions{.heading = input.kleeman_heading});
-    case Method::kHeadTail: return std::make_unique<HeadTail>(deployment);
-    case Method::kOneBeacon: return std::make_unique<OneBeacon>(deployment);
-    case Method::kRail: return std::make_unique<RailLocalizer>(deployment);
-    case Method::kReflectors: return std::make_unique<Reflectors>(deployment);
-    case Method::kBinaural: return std::make_unique<Binaural>(deployment);
-    default: return nullptr;
-  }
-}
-
 /// Rows of one vehicle, and where each of its poses begins.
 template <class Row>
 struct Poses {
@@ -128,6 +114,21 @@ std::vector<Fix> locate_by_poses(Localizer& localizer, const Deployment& deploym
 }
 
 }  // namespace
+
+std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment,
+                                          const MethodInput& input) {
+  switch (method) {
+    case Method::kKleeman:
+      return std::make_unique<Kleeman>(deployment, KleemanOptions{.heading = input.kleeman_heading});
+    case Method::kHeadTail: return std::make_unique<HeadTail>(deployment);
+    case Method::kOneBeacon: return std::make_unique<OneBeacon>(deployment);
+    case Method::kRail: return std::make_unique<RailLocalizer>(deployment);
+    case Method::kReflectors: return std::make_unique<Reflectors>(deployment);
+    case Method::kLeastSquares: return std::make_unique<LeastSquaresLocalizer>(deployment);
+    case Method::kBinaural: return std::make_unique<Binaural>(deployment);
+    default: return nullptr;
+  }
+}
 
 const std::vector<std::pair<std::string_view, Method>>& method_names() {
   static const std::vector<std::pair<std::string_view, Method>> names = {
@@ -199,8 +200,10 @@ MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& r
   return {Method::kLeastSquares, "all arrivals of each pose"};
 }
 
-Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment, const MeasurementLog& run,
-                                    const MethodInput& input) {
+Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment,
+                                    const MeasurementLog& all_rows, const MethodInput& input) {
+  MeasurementLog room;
+  const MeasurementLog& run = known_rows(all_rows, deployment, room);
   if (method == Method::kAuto) method = choose_method(deployment, run, input).method;
   if (auto fits = method_fits(method, deployment, run, input); !fits) return fail(fits.error());
   if (method == Method::kTracker) return track(run, deployment);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -9,6 +10,7 @@
 
 #include "models/deployment.h"
 #include "models/fix.h"
+#include "models/localizers/common/localizer.h"
 #include "models/localizers/kleeman/kleeman_heading.h"
 #include "models/localizers/line_map/line_map.h"
 #include "models/run.h"
@@ -43,6 +45,11 @@ struct MethodInput {
 [[nodiscard]] Result<void> method_fits(Method method, const Deployment& deployment, const MeasurementLog& run,
                                        const MethodInput& input = {});
 
+/// A localizer of single poses by arrivals or bearings; none for kAuto, kLineMap and kTracker. The deployment
+/// fits (method_fits).
+[[nodiscard]] std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment,
+                                                        const MethodInput& input = {});
+
 /// What Method::kAuto stands for on a run, and why in a few words: the most exact method that deployment and
 /// log allow.
 struct MethodChoice {
@@ -54,8 +61,10 @@ struct MethodChoice {
 
 /// All fixes of a run, in the order of time, those without a pose included with their reason. Localizers of
 /// single poses get epoch by epoch; without epochs, what arrives within five milliseconds of each other.
+/// Rows whose beacon or receiver is none of the deployment's take no part.
 /// Errors: those of method_fits.
 [[nodiscard]] Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment,
-                                                  const MeasurementLog& run, const MethodInput& input = {});
+                                                  const MeasurementLog& all_rows,
+                                                  const MethodInput& input = {});
 
 }  // namespace octant

@@ -88,8 +88,12 @@ class Watch {
   [[nodiscard]] double threshold() const { return threshold_; }
   [[nodiscard]] std::size_t charts() const { return charts_.size(); }
   /// Told as changed, and left out since.
-  [[nodiscard]] bool is_out(BeaconId beacon) const { return beacons_[beacon.index()].out; }
-  [[nodiscard]] bool is_out(ReceiverId receiver) const { return receivers_[receiver.index()].out; }
+  [[nodiscard]] bool is_out(BeaconId beacon) const {
+    return beacon.valid() && beacon.index() < beacons_.size() && beacons_[beacon.index()].out;
+  }
+  [[nodiscard]] bool is_out(ReceiverId receiver) const {
+    return receiver.valid() && receiver.index() < receivers_.size() && receivers_[receiver.index()].out;
+  }
   /// What the air is faster than the deployment says, as followed along [m/s].
   [[nodiscard]] double speed_offset_mps() const { return speed_offset_mps_; }
   /// All charts at zero, everything in use: after a recalibration or a repair.

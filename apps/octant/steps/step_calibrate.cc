@@ -35,6 +35,7 @@ std::string reason_in_words(Rejection reason) {
     case Rejection::kReflection: return "right behind another of its beacon";
     case Rejection::kOutvoted: return "outvoted";
     case Rejection::kNotNeeded: return "not needed";
+    case Rejection::kUnknownId: return "unknown";
   }
   return "other";
 }

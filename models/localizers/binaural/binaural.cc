@@ -58,7 +58,7 @@ std::optional<double> level_range_m(double range_m, double height_m) noexcept {
 }
 
 Binaural::Binaural(const Deployment& deployment, const BinauralOptions& options)
-    : deployment_(deployment), options_(options) {
+    : Localizer(deployment), deployment_(deployment), options_(options) {
   const auto roles = binaural_roles(deployment, options);
   if (!roles) return;
   roles_ = *roles;
@@ -77,7 +77,7 @@ Binaural::Binaural(const Deployment& deployment, const BinauralOptions& options)
   }
 }
 
-void Binaural::locate(const Observations& observations, Fix& fix) noexcept {
+void Binaural::locate_known(const Observations& observations, Fix& fix) noexcept {
   collect(observations, fix);
   for (const Link& link : links_)
     if (link.arrivals == 0) return;  // kTooFewArrivals

@@ -84,10 +84,8 @@ class Binaural : public Localizer {
   /// Of a deployment that does not fit, every fix is kTooFewArrivals.
   explicit Binaural(const Deployment& deployment, const BinauralOptions& options = {});
 
-  using Localizer::locate;
-  void locate(const Observations& observations, Fix& fix) noexcept override;
-
  private:
+  void locate_known(const Observations& observations, Fix& fix) noexcept override;
   /// One of the four ranges.
   struct Link {
     BeaconId beacon;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "models/deployment.h"
 #include "models/fix.h"
 #include "models/run.h"
 
@@ -28,7 +29,9 @@ inline void clear(Fix& fix) {
 
 /// A way of finding a vehicle, constructed from a `Deployment`. All memory is taken at construction: a call
 /// allocates nothing once `fix` has held a fix of as many arrivals, throws nothing, and ends in bounded time.
-/// What cannot be fixed is a fix with the reason in its status, never NaN.
+/// What cannot be fixed is a fix with the reason in its status, never NaN. Ids may be any: what is none of
+/// the deployment's is left out before a method sees it (Rejection::kUnknownId; room for it may then be
+/// taken).
 class Localizer {
  public:
   virtual ~Localizer() = default;
@@ -36,7 +39,7 @@ class Localizer {
   /// Overwrites `fix`, reusing its memory; `fix.rejections` gets one entry an arrival (an entry a bearing
   /// where the method takes bearings alone). Methods that keep a state (where the vehicle was) update it only
   /// when the fix is kOk.
-  virtual void locate(const Observations& observations, Fix& fix) noexcept = 0;
+  void locate(const Observations& observations, Fix& fix) noexcept;
 
   [[nodiscard]] Fix locate(const Observations& observations) {
     Fix fix;
@@ -45,9 +48,28 @@ class Localizer {
   }
 
  protected:
-  Localizer() = default;
+  /// Of what `fix.rejections` speaks.
+  enum class Marks { kArrivals, kBearings };
+  explicit Localizer(const Deployment& deployment, Marks marks = Marks::kArrivals)
+      : beacons_(deployment.beacons.size()), receivers_(deployment.receivers.size()), marks_(marks) {}
   Localizer(const Localizer&) = default;
   Localizer& operator=(const Localizer&) = default;
+
+ private:
+  /// The method: every beacon, receiver and labelled reflector is the deployment's.
+  virtual void locate_known(const Observations& observations, Fix& fix) noexcept = 0;
+  [[nodiscard]] bool knows(const Arrival& arrival) const noexcept;
+  [[nodiscard]] bool knows(const Bearing& bearing) const noexcept;
+
+  std::size_t beacons_, receivers_;
+  Marks marks_;
+  std::vector<Arrival> known_arrivals_;
+  std::vector<Bearing> known_bearings_;
 };
+
+/// The rows of a log whose beacons and receivers are the deployment's: the log itself, or what is left of it,
+/// in `room`.
+[[nodiscard]] const MeasurementLog& known_rows(const MeasurementLog& log, const Deployment& deployment,
+                                               MeasurementLog& room);
 
 }  // namespace octant

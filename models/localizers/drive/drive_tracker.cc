@@ -32,7 +32,8 @@ OdometryObservation observation(std::size_t node, const OdometryStep& step, doub
 
 DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry,
                            const TrackerOptions& options)
-    : model_(epoch_fix_model(deployment)),
+    : Localizer(deployment),
+      model_(epoch_fix_model(deployment)),
       calibration_(deployment),
       options_(options),
       odometry_(odometry),
@@ -147,7 +148,7 @@ void DriveTracker::search() {
   placed_ = true;
 }
 
-void DriveTracker::locate(const Observations& observations, Fix& fix) noexcept {
+void DriveTracker::locate_known(const Observations& observations, Fix& fix) noexcept {
   clear(fix);
   const std::span<const Arrival> arrivals = observations.arrivals;
   if (arrivals.empty()) return;

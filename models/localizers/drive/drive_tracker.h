@@ -32,12 +32,15 @@ class DriveTracker final : public Localizer {
   /// The vehicle moved by a fraction (0 to 1) of an odometry row; rows up to the instant of the next
   /// arrivals.
   void move(const OdometryStep& step, double fraction = 1.0) noexcept;
-  /// Fix at the arrivals' instant, which is that of the last move: kOk, or kNoConsensus while the place is
-  /// not known.
-  void locate(const Observations& observations, Fix& fix) noexcept override;
-  using Localizer::locate;
+  /// Whether the place is known, and by all that came so far which it is: before `locate` the prediction.
+  [[nodiscard]] bool is_placed() const { return placed_; }
+  [[nodiscard]] Pose pose() const { return filter_.pose(); }
+  [[nodiscard]] PoseCovariance covariance() const { return filter_.covariance(); }
 
  private:
+  /// Fix at the arrivals' instant, which is that of the last move: kOk, or kNoConsensus while the place is
+  /// not known.
+  void locate_known(const Observations& observations, Fix& fix) noexcept override;
   void begin_window(double time_s);
   void keep_recent_half();
   void observe_all(std::span<const Arrival> arrivals);

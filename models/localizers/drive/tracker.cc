@@ -7,6 +7,7 @@
 
 #include "models/localizers/common/calibration_part.h"
 #include "models/localizers/common/correlated_arrivals.h"
+#include "models/localizers/common/localizer.h"
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/drive/chain_calibration.h"
 #include "models/localizers/drive/chain_covariance.h"
@@ -254,8 +255,10 @@ bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions
   return any;
 }
 
-std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment,
+std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deployment,
                        const TrackerOptions& options) {
+  MeasurementLog room;
+  const MeasurementLog& log = known_rows(all_rows, deployment, room);
   if (is_drive_in_space(deployment, log))
     return track_in_space(log, deployment, {.rejection_sigmas = options.rejection_sigmas});
   std::vector<Fix> fixes;

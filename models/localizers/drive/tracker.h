@@ -33,7 +33,7 @@ struct TrackerOptions {
 /// with a motion prior instead of odometry is always smoothed. Stops with odometry between them are smoothed
 /// the same way, a fix an epoch; those that it does not tie together are fixed one by one. A fix's covariance
 /// holds the calibration's part, which does not average out along the drive (chain_calibration.h).
-[[nodiscard]] std::vector<Fix> track(const MeasurementLog& log, const Deployment& deployment,
+[[nodiscard]] std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deployment,
                                      const TrackerOptions& options = {});
 
 }  // namespace octant

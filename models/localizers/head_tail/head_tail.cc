@@ -51,7 +51,8 @@ double tail_orientation_from_y_rad(double head_orientation_rad) {
 }
 
 HeadTail::HeadTail(const Deployment& deployment, HeadTailOptions options)
-    : deployment_(deployment),
+    : Localizer(deployment),
+      deployment_(deployment),
       options_(options),
       ranges_(deployment, {.gates = options.gates, .spread_sigmas = options.spread_sigmas}),
       propagation_(deployment),
@@ -226,7 +227,7 @@ FixStatus HeadTail::fix_pose(std::span<const Arrival> arrivals, Fix& fix) {
   return set_pose(choice, fix);
 }
 
-void HeadTail::locate(const Observations& observations, Fix& fix) noexcept {
+void HeadTail::locate_known(const Observations& observations, Fix& fix) noexcept {
   begin_fix(observations.arrivals, fix);
   end_fix(fix_pose(observations.arrivals, fix), fix);
 }
@@ -242,7 +243,7 @@ Result<void> head_tail_fits(const Deployment& deployment) {
   const auto usable =
       std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
                     [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
-  if (usable < 2) return lacks(std::to_string(usable) + " usable base stations", "two or more");
+  if (usable < 2) return lacks(std::to_string(usable).append(" usable base stations"), "two or more");
   const bool any = std::any_of(
       deployment.vehicles.begin(), deployment.vehicles.end(),
       [&](const SiteVehicle& vehicle) { return apart(deployment, ends_of(deployment, vehicle)); });

@@ -56,10 +56,9 @@ class HeadTail : public Localizer {
   explicit HeadTail(const Deployment& deployment, HeadTailOptions options = {});
   /// Pairs of more stations would add time (their number squared), and hardly accuracy.
   static constexpr std::size_t kMaxStations = 12;
-  using Localizer::locate;
-  void locate(const Observations& observations, Fix& fix) noexcept override;
 
  private:
+  void locate_known(const Observations& observations, Fix& fix) noexcept override;
   using Ends = std::array<ReceiverId, 2>;  ///< head, tail
   struct Choice {
     const TrianglePoint* head = nullptr;

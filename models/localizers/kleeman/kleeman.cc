@@ -28,15 +28,16 @@ Result<void> kleeman_fits(const Deployment& d) {
   std::size_t usable = 0;
   for (const DeploymentBeacon& b : d.beacons) usable += b.status != BeaconStatus::kUndetermined ? 1 : 0;
   if (usable < 3)
-    return fail(
-        lacks("kleeman: the deployment has " + std::to_string(usable) + " usable beacons", "3 or more"));
+    return fail(lacks(
+        std::string("kleeman: the deployment has ").append(std::to_string(usable)).append(" usable beacons"),
+        "3 or more"));
   if (d.receivers.empty() || d.vehicles.empty())
     return fail(lacks("kleeman: the deployment has no receiver", "a vehicle with one"));
   return {};
 }
 
 Kleeman::Kleeman(const Deployment& deployment, const KleemanOptions& options)
-    : deployment_(deployment), options_(options) {
+    : Localizer(deployment), deployment_(deployment), options_(options) {
   if (auto fits = kleeman_fits(deployment); !fits) throw std::invalid_argument(fits.error().message());
   for (const DeploymentBeacon& b : deployment_.beacons) beacon_p_map_m_.push_back(b.position_m);
   work_ = std::make_unique<Work>();
@@ -54,7 +55,7 @@ void Kleeman::reset() noexcept {
   for (Vehicle& v : vehicles_) v.memory.placed = v.memory.has_errors = false;
 }
 
-void Kleeman::locate(const Observations& observations, Fix& fix) noexcept {
+void Kleeman::locate_known(const Observations& observations, Fix& fix) noexcept {
   const std::span<const Arrival> arrivals = observations.arrivals;
   fix.T_map_vehicle = Pose();
   fix.covariance.setZero(3, 3);

@@ -73,12 +73,6 @@ class Kleeman : public Localizer {
   explicit Kleeman(const Deployment& deployment, const KleemanOptions& options = {});
   ~Kleeman() override;
 
-  using Localizer::locate;
-  /// The arrivals of one epoch of one vehicle. Those that longsolve outvotes are kOutvoted, late ones of a
-  /// beacon whose other arrivals agree are kLate, agreeing beacons in none of the averaged triples are
-  /// kNotNeeded.
-  void locate(const Observations& observations, Fix& fix) noexcept override;
-
   /// Varies the speed of sound until the distances agree best, over the epochs in `arrivals` (told apart by
   /// their epoch; all of one vehicle). Does not change what locate() uses.
   [[nodiscard]] SpeedEstimate estimate_speed(std::span<const Arrival> arrivals) noexcept;
@@ -89,6 +83,10 @@ class Kleeman : public Localizer {
   void reset() noexcept;
 
  private:
+  /// The arrivals of one epoch of one vehicle. Those that longsolve outvotes are kOutvoted, late ones of a
+  /// beacon whose other arrivals agree are kLate, agreeing beacons in none of the averaged triples are
+  /// kNotNeeded.
+  void locate_known(const Observations& observations, Fix& fix) noexcept override;
   struct Vehicle;
   struct Work;
 

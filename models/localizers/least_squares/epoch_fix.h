@@ -73,14 +73,14 @@ class LeastSquaresLocalizer final : public Localizer {
  public:
   explicit LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options = {});
 
-  void locate(const Observations& observations, Fix& fix) noexcept override;
   using Localizer::locate;
   /// Fix from the arrivals of one epoch of one vehicle.
   [[nodiscard]] Fix locate(std::span<const Arrival> arrivals) { return locate(Observations{arrivals, {}}); }
   /// All epochs of a run, in order; epochs without a fix included with their reason.
-  [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& log);
+  [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& all_rows);
 
  private:
+  void locate_known(const Observations& observations, Fix& fix) noexcept override;
   void finish(const Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
 
   Deployment deployment_;

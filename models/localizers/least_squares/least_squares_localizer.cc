@@ -80,7 +80,8 @@ EpochFixModel epoch_fix_model(const Deployment& deployment) {
 }
 
 LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options)
-    : deployment_(std::move(deployment)),
+    : Localizer(deployment),
+      deployment_(std::move(deployment)),
       options_(options),
       model_(epoch_fix_model(deployment_)),
       calibration_(deployment_),
@@ -98,7 +99,7 @@ void LeastSquaresLocalizer::finish(const Trajectory& trajectory, const Segment& 
   fix.protection_level_m = horizontal_protection_m(trajectory, epoch, model_.state, fix.covariance);
 }
 
-void LeastSquaresLocalizer::locate(const Observations& observations, Fix& fix) noexcept {
+void LeastSquaresLocalizer::locate_known(const Observations& observations, Fix& fix) noexcept {
   clear(fix);
   if (observations.arrivals.empty() && observations.bearings.empty()) return;
   const ScratchScope scope(scratch_);
@@ -107,8 +108,10 @@ void LeastSquaresLocalizer::locate(const Observations& observations, Fix& fix) n
   finish(epoch_, epoch_.segments.front(), fix);
 }
 
-std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& log) {
+std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& all_rows) {
   std::vector<Fix> fixes;
+  MeasurementLog room;
+  const MeasurementLog& log = known_rows(all_rows, deployment_, room);
   for (std::size_t v = 0; v < deployment_.vehicles.size(); ++v) {
     Trajectory trajectory = make_trajectory(log, 0, VehicleId(v), trajectory_model_);
     for (const Segment& segment : trajectory.segments)

@@ -62,7 +62,8 @@ Eigen::Vector2d robot_in_map(const Eigen::Vector2d& beacon_robot_m, const Eigen:
 }
 
 OneBeacon::OneBeacon(const Deployment& deployment, OneBeaconOptions options)
-    : deployment_(deployment),
+    : Localizer(deployment),
+      deployment_(deployment),
       options_(options),
       last_(deployment.vehicles.size()),
       ranges_(deployment, {.gates = options.gates, .spread_sigmas = options.spread_sigmas}),
@@ -233,7 +234,7 @@ FixStatus OneBeacon::fix_pose(std::span<const Arrival> arrivals, Fix& fix) {
   return status;
 }
 
-void OneBeacon::locate(const Observations& observations, Fix& fix) noexcept {
+void OneBeacon::locate_known(const Observations& observations, Fix& fix) noexcept {
   begin_fix(observations.arrivals, fix);
   end_fix(fix_pose(observations.arrivals, fix), fix);
 }

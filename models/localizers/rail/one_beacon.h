@@ -62,8 +62,6 @@ struct OneBeaconOptions {
 class OneBeacon : public Localizer {
  public:
   explicit OneBeacon(const Deployment& deployment, OneBeaconOptions options = {});
-  using Localizer::locate;
-  void locate(const Observations& observations, Fix& fix) noexcept override;
 
   /// Heading from now on, for a robot that has it from odometry or a compass. @param sigma_rad positive
   void set_heading(double heading_rad, double sigma_rad) noexcept;
@@ -71,6 +69,7 @@ class OneBeacon : public Localizer {
   void forget() noexcept;
 
  private:
+  void locate_known(const Observations& observations, Fix& fix) noexcept override;
   static constexpr std::size_t kMaxEither =
       4;  ///< beacons that are tried on both sides: sixteen combinations
   struct Receivers {

@@ -26,7 +26,8 @@ bool runs_on_rail(const SiteVehicle& vehicle) {
 }  // namespace
 
 RailLocalizer::RailLocalizer(const Deployment& deployment, RailOptions options)
-    : deployment_(deployment),
+    : Localizer(deployment),
+      deployment_(deployment),
       options_(options),
       ranges_(deployment, {.gates = options.gates, .spread_sigmas = options.spread_sigmas}),
       propagation_(deployment),
@@ -259,7 +260,7 @@ FixStatus RailLocalizer::fix_place(std::span<const Arrival> arrivals, Fix& fix) 
   return finish(pairs, arrivals, chosen, fix);
 }
 
-void RailLocalizer::locate(const Observations& observations, Fix& fix) noexcept {
+void RailLocalizer::locate_known(const Observations& observations, Fix& fix) noexcept {
   begin_fix(observations.arrivals, fix);
   end_fix(fix_place(observations.arrivals, fix), fix);
 }

@@ -51,12 +51,11 @@ struct RailOptions {
 class RailLocalizer : public Localizer {
  public:
   explicit RailLocalizer(const Deployment& deployment, RailOptions options = {});
-  using Localizer::locate;
-  void locate(const Observations& observations, Fix& fix) noexcept override;
   /// Forgets where the vehicles were.
   void forget() noexcept;
 
  private:
+  void locate_known(const Observations& observations, Fix& fix) noexcept override;
   struct Place {
     double s_m = 0.0;
     double sigma_m = 0.0;

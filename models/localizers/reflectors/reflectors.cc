@@ -40,7 +40,7 @@ Result<void> reflectors_fits(const Deployment& deployment) {
 }
 
 Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& options)
-    : options_(options), index_(deployment.beacons.size(), -1) {
+    : Localizer(deployment, Marks::kBearings), options_(options), index_(deployment.beacons.size(), -1) {
   sigma_rad_ =
       std::max(options.bearing_sigma_rad.value_or(deployment.noise.bearing_sigma_rad), kSmallestSigma_rad);
   for (std::size_t b = 0; b < deployment.beacons.size(); ++b) {
@@ -60,7 +60,7 @@ void Reflectors::predict(const Pose& T_map_vehicle, double sigma_m, double sigma
       Prediction{{T_map_vehicle.translation_m.head<2>(), T_map_vehicle.heading_rad()}, sigma_m, sigma_rad};
 }
 
-void Reflectors::locate(const Observations& observations, Fix& fix) noexcept {
+void Reflectors::locate_known(const Observations& observations, Fix& fix) noexcept {
   begin(observations, fix);
   const auto bearings = observations.bearings.first(std::min(observations.bearings.size(), kMaxBearings));
   const auto usable = std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed);

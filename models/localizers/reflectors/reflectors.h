@@ -52,15 +52,13 @@ class Reflectors : public Localizer {
  public:
   explicit Reflectors(const Deployment& deployment, const ReflectorsOptions& options = {});
 
-  using Localizer::locate;
-  /// Bearings beyond the first 64 are not used. Rejections are one for each bearing.
-  void locate(const Observations& observations, Fix& fix) noexcept override;
-
   /// Where the vehicle is at the next `locate`, as odometry has it; instead of what follows from the last
   /// fix.
   void predict(const Pose& T_map_vehicle, double sigma_m, double sigma_rad) noexcept;
 
  private:
+  /// Bearings beyond the first 64 are not used. Rejections are one for each bearing.
+  void locate_known(const Observations& observations, Fix& fix) noexcept override;
   struct Reflector {
     Eigen::Vector2d p_map_m;
     Eigen::Matrix2d covariance_m2;

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/common/localizer.h"
+
+#include <algorithm>
+
+namespace octant {
+namespace {
+
+bool is_known(const Arrival& a, std::size_t beacons, std::size_t receivers) {
+  return a.beacon.valid() && a.beacon.index() < beacons && a.receiver.valid() &&
+         a.receiver.index() < receivers;
+}
+
+/// An unlabelled bearing is known; whose it is, is found out.
+bool is_known(const Bearing& b, std::size_t beacons) {
+  return !b.reflector.valid() || b.reflector.index() < beacons;
+}
+
+}  // namespace
+
+bool Localizer::knows(const Arrival& arrival) const noexcept {
+  return is_known(arrival, beacons_, receivers_);
+}
+
+bool Localizer::knows(const Bearing& bearing) const noexcept { return is_known(bearing, beacons_); }
+
+void Localizer::locate(const Observations& observations, Fix& fix) noexcept {
+  const auto known = [this](const auto& row) { return knows(row); };
+  const bool all_arrivals = std::all_of(observations.arrivals.begin(), observations.arrivals.end(), known);
+  const bool all_bearings = std::all_of(observations.bearings.begin(), observations.bearings.end(), known);
+  if (all_arrivals && all_bearings) return locate_known(observations, fix);
+
+  const auto keep = [&known](const auto& rows, auto& kept) {
+    kept.clear();
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept), known);
+  };
+  keep(observations.arrivals, known_arrivals_);
+  keep(observations.bearings, known_bearings_);
+  locate_known(Observations{known_arrivals_, known_bearings_}, fix);
+
+  // One entry a row again, from behind, so that none is overwritten before it has moved.
+  const auto spread = [&](const auto& rows, std::size_t kept) {
+    if (fix.rejections.size() == kept && (kept > 0 || fix.ok())) {
+      fix.rejections.resize(rows.size());
+      for (std::size_t i = rows.size(); i-- > 0;)
+        fix.rejections[i] = knows(rows[i]) ? fix.rejections[--kept] : Rejection::kUnknownId;
+    }
+  };
+  if (marks_ == Marks::kArrivals) {
+    fix.arrivals_rejected += static_cast<int>(observations.arrivals.size() - known_arrivals_.size());
+    spread(observations.arrivals, known_arrivals_.size());
+  } else {
+    fix.arrivals_rejected += static_cast<int>(observations.bearings.size() - known_bearings_.size());
+    spread(observations.bearings, known_bearings_.size());
+  }
+}
+
+const MeasurementLog& known_rows(const MeasurementLog& log, const Deployment& deployment,
+                                 MeasurementLog& room) {
+  const auto strange_arrival = [&](const Arrival& a) {
+    return !is_known(a, deployment.beacons.size(), deployment.receivers.size());
+  };
+  const auto strange_bearing = [&](const Bearing& b) { return !is_known(b, deployment.beacons.size()); };
+  if (std::none_of(log.arrivals.begin(), log.arrivals.end(), strange_arrival) &&
+      std::none_of(log.bearings.begin(), log.bearings.end(), strange_bearing))
+    return log;
+  room = log;
+  std::erase_if(room.arrivals, strange_arrival);
+  std::erase_if(room.bearings, strange_bearing);
+  return room;
+}
+
+}  // namespace octant
