@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "models/support/eigen_abi.h"
+
 namespace octant {
 
 /// Rigid motion T_a_b: p_a = rotation * p_b + translation_m. As a vehicle's pose it is T_map_vehicle.
