@@ -14,6 +14,7 @@ std::string_view schema(std::string_view format) {
   if (format == "scenario") return scenario_schema();
   if (format == "batch") return batch_schema();
   if (format == "scene") return scene_schema();
+  if (format == "live") return live_schema();
   return {};
 }
 

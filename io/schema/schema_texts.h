@@ -13,6 +13,7 @@ namespace octant::io {
 [[nodiscard]] std::string_view deployment_schema();
 [[nodiscard]] std::string_view batch_schema();
 [[nodiscard]] std::string_view scene_schema();
+[[nodiscard]] std::string_view live_schema();
 /// Properties of a scene, for the schemas that hold one.
 [[nodiscard]] std::string_view scene_properties();
 /// Lines "path | example | description" of the keys and columns of a format; a column's path is FILE:NAME.

@@ -7,6 +7,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
+#include "apps/octant/live/follow.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/steps/trusted.h"
@@ -21,6 +22,7 @@ struct LocalizeArgs {
   std::string deployment, output, csv, trusted_key;
   std::vector<std::string> runs;
   MethodWords how;
+  FollowWords live;
 };
 
 /// Both files or none.
@@ -47,7 +49,22 @@ void warn_of_fixes(const Localization& found, const std::vector<Fix>& fixes, Ses
   }
 }
 
+/// Live, a deployment is all that there is.
+int run_live(const LocalizeArgs& words, Session& session) {
+  if (!words.runs.empty() || !words.csv.empty() || (!words.output.empty() && words.output != "-") ||
+      session.options.json)
+    return session.fail({"error", "usage", kUsage,
+                         "--follow takes lines (--from) instead of runs, and its fixes go to standard output",
+                         "leave RUN, -o, --csv and --json out"});
+  return follow(words.live, words.deployment, words.trusted_key, words.how.method, session);
+}
+
 int run(const LocalizeArgs& words, Session& session) {
+  if (words.live.follow) return run_live(words, session);
+  if (words.runs.empty() || words.output.empty())
+    return session.fail({"error", "usage", kUsage,
+                         words.runs.empty() ? "run is required" : "--output is required",
+                         "octant localize --help explains; --follow localizes as the data come"});
   const int on_stdout = (words.output == "-") + (words.csv == "-") + session.options.json;
   if (on_stdout > 1)
     return session.fail(
@@ -111,13 +128,13 @@ void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("deployment", words->deployment, "Deployment file, from calibrate")
       ->required()
       ->type_name("DEPLOYMENT.json");
-  command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
+  command->add_option("run", words->runs, "Run folders: the recordings")->type_name("RUN");
   command->add_option("-o,--output", words->output, "Fixes to write, TUM format; - is standard output")
-      ->required()
       ->type_name("FIXES.tum");
   command->add_option("--csv", words->csv, "Fixes with sigmas and reasons to write")->type_name("F.csv");
   add_method_options(*command, words->how);
   add_trust_option(*command, words->trusted_key);
+  add_follow_options(*command, words->live);
   command->callback(
       [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }

@@ -11,7 +11,7 @@ namespace octant::io {
 namespace {
 
 TEST(Schema, EachFormatHasOne) {
-  for (const char* format : {"site", "run", "deployment", "scenario", "scene", "batch"}) {
+  for (const char* format : {"site", "run", "deployment", "scenario", "scene", "batch", "live"}) {
     const auto json = nlohmann::json::parse(schema(format), nullptr, false);
     ASSERT_FALSE(json.is_discarded()) << format;
     EXPECT_EQ(json.value("$schema", ""), "https://json-schema.org/draft/2020-12/schema") << format;
@@ -33,7 +33,7 @@ void check_references(const nlohmann::json& node, const nlohmann::json& root) {
 }
 
 TEST(Schema, ReferencesLeadSomewhere) {
-  for (const char* format : {"site", "run", "deployment", "scenario", "scene", "batch"}) {
+  for (const char* format : {"site", "run", "deployment", "scenario", "scene", "batch", "live"}) {
     const auto json = nlohmann::json::parse(schema(format));
     check_references(json, json);
   }

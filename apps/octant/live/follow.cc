@@ -1,0 +1,297 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/live/follow.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "apps/octant/interrupt.h"
+#include "apps/octant/live/byte_source.h"
+#include "apps/octant/steps/steps.h"
+#include "apps/octant/steps/trusted.h"
+#include "io/live/live_fixes.h"
+#include "io/live/live_rows.h"
+#include "models/live/follower.h"
+
+namespace octant::app {
+namespace {
+
+constexpr int kQuiet_ms = 50;  ///< after which a pose that is open counts as complete
+
+volatile std::sig_atomic_t hangups = 0;
+extern "C" void on_hangup(int) { hangups = hangups + 1; }
+
+/// What was wrong with lines, and how often. Kinds are counted one by one up to a number, so that no stream
+/// of rubbish fills the memory.
+class BadLines {
+ public:
+  void add(const std::string& what, std::size_t line, Session& session) {
+    ++total_;
+    const bool known = kinds_.contains(what);
+    ++kinds_[known || kinds_.size() < kMostKinds ? what : "others"];
+    if (!known && kinds_.size() < kMostKinds) session.note(fmt::format("line {}: {}", line, what));
+  }
+  [[nodiscard]] std::size_t total() const { return total_; }
+  [[nodiscard]] std::string words() const {
+    std::string text;
+    for (const auto& [what, count] : kinds_)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+    return text;
+  }
+
+ private:
+  static constexpr std::size_t kMostKinds = 20;
+  std::size_t total_ = 0;
+  std::map<std::string, std::size_t> kinds_;
+};
+
+/// Everything that one deployment needs.
+struct Engine {
+  Engine(Deployment deployment, const FollowOptions& options)
+      : names(names_of(deployment)),
+        reader(names, constant_speed_mps(deployment.medium)),
+        follower(std::move(deployment), options) {}
+  NameTable names;
+  io::LiveReader reader;
+  Follower follower;
+};
+
+class FollowLoop {
+ public:
+  FollowLoop(const FollowWords& words, std::string deployment, std::string trusted_key, FollowOptions options,
+             Session& session)
+      : words_(words),
+        deployment_(std::move(deployment)),
+        trusted_key_(std::move(trusted_key)),
+        options_(options),
+        session_(session) {}
+
+  Result<void> start() {
+    if (!words_.origin.empty() || words_.format == "nmea") {
+      if (auto known = read_origin(); !known) return known;
+    }
+    auto engine = load();
+    if (!engine) return fail(engine.error());
+    engine_ = std::move(*engine);
+    return {};
+  }
+
+  Result<void> run(ByteSource& source) {
+    using Event = ByteSource::Event;
+    for (Event event = Event::kQuiet; event != Event::kEnd && !interrupted();) {
+      if (reloads_ != hangups) reload();
+      event = source.wait(kQuiet_ms);
+      const auto line = [this](std::string_view text) { take(text); };
+      const auto too_long = [this] { bad_.add("a line of more than 65536 bytes", ++lines_, session_); };
+      if (event == Event::kBytes) cutter_.feed(source.bytes(), line, too_long);
+      if (event == Event::kBreak || event == Event::kEnd || event == Event::kFailed)
+        cutter_.end(line, too_long);
+      if (event == Event::kQuiet || event == Event::kEnd || event == Event::kFailed)
+        engine_->follower.flush();
+      if (!write_out()) return fail({.code = Errc::kOutput, .found = "standard output could not be written"});
+      if (event == Event::kFailed)
+        return fail({.code = Errc::kBadInput, .file = words_.from, .found = source.why()});
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::string summary() {
+    add_counts();
+    const FollowCounts& c = counts_;
+    std::string text =
+        fmt::format("{:<17}{}, {} times no fix\n{:<17}{} used, {} left out\n{:<17}{}\n", "fixes", c.fixes,
+                    c.no_fix, "arrivals", c.used, c.rejected, "odometry rows", c.odometry_rows);
+    if (c.refused > 0)
+      text += fmt::format("{:<17}{} rows that run backwards in time\n", "refused", c.refused);
+    if (c.dropped > 0) text += fmt::format("{:<17}{} arrivals without odometry\n", "dropped", c.dropped);
+    if (bad_.total() > 0) text += fmt::format("{:<17}{}: {}\n", "bad lines", bad_.total(), bad_.words());
+    if (options_.watch) text += fmt::format("{:<17}{}\n", "alarms", c.alarms);
+    return text;
+  }
+
+ private:
+  Result<std::unique_ptr<Engine>> load() {
+    auto deployment = read_trusted_deployment(deployment_, trusted_key_);
+    if (!deployment) return fail(deployment.error());
+    if (auto fits = follow_fits(*deployment, options_.method); !fits) return fail(fits.error());
+    warn_if_contradicted(*deployment, deployment_, session_);
+    auto engine = std::make_unique<Engine>(std::move(*deployment), options_);
+    Engine* e = engine.get();
+    e->follower.on_fix = [this, e](const Fix& fix) {
+      out_ += words_.format == "nmea"  ? io::fix_as_nmea(fix, origin_)
+              : words_.format == "ros" ? io::fix_as_ros(fix, e->names)
+                                       : io::fix_as_json(fix, e->names);
+    };
+    e->follower.on_alarm = [this, e](const WatchAlarm& alarm) {
+      const std::string text = io::alarm_as_json(alarm, e->names);
+      session_.note(text.substr(0, text.size() - 1));
+      if (words_.format == "nmea") out_ += io::alarm_as_nmea(alarm, e->names);
+      if (words_.format == "json") out_ += text;
+    };
+    return engine;
+  }
+
+  void reload() {
+    reloads_ = hangups;
+    auto engine = load();
+    if (!engine) return session_.warn("the deployment that is in use is kept: " + engine.error().message());
+    engine_->follower.flush();
+    (*engine)->follower.carry_on(engine_->follower);
+    add_counts();
+    engine_ = std::move(*engine);
+    session_.note(fmt::format("{} was read anew", deployment_));
+  }
+
+  void add_counts() {
+    const FollowCounts& c = engine_->follower.counts();
+    counts_.arrivals += c.arrivals;
+    counts_.odometry_rows += c.odometry_rows;
+    counts_.fixes += c.fixes;
+    counts_.no_fix += c.no_fix;
+    counts_.used += c.used;
+    counts_.rejected += c.rejected;
+    counts_.refused += c.refused;
+    counts_.dropped += c.dropped;
+    counts_.alarms += c.alarms;
+  }
+
+  void take(std::string_view text) {
+    ++lines_;
+    const auto row = engine_->reader.row(text);
+    if (!row) return bad_.add(row.error().message(), lines_, session_);
+    if (const auto* arrival = std::get_if<Arrival>(&*row)) {
+      engine_->follower.hear(*arrival);
+    } else if (const auto* step = std::get_if<OdometryStep>(&*row)) {
+      engine_->follower.move(*step);
+    } else if (std::holds_alternative<io::LiveFlush>(*row)) {
+      engine_->follower.flush();
+    }
+    if (out_.size() > kMostWaiting) (void)write_out();
+  }
+
+  /// A reader that is slow makes us wait, and with us whoever sends.
+  bool write_out() {
+    std::string_view rest = out_;
+    while (!rest.empty()) {
+      const ssize_t written = write(STDOUT_FILENO, rest.data(), rest.size());
+      if (written < 0 && errno != EINTR) return false;
+      if (written < 0 && interrupted()) break;
+      rest.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(written, 0)));
+    }
+    out_.clear();
+    return true;
+  }
+
+  Result<void> read_origin() {
+    std::array<double, 3> numbers{};
+    std::string_view text = words_.origin;
+    std::size_t count = 0;
+    for (bool more = !text.empty(); more && count < 3; ++count) {
+      const std::string_view word = text.substr(0, text.find(','));
+      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), numbers[count]);
+      if (error != std::errc() || end != word.data() + word.size()) count = 9;
+      more = text.size() > word.size();
+      if (more) text.remove_prefix(word.size() + 1);
+    }
+    if (count < 2 || count > 3 || std::abs(numbers[0]) >= 89.9 || std::abs(numbers[1]) > 180)
+      return fail(
+          {.code = Errc::kUsage,
+           .found = words_.origin.empty() ? "NMEA positions need to know where the map is on the earth"
+                                          : "--origin '" + words_.origin + "'",
+           .expected = "--origin LATITUDE,LONGITUDE[,ALTITUDE] of the map's origin, degrees and metres, as "
+                       "48.14816,17.10674,152"});
+    origin_ = {numbers[0], numbers[1], numbers[2], words_.north_deg * std::numbers::pi / 180};
+    return {};
+  }
+
+  static constexpr std::size_t kMostWaiting = 1 << 16;
+  const FollowWords& words_;
+  std::string deployment_, trusted_key_;
+  FollowOptions options_;
+  Session& session_;
+  io::EarthOrigin origin_;
+  std::unique_ptr<Engine> engine_;
+  io::LineCutter cutter_;
+  BadLines bad_;
+  FollowCounts counts_;
+  std::size_t lines_ = 0;
+  std::sig_atomic_t reloads_ = 0;
+  std::string out_;
+};
+
+}  // namespace
+
+void add_follow_options(CLI::App& command, FollowWords& words) {
+  const std::string group = "Live";
+  command
+      .add_flag("--follow", words.follow,
+                "Localize as the data come, until they end: arrivals and odometry as JSON lines (octant "
+                "schema live), "
+                "fixes on standard output; SIGHUP reads the deployment anew")
+      ->group(group);
+  command
+      .add_option("--from", words.from,
+                  "Where lines come from: - (standard input), /dev/ttyUSB0[:115200], tcp:PORT, udp:PORT (of "
+                  "this machine)")
+      ->capture_default_str()
+      ->type_name("SOURCE")
+      ->group(group);
+  command
+      .add_option("--format", words.format,
+                  "Of the fixes: json, nmea (0183) or ros (nav_msgs/Odometry as JSON)")
+      ->check(CLI::IsMember({"json", "nmea", "ros"}))
+      ->capture_default_str()
+      ->type_name("F")
+      ->group(group);
+  command
+      .add_option("--origin", words.origin, "nmea: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE]")
+      ->type_name("LAT,LON")
+      ->group(group);
+  command
+      .add_option("--north", words.north_deg,
+                  "nmea: direction of north in the map, degrees from +x towards +y")
+      ->capture_default_str()
+      ->type_name("DEG")
+      ->group(group);
+  command
+      .add_flag("--watch", words.watch,
+                "Say which beacon or receiver no longer fits, with a stated rate of false alarms")
+      ->group(group);
+}
+
+int follow(const FollowWords& words, const std::string& deployment, const std::string& trusted_key,
+           Method method, Session& session) {
+  session.result_to_stderr();
+  FollowOptions options;
+  options.method = method;
+  options.watch = words.watch;
+  FollowLoop loop(words, deployment, trusted_key, options, session);
+  if (auto started = loop.start(); !started) return session.fail(started.error());
+  auto source = ByteSource::open(words.from);
+  if (!source) return session.fail(source.error());
+  struct sigaction hangup = {}, pipe = {};
+  hangup.sa_handler = on_hangup;
+  pipe.sa_handler = SIG_IGN;  // a reader that is gone is told by write
+  sigemptyset(&hangup.sa_mask);
+  sigemptyset(&pipe.sa_mask);
+  sigaction(SIGHUP, &hangup, nullptr);
+  sigaction(SIGPIPE, &pipe, nullptr);
+  if (!source->listens().empty()) session.note(source->listens());
+  const auto done = loop.run(*source);
+  if (!session.options.quiet) session.result(loop.summary());
+  if (!done) return session.fail(done.error());
+  return kDone;
+}
+
+}  // namespace octant::app

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "models/fix.h"
+#include "models/site.h"
+#include "models/watch/watch.h"
+
+namespace octant::io {
+
+/// Where the map's origin is on the earth, for receivers of NMEA 0183.
+struct EarthOrigin {
+  double latitude_deg = 0.0, longitude_deg = 0.0, altitude_m = 0.0;
+  double north_rad = 0.0;  ///< direction of north in the map, counter-clockwise from +x; pi/2: y points north
+};
+
+// Lines to a listener, with their ends.
+
+/// {"type": "fix", "time_s": ..., "vehicle": ..., "status": "ok", "x_m": ..., ...}: the columns of fixes.csv
+/// and the quaternion; a pose only where there is one.
+[[nodiscard]] std::string fix_as_json(const Fix& fix, const NameTable& names);
+/// nav_msgs/Odometry as JSON: frame `map`, child `base_link` (REP-105; with several vehicles NAME/base_link),
+/// the pose's covariance row by row. The twist is not estimated: its covariance begins with -1. Empty without
+/// a pose.
+[[nodiscard]] std::string fix_as_ros(const Fix& fix, const NameTable& names);
+/// GGA, GST and, where the heading is known, HDT, as a GPS receiver sends them; a GGA of quality 0 without a
+/// pose. The time of day is that of time_s as seconds since 1970 (or since midnight). A tangent plane: good
+/// to a millimetre within some hundred metres of the origin.
+[[nodiscard]] std::string fix_as_nmea(const Fix& fix, const EarthOrigin& origin);
+/// {"type": "alarm", "kind": "beacon_moved", "beacon": ..., "size_m": ..., ...}
+[[nodiscard]] std::string alarm_as_json(const WatchAlarm& alarm, const NameTable& names);
+/// A proprietary sentence: $POCT,ALARM,kind,subject,size*hh
+[[nodiscard]] std::string alarm_as_nmea(const WatchAlarm& alarm, const NameTable& names);
+
+}  // namespace octant::io

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/live/live_rows.h"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "io/text/text.h"
+#include "io/tof/run_parts.h"
+
+namespace octant::io {
+namespace {
+
+using LiveObject = nlohmann::json;
+
+tl::unexpected<Error> bad_line(std::string found, std::string expected = "") {
+  return fail({.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)});
+}
+
+/// Of a value that is no number, or not finite, NaN; of one that is not there, what is given.
+double live_number(const LiveObject& object, const char* key, double absent) {
+  const auto at = object.find(key);
+  if (at == object.end() || at->is_null()) return absent;
+  return at->is_number() ? at->get<double>() : std::nan("");
+}
+
+/// Empty where there is none; no value where it is no text (numbers are names as they stand).
+std::optional<std::string> live_name(const LiveObject& object, const char* key) {
+  const auto at = object.find(key);
+  if (at == object.end() || at->is_null()) return "";
+  if (at->is_string()) return at->get<std::string>();
+  if (at->is_number_integer()) return at->dump();
+  return std::nullopt;
+}
+
+/// Shortened, and with what does not print replaced: what came may be anything.
+std::string printable_name(std::string_view name) {
+  std::string text;
+  for (const char c : name.substr(0, 40)) text += c >= ' ' && c <= '~' ? c : '?';
+  return "'" + text + (name.size() > 40 ? "...'" : "'");
+}
+
+}  // namespace
+
+struct LiveReader::Names {
+  explicit Names(NameTable from) : table(std::move(from)), lookup(table) {}
+  NameTable table;
+  NameLookup lookup;
+};
+
+LiveReader::LiveReader(NameTable names, double constant_speed_mps)
+    : names_(std::make_unique<Names>(std::move(names))), constant_speed_mps_(constant_speed_mps) {}
+LiveReader::~LiveReader() = default;
+LiveReader::LiveReader(LiveReader&&) noexcept = default;
+LiveReader& LiveReader::operator=(LiveReader&&) noexcept = default;
+
+Result<LiveRow> LiveReader::row(std::string_view line) const {
+  const std::size_t begin = line.find_first_not_of(" \t\r");
+  if (begin == std::string_view::npos || line[begin] == '#') return LiveRow{};
+  const LiveObject object = LiveObject::parse(line.begin(), line.end(), nullptr, false);
+  if (object.is_discarded()) return bad_line("not JSON", "one JSON object a line");
+  if (!object.is_object()) return bad_line("not a JSON object", "one JSON object a line");
+  if (object.contains("flush")) return LiveRow{LiveFlush{}};
+
+  const double time_s = live_number(object, "time_s", std::nan(""));
+  if (!std::isfinite(time_s)) return bad_line("time_s is missing or no number");
+  const auto vehicle_name = live_name(object, "vehicle");
+  if (!vehicle_name) return bad_line("vehicle is no name");
+  const VehicleId vehicle = names_->lookup.vehicle(*vehicle_name);
+  if (!vehicle.valid())
+    return bad_line(vehicle_name->empty() ? "vehicle is missing, and there are several"
+                                          : "unknown vehicle " + printable_name(*vehicle_name));
+
+  if (object.contains("dx_m") || object.contains("dheading_rad")) {
+    const OdometryStep step{time_s, live_number(object, "dx_m", 0.0), live_number(object, "dy_m", 0.0),
+                            live_number(object, "dheading_rad", 0.0), vehicle};
+    if (!std::isfinite(step.dx_m) || !std::isfinite(step.dy_m) || !std::isfinite(step.dheading_rad))
+      return bad_line("dx_m, dy_m or dheading_rad is no number");
+    return LiveRow{step};
+  }
+
+  Arrival a;
+  a.time_s = time_s;
+  a.vehicle = vehicle;
+  const auto beacon = live_name(object, "beacon"), receiver = live_name(object, "receiver");
+  if (!beacon || beacon->empty())
+    return bad_line("neither an arrival nor odometry", "beacon and tof_s, or dx_m, dy_m, dheading_rad");
+  a.beacon = names_->lookup.beacon(*beacon);
+  if (!a.beacon.valid()) return bad_line("unknown beacon " + printable_name(*beacon));
+  a.receiver = receiver ? names_->lookup.receiver(vehicle, *receiver) : ReceiverId();
+  if (!a.receiver.valid())
+    return bad_line(receiver && receiver->empty()
+                        ? "receiver is missing, and there are several"
+                        : "unknown receiver " + printable_name(receiver.value_or("")));
+  a.tof_s = live_number(object, "tof_s", std::nan(""));
+  if (!object.contains("tof_s") && constant_speed_mps_ > 0)
+    a.tof_s = live_number(object, "distance_m", std::nan("")) / constant_speed_mps_;
+  if (!std::isfinite(a.tof_s)) return bad_line("tof_s is missing or no number");
+  a.amplitude_v = live_number(object, "amplitude_v", a.amplitude_v);
+  a.temperature_degC = live_number(object, "temperature_degC", a.temperature_degC);
+  if (const auto epoch = object.find("epoch"); epoch != object.end() && !epoch->is_null()) {
+    if (!epoch->is_number_integer()) return bad_line("epoch is no integer");
+    a.epoch = epoch->get<std::int64_t>();
+  }
+  return LiveRow{a};
+}
+
+}  // namespace octant::io

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "models/run.h"
+#include "models/site.h"
+#include "models/support/result.h"
+
+namespace octant::io {
+
+/// Nothing more is coming of the pose that is open: {"flush": true}
+struct LiveFlush {};
+/// What a line says; std::monostate: nothing (it is empty, or a comment).
+using LiveRow = std::variant<std::monostate, Arrival, OdometryStep, LiveFlush>;
+
+/// Lines of a live stream (schema `live`): a JSON object each, with the names of a run folder's columns:
+///   {"time_s": 12.31, "beacon": "B1", "tof_s": 0.0123}         also epoch, vehicle, receiver, amplitude_v,
+///   temperature_degC
+///   {"time_s": 12.30, "dx_m": 0.01, "dy_m": 0, "dheading_rad": 0.002}    also vehicle
+/// Keys that are not known are ignored.
+class LiveReader {
+ public:
+  /// @param constant_speed_mps  at which distance_m may stand for tof_s; 0: it may not
+  explicit LiveReader(NameTable names, double constant_speed_mps = 0.0);
+  ~LiveReader();
+  LiveReader(LiveReader&&) noexcept;
+  LiveReader& operator=(LiveReader&&) noexcept;
+
+  /// Errors (found, expected): any text that is no row, a name that the deployment does not have. Never
+  /// throws.
+  [[nodiscard]] Result<LiveRow> row(std::string_view line) const;
+
+ private:
+  struct Names;
+  std::unique_ptr<const Names> names_;
+  double constant_speed_mps_ = 0.0;
+};
+
+/// Cuts a stream of bytes into lines. Memory is bounded: of a line that is longer than `most` bytes nothing
+/// is kept but that there was one.
+class LineCutter {
+ public:
+  explicit LineCutter(std::size_t most = 65536) : most_(most) {}
+
+  /// Calls line(text) for each line that is complete, without its end, and too_long() for each that was too
+  /// long.
+  template <class Line, class TooLong>
+  void feed(std::string_view bytes, Line&& line, TooLong&& too_long) {
+    while (!bytes.empty()) {
+      const std::size_t end = bytes.find('\n');
+      const std::string_view piece = bytes.substr(0, end);
+      if (begun_.size() + piece.size() > most_) overlong_ = true;
+      if (end == std::string_view::npos) {
+        if (!overlong_) begun_.append(piece);
+        return;
+      }
+      if (overlong_) {
+        too_long();
+      } else if (begun_.empty()) {
+        line(without_cr(piece));
+      } else {
+        begun_.append(piece);
+        line(without_cr(begun_));
+      }
+      begun_.clear();
+      overlong_ = false;
+      bytes.remove_prefix(end + 1);
+    }
+  }
+  /// The stream has ended; a line without an end counts too.
+  template <class Line, class TooLong>
+  void end(Line&& line, TooLong&& too_long) {
+    if (overlong_ || !begun_.empty()) feed("\n", line, too_long);
+  }
+
+ private:
+  static std::string_view without_cr(std::string_view text) {
+    return text.substr(0, text.size() - (text.ends_with('\r') ? 1 : 0));
+  }
+  std::size_t most_;
+  std::string begun_;
+  bool overlong_ = false;
+};
+
+}  // namespace octant::io

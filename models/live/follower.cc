@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/live/follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "models/localizers/drive/space_track.h"
+
+namespace octant {
+namespace {
+
+bool of_one_pose(const Arrival& a, const Arrival& b) {
+  if (a.epoch != b.epoch) return false;
+  return a.epoch != kNoEpoch || b.time_s - a.time_s <= kSamePing_s;
+}
+
+bool can_be_tracked(const Deployment& d) {
+  return d.motion == Motion::kPlanar && d.timing.clock == Clock::kSynchronised;
+}
+
+}  // namespace
+
+Result<void> follow_fits(const Deployment& deployment, Method method) {
+  if (method == Method::kReflectors || method == Method::kLineMap)
+    return fail({.code = Errc::kUsage,
+                 .found = std::string(to_string(method)) + " needs bearings or scans",
+                 .expected = "a method of arrivals",
+                 .advice = "leave the method to auto"});
+  if (method == Method::kTracker)
+    return can_be_tracked(deployment)
+               ? Result<void>{}
+               : Result<void>(fail({.code = Errc::kUsage,
+                                    .found = "the tracker follows planar motion by synchronised clocks",
+                                    .advice = "leave the method to auto"}));
+  MeasurementLog any;
+  any.has_epochs = true;
+  any.arrivals.resize(1);
+  return method == Method::kAuto ? Result<void>{} : method_fits(method, deployment, any);
+}
+
+Follower::Follower(Deployment deployment, const FollowOptions& options)
+    : deployment_(std::move(deployment)), options_(options), lanes_(deployment_.vehicles.size()) {
+  const bool by_tracker = options_.method == Method::kTracker;
+  for (Lane& lane : lanes_) {
+    lane.waiting.reserve(options_.most_waiting);
+    if (!by_tracker) {
+      const Method method = options_.method == Method::kAuto ? Method::kLeastSquares : options_.method;
+      lane.localizer = make_localizer(method, deployment_);
+    }
+    if (may_track()) lane.tracker = std::make_unique<DriveTracker>(deployment_, options_.odometry);
+  }
+  if (options_.watch) watch_ = std::make_unique<Watch>(deployment_, options_.watching);
+}
+
+bool Follower::may_track() const {
+  return options_.method == Method::kTracker ||
+         (options_.method == Method::kAuto && can_be_tracked(deployment_));
+}
+
+Follower::Lane* Follower::lane_of(VehicleId vehicle) {
+  return vehicle.valid() && vehicle.index() < lanes_.size() ? &lanes_[vehicle.index()] : nullptr;
+}
+
+bool Follower::hear(const Arrival& arrival) {
+  Lane* lane = lane_of(arrival.vehicle);
+  if (lane == nullptr || !std::isfinite(arrival.time_s) || arrival.time_s < lane->last_arrival_s) {
+    ++counts_.refused;
+    return false;
+  }
+  ++counts_.arrivals;
+  lane->last_arrival_s = arrival.time_s;
+  if (lane->row_s || lane->localizer == nullptr) {  // tracked: until its odometry comes
+    if (lane->waiting.size() >= options_.most_waiting) {
+      lane->waiting.erase(lane->waiting.begin());
+      ++counts_.dropped;
+    }
+  } else if (!lane->waiting.empty() &&
+             (!of_one_pose(lane->waiting.back(), arrival) || lane->waiting.size() >= options_.most_waiting)) {
+    fix_pose(*lane);
+  }
+  lane->waiting.push_back(arrival);
+  return true;
+}
+
+bool Follower::move(const OdometryStep& step) {
+  Lane* lane = lane_of(step.vehicle);
+  const bool is_number = std::isfinite(step.time_s) && std::isfinite(step.dx_m) && std::isfinite(step.dy_m) &&
+                         std::isfinite(step.dheading_rad);
+  if (lane == nullptr || !is_number || (lane->row_s && step.time_s <= *lane->row_s)) {
+    ++counts_.refused;
+    return false;
+  }
+  ++counts_.odometry_rows;
+  if (lane->tracker == nullptr) return true;  // of no use to the method
+  if (!lane->row_s) {                         // the anchor: what it says is no motion
+    if (lane->localizer != nullptr && !lane->waiting.empty()) fix_pose(*lane);
+    lane->row_s = lane->now_s = step.time_s;
+    return true;
+  }
+  track_until(*lane, step, step.time_s - *lane->row_s);
+  lane->row_s = step.time_s;
+  return true;
+}
+
+void Follower::flush() {
+  for (Lane& lane : lanes_)
+    if (!lane.row_s && lane.localizer != nullptr && !lane.waiting.empty()) fix_pose(lane);
+}
+
+void Follower::carry_on(const Follower& before) {
+  const NameTable names = names_of(before.deployment_);
+  for (std::size_t v = 0; v < lanes_.size(); ++v) {
+    const auto at = std::find(names.vehicles.begin(), names.vehicles.end(), deployment_.vehicles[v].name);
+    if (at == names.vehicles.end()) continue;
+    const Lane& old = before.lanes_[static_cast<std::size_t>(at - names.vehicles.begin())];
+    Lane& lane = lanes_[v];
+    lane.last_arrival_s = old.last_arrival_s;
+    if (!old.row_s || lane.tracker == nullptr) continue;
+    lane.row_s = old.row_s;
+    lane.now_s = old.now_s;
+    if (!old.tracker->is_placed()) continue;
+    const Eigen::Matrix3d covariance = old.tracker->covariance();
+    // The place by the new calibration may be another one by as much as calibrations differ.
+    lane.tracker->start(old.tracker->pose(),
+                        covariance + Eigen::Vector3d(2.5e-3, 2.5e-3, 1e-4).asDiagonal().toDenseMatrix());
+  }
+}
+
+void Follower::fix_pose(Lane& lane) {
+  lane.localizer->locate(Observations{lane.waiting, {}}, fix_);
+  if (fix_.rejections.empty())
+    fix_.time_s = lane.waiting.front().time_s;  // nothing to fix: no instant either
+  fix_.vehicle = lane.waiting.front().vehicle;
+  fix_.epoch = lane.waiting.front().epoch;
+  tell(lane.waiting);
+  std::optional<WatchAlarm> alarm;
+  if (watch_ && fix_.ok()) alarm = watch_->observe_epoch(lane.waiting, fix_);
+  if (alarm) {
+    ++counts_.alarms;
+    if (on_alarm) on_alarm(*alarm);
+  }
+  lane.waiting.clear();
+}
+
+/// Moves the tracker along a row, and fixes it at each instant of arrivals on the way.
+void Follower::track_until(Lane& lane, const OdometryStep& step, double span_s) {
+  std::size_t first = 0;
+  const auto move_to = [&](double time_s) {
+    if (time_s > lane.now_s) lane.tracker->move(step, (time_s - lane.now_s) / span_s);
+    lane.now_s = std::max(lane.now_s, time_s);
+  };
+  while (first < lane.waiting.size() && lane.waiting[first].time_s <= step.time_s) {
+    std::size_t last = first;
+    while (last < lane.waiting.size() && lane.waiting[last].time_s == lane.waiting[first].time_s) ++last;
+    if (lane.waiting[first].time_s < lane.now_s) {  // from before the anchor
+      counts_.dropped += last - first;
+    } else {
+      move_to(lane.waiting[first].time_s);
+      track_instant(lane, std::span(lane.waiting).subspan(first, last - first));
+    }
+    first = last;
+  }
+  lane.waiting.erase(lane.waiting.begin(), lane.waiting.begin() + static_cast<std::ptrdiff_t>(first));
+  move_to(step.time_s);
+}
+
+void Follower::track_instant(Lane& lane, std::span<const Arrival> arrivals) {
+  if (watch_ && lane.tracker->is_placed())
+    for (const Arrival& a : arrivals)
+      if (const auto alarm = watch_->observe_arrival(a, lane.tracker->pose(), lane.tracker->covariance())) {
+        ++counts_.alarms;
+        if (on_alarm) on_alarm(*alarm);
+      }
+  lane.tracker->locate(Observations{arrivals, {}}, fix_);
+  fix_.time_s = arrivals.front().time_s;
+  fix_.vehicle = arrivals.front().vehicle;
+  fix_.epoch = arrivals.front().epoch;
+  tell(arrivals);
+}
+
+void Follower::tell(std::span<const Arrival> arrivals) {
+  ++(fix_.ok() ? counts_.fixes : counts_.no_fix);
+  const auto used = static_cast<std::size_t>(std::max(fix_.ok() ? fix_.arrivals_used : 0, 0));
+  counts_.used += std::min(used, arrivals.size());
+  counts_.rejected += arrivals.size() - std::min(used, arrivals.size());
+  if (on_fix) on_fix(fix_);
+}
+
+}  // namespace octant

@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/live/follower.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "models/localizers/drive/tracker.h"
+#include "tests/models/localizers/drive_world.h"
+#include "tests/models/localizers/hall.h"
+
+namespace octant {
+namespace {
+
+using test::Drive;
+using test::drive;
+using test::hall;
+using test::with_octagon;
+using test::with_receiver;
+
+/// Ten stops, an epoch each.
+MeasurementLog stops(const Deployment& d) {
+  std::mt19937_64 random(7);
+  MeasurementLog log;
+  log.has_epochs = true;
+  for (int k = 0; k < 10; ++k)
+    for (const Arrival& a :
+         test::hear(d, Pose::planar(4 + k, 3 + 0.5 * k, 0.3 * k), {.noise_s = 1e-5}, random, k, 10.0 * k))
+      log.arrivals.push_back(a);
+  return log;
+}
+
+struct Live {
+  explicit Live(const Deployment& d, const FollowOptions& options = {}) : follower(d, options) {
+    follower.on_fix = [this](const Fix& fix) { fixes.push_back(fix); };
+    follower.on_alarm = [this](const WatchAlarm& alarm) { alarms.push_back(alarm); };
+  }
+  Follower follower;
+  std::vector<Fix> fixes;
+  std::vector<WatchAlarm> alarms;
+};
+
+void expect_same(const std::vector<Fix>& live, const std::vector<Fix>& after) {
+  ASSERT_EQ(live.size(), after.size());
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    EXPECT_EQ(live[i].status, after[i].status) << i;
+    EXPECT_EQ(live[i].time_s, after[i].time_s) << i;
+    EXPECT_EQ(live[i].rejections, after[i].rejections) << i;
+    if (live[i].ok()) {
+      EXPECT_TRUE(live[i].T_map_vehicle.translation_m == after[i].T_map_vehicle.translation_m) << i;
+    }
+  }
+}
+
+TEST(Follower, GivesEveryStop) {
+  const Deployment d = with_octagon(hall());
+  const MeasurementLog log = stops(d);
+  Live live(d);
+  for (const Arrival& a : log.arrivals) live.follower.hear(a);
+  EXPECT_EQ(live.fixes.size(), 9u);
+  live.follower.flush();
+  live.follower.flush();  // nothing is open any more
+  expect_same(live.fixes, LeastSquaresLocalizer(d).locate(log));
+  EXPECT_EQ(live.follower.counts().fixes, 10u);
+  EXPECT_EQ(live.follower.counts().used + live.follower.counts().rejected, log.arrivals.size());
+}
+
+/// A drive as a robot gets it: each row of odometry after the arrivals that it covers.
+void feed(Follower& follower, const MeasurementLog& log) {
+  std::size_t next = 0;
+  for (const OdometryStep& step : log.odometry) {
+    while (next < log.arrivals.size() && log.arrivals[next].time_s <= step.time_s)
+      follower.hear(log.arrivals[next++]);
+    follower.move(step);
+  }
+}
+
+TEST(Follower, OdometryMakesATrack) {
+  const Deployment d = with_octagon(hall());
+  const Drive w = drive(d, 40, 1e-5, 1.0, 41);
+  FollowOptions options;
+  options.odometry = w.log.odometry_accuracy;
+  Live live(d, options);
+  feed(live.follower, w.log);
+  expect_same(live.fixes, track(w.log, d, {.smooth = false}));
+  EXPECT_GT(live.follower.counts().fixes, 300u);
+  EXPECT_EQ(live.follower.counts().dropped, 0u);
+}
+
+TEST(Follower, ADeploymentThatTakesOverGoesOnFromThePlace) {
+  const Deployment d = with_octagon(hall());
+  const Drive w = drive(d, 40, 1e-5, 1.0, 42);
+  MeasurementLog first = w.log, second = w.log;
+  first.odometry.resize(400);
+  second.odometry.erase(second.odometry.begin(), second.odometry.begin() + 400);
+  const auto before = [&](const Arrival& a) { return a.time_s <= first.odometry.back().time_s; };
+  std::erase_if(first.arrivals, std::not_fn(before));
+  std::erase_if(second.arrivals, before);
+  Live live(d), next(d);
+  feed(live.follower, first);
+  ASSERT_TRUE(live.fixes.back().ok());
+  next.follower.carry_on(live.follower);
+  feed(next.follower, second);
+  for (const Fix& fix : next.fixes) EXPECT_TRUE(fix.ok());
+  ASSERT_GT(next.fixes.size(), 100u);
+}
+
+TEST(Follower, MemoryIsBounded) {
+  const Deployment d = with_octagon(hall());
+  FollowOptions options;
+  options.most_waiting = 50;
+  Live live(d, options);
+  live.follower.move({0.0, 0, 0, 0, VehicleId(0)});
+  Arrival a;
+  a.beacon = BeaconId(0);
+  a.receiver = ReceiverId(0);
+  a.vehicle = VehicleId(0);
+  for (int i = 0; i < 1000; ++i) {
+    a.time_s = 1.0 + i;  // and no odometry comes
+    live.follower.hear(a);
+  }
+  EXPECT_EQ(live.follower.counts().dropped, 950u);
+  live.follower.move({2000.0, 0, 0, 0, VehicleId(0)});
+  EXPECT_EQ(live.fixes.size(), 50u);
+
+  Live open(d, options);
+  a.time_s = 1.0;
+  a.epoch = 3;
+  for (int i = 0; i < 1000; ++i) open.follower.hear(a);  // an epoch that never ends
+  EXPECT_EQ(open.fixes.size(), 19u);
+}
+
+TEST(Follower, WatchesABeaconThatWasMoved) {
+  const Deployment d = with_octagon(hall());
+  Deployment moved = d;
+  moved.beacons[4].position_m.x() += 0.15;
+  std::mt19937_64 random(7);
+  FollowOptions options;
+  options.watch = true;
+  Live live(d, options);
+  for (int k = 0; k < 400 && live.alarms.empty(); ++k) {
+    const Pose T = Pose::planar(4 + 0.03 * k, 6 + 3 * std::sin(0.1 * k), 0.2 * k);
+    for (const Arrival& a : test::hear(moved, T, {.noise_s = 1e-5}, random, k, k)) live.follower.hear(a);
+  }
+  ASSERT_EQ(live.alarms.size(), 1u);
+  EXPECT_EQ(live.alarms[0].beacon, BeaconId(4));
+}
+
+TEST(Follower, SaysWhatItCannotFollow) {
+  Deployment d = with_octagon(hall());
+  EXPECT_TRUE(follow_fits(d, Method::kAuto));
+  EXPECT_TRUE(follow_fits(d, Method::kTracker));
+  EXPECT_FALSE(follow_fits(d, Method::kReflectors));
+  EXPECT_FALSE(follow_fits(d, Method::kLineMap));
+  EXPECT_FALSE(follow_fits(d, Method::kRail));
+  d.timing.clock = Clock::kCycleOffset;
+  EXPECT_FALSE(follow_fits(d, Method::kTracker));
+}
+
+/// Rows of any kind, in any order, with any ids and numbers.
+RC_GTEST_PROP(Follower, TakesAnything, ()) {
+  const Deployment d = with_receiver(hall(), {0.1, 0.0, 0.3});
+  FollowOptions options;
+  options.most_waiting = 20;
+  options.watch = true;
+  Live live(d, options);
+  const auto number = rc::gen::weightedOneOf<double>(
+      {{8, rc::gen::map(rc::gen::inRange(0, 2000), [](int i) { return 1e-2 * i; })},
+       {1, rc::gen::element(std::nan(""), -1e300, 1e300, std::numeric_limits<double>::infinity())}});
+  const auto id = rc::gen::weightedOneOf<std::int32_t>(
+      {{6, rc::gen::inRange<std::int32_t>(0, 1)}, {1, rc::gen::arbitrary<std::int32_t>()}});
+  const int rows = *rc::gen::inRange(0, 60);
+  for (int i = 0; i < rows; ++i) {
+    switch (*rc::gen::inRange(0, 8)) {
+      case 0: live.follower.flush(); break;
+      case 1:
+      case 2: live.follower.move({*number, 1e-3 * *number, 0.0, 1e-4 * *number, VehicleId(*id)}); break;
+      default: {
+        Arrival a;
+        a.time_s = *number;
+        a.tof_s = 1e-3 * *number;
+        a.beacon = BeaconId(*rc::gen::inRange<std::int32_t>(-1, 10));
+        a.receiver = ReceiverId(*id);
+        a.vehicle = VehicleId(*id);
+        a.epoch = *rc::gen::element(std::int64_t{kNoEpoch}, std::int64_t{0}, std::int64_t{1});
+        live.follower.hear(a);
+      }
+    }
+  }
+  live.follower.flush();
+  for (const Fix& fix : live.fixes) RC_ASSERT(!fix.ok() || fix.T_map_vehicle.translation_m.allFinite());
+}
+
+}  // namespace
+}  // namespace octant
