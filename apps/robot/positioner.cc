@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/robot/octant/positioner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "io/deployment/deployment_json.h"
+#include "models/live/follower.h"
+#include "models/localizers/least_squares/epoch_fix.h"
+
+namespace octant {
+namespace {
+
+Place place_of(const Fix& fix) {
+  Place place;
+  place.ok = fix.ok();
+  place.status = to_string(fix.status);
+  place.time_s = fix.time_s;
+  place.arrivals_used = fix.arrivals_used;
+  place.arrivals_rejected = fix.arrivals_rejected;
+  place.vehicle = fix.vehicle.value;
+  if (!fix.ok()) return place;
+  const Eigen::Vector3d& p = fix.T_map_vehicle.translation_m;
+  const Eigen::Quaterniond& q = fix.T_map_vehicle.rotation;
+  place.x_m = p.x();
+  place.y_m = p.y();
+  place.z_m = p.z();
+  place.heading_rad = fix.T_map_vehicle.heading_rad();
+  place.qx = q.x();
+  place.qy = q.y();
+  place.qz = q.z();
+  place.qw = q.w();
+  const auto sigma = [&](Eigen::Index i) { return std::sqrt(std::max(fix.covariance(i, i), 0.0)); };
+  const bool spatial = fix.covariance.rows() == 6;
+  place.sigma_x_m = sigma(0);
+  place.sigma_y_m = sigma(1);
+  place.sigma_z_m = spatial ? sigma(2) : 0.0;
+  place.sigma_heading_rad = std::min(sigma(spatial ? 5 : 2), std::numbers::pi);
+  place.covariance_xy_m2 = fix.covariance(0, 1);
+  place.protection_level_m = fix.protection_level_m;
+  return place;
+}
+
+}  // namespace
+
+struct Positioner::Inside {
+  std::string error;
+  NameTable names;
+  std::unique_ptr<LeastSquaresLocalizer> at_rest;
+  std::unique_ptr<Follower> follower;
+  std::function<void(const Place&)> sink;
+  std::vector<Arrival> arrivals;
+
+  /// An unknown name gives an id that is not valid, which every localizer rejects.
+  [[nodiscard]] Arrival arrival(const Heard& heard) const {
+    Arrival a;
+    a.time_s = heard.time_s;
+    a.tof_s = heard.tof_s;
+    a.beacon = names.find_beacon(heard.beacon);
+    a.vehicle = names.find_vehicle(heard.vehicle);
+    a.receiver = names.find_receiver(a.vehicle, heard.receiver);
+    a.epoch = heard.epoch == Heard::kNone ? kNoEpoch : heard.epoch;
+    a.amplitude_v = heard.amplitude_v;
+    a.temperature_degC = heard.temperature_degC;
+    return a;
+  }
+};
+
+Positioner::Positioner(const std::string& deployment_path) : inside_(std::make_unique<Inside>()) {
+  auto deployment = io::read_deployment(deployment_path);
+  if (!deployment) {
+    inside_->error = deployment.error().message();
+    return;
+  }
+  inside_->names = names_of(*deployment);
+  inside_->at_rest = std::make_unique<LeastSquaresLocalizer>(*deployment);
+  inside_->follower = std::make_unique<Follower>(std::move(*deployment));
+  // The inside stays where it is when a positioner moves.
+  inside_->follower->on_fix = [inside = inside_.get()](const Fix& fix) {
+    if (inside->sink) inside->sink(place_of(fix));
+  };
+}
+
+Positioner::~Positioner() = default;
+Positioner::Positioner(Positioner&&) noexcept = default;
+Positioner& Positioner::operator=(Positioner&&) noexcept = default;
+
+Positioner::operator bool() const noexcept { return inside_ && inside_->at_rest; }
+const std::string& Positioner::error() const noexcept { return inside_->error; }
+
+Place Positioner::locate(std::span<const Heard> heard) noexcept {
+  if (!*this) return place_of(Fix{});
+  inside_->arrivals.clear();
+  for (const Heard& one : heard) inside_->arrivals.push_back(inside_->arrival(one));
+  return place_of(inside_->at_rest->locate(inside_->arrivals));
+}
+
+void Positioner::on_place(std::function<void(const Place&)> sink) { inside_->sink = std::move(sink); }
+
+bool Positioner::hear(const Heard& heard) {
+  if (!*this) return false;
+  const Arrival arrival = inside_->arrival(heard);
+  return inside_->follower->hear(arrival) && arrival.beacon.valid() && arrival.receiver.valid();
+}
+
+bool Positioner::move(const Moved& moved) {
+  return *this && inside_->follower->move({moved.time_s, moved.dx_m, moved.dy_m, moved.dheading_rad,
+                                           inside_->names.find_vehicle(moved.vehicle)});
+}
+
+void Positioner::flush() {
+  if (*this) inside_->follower->flush();
+}
+
+}  // namespace octant
