@@ -102,6 +102,7 @@ void Session::warn(const std::vector<std::string>& warnings) {
 }
 
 void Session::complain(const std::string& message) {
+  if (silent_) return;
   put(stderr, fmt::format("{} {}\n", painted("1;31", "error:"), message));
 }
 
@@ -111,13 +112,17 @@ int Session::flush(Exit exit) {
   return exit == kDone ? kBadInput : exit;
 }
 
-int Session::print(const Json& object, Exit exit) {
+int Session::print(const Json& whole, Exit exit) {
+  if (object != nullptr) {
+    *object = whole;
+    return exit;
+  }
   if (warnings_.size() > warning_lines_) {
     put(stderr, fmt::format("{} {} more; --json lists them all\n", painted("1;33", "warning:"),
                             warnings_.size() - warning_lines_));
     warning_lines_ = warnings_.size();
   }
-  if (options.json) put(stdout, dump(object) + "\n");
+  if (options.json) put(stdout, dump(whole) + "\n");
   return flush(exit);
 }
 
@@ -126,19 +131,19 @@ int Session::finish_document(std::string_view text) {
   return flush(kDone);
 }
 
-int Session::finish(const Json& object) {
+int Session::finish(const Json& result) {
   Json whole = {{"status", "ok"}};
-  whole.update(object);
+  whole.update(result);
   if (!whole.contains("warnings")) whole["warnings"] = warnings_;
   return print(whole, kDone);
 }
 
-int Session::fail(const Failure& failure, Json object) {
+int Session::fail(const Failure& failure, Json result) {
   const Ending end = ending(failure);
   complain(end.message);
   Json whole = end.object;
-  object.erase("status");
-  whole.update(object);
+  result.erase("status");
+  whole.update(result);
   if (!whole.contains("warnings")) whole["warnings"] = warnings_;
   return print(whole, failure.exit);
 }

@@ -67,6 +67,7 @@ class Session {
   CommonOptions options;
   const Job* job = nullptr;  ///< whom the work is shared with; null: nobody
   std::string command_line;  ///< as typed, quoted where needed
+  Json* object = nullptr;    ///< takes the object of the end instead of standard output; null: nobody does
 
   /// Text of a result: standard output, or standard error where standard output carries a file (`-o -`); none
   /// with --json.
@@ -86,10 +87,10 @@ class Session {
 
   /// Ends with a document on standard output that is a result as it stands, --json or not.
   [[nodiscard]] int finish_document(std::string_view text);
-  /// Ends with success: prints the object, which gets `status` and `warnings` where it has none.
-  [[nodiscard]] int finish(const Json& object);
-  /// Ends with a failure; keys of `object` are kept beside `status` and `error`.
-  [[nodiscard]] int fail(const Failure& failure, Json object = Json::object());
+  /// Ends with success: prints the result, which gets `status` and `warnings` where it has none.
+  [[nodiscard]] int finish(const Json& result);
+  /// Ends with a failure; keys of `result` are kept beside `status` and `error`.
+  [[nodiscard]] int fail(const Failure& failure, Json result = Json::object());
   [[nodiscard]] int fail(const Error& error);
   [[nodiscard]] int interrupted();
 
@@ -100,7 +101,7 @@ class Session {
 
  private:
   void complain(const std::string& message);
-  int print(const Json& object, Exit exit);
+  int print(const Json& whole, Exit exit);
   int flush(Exit exit);
 
   std::FILE* results_ = stdout;

@@ -11,6 +11,7 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/progress.h"
+#include "apps/octant/steps/step_check.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/table.h"
 #include "calib/statements/hints.h"
@@ -18,12 +19,6 @@
 
 namespace octant::app {
 namespace {
-
-struct CheckArgs {
-  std::string site;
-  std::vector<std::string> runs;
-  bool strict = false;
-};
 
 /// All that is said of the recordings before anything is solved.
 struct Logs {
@@ -238,7 +233,7 @@ std::string forecast_verdict_text(const calib::Forecast& f, const std::string& s
   return text;
 }
 
-calib::Forecast forecast(const calib::Problem& problem, const CheckArgs& words, Session& session) {
+calib::Forecast forecast(const calib::Problem& problem, const CheckWords& words, Session& session) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::SolveOptions options;
   options.threads = session.threads();
@@ -280,7 +275,9 @@ void warn_of(const std::vector<calib::Finding>& findings, Session& session) {
   for (const auto& f : findings) session.warn(f.text);
 }
 
-int run(const CheckArgs& words, Session& session) {
+}  // namespace
+
+int check_recordings(const CheckWords& words, Session& session) {
   auto site = io::read_site(words.site);
   if (!site) return session.fail(site.error());
   session.warn(site->warnings);
@@ -319,10 +316,8 @@ int run(const CheckArgs& words, Session& session) {
   return session.finish(object);
 }
 
-}  // namespace
-
 void add_check(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<CheckArgs>();
+  auto words = std::make_shared<CheckWords>();
   CLI::App* command =
       add_command(app, common, "check",
                   "Tell what recordings are worth: their health, and what they can and cannot determine",
@@ -333,7 +328,7 @@ void add_check(CLI::App& app, CommonOptions& common, Action& action) {
   command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
   command->add_flag("--strict", words->strict, "A single undetermined beacon is exit 5");
   command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+      [words, &action] { action = [words](Session& session) { return check_recordings(*words, session); }; });
 }
 
 }  // namespace octant::app

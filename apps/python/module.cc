@@ -1,0 +1,370 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// octant._octant: what the Python package octant/ stands on. Parse, call, hand over; no estimation here.
+#include <optional>
+
+#include <pybind11/functional.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "apps/python/arrays.h"
+#include "apps/python/calls.h"
+#include "io/deployment/deployment_json.h"
+#include "io/run/run_folder.h"
+#include "io/run/tum.h"
+#include "io/site/scenario_yaml.h"
+#include "io/site/site_yaml.h"
+#include "io/text/atomic_file.h"
+#include "models/live/follower.h"
+#include "models/simulator/synthetic.h"
+
+namespace octant::python {
+namespace {
+
+namespace py = pybind11;
+using namespace py::literals;
+
+/// Calls without Python's lock; what fails is raised with it.
+template <class Call>
+auto unlocked(Call&& call) {
+  auto result = [&] {
+    const py::gil_scoped_release others_may_run;
+    return call();
+  }();
+  if (!result) raise(result.error());
+  if constexpr (!std::is_void_v<typename decltype(result)::value_type>) return std::move(*result);
+}
+
+/// Of all readers and writers of names and rows.
+struct Run {
+  MeasurementLog log;
+  NameTable names;
+};
+
+struct Fixes {
+  std::vector<Fix> fixes;
+  NameTable names;
+};
+
+NameTable names_in(const py::object& of) {
+  if (py::isinstance<Site>(of)) return names_of(of.cast<const Site&>());
+  if (py::isinstance<Deployment>(of)) return names_of(of.cast<const Deployment&>());
+  throw py::type_error("names are those of a Site or a Deployment");
+}
+
+Run read_run(const std::string& folder, const py::object& of, bool truth) {
+  const NameTable names = names_in(of);
+  Timing timing;
+  Medium medium;
+  if (py::isinstance<Site>(of)) {
+    timing = of.cast<const Site&>().timing;
+    medium = of.cast<const Site&>().medium;
+  } else {
+    timing = of.cast<const Deployment&>().timing;
+    medium = of.cast<const Deployment&>().medium;
+  }
+  io::ReadRunOptions options{.read_truth = truth};
+  if (medium.model == MediumModel::kConstant) options.constant_speed_mps = medium.speed_mps;
+  return {unlocked([&] { return io::read_run(folder, names, timing, options); }), names};
+}
+
+template <class Value>
+using Array = py::array_t<Value, py::array::c_style | py::array::forcecast>;
+
+Run make_run(const py::object& of, const Array<double>& time_s, const Array<std::int32_t>& beacon,
+             const Array<double>& tof_s, const std::optional<Array<std::int32_t>>& receiver,
+             const std::optional<Array<std::int64_t>>& epoch, const std::optional<Array<double>>& amplitude_v,
+             const std::optional<Array<double>>& temperature_degC,
+             const std::optional<Array<double>>& odometry, std::int32_t vehicle) {
+  Run run{{}, names_in(of)};
+  const auto size = time_s.size();
+  const auto check = [size](const char* name, const auto& array) {
+    if (array.ndim() != 1 || array.size() != size)
+      throw py::value_error(std::string(name) + ": one entry an arrival is expected, as in time_s");
+  };
+  check("time_s", time_s);
+  check("beacon", beacon);
+  check("tof_s", tof_s);
+  if (receiver) check("receiver", *receiver);
+  if (epoch) check("epoch", *epoch);
+  if (amplitude_v) check("amplitude_v", *amplitude_v);
+  if (temperature_degC) check("temperature_degC", *temperature_degC);
+  const ReceiverId only = run.names.find_receiver(VehicleId(vehicle), "");
+  if (!receiver && !only.valid()) throw py::value_error("receiver: the vehicle has not just one");
+  run.log.has_epochs = epoch.has_value();
+  run.log.vehicle = VehicleId(vehicle);
+  run.log.arrivals.resize(static_cast<std::size_t>(size));
+  for (py::ssize_t i = 0; i < size; ++i) {
+    Arrival& a = run.log.arrivals[static_cast<std::size_t>(i)];
+    a.time_s = time_s.at(i);
+    a.tof_s = tof_s.at(i);
+    a.beacon = BeaconId(beacon.at(i));
+    a.receiver = receiver ? ReceiverId(receiver->at(i)) : only;
+    a.vehicle = VehicleId(vehicle);
+    if (epoch) a.epoch = epoch->at(i);
+    if (amplitude_v) a.amplitude_v = amplitude_v->at(i);
+    if (temperature_degC) a.temperature_degC = temperature_degC->at(i);
+    if (i > 0 && time_s.at(i) < time_s.at(i - 1)) throw py::value_error("time_s decreases");
+  }
+  if (odometry) {
+    if (odometry->ndim() != 2 || odometry->shape(1) != 4)
+      throw py::value_error("odometry: rows of time_s, dx_m, dy_m, dheading_rad are expected");
+    for (py::ssize_t i = 0; i < odometry->shape(0); ++i) {
+      if (i > 0 && !(odometry->at(i, 0) > odometry->at(i - 1, 0)))
+        throw py::value_error("odometry: time_s does not increase");
+      run.log.odometry.push_back({odometry->at(i, 0), odometry->at(i, 1), odometry->at(i, 2),
+                                  odometry->at(i, 3), VehicleId(vehicle)});
+    }
+  }
+  run.log.rows = run.log.arrivals.size();
+  return run;
+}
+
+Method method_named(const std::string& name) {
+  std::string listed;
+  for (const auto& [spelling, method] : method_names()) {
+    if (spelling == name) return method;
+    listed += (listed.empty() ? "" : ", ") + std::string(spelling);
+  }
+  throw py::value_error("there is no method '" + name + "'; expected one of " + listed);
+}
+
+Fixes localize(const Deployment& deployment, const Run& run, const std::string& method) {
+  const Method how = method_named(method);
+  return {unlocked([&] { return locate_run(how, deployment, run.log); }), names_of(deployment)};
+}
+
+template <class Owner>
+py::array positions(const py::object& self, Owner* first, std::size_t count, const double* at) {
+  return py::array(py::dtype::of<double>(), {count, std::size_t{3}}, {sizeof(Owner), sizeof(double)},
+                   first == nullptr ? nullptr : at, self);
+}
+
+void bind_values(py::module_& m) {
+  py::class_<Site>(m, "Site", "What is known of a site before calibration: a site file.")
+      .def_readonly("name", &Site::name)
+      .def_readonly("path", &Site::path)
+      .def_readonly("warnings", &Site::warnings)
+      .def_property_readonly("beacons", [](const Site& s) { return names_of(s).beacons; })
+      .def_property_readonly("vehicles", [](const Site& s) { return names_of(s).vehicles; })
+      .def("to_yaml", &io::site_to_yaml, "Text of a site file.");
+
+  py::class_<Deployment>(m, "Deployment", "What calibration found: all that a localizer needs.")
+      .def_readonly("site", &Deployment::site)
+      .def_readonly("created", &Deployment::created)
+      .def_readonly("digest", &Deployment::digest)
+      .def_property_readonly("beacons", [](const Deployment& d) { return names_of(d).beacons; })
+      .def_property_readonly("vehicles", [](const Deployment& d) { return names_of(d).vehicles; })
+      .def_property_readonly(
+          "receivers",
+          [](const Deployment& d) {
+            std::vector<std::pair<std::string, std::string>> names;
+            for (const auto& r : d.receivers) names.emplace_back(d.vehicles[r.vehicle.index()].name, r.name);
+            return names;
+          },
+          "(vehicle, receiver) of each, in the order of their numbers.")
+      .def_property_readonly("beacon_status",
+                             [](const Deployment& d) {
+                               std::vector<std::string> status;
+                               for (const auto& b : d.beacons) status.emplace_back(to_string(b.status));
+                               return status;
+                             })
+      .def_property_readonly(
+          "beacon_positions_m",
+          [](const py::object& self) {
+            auto& d = self.cast<Deployment&>();
+            return positions(self, d.beacons.data(), d.beacons.size(),
+                             d.beacons.empty() ? nullptr : d.beacons[0].position_m.data());
+          },
+          "Rows x, y, z; a view, no copy.")
+      .def_property_readonly(
+          "receiver_positions_m",
+          [](const py::object& self) {
+            auto& d = self.cast<Deployment&>();
+            return positions(self, d.receivers.data(), d.receivers.size(),
+                             d.receivers.empty() ? nullptr : d.receivers[0].position_m.data());
+          },
+          "Rows x, y, z in the vehicle frame; a view, no copy.")
+      .def_property_readonly("beacon_covariances_m2",
+                             [](const Deployment& d) {
+                               py::array_t<double> all({d.beacons.size(), std::size_t{3}, std::size_t{3}});
+                               auto out = all.mutable_unchecked<3>();
+                               for (py::ssize_t b = 0; b < out.shape(0); ++b)
+                                 for (int i = 0; i < 3; ++i)
+                                   for (int j = 0; j < 3; ++j)
+                                     out(b, i, j) =
+                                         d.beacons[static_cast<std::size_t>(b)].covariance_m2(i, j);
+                               return all;
+                             })
+      .def_property_readonly("covariance_parameters",
+                             [](const Deployment& d) { return d.covariance.parameters; })
+      .def_property_readonly(
+          "covariance",
+          [](const py::object& self) {
+            auto& C = self.cast<Deployment&>().covariance.matrix;
+            const auto n = static_cast<std::size_t>(C.rows());
+            return py::array(py::dtype::of<double>(), {n, n}, {sizeof(double), n * sizeof(double)}, C.data(),
+                             self);
+          },
+          "Joint covariance of covariance_parameters; a view, no copy.")
+      .def("speed_mps", &Deployment::speed_mps, "temperature_degC"_a, "Speed of sound (or light) [m/s].")
+      .def("to_json", &io::deployment_to_json, "Text of a deployment file.")
+      .def(
+          "write",
+          [](const Deployment& d, const std::string& path) {
+            unlocked([&] { return io::write_deployment(path, d); });
+          },
+          "path"_a, "Writes the deployment file, whole or not at all.");
+
+  py::class_<Run>(m, "Run", "One recording.")
+      .def_property_readonly("path", [](const Run& r) { return r.log.path; })
+      .def_property_readonly("warnings", [](const Run& r) { return r.log.warnings; })
+      .def_property_readonly("has_epochs", [](const Run& r) { return r.log.has_epochs; })
+      .def_property_readonly(
+          "arrivals", [](const py::object& self) { return view(self.cast<Run&>().log.arrivals, self); },
+          "Structured array, a view: changing it changes the run.")
+      .def_property_readonly(
+          "bearings", [](const py::object& self) { return view(self.cast<Run&>().log.bearings, self); })
+      .def_property_readonly(
+          "odometry", [](const py::object& self) { return view(self.cast<Run&>().log.odometry, self); })
+      .def_property_readonly(
+          "poses", [](const Run& r) { return poses_array(r.log.poses); },
+          "Rows time_s, x, y, z, qx, qy, qz, qw.")
+      .def_property_readonly(
+          "truth", [](const Run& r) { return poses_array(r.log.truth); },
+          "The reference, as poses; empty where it was not read.")
+      .def("__len__", [](const Run& r) { return r.log.arrivals.size(); })
+      .def(
+          "write",
+          [](const Run& r, const std::string& folder) {
+            unlocked([&] { return io::write_run(folder, r.log, r.names); });
+          },
+          "folder"_a, "Writes a run folder.");
+
+  py::class_<Fixes>(m, "Fixes", "Where the vehicle was.")
+      .def_property_readonly(
+          "table",
+          [](const Fixes& f) {
+            std::vector<FixRow> rows;
+            for (const Fix& fix : f.fixes) rows.push_back(row_of(fix));
+            return own(std::move(rows));
+          },
+          "Structured array, a row a fix; what there is none of is nan.")
+      .def_property_readonly("status",
+                             [](const Fixes& f) {
+                               std::vector<std::string> status;
+                               for (const Fix& fix : f.fixes) status.emplace_back(to_string(fix.status));
+                               return status;
+                             })
+      .def_property_readonly(
+          "rejections",
+          [](const Fixes& f) {
+            std::vector<std::vector<std::string>> all;
+            for (const Fix& fix : f.fixes) {
+              all.emplace_back();
+              for (const Rejection r : fix.rejections) all.back().emplace_back(to_string(r));
+            }
+            return all;
+          },
+          "Of each fix, what became of each arrival.")
+      .def("__len__", [](const Fixes& f) { return f.fixes.size(); })
+      .def("to_tum", [](const Fixes& f) { return io::fixes_to_tum(f.fixes); })
+      .def("to_csv", [](const Fixes& f) { return io::fixes_to_csv(f.fixes, f.names); });
+
+  py::class_<World>(m, "World", "A simulated site with known truth.")
+      .def_readonly("site", &World::site)
+      .def_property_readonly("run",
+                             [](const World& w) {
+                               return Run{w.run, names_of(w.site)};
+                             })
+      .def_property_readonly("heldout",
+                             [](const World& w) {
+                               return Run{w.heldout, names_of(w.site)};
+                             })
+      .def_readonly("truth", &World::truth, "The true deployment.");
+}
+
+/// The follower with its fixes kept until they are asked for.
+struct Live {
+  Live(const Deployment& d, const std::string& method, bool watch) : names(names_of(d)) {
+    FollowOptions options;
+    options.method = method_named(method);
+    options.watch = watch;
+    if (auto fits = follow_fits(d, options.method); !fits) raise(fits.error());
+    follower = std::make_unique<Follower>(d, options);
+    follower->on_fix = [this](const Fix& fix) { fixes.push_back(fix); };
+    follower->on_alarm = [this](const WatchAlarm& alarm) { alarms.push_back(alarm); };
+  }
+  NameTable names;
+  std::unique_ptr<Follower> follower;
+  std::vector<Fix> fixes;
+  std::vector<WatchAlarm> alarms;
+};
+
+void bind_live(py::module_& m) {
+  py::class_<Live>(m, "Follower", "Localizes as the data come; see octant localize --follow.")
+      .def(py::init<const Deployment&, const std::string&, bool>(), "deployment"_a, "method"_a = "auto",
+           "watch"_a = false)
+      .def(
+          "hear",
+          [](Live& live, double time_s, const std::string& beacon, double tof_s, const std::string& receiver,
+             const std::string& vehicle, std::optional<std::int64_t> epoch) {
+            auto arrival = arrival_of(live.names, beacon, tof_s, time_s, receiver, vehicle);
+            if (!arrival) raise(arrival.error());
+            if (epoch) arrival->epoch = *epoch;
+            return live.follower->hear(*arrival);
+          },
+          "time_s"_a, "beacon"_a, "tof_s"_a, "receiver"_a = "", "vehicle"_a = "", "epoch"_a = py::none(),
+          "One arrival; False: it runs backwards in time.")
+      .def(
+          "move",
+          [](Live& live, double time_s, double dx_m, double dy_m, double dheading_rad,
+             const std::string& vehicle) {
+            return live.follower->move({time_s, dx_m, dy_m, dheading_rad, live.names.find_vehicle(vehicle)});
+          },
+          "time_s"_a, "dx_m"_a, "dy_m"_a, "dheading_rad"_a, "vehicle"_a = "", "One row of odometry.")
+      .def(
+          "flush", [](Live& live) { live.follower->flush(); }, "Nothing more is coming of this pose.")
+      .def(
+          "take",
+          [](Live& live) {
+            Fixes taken{std::move(live.fixes), live.names};
+            live.fixes.clear();
+            return taken;
+          },
+          "The fixes since the last call.");
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_octant, m) {
+  m.doc() = "Calibration and survey of time-of-flight beacon positioning; import octant instead.";
+  m.attr("__version__") = OCTANT_VERSION;
+  bind_values(m);
+  bind_live(m);
+  m.def(
+      "read_site", [](const std::string& path) { return unlocked([&] { return io::read_site(path); }); },
+      "path"_a);
+  m.def(
+      "read_deployment",
+      [](const std::string& path) { return unlocked([&] { return io::read_deployment(path); }); }, "path"_a);
+  m.def("read_run", &read_run, "folder"_a, "names"_a, "truth"_a = false);
+  m.def("make_run", &make_run, "names"_a, "time_s"_a, "beacon"_a, "tof_s"_a, "receiver"_a = py::none(),
+        "epoch"_a = py::none(), "amplitude_v"_a = py::none(), "temperature_degC"_a = py::none(),
+        "odometry"_a = py::none(), "vehicle"_a = 0);
+  m.def("localize", &localize, "deployment"_a, "run"_a, "method"_a = "auto");
+  m.def(
+      "simulate",
+      [](const std::string& scenario, std::uint64_t seed) {
+        return unlocked([&]() -> Result<World> {
+          auto read = scenario.empty() ? io::scenario_from_yaml(io::bundled_scenario(), "the bundled hall")
+                                       : io::read_scenario(scenario);
+          if (!read) return fail(read.error());
+          return simulate(*read, seed);
+        });
+      },
+      "scenario"_a = "", "seed"_a = 1);
+  bind_calls(m);
+}
+
+}  // namespace octant::python

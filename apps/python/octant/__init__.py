@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 Octant developers
+# SPDX-License-Identifier: Apache-2.0
+"""Octant calibrates time-of-flight beacon positioning and tells a vehicle where it is.
+
+    import octant
+    deployment, result = octant.calibrate("site.yaml", "run")
+    run = octant.read_run("heldout", deployment)
+    fixes = octant.localize(deployment, run).table
+    print(fixes["x_m"], fixes["y_m"])
+
+SI units, radians; map with z up, vehicle with x forward, y left. Arrays are NumPy's; those of a run and of a deployment are
+views, without a copy. All failures are `octant.Error` or a class of it that stands for an exit code of the command line.
+"""
+
+import contextlib as _contextlib
+import os as _os
+import tempfile as _tempfile
+
+from . import _octant
+from ._octant import (Deployment, Fixes, Follower, Run, Site, World, __version__, localize, make_run, read_deployment,
+                      read_site, simulate)
+from .errors import (Contradicted, Error, InputError, Interrupted, NotConverged, Undetermined, UsageError)
+
+__all__ = [
+    "Contradicted", "Deployment", "Error", "Fixes", "Follower", "InputError", "Interrupted", "NotConverged", "Run",
+    "Site", "Undetermined", "UsageError", "World", "calibrate", "check", "localize", "make_run", "monitor",
+    "read_deployment", "read_run", "read_site", "simulate", "survey", "verify"
+]
+
+
+@_contextlib.contextmanager
+def _paths(*things):
+    """Paths of what may be given as paths or as objects; objects are written for as long as it takes."""
+    with _tempfile.TemporaryDirectory(prefix="octant-") as folder:
+        count = 0
+
+        def path_of(thing):
+            nonlocal count
+            if isinstance(thing, (str, _os.PathLike)):
+                return _os.fspath(thing)
+            count += 1
+            path = _os.path.join(folder, f"{count}")
+            if isinstance(thing, Site):
+                path += ".yaml"
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(thing.to_yaml())
+            elif isinstance(thing, (Deployment, Run)):
+                thing.write(path)
+            else:
+                raise TypeError(f"a path, Site, Run or Deployment is expected, not {type(thing).__name__}")
+            return path
+
+        yield [path_of(t) if not isinstance(t, list) else [path_of(one) for one in t] for t in things]
+
+
+def _listed(runs):
+    return list(runs) if isinstance(runs, (list, tuple)) else [runs]
+
+
+def read_run(folder, names, truth=False):
+    """A run folder as a Run; `names`: the Site or Deployment whose beacons it heard. `truth`: the reference too."""
+    return _octant.read_run(_os.fspath(folder), names, truth)
+
+
+def check(site, runs, strict=False, threads=0):
+    """What recordings are worth: their health, and what they can and cannot determine. A dict as of `octant check --json`."""
+    with _paths(site, _listed(runs)) as (path, folders):
+        return _octant.check(path, folders, strict, threads)
+
+
+def calibrate(site, runs, strict=False, accept=False, threads=0):
+    """(Deployment, dict as of `octant calibrate --json`) of a site and its recordings, given as paths or objects.
+
+    Raises Undetermined where the data cannot tell, Contradicted where they contradict the site (unless `accept`).
+    """
+    with _paths(site, _listed(runs)) as (path, folders):
+        return _octant.calibrate(path, folders, strict, accept, threads)
+
+
+def verify(deployment, runs, method="auto", threads=0):
+    """Fixes of recordings with a reference against it: a dict as of `octant verify --json`."""
+    with _paths(deployment, _listed(runs)) as (path, folders):
+        return _octant.verify(path, folders, method, threads)
+
+
+def survey(site_or_deployment, scene="", bins=0, failures=2, threads=0):
+    """What a geometry is worth: a dict as of `octant survey --json`. `bins`: the maps too, that many along the longer side."""
+    with _paths(site_or_deployment) as (path,):
+        return _octant.survey(path, _os.fspath(scene), bins, failures, threads)
+
+
+def monitor(deployment, runs, threads=0):
+    """Whether the calibration still holds: a dict as of `octant monitor --json`; `action`: somebody has to do something."""
+    with _paths(deployment, _listed(runs)) as (path, folders):
+        return _octant.monitor(path, folders, threads)

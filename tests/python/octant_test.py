@@ -1,0 +1,201 @@
+# SPDX-FileCopyrightText: 2026 Octant developers
+# SPDX-License-Identifier: Apache-2.0
+"""The Python module, by pytest: PYTHONPATH=build/release/python pytest tests/python"""
+
+import os
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import octant
+
+SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+HALL = os.path.join(SOURCE, "datasets", "hall")
+
+
+def hall(name):
+    return os.path.join(HALL, name)
+
+
+@pytest.fixture(scope="module")
+def world():
+    return octant.simulate(hall("scenario.yaml"), seed=1)
+
+
+@pytest.fixture(scope="module")
+def calibrated(world):
+    return octant.calibrate(world.site, world.run)
+
+
+def test_reads_what_is_written(tmp_path):
+    site = octant.read_site(hall("site.yaml"))
+    deployment = octant.read_deployment(hall("deployment.true.json"))
+    assert site.beacons == deployment.beacons == [f"B{i}" for i in range(8)]
+    run = octant.read_run(hall("run"), site)
+    assert len(run) == len(run.arrivals) > 1000 and run.has_epochs
+    deployment.write(str(tmp_path / "d.json"))
+    run.write(str(tmp_path / "run"))
+    again = octant.read_deployment(str(tmp_path / "d.json"))
+    assert np.array_equal(again.beacon_positions_m, deployment.beacon_positions_m)
+    assert np.array_equal(octant.read_run(tmp_path / "run", again).arrivals["tof_s"], run.arrivals["tof_s"])
+    assert octant.read_run(hall("heldout"), site, truth=True).truth.shape[1] == 8
+    assert octant.read_run(hall("heldout"), site).truth.shape == (0, 8)
+
+
+def test_arrays_are_views(world):
+    run = world.heldout
+    arrivals = run.arrivals
+    assert arrivals.base is not None and arrivals.dtype.names[:3] == ("time_s", "tof_s", "beacon")
+    before = arrivals["tof_s"][0]
+    arrivals["tof_s"][0] += 1.0
+    assert run.arrivals["tof_s"][0] == before + 1.0
+    del run
+    assert arrivals["tof_s"][0] == before + 1.0  # the array keeps its list
+    deployment = octant.read_deployment(hall("deployment.true.json"))
+    positions = deployment.beacon_positions_m
+    positions[0, 0] = 99.0
+    assert deployment.beacon_positions_m[0, 0] == 99.0 and deployment.beacon_positions_m.shape == (8, 3)
+    assert deployment.receiver_positions_m.shape == (8, 3) and deployment.receivers[0] == ("robot", "r0")
+
+
+def test_the_road(world, calibrated):
+    deployment, result = calibrated
+    assert result["status"] == "ok" and result["converged"]
+    truth = world.truth.beacon_positions_m
+    assert np.abs(deployment.beacon_positions_m - truth).max() < 0.01
+    assert deployment.covariance.shape == (len(deployment.covariance_parameters),) * 2
+    assert np.allclose(deployment.covariance, deployment.covariance.T)
+    fixes = octant.localize(deployment, world.heldout)
+    table = fixes.table
+    assert len(fixes) == 40 and table["ok"].all() and set(fixes.status) == {"ok"}
+    reference = world.heldout.truth
+    error = [np.hypot(row["x_m"] - x, row["y_m"] - y) for row in table
+             for _, x, y, *_ in [reference[np.abs(reference[:, 0] - row["time_s"]).argmin()]]]
+    assert np.sqrt(np.mean(np.square(error))) < 0.01
+    assert len(fixes.to_tum().splitlines()) == 41
+    verified = octant.verify(deployment, hall("heldout"))
+    assert verified["matched"] == 40 and verified["gates"][0]["pass"]
+    assert octant.check(world.site, world.run)["health"]
+    assert octant.survey(deployment)["covered_fraction"] > 0.9
+    assert octant.monitor(deployment, world.heldout)["action"] is False
+
+
+def test_the_same_as_the_command_line(calibrated):
+    by_path, result = octant.calibrate(hall("site.yaml"), [hall("run")], threads=1)
+    assert result["arrivals"] == calibrated[1]["arrivals"]
+    assert np.allclose(by_path.beacon_positions_m, calibrated[0].beacon_positions_m, atol=1e-7)
+
+
+def test_arrays_in(world):
+    deployment, heldout = world.truth, world.heldout
+    rows = heldout.arrivals
+    run = octant.make_run(deployment, time_s=rows["time_s"], beacon=rows["beacon"], tof_s=rows["tof_s"],
+                          receiver=rows["receiver"], epoch=rows["epoch"])
+    ours, theirs = octant.localize(deployment, run).table, octant.localize(deployment, heldout).table
+    assert np.array_equal(ours["x_m"], theirs["x_m"])
+    wrong = np.array(rows["beacon"])
+    wrong[::7] = 99
+    receiver = np.array(rows["receiver"])
+    receiver[::5] = -4
+    run = octant.make_run(deployment, rows["time_s"], wrong, rows["tof_s"], receiver=receiver, epoch=rows["epoch"])
+    octant.localize(deployment, run)  # wrong, never undefined
+    with pytest.raises(ValueError, match="tof_s"):
+        octant.make_run(deployment, [0.0, 1.0], [0, 1], [0.01])
+    with pytest.raises(ValueError, match="decreases"):
+        octant.make_run(deployment, [1.0, 0.0], [0, 1], [0.01, 0.01], receiver=[0, 0])
+
+
+def test_follows(world):
+    deployment, rows = world.truth, world.heldout.arrivals
+    follower = octant.Follower(deployment)
+    for row in rows:
+        assert follower.hear(row["time_s"], deployment.beacons[row["beacon"]], row["tof_s"],
+                             receiver=deployment.receivers[row["receiver"]][1], epoch=int(row["epoch"]))
+    follower.flush()
+    assert np.array_equal(follower.take().table["x_m"], octant.localize(deployment, world.heldout).table["x_m"])
+    assert len(follower.take()) == 0
+    with pytest.raises(octant.InputError, match="nobody"):
+        follower.hear(0.0, "nobody", 0.01, receiver="r0")
+
+
+def test_failures_have_their_class(tmp_path, world):
+    with pytest.raises(octant.InputError) as bad:
+        octant.read_site(str(tmp_path / "none.yaml"))
+    assert bad.value.exit == 3 and isinstance(bad.value, octant.Error)
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "tof.csv").write_text("time_s,beacon,tof_s,receiver\n0.1,B99,0.01,r0\n", encoding="utf-8")
+    with pytest.raises(octant.InputError) as bad:
+        octant.read_run(tmp_path / "run", world.site)
+    assert bad.value.line == 2 and "B99" in bad.value.found and bad.value.file.endswith("tof.csv")
+    short = octant.make_run(world.site, [0.0], [0], [0.03], receiver=[0], epoch=[0])
+    with pytest.raises((octant.Undetermined, octant.InputError, octant.NotConverged)) as bad:
+        octant.calibrate(world.site, short)
+    assert bad.value.exit in (3, 4, 5) and bad.value.result["error"]["message"]
+    with pytest.raises(ValueError, match="no method"):
+        octant.localize(world.truth, world.heldout, method="magic")
+    with pytest.raises(octant.UsageError) as bad:
+        octant.localize(world.truth, world.heldout, method="rail")
+    assert bad.value.exit == 2
+    with pytest.raises(TypeError):
+        octant.calibrate(3, world.run)
+
+
+def test_contradicted(tmp_path, world):
+    text = world.site.to_yaml()
+    assert "[3.9, 0.05, 2.52]" in text
+    (tmp_path / "site.yaml").write_text(text.replace("[3.9, 0.05, 2.52]", "[4.9, 0.05, 2.52]"), encoding="utf-8")
+    with pytest.raises(octant.Contradicted) as bad:
+        octant.calibrate(tmp_path / "site.yaml", world.run)
+    assert bad.value.exit == 6 and "B0" in str(bad.value)
+    deployment, result = octant.calibrate(tmp_path / "site.yaml", world.run, accept=True)
+    assert isinstance(deployment, octant.Deployment) and result["status"] in ("ok", "contradicted")
+
+
+def test_others_run_meanwhile(world):
+    """While a calibration works, another thread of Python does too."""
+    ticks = []
+    done = threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    try:
+        began = time.monotonic()
+        octant.calibrate(world.site, world.run, threads=1)
+        ended = time.monotonic()
+    finally:
+        done.set()
+        thread.join()
+    gaps = np.diff([began] + [t for t in ticks if began < t < ended] + [ended])
+    assert gaps.max() < 0.7 * (ended - began)
+
+
+def test_is_documented():
+    for name in octant.__all__:
+        assert getattr(octant, name).__doc__, name
+    stub = os.path.join(os.path.dirname(octant.__file__), "__init__.pyi")
+    with open(stub, encoding="utf-8") as file:
+        text = file.read()
+    for name in octant.__all__:
+        assert f"def {name}(" in text or f"class {name}" in text, name
+
+
+@pytest.mark.parametrize("example", ["calibrate_and_plot.py", "survey_map.py", "live.py"])
+def test_examples_draw(example, tmp_path):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    import runpy
+    import sys
+    before = sys.argv
+    sys.argv = [example, str(tmp_path / "figure.png")]
+    try:
+        runpy.run_path(os.path.join(SOURCE, "apps", "python", "examples", example), run_name="__main__")
+    finally:
+        sys.argv = before
+    assert (tmp_path / "figure.png").stat().st_size > 10000
