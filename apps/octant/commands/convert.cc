@@ -9,14 +9,17 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/outputs.h"
 #include "io/import/foreign_logs.h"
+#include "io/import/table_log.h"
 #include "io/run/run_folder.h"
 #include "io/site/site_yaml.h"
+#include "io/text/atomic_file.h"
 
 namespace octant::app {
 namespace {
 
 struct ConvertArgs {
-  std::string input, output, format, site;
+  std::string input, output, format, site, columns, save_columns;
+  std::vector<std::string> ignore;
   double clock_hz = kCounterClock_hz, spread_s = 2e-4;
   FiringSchedule schedule;
 };
@@ -63,7 +66,33 @@ std::string format_of(const ConvertArgs& words) {
   return words.site.empty() ? "carmen" : "counters";
 }
 
+/// Any table, by --columns.
+int convert_by_columns(const ConvertArgs& words, Session& session) {
+  const bool is_file = words.columns.find('=') == std::string::npos;
+  if (auto fit = check_no_overwriting({.inputs = {words.input, is_file ? words.columns : ""},
+                                       .outputs = {words.save_columns},
+                                       .run_outputs = {words.output}});
+      !fit)
+    return session.fail(fit.error());
+  auto mapping = is_file ? io::read_mapping(words.columns) : io::mapping_from_words(words.columns);
+  if (!mapping) return session.fail(mapping.error());
+  mapping->ignore.insert(mapping->ignore.end(), words.ignore.begin(), words.ignore.end());
+  const auto table = io::convert_table(words.input, *mapping);
+  if (!table) return session.fail(table.error());
+  session.warn(table->warnings);
+  std::error_code made;
+  std::filesystem::create_directories(words.output, made);
+  std::vector<io::FileContent> files = {{words.output + "/tof.csv", table->csv}};
+  if (!words.save_columns.empty()) files.push_back({words.save_columns, io::mapping_to_yaml(*mapping)});
+  if (auto written = io::write_files(files); !written) return session.fail(written.error());
+  session.result(fmt::format("{:<17}{}: {} arrivals, {} of ignored beacons\n", "run", words.output,
+                             table->rows, table->ignored));
+  return session.finish(
+      {{"format", "table"}, {"run", words.output}, {"arrivals", table->rows}, {"ignored", table->ignored}});
+}
+
 int run(const ConvertArgs& words, Session& session) {
+  if (!words.columns.empty()) return convert_by_columns(words, session);
   const std::string format = format_of(words);
   if (format != "carmen" && words.site.empty())
     return session.fail({"error", "usage", kUsage, fmt::format("--format {} needs --site", format),
@@ -121,6 +150,21 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
                    "auto, carmen, counters or pulses; auto: counters where --site is given, else carmen")
       ->check(CLI::IsMember({"auto", "carmen", "counters", "pulses"}))
       ->type_name("FORMAT");
+  command
+      ->add_option("--columns", words->columns,
+                   "Any table: which of its columns is what, as "
+                   "time=timestamp_ms*1e-3,beacon=anchor,distance=distance_cm*1e-2 (or tof=..., epoch, "
+                   "receiver, vehicle, "
+                   "amplitude, temperature), or a file that --save-columns wrote; delimiter and decimal "
+                   "commas are found out")
+      ->type_name("MAPPING");
+  command->add_option("--ignore", words->ignore, "With --columns: beacons to leave out, a neighbour's")
+      ->delimiter(',')
+      ->type_name("IDS");
+  command
+      ->add_option("--save-columns", words->save_columns,
+                   "With --columns: the mapping to write, for the next time")
+      ->type_name("M.yaml");
   command->add_option("--site", words->site, "Site file that names beacons and receivers (counters, pulses)")
       ->type_name("SITE.yaml");
   command->add_option("--clock-hz", words->clock_hz, "Clock of the counter [Hz]")

@@ -1,0 +1,341 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/import/table_log.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "io/text/atomic_file.h"
+#include "io/text/text.h"
+#include "io/tof/run_parts.h"
+#include "io/yaml/yaml_reader.h"
+#include "io/yaml/yaml_writer.h"
+
+namespace octant::io {
+namespace {
+
+struct TofColumn {
+  const char *name, *short_name;
+  bool is_id;
+};
+constexpr std::array<TofColumn, 9> kTofColumns = {{{"time_s", "time", false},
+                                                   {"beacon", "beacon", true},
+                                                   {"tof_s", "tof", false},
+                                                   {"distance_m", "distance", false},
+                                                   {"epoch", "epoch", true},
+                                                   {"vehicle", "vehicle", true},
+                                                   {"receiver", "receiver", true},
+                                                   {"amplitude_v", "amplitude", false},
+                                                   {"temperature_degC", "temperature", false}}};
+constexpr std::array<std::pair<std::string_view, double>, 8> kUnitSuffixes = {{{"_ms", 1e-3},
+                                                                               {"_us", 1e-6},
+                                                                               {"_ns", 1e-9},
+                                                                               {"_cm", 1e-2},
+                                                                               {"_mm", 1e-3},
+                                                                               {"_km", 1e3},
+                                                                               {"_ft", 0.3048},
+                                                                               {"_mv", 1e-3}}};
+
+const TofColumn* tof_column(std::string_view name) {
+  for (const TofColumn& c : kTofColumns)
+    if (name == c.name || name == c.short_name) return &c;
+  return nullptr;
+}
+
+std::string_view without_blanks(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  return first == std::string_view::npos ? std::string_view()
+                                         : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+Result<ColumnRule> rule_of(std::string_view target, std::string_view source) {
+  const TofColumn* column = tof_column(without_blanks(target));
+  if (column == nullptr)
+    return fail(
+        {.code = Errc::kUsage,
+         .found = fmt::format("{} is no column of tof.csv", in_quotes(target)),
+         .expected = "time, beacon, tof or distance, epoch, vehicle, receiver, amplitude, temperature"});
+  ColumnRule rule{column->name, std::string(without_blanks(source))};
+  if (const auto star = source.rfind('*'); star != std::string_view::npos) {
+    rule.source = without_blanks(source.substr(0, star));
+    if (parse_number(without_blanks(source.substr(star + 1)), rule.factor) != NumberText::kNumber ||
+        !std::isfinite(rule.factor) || rule.factor == 0.0)
+      return fail({.code = Errc::kUsage,
+                   .found = fmt::format("{} is no factor", in_quotes(source.substr(star + 1))),
+                   .expected = "a number, as in timestamp_ms*1e-3"});
+  } else if (!column->is_id) {
+    std::string lower = rule.source;
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    for (const auto& [suffix, factor] : kUnitSuffixes)
+      if (lower.ends_with(suffix)) rule.factor = factor;
+  }
+  if (rule.source.empty())
+    return fail({.code = Errc::kUsage,
+                 .found = fmt::format("{} has no column of the table", in_quotes(target)),
+                 .expected = "TARGET=COLUMN or TARGET=COLUMN*FACTOR"});
+  return rule;
+}
+
+Result<void> check_mapping(const TableMapping& mapping) {
+  const auto has = [&](std::string_view name) {
+    return std::count_if(mapping.columns.begin(), mapping.columns.end(),
+                         [&](const ColumnRule& r) { return r.target == name; });
+  };
+  for (const TofColumn& c : kTofColumns)
+    if (has(c.name) > 1)
+      return fail({.code = Errc::kUsage, .found = fmt::format("{} is there twice", c.name)});
+  if (has("time_s") == 1 && has("beacon") == 1 && has("tof_s") + has("distance_m") == 1) return {};
+  return fail({.code = Errc::kUsage,
+               .found = "the columns do not say what was heard when",
+               .expected = "time, beacon and one of tof and distance, as in "
+                           "time=timestamp_ms*1e-3,beacon=anchor,distance=distance_cm*1e-2"});
+}
+
+/// One line's cells. Quotes as in RFC 4180; several blanks are one delimiter.
+std::vector<std::string> cells_of(std::string_view line, char delimiter) {
+  std::vector<std::string> cells;
+  std::string cell;
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted) {
+      if (c != '"') {
+        cell += c;
+      } else if (i + 1 < line.size() && line[i + 1] == '"') {
+        cell += line[++i];
+      } else {
+        quoted = false;
+      }
+    } else if (c == '"' && without_blanks(cell).empty()) {
+      quoted = true;
+      cell.clear();
+    } else if (c == delimiter) {
+      if (delimiter != ' ' || !cell.empty()) cells.push_back(std::exchange(cell, {}));
+    } else {
+      cell += c;
+    }
+  }
+  if (delimiter != ' ' || !cell.empty()) cells.push_back(cell);
+  for (std::string& text : cells) text = without_blanks(text);
+  return cells;
+}
+
+/// The delimiter by which the header holds all columns that are asked for; of several the one with most
+/// cells.
+char delimiter_of(std::string_view header, const TableMapping& mapping) {
+  char best = ',';
+  std::size_t most_found = 0, most_cells = 0;
+  for (const char delimiter : {',', ';', '\t', '|', ' '}) {
+    const auto cells = cells_of(header, delimiter);
+    std::size_t found = 0;
+    for (const ColumnRule& r : mapping.columns)
+      found += std::count(cells.begin(), cells.end(), r.source) > 0 ? 1 : 0;
+    if (std::pair(found, cells.size()) <= std::pair(most_found, most_cells)) continue;
+    best = delimiter;
+    most_found = found;
+    most_cells = cells.size();
+  }
+  return best;
+}
+
+struct TableRow {
+  double time_s = 0.0;
+  std::string text;
+};
+
+class TableReader {
+ public:
+  TableReader(const std::string& path, const TableMapping& mapping) : path_(path), mapping_(mapping) {}
+
+  Result<ConvertedTable> read(std::string_view text) {
+    std::vector<TableRow> rows;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t end = std::min(text.find('\n', at), text.size());
+      const std::string_view line = without_blanks(text.substr(at, end - at));
+      at = end + 1;
+      ++line_;
+      if (line.empty() || line.front() == '#') continue;
+      if (sources_.empty()) {
+        if (auto known = read_header(line); !known) return fail(known.error());
+        continue;
+      }
+      TableRow row;
+      const auto kept = read_row(line, row);
+      if (!kept) return fail(kept.error());
+      if (*kept) rows.push_back(std::move(row));
+    }
+    if (sources_.empty())
+      return fail({.code = Errc::kBadInput, .file = path_, .found = "the table is empty"});
+    return finish(rows);
+  }
+
+ private:
+  Result<void> read_header(std::string_view line) {
+    out_.delimiter = delimiter_of(line, mapping_);
+    header_ = cells_of(line, out_.delimiter);
+    std::vector<std::string> missing;
+    for (const ColumnRule& rule : mapping_.columns) {
+      const auto at = std::find(header_.begin(), header_.end(), rule.source);
+      if (at == header_.end()) missing.push_back(in_quotes(rule.source));
+      sources_.push_back(static_cast<std::size_t>(at - header_.begin()));
+    }
+    if (missing.empty()) return {};
+    return fail({.code = Errc::kBadInput,
+                 .file = path_,
+                 .line = line_,
+                 .found = fmt::format("the table has no column {}", listed(missing)),
+                 .expected = fmt::format("columns of its header: {}", listed(header_, 20))});
+  }
+
+  /// 1,5 is a number where commas do not part the cells.
+  bool number(std::string text, double& value) {
+    if (out_.delimiter != ',' && std::count(text.begin(), text.end(), ',') == 1 &&
+        text.find('.') == std::string::npos) {
+      std::replace(text.begin(), text.end(), ',', '.');
+      out_.decimal_comma = true;
+    }
+    return parse_number(text, value) == NumberText::kNumber;
+  }
+
+  /// False: the row is none of ours.
+  Result<bool> read_row(std::string_view line, TableRow& row) {
+    const auto cells = cells_of(line, out_.delimiter);
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      const ColumnRule& rule = mapping_.columns[i];
+      const std::string cell = sources_[i] < cells.size() ? cells[sources_[i]] : "";
+      row.text += i == 0 ? "" : ",";
+      if (rule.target == "beacon") {
+        if (cell.empty()) return ++out_.dropped, false;
+        if (std::count(mapping_.ignore.begin(), mapping_.ignore.end(), cell) > 0)
+          return ++out_.ignored, false;
+      }
+      if (tof_column(rule.target)->is_id) {
+        row.text += csv_field(cell);
+        continue;
+      }
+      double value = std::nan("");
+      if (!cell.empty() && !number(cell, value))
+        return fail({.code = Errc::kBadInput,
+                     .file = path_,
+                     .line = line_,
+                     .found = fmt::format("{} in column {}", in_quotes(cell), in_quotes(rule.source)),
+                     .expected = "a number"});
+      value *= rule.factor;
+      if (rule.target == "time_s") {
+        if (!std::isfinite(value))
+          return fail({.code = Errc::kBadInput,
+                       .file = path_,
+                       .line = line_,
+                       .found = "a row without a time",
+                       .expected = "a number"});
+        row.time_s = value;
+      }
+      row.text += std::isfinite(value) ? exact(value) : "";
+    }
+    return true;
+  }
+
+  ConvertedTable finish(std::vector<TableRow>& rows) {
+    for (const ColumnRule& rule : mapping_.columns) out_.csv += (out_.csv.empty() ? "" : ",") + rule.target;
+    out_.csv += '\n';
+    const auto earlier = [](const TableRow& a, const TableRow& b) { return a.time_s < b.time_s; };
+    if (!std::is_sorted(rows.begin(), rows.end(), earlier)) {
+      out_.warnings.push_back(path_ + ": the rows are not in the order of time; they were put into it");
+      std::stable_sort(rows.begin(), rows.end(), earlier);
+    }
+    if (out_.dropped > 0)
+      out_.warnings.push_back(fmt::format("{}: {} rows without a beacon were left out", path_, out_.dropped));
+    for (const TableRow& row : rows) out_.csv += row.text + '\n';
+    out_.rows = rows.size();
+    return std::move(out_);
+  }
+
+  const std::string& path_;
+  const TableMapping& mapping_;
+  int line_ = 0;
+  std::vector<std::string> header_;
+  std::vector<std::size_t> sources_;
+  ConvertedTable out_;
+};
+
+}  // namespace
+
+Result<TableMapping> mapping_from_words(std::string_view words) {
+  TableMapping mapping;
+  while (!words.empty()) {
+    const std::string_view word = words.substr(0, words.find(','));
+    words.remove_prefix(std::min(words.size(), word.size() + 1));
+    const auto equals = word.find('=');
+    auto rule =
+        rule_of(word.substr(0, equals), equals == std::string_view::npos ? "" : word.substr(equals + 1));
+    if (!rule) return fail(rule.error());
+    mapping.columns.push_back(std::move(*rule));
+  }
+  if (auto whole = check_mapping(mapping); !whole) return fail(whole.error());
+  return mapping;
+}
+
+Result<TableMapping> read_mapping(const std::string& path) {
+  const Result<YamlNode> node = read_yaml(path);
+  if (!node) return fail(node.error());
+  YamlLog log(path);
+  YamlMap root(*node, "", log);
+  check_version(root, "octant_columns", log);
+  TableMapping mapping;
+  YamlMap columns(root.block("columns"), "columns", log);
+  for (const TofColumn& column : kTofColumns) {
+    if (!columns.has(column.name)) continue;
+    auto rule = rule_of(column.name, columns.required_text(column.name));
+    if (!rule) {
+      columns.fail(column.name, rule.error().found, rule.error().expected);
+    } else {
+      mapping.columns.push_back(std::move(*rule));
+    }
+  }
+  for (const YamlNode& name : root.list("ignore")) mapping.ignore.push_back(text_of(name, "ignore", log));
+  columns.finish();
+  root.finish();
+  if (log.error) return fail(*log.error);
+  if (auto whole = check_mapping(mapping); !whole) {
+    Error error = whole.error();
+    error.code = Errc::kBadInput;
+    error.file = path;
+    return fail(error);
+  }
+  return mapping;
+}
+
+std::string mapping_to_yaml(const TableMapping& mapping) {
+  YamlWriter yaml;
+  yaml.begin_map(false);
+  yaml.text("octant_columns");
+  yaml.text("1");
+  yaml.text("columns");
+  yaml.begin_map(false);
+  for (const ColumnRule& rule : mapping.columns) {
+    yaml.text(rule.target);
+    yaml.text(tof_column(rule.target)->is_id ? rule.source : rule.source + "*" + exact(rule.factor), true);
+  }
+  yaml.end_map();
+  yaml.text("ignore");
+  yaml.begin_list(true);
+  for (const std::string& name : mapping.ignore) yaml.text(name, true);
+  yaml.end_list();
+  yaml.end_map();
+  return yaml.finish();
+}
+
+Result<ConvertedTable> convert_table(const std::string& path, const TableMapping& mapping) {
+  const auto bytes = read_file(path);
+  if (!bytes) return fail(bytes.error());
+  if (auto text = check_utf8(*bytes, path); !text) return fail(text.error());
+  return TableReader(path, mapping).read(without_bom(*bytes));
+}
+
+}  // namespace octant::io
