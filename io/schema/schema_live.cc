@@ -15,7 +15,7 @@ std::string_view live_schema() {
   "$defs": {
     "name": {"type": ["string", "integer"]},
     "arrival": {
-      "description": "One time of flight. Arrivals of one epoch, or without epochs those within 5 ms of each other, make a fix as soon as one of another pose comes, or nothing for 50 ms; with odometry each instant makes one, as soon as the odometry row at or after it has come.",
+      "description": "One time of flight. Arrivals of one epoch, or without epochs those within 5 ms of each other, make a fix as soon as one of another pose comes, or nothing for 2 s (without epochs: 50 ms); with odometry each instant makes one, as soon as the odometry row at or after it has come.",
       "type": "object",
       "required": ["time_s", "beacon"],
       "properties": {

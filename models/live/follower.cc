@@ -110,6 +110,13 @@ void Follower::flush() {
     if (!lane.row_s && lane.localizer != nullptr && !lane.waiting.empty()) fix_pose(lane);
 }
 
+void Follower::flush_pings() {
+  for (Lane& lane : lanes_)
+    if (!lane.row_s && lane.localizer != nullptr && !lane.waiting.empty() &&
+        lane.waiting.back().epoch == kNoEpoch)
+      fix_pose(lane);
+}
+
 void Follower::carry_on(const Follower& before) {
   const NameTable names = names_of(before.deployment_);
   for (std::size_t v = 0; v < lanes_.size(); ++v) {

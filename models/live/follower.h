@@ -63,6 +63,8 @@ class Follower {
   bool move(const OdometryStep& step);
   /// Nothing more is coming of the poses that are open: fixes them. What waits for odometry goes on waiting.
   void flush();
+  /// The same of poses without an epoch alone: for a moment of quiet, which within a stop says nothing.
+  void flush_pings();
 
   /// Takes over from a follower by an earlier deployment: vehicles of the same name go on from where they
   /// were. What waits there is lost: flush it first.

@@ -27,7 +27,8 @@
 namespace octant::app {
 namespace {
 
-constexpr int kQuiet_ms = 50;  ///< after which a pose that is open counts as complete
+constexpr int kQuiet_ms = 50;         ///< after which a pose that is open counts as complete
+constexpr int kQuietEpoch_ms = 2000;  ///< the same of an epoch: beacons take turns
 
 volatile std::sig_atomic_t hangups = 0;
 extern "C" void on_hangup(int) { hangups = hangups + 1; }
@@ -97,7 +98,9 @@ class FollowLoop {
       if (event == Event::kBytes) cutter_.feed(source.bytes(), line, too_long);
       if (event == Event::kBreak || event == Event::kEnd || event == Event::kFailed)
         cutter_.end(line, too_long);
-      if (event == Event::kQuiet || event == Event::kEnd || event == Event::kFailed)
+      quiet_ms_ = event == Event::kQuiet ? std::min(quiet_ms_ + kQuiet_ms, kQuietEpoch_ms) : 0;
+      if (quiet_ms_ > 0) engine_->follower.flush_pings();
+      if (quiet_ms_ == kQuietEpoch_ms || event == Event::kEnd || event == Event::kFailed)
         engine_->follower.flush();
       if (!write_out()) return fail({.code = Errc::kOutput, .found = "standard output could not be written"});
       if (event == Event::kFailed)
@@ -226,6 +229,7 @@ class FollowLoop {
   BadLines bad_;
   FollowCounts counts_;
   std::size_t lines_ = 0;
+  int quiet_ms_ = 0;
   std::sig_atomic_t reloads_ = 0;
   std::string out_;
 };

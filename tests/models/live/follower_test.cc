@@ -133,6 +133,22 @@ TEST(Follower, MemoryIsBounded) {
   EXPECT_EQ(open.fixes.size(), 19u);
 }
 
+TEST(Follower, AMomentOfQuietEndsNoStop) {
+  const Deployment d = with_octagon(hall());
+  MeasurementLog log = stops(d);
+  Live live(d);
+  for (std::size_t i = 0; i < 5; ++i) live.follower.hear(log.arrivals[i]);
+  live.follower.flush_pings();
+  EXPECT_TRUE(live.fixes.empty());
+  Live moving(d);
+  for (std::size_t i = 0; i < 5; ++i) {
+    log.arrivals[i].epoch = kNoEpoch;
+    moving.follower.hear(log.arrivals[i]);
+  }
+  moving.follower.flush_pings();
+  EXPECT_FALSE(moving.fixes.empty());
+}
+
 TEST(Follower, WatchesABeaconThatWasMoved) {
   const Deployment d = with_octagon(hall());
   Deployment moved = d;
