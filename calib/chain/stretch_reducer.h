@@ -60,7 +60,7 @@ struct Remains {
 struct Local {
   std::vector<int> of_system;
   std::vector<char> path;  ///< met in this stretch
-  std::vector<PlanarState> states;
+  std::vector<PlanarNode> states;
   AlignedDoubles D, U, G;
 };
 
@@ -168,7 +168,7 @@ class StretchReducer {
   }
 
   void take_states() {
-    std::vector<PlanarState>& states = local().states;
+    std::vector<PlanarNode>& states = local().states;
     states.clear();
     const std::size_t end = stretch_->last + (stretch_->has_right ? 1 : 0);
     for (std::size_t k = stretch_->begin(); k < end; ++k)
@@ -238,7 +238,7 @@ class StretchReducer {
   }
 
   [[nodiscard]] PlanarInterval interval_at(std::size_t k) const {
-    const std::vector<PlanarState>& states = local().states;
+    const std::vector<PlanarNode>& states = local().states;
     const std::size_t i = k - stretch_->begin();
     return {states[i], states[std::min(i + 1, states.size() - 1)]};
   }

@@ -380,7 +380,7 @@ double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const 
       !state.attenuation) {
     PlanarWhitening whitening(state.speed_offset(t.run));
     whitening.take(a);
-    const PlanarState from(t.nodes[a.node].T_map_vehicle), to(t.nodes[a.node + 1].T_map_vehicle);
+    const PlanarNode from(t.nodes[a.node].T_map_vehicle), to(t.nodes[a.node + 1].T_map_vehicle);
     return PlanarArrival(a, PlanarInterval(from, to).at(a.alpha), state, whitening).residual;
   }
   if (a.alpha == 0.0 && !a.two_way && !t.has_cycle_offset && !state.attenuation) {

@@ -10,18 +10,18 @@
 namespace octant {
 
 /// A planar state as numbers, so that loops over a chain need neither quaternions nor atan2.
-struct PlanarState {
+struct PlanarNode {
   double x_m = 0.0, y_m = 0.0, heading_rad = 0.0;
   double cosine = 1.0, sine = 0.0;  ///< of the heading
 
-  PlanarState() = default;
-  explicit PlanarState(const Pose& T) : x_m(T.translation_m.x()), y_m(T.translation_m.y()) {
+  PlanarNode() = default;
+  explicit PlanarNode(const Pose& T) : x_m(T.translation_m.x()), y_m(T.translation_m.y()) {
     const Eigen::Quaterniond& q = T.rotation;
     cosine = 1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z());
     sine = 2.0 * (q.w() * q.z() + q.x() * q.y());
     heading_rad = std::atan2(sine, cosine);
   }
-  PlanarState(double x, double y, double heading)
+  PlanarNode(double x, double y, double heading)
       : x_m(x), y_m(y), heading_rad(heading), cosine(std::cos(heading)), sine(std::sin(heading)) {}
   [[nodiscard]] Pose pose() const { return Pose::planar(x_m, y_m, heading_rad); }
 };
@@ -33,16 +33,16 @@ struct PlanarState {
 
 /// Two states and the shortest turn from one to the other.
 struct PlanarInterval {
-  const PlanarState& from;
-  const PlanarState& to;
+  const PlanarNode& from;
+  const PlanarNode& to;
   double turn_rad;
-  PlanarInterval(const PlanarState& a, const PlanarState& b)
+  PlanarInterval(const PlanarNode& a, const PlanarNode& b)
       : from(a), to(b), turn_rad(wrap_difference(b.heading_rad - a.heading_rad)) {}
 
   /// Linear in position and heading, as `interpolate`.
-  [[nodiscard]] PlanarState at(double alpha) const {
+  [[nodiscard]] PlanarNode at(double alpha) const {
     if (alpha == 0.0) return from;
-    PlanarState s;
+    PlanarNode s;
     s.x_m = (1.0 - alpha) * from.x_m + alpha * to.x_m;
     s.y_m = (1.0 - alpha) * from.y_m + alpha * to.y_m;
     const double d = alpha * turn_rad, d2 = d * d;
@@ -100,7 +100,7 @@ struct PlanarArrival {
   double cosine = 1.0, sine = 0.0;  ///< of the heading
 
   /// @param at  state at the arrival
-  PlanarArrival(const ArrivalObservation& a, const PlanarState& at, const SharedState& state,
+  PlanarArrival(const ArrivalObservation& a, const PlanarNode& at, const SharedState& state,
                 const PlanarWhitening& w) {
     constexpr double kMinDistanceM = 1e-6;  // as predict_arrival
     const Eigen::Vector3d &o = state.receiver_p_vehicle_m[a.receiver.index()],
@@ -133,7 +133,7 @@ struct PlanarStep {
 
   /// @param step_turn_rad  heading of the step
   PlanarStep(const OdometryObservation& o, double step_turn_rad, const PlanarInterval& interval) {
-    const PlanarState &a = interval.from, &b = interval.to;
+    const PlanarNode &a = interval.from, &b = interval.to;
     dx = b.x_m - a.x_m;
     dy = b.y_m - a.y_m;
     const double sx = a.cosine * dx + a.sine * dy, sy = a.cosine * dy - a.sine * dx;
@@ -175,5 +175,10 @@ struct PlanarStep {
     g_next[2] -= weight_turn * turn;
   }
 };
+
+/// Of the symmetric matrix [xx xy; xy yy].
+[[nodiscard]] inline double largest_eigenvalue(double xx, double xy, double yy) {
+  return 0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), xy);
+}
 
 }  // namespace octant

@@ -165,7 +165,7 @@ class PlanarChain {
   void move(const std::pmr::vector<Vector>& step) {
     for (std::size_t k = 0; k < step.size(); ++k)
       now_[k] =
-          PlanarState(now_[k].x_m + step[k][0], now_[k].y_m + step[k][1], now_[k].heading_rad + step[k][2]);
+          PlanarNode(now_[k].x_m + step[k][0], now_[k].y_m + step[k][1], now_[k].heading_rad + step[k][2]);
     moved_ = true;
   }
   void keep() { kept_ = now_; }
@@ -248,7 +248,7 @@ class PlanarChain {
   Trajectory& t_;
   const Segment& segment_;
   bool has_others_, moved_ = false;
-  std::pmr::vector<PlanarState> now_{scratch()}, kept_{scratch()};
+  std::pmr::vector<PlanarNode> now_{scratch()}, kept_{scratch()};
   std::pmr::vector<Beyond> beyond_{scratch()};
   std::pmr::vector<double> step_turn_rad_{scratch()};
 };
