@@ -16,6 +16,7 @@
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/localizers/least_squares/spatial_start.h"
 #include "models/trajectory/decompositions.h"
+#include "models/trajectory/planar.h"
 
 namespace octant {
 namespace {
@@ -140,16 +141,21 @@ bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCova
   // Judged in units in which every diagonal element is one.
   const NodeVector scale = A.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
   const NodeBlock scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  const SymmetricEigen<NodeBlock> eigen(scaled);
-  if (eigen.info() != Eigen::Success || eigen.eigenvalues().minCoeff() < 1e-10) return false;
-  const NodeBlock inverse = Eigen::LDLT<NodeBlock>(scaled).solve(NodeBlock::Identity(A.rows(), A.cols()));
+  const Eigen::LDLT<NodeBlock> ldlt(scaled);
+  // The smallest eigenvalue is at least the determinant over the largest to the power of the others, which
+  // the trace bounds: only where that leaves a doubt is it computed.
+  const double others = std::pow(static_cast<double>(A.rows()), static_cast<double>(A.rows() - 1));
+  if (!(ldlt.vectorD().minCoeff() > 0 && ldlt.vectorD().prod() > 1e-10 * others)) {
+    const SymmetricEigen<NodeBlock> eigen(scaled);
+    if (eigen.info() != Eigen::Success || eigen.eigenvalues().minCoeff() < 1e-10) return false;
+  }
+  const NodeBlock inverse = ldlt.solve(NodeBlock::Identity(A.rows(), A.cols()));
   covariance = (scale.asDiagonal() * inverse * scale.asDiagonal()).topLeftCorner(dof, dof);
   return covariance.allFinite();
 }
 
 double horizontal_sigma_m(const PoseCovariance& covariance) {
-  const SymmetricEigen<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
-  return std::sqrt(std::max(eigen.eigenvalues()[1], 0.0));
+  return std::sqrt(std::max(largest_eigenvalue(covariance(0, 0), covariance(0, 1), covariance(1, 1)), 0.0));
 }
 
 /// At the mirror image of a pose all ranges fit, and one bearing is met by the heading: most of them speak

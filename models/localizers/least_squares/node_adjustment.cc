@@ -69,7 +69,7 @@ void add_biased_arrivals(const Trajectory& t, const Segment& segment, const Shar
 /// The arrivals of a planar node, without rows.
 void add_planar_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state,
                          NormalEquations& eq) {
-  const PlanarState at(t.nodes[segment.first_node].T_map_vehicle);
+  const PlanarNode at(t.nodes[segment.first_node].T_map_vehicle);
   PlanarWhitening whitening(state.speed_offset(t.run));
   double H[6] = {}, g[3] = {}, squares = 0.0;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
@@ -235,14 +235,23 @@ bool mark_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& m
   // Along a drive a beacon's error shows from ever other sides: nothing that its arrivals have in common.
   const bool common = range_slack_m > 0 && segment.last_node - segment.first_node == 1;
   const Residuals residuals = common ? residuals_of(t, segment, model.state) : Residuals{};
+  const bool plain =
+      segment.last_node - segment.first_node == 1 && has_planar_arrivals(t, segment, model.state);
+  const PlanarNode at = plain ? PlanarNode(t.nodes[segment.first_node].T_map_vehicle) : PlanarNode();
+  PlanarWhitening whitening(model.state.speed_offset(t.run));
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     ArrivalObservation& a = t.arrivals[i];
     if (a.rejection == Rejection::kBeaconUnusable) continue;
     const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
-    const double residual_m = arrival_residual(t, a, model.state) * a.sigma_s * speed;
+    if (plain) whitening.take(a);
+    const double noise_m = a.sigma_s * speed;
+    const double residual_m = noise_m * (plain ? PlanarArrival(a, at, model.state, whitening).residual
+                                               : arrival_residual(t, a, model.state));
     const bool was_used = a.rejection == Rejection::kUsed;
     const double within = sigmas * (was_used ? 1.0 : kReadmitShare);
-    bool use = std::abs(residual_m) <= allowed_residual_m(t, a, model, range_slack_m, within);
+    // What lies within its own noise needs no look at what else it may be off by.
+    bool use = std::abs(residual_m) <= within * noise_m ||
+               std::abs(residual_m) <= allowed_residual_m(t, a, model, range_slack_m, within);
     if (use && common) {
       const double off_m =
           residuals.own_m[i - segment.first_arrival] - residuals.beacon_m[i - segment.first_arrival];
