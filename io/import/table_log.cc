@@ -10,7 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
+#include "io/text/mapped_file.h"
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
 #include "io/yaml/yaml_reader.h"
@@ -332,10 +333,10 @@ std::string mapping_to_yaml(const TableMapping& mapping) {
 }
 
 Result<ConvertedTable> convert_table(const std::string& path, const TableMapping& mapping) {
-  const auto bytes = read_file(path);
-  if (!bytes) return fail(bytes.error());
-  if (auto text = check_utf8(*bytes, path); !text) return fail(text.error());
-  return TableReader(path, mapping).read(without_bom(*bytes));
+  const auto map = MappedFile::open(path);
+  if (!map) return fail(map.error());
+  if (auto text = check_lines(map->text(), path); !text) return fail(text.error());
+  return TableReader(path, mapping).read(without_bom(map->text()));
 }
 
 }  // namespace octant::io

@@ -8,10 +8,11 @@
 
 namespace octant::io {
 
-std::string UniqueIds::take(YamlMap& map) {
-  std::string id = map.required_text("id");
+std::string UniqueIds::take(YamlMap& map, const std::string& otherwise) {
+  const bool named = map.has("id") || otherwise.empty();
+  std::string id = named ? map.required_text("id") : otherwise;
   if (log_.error) return id;
-  const YamlNode node = map.get("id");
+  const YamlNode given = map.get("id"), node = named ? given : map.node();
   const bool odd = std::any_of(id.begin(), id.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
   if (id.empty() || id.size() > 200 || odd || id.front() == ' ' || id.back() == ' ') {
     log_.fail(node, fmt::format("{} is {}", map.path("id"), in_quotes(id)),

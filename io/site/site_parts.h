@@ -17,7 +17,8 @@ class UniqueIds {
  public:
   UniqueIds(const char* kind, YamlLog& log) : kind_(kind), log_(log) {}
   /// The `id` of an entry. Errors: missing, no name, used before.
-  std::string take(YamlMap& map);
+  /// @param otherwise  of an entry that has none; empty: it must have one
+  std::string take(YamlMap& map, const std::string& otherwise = "");
 
  private:
   const char* kind_;

@@ -151,7 +151,7 @@ void read_vehicles(YamlMap& root, Site& site, YamlLog& log) {
     if (log.error) return;
     YamlMap map(node, fmt::format("vehicles[{}]", site.vehicles.size()), log);
     const VehicleId vehicle(site.vehicles.size());
-    site.vehicles.push_back({map.has("id") ? ids.take(map) : "robot", site.receivers.size(), 0});
+    site.vehicles.push_back({ids.take(map, "robot"), site.receivers.size(), 0});
     map.get("id");
     read_receivers(map, vehicle, site, log);
     site.vehicles.back().receiver_count = site.receivers.size() - site.vehicles.back().first_receiver;

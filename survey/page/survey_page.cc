@@ -145,6 +145,13 @@ std::string grade(const Survey& s) {
                                  : percent(s.covered_fraction) + " of the floor has a fix";
 }
 
+/// The colour says what the words say. Without a tolerance there is nothing to judge by.
+Tone tone(const Survey& s) {
+  constexpr double kNearlyAll = 0.99, kHalf = 0.5;
+  if (s.covered_fraction < kHalf) return Tone::kBad;
+  return s.model.tolerance.fix_m && s.covered_fraction >= kNearlyAll ? Tone::kGood : Tone::kAttention;
+}
+
 }  // namespace
 
 ReportDocument survey_document(const Survey& s, const SurveyPageInput& input) {
@@ -152,12 +159,13 @@ ReportDocument survey_document(const Survey& s, const SurveyPageInput& input) {
   document.title = s.model.name.empty() ? input.input : s.model.name;
   document.subtitle = "Survey of " + input.created;
   document.grade = grade(s);
+  document.tone = tone(s);
   document.sentence = fmt::format(
       "{} beacons, {} cells of {:g} m; a fix in {}, {} beacons or more heard in {}, a mirror image in {}.",
       s.model.beacons.size(), s.grid.cells.size(), s.grid.cell_m, percent(s.fix_fraction), s.coverage,
       percent(s.k_covered_fraction), percent(s.mirror_fraction));
-  document.sections.push_back({"figures", "Figures over the floor", {figures(s)}});
   document.sections.push_back({"maps", "Maps", {maps(s)}});
+  document.sections.push_back({"figures", "Figures over the floor", {figures(s)}});
   if (!s.failures.empty()) document.sections.push_back({"failures", "If beacons fail", {failures(s)}});
   if (!s.routes.empty()) document.sections.push_back({"routes", "Along the routes", {routes(s)}});
   if (input.schedule) document.sections.push_back(firing(s, *input.schedule));

@@ -169,7 +169,7 @@ def debian_packages():
     assert wanted <= set(names), names
     for path in names.values():
         run("dpkg", "-x", path, root)
-    assert "libceres" in run("dpkg-deb", "-f", names["octant"], "Depends").stdout
+    assert "libcholmod" in run("dpkg-deb", "-f", names["octant"], "Depends").stdout
     assert "libeigen3-dev" in run("dpkg-deb", "-f", names["liboctant-dev"], "Depends").stdout
     assert run(os.path.join(root, "usr", "bin", "octant"), "--version").stdout.startswith("octant ")
     if "python3-octant" in wanted:

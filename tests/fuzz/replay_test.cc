@@ -3,6 +3,7 @@
 // What fuzzing begins with and what it has found, as tests that any compiler runs; and some strokes of its
 // own.
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -73,13 +74,17 @@ std::string stroke(std::string text, std::mt19937& random) {
 }
 
 TEST_P(Fuzzed, SoAreStrokesAtIt) {
-  constexpr int kInputs = 300;
-  std::mt19937 random(20261122);
+  // OCTANT_FUZZ_STROKES=1000000 by hand tries as many others, wherever there is no libFuzzer.
+  const char* many = std::getenv("OCTANT_FUZZ_STROKES");
+  const long strokes = many != nullptr ? std::atol(many) : 300;
+  std::mt19937 random(many != nullptr ? std::random_device{}() : 20261122);
   const auto inputs = corpus_of(GetParam().name);
   ASSERT_FALSE(inputs.empty());
-  for (int i = 0; i < kInputs; ++i) {
+  for (long i = 0; i < strokes; ++i) {
     std::string text = inputs[random() % inputs.size()];
     for (std::size_t k = 1 + random() % 4; k > 0; --k) text = stroke(text, random);
+    if (many != nullptr)
+      std::ofstream(testing::TempDir() + "octant_fuzz.last", std::ios::binary) << text;  // if it crashes
     GetParam().take(text);
   }
 }

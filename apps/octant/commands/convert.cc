@@ -153,10 +153,9 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
   command
       ->add_option("--columns", words->columns,
                    "Any table: which of its columns is what, as "
-                   "time=timestamp_ms*1e-3,beacon=anchor,distance=distance_cm*1e-2 (or tof=..., epoch, "
-                   "receiver, vehicle, "
-                   "amplitude, temperature), or a file that --save-columns wrote; delimiter and decimal "
-                   "commas are found out")
+                   "time=timestamp_ms,beacon=anchor,tof=tof_us*1e-6 (or distance=..., epoch, receiver, "
+                   "vehicle, amplitude, temperature), or a file that --save-columns wrote; delimiter and "
+                   "decimal commas are found out")
       ->type_name("MAPPING");
   command->add_option("--ignore", words->ignore, "With --columns: beacons to leave out, a neighbour's")
       ->delimiter(',')

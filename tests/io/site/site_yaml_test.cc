@@ -231,6 +231,8 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {beacon + "  - {id: B1}\ncontrol: {distances: [{from: B1, to: B1, distance_m: 1, sigma_m: 0}]}\n", 6,
        "two different"},
       {kHead + "beacons: []\nvehicles:\n  - {id: a}\n  - {id: a}\n", 6, "vehicle id 'a' is used twice"},
+      {kHead + "beacons: []\nvehicles:\n  - {id: robot}\n  - {receivers: []}\n", 6,
+       "vehicle id 'robot' is used twice"},
       {kHead +
            "beacons: []\nvehicles:\n  - id: a\n    receivers: {layout: hexagon, side_m: 1, height_m: 0}\n",
        6, "one of octagon"},

@@ -443,6 +443,20 @@ TEST(SurveyPage, NamesFromDataAreEscapedAndNothingRuns) {
   EXPECT_THAT(survey_csv(survey), HasSubstr("\"a\"\"b<i>"));
 }
 
+TEST(SurveyPage, TheBannersColourSaysWhatItsWordsSay) {
+  const Scene scene = small_scene();
+  auto survey = must(run_survey(must(make_survey_model(small_site(), scene)), scene, nullptr));
+  const auto tone_with = [&](std::optional<double> tolerance_m, double covered) {
+    survey.model.tolerance.fix_m = tolerance_m;
+    survey.covered_fraction = covered;
+    return survey_document(survey, {}).tone;
+  };
+  EXPECT_EQ(tone_with(0.05, 1.0), Tone::kGood);
+  EXPECT_EQ(tone_with(0.05, 0.9), Tone::kAttention);
+  EXPECT_EQ(tone_with({}, 1.0), Tone::kAttention) << "nothing to judge by";
+  EXPECT_EQ(tone_with(0.05, 0.3), Tone::kBad);
+}
+
 TEST(SurveyPage, LivePlanHasWallsAndRoutesByName) {
   Scene scene = small_scene();
   scene.walls[0].name = "</script><b>";
