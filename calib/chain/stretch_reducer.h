@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <memory>
+#include <new>
 #include <utility>
 #include <vector>
-
-#include <hwy/aligned_allocator.h>
 
 #include "calib/adjust/stop_block.h"
 #include "calib/chain/chain_kernel.h"
@@ -27,7 +27,7 @@ class AlignedDoubles {
  public:
   void assign_zero(std::size_t count) {
     if (count > size_) {
-      data_ = hwy::AllocateAligned<double>(count);
+      data_.reset(new (std::align_val_t(kVectorBytes)) double[count]);
       size_ = count;
     }
     std::fill(data_.get(), data_.get() + count, 0.0);
@@ -35,7 +35,11 @@ class AlignedDoubles {
   [[nodiscard]] double* data() const { return data_.get(); }
 
  private:
-  hwy::AlignedFreeUniquePtr<double[]> data_;  // NOLINT(modernize-avoid-c-arrays)
+  static constexpr std::size_t kVectorBytes = 64;
+  struct Free {
+    void operator()(double* data) const { ::operator delete[](data, std::align_val_t(kVectorBytes)); }
+  };
+  std::unique_ptr<double[], Free> data_;  // NOLINT(modernize-avoid-c-arrays)
   std::size_t size_ = 0;
 };
 
