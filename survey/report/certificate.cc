@@ -16,7 +16,7 @@ namespace octant::survey {
 namespace {
 
 /// Coverage factor: 95 % of a normal distribution, as EA-4/02 and ILAC-P14 have it.
-constexpr double kCoverage = 2.0;
+constexpr double kCoverageFactor = 2.0;
 constexpr std::size_t kDigestShown = 12;
 
 std::string or_line(const std::string& text) { return text.empty() ? "____________________" : text; }
@@ -96,7 +96,7 @@ ReportSection traceability(const Deployment& d) {
 }
 
 std::string expanded(double sigma, bool held, double per_si, const char* format) {
-  return held ? "held" : fmt::format(fmt::runtime(format), kCoverage * per_si * sigma);
+  return held ? "held" : fmt::format(fmt::runtime(format), kCoverageFactor * per_si * sigma);
 }
 
 ReportSection results(const Deployment& d) {
@@ -143,7 +143,7 @@ ReportSection results(const Deployment& d) {
                "probability of some 95 % for normal errors. Standard uncertainties come from the "
                "adjustment and from the correlations that its residuals show; those of statements "
                "that were held (control points) are not part of it.",
-               kCoverage)}}};
+               kCoverageFactor)}}};
 }
 
 /// The state before the recalibration, where there was one.
@@ -167,7 +167,7 @@ std::optional<ReportSection> as_found(const Deployment& d) {
     table.rows.push_back({{c.subject},
                           {to_string(c.kind)},
                           {fmt::format("{:.3g} {}", unit.per_si * c.size, unit.symbol)},
-                          {fmt::format("{:.2g} {}", kCoverage * unit.per_si * c.sigma, unit.symbol)},
+                          {fmt::format("{:.2g} {}", kCoverageFactor * unit.per_si * c.sigma, unit.symbol)},
                           {fmt::format("{:.2g}", c.p)}});
   }
   if (table.rows.empty())
