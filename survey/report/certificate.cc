@@ -18,8 +18,10 @@ namespace {
 /// Coverage factor: 95 % of a normal distribution, as EA-4/02 and ILAC-P14 have it.
 constexpr double kCoverageFactor = 2.0;
 constexpr std::size_t kDigestShown = 12;
+/// Dots: Markdown has a meaning for underscores.
+constexpr const char* kToFillIn = ". . . . . . . . . . . . . . . .";
 
-std::string or_line(const std::string& text) { return text.empty() ? "____________________" : text; }
+std::string or_line(const std::string& text) { return text.empty() ? kToFillIn : text; }
 
 ReportTable two_columns(const char* id, const char* caption) {
   return {id, caption, {{"what", true}, {"value", true}}, {}};
@@ -238,7 +240,7 @@ ReportDocument certificate_document(const Deployment& d, const CertificateInput&
   document.sections.push_back(judged);
   document.sections.push_back({"signature",
                                "Authorised by",
-                               {ReportText{"Name, date, signature: ____________________"},
+                               {ReportText{fmt::format("Name, date, signature: {}", kToFillIn)},
                                 ReportText{"Made by a program from the data named above, in the order of "
                                            "ISO/IEC 17025:2017, 7.8. It claims no "
                                            "accreditation of whoever made it."}}});
