@@ -196,8 +196,9 @@ void bind_values(py::module_& m) {
                                          d.beacons[static_cast<std::size_t>(b)].covariance_m2(i, j);
                                return all;
                              })
-      .def_property_readonly("covariance_parameters",
-                             [](const Deployment& d) { return d.covariance.parameters; })
+      .def_property_readonly(
+          "covariance_parameters",
+          [](const Deployment& d) { return parameter_names(d.covariance.parameters, names_of(d)); })
       .def_property_readonly(
           "covariance",
           [](const py::object& self) {

@@ -117,7 +117,7 @@ TEST_F(Report, ACertificateNamesWhoAndWhatWasFound) {
   for (const char* what : {"C-17", "A. Mason", "k = 2", "B4", "SHA-256"}) EXPECT_THAT(text, HasSubstr(what));
   EXPECT_EQ(octant({"report", out("d.json"), "--certificate", out("d.json")}).exit, 2) << "over its input";
   ASSERT_EQ(octant({"report", out("d.json"), "--certificate", out("c.html")}).exit, 0);
-  EXPECT_THAT(slurp(out("c.html")), HasSubstr("<!doctype html>"));
+  EXPECT_THAT(slurp(out("c.html")), HasSubstr("<!DOCTYPE html>"));
 }
 
 TEST_F(Report, WrongFilesAreExit3) {
