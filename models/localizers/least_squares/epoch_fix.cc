@@ -3,6 +3,7 @@
 #include "models/localizers/least_squares/epoch_fix.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -195,14 +196,30 @@ bool may_begin_closed(const Trajectory& t, const Segment& segment, const EpochFi
          segment.first_pose == segment.last_pose;
 }
 
+constexpr std::size_t kFewestPaths = 7;  ///< a pose and four to spare
+
+/// Whether arrivals in use came over so many paths (beacon, receiver): pings over one repeat one equation.
+bool are_over_enough_paths(const Trajectory& t, const Segment& segment) {
+  std::array<std::pair<BeaconId, ReceiverId>, kFewestPaths> paths;
+  std::size_t count = 0;
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival && count < kFewestPaths; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    const std::pair path(a.beacon, a.receiver);
+    const auto known = paths.begin() + static_cast<std::ptrdiff_t>(count);
+    if (a.rejection == Rejection::kUsed && std::find(paths.begin(), known, path) == known)
+      paths[count++] = path;
+  }
+  return count == kFewestPaths;
+}
+
 /// Whether no search could find a better pose than one at which all arrivals agree: three beacons and more
-/// that are not in line (which the closed form takes), seven arrivals and more, all within the limit, and
-/// they tell the heading. Few enough wrong arrivals to fit into that do not exist.
-bool is_beyond_doubt(const Count& c, const NodeAdjustment& adjustment) {
-  constexpr int kFewestSpare = 4;
+/// that are not in line (which the closed form takes), seven paths and more, all within the limit, and they
+/// tell the heading. Few enough wrong arrivals to fit into that do not exist; four paths have two poses.
+bool is_beyond_doubt(const Trajectory& t, const Segment& segment, const Count& c,
+                     const NodeAdjustment& adjustment) {
   constexpr double kHeadingSigmaRad = 0.3;
   if (!adjustment.converged || c.used != c.heard || c.bearings != c.bearings_seen || c.beacons_used < 3 ||
-      c.used < 3 + kFewestSpare)
+      !are_over_enough_paths(t, segment))
     return false;
   const NodeBlock& A = adjustment.information;
   // What is left of the heading's information when the position is open (Schur complement).
@@ -300,7 +317,7 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
     node.placed = false;
     adjustment = adjust_and_mark(t, segment, model, options, sigmas);
     c = count(t, segment, model);
-    found = is_beyond_doubt(c, adjustment);
+    found = is_beyond_doubt(t, segment, c, adjustment);
     if (!found) {
       sigmas.restore();
       reset_marks(t, segment, model);

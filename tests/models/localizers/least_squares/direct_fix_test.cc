@@ -62,6 +62,23 @@ TEST(DirectFix, LeavesEchoesToTheSearch) {
   }
 }
 
+/// Each beacon over one path: however often it is heard, four equations may have two poses.
+TEST(DirectFix, PingsOverFourPathsAreLeftToTheSearch) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0.0, 1e-5);
+  const Deployment d = with_octagon(hall());
+  for (int k = 0; k < 400; ++k) {
+    std::vector<Arrival> few;
+    for (const Arrival& a : hear(d, random_pose(random), {.noise_s = 1e-5}, random))
+      if (a.beacon.index() < 4 && a.receiver.index() == 2 * a.beacon.index())
+        for (int ping = 0; ping < 4; ++ping) {
+          few.push_back(a);
+          few.back().tof_s += noise(random);
+        }
+    if (!few.empty()) Both(d, few).expect_alike(k);
+  }
+}
+
 TEST(DirectFix, BeaconsInLineAreNotBeyondDoubt) {
   std::mt19937_64 random(5);
   Deployment d = with_octagon(hall(4));
