@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/calib/calib_support.h"
+#include "tests/calib/internal_covariance.h"
 
 namespace octant::test {
 namespace {
@@ -17,11 +18,7 @@ TEST(ErrorSample, StretchesOfALongDriveLeaveWhatTheyShould) {
   const calib::Solution solution = calib::solve(problem);
   const calib::ParameterLayout layout =
       calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
-  Eigen::VectorXd per_si(layout.size());
-  for (int i = 0; i < layout.size(); ++i)
-    per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
-  const calib::Covariance C(
-      Eigen::MatrixXd(per_si.asDiagonal() * solution.covariance.matrix * per_si.asDiagonal()));
+  const calib::Covariance C = internal_covariance(layout, solution);
   const calib::ErrorSample sample =
       calib::error_sample(layout, solution.trajectories, solution.state, C, 1000);
   EXPECT_EQ(sample.chains.size(), 8U);

@@ -9,6 +9,7 @@
 #include "models/localizers/least_squares/linear_ranges.h"
 #include "models/trajectory/linearise.h"
 #include "tests/calib/calib_support.h"
+#include "tests/calib/internal_covariance.h"
 #include "tests/support/statistics.h"
 
 namespace octant::test {
@@ -92,11 +93,7 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
   const calib::Solution solution = calib::solve(problem, {});
   const calib::ParameterLayout layout =
       calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
-  Eigen::VectorXd per_si(layout.size());
-  for (int i = 0; i < layout.size(); ++i)
-    per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
-  const calib::Covariance C(
-      Eigen::MatrixXd(per_si.asDiagonal() * solution.covariance.matrix * per_si.asDiagonal()));
+  const calib::Covariance C = internal_covariance(layout, solution);
   const auto reliability = [&](std::size_t all_epochs) {
     return calib::reliability_of(problem, layout, solution.trajectories, solution.state, C,
                                  solution.beacon_status, 1.0, 2, all_epochs);
@@ -167,11 +164,7 @@ TEST(LongDrive, ReliabilityOfSomeStretchesIsThatOfAll) {
   const calib::Solution solution = calib::solve(problem, {});
   const calib::ParameterLayout layout =
       calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
-  Eigen::VectorXd per_si(layout.size());
-  for (int i = 0; i < layout.size(); ++i)
-    per_si[i] = 1.0 / layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
-  const calib::Covariance C(
-      Eigen::MatrixXd(per_si.asDiagonal() * solution.covariance.matrix * per_si.asDiagonal()));
+  const calib::Covariance C = internal_covariance(layout, solution);
   const auto reliability = [&](std::size_t all_epochs) {
     return calib::reliability_of(problem, layout, solution.trajectories, solution.state, C,
                                  solution.beacon_status, 1.0, 2, all_epochs);
