@@ -152,6 +152,30 @@ std::vector<std::string> parameter_names(std::span<const ParameterId> ids, const
   return all;
 }
 
+ParameterIndex::ParameterIndex(std::span<const ParameterId> parameters) {
+  at_.reserve(parameters.size());
+  for (std::size_t i = 0; i < parameters.size(); ++i) at_.emplace(parameters[i], static_cast<int>(i));
+}
+
+int ParameterIndex::operator[](const ParameterId& id) const {
+  const auto found = at_.find(id);
+  return found == at_.end() ? -1 : found->second;
+}
+
+std::array<int, 4> ParameterIndex::beacon(std::size_t beacon) const {
+  using namespace parameters;
+  const ParameterIndex& at = *this;
+  return {at[beacon_position(beacon, 0)], at[beacon_position(beacon, 1)], at[beacon_position(beacon, 2)],
+          at[beacon_delay(beacon)]};
+}
+
+std::array<int, 4> ParameterIndex::receiver(std::size_t receiver) const {
+  using namespace parameters;
+  const ParameterIndex& at = *this;
+  return {at[receiver_position(receiver, 0)], at[receiver_position(receiver, 1)],
+          at[receiver_position(receiver, 2)], at[receiver_delay(receiver)]};
+}
+
 ParameterLookup::ParameterLookup(const NameTable& names) {
   for (std::size_t b = 0; b < names.beacons.size(); ++b) beacons_.emplace(names.beacons[b], b);
   for (std::size_t v = 0; v < names.vehicles.size(); ++v) vehicles_.emplace(names.vehicles[v], v);

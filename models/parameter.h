@@ -125,6 +125,20 @@ template <class Index>
 /// All numbers of the owner: "beacon/B1", "receiver/robot/r0".
 [[nodiscard]] std::string owner_name(const ParameterId& id, const NameTable& names);
 
+/// Where parameters stand in a list of them, for programs that ask for many; -1: not among them.
+class ParameterIndex {
+ public:
+  explicit ParameterIndex(std::span<const ParameterId> parameters);
+  [[nodiscard]] int operator[](const ParameterId& id) const;
+  /// Of its position's three axes and its delay.
+  [[nodiscard]] std::array<int, 4> beacon(std::size_t beacon) const;
+  /// As for a beacon.
+  [[nodiscard]] std::array<int, 4> receiver(std::size_t receiver) const;
+
+ private:
+  std::unordered_map<ParameterId, int, ParameterHash> at_;
+};
+
 /// Parameters by their names.
 class ParameterLookup {
  public:

@@ -87,7 +87,8 @@ Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& C) {
 /// The site that a deployment describes, its sigmas as priors, so that the parameters of its covariance are
 /// free again.
 Site site_of(const Deployment& d) {
-  const auto is_free = [&](const ParameterId& id) { return d.covariance.index_of(id) >= 0; };
+  const ParameterIndex column(d.covariance.parameters);
+  const auto is_free = [&](const ParameterId& id) { return column[id] >= 0; };
   Site site;
   site.name = d.site;
   site.motion = d.motion;
@@ -135,10 +136,11 @@ Site site_of(const Deployment& d) {
 /// A joint covariance in SI units, where the layout has its columns.
 Eigen::MatrixXd information_of(const JointCovariance& joint, const ParameterLayout& layout,
                                Eigen::MatrixXd information) {
+  const ParameterIndex column(joint.parameters);
   std::vector<Eigen::Index> from;
   std::vector<int> to;
   for (int i = 0; i < layout.size(); ++i) {
-    const int at = joint.index_of(layout.parameters[static_cast<std::size_t>(i)].id);
+    const int at = column[layout.parameters[static_cast<std::size_t>(i)].id];
     if (at < 0) continue;
     from.push_back(at);
     to.push_back(i);

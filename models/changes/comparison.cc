@@ -128,14 +128,15 @@ CommonParameters common_parameters(const Deployment& before, const Deployment& n
   KnownParameters b = known_parameters(now);
   const NameTable names = names_of(before), present = names_of(now);
   const ParameterLookup lookup(present);
+  const ParameterIndex column(b.parameters);
   // Offsets are of one model at one temperature.
-  if (const int speed = b.index_of(parameters::speed()); speed >= 0)
+  if (const int speed = column[parameters::speed()]; speed >= 0)
     b.value[speed] =
         now.speed_mps(now.medium.temperature_degC) - speed_mps(before.medium, now.medium.temperature_degC);
   std::vector<int> of_a, of_b;
   for (std::size_t i = 0; i < a.parameters.size(); ++i)
     if (const auto same = lookup.find(parameter_name(a.parameters[i], names)))
-      if (const int at = b.index_of(*same); at >= 0) {
+      if (const int at = column[*same]; at >= 0) {
         of_a.push_back(static_cast<int>(i));
         of_b.push_back(at);
       }

@@ -53,35 +53,25 @@ CalibrationMap::CalibrationMap(const Deployment& d, const SurveyModel& model) {
   const JointCovariance joint = joint_of(d);
   if (joint.matrix.isZero(0.0)) return;
   root_ = root_of(joint.matrix);
+  const ParameterIndex column(joint.parameters);
   // The model's beacons and receivers are some of the deployment's, or those of a scene, which are exact.
   constexpr std::array<int, 4> kExact = {-1, -1, -1, -1};
   for (const SurveyBeacon& beacon : model.beacons) {
     const auto at = std::find_if(d.beacons.begin(), d.beacons.end(),
                                  [&](const DeploymentBeacon& b) { return b.name == beacon.name; });
     const auto b = static_cast<std::size_t>(at - d.beacons.begin());
-    beacon_.push_back(at == d.beacons.end()
-                          ? kExact
-                          : std::array<int, 4>{joint.index_of(parameters::beacon_position(b, 0)),
-                                               joint.index_of(parameters::beacon_position(b, 1)),
-                                               joint.index_of(parameters::beacon_position(b, 2)),
-                                               joint.index_of(parameters::beacon_delay(b))});
+    beacon_.push_back(at == d.beacons.end() ? kExact : column.beacon(b));
   }
   for (const SurveyReceiver& receiver : model.receivers) {
     const auto at = std::find_if(d.receivers.begin(), d.receivers.end(), [&](const DeploymentReceiver& r) {
       return r.vehicle.index() == model.vehicle && r.name == receiver.name;
     });
     const auto r = static_cast<std::size_t>(at - d.receivers.begin());
-    receiver_.push_back(at == d.receivers.end()
-                            ? kExact
-                            : std::array<int, 4>{joint.index_of(parameters::receiver_position(r, 0)),
-                                                 joint.index_of(parameters::receiver_position(r, 1)),
-                                                 joint.index_of(parameters::receiver_position(r, 2)),
-                                                 joint.index_of(parameters::receiver_delay(r))});
+    receiver_.push_back(at == d.receivers.end() ? kExact : column.receiver(r));
   }
-  site_delay_ = joint.index_of(parameters::site_delay());
-  speed_ = joint.index_of(parameters::speed());
-  for (std::size_t i = 0; i < attenuation_.size(); ++i)
-    attenuation_[i] = joint.index_of(parameters::attenuation(i));
+  site_delay_ = column[parameters::site_delay()];
+  speed_ = column[parameters::speed()];
+  for (std::size_t i = 0; i < attenuation_.size(); ++i) attenuation_[i] = column[parameters::attenuation(i)];
   walk_ = d.attenuation;
   speed_mps_ = model.speed_mps;
   mps_by_delay_ = model.speed_mps / (d.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0);

@@ -88,5 +88,20 @@ TEST(Parameter, EveryTopicHasWordsAndARemedy) {
   EXPECT_EQ(topic_of(parameters::beacon_gain(0)), ParameterTopic::kGain);
 }
 
+TEST(ParameterIndex, TellsWhereEachStandsAndWhichDoNot) {
+  const std::vector<ParameterId> list = {parameters::speed(),
+                                         parameters::beacon_position(3, 0),
+                                         parameters::receiver_delay(1),
+                                         parameters::beacon_position(3, 1),
+                                         parameters::receiver_position(1, 2),
+                                         parameters::beacon_delay(3)};
+  const ParameterIndex at(list);
+  for (std::size_t i = 0; i < list.size(); ++i) EXPECT_EQ(at[list[i]], static_cast<int>(i));
+  EXPECT_EQ(at[parameters::site_delay()], -1);
+  EXPECT_EQ(at.beacon(3), (std::array<int, 4>{1, 3, -1, 5}));
+  EXPECT_EQ(at.receiver(1), (std::array<int, 4>{-1, -1, 4, 2}));
+  EXPECT_EQ(at.beacon(1), (std::array<int, 4>{-1, -1, -1, -1}));
+}
+
 }  // namespace
 }  // namespace octant

@@ -11,20 +11,12 @@
 namespace octant {
 
 CalibrationPart::CalibrationPart(const Deployment& deployment) : covariance_(deployment.covariance.matrix) {
-  const JointCovariance& joint = deployment.covariance;
-  for (std::size_t b = 0; b < deployment.beacons.size(); ++b)
-    beacon_.push_back(
-        {joint.index_of(parameters::beacon_position(b, 0)), joint.index_of(parameters::beacon_position(b, 1)),
-         joint.index_of(parameters::beacon_position(b, 2)), joint.index_of(parameters::beacon_delay(b))});
-  for (std::size_t r = 0; r < deployment.receivers.size(); ++r)
-    receiver_.push_back({joint.index_of(parameters::receiver_position(r, 0)),
-                         joint.index_of(parameters::receiver_position(r, 1)),
-                         joint.index_of(parameters::receiver_position(r, 2)),
-                         joint.index_of(parameters::receiver_delay(r))});
-  site_delay_ = joint.index_of(parameters::site_delay());
-  speed_ = joint.index_of(parameters::speed());
-  for (std::size_t i = 0; i < attenuation_.size(); ++i)
-    attenuation_[i] = joint.index_of(parameters::attenuation(i));
+  const ParameterIndex at(deployment.covariance.parameters);
+  for (std::size_t b = 0; b < deployment.beacons.size(); ++b) beacon_.push_back(at.beacon(b));
+  for (std::size_t r = 0; r < deployment.receivers.size(); ++r) receiver_.push_back(at.receiver(r));
+  site_delay_ = at[parameters::site_delay()];
+  speed_ = at[parameters::speed()];
+  for (std::size_t i = 0; i < attenuation_.size(); ++i) attenuation_[i] = at[parameters::attenuation(i)];
 }
 
 void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, const Segment& segment,

@@ -18,21 +18,14 @@ constexpr std::size_t kScratchBytes =
     1u << 20;  ///< the search of a fix by sixteen beacons and eight receivers takes a quarter
 constexpr std::size_t kRowsEachPair = 2;  ///< an epoch may hold a few pings
 
-/// Rows of the joint covariance that move a beacon's arrivals: x, y, z, delay, speed; -1 where a parameter is
-/// held.
-std::array<int, 5> rows_of(const JointCovariance& joint, std::size_t beacon) {
-  return {joint.index_of(parameters::beacon_position(beacon, 0)),
-          joint.index_of(parameters::beacon_position(beacon, 1)),
-          joint.index_of(parameters::beacon_position(beacon, 2)),
-          joint.index_of(parameters::beacon_delay(beacon)), joint.index_of(parameters::speed())};
-}
-
-Matrix5d covariance_of(const Deployment& deployment, std::size_t b) {
+/// Of x, y, z, delay and the speed: what moves a beacon's arrivals.
+Matrix5d covariance_of(const Deployment& deployment, const ParameterIndex& row_of, std::size_t b) {
   const DeploymentBeacon& beacon = deployment.beacons[b];
   Matrix5d C = Matrix5d::Zero();
   const JointCovariance& joint = deployment.covariance;
   if (joint.matrix.rows() > 0 && joint.matrix.rows() == static_cast<Eigen::Index>(joint.parameters.size())) {
-    const std::array<int, 5> rows = rows_of(joint, b);
+    const std::array<int, 4> own = row_of.beacon(b);
+    const std::array<int, 5> rows = {own[0], own[1], own[2], own[3], row_of[parameters::speed()]};
     for (int i = 0; i < 5; ++i)
       for (int j = 0; j < 5; ++j)
         if (rows[static_cast<std::size_t>(i)] >= 0 && rows[static_cast<std::size_t>(j)] >= 0)
@@ -62,9 +55,10 @@ TrajectoryModel trajectory_model(const Deployment& deployment) {
 EpochFixModel epoch_fix_model(const Deployment& deployment) {
   EpochFixModel model;
   model.state = shared_state(deployment);
+  const ParameterIndex row_of(deployment.covariance.parameters);
   for (std::size_t b = 0; b < deployment.beacons.size(); ++b) {
     model.beacon_usable.push_back(deployment.beacons[b].status != BeaconStatus::kUndetermined);
-    model.beacon_covariance.push_back(covariance_of(deployment, b));
+    model.beacon_covariance.push_back(covariance_of(deployment, row_of, b));
   }
   for (const DeploymentReceiver& receiver : deployment.receivers) {
     model.receiver_axis.push_back(receiver.axis);
