@@ -21,8 +21,9 @@ namespace {
 constexpr std::size_t kNodesPerTile = 512;
 constexpr std::size_t kNodesOfLongChain = 1024;
 /// A step of a chain's states that gains less than this share of the cost is the last: the next would gain a
-/// hundredth of that at most, and the reduction takes its first order with it.
-constexpr double kChainAtRest = 1e-3;
+/// hundredth of that at most, and the reduction takes its first order with it. Weights of a robust loss bend
+/// the cost more than that order tells.
+constexpr double kChainAtRest = 1e-3, kRobustChainAtRest = 1e-5;
 /// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the
 /// columns it touches.
 constexpr std::size_t kBeaconsPerSparseTile = 24;
@@ -138,6 +139,8 @@ double Tile::settle(const SharedState& state, const RobustLoss& loss, int thread
   rewind_general();
   double cost = stops_ ? stops_->settle(state, loss) : 0.0;
   settled_.assign(general_.size(), 0.0);
+  const bool is_plain = loss.late_scale == 0.0 && loss.early_scale == 0.0;
+  const double chain_at_rest = is_plain ? kChainAtRest : kRobustChainAtRest;
   for (std::size_t i = 0; i < general_.size(); ++i) {
     const Segment& segment = trajectory_->segments[general_[i]];
     if (!trajectory_->nodes[segment.first_node].placed)
@@ -145,7 +148,7 @@ double Tile::settle(const SharedState& state, const RobustLoss& loss, int thread
     const bool is_chain = segment.last_node - segment.first_node > 1;
     settled_[i] =
         octant::settle(*trajectory_, segment, state, loss,
-                       {.tolerance = is_chain ? kChainAtRest : kSettledToRounding, .threads = threads})
+                       {.tolerance = is_chain ? chain_at_rest : kSettledToRounding, .threads = threads})
             .cost;
     cost += settled_[i];
   }

@@ -56,35 +56,38 @@ TEST(Layout, VectorAndStateAreInverse) {
 
 /// Cost with the states settled anew, as a function of the shared parameters: what the tiles must be the
 /// derivative of.
+void expect_gradient_of_the_settled_cost(bool drive, const RobustLoss& loss) {
+  Scenario s = drive ? drive_scenario(10.0) : hall_scenario();
+  s.path.epochs = 12;
+  const World world = must(simulate(s, 3));
+  const calib::Problem problem = problem_of(world);
+  calib::Solution solution = calib::solve(problem);
+  const calib::ParameterLayout layout =
+      calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  Eigen::VectorXd x = layout.vector_of(solution.state);
+  for (Eigen::Index i = 0; i < x.size(); ++i) x[i] += 2e-3 * std::sin(3.0 * static_cast<double>(i));
+  std::vector<Trajectory> trajectories = solution.trajectories;
+  calib::ReducedSystem system;
+  std::vector<calib::Tile> tiles = calib::make_tiles(trajectories, layout);
+  ASSERT_EQ(tiles.size(), 1u);
+  tiles[0].evaluate(layout.state_of(x), loss, &system);
+  tiles[0].commit();
+  const auto cost = [&](const Eigen::VectorXd& y) {
+    return Eigen::VectorXd::Constant(1, tiles[0].evaluate(layout.state_of(y), loss, nullptr));
+  };
+  const Eigen::MatrixXd numeric = numeric_jacobian(cost, x, 1e-5);
+  Eigen::VectorXd analytic = Eigen::VectorXd::Zero(x.size());
+  for (std::size_t i = 0; i < tiles[0].columns().size(); ++i)
+    analytic[tiles[0].columns()[i]] = system.gradient[static_cast<Eigen::Index>(i)];
+  // Residuals weigh 3e-3 m; second derivatives of the robust cost limit the central differences.
+  EXPECT_LT((numeric.row(0).transpose() - analytic).norm(), 1e-4 * analytic.norm())
+      << (drive ? "drive" : "epochs");
+}
+
 TEST(Tile, GradientIsThatOfTheSettledCost) {
-  for (const bool drive : {false, true}) {
-    Scenario s = drive ? drive_scenario(10.0) : hall_scenario();
-    s.path.epochs = 12;
-    const World world = must(simulate(s, 3));
-    const calib::Problem problem = problem_of(world);
-    calib::Solution solution = calib::solve(problem);
-    const calib::ParameterLayout layout =
-        calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
-    Eigen::VectorXd x = layout.vector_of(solution.state);
-    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] += 2e-3 * std::sin(3.0 * static_cast<double>(i));
-    const RobustLoss loss{5.0, 5.0};
-    std::vector<Trajectory> trajectories = solution.trajectories;
-    calib::ReducedSystem system;
-    std::vector<calib::Tile> tiles = calib::make_tiles(trajectories, layout);
-    ASSERT_EQ(tiles.size(), 1u);
-    tiles[0].evaluate(layout.state_of(x), loss, &system);
-    tiles[0].commit();
-    const auto cost = [&](const Eigen::VectorXd& y) {
-      return Eigen::VectorXd::Constant(1, tiles[0].evaluate(layout.state_of(y), loss, nullptr));
-    };
-    const Eigen::MatrixXd numeric = numeric_jacobian(cost, x, 1e-5);
-    Eigen::VectorXd analytic = Eigen::VectorXd::Zero(x.size());
-    for (std::size_t i = 0; i < tiles[0].columns().size(); ++i)
-      analytic[tiles[0].columns()[i]] = system.gradient[static_cast<Eigen::Index>(i)];
-    // Residuals weigh 3e-3 m; second derivatives of the robust cost limit the central differences.
-    EXPECT_LT((numeric.row(0).transpose() - analytic).norm(), 1e-4 * analytic.norm())
-        << (drive ? "drive" : "epochs");
-  }
+  for (const bool drive : {false, true})
+    for (const RobustLoss& loss : {RobustLoss{5.0, 5.0}, RobustLoss{}})
+      expect_gradient_of_the_settled_cost(drive, loss);
 }
 
 TEST(Datum, IsToldInWords) {
