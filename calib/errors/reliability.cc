@@ -8,11 +8,10 @@
 
 #include "calib/adjust/leverage.h"
 #include "calib/errors/residual_groups.h"
+#include "calib/errors/spread_leverage.h"
 #include "calib/errors/statistics.h"
 #include "calib/problem/ranges.h"
-#include "models/support/parallel.h"
 #include "models/trajectory/decompositions.h"
-#include "models/trajectory/stretches.h"
 
 namespace octant::calib {
 namespace {
@@ -91,12 +90,14 @@ class Collector {
   Reliability run() {
     for (const Trajectory& t : trajectories_) {
       if (out_.every > 1 && t.segments.size() == t.nodes.size()) {
-        sweep_spread_stops(t);
+        for (const SweptRow& row : sweep_spread_stops(sweep_, t, state_, step_, threads_))
+          observation(t, row);
       } else if (out_.every > 1 && has_long_chain(t)) {
-        sweep_spread_stretches(t);
+        for (const SweptRow& row : sweep_spread_stretches(sweep_, t, state_, step_, threads_))
+          observation(t, row);
       } else {
         sweep_.sweep(t, state_, 0, t.segments.size(), 1,
-                     [&](const RowLeverage& l) { observation(t, seen_of(l)); });
+                     [&](const RowLeverage& l) { observation(t, swept_row(l)); });
       }
     }
     shared_observations();
@@ -128,79 +129,13 @@ class Collector {
     std::vector<double> mdb_s, influence_m;
   };
 
-  /// Stops of a long log hang together by the shared parameters alone: stretches of them are swept side by
-  /// side, and what they gave is taken up in their order.
-  void sweep_spread_stops(const Trajectory& t) {
-    const std::size_t stretch = 256 * step_;
-    std::vector<std::vector<Seen>> seen(chunk_count(t.segments.size(), stretch));
-    for_each_chunk(t.segments.size(), stretch, threads_,
-                   [&](std::size_t chunk, std::size_t first, std::size_t last) {
-                     LeverageSweep sweep = sweep_;
-                     sweep.sweep(t, state_, first, last, step_,
-                                 [&](const RowLeverage& l) { seen[chunk].push_back(seen_of(l)); });
-                   });
-    for (const auto& chunk : seen)
-      for (const Seen& s : chunk) observation(t, s);
-  }
-
-  [[nodiscard]] static bool has_long_chain(const Trajectory& t) {
-    return t.segments.size() == 1 && is_long_chain(t.segments[0]);
-  }
-
-  /// Stretches of a long drive side by side, each with margins that are swept but not looked at: beyond some
-  /// hundred arrivals a state does not feel where the chain was cut.
-  void sweep_spread_stretches(const Trajectory& t) {
-    constexpr std::size_t kMarginArrivals = 150, kLeastMargin = 48;
-    const Segment& whole = t.segments[0];
-    const std::size_t margin = std::max(
-        kLeastMargin, kMarginArrivals * t.nodes.size() / std::max<std::size_t>(t.arrivals.size(), 1));
-    const std::size_t pitch = kStretchNodes * step_, count = chunk_count(t.nodes.size(), pitch);
-    std::vector<std::vector<Seen>> seen(count);
-    for_each_parallel(count, threads_, [&](std::size_t i) {
-      const std::size_t first = whole.first_node + i * pitch;
-      const std::size_t last = std::min(whole.last_node, first + kStretchNodes);
-      const std::size_t from = first - std::min(first - whole.first_node, margin);
-      Trajectory some =
-          pick_segments(t, {stretch_of(t, whole, from, std::min(whole.last_node, last + margin))});
-      LeverageSweep sweep = sweep_;
-      const std::size_t first_arrival = first_of(t.arrivals, from),
-                        first_bearing = first_of(t.bearings, from);
-      sweep.sweep(some, state_, 0, 1, 1, [&](const RowLeverage& l) {
-        if (const std::size_t node = l.row.node + from; node < first || node >= last) return;
-        Seen s = seen_of(l);
-        if (s.kind == RowKind::kTof || s.kind == RowKind::kAmplitude) s.index += first_arrival;
-        if (s.kind == RowKind::kBearing) s.index += first_bearing;
-        seen[i].push_back(s);
-      });
-    });
-    for (const auto& stretch : seen)
-      for (const Seen& s : stretch) observation(t, s);
-  }
-  template <class Observation>
-  static std::size_t first_of(const std::vector<Observation>& list, std::size_t node) {
-    return static_cast<std::size_t>(
-        std::partition_point(list.begin(), list.end(),
-                             [node](const Observation& o) { return o.node < node; }) -
-        list.begin());
-  }
-
-  /// What is needed of a row and its leverage.
-  struct Seen {
-    RowKind kind;
-    std::size_t index;
-    double residual, leverage, shift_m;
-  };
-  static Seen seen_of(const RowLeverage& l) {
-    return {l.row.kind, l.row.index, l.row.residual, l.leverage, l.shift_m};
-  }
-
-  void observation(const Trajectory& t, const Seen& l) {
+  void observation(const Trajectory& t, const SweptRow& l) {
     const double r = 1.0 - l.leverage;
     kinds_[kind_of(l.kind)].add(l.residual, r);
     if (l.kind == RowKind::kTof) arrival(t, l, r);
   }
 
-  void arrival(const Trajectory& t, const Seen& l, double r) {
+  void arrival(const Trajectory& t, const SweptRow& l, double r) {
     const ArrivalObservation& a = t.arrivals[l.index];
     const double speed = a.model_speed_mps + state_.speed_offset(t.run),
                  range_per_s = a.two_way ? 0.5 * speed : speed;

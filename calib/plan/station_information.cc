@@ -11,6 +11,7 @@
 #include "calib/adjust/priors.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/shared_entries.h"
+#include "calib/verdict/datum.h"
 #include "calib/verdict/observability.h"
 #include "models/trajectory/decompositions.h"
 #include "models/trajectory/linearise.h"

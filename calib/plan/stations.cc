@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "calib/verdict/datum.h"
 #include "calib/verdict/observability.h"
 #include "models/simulator/random.h"
 #include "models/support/parallel.h"

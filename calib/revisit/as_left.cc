@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "models/changes/deployment_number.h"
 #include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
@@ -35,41 +36,10 @@ Posterior posterior_of(const KnownParameters& known, const Eigen::VectorXd& drif
   return out;
 }
 
-void write_value(const ParameterId& p, double value, double sigma, Deployment& d) {
-  switch (p.kind) {
-    case ParameterKind::kBeaconPosition: d.beacons[p.owner].position_m[p.component] = value; break;
-    case ParameterKind::kBeaconDelay:
-      d.beacons[p.owner].delay_s = value;
-      d.beacons[p.owner].delay_sigma_s = sigma;
-      break;
-    case ParameterKind::kBeaconGain: d.beacons[p.owner].gain = std::exp(value); break;
-    case ParameterKind::kReceiverPosition:
-      d.receivers[p.owner].position_m[p.component] = value;
-      d.receivers[p.owner].sigma_m[p.component] = sigma;
-      break;
-    case ParameterKind::kReceiverDelay:
-      d.receivers[p.owner].delay_s = value;
-      d.receivers[p.owner].delay_sigma_s = sigma;
-      break;
-    case ParameterKind::kSpeed:
-      d.speed_offset_mps = value;
-      d.speed_sigma_mps = sigma;
-      break;
-    case ParameterKind::kAttenuation: attenuation_unknown(*d.attenuation, p.component) = value; break;
-    case ParameterKind::kClockDrift:
-      d.vehicles[p.owner].clock_drift = value;
-      d.vehicles[p.owner].clock_drift_sigma = sigma;
-      break;
-    case ParameterKind::kArray:  // it stands on the receivers
-    case ParameterKind::kSiteDelay:
-    case ParameterKind::kPairBias: break;
-  }
-}
-
 void write_parameters(const KnownParameters& known, const Posterior& posterior, Deployment& d) {
   for (Eigen::Index i = 0; i < known.size(); ++i) {
     const ParameterId& p = known.parameters[static_cast<std::size_t>(i)];
-    write_value(p, posterior.value[i], std::sqrt(std::max(0.0, posterior.covariance(i, i))), d);
+    set_number(p, {posterior.value[i], std::sqrt(std::max(0.0, posterior.covariance(i, i)))}, d);
     if (p.kind == ParameterKind::kBeaconPosition && p.component == 0)
       d.beacons[p.owner].covariance_m2 = posterior.covariance.block<3, 3>(i, i);
   }

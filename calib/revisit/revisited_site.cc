@@ -6,61 +6,68 @@
 #include <cmath>
 #include <utility>
 
+#include "models/parameter_visitor.h"
+
 namespace octant::calib {
 namespace {
 
-void add_known(const Deployment& d, const KnownParameters& known, const Eigen::VectorXd& variance,
-               Site& site) {
-  for (Eigen::Index k = 0; k < known.size(); ++k) {
-    const ParameterId& p = known.parameters[static_cast<std::size_t>(k)];
-    const Prior prior{known.value[k], std::sqrt(variance[k])};
-    const auto i = static_cast<std::size_t>(p.component);
-    switch (p.kind) {
-      case ParameterKind::kBeaconPosition:
-        site.beacons[p.owner].position_m[i] = prior.value;
-        site.beacons[p.owner].sigma_m[i] = prior.sigma;
-        break;
-      case ParameterKind::kBeaconDelay:
-        site.beacons[p.owner].delay_s = prior.value;
-        site.beacons[p.owner].delay_sigma_s = prior.sigma;
-        site.timing.delay_per.beacon = true;
-        break;
-      case ParameterKind::kBeaconGain: site.beacons[p.owner].log_gain = prior; break;
-      case ParameterKind::kReceiverPosition:
-        site.receivers[p.owner].sigma_m[p.component] = prior.sigma;
-        break;
-      case ParameterKind::kReceiverDelay:
-        site.timing.delay_sigma_s = std::max({site.timing.delay_sigma_s, std::abs(prior.value), prior.sigma});
-        break;
-      // The offset starts at nothing, and is known to be what it was.
-      case ParameterKind::kSpeed: site.speed_sigma_mps = std::hypot(prior.sigma, prior.value); break;
-      case ParameterKind::kAttenuation: attenuation_unknown(*site.attenuation, i) = prior; break;
-      case ParameterKind::kClockDrift:
-        site.timing.drift = d.timing.drift;
-        site.timing.drift_sigma =
-            std::max({site.timing.drift_sigma, std::abs(prior.value - d.timing.drift), prior.sigma});
-        break;
-      case ParameterKind::kArray:  // it stands on the receivers
-      case ParameterKind::kSiteDelay:
-      case ParameterKind::kPairBias: break;
-    }
+/// What is known of a parameter becomes the site's prior. Visitor: see visit_parameter.
+struct PriorOfSite {
+  Site& site;
+  const Deployment& d;
+  Prior prior;
+  void beacon_position(std::size_t b, std::size_t axis) const {
+    site.beacons[b].position_m[axis] = prior.value;
+    site.beacons[b].sigma_m[axis] = prior.sigma;
   }
-}
+  void beacon_delay(std::size_t b) const {
+    site.beacons[b].delay_s = prior.value;
+    site.beacons[b].delay_sigma_s = prior.sigma;
+    site.timing.delay_per.beacon = true;
+  }
+  void beacon_gain(std::size_t b) const { site.beacons[b].log_gain = prior; }
+  void receiver_position(std::size_t r, std::size_t axis) const {
+    site.receivers[r].sigma_m[static_cast<Eigen::Index>(axis)] = prior.sigma;
+  }
+  void receiver_delay(std::size_t) const {
+    site.timing.delay_sigma_s = std::max({site.timing.delay_sigma_s, std::abs(prior.value), prior.sigma});
+  }
+  // They stand on receivers and beacons, and biases of pairs are forgotten.
+  static void array(std::size_t, std::size_t) {}
+  static void site_delay() {}
+  static void pair_bias(std::size_t, std::size_t) {}
+  // The offset starts at nothing, and is known to be what it was.
+  void speed(std::size_t) const { site.speed_sigma_mps = std::hypot(prior.sigma, prior.value); }
+  void attenuation(std::size_t unknown) const { attenuation_unknown(*site.attenuation, unknown) = prior; }
+  void clock_drift(std::size_t) const {
+    site.timing.drift = d.timing.drift;
+    site.timing.drift_sigma =
+        std::max({site.timing.drift_sigma, std::abs(prior.value - d.timing.drift), prior.sigma});
+  }
+};
+
+/// Room for a change of each kind. Visitor: see visit_parameter.
+struct RoomOf {
+  const RoomForChange& room;
+  [[nodiscard]] double beacon_position(std::size_t, std::size_t) const { return room.beacon_m; }
+  [[nodiscard]] double beacon_delay(std::size_t) const { return room.delay_s; }
+  [[nodiscard]] double beacon_gain(std::size_t) const { return room.log_gain; }
+  [[nodiscard]] double receiver_position(std::size_t, std::size_t) const { return room.receiver_m; }
+  [[nodiscard]] static double receiver_delay(std::size_t) { return 0.0; }
+  [[nodiscard]] static double array(std::size_t, std::size_t) { return 0.0; }
+  [[nodiscard]] static double site_delay() { return 0.0; }
+  [[nodiscard]] double speed(std::size_t) const { return room.speed_mps; }
+  [[nodiscard]] static double attenuation(std::size_t) { return 0.0; }
+  [[nodiscard]] static double clock_drift(std::size_t) { return 0.0; }
+  [[nodiscard]] static double pair_bias(std::size_t, std::size_t) { return 0.0; }
+};
 
 }  // namespace
 
 Eigen::VectorXd room_for_change(const KnownParameters& known, const RoomForChange& room) {
   Eigen::VectorXd sigma(known.size());
-  for (Eigen::Index k = 0; k < known.size(); ++k) {
-    switch (known.parameters[static_cast<std::size_t>(k)].kind) {
-      case ParameterKind::kBeaconPosition: sigma[k] = room.beacon_m; break;
-      case ParameterKind::kBeaconDelay: sigma[k] = room.delay_s; break;
-      case ParameterKind::kReceiverPosition: sigma[k] = room.receiver_m; break;
-      case ParameterKind::kSpeed: sigma[k] = room.speed_mps; break;
-      case ParameterKind::kBeaconGain: sigma[k] = room.log_gain; break;
-      default: sigma[k] = 0.0;
-    }
-  }
+  for (Eigen::Index k = 0; k < known.size(); ++k)
+    sigma[k] = visit_parameter(known.parameters[static_cast<std::size_t>(k)], RoomOf{room});
   return sigma.cwiseAbs2();
 }
 
@@ -90,7 +97,9 @@ Site revisited_site(const Deployment& d, const KnownParameters& known, const Eig
   for (const DeploymentReceiver& r : d.receivers)
     site.receivers.push_back(
         {.name = r.name, .vehicle = r.vehicle, .position_m = r.position_m, .axis = r.axis});
-  add_known(d, known, variance, site);
+  for (Eigen::Index k = 0; k < known.size(); ++k)
+    visit_parameter(known.parameters[static_cast<std::size_t>(k)],
+                    PriorOfSite{site, d, {known.value[k], std::sqrt(variance[k])}});
   return site;
 }
 

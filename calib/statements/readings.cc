@@ -310,27 +310,9 @@ class Search {
     return readings;
   }
 
-  /// The receivers whose arrivals are left out most; of an array so large that not all exchanges are looked
-  /// at.
-  [[nodiscard]] std::vector<bool> doubtful_receivers() const {
-    std::vector<double> used(site_.receivers.size(), 0.0), all = used, share = used;
-    for (const Trajectory& t : solution_.trajectories)
-      for (const ArrivalObservation& a : t.arrivals) {
-        all[a.receiver.index()] += 1;
-        used[a.receiver.index()] += a.rejection == Rejection::kUsed;
-      }
-    for (std::size_t r = 0; r < share.size(); ++r) share[r] = all[r] > 0 ? used[r] / all[r] : 1.0;
-    std::vector<double> sorted = share;
-    std::sort(sorted.begin(), sorted.end());
-    constexpr std::size_t kMost = 6;
-    std::vector<bool> doubtful;
-    for (const double s : share) doubtful.push_back(sorted.size() <= kMost || s <= sorted[kMost - 1]);
-    return doubtful;
-  }
-
   [[nodiscard]] std::vector<Reading> wired_otherwise() const {
     std::vector<Reading> readings;
-    const std::vector<bool> doubtful = doubtful_receivers();
+    const std::vector<bool> doubtful = doubtful_receivers(site_, solution_.trajectories);
     for (std::size_t v = 0; v < site_.vehicles.size(); ++v)
       for (const Wiring& wiring : wirings(site_, VehicleId(v), doubtful))
         readings.push_back(

@@ -143,6 +143,22 @@ std::vector<Wiring> wirings(const Site& site, VehicleId vehicle, const std::vect
   return list.take();
 }
 
+std::vector<bool> doubtful_receivers(const Site& site, const std::vector<Trajectory>& trajectories) {
+  std::vector<double> used(site.receivers.size(), 0.0), all = used, share = used;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals) {
+      all[a.receiver.index()] += 1;
+      used[a.receiver.index()] += a.rejection == Rejection::kUsed;
+    }
+  for (std::size_t r = 0; r < share.size(); ++r) share[r] = all[r] > 0 ? used[r] / all[r] : 1.0;
+  std::vector<double> sorted = share;
+  std::sort(sorted.begin(), sorted.end());
+  constexpr std::size_t kMost = 6;
+  std::vector<bool> doubtful;
+  for (const double s : share) doubtful.push_back(sorted.size() <= kMost || s <= sorted[kMost - 1]);
+  return doubtful;
+}
+
 Site rewired(const Site& site, VehicleId vehicle, const Wiring& wiring) {
   Site other = site;
   const std::size_t first = site.vehicles[vehicle.index()].first_receiver;

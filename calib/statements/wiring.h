@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "models/site.h"
+#include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
 
@@ -25,6 +26,11 @@ struct Wiring {
 /// empty: all
 [[nodiscard]] std::vector<Wiring> wirings(const Site& site, VehicleId vehicle,
                                           const std::vector<bool>& doubtful = {});
+
+/// Receivers whose exchanges are worth a look: all of up to six, else the six whose arrivals are left out
+/// most.
+[[nodiscard]] std::vector<bool> doubtful_receivers(const Site& site,
+                                                   const std::vector<Trajectory>& trajectories);
 
 /// The site with a vehicle's receivers at each other's places as a wiring has them, their names as they were.
 [[nodiscard]] Site rewired(const Site& site, VehicleId vehicle, const Wiring& wiring);

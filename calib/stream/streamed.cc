@@ -71,15 +71,15 @@ class StreamedCalibrator {
     const auto settled = settle_noise(log);
     if (!settled) return stopped(settled.error());
     if (!course_.report("covariance and verdict", 0.92)) return finished(interrupted_solution());
-    auto told = log.tell(it_);
-    if (!told) return stopped(told.error());
+    auto gathered = log.findings(it_);
+    if (!gathered) return stopped(gathered.error());
     for (std::size_t run = 0; run < frame_.runs.size(); ++run)
-      frame_.runs[run].arrivals = std::move(told->arrivals[run]);
+      frame_.runs[run].arrivals = std::move(gathered->arrivals[run]);
     Solution solution;
     solution.warnings = warnings_;
     solution.contradictions = frame_.contradictions;
-    conclude(frame_, options_, it_, std::move(told->findings), told->trajectories, solution);
-    solution.trajectories = std::move(told->trajectories);
+    conclude(frame_, options_, it_, std::move(gathered->findings), gathered->trajectories, solution);
+    solution.trajectories = std::move(gathered->trajectories);
     return finished(std::move(solution));
   }
 
@@ -154,7 +154,7 @@ class StreamedCalibrator {
     Eigen::VectorXd x;  // where `sum` is of
     PassSum sum;
     bool careful = false;
-    LogPasses::Marks marks = LogPasses::Marks::kFirst;
+    MarkPolicy marks = MarkPolicy::kFirst;
     int marked = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
       if (!course_.report("adjustment of the arrivals that agree", std::min(0.9, 0.7 + 0.03 * pass)))
@@ -164,8 +164,7 @@ class StreamedCalibrator {
       first.reset();
       ++course_.iterations;
       const double prior = prior_cost(frame_, it_.layout, it_.x);
-      if (next->cost_before + prior > cost * (1 + 1e-12) && marks != LogPasses::Marks::kFirst &&
-          damping < 1e6) {
+      if (next->cost_before + prior > cost * (1 + 1e-12) && marks != MarkPolicy::kFirst && damping < 1e6) {
         if (careful) {  // from where it was, a shorter step
           damping = std::max(kFirstDamping, 10 * damping);
           it_.x = stepped(sum.system, x, damping).x;
@@ -174,24 +173,22 @@ class StreamedCalibrator {
           cost = INFINITY;
         }
         careful = true;
-        marks = LogPasses::Marks::kKept;
+        marks = MarkPolicy::kKept;
         continue;
       }
       sum = std::move(*next);
       x = it_.x;
       cost = sum.system.cost + prior;
       damping = damping < kFirstDamping ? 0.0 : damping / 10;
-      marked += marks != LogPasses::Marks::kKept;
+      marked += marks != MarkPolicy::kKept;
       const Step step = stepped(sum.system, x, damping);
       const double gain = damping > 0 ? stepped(sum.system, x, 0.0).gain : step.gain;
       const bool settled = gain <= kNoStep * cost;
-      if (settled && (sum.changed == 0 || marked >= kRejectionRounds) && marks != LogPasses::Marks::kKept)
+      if (settled && (sum.changed == 0 || marked >= kRejectionRounds) && marks != MarkPolicy::kKept)
         return ended(std::move(sum), cost, true);
       const bool may_mark = marked < kRejectionRounds && (!careful || settled);
       if (settled && !may_mark) return ended(std::move(sum), cost, true);
-      marks = !may_mark ? LogPasses::Marks::kKept
-              : settled ? LogPasses::Marks::kFirst
-                        : LogPasses::Marks::kSettled;
+      marks = !may_mark ? MarkPolicy::kKept : settled ? MarkPolicy::kFirst : MarkPolicy::kSettled;
       if (!settled) it_.x = step.x;
     }
     return ended(std::move(sum), cost, false);

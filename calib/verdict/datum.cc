@@ -8,6 +8,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calib/problem/ranges.h"
+#include "models/trajectory/decompositions.h"
+
 namespace octant::calib {
 namespace {
 
@@ -69,6 +72,61 @@ void set_free_network(Datum& datum) {
   if (datum.position != "control points") datum.position = kFreeNetwork;
   if (datum.orientation != "control points") datum.orientation = kFreeNetwork;
   describe(datum);
+}
+
+namespace {
+
+/// Motions whose information does not tell them to this share of the typical range.
+constexpr double kVagueDatum = 0.25;
+
+template <class Matrix>
+Eigen::MatrixXd unobservable_motions(const Problem& problem, const ParameterLayout& layout,
+                                     const SharedState& state, const Matrix& information) {
+  const bool planar = problem.site.motion == Motion::kPlanar;
+  const int motions = planar ? 3 : 6;
+  Eigen::MatrixXd F = Eigen::MatrixXd::Zero(layout.size(), motions);
+  for (std::size_t b = 0; b < layout.beacon.size(); ++b)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int column = layout.beacon[b][i];
+      if (column < 0) continue;
+      const Eigen::Vector3d& p = state.beacon_p_map_m[b];
+      const auto axis = static_cast<int>(i);
+      if (planar) {
+        if (axis < 2) F(column, axis) = 1.0;
+        F(column, 2) = Eigen::Vector3d::UnitZ().cross(p)[axis];
+      } else {
+        F(column, axis) = 1.0;
+        for (int k = 0; k < 3; ++k) F(column, 3 + k) = Eigen::Vector3d::Unit(k).cross(p)[axis];
+      }
+    }
+  const PivotedQr qr(F);
+  if (layout.size() == 0 || qr.rank() == 0) return Eigen::MatrixXd(layout.size(), 0);
+  const Eigen::MatrixXd Q = qr.basis(), NQ = information * Q;
+  const SymmetricEigen<Eigen::MatrixXd> eigen(Q.transpose() * NQ);
+  const auto free_beacons = std::count_if(layout.beacon.begin(), layout.beacon.end(), [](const auto& c) {
+    return std::max({c[0], c[1], c[2]}) >= 0;
+  });
+  // A unit motion moves each beacon by 1 / sqrt(beacons); positions given to a hundred metres carry no map
+  // either.
+  const double limit_m =
+      kVagueDatum * typical_range_m(problem) * std::sqrt(static_cast<double>(free_beacons));
+  Eigen::Index unobservable = 0;
+  while (unobservable < eigen.eigenvalues().size() &&
+         eigen.eigenvalues()[unobservable] * limit_m * limit_m < 1.0)
+    ++unobservable;
+  return Q * eigen.eigenvectors().leftCols(unobservable);
+}
+
+}  // namespace
+
+Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+                           const Eigen::MatrixXd& information) {
+  return unobservable_motions(problem, layout, state, information);
+}
+
+Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+                           const Eigen::SparseMatrix<double>& information) {
+  return unobservable_motions(problem, layout, state, information);
 }
 
 }  // namespace octant::calib

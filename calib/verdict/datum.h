@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "calib/problem/parameters.h"
 #include "calib/problem/problem.h"
 #include "models/deployment.h"
 
@@ -13,5 +17,14 @@ namespace octant::calib {
 
 /// The same for a map that turned out to hang on nothing: inner constraints carry what was said to carry it.
 void set_free_network(Datum& datum);
+
+/// Motions of the whole map that nothing in a problem tells to better than a quarter of the typical range
+/// (planar: x, y, heading; spatial: six), as columns over the free parameters; orthonormal, none where the
+/// datum is fixed.
+[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout,
+                                         const SharedState& state, const Eigen::MatrixXd& information);
+[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout,
+                                         const SharedState& state,
+                                         const Eigen::SparseMatrix<double>& information);
 
 }  // namespace octant::calib

@@ -22,7 +22,6 @@ namespace {
 
 /// A length or speed known to this share of itself carries the scale.
 constexpr double kKnownScale = 0.15;
-constexpr double kVagueDatum = 0.25;
 
 /// Standard deviation of the worst direction of a beacon, in metres.
 double worst_sigma_m(const Eigen::Matrix3d& covariance_m2) {
@@ -276,57 +275,6 @@ std::optional<WeakDirection> missing_scale(const Problem& problem) {
 
 double tolerance_m(const Problem& problem) {
   return problem.site.tolerance.beacon_m.value_or(0.05 * typical_range_m(problem));
-}
-
-namespace {
-
-template <class Matrix>
-Eigen::MatrixXd motions_unseen(const Problem& problem, const ParameterLayout& layout,
-                               const SharedState& state, const Matrix& information) {
-  const bool planar = problem.site.motion == Motion::kPlanar;
-  const int motions = planar ? 3 : 6;
-  Eigen::MatrixXd F = Eigen::MatrixXd::Zero(layout.size(), motions);
-  for (std::size_t b = 0; b < layout.beacon.size(); ++b)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const int column = layout.beacon[b][i];
-      if (column < 0) continue;
-      const Eigen::Vector3d& p = state.beacon_p_map_m[b];
-      const auto axis = static_cast<int>(i);
-      if (planar) {
-        if (axis < 2) F(column, axis) = 1.0;
-        F(column, 2) = Eigen::Vector3d::UnitZ().cross(p)[axis];
-      } else {
-        F(column, axis) = 1.0;
-        for (int k = 0; k < 3; ++k) F(column, 3 + k) = Eigen::Vector3d::Unit(k).cross(p)[axis];
-      }
-    }
-  const PivotedQr qr(F);
-  if (layout.size() == 0 || qr.rank() == 0) return Eigen::MatrixXd(layout.size(), 0);
-  const Eigen::MatrixXd Q = qr.basis(), NQ = information * Q;
-  const SymmetricEigen<Eigen::MatrixXd> eigen(Q.transpose() * NQ);
-  const auto free_beacons = std::count_if(layout.beacon.begin(), layout.beacon.end(), [](const auto& c) {
-    return std::max({c[0], c[1], c[2]}) >= 0;
-  });
-  // A unit motion moves each beacon by 1 / sqrt(beacons); positions given to a hundred metres carry no map
-  // either.
-  const double limit_m =
-      kVagueDatum * typical_range_m(problem) * std::sqrt(static_cast<double>(free_beacons));
-  Eigen::Index unseen = 0;
-  while (unseen < eigen.eigenvalues().size() && eigen.eigenvalues()[unseen] * limit_m * limit_m < 1.0)
-    ++unseen;
-  return Q * eigen.eigenvectors().leftCols(unseen);
-}
-
-}  // namespace
-
-Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
-                           const Eigen::MatrixXd& information) {
-  return motions_unseen(problem, layout, state, information);
-}
-
-Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
-                           const Eigen::SparseMatrix<double>& information) {
-  return motions_unseen(problem, layout, state, information);
 }
 
 namespace {

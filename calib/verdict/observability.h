@@ -13,15 +13,6 @@
 
 namespace octant::calib {
 
-/// Motions of the whole map that nothing in a problem tells to better than a quarter of the typical range
-/// (planar: x, y, heading; spatial: six), as columns over the free parameters; orthonormal, none where the
-/// datum is fixed.
-[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout,
-                                         const SharedState& state, const Eigen::MatrixXd& information);
-[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout,
-                                         const SharedState& state,
-                                         const Eigen::SparseMatrix<double>& information);
-
 /// Covariance, status of the beacons, weak directions, verdict: fills the solution. Returns the covariance in
 /// internal units. Beyond ParameterLayout::dense_limit the solution's joint covariance stays empty and its
 /// marginals are filled instead. A beacon is undetermined when it was not found or the sigma of its worst

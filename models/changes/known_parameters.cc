@@ -6,27 +6,11 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "models/physics/attenuation.h"
+#include "models/changes/deployment_number.h"
+#include "models/parameter_visitor.h"
 
 namespace octant {
 namespace {
-
-double value_of(const ParameterId& p, const Deployment& d) {
-  switch (p.kind) {
-    case ParameterKind::kBeaconPosition: return d.beacons[p.owner].position_m[p.component];
-    case ParameterKind::kBeaconDelay: return d.beacons[p.owner].delay_s;
-    case ParameterKind::kBeaconGain: return std::log(d.beacons[p.owner].gain);
-    case ParameterKind::kReceiverPosition: return d.receivers[p.owner].position_m[p.component];
-    case ParameterKind::kReceiverDelay: return d.receivers[p.owner].delay_s;
-    case ParameterKind::kSpeed: return d.speed_offset_mps;
-    case ParameterKind::kAttenuation: return attenuation_unknown(*d.attenuation, p.component);
-    case ParameterKind::kClockDrift: return d.vehicles[p.owner].clock_drift;
-    case ParameterKind::kArray:  // it stands on the receivers
-    case ParameterKind::kSiteDelay:
-    case ParameterKind::kPairBias: break;
-  }
-  return 0.0;
-}
 
 std::vector<ParameterId> parameters_of(const Deployment& d) {
   std::vector<ParameterId> all;
@@ -90,11 +74,9 @@ Eigen::MatrixXd separate_covariance(const KnownParameters& known, const Deployme
     if (p.kind == ParameterKind::kBeaconPosition)
       for (Eigen::Index axis = 0; axis < 3; ++axis)
         C(i, i - p.component + axis) = d.beacons[p.owner].covariance_m2(p.component, axis);
-    if (p.kind == ParameterKind::kBeaconDelay) C(i, i) = std::pow(d.beacons[p.owner].delay_sigma_s, 2);
-    if (p.kind == ParameterKind::kReceiverPosition)
-      C(i, i) = std::pow(d.receivers[p.owner].sigma_m[p.component], 2);
-    if (p.kind == ParameterKind::kReceiverDelay) C(i, i) = std::pow(d.receivers[p.owner].delay_sigma_s, 2);
-    if (p.kind == ParameterKind::kSpeed) C(i, i) = std::pow(d.speed_sigma_mps, 2);
+    if (p.kind == ParameterKind::kBeaconDelay || p.kind == ParameterKind::kReceiverPosition ||
+        p.kind == ParameterKind::kReceiverDelay || p.kind == ParameterKind::kSpeed)
+      C(i, i) = std::pow(number_in(d, p).sigma, 2);
   }
   return C;
 }
@@ -112,7 +94,7 @@ KnownParameters known_parameters(const Deployment& d) {
   const auto n = static_cast<Eigen::Index>(known.parameters.size());
   known.value.resize(n);
   for (Eigen::Index i = 0; i < n; ++i)
-    known.value[i] = value_of(known.parameters[static_cast<std::size_t>(i)], d);
+    known.value[i] = number_in(d, known.parameters[static_cast<std::size_t>(i)]).value;
   if (d.covariance.parameters.empty()) {
     known.covariance = separate_covariance(known, d);
     return known;
@@ -129,28 +111,34 @@ KnownParameters known_parameters(const Deployment& d) {
   return known;
 }
 
-Eigen::VectorXd drift_variances(const KnownParameters& known, const Drift& drift) {
-  constexpr double kClockDrift = 1.0e-6, kHalfPowerAngle_rad = 0.02;
-  Eigen::VectorXd sigma(known.size());
-  for (Eigen::Index i = 0; i < known.size(); ++i) {
-    const ParameterId& p = known.parameters[static_cast<std::size_t>(i)];
-    switch (p.kind) {
-      case ParameterKind::kBeaconPosition: sigma[i] = drift.beacon_m; break;
-      case ParameterKind::kBeaconDelay:
-      case ParameterKind::kReceiverDelay: sigma[i] = drift.delay_s; break;
-      case ParameterKind::kBeaconGain: sigma[i] = drift.log_gain; break;
-      case ParameterKind::kReceiverPosition: sigma[i] = drift.receiver_m; break;
-      case ParameterKind::kSpeed: sigma[i] = drift.speed_mps; break;
-      case ParameterKind::kAttenuation:
-        sigma[i] = p.component == 3 ? kHalfPowerAngle_rad
-                                    : drift.attenuation * std::max(1e-9, std::abs(known.value[i]));
-        break;
-      case ParameterKind::kClockDrift: sigma[i] = kClockDrift; break;
-      case ParameterKind::kArray:
-      case ParameterKind::kSiteDelay:
-      case ParameterKind::kPairBias: sigma[i] = 0.0; break;
-    }
+namespace {
+
+/// Sigma of what a number drifts from visit to visit. Visitor: see visit_parameter.
+struct DriftOf {
+  const Drift& drift;
+  double value;
+  [[nodiscard]] double beacon_position(std::size_t, std::size_t) const { return drift.beacon_m; }
+  [[nodiscard]] double beacon_delay(std::size_t) const { return drift.delay_s; }
+  [[nodiscard]] double beacon_gain(std::size_t) const { return drift.log_gain; }
+  [[nodiscard]] double receiver_position(std::size_t, std::size_t) const { return drift.receiver_m; }
+  [[nodiscard]] double receiver_delay(std::size_t) const { return drift.delay_s; }
+  [[nodiscard]] static double array(std::size_t, std::size_t) { return 0.0; }
+  [[nodiscard]] static double site_delay() { return 0.0; }
+  [[nodiscard]] double speed(std::size_t) const { return drift.speed_mps; }
+  [[nodiscard]] double attenuation(std::size_t unknown) const {
+    constexpr double kHalfPowerAngle_rad = 0.02;
+    return unknown == 3 ? kHalfPowerAngle_rad : drift.attenuation * std::max(1e-9, std::abs(value));
   }
+  [[nodiscard]] static double clock_drift(std::size_t) { return 1.0e-6; }
+  [[nodiscard]] static double pair_bias(std::size_t, std::size_t) { return 0.0; }
+};
+
+}  // namespace
+
+Eigen::VectorXd drift_variances(const KnownParameters& known, const Drift& drift) {
+  Eigen::VectorXd sigma(known.size());
+  for (Eigen::Index i = 0; i < known.size(); ++i)
+    sigma[i] = visit_parameter(known.parameters[static_cast<std::size_t>(i)], DriftOf{drift, known.value[i]});
   return sigma.cwiseAbs2();
 }
 

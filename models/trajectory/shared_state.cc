@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "models/parameter_visitor.h"
+
 namespace octant {
 namespace {
 
@@ -17,29 +19,38 @@ std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers,
   return axes;
 }
 
+/// Visitor: see visit_parameter.
+struct InState {
+  SharedState& state;
+  [[nodiscard]] static double* at(std::vector<double>& all, std::size_t i) {
+    return i < all.size() ? &all[i] : nullptr;
+  }
+  [[nodiscard]] double* beacon_position(std::size_t b, std::size_t axis) const {
+    return &state.beacon_p_map_m[b][static_cast<Eigen::Index>(axis)];
+  }
+  [[nodiscard]] double* beacon_delay(std::size_t b) const { return at(state.beacon_delay_s, b); }
+  [[nodiscard]] double* beacon_gain(std::size_t b) const { return at(state.beacon_log_gain, b); }
+  [[nodiscard]] double* receiver_position(std::size_t r, std::size_t axis) const {
+    return &state.receiver_p_vehicle_m[r][static_cast<Eigen::Index>(axis)];
+  }
+  [[nodiscard]] double* receiver_delay(std::size_t r) const { return at(state.receiver_delay_s, r); }
+  [[nodiscard]] static double* array(std::size_t, std::size_t) { return nullptr; }
+  [[nodiscard]] double* site_delay() const { return &state.site_delay_s; }
+  [[nodiscard]] double* speed(std::size_t run) const {
+    return &state.speed_offset_mps[run > 0 ? run - 1 : 0];
+  }
+  [[nodiscard]] double* attenuation(std::size_t unknown) const {
+    return state.attenuation ? &attenuation_unknown(*state.attenuation, unknown) : nullptr;
+  }
+  [[nodiscard]] double* clock_drift(std::size_t v) const { return at(state.clock_drift, v); }
+  [[nodiscard]] double* pair_bias(std::size_t b, std::size_t r) const {
+    return &state.pair_bias_s[b * state.receiver_delay_s.size() + r];
+  }
+};
+
 }  // namespace
 
-double* value_in(SharedState& state, const ParameterId& id) {
-  const auto at = [&id](std::vector<double>& all) {
-    return id.owner < all.size() ? &all[id.owner] : nullptr;
-  };
-  switch (id.kind) {
-    case ParameterKind::kBeaconPosition: return &state.beacon_p_map_m[id.owner][id.component];
-    case ParameterKind::kBeaconDelay: return at(state.beacon_delay_s);
-    case ParameterKind::kBeaconGain: return at(state.beacon_log_gain);
-    case ParameterKind::kReceiverPosition: return &state.receiver_p_vehicle_m[id.owner][id.component];
-    case ParameterKind::kReceiverDelay: return at(state.receiver_delay_s);
-    case ParameterKind::kArray: return nullptr;
-    case ParameterKind::kSiteDelay: return &state.site_delay_s;
-    case ParameterKind::kSpeed: return &state.speed_offset_mps[id.owner > 0 ? id.owner - 1 : 0];
-    case ParameterKind::kAttenuation:
-      return state.attenuation ? &attenuation_unknown(*state.attenuation, id.component) : nullptr;
-    case ParameterKind::kClockDrift: return at(state.clock_drift);
-    case ParameterKind::kPairBias:
-      return &state.pair_bias_s[id.owner * state.receiver_delay_s.size() + id.component];
-  }
-  return nullptr;
-}
+double* value_in(SharedState& state, const ParameterId& id) { return visit_parameter(id, InState{state}); }
 
 SharedState prior_state(const Site& site) {
   SharedState state;

@@ -7,14 +7,10 @@
 #include <map>
 #include <numeric>
 
-#include "models/trajectory/odometry_noise.h"
+#include "models/trajectory/odometry_path.h"
 
 namespace octant {
 namespace {
-
-/// Poses taken as exact still need a finite weight; a micrometre is far below any beacon system.
-constexpr double kExactPositionM = 1e-6;
-constexpr double kExactAngleRad = 1e-6;
 
 PoseObservation pose_observation(std::size_t node, double alpha, const Pose& T,
                                  const PoseAccuracy& accuracy) {
@@ -27,61 +23,6 @@ PoseObservation pose_observation(std::size_t node, double alpha, const Pose& T,
       accuracy.heading_known ? std::max(accuracy.heading_sigma_rad, kExactAngleRad) : INFINITY;
   p.attitude_sigma_rad = std::max(accuracy.attitude_sigma_rad, kExactAngleRad);
   return p;
-}
-
-/// Odometry of one vehicle summed up: the path from its anchor, with the variances along it.
-struct OdometryPath {
-  std::vector<double> time_s;
-  std::vector<Pose> T_anchor_vehicle;
-  std::vector<double> distance_variance_m2, heading_variance_rad2;  ///< of the step that ends at the row
-};
-
-OdometryPath odometry_path(const MeasurementLog& log, VehicleId vehicle) {
-  OdometryPath path;
-  Pose T;
-  bool first = true;
-  for (const OdometryStep& step : log.odometry) {
-    if (step.vehicle != vehicle) continue;
-    if (!first) T = T * Pose::planar(step.dx_m, step.dy_m, step.dheading_rad);
-    const OdometryVariance variance = variance_of(step, log.odometry_accuracy);
-    path.time_s.push_back(step.time_s);
-    path.T_anchor_vehicle.push_back(T);
-    path.distance_variance_m2.push_back(variance.distance_m2);
-    path.heading_variance_rad2.push_back(variance.heading_rad2);
-    first = false;
-  }
-  return path;
-}
-
-/// Path pose at a time; false outside.
-bool path_at(const OdometryPath& path, double time_s, Pose& T) {
-  if (path.time_s.size() < 2 || time_s < path.time_s.front() || time_s > path.time_s.back()) return false;
-  auto after = static_cast<std::size_t>(std::upper_bound(path.time_s.begin(), path.time_s.end(), time_s) -
-                                        path.time_s.begin());
-  after = std::min(after, path.time_s.size() - 1);
-  const double span = path.time_s[after] - path.time_s[after - 1];
-  T = interpolate(path.T_anchor_vehicle[after - 1], path.T_anchor_vehicle[after],
-                  span > 0 ? (time_s - path.time_s[after - 1]) / span : 0.0);
-  return true;
-}
-
-/// Odometry between two instants as one observation.
-bool path_between(const OdometryPath& path, double from_s, double to_s, OdometryObservation& o) {
-  Pose A, B;
-  if (!path_at(path, from_s, A) || !path_at(path, to_s, B)) return false;
-  o.T_before_after = A.inverse() * B;
-  double distance = 0.0, heading = 0.0;
-  const auto first = std::upper_bound(path.time_s.begin(), path.time_s.end(), from_s) - path.time_s.begin();
-  for (auto k = static_cast<std::size_t>(first); k < path.time_s.size() && path.time_s[k - 1] < to_s; ++k) {
-    distance += path.distance_variance_m2[k];
-    heading += path.heading_variance_rad2[k];
-  }
-  // A turn that is off by h moves the end of the step by half of it across.
-  o.distance_sigma_m =
-      std::sqrt(std::max(distance + heading * o.T_before_after.translation_m.squaredNorm() / 3,
-                         kExactPositionM * kExactPositionM));
-  o.heading_sigma_rad = std::sqrt(std::max(heading, kExactAngleRad * kExactAngleRad));
-  return true;
 }
 
 class Builder {
@@ -411,71 +352,6 @@ class Builder {
 };
 
 }  // namespace
-
-ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, double model_speed_mps) {
-  ArrivalObservation o;
-  o.beacon = a.beacon;
-  o.receiver = a.receiver;
-  o.time_s = a.time_s;
-  o.tof_s = a.tof_s;
-  o.sigma_s = model.noise.tof_sigma_s;
-  o.model_speed_mps = model_speed_mps;
-  if (model.attenuation && model.attenuation->measures(a.amplitude_v)) {
-    o.log_amplitude = std::log(a.amplitude_v);
-    o.log_amplitude_sigma = model.noise.amplitude_relative_sigma;
-    if (model.attenuation->directional()) {
-      // The walk is taken at this amplitude; near the threshold it bends, and one that was measured too loud
-      // must not seem exact.
-      const double least_v = a.amplitude_v * std::max(1 - o.log_amplitude_sigma, 0.5);
-      o.sigma_s =
-          std::hypot(o.sigma_s, walk_by_log_amplitude_s(least_v, *model.attenuation) * o.log_amplitude_sigma);
-    }
-  }
-  o.two_way = model.timing.ranging == Ranging::kTwoWay;
-  return o;
-}
-
-double speed_of(const Arrival& a, const TrajectoryModel& model) {
-  return speed_mps(model.medium,
-                   std::isfinite(a.temperature_degC) ? a.temperature_degC : model.medium.temperature_degC);
-}
-
-void reserve_epoch(Trajectory& t, std::size_t arrivals, std::size_t bearings) {
-  t.nodes.reserve(1);
-  t.segments.reserve(1);
-  t.T_hear_send.reserve(1);
-  t.arrivals.reserve(arrivals);
-  t.bearings.reserve(bearings);
-}
-
-void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const Bearing> bearings,
-               const TrajectoryModel& model) {
-  t.vehicle = arrivals.empty() ? bearings.front().vehicle : arrivals.front().vehicle;
-  t.motion = model.motion;
-  t.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
-  t.turnaround_s = model.timing.turnaround_s;
-  t.nominal_speed_mps = speed_mps(model.medium, model.medium.temperature_degC);
-  Node node;
-  node.time_s = arrivals.empty() ? bearings.front().time_s : arrivals.front().time_s;
-  node.epoch = arrivals.empty() ? bearings.front().epoch : arrivals.front().epoch;
-  t.nodes.assign(1, node);
-  t.T_hear_send.assign(1, Pose());
-  t.arrivals.clear();
-  t.bearings.clear();
-  for (const Arrival& a : arrivals) {
-    t.arrivals.push_back(observe(a, model, speed_of(a, model)));
-    t.arrivals.back().arrival = t.arrivals.size() - 1;
-    if (t.arrivals.back().two_way) t.arrivals.back().hear_send = 0;
-  }
-  for (const Bearing& b : bearings)
-    t.bearings.push_back({0, 0.0, t.bearings.size(), b.reflector, b.bearing_rad,
-                          model.noise.bearing_sigma_rad, Rejection::kUsed});
-  Segment whole;
-  whole.last_node = 1;
-  whole.last_arrival = t.arrivals.size();
-  whole.last_bearing = t.bearings.size();
-  t.segments.assign(1, whole);
-}
 
 bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s,
                        Pose& T_map_vehicle) {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "models/support/parallel.h"
+#include "survey/geometry/layer_sigma.h"
 #include "survey/geometry/map_tiles.h"
 
 namespace octant::survey {

@@ -87,13 +87,4 @@ void map_tile(const KernelModel& model, const KernelTile& tile, bool integrity, 
 void layer_tile(const KernelModel& model, const KernelTile& tile, std::size_t beacon, double* information,
                 double* heard);
 
-/// Horizontal sigma of packed information (entry e of pose i at e * stride + i) less that of up to two
-/// layers; `count` poses. Singular by comparison with what was there before the layers were taken away:
-/// kNoFix.
-void sigma_of_packed(int unknowns, const double* information, const double* less, const double* less_too,
-                     std::size_t stride, std::size_t count, double* sigma_m);
-
-/// sum[i] += term[i]
-void add_to(const double* term, std::size_t count, double* sum);
-
 }  // namespace octant::survey

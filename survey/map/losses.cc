@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "survey/geometry/layer_sigma.h"
+
 namespace octant::survey {
 namespace {
 

@@ -14,79 +14,14 @@
 #include "survey/geometry/map_tiles.h"
 #include "survey/geometry/polygon.h"
 #include "survey/map/calibration_map.h"
+#include "survey/map/floor_maps.h"
 #include "survey/map/mirror.h"
 
 namespace octant::survey {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr std::size_t kPairsListed = 20;
 constexpr std::size_t kMostForPairs = 300;  ///< beacons; of more, pairs are too many to look at each
-
-/// The maps of a survey, in the order in which they are shown.
-enum MapName : std::size_t {
-  kMapSigma,
-  kMapTotal,
-  kMapCalibration,
-  kMapSpeedPart,
-  kMapTemperature,
-  kMapSigmaHeading,
-  kMapHdop,
-  kMapPdop,
-  kMapVdop,
-  kMapTdop,
-  kMapGdop,
-  kMapHeadingDop,
-  kMapBeacons,
-  kMapBias,
-  kMapProtection,
-  kMapMirror,
-  kMapLossOne,
-  kMapLossBeacon,
-  kMapLossTwo,
-  kMaps
-};
-
-struct Description {
-  const char *name, *title, *unit;
-};
-constexpr Description kDescriptions[kMaps] = {
-    {"sigma_m", "expected standard deviation, one fix's noise", "m"},
-    {"total_m", "expected standard deviation with the calibration's part", "m"},
-    {"calibration_m", "the calibration's part: it does not average out", "m"},
-    {"speed_part_m", "the speed of sound's part, systematic too", "m"},
-    {"temperature_m", "error where the air is warmer and nobody says so", "m"},
-    {"sigma_heading_rad", "expected standard deviation of the heading", "rad"},
-    {"hdop", "horizontal dilution of precision", ""},
-    {"pdop", "dilution of position", ""},
-    {"vdop", "vertical dilution", ""},
-    {"tdop", "dilution of the clock's offset", ""},
-    {"gdop", "dilution of position and clock", ""},
-    {"heading_dop_rad_per_m", "dilution of the heading", "rad/m"},
-    {"beacons_heard", "beacons heard", ""},
-    {"detectable_bias_m", "smallest fault of one beacon that is surely noticed", "m"},
-    {"protection_m", "horizontal protection level", "m"},
-    {"mirror", "mirror image that explains the ranges as well", ""},
-    {"loss_one_m", "expected standard deviation with the worst beacon gone", "m"},
-    {"loss_one_beacon", "the beacon that is missed most", ""},
-    {"loss_two_m", "expected standard deviation with the worst two gone", "m"}};
-
-/// Which maps make sense for this model.
-std::vector<bool> wanted_maps(const SurveyModel& model, const Survey& survey, const SurveyOptions& options,
-                              bool route) {
-  std::vector<bool> wanted(kMaps, true);
-  wanted[kMapTotal] = wanted[kMapCalibration] = survey.calibrated;
-  wanted[kMapSpeedPart] = model.speed_sigma_mps > 0;
-  wanted[kMapTemperature] = survey.temperature_error_degC.has_value();
-  wanted[kMapSigmaHeading] = wanted[kMapHeadingDop] = model.unknowns.rotation > 0;
-  wanted[kMapVdop] = wanted[kMapPdop] = model.motion == Motion::kSpatial;
-  wanted[kMapTdop] = wanted[kMapGdop] = model.unknowns.clock;
-  wanted[kMapBias] = wanted[kMapProtection] = options.integrity;
-  wanted[kMapMirror] = options.integrity && model.motion == Motion::kPlanar;
-  wanted[kMapLossOne] = wanted[kMapLossBeacon] = options.failures > 0 && !route;
-  wanted[kMapLossTwo] = options.failures > 1 && !route;
-  return wanted;
-}
 
 /// Takes tiles of poses and writes maps; one for each thread.
 class Worker {
@@ -238,28 +173,6 @@ class Worker {
   std::vector<std::uint8_t> mask_;
 };
 
-std::vector<FloorMap> make_maps(const std::vector<bool>& wanted, std::size_t count, const SurveyModel& model,
-                                std::vector<FloorMap*>& by_name) {
-  std::vector<FloorMap> maps;
-  for (std::size_t m = 0; m < kMaps; ++m) {
-    if (!wanted[m]) continue;
-    FloorMap map{kDescriptions[m].name,
-                 kDescriptions[m].title,
-                 kDescriptions[m].unit,
-                 m == kMapBeacons,
-                 {},
-                 std::vector<float>(count, kNone),
-                 {}};
-    const bool length = m == kMapSigma || m == kMapTotal || m == kMapLossOne || m == kMapLossTwo;
-    if (length) map.limit = model.tolerance.fix_m;
-    maps.push_back(std::move(map));
-  }
-  by_name.assign(kMaps, nullptr);
-  for (std::size_t m = 0, k = 0; m < kMaps; ++m)
-    if (wanted[m]) by_name[m] = &maps[k++];
-  return maps;
-}
-
 /// Fraction of poses whose total sigma is within the tolerance.
 double covered(const std::vector<FloorMap*>& maps, const SurveyModel& model) {
   const FloorMap& total = maps[kMapTotal] != nullptr ? *maps[kMapTotal] : *maps[kMapSigma];
@@ -318,7 +231,7 @@ void sum_up(const std::vector<FloorMap*>& maps, Survey& survey) {
                ? 0.0
                : static_cast<double>(std::count_if(map->values.begin(), map->values.end(), holds)) / cells;
   };
-  survey.fix_fraction = fraction(maps[kMapSigma], [](float v) { return v < kNone; });
+  survey.fix_fraction = fraction(maps[kMapSigma], [](float v) { return v < kNoMapValue; });
   survey.k_covered_fraction =
       fraction(maps[kMapBeacons], [&](float v) { return v >= static_cast<float>(survey.coverage); });
   survey.mirror_fraction = fraction(maps[kMapMirror], [](float v) { return v > 0; });
@@ -345,7 +258,7 @@ void set_temperature_error(const SurveyModel& model, const Scene& scene, Survey&
 
 Spread spread_of(std::vector<float> values) {
   Spread spread;
-  const auto end = std::partition(values.begin(), values.end(), [](float v) { return v < kNone; });
+  const auto end = std::partition(values.begin(), values.end(), [](float v) { return v < kNoMapValue; });
   const auto count = static_cast<std::size_t>(end - values.begin());
   spread.count = count, spread.without = values.size() - count;
   if (count == 0) return spread;

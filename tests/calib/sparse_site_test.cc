@@ -14,6 +14,7 @@
 #include "calib/adjust/sparse_factor.h"
 #include "calib/errors/statistics.h"
 #include "calib/errors/variances.h"
+#include "calib/verdict/datum.h"
 #include "calib/verdict/observability.h"
 #include "tests/calib/calib_support.h"
 

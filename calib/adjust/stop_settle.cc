@@ -1,0 +1,187 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/adjust/stop_settle.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calib/adjust/stop_settle.cc"
+#include <hwy/foreach_target.h>  // compiles the rest of this file once for each instruction set
+#include <hwy/highway.h>
+
+#include "calib/adjust/stop_path-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace octant::calib {
+namespace HWY_NAMESPACE {
+
+/// Steps and limits of `settle` in models/trajectory/settle.cc.
+constexpr int kMaxIterations = 30;
+constexpr double kAtRest = 1e-13;
+/// With plain squares a step that gains less than this share of the cost is taken without looking again: what
+/// would be left to gain after it is smaller by the square of residual over distance.
+constexpr double kLastStep = 1e-6;
+
+template <bool kOffset, bool kRobust>
+HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_t part, const View& view,
+                      const Constants& constants, Normal& out) {
+  out.clear();
+  for (std::size_t slot = 0; slot < pack.slots;) {
+    const std::size_t receiver = pack.slot[slot].receiver;
+    const Antenna antenna(tables, receiver, view, constants);
+    V v00 = 0.0, v01 = 0.0, v11 = 0.0, r0 = 0.0, r1 = 0.0, w0 = 0.0, w1 = 0.0, w = 0.0, r = 0.0;
+    for (; slot < pack.slots && pack.slot[slot].receiver == receiver; ++slot) {
+      const Sight s = look<kRobust>(tables, pack, slot, part, antenna, constants);
+      if constexpr (kRobust)
+        out.cost += s.rho;
+      else
+        out.cost += s.residual * s.residual;
+      const V wv0 = s.weight * s.v[0], wv1 = s.weight * s.v[1];
+      v00 += wv0 * s.v[0];
+      v01 += wv0 * s.v[1];
+      v11 += wv1 * s.v[1];
+      r0 += wv0 * s.residual;
+      r1 += wv1 * s.residual;
+      if constexpr (kOffset) {
+        w0 += wv0;
+        w1 += wv1;
+        w += s.weight;
+        r += s.weight * s.residual;
+      }
+    }
+    add_receiver<kOffset>(antenna, constants, {v00, v01, v11, r0, r1, w0, w1, w, r}, out);
+  }
+  if (pack.poses != nullptr) add_poses(pack, part, view, out);
+  out.cost = out.cost * 0.5;
+}
+
+/// The heading's diagonal of Gauss and Newton with the bend of the ranges. A lever arm is hardly longer than
+/// the residuals while the beacons are off, and steps without its bend then close in slowly. The bend counts
+/// down to half of the diagonal, and not where it would turn it about: a state that far off is outside the
+/// reach of Newton's method. A bend that is more than the diagonal only makes steps shorter and counts in
+/// `stiff` lanes; in the others the longer steps get out of a minimum that the loss makes up.
+HWY_INLINE V bent(V diagonal, V bend, Mask stiff) {
+  const Mask counts = (bend >= -diagonal) & (stiff | (bend <= diagonal));
+  return select(counts, max(diagonal + bend, V(0.5 * diagonal)), diagonal);
+}
+
+/// Solves (A + lambda diag A + floor) s = -g by Cholesky, A with the heading's bend.
+/// @return lanes where that is positive definite
+template <bool kOffset>
+HWY_INLINE Mask solve(const Normal& normal, V lambda, Mask stiff, V* step) {
+  constexpr int n = kOffset ? 4 : 3;
+  const V one = 1.0;
+  const auto& A = normal.A;
+  V L[4][4];
+  V largest = A[0][0];
+  for (int p = 1; p < n; ++p) largest = max(largest, A[p][p]);
+  const V floor = 1e-9 * (one + largest);
+  V y[4];
+  Mask sound = one == one;
+  for (int p = 0; p < n; ++p) {
+    const V diagonal = p == 2 ? bent(A[p][p], normal.bend, stiff) : A[p][p];
+    V pivot = lambda * diagonal + diagonal + floor;
+    for (int m = 0; m < p; ++m) pivot -= L[p][m] * L[p][m];
+    sound = sound & (pivot > 0.0);
+    const V inverse = one / sqrt(max(pivot, 1e-300));
+    L[p][p] = inverse;  // kept as its inverse
+    for (int q = p + 1; q < n; ++q) {
+      V v = A[q][p];
+      for (int m = 0; m < p; ++m) v -= L[q][m] * L[p][m];
+      L[q][p] = v * inverse;
+    }
+    V v = -normal.g[p];
+    for (int m = 0; m < p; ++m) v -= L[p][m] * y[m];
+    y[p] = v * inverse;
+  }
+  for (int p = n - 1; p >= 0; --p) {
+    V v = y[p];
+    for (int m = p + 1; m < n; ++m) v -= L[m][p] * step[m];
+    step[p] = v * L[p][p];
+  }
+  return sound;
+}
+
+/// The damping after a step: a tenth after a better one, down to next to nothing; ten times as much after
+/// another.
+HWY_INLINE V next_damping(V lambda, Mask better) {
+  const V calmer = select(lambda < 1e-7, 1e-8, lambda * 0.1);
+  return select(better, calmer, max(lambda * 10.0, 1e-5));
+}
+
+template <bool kOffset, bool kRobust>
+HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::size_t part,
+                            StopStates& states, StopOutcome& outcome) {
+  constexpr int n = kOffset ? 4 : 3;
+  const Constants constants(tables);
+  View view(states, part);
+  Normal now, trial;
+  build<kOffset, kRobust>(tables, pack, part, view, constants, now);
+  V lambda = 1e-8, rest = 0.0;  // rest: 1 where nothing is left to gain
+  const V one = 1.0;
+  // Squares have one minimum nearby, and a measured heading is near its own.
+  Mask stiff = one == V(kRobust ? 0.0 : 1.0);
+  if (pack.poses != nullptr) stiff = stiff | (load(pack.poses->weight[2], part) > 0.0);
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    V step[4];
+    const Mask sound = solve<kOffset>(now, lambda, stiff, step);
+    V gain = 0.0;  // half the Newton decrement: what a quadratic cost would lose
+    for (int p = 0; p < n; ++p) gain -= now.g[p] * step[p];
+    gain = 0.5 * gain;
+    const Mask moving = rest < one;
+    rest = select(sound & (gain <= kAtRest * (one + now.cost)), one, rest);
+    if constexpr (!kRobust) {
+      const Mask last = moving & (sound & ((gain <= kLastStep * (one + now.cost)) & (lambda < 1e-7)));
+      for (int p = 0; p < n; ++p) view.state[p] = select(last, view.state[p] + step[p], view.state[p]);
+      now.cost = select(last, now.cost - gain, now.cost);
+      rest = select(last, one, rest);
+    }
+    if (all(rest == one)) break;
+    View moved = view;
+    for (int p = 0; p < n; ++p) moved.state[p] = select(rest == one, view.state[p], view.state[p] + step[p]);
+    moved.turn();
+    build<kOffset, kRobust>(tables, pack, part, moved, constants, trial);
+    const Mask better = (rest < one) & (sound & (trial.cost <= now.cost * (1.0 + 1e-14)));
+    // Neither better nor much left to gain: at rest to rounding.
+    rest = select(but_not(gain < 1e-12 * (one + now.cost), better), one, rest);
+    for (int p = 0; p < 4; ++p) view.state[p] = select(better, moved.state[p], view.state[p]);
+    now.take_where<n>(better, trial);
+    lambda = next_damping(lambda, better);
+  }
+  for (int i = 0; i < 4; ++i) store(view.state[i], states.value[i], part);
+  store(now.cost, outcome.cost, part);
+  store(only(abs(now.cost) < 1e300, rest), outcome.converged, part);
+}
+
+void settle_stops_in_lanes(const StopTables& tables, const StopPack& pack, StopStates& states,
+                           StopOutcome& outcome) {
+  const bool robust = tables.late_scale > 0 && tables.early_scale > 0;
+  for (std::size_t part = 0; part < kLanes; part += lanes_at_once()) {
+    if (tables.has_offset) {
+      robust ? settle_part<true, true>(tables, pack, part, states, outcome)
+             : settle_part<true, false>(tables, pack, part, states, outcome);
+    } else {
+      robust ? settle_part<false, true>(tables, pack, part, states, outcome)
+             : settle_part<false, false>(tables, pack, part, states, outcome);
+    }
+  }
+}
+
+const char* settle_target() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace octant::calib
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace octant::calib {
+
+HWY_EXPORT(settle_stops_in_lanes);
+HWY_EXPORT(settle_target);
+
+void settle_stops(const StopTables& tables, const StopPack& pack, StopStates& states, StopOutcome& outcome) {
+  HWY_DYNAMIC_DISPATCH(settle_stops_in_lanes)(tables, pack, states, outcome);
+}
+
+const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(settle_target)(); }
+
+}  // namespace octant::calib
+#endif

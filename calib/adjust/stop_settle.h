@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "calib/adjust/stop_pack.h"
+
+namespace octant::calib {
+
+struct StopOutcome {
+  Lanes cost;       ///< 1/2 sum of rho
+  Lanes converged;  ///< 1: at rest; 0: not, or singular: to be settled with care
+};
+
+/// Gauss-Newton steps (damped where the cost would rise) on the states of eight epochs, as `settle` does for
+/// one.
+void settle_stops(const StopTables& tables, const StopPack& pack, StopStates& states, StopOutcome& outcome);
+
+/// Name of the vector instructions in use, chosen when the program runs.
+const char* stop_kernel_target();
+
+}  // namespace octant::calib

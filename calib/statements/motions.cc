@@ -1,0 +1,204 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/statements/motions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include <Eigen/Cholesky>
+
+#include "models/trajectory/linearise.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr std::size_t kFewestOfBeacon = 8;  ///< arrivals on either side of a time of change
+/// A second pose has three parameters, each worth a few units of chance; a late arrival that it takes up
+/// saves eight.
+constexpr double kStopGain = 30.0;
+constexpr std::size_t kFewestBeacons = 3, kFewestOfHalf = 6;
+
+/// Squares of a stop's arrivals up to the limit of the rejection, of those on one side of an instant.
+struct SideCost {
+  double cost = 0.0;
+  std::size_t used = 0, beacons = 0;
+};
+
+class StopTest {
+ public:
+  StopTest(const Trajectory& t, const Segment& segment, const SharedState& state, double limit)
+      : state_(state), limit_(limit) {
+    one_.run = t.run;
+    one_.vehicle = t.vehicle;
+    one_.motion = t.motion;
+    one_.has_cycle_offset = t.has_cycle_offset;
+    one_.nominal_speed_mps = t.nominal_speed_mps;
+    one_.turnaround_s = t.turnaround_s;
+    one_.nodes = {t.nodes[segment.first_node]};
+    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+      ArrivalObservation a = t.arrivals[i];
+      if (a.rejection != Rejection::kUsed && !is_left_out(a.rejection)) continue;
+      a.node = 0;
+      if (a.hear_send >= 0) {  // two-way: how the vehicle moved between hearing and sending
+        one_.T_hear_send.push_back(t.T_hear_send[static_cast<std::size_t>(a.hear_send)]);
+        a.hear_send = static_cast<std::int32_t>(one_.T_hear_send.size()) - 1;
+      }
+      one_.arrivals.push_back(a);
+    }
+    one_.segments.resize(1);
+    one_.segments[0].last_node = 1;
+    one_.segments[0].last_arrival = one_.arrivals.size();
+    for (const ArrivalObservation& a : one_.arrivals) times_.insert(a.time_s);
+  }
+
+  /// By how much two poses explain more than one; 0 where the stop does not tell.
+  [[nodiscard]] double gain() {
+    if (one_.arrivals.size() < 2 * kFewestOfHalf || times_.size() < 4) return 0.0;
+    const SideCost whole = side(-INFINITY, INFINITY);
+    double best = 0.0;
+    const std::vector<double> times(times_.begin(), times_.end());
+    const std::size_t step = std::max<std::size_t>(1, times.size() / 8);
+    for (std::size_t k = step; k < times.size(); k += step) {
+      const double instant = 0.5 * (times[k - 1] + times[k]);
+      const SideCost before = side(-INFINITY, instant), after = side(instant, INFINITY);
+      if (std::min(before.beacons, after.beacons) < kFewestBeacons ||
+          std::min(before.used, after.used) < kFewestOfHalf)
+        continue;
+      best = std::max(best, whole.cost - before.cost - after.cost);
+    }
+    return best;
+  }
+
+ private:
+  SideCost side(double from_s, double to_s) {
+    Trajectory t = one_;
+    for (ArrivalObservation& a : t.arrivals)
+      a.rejection = a.time_s > from_s && a.time_s <= to_s ? Rejection::kUsed : Rejection::kNotNeeded;
+    for (const double scale : {20.0, 2.385})
+      static_cast<void>(settle(t, t.segments[0], state_, {scale, scale}));
+    SideCost result;
+    std::set<std::size_t> beacons;
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (a.rejection != Rejection::kUsed) continue;
+      const double r = arrival_residual(t, a, state_);
+      result.cost += 0.5 * std::min(r * r, limit_ * limit_);
+      if (std::abs(r) > limit_) continue;
+      ++result.used;
+      beacons.insert(a.beacon.index());
+    }
+    result.beacons = beacons.size();
+    return result;
+  }
+
+  const SharedState& state_;
+  double limit_;
+  Trajectory one_;
+  std::set<double> times_;
+};
+
+/// Several beacons that do not fit: the echoes of one are no motion; and enough squares to be saved by a
+/// second pose.
+bool may_have_moved(const Trajectory& t, const Segment& s, const SharedState& state, double limit) {
+  std::optional<std::size_t> first;
+  bool several = false;
+  double squares = 0.0;
+  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (!is_left_out(a.rejection)) continue;
+    several = several || (first && *first != a.beacon.index());
+    first = a.beacon.index();
+  }
+  if (!several) return false;
+  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
+    if (t.arrivals[i].rejection == Rejection::kUsed || is_left_out(t.arrivals[i].rejection))
+      squares += 0.5 * std::min(std::pow(arrival_residual(t, t.arrivals[i], state), 2), limit * limit) - 0.25;
+  return squares > kStopGain;
+}
+
+}  // namespace
+
+Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t b, double time_s) {
+  Fit split = fit;
+  SiteBeacon later = fit.problem.site.beacons[b];
+  later.name += " later";
+  later.sigma_m = {};
+  split.problem.site.beacons.push_back(later);
+  split.beacon_usable.push_back(true);
+  SharedState state = fit.state();
+  state.beacon_p_map_m.push_back(state.beacon_p_map_m[b]);
+  state.beacon_delay_s.push_back(state.beacon_delay_s[b]);
+  if (!state.pair_bias_s.empty())
+    for (std::size_t r = 0; r < state.receiver_delay_s.size(); ++r)
+      state.pair_bias_s.push_back(state.pair_bias_s[b * state.receiver_delay_s.size() + r]);
+  const BeaconId after(split.problem.site.beacons.size() - 1);
+  for (Trajectory& t : split.trajectories)
+    for (ArrivalObservation& a : t.arrivals)
+      if (a.beacon.index() == b && a.time_s > time_s) a.beacon = after;
+  std::vector<bool> held(split.beacon_usable.size());
+  for (std::size_t k = 0; k < held.size(); ++k) held[k] = !split.beacon_usable[k];
+  split.layout = make_layout(split.problem, state, held);
+  split.layout.dense_limit = fit.layout.dense_limit;
+  for (Parameter& p : split.layout.parameters)  // as they are believed by now
+    for (const Parameter& old : fit.layout.parameters)
+      if (old.id == p.id) p = old;
+  split.x = split.layout.vector_of(state);
+  adjust_anew(options, split);
+  return split;
+}
+
+Move move_of(const SolveOptions& options, const Fit& split, std::size_t b, double time_s) {
+  Move move;
+  const std::size_t later = split.layout.beacon.size() - 1;
+  const SharedState state = split.state();
+  move.by_m = state.beacon_p_map_m[later] - state.beacon_p_map_m[b];
+  move.time_s = time_s;
+  move.cost = split.cost;
+  const Eigen::MatrixXd C = honest_covariance(options, split);
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(3, C.rows());
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (split.layout.beacon[later][i] >= 0) by(row, split.layout.beacon[later][i]) = 1.0;
+    if (split.layout.beacon[b][i] >= 0) by(row, split.layout.beacon[b][i]) = -1.0;
+  }
+  const Eigen::Matrix3d D = by * C * by.transpose() + 1e-12 * Eigen::Matrix3d::Identity();
+  move.sigmas =
+      std::max(0.0, std::sqrt(std::max(0.0, move.by_m.dot(D.ldlt().solve(move.by_m)))) - std::sqrt(2.0));
+  return move;
+}
+
+std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
+  std::vector<std::pair<double, double>> out;  // time, whether left out
+  for (const Trajectory& t : fit.trajectories)
+    for (const ArrivalObservation& a : t.arrivals)
+      if (a.beacon.index() == b && (a.rejection == Rejection::kUsed || is_left_out(a.rejection)))
+        out.emplace_back(a.time_s, is_left_out(a.rejection) ? 1.0 : 0.0);
+  if (out.size() < 4 * kFewestOfBeacon) return {};
+  std::sort(out.begin(), out.end());
+  double total = 0.0, sum = 0.0, best = 0.0;
+  for (const auto& [time, left] : out) total += left;
+  const auto n = static_cast<double>(out.size());
+  std::vector<double> times = {0.5 * (out[out.size() / 2 - 1].first + out[out.size() / 2].first)};
+  std::optional<double> change;
+  for (std::size_t k = 0; k + 1 < out.size(); ++k) {
+    sum += out[k].second;
+    const double before = static_cast<double>(k) + 1.0;
+    const double off = std::abs(sum - before / n * total) / std::sqrt(before * (n - before) / n);
+    if (k + 1 < kFewestOfBeacon || k + 1 + kFewestOfBeacon > out.size() || out[k].first == out[k + 1].first ||
+        off <= best)
+      continue;
+    best = off;
+    change = 0.5 * (out[k].first + out[k + 1].first);
+  }
+  if (change) times.push_back(*change);
+  return times;
+}
+
+double gain_of_two_poses(const Trajectory& t, const Segment& stop, const SharedState& state, double limit) {
+  if (!may_have_moved(t, stop, state, limit)) return 0.0;
+  const double gain = StopTest(t, stop, state, limit).gain();
+  return gain > kStopGain ? gain : 0.0;
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "calib/calibrate.h"
+#include "calib/statements/refit.h"
+
+namespace octant::calib {
+
+/// A beacon that hung elsewhere from some time on.
+struct Move {
+  Eigen::Vector3d by_m = Eigen::Vector3d::Zero();
+  double time_s = 0.0, sigmas = 0.0, cost = 0.0;
+};
+
+[[nodiscard]] inline bool is_left_out(Rejection r) { return r == Rejection::kLate || r == Rejection::kEarly; }
+
+/// Times at which a beacon may have moved: where its arrivals begin or cease to be left out, and half way
+/// through. None where it has few.
+[[nodiscard]] std::vector<double> times_of_change(const Fit& fit, std::size_t beacon);
+
+/// The fit in which a beacon's arrivals after some time are those of another one (the site's last), of which
+/// nothing is known.
+[[nodiscard]] Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t beacon, double time_s);
+
+/// By how much and how surely the two halves of such a fit differ.
+[[nodiscard]] Move move_of(const SolveOptions& options, const Fit& split, std::size_t beacon, double time_s);
+
+/// By how much two poses, one before and one after some instant, explain a stop's arrivals better than one:
+/// half the squares, each up to `limit`. 0 where they do not by more than chance, where the stop has too few
+/// arrivals to tell, or where a single beacon's do not fit: the echoes of one are no motion.
+[[nodiscard]] double gain_of_two_poses(const Trajectory& trajectory, const Segment& stop,
+                                       const SharedState& state, double limit);
+
+}  // namespace octant::calib

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/statements/statement.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace octant::calib {
+
+std::vector<int> columns_of(const Statement& s, const ParameterLayout& layout) {
+  std::vector<int> columns;
+  const auto add = [&](int c) {
+    if (c >= 0) columns.push_back(c);
+  };
+  switch (s.what) {
+    case What::kControlPoint:
+      for (const int c : layout.beacon[s.index]) add(c);
+      break;
+    case What::kBeaconDelay: add(layout.beacon_delay[s.index]); break;
+    case What::kReceiverDelay: add(layout.receiver_delay[s.index]); break;
+    case What::kSiteDelay: add(layout.site_delay); break;
+    case What::kNoDelays:
+      for (const int c : layout.beacon_delay) add(c);
+      break;
+    case What::kSpeed: add(layout.speed[s.index]); break;
+    case What::kReceiver:
+      for (const int c : layout.receiver[s.index]) add(c);
+      break;
+    case What::kAttenuation: add(layout.attenuation[s.index]); break;
+    case What::kDistance: break;
+  }
+  return columns;
+}
+
+std::vector<Statement> StatedSite::all() const {
+  const Site& s = site();
+  std::vector<Statement> stated;
+  for (std::size_t b = 0; b < s.beacons.size(); ++b) {
+    if (s.beacons[b].is_control_point() && beacon_usable_[b]) stated.push_back({What::kControlPoint, b});
+    if (layout_.beacon_delay[b] >= 0) stated.push_back({What::kBeaconDelay, b});
+  }
+  for (std::size_t r = 0; r < s.receivers.size(); ++r) {
+    if (layout_.receiver_delay[r] >= 0) stated.push_back({What::kReceiverDelay, r});
+    if (std::max({layout_.receiver[r][0], layout_.receiver[r][1], layout_.receiver[r][2]}) >= 0)
+      stated.push_back({What::kReceiver, r});
+  }
+  if (layout_.site_delay >= 0) stated.push_back({What::kSiteDelay, 0});
+  const bool has_delay = largest_delay_sigma_s(s) > 0;
+  if (!has_delay && s.timing.clock == Clock::kSynchronised && s.tof_sigma_given)
+    stated.push_back({What::kNoDelays, 0});
+  for (std::size_t run = 0; run < layout_.speed.size(); ++run) stated.push_back({What::kSpeed, run});
+  for (std::size_t i = 0; i < layout_.attenuation.size(); ++i)
+    if (layout_.attenuation[i] >= 0) stated.push_back({What::kAttenuation, i});
+  for (std::size_t d = 0; d < s.distances.size(); ++d) stated.push_back({What::kDistance, d});
+  return stated;
+}
+
+/// So wide that the data alone tell, and finite so that what they do not tell stays where it was.
+double StatedSite::wide_sigma(const Statement& s) const {
+  switch (s.what) {
+    case What::kSpeed: return 0.3;
+    case What::kReceiver: return 1.0;
+    case What::kAttenuation: return 10.0;
+    default: return problem_.typical_range_m;
+  }
+}
+
+ParameterLayout StatedSite::layout_without(const std::vector<Statement>& released, const SharedState& state,
+                                           Problem& problem) const {
+  problem.site = site();
+  for (const Statement& s : released) {
+    if (s.what == What::kControlPoint) problem.site.beacons[s.index].sigma_m = {};
+    if (s.what == What::kNoDelays) {
+      problem.site.timing.delay_per = {.beacon = true};
+      problem.site.timing.delay_sigma_s = 1.0;
+      for (SiteBeacon& b : problem.site.beacons) b.delay_sigma_s.reset();
+    }
+  }
+  std::vector<std::size_t> distances;
+  for (const Statement& s : released)
+    if (s.what == What::kDistance) distances.push_back(s.index);
+  std::sort(distances.rbegin(), distances.rend());
+  for (const std::size_t d : distances)
+    problem.site.distances.erase(problem.site.distances.begin() + static_cast<std::ptrdiff_t>(d));
+  std::vector<bool> held(beacon_usable_.size());
+  for (std::size_t b = 0; b < held.size(); ++b) held[b] = !beacon_usable_[b];
+  ParameterLayout layout = make_layout(problem, state, held);
+  layout.dense_limit = layout_.dense_limit;
+  // Priors as the labels were mended.
+  for (std::size_t b = 0; b < layout.beacon.size(); ++b)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const int old = layout_.beacon[b][i], c = layout.beacon[b][i]; old >= 0 && c >= 0)
+        layout.parameters[static_cast<std::size_t>(c)] = layout_.parameters[static_cast<std::size_t>(old)];
+  for (const Statement& s : released)
+    for (const int c : columns_of(s, layout)) {
+      Parameter& p = layout.parameters[static_cast<std::size_t>(c)];
+      p.prior_mean = value(s, layout, c);
+      p.prior_sigma = wide_sigma(s);
+    }
+  return layout;
+}
+
+double StatedSite::value(const Statement& s, const ParameterLayout& layout, int column) const {
+  if (s.what == What::kControlPoint) {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (layout.beacon[s.index][i] == column) return *site().beacons[s.index].position_m[i];
+  }
+  if (s.what == What::kNoDelays && site().timing.delay_per.none()) return 0.0;
+  return layout.parameters[static_cast<std::size_t>(column)].prior_mean;
+}
+
+double StatedSite::sigma(const Statement& s, const ParameterLayout& layout, int column) const {
+  const ParameterId& id = layout.parameters[static_cast<std::size_t>(column)].id;
+  if (is_held(s)) return 0.0;
+  for (const Parameter& p : layout_.parameters)
+    if (p.id == id) return p.prior_sigma;
+  return 0.0;
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,241 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/statements/statement_words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "calib/verdict/validity.h"
+
+namespace octant::calib {
+namespace {
+
+class StatementWords {
+ public:
+  StatementWords(const StatedSite& stated, const Fit& fit) : stated_(stated), fit_(fit) {}
+
+  [[nodiscard]] Contradiction contradiction(const Statement& s, double sigmas) const {
+    const SharedState state = fit_.state();
+    Contradiction c;
+    c.sigmas = sigmas;
+    switch (s.what) {
+      case What::kControlPoint: describe_control_point(s, state, c); break;
+      case What::kBeaconDelay:
+        describe_delay(stated_.site().beacons[s.index].name, beacon_delay_prior(stated_.site(), s.index),
+                       state.beacon_delay_s[s.index], c);
+        break;
+      case What::kReceiverDelay:
+        describe_delay(receiver_name(s.index), timing_prior(), state.receiver_delay_s[s.index], c);
+        break;
+      case What::kSiteDelay: describe_delay("the site", timing_prior(), state.site_delay_s, c); break;
+      case What::kNoDelays: describe_delays(state, c); break;
+      case What::kSpeed: describe_speed(s, c); break;
+      case What::kReceiver: describe_receiver(s, state, c); break;
+      case What::kAttenuation: describe_attenuation(s, c); break;
+      case What::kDistance: describe_distance(s, state, c); break;
+    }
+    return c;
+  }
+
+  /// Two control points that were found at each other's places.
+  void join_exchanged(const std::vector<Statement>& culprits, std::vector<Contradiction>& found) const {
+    const SharedState state = fit_.state();
+    const auto place = [&](std::size_t b) {
+      return Eigen::Vector3d(*stated_.site().beacons[b].position_m[0],
+                             *stated_.site().beacons[b].position_m[1],
+                             *stated_.site().beacons[b].position_m[2]);
+    };
+    for (std::size_t i = 0; i < culprits.size(); ++i)
+      for (std::size_t j = i + 1; j < culprits.size(); ++j) {
+        if (culprits[i].what != What::kControlPoint || culprits[j].what != What::kControlPoint) continue;
+        const std::size_t a = culprits[i].index, b = culprits[j].index;
+        const double near = 0.1 * (place(a) - place(b)).norm();
+        if ((state.beacon_p_map_m[a] - place(b)).norm() > near ||
+            (state.beacon_p_map_m[b] - place(a)).norm() > near)
+          continue;
+        Contradiction& c = found[i];
+        c.kind = ContradictionKind::kExchanged;
+        c.subject = stated_.site().beacons[a].name + ", " + stated_.site().beacons[b].name;
+        c.stated = fmt::format("at {} and {}", point(place(a)), point(place(b)));
+        c.found = "at each other's places";
+        c.remedy = fmt::format(
+            "exchange the positions of control points {} and {} in the site file, or their labels on the "
+            "wall",
+            stated_.site().beacons[a].name, stated_.site().beacons[b].name);
+        found.erase(found.begin() + static_cast<std::ptrdiff_t>(j));
+        return;
+      }
+  }
+
+ private:
+  [[nodiscard]] double stated_delay_s() const {
+    return stated_.site().timing.delay_per.none() ? 0.0 : stated_.site().timing.delay_s;
+  }
+
+  static std::string point(const Eigen::Vector3d& p) {
+    return fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x(), p.y(), p.z());
+  }
+  static std::string length(double m) {
+    return std::abs(m) < 1.0 ? fmt::format("{:.1f} mm", 1e3 * m) : fmt::format("{:.3f} m", m);
+  }
+  static std::string time(double s) {
+    return std::abs(s) < 1e-6 ? fmt::format("{:.2f} ns", 1e9 * s) : fmt::format("{:.1f} us", 1e6 * s);
+  }
+  [[nodiscard]] std::string receiver_name(std::size_t r) const {
+    return stated_.site().vehicles[stated_.site().receivers[r].vehicle.index()].name + "/" +
+           stated_.site().receivers[r].name;
+  }
+
+  void describe_control_point(const Statement& s, const SharedState& state, Contradiction& c) const {
+    const SiteBeacon& b = stated_.site().beacons[s.index];
+    const Eigen::Vector3d stated(*b.position_m[0], *b.position_m[1], *b.position_m[2]),
+        found = state.beacon_p_map_m[s.index];
+    c.kind = ContradictionKind::kControlPoint;
+    c.subject = b.name;
+    c.stated = fmt::format("at {}, held fixed", point(stated));
+    c.found = fmt::format("at {}, {} away", point(found), length((found - stated).norm()));
+    c.remedy = fmt::format(
+        "survey control point {} again, check its label and its line in the site file; or give it a sigma_m, "
+        "so that the others place it",
+        b.name);
+  }
+
+  [[nodiscard]] Prior timing_prior() const {
+    return {stated_.site().timing.delay_s, stated_.site().timing.delay_sigma_s};
+  }
+
+  void describe_delay(const std::string& whose, const Prior& stated, double found_s, Contradiction& c) const {
+    c.kind = ContradictionKind::kDelay;
+    c.subject = whose;
+    c.stated = fmt::format("{}, sigma {}", time(stated.value), time(stated.sigma));
+    c.found = time(found_s);
+    c.remedy = fmt::format(
+        "look at the electronics of {} and at what stands before it, or state a larger delay_sigma_s "
+        "(timing, or the beacon)",
+        whose);
+  }
+
+  void describe_delays(const SharedState& state, Contradiction& c) const {
+    double least = INFINITY, most = -INFINITY;
+    for (std::size_t b = 0; b < state.beacon_delay_s.size(); ++b) {
+      if (!fit_.beacon_usable[b]) continue;
+      least = std::min(least, state.beacon_delay_s[b]);
+      most = std::max(most, state.beacon_delay_s[b]);
+    }
+    c.kind = ContradictionKind::kDelay;
+    c.subject = "all beacons";
+    const bool own = std::any_of(stated_.site().beacons.begin(), stated_.site().beacons.end(),
+                                 [](const SiteBeacon& b) { return b.delay_s.has_value(); });
+    c.stated = own                       ? std::string("delays of the beacons, held fixed (delay_sigma_s: 0)")
+               : stated_delay_s() == 0.0 ? std::string("no delay (timing.delay_per: none)")
+                                         : "a delay of exactly " + time(stated_delay_s());
+    c.found = fmt::format("delays from {} to {}", time(least), time(most));
+    c.remedy = "state the delay in the site file: timing.delay_per: beacon, with delay_s and delay_sigma_s";
+  }
+
+  void describe_speed(const Statement& s, Contradiction& c) const {
+    const Medium& medium = stated_.site().medium;
+    double offset = fit_.state().speed_offset(s.index), model = 0.0, degC = 0.0;
+    std::size_t count = 0;
+    for (const Trajectory& t : fit_.trajectories) {
+      if (stated_.layout().speed.size() > 1 && t.run != s.index) continue;
+      for (const ArrivalObservation& a : t.arrivals) {
+        model += a.model_speed_mps;
+        ++count;
+        const MeasurementLog& run = stated_.problem().runs[t.run];
+        degC += a.arrival < run.arrivals.size() ? temperature_of(run.arrivals[a.arrival], run, stated_.site())
+                                                : medium.temperature_degC;
+      }
+    }
+    const double n = static_cast<double>(std::max<std::size_t>(count, 1));
+    model /= n;
+    degC /= n;
+    const bool has_temperature = medium.model != MediumModel::kConstant;
+    c.kind = ContradictionKind::kSpeed;
+    c.subject = stated_.layout().speed.size() > 1 ? fmt::format("in run {}", s.index + 1) : "";
+    c.stated = fmt::format("{:.2f} m/s, sigma {:.2g} m/s", model, stated_.site().speed_sigma_mps) +
+               (has_temperature ? fmt::format(", at {:.1f} degC", degC) : "");
+    c.found = fmt::format("{:.2f} m/s", model + offset);
+    c.remedy = "check medium.speed_mps, or state a larger medium.sigma_mps";
+    if (!has_temperature) return;
+    c.remedy =
+        "check the thermometer: the temperature in the site file, in run.yaml and in the recording (degrees "
+        "Celsius); or state a larger medium.sigma_mps";
+    if (const auto would_be = temperature_at(medium, model + offset))
+      c.found += fmt::format(", as at {:.1f} degC", *would_be);
+    const double celsius = (degC - 32) / 1.8;
+    if (celsius < -50 || celsius > 60) return;
+    const double slack = 3 * std::max(stated_.site().speed_sigma_mps, 0.5);
+    if (std::abs(speed_mps(medium, celsius) - model - offset) > slack) return;
+    c.found += fmt::format(": the temperature is in degrees Fahrenheit ({:.1f} degF are {:.1f} degC)", degC,
+                           celsius);
+    c.remedy = "write the temperature in degrees Celsius: the thermometer's is in Fahrenheit";
+  }
+
+  static std::optional<double> temperature_at(const Medium& medium, double speed) {
+    double low = -60, high = 60;
+    if (!(speed_mps(medium, low) < speed && speed < speed_mps(medium, high))) return {};
+    for (int i = 0; i < 40; ++i)
+      (speed_mps(medium, 0.5 * (low + high)) < speed ? low : high) = 0.5 * (low + high);
+    return 0.5 * (low + high);
+  }
+
+  void describe_receiver(const Statement& s, const SharedState& state, Contradiction& c) const {
+    const SiteReceiver& r = stated_.site().receivers[s.index];
+    c.kind = ContradictionKind::kReceiver;
+    c.subject = receiver_name(s.index);
+    c.stated =
+        fmt::format("at {} on the vehicle, sigma {}", point(r.position_m), length(r.sigma_m.maxCoeff()));
+    c.found = fmt::format("at {}, {} away", point(state.receiver_p_vehicle_m[s.index]),
+                          length((state.receiver_p_vehicle_m[s.index] - r.position_m).norm()));
+    c.remedy = fmt::format(
+        "measure the place of receiver {} on the vehicle again and write it into the site file", r.name);
+  }
+
+  void describe_attenuation(const Statement& s, Contradiction& c) const {
+    const int column = fit_.layout.attenuation[s.index];
+    const Parameter& p =
+        stated_.layout().parameters[static_cast<std::size_t>(stated_.layout().attenuation[s.index])];
+    c.kind = ContradictionKind::kAttenuation;
+    c.subject = parameter_name(p.id, names_of(stated_.site()));
+    c.stated =
+        fmt::format("{:.4g}, sigma {:.2g}", p.prior_mean * p.si_per_unit, p.prior_sigma * p.si_per_unit);
+    c.found = fmt::format("{:.4g}", fit_.x[column] * p.si_per_unit);
+    c.remedy = fmt::format("check {} in the site file, or state a larger sigma", c.subject);
+  }
+
+  void describe_distance(const Statement& s, const SharedState& state, Contradiction& c) const {
+    const ControlDistance& d = stated_.site().distances[s.index];
+    c.kind = ContradictionKind::kDistance;
+    c.subject =
+        stated_.site().beacons[d.from.index()].name + ", " + stated_.site().beacons[d.to.index()].name;
+    c.stated = fmt::format("{:.4f} m, sigma {}", d.distance_m, length(d.sigma_m));
+    c.found = fmt::format("{:.4f} m",
+                          (state.beacon_p_map_m[d.from.index()] - state.beacon_p_map_m[d.to.index()]).norm());
+    c.remedy =
+        fmt::format("tape the distance from {} to {} again", stated_.site().beacons[d.from.index()].name,
+                    stated_.site().beacons[d.to.index()].name);
+  }
+
+  const StatedSite& stated_;
+  const Fit& fit_;
+};
+
+}  // namespace
+
+std::vector<Contradiction> in_words(const StatedSite& stated, const Fit& fit,
+                                    const std::vector<Statement>& culprits,
+                                    const std::vector<double>& sigmas) {
+  const StatementWords words(stated, fit);
+  std::vector<Contradiction> found;
+  for (std::size_t i = 0; i < culprits.size(); ++i)
+    found.push_back(words.contradiction(culprits[i], sigmas[i]));
+  words.join_exchanged(culprits, found);
+  return found;
+}
+
+}  // namespace octant::calib

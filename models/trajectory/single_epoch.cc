@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// One epoch as a trajectory of its own (trajectory.h): what localizers solve, again and again in the same
+// memory.
+#include "models/trajectory/trajectory.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace octant {
+
+ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, double model_speed_mps) {
+  ArrivalObservation o;
+  o.beacon = a.beacon;
+  o.receiver = a.receiver;
+  o.time_s = a.time_s;
+  o.tof_s = a.tof_s;
+  o.sigma_s = model.noise.tof_sigma_s;
+  o.model_speed_mps = model_speed_mps;
+  if (model.attenuation && model.attenuation->measures(a.amplitude_v)) {
+    o.log_amplitude = std::log(a.amplitude_v);
+    o.log_amplitude_sigma = model.noise.amplitude_relative_sigma;
+    if (model.attenuation->directional()) {
+      // The walk is taken at this amplitude; near the threshold it bends, and one that was measured too loud
+      // must not seem exact.
+      const double least_v = a.amplitude_v * std::max(1 - o.log_amplitude_sigma, 0.5);
+      o.sigma_s =
+          std::hypot(o.sigma_s, walk_by_log_amplitude_s(least_v, *model.attenuation) * o.log_amplitude_sigma);
+    }
+  }
+  o.two_way = model.timing.ranging == Ranging::kTwoWay;
+  return o;
+}
+
+double speed_of(const Arrival& a, const TrajectoryModel& model) {
+  return speed_mps(model.medium,
+                   std::isfinite(a.temperature_degC) ? a.temperature_degC : model.medium.temperature_degC);
+}
+
+void reserve_epoch(Trajectory& t, std::size_t arrivals, std::size_t bearings) {
+  t.nodes.reserve(1);
+  t.segments.reserve(1);
+  t.T_hear_send.reserve(1);
+  t.arrivals.reserve(arrivals);
+  t.bearings.reserve(bearings);
+}
+
+void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const Bearing> bearings,
+               const TrajectoryModel& model) {
+  t.vehicle = arrivals.empty() ? bearings.front().vehicle : arrivals.front().vehicle;
+  t.motion = model.motion;
+  t.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
+  t.turnaround_s = model.timing.turnaround_s;
+  t.nominal_speed_mps = speed_mps(model.medium, model.medium.temperature_degC);
+  Node node;
+  node.time_s = arrivals.empty() ? bearings.front().time_s : arrivals.front().time_s;
+  node.epoch = arrivals.empty() ? bearings.front().epoch : arrivals.front().epoch;
+  t.nodes.assign(1, node);
+  t.T_hear_send.assign(1, Pose());
+  t.arrivals.clear();
+  t.bearings.clear();
+  for (const Arrival& a : arrivals) {
+    t.arrivals.push_back(observe(a, model, speed_of(a, model)));
+    t.arrivals.back().arrival = t.arrivals.size() - 1;
+    if (t.arrivals.back().two_way) t.arrivals.back().hear_send = 0;
+  }
+  for (const Bearing& b : bearings)
+    t.bearings.push_back({0, 0.0, t.bearings.size(), b.reflector, b.bearing_rad,
+                          model.noise.bearing_sigma_rad, Rejection::kUsed});
+  Segment whole;
+  whole.last_node = 1;
+  whole.last_arrival = t.arrivals.size();
+  whole.last_bearing = t.bearings.size();
+  t.segments.assign(1, whole);
+}
+
+}  // namespace octant

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace octant::test {
+
+/// A function that a source defines.
+struct FunctionShape {
+  std::string head;  ///< from its first token to the brace, white space folded
+  int first_line = 0, last_line = 0;
+  int data_lines = 0;  ///< of these inside raw string literals
+  [[nodiscard]] int lines() const { return last_line - first_line + 1 - data_lines; }
+};
+
+/// Functions of C++ text, lambdas counted with the function that they stand in. It follows braces and knows a
+/// function by the parentheses before one, so text must be as clang-format leaves it and without macros that
+/// hold braces.
+[[nodiscard]] std::vector<FunctionShape> functions_of(std::string_view text);
+
+/// Lines of a text.
+[[nodiscard]] int lines_of(std::string_view text);
+
+}  // namespace octant::test
