@@ -87,7 +87,7 @@ class SecondVisit {
     if (std::vector<MeasurementLog> some = stretches_of(problem_.runs, kEnoughArrivals); !some.empty())
       if (auto made = make_problem(problem_.site, std::move(some), options_.solve.threads))
         part = std::move(*made);
-    if (((part && start_from_known(*part, room)) || start(part ? *part : problem_)) && find_changes(room) &&
+    if ((start_from_known(part ? *part : problem_, room) || start(part ? *part : problem_)) && find_changes(room) &&
         (!part || take_all()))
       conclude_visit();
     out_.seconds = std::chrono::duration<double>(Clock::now() - began_).count();

@@ -50,7 +50,7 @@ bool accuses(const Change& c, const std::string& subject) {
 
 /// What was said of one true change.
 struct Told {
-  double sigmas = 0.0;  ///< the change in those of its own estimate
+  double sigmas = 0.0, distance = 0.0;  ///< see Visibility
   bool found = false, right = false;
 };
 struct Answer {
@@ -61,16 +61,25 @@ struct Answer {
   double seconds = 0.0;
 };
 
-/// The sigmas of which a change is seen: Mahalanobis' distance in the covariance of its estimate.
-double visibility(const TrueChange& truth, const Comparison& comparison) {
+/// By how many sigmas a change is seen.
+struct Visibility {
+  double sigmas = 0.0;    ///< its size over the sigma of its size, as reports print it
+  double distance = 0.0;  ///< Mahalanobis' distance in the covariance of its estimate: the power of the test
+};
+Visibility visibility(const TrueChange& truth, const Comparison& comparison) {
   const ChangeKind kind = truth.kind == ChangeKind::kExchanged ? ChangeKind::kBeaconMoved : truth.kind;
   for (const TestedChange& t : comparison.search.tested) {
     const ChangeHypothesis& h = comparison.hypotheses[t.hypothesis];
     if (h.kind != kind || h.owner != truth.owner) continue;
-    if (kind == ChangeKind::kDelay) return truth.delay_s / std::sqrt(t.covariance(0, 0));
-    return std::sqrt(truth.shift_m.dot(t.covariance.topLeftCorner<3, 3>().ldlt().solve(truth.shift_m)));
+    if (kind == ChangeKind::kDelay) {
+      const double sigmas = truth.delay_s / std::sqrt(t.covariance(0, 0));
+      return {sigmas, sigmas};
+    }
+    const Eigen::Matrix3d C = t.covariance.topLeftCorner<3, 3>();
+    const Eigen::Vector3d& by_m = truth.shift_m;
+    return {by_m.squaredNorm() / std::sqrt(by_m.dot(C * by_m)), std::sqrt(by_m.dot(C.ldlt().solve(by_m)))};
   }
-  return 0.0;
+  return {};
 }
 
 bool is_right(const TrueChange& truth, const Change& said) {
@@ -90,7 +99,8 @@ Answer answer_of(const ChangedSite& site, const Result<calib::Revisit>& found) {
   out.seconds = found->seconds;
   const auto& changes = found->comparison.changes;
   for (const TrueChange& truth : site.changes) {
-    Told told{visibility(truth, found->comparison), false, false};
+    const Visibility seen = visibility(truth, found->comparison);
+    Told told{seen.sigmas, seen.distance, false, false};
     int accusations = 0;
     for (const Change& c : changes)
       if (accuses(c, truth.subject)) {
@@ -215,7 +225,7 @@ struct Tally {
   Count found, right;         ///< of changes seen at four sigmas and more
   Count weak;                 ///< found of those below
   Count accused;              ///< visits at which an innocent is accused
-  std::map<int, Count> bins;  ///< found, by whole sigmas up to 10
+  std::map<int, Count> bins;  ///< found, by whole units of distance up to 10
   std::vector<double> seconds;
 
   void add(const Answer& answer) {
@@ -223,7 +233,7 @@ struct Tally {
     accused.add(!answer.innocent.empty());
     seconds.push_back(answer.seconds);
     for (const Told& t : answer.told) {
-      bins[std::min(10, static_cast<int>(t.sigmas))].add(t.found);
+      bins[std::min(10, static_cast<int>(t.distance))].add(t.found);
       if (t.sigmas < kSeen) {
         weak.add(t.found);
         continue;
@@ -265,7 +275,7 @@ void print_table(const std::vector<Score>& scores) {
     Tally& t = all[static_cast<std::size_t>(k)];
     fmt::print("{:<16}{:>18}{:>18}{:>18}{:>18}\n", "all", t.found.text(), t.right.text(), t.weak.text(),
                t.accused.text());
-    fmt::print("found, by whole sigmas:");
+    fmt::print("found, by whole units of Mahalanobis' distance:");
     for (const auto& [sigmas, count] : t.bins)
       fmt::print("  {}{} {}/{}", sigmas, sigmas == 10 ? "+" : "", count.yes, count.all);
     const Count& alarms = quiet[static_cast<std::size_t>(k)].accused;
@@ -292,11 +302,11 @@ void print_score(const Score& s, bool verbose) {
     if (!a.ok) text += fmt::format("  {} fails: {}", who, a.message);
     for (const Told& t : a.told)
       if (verbose || (t.sigmas >= kSeen && !(t.found && t.right)))
-        text += fmt::format("  {}: {} at {:.1f} sigma", who,
+        text += fmt::format("  {}: {} at {:.1f} sigma (distance {:.1f})", who,
                             !t.found  ? "missed"
                             : t.right ? "right"
                                       : "wrongly named",
-                            t.sigmas);
+                            t.sigmas, t.distance);
     for (const std::string& name : a.innocent) text += fmt::format("  {} accuses {}", who, name);
     return text;
   };
