@@ -25,7 +25,7 @@ struct ResultClearer {
 using PqResult = std::unique_ptr<PGresult, ResultClearer>;
 
 /// The first line of what the server says.
-std::string first_line(const char* words) {
+std::string first_line_of_server(const char* words) {
   std::string text = words != nullptr ? words : "";
   return text.substr(0, text.find('\n'));
 }
@@ -44,7 +44,7 @@ struct PqConnection {
                    .advice = "end the program that holds it, and try again"});
     return fail({.code = Errc::kOutput,
                  .file = label,
-                 .found = "the database says: " + first_line(PQerrorMessage(handle.get())),
+                 .found = "the database says: " + first_line_of_server(PQerrorMessage(handle.get())),
                  .advice = "is the server up, and may this user make and write tables?"});
   }
   [[nodiscard]] Result<PqResult> exec(const std::string& sql) const {
@@ -185,7 +185,7 @@ Result<std::unique_ptr<SqlStore>> open_postgres(const std::string& words, bool c
       fmt::format("postgresql://{}/{}", host != nullptr ? host : "", database != nullptr ? database : "");
   if (PQstatus(c) != CONNECTION_OK)
     return fail({.file = connection.label,
-                 .found = "no connection: " + first_line(PQerrorMessage(c)),
+                 .found = "no connection: " + first_line_of_server(PQerrorMessage(c)),
                  .expected = "a PostgreSQL server that answers, such as postgresql://user@host/database"});
   PQsetClientEncoding(c, "UTF8");
   PQsetNoticeProcessor(
