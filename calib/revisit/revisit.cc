@@ -16,6 +16,7 @@
 #include "calib/problem/ranges.h"
 #include "calib/problem/trilaterate.h"
 #include "calib/revisit/as_left.h"
+#include "calib/revisit/conditions.h"
 #include "calib/revisit/revisited_site.h"
 #include "calib/revisit/stretches.h"
 #include "calib/revisit/visit_information.h"
@@ -24,7 +25,6 @@
 #include "calib/stream/long_log.h"
 #include "calib/verdict/conclude.h"
 #include "calib/verdict/observability.h"
-#include "calib/verdict/validity.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/linearise.h"
 
@@ -39,27 +39,9 @@ constexpr double kSlackM = 0.05;  ///< by which ranges may be off while a drive 
 constexpr std::size_t kFewestRanges = 10;  ///< that locate a beacon
 /// Of the air where no thermometer was read: some ten degrees.
 constexpr double kUnknownTemperature_mps = 6.0;
-/// Share of a beacon's arrivals left out, of those in use, from which its place is doubted.
-constexpr double kManyOut = 0.15;
+constexpr std::size_t kMostReconsidered = 3;  ///< beacons one by one: each is an adjustment
 /// Changes that chance makes less often leave something unexplained.
 constexpr double kUnexplained = 1.0e-4;
-
-/// The thermometer of the recordings: whether each arrival has a temperature, and their mean.
-MediumFound thermometer_of(const Deployment& d, const std::vector<MeasurementLog>& runs) {
-  MediumFound out;
-  double sum = 0.0;
-  std::size_t count = 0, all = 0;
-  for (const MeasurementLog& run : runs)
-    for (const Arrival& a : run.arrivals) {
-      ++all;
-      if (!std::isfinite(a.temperature_degC) && !run.temperature_degC) continue;
-      sum += std::isfinite(a.temperature_degC) ? a.temperature_degC : *run.temperature_degC;
-      ++count;
-    }
-  out.temperature_known = d.medium.model == MediumModel::kConstant || count == all;
-  out.temperature_degC = count > 0 ? sum / static_cast<double>(count) : d.medium.temperature_degC;
-  return out;
-}
 
 class SecondVisit {
  public:
@@ -88,8 +70,8 @@ class SecondVisit {
     if (std::vector<MeasurementLog> some = stretches_of(problem_.runs, kEnoughArrivals); !some.empty())
       if (auto made = make_problem(problem_.site, std::move(some), options_.solve.threads))
         part = std::move(*made);
-    if (((part && start_from_known(*part, room)) || start(part ? *part : problem_)) && find_changes(room) &&
-        (!part || take_all()))
+    if ((start_from_known(part ? *part : problem_, room) || start(part ? *part : problem_)) &&
+        find_changes(room) && (!part || take_all()))
       conclude_visit();
     out_.seconds = std::chrono::duration<double>(Clock::now() - began_).count();
     return std::move(out_);
@@ -120,7 +102,7 @@ class SecondVisit {
     sigma_s_ = problem.site.noise.tof_sigma_s;
   }
 
-  /// A drive is tracked by what was known: most of it still holds, and a beacon that hangs elsewhere
+  /// States are placed by what was known: most of it still holds, and a beacon that hangs elsewhere
   /// altogether is then located by its ranges. False where that leads nowhere.
   bool start_from_known(const Problem& problem, const Eigen::VectorXd& room) {
     if (!course_.report("initial values", 0.02)) return false;
@@ -143,19 +125,6 @@ class SecondVisit {
     return true;
   }
 
-  struct Agreeing {
-    std::size_t in_use = 0, out = 0;
-  };
-  [[nodiscard]] std::vector<Agreeing> agreeing() const {
-    std::vector<Agreeing> counts(before_.beacons.size());
-    for (const Trajectory& t : fit_.trajectories)
-      for (const ArrivalObservation& a : t.arrivals) {
-        counts[a.beacon.index()].in_use += a.rejection == Rejection::kUsed;
-        counts[a.beacon.index()].out += a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly;
-      }
-    return counts;
-  }
-
   /// A beacon at another place, with the delay that it had.
   void put(std::size_t b, const Eigen::Vector3d& p_map_m) {
     for (std::size_t i = 0; i < 3; ++i)
@@ -168,7 +137,7 @@ class SecondVisit {
   /// @return whether one was placed anew
   bool locate_lost() {
     bool any = false;
-    const std::vector<Agreeing> counts = agreeing();
+    const std::vector<Agreeing> counts = agreeing(before_.beacons.size(), fit_.trajectories);
     const SharedState state = fit_.state();
     for (std::size_t b = 0; b < counts.size(); ++b) {
       if (counts[b].out <= std::max(counts[b].in_use, kFewestRanges) || layout_.beacon[b][0] < 0) continue;
@@ -184,36 +153,45 @@ class SecondVisit {
     return any;
   }
 
-  /// @param room  of changes beside the drift; beacon b gets none
-  [[nodiscard]] Eigen::MatrixXd holding(std::size_t b, Eigen::MatrixXd room) const {
+  /// Where the adjustment stands.
+  struct Standing {
+    Fit fit;
+    CalibrationStatistics statistics;
+    double sigma_s = 0.0;
+    [[nodiscard]] double squares() const { return fit.cost * sigma_s * sigma_s; }
+  };
+
+  /// Holds beacons where they hung before; takes that back unless it explains more.
+  [[nodiscard]] bool hold(const std::vector<std::size_t>& beacons, Standing& best, Eigen::MatrixXd& room) {
+    Eigen::MatrixXd held = room;
+    for (const std::size_t b : beacons) put(b, before_.beacons[b].position_m);
     for (Eigen::Index i = 0; i < known_.size(); ++i)
-      if (beacon_of(known_.parameters[static_cast<std::size_t>(i)]) == b) room(i, i) = 0.0;
-    return room;
+      for (const std::size_t b : beacons)
+        if (beacon_of(known_.parameters[static_cast<std::size_t>(i)]) == b) held(i, i) = 0.0;
+    const bool better = adjust_under(drifted() + held) && fit_.cost * sigma_s_ * sigma_s_ < best.squares();
+    if (better) {
+      best = {fit_, statistics_, sigma_s_};
+      room = std::move(held);
+    } else {
+      fit_ = best.fit;
+      statistics_ = best.statistics;
+      sigma_s_ = best.sigma_s;
+    }
+    return better;
   }
 
   /// A beacon that is heard by a few stops of one side alone, and some of whose arrivals are echoes, may
-  /// trade its place for its delay. Those that lost many arrivals are held where they hung before, and stay
-  /// held if that leaves less unexplained: a beacon that did move would lose most of them.
+  /// trade its place for its delay. Those that lost many arrivals are held where they hung before, all at
+  /// once or else the most doubtful one by one, and stay held if that leaves less unexplained: a beacon that
+  /// did move would lose most of them.
   /// @param room  of changes beside the drift  @return the room that is left
   [[nodiscard]] Eigen::MatrixXd reconsidered(Eigen::MatrixXd room) {
-    const std::vector<Agreeing> counts = agreeing();
-    for (std::size_t b = 0; b < counts.size(); ++b) {
-      if (counts[b].out == 0 || before_.beacons[b].status == BeaconStatus::kUndetermined ||
-          static_cast<double>(counts[b].out) < kManyOut * static_cast<double>(counts[b].in_use))
-        continue;
-      const Fit found = fit_;
-      const CalibrationStatistics its_statistics = statistics_;
-      const double its_sigma_s = sigma_s_, cost = found.cost * its_sigma_s * its_sigma_s;
-      put(b, before_.beacons[b].position_m);
-      Eigen::MatrixXd held = holding(b, room);
-      if (adjust_under(drifted() + held) && fit_.cost * sigma_s_ * sigma_s_ < cost) {
-        room = std::move(held);
-        continue;
-      }
-      fit_ = found;
-      statistics_ = its_statistics;
-      sigma_s_ = its_sigma_s;
-    }
+    std::vector<std::size_t> doubtful = doubtful_beacons(before_, fit_.trajectories);
+    if (doubtful.empty()) return room;
+    Standing best{fit_, statistics_, sigma_s_};
+    if (hold(doubtful, best, room) || doubtful.size() == 1) return room;
+    doubtful.resize(std::min(doubtful.size(), kMostReconsidered));
+    for (const std::size_t b : doubtful) static_cast<void>(hold({b}, best, room));
     return room;
   }
 
@@ -362,8 +340,10 @@ class SecondVisit {
     out_.medium.speed_change_sigma_mps = left.speed_change_sigma_mps;
     out_.as_left.statistics = statistics_;
     out_.as_left.statistics.converged = true;
-    extend_validity();
-    count_heard();
+    extend_validity(out_.as_left, fit_.trajectories, problem_, out_.medium.temperature_known);
+    const SharedState state = fit_.state();
+    out_.beacons = heard_of_beacons(before_, fit_.trajectories, state);
+    out_.receivers = heard_by_receivers(before_, fit_.trajectories, state);
     if (out_.comparison.p_left < kUnexplained)
       out_.warnings.push_back(
           fmt::format("something of this visit fits neither the earlier calibration nor the changes found (p "
@@ -372,67 +352,6 @@ class SecondVisit {
                       out_.comparison.p_left));
     out_.status = SolveStatus::kConverged;
     out_.message = "converged";
-  }
-
-  void extend_validity() {
-    Deployment& d = out_.as_left;
-    std::vector<Eigen::Vector2d> places = d.validity_area_m;
-    for (const Trajectory& t : fit_.trajectories) {
-      for (const Node& node : t.nodes)
-        if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
-      for (const ArrivalObservation& a : t.arrivals) {
-        if (!d.validity_temperature_degC || !out_.medium.temperature_known) break;
-        const double degC =
-            temperature_of(problem_.runs[t.run].arrivals[a.arrival], problem_.runs[t.run], problem_.site);
-        auto& [coldest, hottest] = *d.validity_temperature_degC;
-        coldest = std::min(coldest, degC);
-        hottest = std::max(hottest, degC);
-      }
-    }
-    d.validity_area_m = convex_hull(std::move(places));
-  }
-
-  /// Median of the residuals of arrivals of one beacon, or at one receiver, in a state.
-  template <class Mine>
-  [[nodiscard]] Heard heard_of(std::string name, const SharedState& state, Mine&& mine) const {
-    Heard h;
-    h.name = std::move(name);
-    std::vector<double> misfits;
-    for (const Trajectory& t : fit_.trajectories)
-      for (const ArrivalObservation& a : t.arrivals) {
-        if (!mine(a) || !t.nodes[a.node].placed) continue;
-        h.used += a.rejection == Rejection::kUsed;
-        h.late += a.rejection == Rejection::kLate;
-        h.early += a.rejection == Rejection::kEarly;
-        if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate ||
-            a.rejection == Rejection::kEarly)
-          misfits.push_back(arrival_residual(t, a, state) * a.sigma_s);
-      }
-    h.misfit_s = median(std::move(misfits));
-    return h;
-  }
-
-  void count_heard() {
-    const SharedState now = fit_.state(), then = shared_state(before_);
-    for (std::size_t b = 0; b < before_.beacons.size(); ++b) {
-      SharedState state = now;
-      if (before_.beacons[b].status != BeaconStatus::kUndetermined) {
-        state.beacon_p_map_m[b] = then.beacon_p_map_m[b];
-        state.beacon_delay_s[b] = then.beacon_delay_s[b];
-        if (!then.beacon_log_gain.empty()) state.beacon_log_gain[b] = then.beacon_log_gain[b];
-      }
-      out_.beacons.push_back(heard_of(before_.beacons[b].name, state,
-                                      [b](const ArrivalObservation& a) { return a.beacon.index() == b; }));
-    }
-    for (std::size_t r = 0; r < before_.receivers.size(); ++r) {
-      SharedState state = now;
-      state.receiver_p_vehicle_m[r] = then.receiver_p_vehicle_m[r];
-      state.receiver_delay_s[r] = then.receiver_delay_s[r];
-      const std::string name =
-          before_.vehicles[before_.receivers[r].vehicle.index()].name + "/" + before_.receivers[r].name;
-      out_.receivers.push_back(
-          heard_of(name, state, [r](const ArrivalObservation& a) { return a.receiver.index() == r; }));
-    }
   }
 
   const Deployment& before_;

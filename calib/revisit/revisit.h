@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "calib/calibrate.h"
+#include "calib/revisit/heard.h"
 #include "models/changes/comparison.h"
 #include "models/deployment.h"
 #include "models/run.h"
@@ -17,14 +17,6 @@ namespace octant::calib {
 struct RevisitOptions {
   SolveOptions solve;
   Drift drift;  ///< allowed for since the earlier calibration
-};
-
-/// What was heard of a beacon, or by a receiver.
-struct Heard {
-  std::string name;  ///< "B3", "robot/r0"
-  std::size_t used = 0, late = 0, early = 0;
-  double misfit_s = 0.0;  ///< median over its arrivals of observed less predicted, were it as the earlier
-                          ///< calibration left it
 };
 
 /// The medium as the second visit found it.

@@ -85,13 +85,12 @@ class VisitWriter {
         "INSERT INTO visit (kind, site, happened_s, added_s, digest, deployment_digest, coldest_degC, "
         "warmest_degC, speed_mps, speed_sigma_mps, "
         "speed_offset_mps, speed_temperature_degC, verdict, who, note, source, program) "
-        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)");
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17) RETURNING id");
     auto beacon =
         database.prepare("INSERT INTO beacon VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)");
     for (const auto* statement : {&find, &document, &visit, &beacon})
       if (!*statement) return fail(statement->error());
-    return VisitWriter(database, std::move(*find), std::move(*document), std::move(*visit),
-                       std::move(*beacon));
+    return VisitWriter(std::move(*find), std::move(*document), std::move(*visit), std::move(*beacon));
   }
 
   [[nodiscard]] Result<Addition> add(const Visit& v) {
@@ -102,23 +101,22 @@ class VisitWriter {
     if (old > 0) return Addition{old, false};
     document_.bind(1, v.digest).bind(2, v.document);
     if (auto done = put(document_); !done) return fail(done.error());
-    if (auto done = put_visit(v); !done) return fail(done.error());
-    const std::int64_t id = database_->last_id();
+    const auto id = put_visit(v);
+    if (!id) return fail(id.error());
     for (std::size_t i = 0; i < v.beacons.size(); ++i)
-      if (auto done = put_beacon(id, i, v.beacons[i]); !done) return fail(done.error());
-    return Addition{id, true};
+      if (auto done = put_beacon(*id, i, v.beacons[i]); !done) return fail(done.error());
+    return Addition{*id, true};
   }
 
  private:
-  VisitWriter(SqlDatabase& database, SqlStatement find, SqlStatement document, SqlStatement visit,
-              SqlStatement beacon)
-      : database_(&database),
-        find_(std::move(find)),
+  VisitWriter(SqlStatement find, SqlStatement document, SqlStatement visit, SqlStatement beacon)
+      : find_(std::move(find)),
         document_(std::move(document)),
         visit_(std::move(visit)),
         beacon_(std::move(beacon)) {}
 
-  [[nodiscard]] Result<void> put_visit(const Visit& v) {
+  /// @return the number that the history gives
+  [[nodiscard]] Result<std::int64_t> put_visit(const Visit& v) {
     const auto of_speed = [&v](double VisitSpeed::*member) {
       return v.speed ? std::optional<double>((*v.speed).*member) : std::nullopt;
     };
@@ -137,7 +135,11 @@ class VisitWriter {
         .bind(10, of_speed(&VisitSpeed::sigma_mps));
     visit_.bind(11, of_speed(&VisitSpeed::offset_mps)).bind(12, of_speed(&VisitSpeed::temperature_degC));
     visit_.bind(13, v.verdict).bind(14, v.who).bind(15, v.note).bind(16, v.source).bind(17, v.program);
-    return put(visit_);
+    const auto row = visit_.next();
+    const std::int64_t id = row && *row ? visit_.integer(0) : 0;
+    visit_.reset();
+    if (!row) return fail(row.error());
+    return id;
   }
 
   [[nodiscard]] Result<void> put_beacon(std::int64_t visit, std::size_t place, const VisitBeacon& b) {
@@ -147,7 +149,6 @@ class VisitWriter {
     return put(beacon_);
   }
 
-  SqlDatabase* database_;
   SqlStatement find_, document_, visit_, beacon_;
 };
 
@@ -164,7 +165,6 @@ const char* to_string(VisitKind kind) {
 
 struct History::Content {
   SqlDatabase database;
-  std::string path;
 };
 
 History::History(std::unique_ptr<Content> content) : content_(std::move(content)) {}
@@ -175,8 +175,8 @@ History::~History() = default;
 Result<History> History::open(const std::string& path, bool create) {
   auto database = SqlDatabase::open(path, create);
   if (!database) return fail(database.error());
-  if (auto ready = migrate(*database, path); !ready) return fail(ready.error());
-  return History(std::make_unique<Content>(Content{std::move(*database), path}));
+  if (auto ready = migrate(*database); !ready) return fail(ready.error());
+  return History(std::make_unique<Content>(Content{std::move(*database)}));
 }
 
 Result<std::vector<Addition>> History::add(const std::vector<Visit>& visits) {
@@ -234,7 +234,7 @@ Result<Visit> History::get(std::int64_t id) {
   const auto there = head->bind(1, id).next();
   if (!there) return fail(there.error());
   if (!*there)
-    return fail({.file = content_->path,
+    return fail({.file = content_->database.name(),
                  .found = fmt::format("no visit {}", id),
                  .expected = "a number that octant history list shows"});
   Visit visit = visit_in(*head);

@@ -71,12 +71,14 @@ struct Addition {
   bool is_new = false;  ///< false: the same document was there already
 };
 
-/// The visits to one or several sites in one SQLite file. Several programs may read and write at once; what
-/// add() has returned for is on the disk, and a program that dies leaves all of an addition or nothing of it.
+/// The visits to one or several sites in one SQLite file, or in a PostgreSQL database. Several programs may
+/// read and write at once; what add() has returned for is on the disk, and a program that dies leaves all of
+/// an addition or nothing of it.
 class History {
  public:
-  /// @param create  makes the file where there is none. Errors: no history, one of a newer octant, a database
-  /// of another program.
+  /// @param path  of the file, or a connection string (postgresql://user@host/database) where this Octant was
+  /// built with libpq  @param create  makes the file or the tables where there are none. Errors: no history,
+  /// one of a newer octant, a database of another program.
   [[nodiscard]] static Result<History> open(const std::string& path, bool create);
   History(History&&) noexcept;
   History& operator=(History&&) noexcept;

@@ -9,11 +9,8 @@
 namespace octant::io {
 namespace {
 
-/// "Octa" in the file's head: tells a history from the databases of other programs.
-constexpr std::int64_t kApplicationId = 0x4F637461;
-
 /// The k-th makes version k + 1 of version k. Never changed once it was released; later versions are
-/// appended. Types are those that PostgreSQL has too.
+/// appended. SQLite and PostgreSQL read both; {identity} is the store's.
 constexpr const char* kMigrations[] = {
     R"sql(
 CREATE TABLE document (
@@ -21,7 +18,7 @@ CREATE TABLE document (
   content TEXT NOT NULL
 );
 CREATE TABLE visit (
-  id INTEGER PRIMARY KEY,
+  id {identity},
   kind TEXT NOT NULL CHECK (kind IN ('calibration', 'monitoring', 'verification')),
   site TEXT NOT NULL,
   happened_s BIGINT NOT NULL,
@@ -55,43 +52,44 @@ CREATE TABLE beacon (
 )sql"};
 constexpr auto kVersion = static_cast<std::int64_t>(std::size(kMigrations));
 
-Result<void> check_owner(SqlDatabase& database, const std::string& path, std::int64_t version) {
-  const auto owner = database.number("PRAGMA application_id");
-  if (!owner) return fail(owner.error());
-  const auto tables = database.number("SELECT count(*) FROM sqlite_master");
-  if (!tables) return fail(tables.error());
-  const bool empty = version == 0 && *tables == 0;
-  if (*owner != kApplicationId && !empty)
-    return fail({.file = path,
+Result<void> check_owner(const SqlSchema& schema, const std::string& name) {
+  if (!schema.ours && !schema.empty)
+    return fail({.file = name,
                  .found = "a database of another program",
                  .expected = "a history that octant made",
                  .advice = "name another file with --db"});
-  if (version > kVersion)
-    return fail({.file = path,
-                 .found = fmt::format("a history of version {}", version),
+  if (schema.version > kVersion)
+    return fail({.file = name,
+                 .found = fmt::format("a history of version {}", schema.version),
                  .expected = fmt::format("version {} or older", kVersion),
                  .advice = "a newer octant wrote it: use that one"});
   return {};
 }
 
+std::string with_identity(std::string sql, const std::string& identity) {
+  const std::string word = "{identity}";
+  for (std::size_t at = sql.find(word); at != std::string::npos; at = sql.find(word, at))
+    sql.replace(at, word.size(), identity);
+  return sql;
+}
+
 }  // namespace
 
-Result<void> migrate(SqlDatabase& database, const std::string& path) {
-  const auto found = database.number("PRAGMA user_version");
+Result<void> migrate(SqlDatabase& database) {
+  SqlStore& store = database.store();
+  const auto found = store.schema();
   if (!found) return fail(found.error());
-  if (auto ours = check_owner(database, path, *found); !ours) return ours;
-  if (*found == kVersion) return {};
+  if (auto ours = check_owner(*found, store.name()); !ours) return ours;
+  if (found->version == kVersion) return {};
   auto transaction = SqlTransaction::begin(database);
   if (!transaction) return fail(transaction.error());
   // Another program may have done it while this one waited.
-  const auto version = database.number("PRAGMA user_version");
-  if (!version) return fail(version.error());
-  for (std::int64_t v = *version; v < kVersion; ++v)
-    if (auto made = database.run(kMigrations[v]); !made) return made;
-  if (auto marked = database.run(
-          fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kVersion));
-      !marked)
-    return marked;
+  const auto now = store.schema();
+  if (!now) return fail(now.error());
+  if (auto ours = check_owner(*now, store.name()); !ours) return ours;
+  for (std::int64_t v = now->version; v < kVersion; ++v)
+    if (auto made = store.run(with_identity(kMigrations[v], store.identity())); !made) return made;
+  if (auto marked = store.set_version(kVersion); !marked) return marked;
   return transaction->commit();
 }
 

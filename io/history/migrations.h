@@ -3,14 +3,12 @@
 #pragma once
 // Private to io/history/.
 
-#include <string>
-
 #include "io/history/sql.h"
 
 namespace octant::io {
 
 /// Brings an empty or older history to the tables of today, one version after the other, each whole or not at
 /// all. Errors: a newer history, a database of another program.
-[[nodiscard]] Result<void> migrate(SqlDatabase& database, const std::string& path);
+[[nodiscard]] Result<void> migrate(SqlDatabase& database);
 
 }  // namespace octant::io

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/history/: a database file and its statements. SQLite shows in sql.cc alone.
+// Private to io/history/: a store of tables and its statements. SQLite shows in sqlite_store.cc alone, libpq
+// in postgres_store.cc.
 
 #include <cstdint>
 #include <memory>
@@ -13,64 +14,109 @@
 
 namespace octant::io {
 
-class SqlStatement;
+/// How long a writer waits for others [s]: an addition takes milliseconds, so that some hundred writers may
+/// stand in line.
+inline constexpr int kPatience_s = 30;
 
-/// One SQLite database file in write-ahead-log mode: readers never wait for a writer, writers wait for each
-/// other for up to kPatience. What a process leaves when it dies is taken back or carried through by whoever
-/// opens the file next.
-class SqlDatabase {
+/// A prepared statement of a store. Values are bound from 1 (?1, ?2, ...) and read from 0, as SQLite counts.
+class SqlRows {
  public:
-  /// Errors: missing (unless it may be created), no database, no place to write, held by others for longer
-  /// than kPatience.
-  [[nodiscard]] static Result<SqlDatabase> open(const std::string& path, bool create);
-  SqlDatabase(SqlDatabase&&) noexcept;
-  SqlDatabase& operator=(SqlDatabase&&) noexcept;
-  ~SqlDatabase();
-
-  /// Statements without rows, one or several.
-  [[nodiscard]] Result<void> run(const std::string& sql);
-  [[nodiscard]] Result<SqlStatement> prepare(std::string_view sql);
-  /// The one number that a query gives.
-  [[nodiscard]] Result<std::int64_t> number(std::string_view sql);
-  [[nodiscard]] std::int64_t last_id() const;
-
- private:
-  friend class SqlStatement;
-  struct Handle;
-  explicit SqlDatabase(std::unique_ptr<Handle> handle);
-  [[nodiscard]] tl::unexpected<Error> failure() const;
-  std::unique_ptr<Handle> handle_;
+  virtual ~SqlRows() = default;
+  virtual void bind(int at, std::string_view text) = 0;
+  virtual void bind(int at, std::int64_t number) = 0;
+  virtual void bind(int at, double number) = 0;
+  virtual void bind_null(int at) = 0;
+  /// The next row; false: there is none.
+  [[nodiscard]] virtual Result<bool> next() = 0;
+  /// To be bound and run once more.
+  virtual void reset() = 0;
+  [[nodiscard]] virtual std::string text(int column) const = 0;
+  [[nodiscard]] virtual std::int64_t integer(int column) const = 0;
+  [[nodiscard]] virtual double real(int column) const = 0;
+  [[nodiscard]] virtual bool is_null(int column) const = 0;
 };
 
-/// A prepared statement. Values are bound from 1 and read from 0, as SQLite counts them.
+/// What a store holds before anything is read of it.
+struct SqlSchema {
+  std::int64_t version = 0;
+  bool ours = false;   ///< a history wrote it
+  bool empty = false;  ///< there is nothing, and one may be made
+};
+
+/// A database. What the dialects share is written once, by whoever calls; what they do not is here.
+class SqlStore {
+ public:
+  virtual ~SqlStore() = default;
+  /// Statements without rows, one or several.
+  [[nodiscard]] virtual Result<void> run(const std::string& sql) = 0;
+  [[nodiscard]] virtual Result<std::unique_ptr<SqlRows>> prepare(std::string_view sql) = 0;
+  /// Begins at once as the only writer, so that nobody has read what another is about to change.
+  [[nodiscard]] virtual Result<void> begin() = 0;
+  [[nodiscard]] virtual Result<SqlSchema> schema() = 0;
+  [[nodiscard]] virtual Result<void> set_version(std::int64_t version) = 0;
+  /// Type of a column whose numbers the store gives, from 1.
+  [[nodiscard]] virtual std::string identity() const = 0;
+  /// As it is named in messages, without passwords.
+  [[nodiscard]] virtual std::string name() const = 0;
+};
+
+/// One SQLite file in write-ahead-log mode: readers never wait for a writer, writers wait for each other for
+/// up to kPatience_s. What a process leaves when it dies is taken back or carried through by whoever opens
+/// the file next. Errors: missing (unless it may be created), no database, no place to write, held by others.
+[[nodiscard]] Result<std::unique_ptr<SqlStore>> open_sqlite(const std::string& path, bool create);
+/// The tables of a PostgreSQL database, in the first schema of its search path; writers take turns by an
+/// advisory lock. Errors: no connection; this Octant was built without.
+[[nodiscard]] Result<std::unique_ptr<SqlStore>> open_postgres(const std::string& connection, bool create);
+/// "postgresql://..." or "postgres://...".
+[[nodiscard]] bool is_connection_string(std::string_view path);
+
+/// A statement as a value: SqlRows with bindings in a chain.
 class SqlStatement {
  public:
-  SqlStatement(SqlStatement&&) noexcept;
-  ~SqlStatement();
+  explicit SqlStatement(std::unique_ptr<SqlRows> rows) : rows_(std::move(rows)) {}
 
-  SqlStatement& bind(int at, std::string_view text);
-  SqlStatement& bind(int at, std::int64_t number);
-  SqlStatement& bind(int at, double number);
-  SqlStatement& bind(int at, const std::optional<double>& number);
-  /// The next row; false: there is none.
-  [[nodiscard]] Result<bool> next();
-  /// To be bound and run once more.
-  void reset();
+  template <class Value>
+  SqlStatement& bind(int at, const Value& value) {
+    rows_->bind(at, value);
+    return *this;
+  }
+  SqlStatement& bind(int at, const std::string& text) { return bind(at, std::string_view(text)); }
+  SqlStatement& bind(int at, const char* text) { return bind(at, std::string_view(text)); }
+  SqlStatement& bind(int at, const std::optional<double>& number) {
+    if (number) return bind(at, *number);
+    rows_->bind_null(at);
+    return *this;
+  }
+  [[nodiscard]] Result<bool> next() { return rows_->next(); }
+  void reset() { rows_->reset(); }
 
-  [[nodiscard]] std::string text(int column) const;
-  [[nodiscard]] std::int64_t integer(int column) const;
-  [[nodiscard]] double real(int column) const;
-  [[nodiscard]] std::optional<double> real_or_none(int column) const;
+  [[nodiscard]] std::string text(int column) const { return rows_->text(column); }
+  [[nodiscard]] std::int64_t integer(int column) const { return rows_->integer(column); }
+  [[nodiscard]] double real(int column) const { return rows_->real(column); }
+  [[nodiscard]] std::optional<double> real_or_none(int column) const {
+    if (rows_->is_null(column)) return std::nullopt;
+    return rows_->real(column);
+  }
 
  private:
-  friend class SqlDatabase;
-  struct Handle;
-  SqlStatement(std::unique_ptr<Handle> handle, SqlDatabase& database);
-  std::unique_ptr<Handle> handle_;
-  SqlDatabase* database_;
+  std::unique_ptr<SqlRows> rows_;
 };
 
-/// Begins at once as a writer and takes everything back unless commit() went through.
+/// A store by its path or connection string.
+class SqlDatabase {
+ public:
+  [[nodiscard]] static Result<SqlDatabase> open(const std::string& path, bool create);
+  [[nodiscard]] Result<void> run(const std::string& sql) { return store_->run(sql); }
+  [[nodiscard]] Result<SqlStatement> prepare(std::string_view sql);
+  [[nodiscard]] SqlStore& store() { return *store_; }
+  [[nodiscard]] std::string name() const { return store_->name(); }
+
+ private:
+  explicit SqlDatabase(std::unique_ptr<SqlStore> store) : store_(std::move(store)) {}
+  std::unique_ptr<SqlStore> store_;
+};
+
+/// Takes everything back unless commit() went through.
 class SqlTransaction {
  public:
   [[nodiscard]] static Result<SqlTransaction> begin(SqlDatabase& database);

@@ -5,9 +5,9 @@
 #include "io/deployment/deployment_digest.h"
 #include "io/deployment/deployment_json.h"
 #include "io/history/history.h"
-#include "io/history/utc_time.h"
 #include "io/text/bounds.h"
 #include "io/text/json_reader.h"
+#include "models/support/utc_time.h"
 
 namespace octant::io {
 namespace {

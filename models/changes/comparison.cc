@@ -3,12 +3,11 @@
 #include "models/changes/comparison.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 
 #include "models/changes/chi_square.h"
+#include "models/support/utc_time.h"
 
 namespace octant {
 namespace {
@@ -241,17 +240,9 @@ Eigen::MatrixXd released_covariance(const KnownParameters& known, const Released
 }
 
 double months_between(const std::string& before, const std::string& now) {
-  const auto days = [](const std::string& text) -> std::optional<double> {
-    int y = 0, m = 0, d = 0;
-    if (std::sscanf(text.c_str(), "%d-%d-%d", &y, &m, &d) != 3) return std::nullopt;
-    const std::chrono::year_month_day date{std::chrono::year(y), std::chrono::month(static_cast<unsigned>(m)),
-                                           std::chrono::day(static_cast<unsigned>(d))};
-    if (!date.ok()) return std::nullopt;
-    return static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
-  };
-  constexpr double kDaysAMonth = 30.44;
-  const auto a = days(before), b = days(now);
-  return a && b ? std::max(0.0, (*b - *a) / kDaysAMonth) : 0.0;
+  constexpr double kSecondsAMonth = 86400 * 30.44;
+  const auto a = utc_seconds(before), b = utc_seconds(now);
+  return a && b ? std::max(0.0, static_cast<double>(*b - *a) / kSecondsAMonth) : 0.0;
 }
 
 }  // namespace octant

@@ -8,8 +8,8 @@
 
 #include "io/deployment/deployment_json.h"
 #include "io/history/sql.h"
-#include "io/history/utc_time.h"
 #include "models/simulator/random.h"
+#include "models/support/utc_time.h"
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
@@ -27,7 +27,7 @@ class HistoryFolder : public ::testing::Test {
     Random draws(static_cast<std::uint64_t>(month));
     Deployment d;
     d.site = "hall";
-    d.created = io::utc_text(kFirstVisit_s + kMonth_s * month);
+    d.created = utc_text(kFirstVisit_s + kMonth_s * month);
     d.medium = {MediumModel::kCramer1993, 343.0, 18.0 + month % 5, 0.5, 101325.0};
     d.speed_offset_mps = 0.4 + 0.02 * draws.normal();
     d.speed_sigma_mps = 0.02;
@@ -90,7 +90,7 @@ TEST_F(HistoryFolder, KeepsVisitsByDateWithWhoAndWhy) {
   ASSERT_EQ(list.at("visits").size(), 2u);
   const auto& first = list.at("visits").at(0);
   EXPECT_EQ(first.at("id"), 2);
-  EXPECT_EQ(first.at("date"), io::utc_text(kFirstVisit_s + kMonth_s));
+  EXPECT_EQ(first.at("date"), utc_text(kFirstVisit_s + kMonth_s));
   EXPECT_EQ(first.at("operator"), "Ada");
   EXPECT_EQ(first.at("note"), "new bracket");
   EXPECT_EQ(first.at("kind"), "calibration");
@@ -154,7 +154,7 @@ TEST_F(HistoryFolder, TrendNamesWhatMovedAndWhatDrifts) {
     if (name == "B2/y_m") {
       ASSERT_EQ(chart.at("alarms").size(), 1u);
       EXPECT_NEAR(chart.at("alarms").at(0).at("size").get<double>(), 0.04, 0.003);
-      EXPECT_EQ(chart.at("alarms").at(0).at("since"), io::utc_text(kFirstVisit_s + 7 * kMonth_s));
+      EXPECT_EQ(chart.at("alarms").at(0).at("since"), utc_text(kFirstVisit_s + 7 * kMonth_s));
     }
   }
   EXPECT_THAT(alarmed, ::testing::Contains("B2/y_m"));
@@ -163,7 +163,7 @@ TEST_F(HistoryFolder, TrendNamesWhatMovedAndWhatDrifts) {
   EXPECT_EQ(trend.at("next").at("due").at("quantity"), "x_m");
   // A millimetre a month, 30 mm: some 30 months after the last.
   const double due_s =
-      static_cast<double>(io::utc_seconds(trend.at("next").at("due").at("date").get<std::string>()).value());
+      static_cast<double>(utc_seconds(trend.at("next").at("due").at("date").get<std::string>()).value());
   EXPECT_NEAR((due_s - kFirstVisit_s) / kMonth_s, 13 + 30, 6);
   EXPECT_EQ(trend.at("speed").size(), 14u);
   const Outcome text = history({"trend"});
@@ -221,8 +221,9 @@ class KilledWriters : public HistoryFolder {
     const std::size_t found = visits();
     EXPECT_GE(found, told);
     EXPECT_LE(found, told + static_cast<std::size_t>(kills));
-    EXPECT_EQ(database->number("SELECT count(*) FROM beacon").value(), static_cast<std::int64_t>(3 * found))
-        << "whole or not at all";
+    auto beacons = database->prepare("SELECT count(*) FROM beacon");
+    ASSERT_TRUE(beacons && beacons->next());
+    EXPECT_EQ(beacons->integer(0), static_cast<std::int64_t>(3 * found)) << "whole or not at all";
     EXPECT_EQ(history({"add", file(2 + kills)}).exit, 0) << "and it goes on";
   }
 };

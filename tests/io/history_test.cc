@@ -10,7 +10,7 @@
 
 #include "io/deployment/deployment_json.h"
 #include "io/history/sql.h"
-#include "io/history/utc_time.h"
+#include "models/support/utc_time.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {
@@ -52,17 +52,6 @@ Visit visit_on(int day, const std::string& site = "hall") {
 constexpr const char* kVerification =
     R"({"status": "gate_failed", "kind": "verification", "site": "hall", "created": "2026-03-04T05:06:07Z", "deployment": {"path": "d.json", "digest": "ab12"},
 "temperature_degC": [17, 19.5], "program": {"name": "octant", "version": "0.1.0"}, "matched": 40})";
-
-TEST(UtcTime, ReadsWhatItWrites) {
-  for (const std::int64_t s : {0LL, -1LL, 951782400LL, 1767312000LL, 4102444799LL})
-    EXPECT_EQ(utc_seconds(utc_text(s)), s);
-  EXPECT_EQ(utc_text(951782400), "2000-02-29T00:00:00Z");
-  EXPECT_EQ(utc_seconds("2000-02-29"), 951782400);
-  EXPECT_EQ(utc_seconds("2000-02-29T01:30:00.25+01:30"), 951782400);
-  for (const char* bad : {"", "2001-02-29", "2000-2-29", "yesterday", "2000-02-29T25:00:00Z",
-                          "2000-02-29T01:00:00", "2000-02-29Tzz"})
-    EXPECT_FALSE(utc_seconds(bad)) << bad;
-}
 
 TEST(Visit, OfADeploymentHasItsConditions) {
   const Visit v = visit_on(3);

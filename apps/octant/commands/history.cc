@@ -14,12 +14,12 @@
 #include "apps/octant/steps/reporting.h"
 #include "apps/octant/text/table.h"
 #include "io/deployment/deployment_json.h"
-#include "io/history/utc_time.h"
+#include "models/support/utc_time.h"
 
 namespace octant::app {
 namespace {
 
-std::string day_of(std::int64_t seconds) { return io::utc_text(seconds).substr(0, 10); }
+std::string day_of(std::int64_t seconds) { return utc_text(seconds).substr(0, 10); }
 
 std::string temperature_text(const io::Visit& v) {
   if (!v.temperature_degC) return "";
@@ -65,7 +65,7 @@ int add(const HistoryWords& words, Session& session) {
                     {"new", a.is_new},
                     {"kind", to_string(visits[i].kind)},
                     {"site", visits[i].site},
-                    {"date", io::utc_text(visits[i].happened_s)},
+                    {"date", utc_text(visits[i].happened_s)},
                     {"digest", visits[i].digest},
                     {"verdict", visits[i].verdict},
                     {"source", visits[i].source}});
@@ -137,8 +137,8 @@ int show(const HistoryWords& words, Session& session) {
     if (!what.empty()) text += fmt::format("{:<17}{}\n", name, what);
   };
   line(to_string(visit->kind), fmt::format("{} of {}", visit->id, visit->site));
-  line("date", io::utc_text(visit->happened_s));
-  line("added", io::utc_text(visit->added_s));
+  line("date", utc_text(visit->happened_s));
+  line("added", utc_text(visit->added_s));
   line("verdict", visit->verdict);
   line("air [degC]", temperature_text(*visit));
   if (visit->speed)
@@ -163,7 +163,7 @@ std::string export_csv(const std::vector<io::Visit>& visits) {
       "speed_sigma_mps,"
       "beacon,status,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,delay_s,delay_sigma_s\n";
   for (const io::Visit& v : visits) {
-    std::string head = fmt::format("{},{},{},{},{},{},{},{},{}", v.id, io::utc_text(v.happened_s),
+    std::string head = fmt::format("{},{},{},{},{},{},{},{},{}", v.id, utc_text(v.happened_s),
                                    to_string(v.kind), csv_field(v.site), csv_field(v.verdict),
                                    csv_field(v.who), csv_field(v.note), v.digest, v.deployment_digest);
     head +=
@@ -235,8 +235,8 @@ Json visit_json(const io::Visit& v) {
   object["id"] = v.id;
   object["kind"] = to_string(v.kind);
   object["site"] = v.site;
-  object["date"] = io::utc_text(v.happened_s);
-  object["added"] = io::utc_text(v.added_s);
+  object["date"] = utc_text(v.happened_s);
+  object["added"] = utc_text(v.added_s);
   object["verdict"] = v.verdict;
   object["operator"] = v.who;
   object["note"] = v.note;

@@ -8,7 +8,7 @@
 #include "apps/octant/commands/history_words.h"
 #include "apps/octant/text/table.h"
 #include "io/deployment/deployment_json.h"
-#include "io/history/utc_time.h"
+#include "models/support/utc_time.h"
 #include "survey/trend/site_trend.h"
 
 namespace octant::app {
@@ -21,7 +21,7 @@ constexpr double kYear_s = 365.25 * 86400.0;
 /// Beyond this nobody plans, and calendars have no names for it.
 constexpr double kFarthest_s = 50.0 * kYear_s;
 
-std::string day_at(double time_s) { return io::utc_text(static_cast<std::int64_t>(time_s)).substr(0, 10); }
+std::string day_at(double time_s) { return utc_text(static_cast<std::int64_t>(time_s)).substr(0, 10); }
 
 /// A date ahead, as far as anybody plans.
 std::string due_text(double time_s, double last_s) {
@@ -29,7 +29,7 @@ std::string due_text(double time_s, double last_s) {
 }
 Json due_json(const std::optional<double>& time_s, double last_s) {
   return !time_s || *time_s - last_s > kFarthest_s ? Json(nullptr)
-                                                   : Json(io::utc_text(static_cast<std::int64_t>(*time_s)));
+                                                   : Json(utc_text(static_cast<std::int64_t>(*time_s)));
 }
 
 survey::CalibrationRecord record_of(const io::Visit& v) {
@@ -170,7 +170,7 @@ std::string speed_text(const std::vector<survey::CalibrationRecord>& records) {
 Json quantity_json(const QuantityTrend& q) {
   Json points = Json::array(), alarms = Json::array();
   for (const survey::ChartPoint& p : q.chart.points)
-    points.push_back({{"date", io::utc_text(static_cast<std::int64_t>(p.measured.time_s))},
+    points.push_back({{"date", utc_text(static_cast<std::int64_t>(p.measured.time_s))},
                       {"value", p.measured.value},
                       {"sigma", p.measured.sigma},
                       {"foretold", p.foretold ? Json(*p.foretold) : Json(nullptr)},
@@ -284,7 +284,7 @@ int history_trend(const HistoryWords& words, Session& session) {
     if (!words.beacon.empty()) text += chart_text(*q);
   }
   for (const auto& r : records)
-    speeds.push_back({{"date", io::utc_text(static_cast<std::int64_t>(r.time_s))},
+    speeds.push_back({{"date", utc_text(static_cast<std::int64_t>(r.time_s))},
                       {"temperature_degC", r.temperature_degC},
                       {"speed_mps", r.speed_mps},
                       {"sigma_mps", r.speed_sigma_mps},

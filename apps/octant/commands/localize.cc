@@ -115,7 +115,8 @@ int run(const LocalizeArgs& words, Session& session) {
                          {"arrivals", found.arrivals},
                          {"rejected", found.rejected},
                          {"no_fix_reasons", reasons},
-                         {"assumed_temperature_degC", assumed_temperature_json(*deployment, *runs)}});
+                         {"assumed_temperature_degC", assumed_temperature_json(*deployment, found, *runs)},
+                         {"speeds", speeds_json(found, *runs)}});
 }
 
 }  // namespace

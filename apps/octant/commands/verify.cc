@@ -129,6 +129,7 @@ int run(const VerifyArgs& words, Session& session) {
   Json object = result_head("verification", words.deployment, *deployment, *runs);
   object.update(evaluation_json(*evaluation));
   object["no_fix_reasons"] = no_fix_json(found);
+  object["speeds"] = speeds_json(found, *runs);
   add_changes_json(report, object);
   if (!evaluation->pass())
     return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation, found), ""},

@@ -35,6 +35,16 @@ std::vector<Fix> Localization::all() const {
   return together;
 }
 
+namespace {
+
+std::optional<RunSpeed> speed_of(const Deployment& deployment, const MeasurementLog& run, Method method) {
+  if (method != Method::kLeastSquares && method != Method::kTracker) return std::nullopt;
+  if (!speed_is_unknown(deployment, run)) return std::nullopt;
+  return estimate_run_speed(deployment, run);
+}
+
+}  // namespace
+
 Result<Localization> localize_runs(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
                                    Method wanted, const MethodInput& input) {
   Localization result;
@@ -43,7 +53,11 @@ Result<Localization> localize_runs(const Deployment& deployment, const std::vect
         wanted == Method::kAuto ? choose_method(deployment, run, input) : MethodChoice{wanted, ""};
     {
       const ExitAtOnce nothing_written_yet;
-      auto fixes = locate_run(choice.method, deployment, run, input);
+      result.speeds.push_back(speed_of(deployment, run, choice.method));
+      const auto& speed = result.speeds.back();
+      auto fixes = speed && speed->differs()
+                       ? locate_run(choice.method, at_speed(deployment, *speed), run, input)
+                       : locate_run(choice.method, deployment, run, input);
       if (!fixes) {
         Error error = fixes.error();
         error.code = Errc::kBadInput;

@@ -15,6 +15,7 @@
 #include "models/deployment.h"
 #include "models/fix.h"
 #include "models/localizers/methods.h"
+#include "models/localizers/speed/run_speed.h"
 #include "models/run.h"
 #include "models/simulator/synthetic.h"
 #include "models/support/result.h"
@@ -91,9 +92,14 @@ struct Localization {
   std::string why;     ///< of Method::kAuto: why these
   std::size_t ok = 0, no_fix = 0, arrivals = 0, rejected = 0;
   std::map<std::string, std::size_t> no_fix_reasons;
+  /// Of each run at an unknown temperature; none where the temperature is known or the method takes no
+  /// arrivals one by one.
+  std::vector<std::optional<RunSpeed>> speeds;
   [[nodiscard]] std::vector<Fix> all() const;
 };
-/// Fixes of all runs by a method. Errors: a run for which the method is not made, named.
+/// Fixes of all runs by a method, at the speed that a run's arrivals tell where its temperature is not known
+/// and that is another one than the deployment's (run_speed.h). Errors: a run for which the method is not
+/// made, named.
 [[nodiscard]] Result<Localization> localize_runs(const Deployment& deployment,
                                                  const std::vector<MeasurementLog>& runs, Method method,
                                                  const MethodInput& input = {});

@@ -12,15 +12,42 @@
 
 namespace octant::app {
 
+namespace {
+
+/// What was taken in place of a temperature.
+std::string speed_words(const std::string& path, const RunSpeed& speed, bool no_temperature) {
+  std::string text = path;
+  text += no_temperature ? ": no temperature is stated" : ": by its arrivals the speed is not the model's";
+  text += fmt::format(", so the speed is taken from {} arrivals of {} poses: {:+.2f} m/s (sigma {:.2f} m/s)",
+                      speed.arrivals, speed.poses, speed.offset_mps, speed.sigma_mps);
+  if (no_temperature)
+    text += fmt::format(", as in air of {:.1f} degC (sigma {:.1f} degC)", speed.temperature_degC,
+                        speed.temperature_sigma_degC);
+  return text + "; its sigma is part of the fixes'";
+}
+
+std::string agreement_words(const std::optional<RunSpeed>& speed) {
+  if (speed && speed->determined)
+    return fmt::format("the arrivals agree with it: {:+.2f} m/s (sigma {:.2f} m/s)", speed->offset_mps,
+                       speed->sigma_mps);
+  const std::string unknown = speed ? "the arrivals do not tell the speed, and " : "";
+  return unknown + "a degree of error is 0.18 % of every distance";
+}
+
+}  // namespace
+
 void warn_outside_validity(const Deployment& d, const std::vector<MeasurementLog>& runs,
                            const Localization& found, Session& session) {
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const OutsideValidity outside = outside_validity(d, runs[i], found.fixes[i]);
-    if (outside.reference_assumed)
+    const auto& speed = found.speeds[i];
+    if (speed && speed->differs()) {
+      session.warn(speed_words(runs[i].path, *speed, outside.reference_assumed));
+    } else if (outside.reference_assumed) {
       session.note(
-          fmt::format("{}: no temperature is stated, so {:g} degC is assumed, as in the calibration; a "
-                      "degree of error is 0.18 % of every distance",
-                      runs[i].path, d.medium.temperature_degC));
+          fmt::format("{}: no temperature is stated, so {:g} degC is assumed, as in the calibration; {}",
+                      runs[i].path, d.medium.temperature_degC, agreement_words(speed)));
+    }
     if (outside.temperature_degC)
       session.warn(
           fmt::format("{}: {:.1f} degC is far outside the calibrated {:.1f} to {:.1f} degC: the speed there "
@@ -35,11 +62,34 @@ void warn_outside_validity(const Deployment& d, const std::vector<MeasurementLog
   }
 }
 
-Json assumed_temperature_json(const Deployment& d, const std::vector<MeasurementLog>& runs) {
-  const bool assumed = std::any_of(runs.begin(), runs.end(), [&](const MeasurementLog& run) {
-    return outside_validity(d, run, {}).reference_assumed;
-  });
+Json assumed_temperature_json(const Deployment& d, const Localization& found,
+                              const std::vector<MeasurementLog>& runs) {
+  bool assumed = false;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const bool told = found.speeds[i] && found.speeds[i]->differs();
+    assumed = assumed || (!told && outside_validity(d, runs[i], {}).reference_assumed);
+  }
   return assumed ? Json(d.medium.temperature_degC) : Json(nullptr);
+}
+
+Json speeds_json(const Localization& found, const std::vector<MeasurementLog>& runs) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < runs.size() && i < found.speeds.size(); ++i) {
+    if (!found.speeds[i]) continue;
+    const RunSpeed& s = *found.speeds[i];
+    const auto if_told = [&s](double value) { return s.determined ? Json(value) : Json(nullptr); };
+    const bool of_air = s.determined && s.temperature_sigma_degC > 0.0;
+    list.push_back({{"run", runs[i].path},
+                    {"determined", s.determined},
+                    {"taken", s.differs()},
+                    {"offset_mps", if_told(s.offset_mps)},
+                    {"sigma_mps", if_told(s.sigma_mps)},
+                    {"temperature_degC", of_air ? Json(s.temperature_degC) : Json(nullptr)},
+                    {"temperature_sigma_degC", of_air ? Json(s.temperature_sigma_degC) : Json(nullptr)},
+                    {"poses", s.poses},
+                    {"arrivals", s.arrivals}});
+  }
+  return list;
 }
 
 Json result_head(const std::string& kind, const std::string& deployment_path, const Deployment& d,

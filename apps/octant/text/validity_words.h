@@ -15,9 +15,12 @@ void warn_outside_validity(const Deployment& deployment, const std::vector<Measu
                            const Localization& localization, Session& session);
 
 /// Temperature that was taken for recordings that state none; null where all do, or where the speed does not
-/// depend on it.
-[[nodiscard]] Json assumed_temperature_json(const Deployment& deployment,
+/// depend on it or was taken from the arrivals.
+[[nodiscard]] Json assumed_temperature_json(const Deployment& deployment, const Localization& localization,
                                             const std::vector<MeasurementLog>& runs);
+/// What the arrivals of each run at an unknown temperature say of its speed: {run, determined, taken,
+/// offset_mps, sigma_mps, temperature_degC, temperature_sigma_degC, poses, arrivals}.
+[[nodiscard]] Json speeds_json(const Localization& localization, const std::vector<MeasurementLog>& runs);
 
 /// What a result says of itself, so that `octant history` can put it down: kind, site, created, deployment
 /// {path, digest}, temperature_degC of the recordings, program.

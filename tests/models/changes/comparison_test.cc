@@ -169,7 +169,7 @@ TEST(Comparison, ARecalibrationIsHeldAgainstWhatItsVisitSaid) {
 }
 
 TEST(Comparison, MonthsBetweenDates) {
-  EXPECT_NEAR(months_between("2026-01-01T00:00:00Z", "2026-07-01T12:00:00Z"), 181 / 30.44, 1e-9);
+  EXPECT_NEAR(months_between("2026-01-01T00:00:00Z", "2026-07-01T12:00:00Z"), 181.5 / 30.44, 1e-9);
   EXPECT_EQ(months_between("2026-07-01T00:00:00Z", "2026-01-01T00:00:00Z"), 0.0);
   EXPECT_EQ(months_between("yesterday", "2026-01-01T00:00:00Z"), 0.0);
 }

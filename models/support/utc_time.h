@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace octant::io {
+namespace octant {
 
 /// Seconds since 1970 of a date in ISO 8601: "2026-11-22T10:27:37Z", with a fraction (left out) or an offset
 /// (+01:00), or the day alone (its midnight). None where it is something else, or no day of the calendar.
@@ -15,4 +15,4 @@ namespace octant::io {
 /// "2026-11-22T10:27:37Z".
 [[nodiscard]] std::string utc_text(std::int64_t seconds);
 
-}  // namespace octant::io
+}  // namespace octant

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "io/history/utc_time.h"
+#include "models/support/utc_time.h"
 
+#include <array>
 #include <chrono>
+#include <cstdio>
 
-#include <fmt/format.h>
-
-namespace octant::io {
+namespace octant {
 namespace {
 
 constexpr std::int64_t kSecondsADay = 86400;
@@ -89,9 +89,11 @@ std::string utc_text(std::int64_t seconds) {
   const std::int64_t days = seconds / kSecondsADay - (seconds % kSecondsADay < 0 ? 1 : 0),
                      rest = seconds - days * kSecondsADay;
   const std::chrono::year_month_day date{std::chrono::sys_days{std::chrono::days{days}}};
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", static_cast<int>(date.year()),
-                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), rest / 3600,
-                     rest / 60 % 60, rest % 60);
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), "%04d-%02u-%02uT%02d:%02d:%02dZ", static_cast<int>(date.year()),
+                static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                static_cast<int>(rest / 3600), static_cast<int>(rest / 60 % 60), static_cast<int>(rest % 60));
+  return text.data();
 }
 
-}  // namespace octant::io
+}  // namespace octant

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/revisit/conditions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calib/verdict/validity.h"
+
+namespace octant::calib {
+
+MediumFound thermometer_of(const Deployment& d, const std::vector<MeasurementLog>& runs) {
+  MediumFound out;
+  double sum = 0.0;
+  std::size_t count = 0, all = 0;
+  for (const MeasurementLog& run : runs)
+    for (const Arrival& a : run.arrivals) {
+      ++all;
+      if (!std::isfinite(a.temperature_degC) && !run.temperature_degC) continue;
+      sum += std::isfinite(a.temperature_degC) ? a.temperature_degC : *run.temperature_degC;
+      ++count;
+    }
+  out.temperature_known = d.medium.model == MediumModel::kConstant || count == all;
+  out.temperature_degC = count > 0 ? sum / static_cast<double>(count) : d.medium.temperature_degC;
+  return out;
+}
+
+void extend_validity(Deployment& d, const std::vector<Trajectory>& trajectories, const Problem& problem,
+                     bool temperature_known) {
+  std::vector<Eigen::Vector2d> places = d.validity_area_m;
+  for (const Trajectory& t : trajectories) {
+    for (const Node& node : t.nodes)
+      if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (!d.validity_temperature_degC || !temperature_known) break;
+      const double degC =
+          temperature_of(problem.runs[t.run].arrivals[a.arrival], problem.runs[t.run], problem.site);
+      auto& [coldest, hottest] = *d.validity_temperature_degC;
+      coldest = std::min(coldest, degC);
+      hottest = std::max(hottest, degC);
+    }
+  }
+  d.validity_area_m = convex_hull(std::move(places));
+}
+
+}  // namespace octant::calib

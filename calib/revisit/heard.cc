@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/revisit/heard.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "calib/problem/ranges.h"
+
+namespace octant::calib {
+namespace {
+
+/// Share of a beacon's arrivals left out, of those in use, from which its place is doubted.
+constexpr double kManyOut = 0.15;
+
+/// Counts, and the median of the residuals in a state, of those arrivals that are `mine`.
+template <class Mine>
+Heard heard_of(std::string name, const std::vector<Trajectory>& trajectories, const SharedState& state,
+               Mine&& mine) {
+  Heard h;
+  h.name = std::move(name);
+  std::vector<double> misfits;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (!mine(a) || !t.nodes[a.node].placed) continue;
+      const bool late = a.rejection == Rejection::kLate, early = a.rejection == Rejection::kEarly,
+                 used = a.rejection == Rejection::kUsed;
+      h.used += used;
+      h.late += late;
+      h.early += early;
+      if (used || late || early) misfits.push_back(arrival_residual(t, a, state) * a.sigma_s);
+    }
+  h.misfit_s = median(std::move(misfits));
+  return h;
+}
+
+}  // namespace
+
+std::vector<Agreeing> agreeing(std::size_t beacons, const std::vector<Trajectory>& trajectories) {
+  std::vector<Agreeing> counts(beacons);
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals) {
+      counts[a.beacon.index()].in_use += a.rejection == Rejection::kUsed;
+      counts[a.beacon.index()].out += a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly;
+    }
+  return counts;
+}
+
+std::vector<std::size_t> doubtful_beacons(const Deployment& before,
+                                          const std::vector<Trajectory>& trajectories) {
+  const std::vector<Agreeing> counts = agreeing(before.beacons.size(), trajectories);
+  const auto share = [&](std::size_t b) {
+    return static_cast<double>(counts[b].out) /
+           static_cast<double>(std::max<std::size_t>(counts[b].in_use, 1));
+  };
+  std::vector<std::size_t> doubtful;
+  for (std::size_t b = 0; b < counts.size(); ++b)
+    if (before.beacons[b].status != BeaconStatus::kUndetermined && counts[b].out > 0 && share(b) >= kManyOut)
+      doubtful.push_back(b);
+  std::stable_sort(doubtful.begin(), doubtful.end(),
+                   [&](std::size_t a, std::size_t b) { return share(a) > share(b); });
+  return doubtful;
+}
+
+std::vector<Heard> heard_of_beacons(const Deployment& before, const std::vector<Trajectory>& trajectories,
+                                    const SharedState& now) {
+  const SharedState then = shared_state(before);
+  std::vector<Heard> all;
+  for (std::size_t b = 0; b < before.beacons.size(); ++b) {
+    SharedState state = now;
+    if (before.beacons[b].status != BeaconStatus::kUndetermined) {
+      state.beacon_p_map_m[b] = then.beacon_p_map_m[b];
+      state.beacon_delay_s[b] = then.beacon_delay_s[b];
+      if (!then.beacon_log_gain.empty()) state.beacon_log_gain[b] = then.beacon_log_gain[b];
+    }
+    all.push_back(heard_of(before.beacons[b].name, trajectories, state,
+                           [b](const ArrivalObservation& a) { return a.beacon.index() == b; }));
+  }
+  return all;
+}
+
+std::vector<Heard> heard_by_receivers(const Deployment& before, const std::vector<Trajectory>& trajectories,
+                                      const SharedState& now) {
+  const SharedState then = shared_state(before);
+  std::vector<Heard> all;
+  for (std::size_t r = 0; r < before.receivers.size(); ++r) {
+    SharedState state = now;
+    state.receiver_p_vehicle_m[r] = then.receiver_p_vehicle_m[r];
+    state.receiver_delay_s[r] = then.receiver_delay_s[r];
+    std::string name = before.vehicles[before.receivers[r].vehicle.index()].name;
+    name += "/" + before.receivers[r].name;
+    all.push_back(heard_of(std::move(name), trajectories, state,
+                           [r](const ArrivalObservation& a) { return a.receiver.index() == r; }));
+  }
+  return all;
+}
+
+}  // namespace octant::calib

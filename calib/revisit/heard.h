@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "models/deployment.h"
+#include "models/trajectory/shared_state.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant::calib {
+
+/// What was heard of a beacon, or by a receiver.
+struct Heard {
+  std::string name;  ///< "B3", "robot/r0"
+  std::size_t used = 0, late = 0, early = 0;
+  double misfit_s = 0.0;  ///< median over its arrivals of observed less predicted, were it as the earlier
+                          ///< calibration left it
+};
+
+/// Arrivals of a beacon that an adjustment uses, and that it left out as echoes or spurious.
+struct Agreeing {
+  std::size_t in_use = 0, out = 0;
+};
+[[nodiscard]] std::vector<Agreeing> agreeing(std::size_t beacons,
+                                             const std::vector<Trajectory>& trajectories);
+
+/// Beacons that lost many of their arrivals, so that their places are in doubt; most doubtful first.
+[[nodiscard]] std::vector<std::size_t> doubtful_beacons(const Deployment& before,
+                                                        const std::vector<Trajectory>& trajectories);
+
+/// Of each beacon of the earlier deployment. @param state  as a visit found it
+[[nodiscard]] std::vector<Heard> heard_of_beacons(const Deployment& before,
+                                                  const std::vector<Trajectory>& trajectories,
+                                                  const SharedState& state);
+[[nodiscard]] std::vector<Heard> heard_by_receivers(const Deployment& before,
+                                                    const std::vector<Trajectory>& trajectories,
+                                                    const SharedState& state);
+
+}  // namespace octant::calib
