@@ -28,10 +28,12 @@ struct Residuals {
 };
 
 Residuals residuals_of(const ReducedSystem& system) {
-  constexpr double kLeastPivot = 1e-13;
+  constexpr double kLeastPivot = 1e-13, kLeastInformation = 1e-300;
   Residuals out;
-  const Eigen::VectorXd scale = system.H.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  // What is left of a parameter that nothing sees is rounding, which may be below zero: it takes no part.
+  const Eigen::VectorXd diagonal = system.H.diagonal();
+  const Eigen::VectorXd scale = diagonal.cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd inverse = (diagonal.array() > kLeastInformation).select(scale.cwiseInverse(), 0.0);
   const DenseLdlt ldlt((inverse.asDiagonal() * system.H * inverse.asDiagonal()).eval());
   const Eigen::VectorXd d = ldlt.vectorD();
   // P' L D L' P: rank-deficient directions (nothing in this tile sees them) get a zero row.
@@ -179,9 +181,10 @@ class TileCost : public ceres::CostFunction {
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
     const double cost = tile_ < 0 ? point_->cost : point_->tiles->costs()[static_cast<std::size_t>(tile_)];
     if (jacobians == nullptr) {
-      // Only the cost is asked for: it may stand in one row.
+      // Only the cost is asked for: it may stand in one row. Where nothing is left of it, what rounds may be
+      // below zero.
       std::fill(residuals, residuals + num_residuals() - 1, 0.0);
-      residuals[num_residuals() - 1] = std::sqrt(2.0 * cost);
+      residuals[num_residuals() - 1] = std::sqrt(2.0 * std::max(0.0, cost));
     } else {
       hand_over(point_->residuals[static_cast<std::size_t>(std::max(tile_, 0))], *point_->layout, blocks_,
                 residuals, jacobians);
