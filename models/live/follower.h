@@ -77,19 +77,23 @@ class Follower {
   [[nodiscard]] const FollowCounts& counts() const { return counts_; }
 
  private:
+  /// Rows that lie behind a vehicle's time, the last ones, as far as they are in order.
+  struct Behind {
+    std::size_t rows = 0;
+    double last_s = 0.0;
+  };
   struct Lane {
     std::vector<Arrival> waiting;
     double last_arrival_s = -std::numeric_limits<double>::infinity();
     std::optional<double> row_s;  ///< time of the last odometry row
     double now_s = 0.0;           ///< until when the tracker has moved
-    std::size_t behind = 0;       ///< rows that lie behind its time, the last ones, in their order
-    double behind_s = 0.0;        ///< time of the last of them
+    Behind arrivals_behind, odometry_behind;
     std::unique_ptr<DriveTracker> tracker;
     std::unique_ptr<Localizer> localizer;
   };
   [[nodiscard]] Lane* lane_of(VehicleId vehicle);
   [[nodiscard]] bool may_track() const;
-  [[nodiscard]] bool is_set_back(Lane& lane, double time_s);
+  [[nodiscard]] bool is_set_back(Lane& lane, Behind& behind, double time_s);
   void begin_anew(Lane& lane);
   void fix_pose(Lane& lane);
   void track_until(Lane& lane, const OdometryStep& step, double span_s);

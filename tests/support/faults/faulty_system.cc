@@ -11,6 +11,7 @@
 //   cut=NAME       a file of this name is cut off as soon as it is mapped
 //   grow=NAME      and one is appended to
 //   replace=NAME   and one is replaced by another
+//   die=NAME       the second rank is killed as soon as it maps a file of this name
 //   clock_back     each look at the clock on the wall is an hour before the last one
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -22,6 +23,7 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -139,6 +141,8 @@ void* mmap(void* where, size_t size, int protection, int flags, int fd, off_t at
   void* const map = next(where, size, protection, flags, fd, at);
   if (fd < 0 || map == MAP_FAILED) return map;
   const std::string path = path_of(fd);
+  const char* rank = ::getenv("OMPI_COMM_WORLD_RANK");
+  if (hits("die=", path) && rank != nullptr && std::strcmp(rank, "1") == 0) std::raise(SIGKILL);
   if (hits("cut=", path) && ::truncate(path.c_str(), 0) != 0) std::abort();
   if (hits("grow=", path) || hits("replace=", path)) {
     if (hits("replace=", path)) ::unlink(path.c_str());
