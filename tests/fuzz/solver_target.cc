@@ -66,8 +66,7 @@ void must_be_numbers(const Solution& s) {
 /// What the status says, the numbers say too.
 void must_agree(const calib::Problem& problem, const Solution& s) {
   must(!s.message.empty(), "the outcome has words");
-  must(s.statistics.arrivals + s.statistics.rejected <= problem.runs[0].rows,
-       "no arrival counts twice");
+  must(s.statistics.arrivals + s.statistics.rejected <= problem.runs[0].rows, "no arrival counts twice");
   const bool blocked =
       std::any_of(s.weak.begin(), s.weak.end(), [](const calib::WeakDirection& w) { return w.blocking; });
   if (s.status == SolveStatus::kUndetermined)

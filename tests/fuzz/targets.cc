@@ -236,7 +236,7 @@ const std::vector<Target>& targets() {
                                           {"pgm", take_pgm},           {"carmen", take_carmen},
                                           {"counters", take_counters}, {"pulses", take_pulses},
                                           {"table", take_table},       {"live", take_live},
-                                          {"solver", take_solver}};
+                                          {"solver", take_solver, 40}};
   return all;
 }
 
