@@ -129,10 +129,15 @@ int run_guarded(int argc, char** argv, octant::app::Session& session) {
   } catch (const std::bad_alloc&) {
     return session.fail({"error", "internal", octant::app::kFault, "out of memory",
                          "use a machine with more, or fewer arrivals"});
-  } catch (const std::system_error& error) {  // threads, which are memory too
-    return session.fail({"error", "internal", octant::app::kFault,
-                         fmt::format("the system gives no more: {}", error.what()),
-                         "raise the limits of memory and processes, or take --threads 1"});
+  } catch (const std::system_error& error) {
+    // Threads that cannot be started are memory that is not there; anything else is a fault.
+    const bool out = error.code() == std::errc::resource_unavailable_try_again ||
+                     error.code() == std::errc::not_enough_memory;
+    return session.fail(
+        {"error", "internal", octant::app::kFault,
+         fmt::format("{}: {}", out ? "the system gives no more" : "a fault of octant", error.what()),
+         out ? "raise the limits of memory and processes, or take --threads 1"
+             : "please report it with the command"});
   } catch (const std::exception& error) {
     return session.fail({"error", "internal", octant::app::kFault,
                          fmt::format("a fault of octant: {}", error.what()),
