@@ -3,9 +3,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs what is missing (apt, as root or through sudo), builds and runs all tests.
 #   sh tests/run.sh                  the release build
-#   sh tests/run.sh --asan           with the address and undefined-behaviour sanitizers
+#   sh tests/run.sh --asan           with the address and undefined-behaviour sanitizers, built by clang
+#   sh tests/run.sh --tsan           with the thread sanitizer
+#   sh tests/run.sh --valgrind       the readers under valgrind: memory that nobody wrote
 #   sh tests/run.sh --slow           the slow set: thirty worlds of each kind (where ../shared/check exists)
 #   sh tests/run.sh [--asan] -R io/  further words go to ctest
+# The sanitizers and valgrind belong to the slow set.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/apps/install_deps.sh"
@@ -13,6 +16,8 @@ preset=release
 slow=
 case ${1:-} in
   --asan) preset=asan && shift ;;
+  --tsan) preset=tsan && shift ;;
+  --valgrind) slow="-C Valgrind -L valgrind" && shift ;;
   --slow) slow="-C Slow -L slow" && shift ;;
 esac
 # shellcheck disable=SC2086

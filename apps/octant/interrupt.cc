@@ -17,25 +17,42 @@ volatile std::sig_atomic_t signalled = 0;
 std::atomic<int> may_exit_at_once{0}, must_not_exit{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 // A handler may not allocate: the text is laid down beforehand.
-char last_words[512];
-std::size_t last_words_size = 0;
+struct LastWords {
+  char text[512];
+  std::size_t size = 0;
+  void keep(const std::string& words) {
+    size = words.size() < sizeof text ? words.size() : 0;
+    std::memcpy(text, words.data(), size);
+  }
+  /// Nothing can be done about a failed write.
+  void say() const {
+    if (write(STDOUT_FILENO, text, size) < 0) return;
+  }
+};
+LastWords if_interrupted, if_lost, lost_talk;
 
 extern "C" void on_signal(int) {
   signalled = 1;
   if (may_exit_at_once == 0 || must_not_exit != 0) return;
   constexpr char talk[] = "\noctant: interrupted, nothing was written\n";
-  // Nothing can be done about a failed write here.
-  if (write(STDERR_FILENO, talk, sizeof talk - 1) < 0 ||
-      write(STDOUT_FILENO, last_words, last_words_size) < 0)
-    _exit(130);
+  if (write(STDERR_FILENO, talk, sizeof talk - 1) > 0) if_interrupted.say();
   _exit(130);
+}
+
+extern "C" void on_lost_input(int number, siginfo_t* info, void*) {
+  constexpr int kBadInputExit = 3;
+  if (info->si_code == BUS_ADRERR) {  // of a mapped file; anything else is a fault of ours
+    if (write(STDERR_FILENO, lost_talk.text, lost_talk.size) > 0) if_lost.say();
+    _exit(kBadInputExit);
+  }
+  std::signal(number, SIG_DFL);
+  std::raise(number);
 }
 
 }  // namespace
 
 void install_interrupt_handlers(const std::string& words) {
-  last_words_size = words.size() < sizeof last_words ? words.size() : 0;
-  std::memcpy(last_words, words.data(), last_words_size);
+  if_interrupted.keep(words);
   struct sigaction action = {};
   action.sa_handler = on_signal;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
@@ -45,6 +62,17 @@ void install_interrupt_handlers(const std::string& words) {
     sigaction(number, nullptr, &before);
     if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);
   }
+}
+
+void install_lost_input_handler(const std::string& words) {
+  if_lost.keep(words);
+  lost_talk.keep(std::string("\nerror: ").append(kLostInput).append("\n"));
+  struct sigaction action = {};
+  action.sa_sigaction = on_lost_input;
+  action.sa_flags = SA_SIGINFO;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGBUS, &action, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow that far is then told by write
 }
 
 bool interrupted() { return signalled != 0; }

@@ -13,6 +13,13 @@ void install_interrupt_handlers(const std::string& last_words);
 
 [[nodiscard]] bool interrupted();
 
+/// A recording is read where it lies on the disk: one that somebody cuts off meanwhile ends the program with
+/// SIGBUS. It then ends with exit 3 and says so.
+/// @param last_words  as above
+void install_lost_input_handler(const std::string& last_words);
+inline constexpr const char* kLostInput =
+    "an input has become shorter, or could not be read any more, while it was read; nothing is made of it";
+
 /// While one lives, nothing of ours is half on disk, and a signal may end the program at once with exit 130:
 /// for long computations that cannot be asked to stop. They may be nested.
 class ExitAtOnce {

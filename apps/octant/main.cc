@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #ifdef __GLIBC__
@@ -70,6 +71,7 @@ int run(int argc, const char* const* argv, Session& session) {
   session.command_line = quote_command(argc, argv);
   session.options.json = wants_json(argc, argv);
   install_interrupt_handlers(session.options.json ? dump(interrupted_object()) + "\n" : "");
+  install_lost_input_handler(session.options.json ? dump(lost_input_object()) + "\n" : "");
 
   CLI::App app(
       "Octant calibrates time-of-flight beacon positioning: beacons, delays and the speed of sound from a "
@@ -127,6 +129,15 @@ int run_guarded(int argc, char** argv, octant::app::Session& session) {
   } catch (const std::bad_alloc&) {
     return session.fail({"error", "internal", octant::app::kFault, "out of memory",
                          "use a machine with more, or fewer arrivals"});
+  } catch (const std::system_error& error) {
+    // Threads that cannot be started are memory that is not there; anything else is a fault.
+    const bool out = error.code() == std::errc::resource_unavailable_try_again ||
+                     error.code() == std::errc::not_enough_memory;
+    return session.fail(
+        {"error", "internal", octant::app::kFault,
+         fmt::format("{}: {}", out ? "the system gives no more" : "a fault of octant", error.what()),
+         out ? "raise the limits of memory and processes, or take --threads 1"
+             : "please report it with the command"});
   } catch (const std::exception& error) {
     return session.fail({"error", "internal", octant::app::kFault,
                          fmt::format("a fault of octant: {}", error.what()),

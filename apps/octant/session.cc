@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "apps/octant/interrupt.h"
+
 namespace octant::app {
 namespace {
 
@@ -185,6 +187,10 @@ double Session::seconds() const {
 Json interrupted_object() {
   return {{"status", "interrupted"},
           {"error", error_object("interrupted", kInterrupted, "interrupted, nothing was written", {})}};
+}
+
+Json lost_input_object() {
+  return {{"status", "error"}, {"error", error_object("bad_input", kBadInput, kLostInput, {})}};
 }
 
 std::string quote_command(int argc, const char* const* argv) {

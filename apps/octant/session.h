@@ -113,6 +113,8 @@ class Session {
 
 /// The object that stands for an interruption; also the last words of a program that a signal ends at once.
 [[nodiscard]] Json interrupted_object();
+/// The same of one whose input was cut off while it was read.
+[[nodiscard]] Json lost_input_object();
 /// One line, with bytes that are not UTF-8 replaced and numbers that are not finite as null.
 [[nodiscard]] std::string dump(const Json& object);
 /// Joins words as a shell would need them typed.

@@ -56,9 +56,10 @@ class TileCost : public ceres::CostFunction {
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
     const double cost = tile_ < 0 ? point_->cost : point_->tiles->costs()[static_cast<std::size_t>(tile_)];
     if (jacobians == nullptr) {
-      // Only the cost is asked for: it may stand in one row.
+      // Only the cost is asked for: it may stand in one row. Where nothing is left of it, what rounds may be
+      // below zero.
       std::fill(residuals, residuals + num_residuals() - 1, 0.0);
-      residuals[num_residuals() - 1] = std::sqrt(2.0 * cost);
+      residuals[num_residuals() - 1] = std::sqrt(2.0 * std::max(0.0, cost));
     } else {
       hand_over(point_->residuals[static_cast<std::size_t>(std::max(tile_, 0))], *point_->layout, blocks_,
                 residuals, jacobians);

@@ -19,12 +19,34 @@ constexpr double kUnseen = 1e-12;
 /// Lanczos: the largest variances stand out, and the space is then complete long before.
 constexpr Eigen::Index kMostSteps = 150;
 constexpr double kConverged = 1e-6;
+/// Of a parameter of which rounding has left none: known to a thousand kilometres.
+constexpr double kNoInformation = 1e-12;
+
+/// What is left of the information on a parameter that nothing sees is rounding, and may be below zero: such
+/// a parameter stands by itself then, as good as unknown.
+void part_the_unseen(Eigen::MatrixXd& N) {
+  for (Eigen::Index i = 0; i < N.rows(); ++i) {
+    if (N(i, i) > 0) continue;
+    N.row(i).setZero();
+    N.col(i).setZero();
+    N(i, i) = kNoInformation;
+  }
+}
+
+void part_the_unseen(Eigen::SparseMatrix<double>& N) {
+  const Eigen::VectorXd before = N.diagonal();
+  if ((before.array() > 0).all()) return;
+  N.prune([&](Eigen::Index i, Eigen::Index j, double) { return i == j || (before[i] > 0 && before[j] > 0); });
+  for (Eigen::Index i = 0; i < before.size(); ++i)
+    if (!(before[i] > 0)) N.coeffRef(i, i) = kNoInformation;
+}
 
 Eigen::MatrixXd dense_inverse(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum) {
   if (information.rows() == 0) return information;
   Eigen::MatrixXd N = information;
   const double weight = datum.cols() > 0 ? information.diagonal().mean() : 0.0;
   if (datum.cols() > 0) N += weight * datum * datum.transpose();
+  part_the_unseen(N);
   const Eigen::VectorXd inverse_scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const SymmetricEigen<Eigen::MatrixXd> eigen(inverse_scale.asDiagonal() * N * inverse_scale.asDiagonal());
   const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kUnseen);
@@ -47,6 +69,7 @@ class Covariance::Sparse {
  public:
   Sparse(Eigen::SparseMatrix<double> N, const Eigen::MatrixXd& datum) : datum_(datum) {
     if (datum.cols() > 0) pin(N);
+    part_the_unseen(N);
     inverse_scale_ = Eigen::VectorXd(N.diagonal()).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const auto scale = inverse_scale_.asDiagonal();
     N = (scale * N * scale).eval();

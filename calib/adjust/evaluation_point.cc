@@ -16,10 +16,12 @@ namespace octant::calib {
 namespace {
 
 Residuals residuals_of(const ReducedSystem& system) {
-  constexpr double kLeastPivot = 1e-13;
+  constexpr double kLeastPivot = 1e-13, kLeastInformation = 1e-300;
   Residuals out;
-  const Eigen::VectorXd scale = system.H.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  // What is left of a parameter that nothing sees is rounding, which may be below zero: it takes no part.
+  const Eigen::VectorXd diagonal = system.H.diagonal();
+  const Eigen::VectorXd scale = diagonal.cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd inverse = (diagonal.array() > kLeastInformation).select(scale.cwiseInverse(), 0.0);
   const DenseLdlt ldlt((inverse.asDiagonal() * system.H * inverse.asDiagonal()).eval());
   const Eigen::VectorXd d = ldlt.vectorD();
   // P' L D L' P: rank-deficient directions (nothing in this tile sees them) get a zero row.

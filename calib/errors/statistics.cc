@@ -139,7 +139,8 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
   s.rejected = counts.rejected;
   s.unknowns = static_cast<std::size_t>(layout.size()) + counts.states;
   s.redundancy = counts.observations - static_cast<double>(s.unknowns);
-  s.variance_factor = s.redundancy > 0 ? 2 * cost / s.redundancy : 1.0;
+  s.variance_factor =
+      s.redundancy > 0 ? 2 * std::max(0.0, cost) / s.redundancy : 1.0;  // a cost of nothing rounds
   s.chi2_p = chi_square_p(2 * cost, s.redundancy);
   s.rms_s = s.arrivals > 0 ? std::sqrt(counts.squares_s2 / static_cast<double>(s.arrivals)) : 0.0;
   return s;

@@ -12,6 +12,9 @@
 namespace octant {
 namespace {
 
+/// Rows behind a vehicle's time, one after the other, that are no disorder any more but another time.
+constexpr std::size_t kSetBackRows = 20;
+
 bool of_one_pose(const Arrival& a, const Arrival& b) {
   if (a.epoch != b.epoch) return false;
   return a.epoch != kNoEpoch || b.time_s - a.time_s <= kSamePing_s;
@@ -66,10 +69,12 @@ Follower::Lane* Follower::lane_of(VehicleId vehicle) {
 
 bool Follower::hear(const Arrival& arrival) {
   Lane* lane = lane_of(arrival.vehicle);
-  if (lane == nullptr || !std::isfinite(arrival.time_s) || arrival.time_s < lane->last_arrival_s) {
+  if (lane == nullptr || !std::isfinite(arrival.time_s) ||
+      (arrival.time_s < lane->last_arrival_s && !is_set_back(*lane, lane->arrivals_behind, arrival.time_s))) {
     ++counts_.refused;
     return false;
   }
+  lane->arrivals_behind = {};
   ++counts_.arrivals;
   lane->last_arrival_s = arrival.time_s;
   if (lane->row_s || lane->localizer == nullptr) {  // tracked: until its odometry comes
@@ -85,14 +90,36 @@ bool Follower::hear(const Arrival& arrival) {
   return true;
 }
 
+/// Whether a row behind the vehicle's time is the last that it takes to believe it; then all begins anew.
+bool Follower::is_set_back(Lane& lane, Behind& behind, double time_s) {
+  behind = {behind.rows > 0 && time_s >= behind.last_s ? behind.rows + 1 : 1, time_s};
+  if (behind.rows < kSetBackRows) return false;
+  begin_anew(lane);
+  return true;
+}
+
+void Follower::begin_anew(Lane& lane) {
+  ++counts_.restarts;
+  if (!lane.row_s && lane.localizer != nullptr && !lane.waiting.empty()) fix_pose(lane);
+  counts_.dropped += lane.waiting.size();
+  lane.waiting.clear();
+  lane.last_arrival_s = -std::numeric_limits<double>::infinity();
+  lane.row_s.reset();
+  lane.arrivals_behind = lane.odometry_behind = {};
+  if (lane.tracker) lane.tracker = std::make_unique<DriveTracker>(deployment_, options_.odometry);
+}
+
 bool Follower::move(const OdometryStep& step) {
   Lane* lane = lane_of(step.vehicle);
   const bool is_number = std::isfinite(step.time_s) && std::isfinite(step.dx_m) && std::isfinite(step.dy_m) &&
                          std::isfinite(step.dheading_rad);
-  if (lane == nullptr || !is_number || (lane->row_s && step.time_s <= *lane->row_s)) {
+  if (lane == nullptr || !is_number ||
+      (lane->row_s && step.time_s <= *lane->row_s &&
+       !is_set_back(*lane, lane->odometry_behind, step.time_s))) {
     ++counts_.refused;
     return false;
   }
+  lane->odometry_behind = {};
   ++counts_.odometry_rows;
   if (lane->tracker == nullptr) return true;  // of no use to the method
   if (!lane->row_s) {                         // the anchor: what it says is no motion

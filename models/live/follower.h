@@ -39,6 +39,7 @@ struct FollowCounts {
       0;  ///< rows that run backwards in time, or say no number, or of a vehicle that is none
   std::size_t dropped = 0;  ///< arrivals that waited in vain for odometry
   std::size_t alarms = 0;
+  std::size_t restarts = 0;  ///< of vehicles whose clock was set back
 };
 
 /// Whether a deployment can be followed by a method; the error says what is missing.
@@ -57,8 +58,10 @@ class Follower {
   std::function<void(const Fix&)> on_fix;
   std::function<void(const WatchAlarm&)> on_alarm;
 
-  /// False: the row was refused, and counted. Unknown beacons and receivers are left to the fix, which
-  /// rejects them.
+  /// False: the row was refused, and counted. Twenty rows of a vehicle one after the other that lie behind
+  /// its time, but not behind each other, are a clock that was set back (or that had jumped ahead once): the
+  /// vehicle begins anew with the last of them, without odometry and a place until it has them again. Unknown
+  /// beacons and receivers are left to the fix, which rejects them.
   bool hear(const Arrival& arrival);
   bool move(const OdometryStep& step);
   /// Nothing more is coming of the poses that are open: fixes them. What waits for odometry goes on waiting.
@@ -74,16 +77,24 @@ class Follower {
   [[nodiscard]] const FollowCounts& counts() const { return counts_; }
 
  private:
+  /// Rows that lie behind a vehicle's time, the last ones, as far as they are in order.
+  struct Behind {
+    std::size_t rows = 0;
+    double last_s = 0.0;
+  };
   struct Lane {
     std::vector<Arrival> waiting;
     double last_arrival_s = -std::numeric_limits<double>::infinity();
     std::optional<double> row_s;  ///< time of the last odometry row
     double now_s = 0.0;           ///< until when the tracker has moved
+    Behind arrivals_behind, odometry_behind;
     std::unique_ptr<DriveTracker> tracker;
     std::unique_ptr<Localizer> localizer;
   };
   [[nodiscard]] Lane* lane_of(VehicleId vehicle);
   [[nodiscard]] bool may_track() const;
+  [[nodiscard]] bool is_set_back(Lane& lane, Behind& behind, double time_s);
+  void begin_anew(Lane& lane);
   void fix_pose(Lane& lane);
   void track_until(Lane& lane, const OdometryStep& step, double span_s);
   void track_instant(Lane& lane, std::span<const Arrival> arrivals);

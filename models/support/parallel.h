@@ -5,25 +5,38 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <exception>
 #include <thread>
 #include <vector>
 
 namespace octant {
 
-/// Calls work(i) for each i below count, on up to `threads` threads (1 or less: on this one). Whoever adds
-/// results up does it afterwards, in the order of i, so that no sum depends on the number of threads. `work`
-/// must not throw.
+/// Calls work(i) for each i below count, on up to `threads` threads (1 or less: on this one; fewer where the
+/// system has no more to give). Whoever adds results up does it afterwards, in the order of i, so that no sum
+/// depends on the number of threads. What `work` throws first (memory that there is not) comes out here, when
+/// all threads have ended; what has not begun by then is left out.
 template <class Work>
 void for_each_parallel(std::size_t count, int threads, Work&& work) {
   const std::size_t helpers = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
   std::atomic<std::size_t> next{0};
-  const auto loop = [&] {
-    for (std::size_t i = next.fetch_add(1); i < count; i = next.fetch_add(1)) work(i);
+  std::atomic<bool> failed{false};
+  std::exception_ptr failure;
+  const auto loop = [&]() noexcept {
+    try {
+      for (std::size_t i = next.fetch_add(1); i < count && !failed; i = next.fetch_add(1)) work(i);
+    } catch (...) {
+      if (!failed.exchange(true)) failure = std::current_exception();
+    }
   };
   std::vector<std::thread> others;
-  for (std::size_t k = 1; k < helpers; ++k) others.emplace_back(loop);
+  try {
+    for (std::size_t k = 1; k < helpers; ++k) others.emplace_back(loop);
+  } catch (const std::exception&) {
+    // Those that there are do it all.
+  }
   loop();
   for (std::thread& thread : others) thread.join();
+  if (failure) std::rethrow_exception(failure);
 }
 
 /// The same by stretches: work(chunk, first, last) for each [first, last) of up to `size` of `count` items.

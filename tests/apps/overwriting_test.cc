@@ -34,6 +34,8 @@ class Overwriting : public HallFolder {
     spit(box / "map.yaml", "image: map.pgm\nresolution: 4\norigin: [0, 0, 0]\n");
     spit(box / "map.pgm", "P2 5 3 1\n1 1 1 1 1\n1 1 1 1 1\n1 1 1 1 1\n");
     spit(box / "scene.yaml", "octant_scene: 1\nimport: [{ros_map: map.yaml}]\n");
+    spit(box / "kit.csv", "t,b,d\n1,B0,3\n");
+    spit(box / "columns.yaml", "octant_columns: 1\ncolumns: {time_s: t, beacon: b, distance_m: d}\n");
   }
 
   [[nodiscard]] std::vector<WritingCommand> commands() const {
@@ -41,27 +43,34 @@ class Overwriting : public HallFolder {
                       yaml = run + "/run.yaml", heldout = hall("heldout"), truth = heldout + "/truth.tum",
                       d = out("d.json"), other = out("other"), scene = box / "scene.yaml",
                       map = box / "map.yaml", image = box / "map.pgm", key = out("key"),
-                      db = out("site.octant.db");
-    return {{{"calibrate", site, run, "-o", "OUT", "--since", d}, {site, tof, yaml, d}},
-            {{"calibrate", site, run, "-o", other, "--report", "OUT"}, {site, tof}},
-            {{"recalibrate", d, run, "-o", "OUT"}, {d, tof, yaml}},
-            {{"recalibrate", d, run, "-o", other, "--report", "OUT"}, {d, tof}},
-            {{"localize", d, heldout, "-o", "OUT"}, {d, heldout + "/tof.csv", truth}},
-            {{"localize", d, heldout, "-o", other, "--csv", "OUT"}, {d, truth}},
-            {{"localize", d, heldout, "-o", "OUT", "--trusted-key", key + ".pub"}, {key + ".pub"}},
-            {{"verify", d, heldout, "--report", "OUT"}, {d, truth}},
-            {{"report", d, heldout, "-o", "OUT"}, {d, truth}},
-            {{"report", d, "--site-sheet", "OUT"}, {d}},
-            {{"report", d, "-o", other, "--since", d, "--site-sheet", "OUT"}, {d}},
-            {{"survey", site, "-o", "OUT", "--scene", scene}, {site, scene, map, image}},
-            {{"survey", d, "--csv", "OUT"}, {d}},
-            {{"plan", site, run, "--stations", "1", "--csv", "OUT"}, {site, tof}},
-            {{"plan", site, "--beacons", "9", "--keep", "-o", "OUT", "--scene", scene},
-             {site, scene, map, image}},
-            {{"plan", site, "--beacons", "9", "--keep", "-o", other, "--report", "OUT"}, {site}},
-            {{"history", "export", "--db", db, "-o", "OUT"}, {db}},
-            {{"history", "add", d, "--db", "OUT"}, {d}},
-            {{"sign", d, "--key", key, "-o", "OUT"}, {d, key}}};
+                      db = out("site.octant.db"), table = box / "kit.csv", mapping = box / "columns.yaml";
+    return {
+        {{"calibrate", site, run, "-o", "OUT", "--since", d}, {site, tof, yaml, d}},
+        {{"calibrate", site, run, "-o", other, "--report", "OUT"}, {site, tof}},
+        {{"recalibrate", d, run, "-o", "OUT"}, {d, tof, yaml}},
+        {{"recalibrate", d, run, "-o", other, "--report", "OUT"}, {d, tof}},
+        {{"localize", d, heldout, "-o", "OUT"}, {d, heldout + "/tof.csv", truth}},
+        {{"localize", d, heldout, "-o", other, "--csv", "OUT"}, {d, truth}},
+        {{"localize", d, heldout, "-o", "OUT", "--trusted-key", key + ".pub"}, {key + ".pub"}},
+        {{"verify", d, heldout, "--report", "OUT"}, {d, truth}},
+        {{"report", d, heldout, "-o", "OUT"}, {d, truth}},
+        {{"report", d, "--site-sheet", "OUT"}, {d}},
+        {{"report", d, "-o", other, "--since", d, "--site-sheet", "OUT"}, {d}},
+        {{"survey", site, "-o", "OUT", "--scene", scene}, {site, scene, map, image}},
+        {{"survey", d, "--csv", "OUT"}, {d}},
+        {{"plan", site, run, "--stations", "1", "--csv", "OUT"}, {site, tof}},
+        {{"plan", site, "--beacons", "9", "--keep", "-o", "OUT", "--scene", scene},
+         {site, scene, map, image}},
+        {{"plan", site, "--beacons", "9", "--keep", "-o", other, "--report", "OUT"}, {site}},
+        {{"history", "export", "--db", db, "-o", "OUT"}, {db}},
+        {{"history", "add", d, "--db", "OUT"}, {d}},
+        {{"sign", d, "--key", key, "-o", "OUT"}, {d, key}},
+        {{"sign", "--new-key", "OUT"}, {d, key}},
+        {{"init", run, "-o", "OUT"}, {tof, yaml}},
+        {{"convert", table, "--columns", mapping, "-o", other, "--save-columns", "OUT"}, {table, mapping}},
+        {{"report", d, "--certificate", "OUT"}, {d}},
+        {{"report", d, heldout, "-o", other, "--certificate", "OUT"}, {d, truth}},
+        {{"report", d, "-o", other, "--since", d, "--certificate", "OUT"}, {d}}};
   }
 
   /// Both names as an output: exit 2 (by the words alone where the name has no fitting ending), nothing
@@ -102,6 +111,10 @@ TEST_F(Overwriting, NorThroughFoldersAndLists) {
     expect_refused({"batch", box / "list.yaml"}, "", box / input);
   }
   // Folders that become what their names say.
+  fs::create_directory(box / "kit");
+  fs::create_hard_link(box / "kit.csv", box / "kit/tof.csv");
+  expect_refused({"convert", box / "kit.csv", "--columns", "time=t,beacon=b,distance=d", "-o", "OUT"},
+                 box / "kit", box / "kit.csv");
   fs::create_directory(box / "world");
   fs::create_symlink(box / "scenario.yaml", box / "world/site.yaml");
   expect_refused({"simulate", box / "scenario.yaml", "-o", "OUT"}, box / "world", box / "scenario.yaml");
@@ -111,6 +124,15 @@ TEST_F(Overwriting, NorThroughFoldersAndLists) {
   spit(box / "map.yaml", "image: maps/hdop.pgm\nresolution: 4\norigin: [0, 0, 0]\n");
   expect_refused({"survey", site, "--scene", box / "scene.yaml", "--maps", "OUT"}, box / "maps",
                  box / "maps/hdop.pgm");
+}
+
+TEST_F(Overwriting, DiffAndMonitorWriteNothing) {
+  const auto before = box.names(), before_out = outputs();
+  const std::string d = out("d.json");
+  EXPECT_EQ(octant({"diff", d, d}, {.folder = box.path()}).exit, 0);
+  EXPECT_EQ(octant({"monitor", d, hall("heldout")}, {.folder = box.path()}).exit, 0);
+  EXPECT_EQ(box.names(), before);
+  EXPECT_EQ(outputs(), before_out);
 }
 
 /// The number of a process that has ended.

@@ -64,6 +64,10 @@ namespace {
   setenv("TERM", "xterm", 1);
   for (const auto& pair : options.environment) putenv(strdup(pair.c_str()));
   if (!options.folder.empty() && chdir(options.folder.c_str()) != 0) _exit(125);
+  for (const auto& [resource, most] : options.limits) {
+    const rlimit limit{most, most};
+    if (setrlimit(static_cast<__rlimit_resource_t>(resource), &limit) != 0) _exit(125);
+  }
   std::vector<char*> argv = {const_cast<char*>("octant")};
   for (const auto& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -21,11 +23,12 @@ struct Outcome {
 };
 
 struct RunOptions {
-  std::vector<std::string> environment;  ///< KEY=value beside the tests' own
-  std::string folder;                    ///< to run in
-  bool on_terminal = false;              ///< standard error is a terminal
-  int interrupt_signal = 0;              ///< sent as soon as standard error says something
-  std::string out_file;                  ///< standard output goes there
+  std::vector<std::string> environment;                 ///< KEY=value beside the tests' own
+  std::string folder;                                   ///< to run in
+  bool on_terminal = false;                             ///< standard error is a terminal
+  int interrupt_signal = 0;                             ///< sent as soon as standard error says something
+  std::string out_file;                                 ///< standard output goes there
+  std::vector<std::pair<int, std::uint64_t>> limits{};  ///< of its resources: RLIMIT_AS, bytes
 };
 
 /// Runs the octant binary with these words.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program under mpirun: more processes, the same answer. Skipped where MPI is not installed.
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
@@ -138,6 +139,19 @@ TEST(Ranks, OneThatFailsEndsTheJob) {
   EXPECT_EQ(WEXITSTATUS(status), 3) << slurp(err);
   EXPECT_NE(slurp(err).find("rank 1 of 2 failed"), std::string::npos) << slurp(err);
   EXPECT_FALSE(std::filesystem::exists(folder / "d.json"));
+}
+
+/// One rank is killed while it reads: the launcher ends the job, and nothing is written.
+TEST(Ranks, OneThatIsKilledEndsTheJob) {
+  if (std::string(OCTANT_FAULTY_SYSTEM).empty()) GTEST_SKIP() << "a sanitizer wants to be loaded first";
+  const TemporaryFolder folder;
+  const std::string world = simulated_hall(folder), d = folder / "d.json";
+  const Shell done =
+      mpirun(3, "calibrate '" + world + "/site.yaml' '" + world + "/run' -o '" + d + "'", folder,
+             "LD_PRELOAD=" OCTANT_FAULTY_SYSTEM " OCTANT_FAULTS=die=tof.csv timeout 60 env");
+  EXPECT_EQ(done.exit, 128 + SIGKILL) << done.err;
+  EXPECT_FALSE(std::filesystem::exists(d));
+  for (const std::string& name : folder.names()) EXPECT_EQ(name.find(".tmp"), std::string::npos) << name;
 }
 
 TEST(Ranks, ShareABatch) {

@@ -76,7 +76,7 @@ std::string stroke(std::string text, std::mt19937& random) {
 TEST_P(Fuzzed, SoAreStrokesAtIt) {
   // OCTANT_FUZZ_STROKES=1000000 by hand tries as many others, wherever there is no libFuzzer.
   const char* many = std::getenv("OCTANT_FUZZ_STROKES");
-  const long strokes = many != nullptr ? std::atol(many) : 300;
+  const long strokes = many != nullptr ? std::atol(many) : GetParam().strokes;
   std::mt19937 random(many != nullptr ? std::random_device{}() : 20261122);
   const auto inputs = corpus_of(GetParam().name);
   ASSERT_FALSE(inputs.empty());

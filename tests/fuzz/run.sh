@@ -15,7 +15,7 @@ mkdir -p build/fuzz/crashes
 failed=0
 for target in "$@"; do
   mkdir -p "build/fuzz/found/$target"
-  if ! "build/fuzz/bin/octant_fuzz_$target" -max_total_time="$seconds" -rss_limit_mb=600 -timeout=5 -max_len=20000 \
+  if ! "build/asan/bin/octant_fuzz_$target" -max_total_time="$seconds" -rss_limit_mb=600 -timeout=5 -max_len=20000 \
       -print_final_stats=1 -artifact_prefix="build/fuzz/crashes/$target-" "build/fuzz/found/$target" \
       "tests/fuzz/corpus/$target" >"build/fuzz/$target.log" 2>&1; then
     echo "$target: a finding, see build/fuzz/$target.log"

@@ -4,8 +4,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +15,7 @@
 #include "io/history/history.h"
 #include "io/import/foreign_logs.h"
 #include "io/import/plan_import.h"
+#include "io/import/table_log.h"
 #include "io/run/run_folder.h"
 #include "io/run/run_ids.h"
 #include "io/run/tum.h"
@@ -27,27 +28,16 @@
 #include "io/tof/tof_reader.h"
 #include "io/yaml/yaml_reader.h"
 #include "io/yaml/yaml_writer.h"
+#include "tests/fuzz/live_target.h"
+#include "tests/fuzz/must.h"
+#include "tests/fuzz/solver_target.h"
 
 namespace octant::fuzz {
-namespace {
 
 namespace fs = std::filesystem;
 
-void must(bool holds, const char* what) {
-  if (holds) return;
-  std::fprintf(stderr, "does not hold: %s\n", what);
-  std::abort();
-}
+namespace {
 
-/// An error says something, of lines that there are.
-template <class T>
-void must_explain(const Result<T>& result) {
-  if (result) return;
-  must(!result.error().message().empty(), "an error has a message");
-  must(result.error().line >= 0 && result.error().column >= 0, "places count from 1");
-}
-
-/// A folder of this process, in memory where there is such a place.
 const fs::path& folder() {
   static const fs::path path = [] {
     const fs::path base = ::access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path();
@@ -59,11 +49,21 @@ const fs::path& folder() {
   return path;
 }
 
+}  // namespace
+
+std::string scratch(const std::string& name) {
+  const fs::path path = folder() / name;
+  fs::create_directories(path.parent_path());
+  return path.string();
+}
+
 std::string written(const std::string& name, std::string_view content) {
-  const std::string path = (folder() / name).string();
+  const std::string path = scratch(name);
   std::ofstream(path, std::ios::binary).write(content.data(), static_cast<std::streamsize>(content.size()));
   return path;
 }
+
+namespace {
 
 const NameTable& names() {
   static const NameTable table = [] {
@@ -160,6 +160,14 @@ void take_in_run(const std::string& name, std::string_view input) {
   must_explain(io::read_run_ids(run.string()));
 }
 
+/// Whether names can be told of a run folder of one file.
+bool written_run_reads(const std::string& name, std::string_view content) {
+  const fs::path run = folder() / "run";
+  for (const auto& entry : fs::directory_iterator(run)) fs::remove(entry.path());
+  (void)written("run/" + name, content);
+  return io::read_run_ids(run.string()).has_value();
+}
+
 void take_bearings(std::string_view input) { take_in_run("bearings.csv", input); }
 void take_odometry(std::string_view input) { take_in_run("odometry.csv", input); }
 void take_scans(std::string_view input) { take_in_run("scans.csv", input); }
@@ -199,6 +207,21 @@ void take_counters(std::string_view input) {
 }
 void take_pulses(std::string_view input) { must_explain(io::read_pulse_log(written("pulses.csv", input))); }
 
+/// The first line is what --columns says, the others are the table: what it becomes is read as any tof.csv.
+void take_table(std::string_view input) {
+  const std::size_t end = std::min(input.find('\n'), input.size());
+  const auto mapping = io::mapping_from_words(input.substr(0, end));
+  must_explain(mapping);
+  if (!mapping) return;
+  const auto kept = io::read_mapping(written("columns.yaml", io::mapping_to_yaml(*mapping)));
+  must(kept.has_value() && kept->columns.size() == mapping->columns.size(), "a mapping reads back");
+  const auto table =
+      io::convert_table(written("table.csv", input.substr(std::min(end + 1, input.size()))), *mapping);
+  must_explain(table);
+  if (!table || table->rows == 0) return;
+  must(written_run_reads("tof.csv", table->csv), "what it became is a recording");
+}
+
 }  // namespace
 
 const std::vector<Target>& targets() {
@@ -211,7 +234,9 @@ const std::vector<Target>& targets() {
                                           {"tum", take_tum},           {"deployment", take_deployment},
                                           {"visit", take_visit},       {"dxf", take_dxf},
                                           {"pgm", take_pgm},           {"carmen", take_carmen},
-                                          {"counters", take_counters}, {"pulses", take_pulses}};
+                                          {"counters", take_counters}, {"pulses", take_pulses},
+                                          {"table", take_table},       {"live", take_live},
+                                          {"solver", take_solver, 40}};
   return all;
 }
 

@@ -12,6 +12,7 @@ namespace octant::fuzz {
 struct Target {
   std::string name;  ///< also of its folder in corpus/
   void (*take)(std::string_view input);
+  long strokes = 300;  ///< that the tests take at its corpus
 };
 [[nodiscard]] const std::vector<Target>& targets();
 

@@ -117,6 +117,9 @@ class FollowLoop {
                     c.no_fix, "arrivals", c.used, c.rejected, "odometry rows", c.odometry_rows);
     if (c.refused > 0)
       text += fmt::format("{:<17}{} rows that run backwards in time\n", "refused", c.refused);
+    if (c.restarts > 0)
+      text += fmt::format("{:<17}{} times, as a clock was set back or had jumped ahead\n", "began anew",
+                          c.restarts);
     if (c.dropped > 0) text += fmt::format("{:<17}{} arrivals without odometry\n", "dropped", c.dropped);
     if (bad_.total() > 0) text += fmt::format("{:<17}{}: {}\n", "bad lines", bad_.total(), bad_.words());
     if (options_.watch) text += fmt::format("{:<17}{}\n", "alarms", c.alarms);
@@ -167,6 +170,7 @@ class FollowLoop {
     counts_.refused += c.refused;
     counts_.dropped += c.dropped;
     counts_.alarms += c.alarms;
+    counts_.restarts += c.restarts;
   }
 
   void take(std::string_view text) {

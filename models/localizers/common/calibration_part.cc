@@ -5,10 +5,23 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "models/support/scratch.h"
 
 namespace octant {
+namespace {
+
+/// Parameters may be known far less well than what a fix needs of them together: then nearly all of C
+/// cancels, and what rounding leaves may be below zero, where no variance is.
+PoseCovariance positive(const PoseCovariance& part, const PoseCovariance& covariance) {
+  if (Eigen::LLT<PoseCovariance>(covariance + part).info() == Eigen::Success) return part;
+  const Eigen::SelfAdjointEigenSolver<PoseCovariance> eigen(part);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+}  // namespace
 
 CalibrationPart::CalibrationPart(const Deployment& deployment) : covariance_(deployment.covariance.matrix) {
   const ParameterIndex at(deployment.covariance.parameters);
@@ -52,7 +65,8 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
     for (std::size_t i = 0; i < G.size(); ++i) weighed += C(touched[i], touched[j]) * G[i];
     sum.noalias() += weighed * G[j].transpose();
   }
-  covariance += sum.topLeftCorner(dof, dof);
+  const PoseCovariance part = 0.5 * (sum + sum.transpose()).topLeftCorner(dof, dof);
+  covariance += positive(part, covariance);
 }
 
 }  // namespace octant

@@ -108,6 +108,57 @@ TEST(Follower, ADeploymentThatTakesOverGoesOnFromThePlace) {
   ASSERT_GT(next.fixes.size(), 100u);
 }
 
+TEST(Follower, AClockThatIsSetBackIsFollowedAgain) {
+  const Deployment d = with_octagon(hall());
+  const MeasurementLog log = stops(d);
+  Live live(d);
+  for (const Arrival& a : log.arrivals) live.follower.hear(a);
+  for (Arrival a : log.arrivals) {
+    a.time_s -= 1e6;
+    live.follower.hear(a);
+  }
+  live.follower.flush();
+  const FollowCounts& counts = live.follower.counts();
+  EXPECT_EQ(counts.restarts, 1u);
+  EXPECT_EQ(counts.refused, 19u) << "until it was believed";
+  EXPECT_EQ(counts.arrivals + counts.refused, 2 * log.arrivals.size());
+  ASSERT_GE(live.fixes.size(), 17u);
+  EXPECT_TRUE(live.fixes.back().ok());
+  EXPECT_LT(live.fixes.back().time_s, 0.0);
+}
+
+TEST(Follower, OneRowFromTheFarFutureIsNoEnd) {
+  const Deployment d = with_octagon(hall());
+  const Drive w = drive(d, 40, 1e-5, 1.0, 43);
+  Live live(d);
+  feed(live.follower, w.log);
+  const std::size_t before = live.fixes.size();
+  MeasurementLog next = w.log;
+  for (Arrival& a : next.arrivals) a.time_s += 100;
+  for (OdometryStep& step : next.odometry) step.time_s += 100;
+  Arrival broken = next.arrivals.front();
+  broken.time_s = 1e18;
+  live.follower.hear(broken);
+  feed(live.follower, next);
+  EXPECT_GE(live.follower.counts().restarts, 1u);
+  EXPECT_GT(live.fixes.size(), before + 200);
+  EXPECT_TRUE(live.fixes.back().ok());
+}
+
+TEST(Follower, SomeRowsOutOfOrderAreNoClock) {
+  const Deployment d = with_octagon(hall());
+  const MeasurementLog log = stops(d);
+  Live live(d);
+  for (const Arrival& a : log.arrivals) live.follower.hear(a);
+  for (std::size_t k = 100; k-- > 0;) {  // each behind the one before: disorder, no other time
+    Arrival a = log.arrivals.front();
+    a.time_s = static_cast<double>(k) * 1e-3 - 1;
+    live.follower.hear(a);
+  }
+  EXPECT_EQ(live.follower.counts().restarts, 0u);
+  EXPECT_EQ(live.follower.counts().refused, 100u);
+}
+
 TEST(Follower, MemoryIsBounded) {
   const Deployment d = with_octagon(hall());
   FollowOptions options;
