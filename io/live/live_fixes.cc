@@ -13,8 +13,6 @@
 namespace octant::io {
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180;
-
 std::string vehicle_name(VehicleId vehicle, const NameTable& names) {
   return vehicle.valid() && vehicle.index() < names.vehicles.size() ? names.vehicles[vehicle.index()] : "";
 }
@@ -48,21 +46,6 @@ std::string degrees_minutes(double angle_deg, int digits) {
   const double all = std::round(angle_deg * 60e7) / 1e7;  // minutes
   const int degrees = static_cast<int>(all / 60);
   return fmt::format("{:0{}d}{:010.7f}", degrees, digits, all - 60.0 * degrees);
-}
-
-struct Place2 {
-  double latitude_deg, longitude_deg;
-};
-/// WGS 84's radii of curvature at the origin: M along the meridian, N across.
-Place2 on_earth(const Eigen::Vector3d& p_map_m, const EarthOrigin& origin) {
-  constexpr double a = 6378137.0, e2 = 6.69437999014e-3;
-  const double phi = origin.latitude_deg * kDegree_rad, s = std::sin(phi);
-  const double w2 = 1 - e2 * s * s;
-  const double N = a / std::sqrt(w2), M = N * (1 - e2) / w2;
-  const double north = p_map_m.x() * std::cos(origin.north_rad) + p_map_m.y() * std::sin(origin.north_rad);
-  const double east = p_map_m.x() * std::sin(origin.north_rad) - p_map_m.y() * std::cos(origin.north_rad);
-  return {origin.latitude_deg + north / (M + origin.altitude_m) / kDegree_rad,
-          origin.longitude_deg + east / ((N + origin.altitude_m) * std::cos(phi)) / kDegree_rad};
 }
 
 const char* kind_name(WatchKind kind) {
@@ -149,7 +132,7 @@ std::string fix_as_ros(const Fix& fix, const NameTable& names) {
 std::string fix_as_nmea(const Fix& fix, const EarthOrigin& origin) {
   const std::string time = time_of_day(fix.time_s);
   if (!fix.ok()) return with_checksum(fmt::format("GPGGA,{},,,,,0,00,,,M,,M,,", time));
-  const Place2 at = on_earth(fix.T_map_vehicle.translation_m, origin);
+  const EarthPlace at = place_on_earth(fix.T_map_vehicle.translation_m, origin);
   std::string text = with_checksum(fmt::format(
       "GPGGA,{},{},{},{},{},1,{:02d},1.0,{:.3f},M,0.0,M,,", time,
       degrees_minutes(std::abs(at.latitude_deg), 2), at.latitude_deg < 0 ? 'S' : 'N',
@@ -166,7 +149,7 @@ std::string fix_as_nmea(const Fix& fix, const EarthOrigin& origin) {
   const Eigen::Index h = heading_row(fix.covariance);
   if (fix.covariance(h, h) < kUnknownRotationVariance) {
     // Of the compass: clockwise from north.
-    double heading_deg = (origin.north_rad - fix.T_map_vehicle.heading_rad()) / kDegree_rad;
+    double heading_deg = (origin.north_rad - fix.T_map_vehicle.heading_rad()) * 180 / std::numbers::pi;
     heading_deg -= 360 * std::floor(heading_deg / 360);
     text += with_checksum(fmt::format("GPHDT,{:.3f},T", heading_deg >= 359.9995 ? 0.0 : heading_deg));
   }

@@ -4,17 +4,12 @@
 
 #include <string>
 
+#include "io/export/earth.h"
 #include "models/fix.h"
 #include "models/site.h"
 #include "models/watch/watch.h"
 
 namespace octant::io {
-
-/// Where the map's origin is on the earth, for receivers of NMEA 0183.
-struct EarthOrigin {
-  double latitude_deg = 0.0, longitude_deg = 0.0, altitude_m = 0.0;
-  double north_rad = 0.0;  ///< direction of north in the map, counter-clockwise from +x; pi/2: y points north
-};
 
 // Lines to a listener, with their ends.
 
@@ -26,8 +21,8 @@ struct EarthOrigin {
 /// a pose.
 [[nodiscard]] std::string fix_as_ros(const Fix& fix, const NameTable& names);
 /// GGA, GST and, where the heading is known, HDT, as a GPS receiver sends them; a GGA of quality 0 without a
-/// pose. The time of day is that of time_s as seconds since 1970 (or since midnight). A tangent plane: good
-/// to a millimetre within some hundred metres of the origin.
+/// pose. The time of day is that of time_s as seconds since 1970 (or since midnight). The map is
+/// the plane that touches WGS 84 at the origin.
 [[nodiscard]] std::string fix_as_nmea(const Fix& fix, const EarthOrigin& origin);
 /// {"type": "alarm", "kind": "beacon_moved", "beacon": ..., "size_m": ..., ...}
 [[nodiscard]] std::string alarm_as_json(const WatchAlarm& alarm, const NameTable& names);

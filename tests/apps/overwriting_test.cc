@@ -62,6 +62,7 @@ class Overwriting : public HallFolder {
         {{"plan", site, "--beacons", "9", "--keep", "-o", "OUT", "--scene", scene},
          {site, scene, map, image}},
         {{"plan", site, "--beacons", "9", "--keep", "-o", other, "--report", "OUT"}, {site}},
+        {{"export", d, heldout, "-o", "OUT"}, {d, heldout + "/tof.csv", truth}},
         {{"history", "export", "--db", db, "-o", "OUT"}, {db}},
         {{"history", "add", d, "--db", "OUT"}, {d}},
         {{"sign", d, "--key", key, "-o", "OUT"}, {d, key}},

@@ -15,7 +15,8 @@ using ::testing::Not;
 
 const std::vector<std::string> kCommands = {"demo",   "simulate", "calibrate", "localize",
                                             "verify", "check",    "survey",    "schema",
-                                            "batch",  "convert",  "plan",      "report"};
+                                            "batch",  "convert",  "export",    "plan",
+                                            "report"};
 
 TEST(Usage, EveryCommandHelpsWithAnExample) {
   for (const auto& command : kCommands) {

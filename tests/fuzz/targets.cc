@@ -11,11 +11,15 @@
 #include <fstream>
 #include <memory>
 
+#include "io/bag/bag_log.h"
+#include "io/bag/ros_messages.h"
 #include "io/deployment/deployment_json.h"
+#include "io/export/exported.h"
 #include "io/history/history.h"
 #include "io/import/foreign_logs.h"
 #include "io/import/plan_import.h"
 #include "io/import/table_log.h"
+#include "io/import/vendor_logs.h"
 #include "io/run/run_folder.h"
 #include "io/run/run_ids.h"
 #include "io/run/tum.h"
@@ -205,6 +209,65 @@ void take_carmen(std::string_view input) { must_explain(io::read_carmen_log(writ
 void take_counters(std::string_view input) {
   must_explain(io::read_counter_log(written("counters.csv", input), names()));
 }
+
+/// What an imported log becomes is a run that reads back, or one whose rows are refused with a reason.
+void must_become_a_run(Result<io::ImportedLog> log) {
+  must_explain(log);
+  if (!log) return;
+  auto files = io::run_files(*log, (folder() / "run").string(), 343.0);
+  must_explain(files);
+}
+/// A bag, by what its topics look like and by a mapping that asks for all kinds.
+void take_bag(const std::string& path) {
+  const auto by_type = io::topics_by_type(path);
+  must_explain(by_type);
+  if (by_type) must_become_a_run(io::read_bag_log(path, *by_type));
+  io::TopicMapping all;
+  all.ranges = {{"*{beacon}", "", "", "", ""}};
+  all.odometry = io::PoseTopic{"/odom", "", ""};
+  all.poses = io::PoseTopic{"/tf", "map", ""};
+  all.truth = io::PoseTopic{"/mocap", "", ""};
+  must_become_a_run(io::read_bag_log(path, all));
+}
+void take_mcap(std::string_view input) { take_bag(written("a.mcap", input)); }
+void take_bag_database(std::string_view input) { take_bag(written("a.db3", input)); }
+/// A message as each of the types, without the checksums that stand before it in a file.
+void take_cdr(std::string_view input) {
+  (void)io::range_of(input);
+  for (const std::string_view type : {io::kRosPose, io::kRosOdometry, io::kRosTransforms})
+    if (const auto poses = io::poses_of(type, input))
+      for (const io::RosPose& pose : *poses)
+        must(pose.T_frame_child.translation_m.allFinite() &&
+                 std::abs(pose.T_frame_child.rotation.norm() - 1.0) < 1e-9,
+             "a pose is finite, its quaternion of length 1");
+}
+void take_topics(std::string_view input) {
+  const auto mapping = io::read_topics(written("topics.yaml", input));
+  must_explain(mapping);
+  if (mapping)
+    must(io::read_topics(written("again.yaml", io::topics_to_yaml(*mapping))).has_value(),
+         "a mapping reads back");
+}
+void take_marvelmind(std::string_view input) {
+  must_become_a_run(io::read_marvelmind_log(written("marvelmind.csv", input), {.ignore = {"9"}}));
+}
+void take_crazyflie(std::string_view input) {
+  must_become_a_run(io::read_crazyflie_log(written("crazyflie.csv", input)));
+}
+void take_dwm1001(std::string_view input) {
+  must_become_a_run(io::read_dwm1001_log(written("dwm1001.log", input)));
+  must_become_a_run(io::read_dwm1001_log((folder() / "dwm1001.log").string(), {.period_s = 0.1}));
+}
+void take_fixes(std::string_view input) {
+  const auto fixes = io::read_fixes(written("fixes.csv", input));
+  must_explain(fixes);
+  if (!fixes) return;
+  io::ExportedContent content;
+  content.tracks.push_back(*fixes);
+  must_explain(io::to_mcap(content));
+  must(!io::to_geojson(content, {}).empty(), "fixes become a map");
+}
+
 void take_pulses(std::string_view input) { must_explain(io::read_pulse_log(written("pulses.csv", input))); }
 
 /// The first line is what --columns says, the others are the table: what it becomes is read as any tof.csv.
@@ -225,17 +288,36 @@ void take_table(std::string_view input) {
 }  // namespace
 
 const std::vector<Target>& targets() {
-  static const std::vector<Target> all = {{"site", take_site},         {"yaml", take_yaml},
-                                          {"scene", take_scene},       {"batch", take_batch},
-                                          {"scenario", take_scenario}, {"run_yaml", take_run_yaml},
-                                          {"tof", take_tof},           {"bearings", take_bearings},
-                                          {"odometry", take_odometry}, {"scans", take_scans},
-                                          {"points", take_points},     {"ids", take_ids},
-                                          {"tum", take_tum},           {"deployment", take_deployment},
-                                          {"visit", take_visit},       {"dxf", take_dxf},
-                                          {"pgm", take_pgm},           {"carmen", take_carmen},
-                                          {"counters", take_counters}, {"pulses", take_pulses},
-                                          {"table", take_table},       {"live", take_live},
+  static const std::vector<Target> all = {{"site", take_site},
+                                          {"yaml", take_yaml},
+                                          {"scene", take_scene},
+                                          {"batch", take_batch},
+                                          {"scenario", take_scenario},
+                                          {"run_yaml", take_run_yaml},
+                                          {"tof", take_tof},
+                                          {"bearings", take_bearings},
+                                          {"odometry", take_odometry},
+                                          {"scans", take_scans},
+                                          {"points", take_points},
+                                          {"ids", take_ids},
+                                          {"tum", take_tum},
+                                          {"deployment", take_deployment},
+                                          {"visit", take_visit},
+                                          {"dxf", take_dxf},
+                                          {"pgm", take_pgm},
+                                          {"carmen", take_carmen},
+                                          {"counters", take_counters},
+                                          {"pulses", take_pulses},
+                                          {"mcap", take_mcap},
+                                          {"bag_database", take_bag_database},
+                                          {"cdr", take_cdr},
+                                          {"topics", take_topics},
+                                          {"fixes", take_fixes},
+                                          {"marvelmind", take_marvelmind},
+                                          {"crazyflie", take_crazyflie},
+                                          {"dwm1001", take_dwm1001},
+                                          {"table", take_table},
+                                          {"live", take_live},
                                           {"solver", take_solver, 40}};
   return all;
 }

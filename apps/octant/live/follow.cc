@@ -3,9 +3,7 @@
 #include "apps/octant/live/follow.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <csignal>
 #include <map>
@@ -201,24 +199,13 @@ class FollowLoop {
   }
 
   Result<void> read_origin() {
-    std::array<double, 3> numbers{};
-    std::string_view text = words_.origin;
-    std::size_t count = 0;
-    for (bool more = !text.empty(); more && count < 3; ++count) {
-      const std::string_view word = text.substr(0, text.find(','));
-      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), numbers[count]);
-      if (error != std::errc() || end != word.data() + word.size()) count = 9;
-      more = text.size() > word.size();
-      if (more) text.remove_prefix(word.size() + 1);
+    auto origin = io::origin_from_words(words_.origin, words_.north_deg);
+    if (!origin) {
+      Error error = origin.error();
+      if (words_.origin.empty()) error.found = "NMEA positions need to know where the map is on the earth";
+      return fail(std::move(error));
     }
-    if (count < 2 || count > 3 || std::abs(numbers[0]) >= 89.9 || std::abs(numbers[1]) > 180)
-      return fail(
-          {.code = Errc::kUsage,
-           .found = words_.origin.empty() ? "NMEA positions need to know where the map is on the earth"
-                                          : "--origin '" + words_.origin + "'",
-           .expected = "--origin LATITUDE,LONGITUDE[,ALTITUDE] of the map's origin, degrees and metres, as "
-                       "48.14816,17.10674,152"});
-    origin_ = {numbers[0], numbers[1], numbers[2], words_.north_deg * std::numbers::pi / 180};
+    origin_ = *origin;
     return {};
   }
 

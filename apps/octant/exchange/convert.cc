@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "apps/octant/commands.h"
 #include "apps/octant/outputs.h"
+#include "io/bag/bag_log.h"
 #include "io/import/foreign_logs.h"
 #include "io/import/table_log.h"
+#include "io/import/vendor_logs.h"
 #include "io/run/run_folder.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
@@ -18,8 +21,9 @@ namespace octant::app {
 namespace {
 
 struct ConvertArgs {
-  std::string input, output, format, site, columns, save_columns;
+  std::string input, output, format, site, columns, save_columns, topics, save_topics;
   std::vector<std::string> ignore;
+  std::optional<double> speed_mps, period_s;
   double clock_hz = kCounterClock_hz, spread_s = 2e-4;
   FiringSchedule schedule;
 };
@@ -63,6 +67,7 @@ Result<MeasurementLog> from_pulses(const ConvertArgs& words, const NameTable& na
 /// What a log looks like, where --format does not say.
 std::string format_of(const ConvertArgs& words) {
   if (words.format != "auto") return words.format;
+  if (!words.topics.empty() || io::is_bag(words.input)) return "bag";
   return words.site.empty() ? "carmen" : "counters";
 }
 
@@ -91,9 +96,70 @@ int convert_by_columns(const ConvertArgs& words, Session& session) {
       {{"format", "table"}, {"run", words.output}, {"arrivals", table->rows}, {"ignored", table->ignored}});
 }
 
+/// What names come with: the log's own, no site file.
+int finish_import(const ConvertArgs& words, io::ImportedLog& log, std::vector<io::FileContent> others,
+                  const std::string& format, Session& session) {
+  auto files = io::run_files(log, words.output, words.speed_mps);
+  if (!files) return session.fail(files.error());
+  session.warn(log.warnings);
+  std::error_code made;
+  std::filesystem::create_directories(words.output, made);
+  for (io::FileContent& other : others) files->push_back(std::move(other));
+  if (auto written = io::write_files(*files); !written) return session.fail(written.error());
+  const bool distances = !log.arrivals.empty() && log.arrivals.front().is_distance && !words.speed_mps;
+  session.result(fmt::format("{:<17}{}: {} arrivals{}, {} odometry rows, {} poses, {} of ignored beacons\n",
+                             "run", words.output, log.arrivals.size(), distances ? " (distance_m)" : "",
+                             log.odometry.size(), log.poses.size(), log.ignored_rows()));
+  return session.finish({{"format", format},
+                         {"run", words.output},
+                         {"arrivals", log.arrivals.size()},
+                         {"odometry", log.odometry.size()},
+                         {"poses", log.poses.size()},
+                         {"truth", log.truth.size()},
+                         {"ignored", log.ignored_rows()},
+                         {"not_heard", log.not_heard}});
+}
+
+/// A bag, by --topics or by what its topics look like.
+int convert_bag(const ConvertArgs& words, Session& session) {
+  const bool is_file = !words.topics.empty() && words.topics.find('=') == std::string::npos;
+  if (auto fit = check_no_overwriting({.inputs = {words.input, is_file ? words.topics : ""},
+                                       .outputs = {words.save_topics},
+                                       .run_outputs = {words.output}});
+      !fit)
+    return session.fail(fit.error());
+  auto mapping = words.topics.empty() ? io::topics_by_type(words.input)
+                 : is_file            ? io::read_topics(words.topics)
+                                      : io::topics_from_words(words.topics);
+  if (!mapping) return session.fail(mapping.error());
+  mapping->ignore.insert(mapping->ignore.end(), words.ignore.begin(), words.ignore.end());
+  auto log = io::read_bag_log(words.input, *mapping);
+  if (!log) return session.fail(log.error());
+  std::vector<io::FileContent> others;
+  if (!words.save_topics.empty()) others.push_back({words.save_topics, io::topics_to_yaml(*mapping)});
+  return finish_import(words, *log, std::move(others), "bag", session);
+}
+
+/// The log of a maker's kit.
+int convert_vendor(const ConvertArgs& words, const std::string& format, Session& session) {
+  if (auto fit =
+          check_no_overwriting({.inputs = {words.input}, .outputs = {}, .run_outputs = {words.output}});
+      !fit)
+    return session.fail(fit.error());
+  const io::VendorLogOptions options{.ignore = words.ignore, .period_s = words.period_s};
+  auto log = format == "marvelmind"  ? io::read_marvelmind_log(words.input, options)
+             : format == "crazyflie" ? io::read_crazyflie_log(words.input, options)
+                                     : io::read_dwm1001_log(words.input, options);
+  if (!log) return session.fail(log.error());
+  return finish_import(words, *log, {}, format, session);
+}
+
 int run(const ConvertArgs& words, Session& session) {
   if (!words.columns.empty()) return convert_by_columns(words, session);
   const std::string format = format_of(words);
+  if (format == "bag") return convert_bag(words, session);
+  if (format == "marvelmind" || format == "crazyflie" || format == "dwm1001")
+    return convert_vendor(words, format, session);
   if (format != "carmen" && words.site.empty())
     return session.fail({"error", "usage", kUsage, fmt::format("--format {} needs --site", format),
                          "the site file names beacons and receivers"});
@@ -140,15 +206,19 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
                   "octant convert intel.clf -o intel");
   command
       ->add_option("input", words->input,
-                   "CARMEN log; counter log (time_s, beacon, counts; epoch, receiver); pulse log (time_s, "
-                   "channel, duration_s, amplitude_v)")
+                   "CARMEN log; ROS 2 bag (.mcap, .db3, or its folder); a kit's log; counter log (time_s, "
+                   "beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)")
       ->required()
       ->type_name("INPUT");
   command->add_option("-o,--output", words->output, "Run folder to write")->required()->type_name("RUN");
   command
-      ->add_option("--format", words->format,
-                   "auto, carmen, counters or pulses; auto: counters where --site is given, else carmen")
-      ->check(CLI::IsMember({"auto", "carmen", "counters", "pulses"}))
+      ->add_option(
+          "--format", words->format,
+          "auto, bag, carmen, counters, pulses, marvelmind (the dashboard's CSV), crazyflie (the "
+          "client's CSV of two-way ranging) or dwm1001 (les or lec lines); auto: bag where it is one, "
+          "counters where --site is given, else carmen")
+      ->check(CLI::IsMember(
+          {"auto", "bag", "carmen", "counters", "pulses", "marvelmind", "crazyflie", "dwm1001"}))
       ->type_name("FORMAT");
   command
       ->add_option("--columns", words->columns,
@@ -157,7 +227,27 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
                    "vehicle, amplitude, temperature), or a file that --save-columns wrote; delimiter and "
                    "decimal commas are found out")
       ->type_name("MAPPING");
-  command->add_option("--ignore", words->ignore, "With --columns: beacons to leave out, a neighbour's")
+  command
+      ->add_option(
+          "--topics", words->topics,
+          "Bags: which topic is what, as range=/uwb/{receiver}/{beacon} (or range=/uwb@{beacon}, by "
+          "frame_id; range:B3=/kit/range_3), odometry=/odom, poses=/mocap/pose, "
+          "truth=/tf@map>base_link, time=recorded; or a file that --save-topics wrote; without it, all "
+          "Range by frame_id and the only odometry")
+      ->type_name("MAPPING");
+  command->add_option("--save-topics", words->save_topics, "Bags: the mapping to write, for the next time")
+      ->type_name("M.yaml");
+  command
+      ->add_option(
+          "--speed-mps", words->speed_mps,
+          "Bags and kits: the speed that the device made distances with; they become times of flight, "
+          "which media whose speed is not constant need [m/s]")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--period-s", words->period_s, "dwm1001: between lines that bear no time [s]")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--ignore", words->ignore,
+                   "Tables, bags and kits: beacons to leave out, a neighbour's; their rows are counted")
       ->delimiter(',')
       ->type_name("IDS");
   command

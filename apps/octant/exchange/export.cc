@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "apps/octant/commands.h"
+#include "apps/octant/outputs.h"
+#include "io/deployment/deployment_json.h"
+#include "io/export/exported.h"
+#include "io/run/run_folder.h"
+#include "io/run/run_ids.h"
+#include "io/run/tum.h"
+#include "io/site/site_yaml.h"
+#include "io/text/atomic_file.h"
+
+namespace octant::app {
+namespace {
+
+struct ExportArgs {
+  std::vector<std::string> inputs;
+  std::string output, origin;
+  double north_deg = 90.0;
+};
+
+/// What a run is read with: names, clock, and the speed of a medium where it is constant.
+struct RunContext {
+  NameTable names;
+  Timing timing;
+  double constant_speed_mps = 0.0;
+};
+
+enum class InputKind { kRun, kDeployment, kSite, kFixes };
+
+InputKind kind_of_input(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return InputKind::kRun;
+  if (path.ends_with(".json")) return InputKind::kDeployment;
+  return path.ends_with(".yaml") || path.ends_with(".yml") ? InputKind::kSite : InputKind::kFixes;
+}
+
+Result<void> add_deployment(const std::string& path, io::ExportedContent& content,
+                            std::optional<RunContext>& context) {
+  const auto deployment = io::read_deployment(path);
+  if (!deployment) return fail(deployment.error());
+  content.site = deployment->site;
+  for (const DeploymentBeacon& b : deployment->beacons)
+    if (b.status != BeaconStatus::kUndetermined)
+      content.beacons.push_back(
+          {b.name, b.position_m, std::sqrt(std::max({b.covariance_m2(0, 0), b.covariance_m2(1, 1), 0.0}))});
+  context =
+      RunContext{names_of(*deployment), deployment->timing,
+                 deployment->medium.model == MediumModel::kConstant ? deployment->medium.speed_mps : 0.0};
+  return {};
+}
+
+Result<void> add_site(const std::string& path, io::ExportedContent& content,
+                      std::optional<RunContext>& context, Session& session) {
+  const auto site = io::read_site(path);
+  if (!site) return fail(site.error());
+  session.warn(site->warnings);
+  content.site = site->name;
+  for (const SiteBeacon& b : site->beacons)
+    if (b.position_m[0] && b.position_m[1] && b.position_m[2])
+      content.beacons.push_back({b.name, {*b.position_m[0], *b.position_m[1], *b.position_m[2]}, 0.0});
+  context = RunContext{names_of(*site), site->timing,
+                       site->medium.model == MediumModel::kConstant ? site->medium.speed_mps : 0.0};
+  return {};
+}
+
+/// Names from the run itself, where neither site nor deployment tells them.
+Result<RunContext> context_of_run(const std::string& folder) {
+  const auto ids = io::read_run_ids(folder);
+  if (!ids) return fail(ids.error());
+  RunContext context;
+  context.names.beacons = ids->beacons;
+  for (const auto& vehicle : ids->vehicles) {
+    const VehicleId id(context.names.vehicles.size());
+    context.names.vehicles.push_back(vehicle.name);
+    for (const std::string& receiver : vehicle.receivers) context.names.receivers.push_back({receiver, id});
+    if (vehicle.receivers.empty()) context.names.receivers.push_back({"r0", id});
+  }
+  return context;
+}
+
+Result<void> add_run(const std::string& folder, const std::optional<RunContext>& known,
+                     io::ExportedContent& content, Session& session) {
+  const auto context = known ? Result<RunContext>(*known) : context_of_run(folder);
+  if (!context) return fail(context.error());
+  auto log = io::read_run(folder, context->names, context->timing,
+                          {.read_truth = true, .constant_speed_mps = context->constant_speed_mps});
+  if (!log) return fail(log.error());
+  session.warn(log->warnings);
+  if (!log->bearings.empty() || !log->scans.empty())
+    session.warn(folder + ": bearings and scans are not exported");
+  content.runs.push_back({std::move(*log), context->names});
+  return {};
+}
+
+/// All fixes and references as one trajectory.
+Result<std::string> to_tum(const io::ExportedContent& content) {
+  std::vector<TimedPose> poses;
+  for (const auto& track : content.tracks)
+    for (const Fix& fix : track.fixes)
+      if (fix.ok()) poses.push_back({fix.time_s, fix.T_map_vehicle});
+  if (poses.empty())
+    for (const auto& run : content.runs) {
+      const auto& track = run.log.truth.empty() ? run.log.poses : run.log.truth;
+      poses.insert(poses.end(), track.begin(), track.end());
+    }
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const TimedPose& a, const TimedPose& b) { return a.time_s < b.time_s; });
+  // TUM has one pose an instant.
+  poses.erase(std::unique(poses.begin(), poses.end(),
+                          [](const TimedPose& a, const TimedPose& b) { return a.time_s == b.time_s; }),
+              poses.end());
+  if (!poses.empty()) return io::poses_to_tum(poses);
+  return fail({.code = Errc::kUsage,
+               .found = "no fix and no pose to make a trajectory of",
+               .expected = "fixes (.csv, .tum) or a run with poses or truth"});
+}
+
+int run(const ExportArgs& words, Session& session) {
+  if (auto fit = check_no_overwriting({.inputs = words.inputs, .outputs = {words.output}, .run_outputs = {}});
+      !fit)
+    return session.fail(fit.error());
+  const bool mcap = words.output.ends_with(".mcap"), geojson = words.output.ends_with(".geojson"),
+             tum = words.output.ends_with(".tum");
+  if (!mcap && !geojson && !tum)
+    return session.fail(Error{.code = Errc::kUsage,
+                              .found = "-o " + words.output,
+                              .expected = "a name in .mcap, .geojson or .tum, which says what to write"});
+  std::optional<io::EarthOrigin> origin;
+  if (geojson) {
+    const auto read = io::origin_from_words(words.origin, words.north_deg);
+    if (!read) return session.fail(read.error());
+    origin = *read;
+  }
+  io::ExportedContent content;
+  std::optional<RunContext> context;
+  for (const std::string& path : words.inputs) {
+    const InputKind kind = kind_of_input(path);
+    if (kind != InputKind::kDeployment && kind != InputKind::kSite) continue;
+    const auto added = kind == InputKind::kSite ? add_site(path, content, context, session)
+                                                : add_deployment(path, content, context);
+    if (!added) return session.fail(added.error());
+  }
+  for (const std::string& path : words.inputs) {
+    const InputKind kind = kind_of_input(path);
+    if (kind == InputKind::kRun) {
+      if (auto added = add_run(path, context, content, session); !added) return session.fail(added.error());
+    } else if (kind == InputKind::kFixes) {
+      auto fixes = io::read_fixes(path);
+      if (!fixes) return session.fail(fixes.error());
+      content.tracks.push_back(std::move(*fixes));
+    }
+  }
+  const auto text = mcap      ? io::to_mcap(content)
+                    : geojson ? Result<std::string>(io::to_geojson(content, *origin))
+                              : to_tum(content);
+  if (!text) return session.fail(text.error());
+  if (auto written = io::write_file(words.output, *text); !written) return session.fail(written.error());
+  std::size_t arrivals = 0, fixes = 0;
+  for (const auto& run : content.runs) arrivals += run.log.arrivals.size();
+  for (const auto& track : content.tracks) fixes += track.fixes.size();
+  session.result(fmt::format("{:<17}{}: {} beacons, {} arrivals, {} fixes\n", "written", words.output,
+                             content.beacons.size(), arrivals, fixes));
+  return session.finish({{"output", words.output},
+                         {"beacons", content.beacons.size()},
+                         {"arrivals", arrivals},
+                         {"fixes", fixes},
+                         {"bytes", text->size()}});
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, CommonOptions& common, Action& action) {
+  auto words = std::make_shared<ExportArgs>();
+  CLI::App* command = add_command(app, common, "export",
+                                  "Write runs, fixes and beacons for other programs: MCAP, GeoJSON, TUM",
+                                  "octant export hall/deployment.json hall/run hall/fixes.csv -o hall.mcap");
+  command
+      ->add_option(
+          "inputs", words->inputs,
+          "Deployment (.json) or site file (.yaml), run folders, fixes (fixes.csv or a .tum trajectory)")
+      ->required()
+      ->type_name("INPUT");
+  command
+      ->add_option("-o,--output", words->output,
+                   "What to write: NAME.mcap (Foxglove, PlotJuggler; octant convert reads it again), "
+                   "NAME.geojson (maps, WGS 84) or NAME.tum (evo)")
+      ->required()
+      ->type_name("OUT");
+  command
+      ->add_option("--origin", words->origin,
+                   "geojson: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE] in degrees and metres")
+      ->type_name("PLACE");
+  command
+      ->add_option("--north-deg", words->north_deg,
+                   "geojson: direction of north in the map, counter-clockwise from +x [deg]")
+      ->capture_default_str();
+  command->callback(
+      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+}
+
+}  // namespace octant::app

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: recordings of publish-subscribe systems, message by message.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/support/result.h"
+
+namespace octant::io {
+
+inline constexpr std::size_t kMostTopics = 10'000;
+inline constexpr std::size_t kLongestTopic = 1024;                     ///< bytes of a name or type
+inline constexpr std::size_t kLargestChunk = std::size_t{256} << 20;   ///< bytes, uncompressed
+inline constexpr std::size_t kLargestMessage = std::size_t{64} << 20;  ///< bytes, of a database's row
+
+struct BagTopic {
+  std::string name;
+  std::string type;      ///< "sensor_msgs/msg/Range"; empty: the bag does not say
+  std::string encoding;  ///< of its messages: "cdr", "json"
+};
+
+struct BagMessage {
+  const BagTopic& topic;
+  std::int64_t log_time_ns = 0;  ///< when it was recorded
+  std::string_view data;         ///< good until the next one
+};
+
+/// What a bag is read for.
+struct BagVisitor {
+  /// Whether the messages of a topic are wanted; asked once a topic.
+  std::function<bool(const BagTopic&)> wants;
+  /// Its error ends the reading.
+  std::function<Result<void>(const BagMessage&)> message;
+  /// Metadata by its name (MCAP); may be empty.
+  std::function<void(const std::string& name, const std::map<std::string, std::string>&)> metadata;
+};
+
+/// What else is to be said of a bag.
+struct BagSummary {
+  std::size_t messages = 0;  ///< of wanted topics
+  std::vector<std::string> warnings;
+};
+
+/// A bag in whichever way it is stored: an MCAP file, a database of rosbag2 (.db3), or a folder of rosbag2
+/// with one or several of them, in the order of their numbers. Errors: kBadInput with the file and what is
+/// wrong in it; a compressed database, with the way to decompress it.
+[[nodiscard]] Result<BagSummary> read_bag(const std::string& path, const BagVisitor& visitor);
+/// Whether a path looks like one, by its content or, for a folder, by what lies in it.
+[[nodiscard]] bool is_bag(const std::string& path);
+
+// The two ways, added to a summary.
+[[nodiscard]] Result<void> read_mcap(const std::string& path, const BagVisitor& visitor, BagSummary& summary);
+[[nodiscard]] Result<void> read_bag_database(const std::string& path, const BagVisitor& visitor,
+                                             BagSummary& summary);
+
+/// Eight bytes at both ends of an MCAP file.
+inline constexpr std::string_view kMcapMagic("\x89MCAP0\r\n", 8);
+
+}  // namespace octant::io

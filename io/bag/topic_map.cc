@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/bag/topic_map.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "io/text/text.h"
+#include "io/yaml/yaml_reader.h"
+#include "io/yaml/yaml_writer.h"
+
+namespace octant::io {
+namespace {
+
+constexpr std::size_t kMostStars = 8, kLongestPattern = 1024;
+
+using PatternNames = std::map<std::string, std::string, std::less<>>;
+
+/// What is wrong with a pattern; empty: nothing.
+std::string fault_of_pattern(std::string_view pattern) {
+  if (static_cast<std::size_t>(std::count_if(pattern.begin(), pattern.end(),
+                                             [](char c) { return c == '*' || c == '{'; })) > kMostStars)
+    return fmt::format("more than {} of * and {{...}}", kMostStars);
+  if (pattern.size() > kLongestPattern) return fmt::format("a pattern of {} bytes", pattern.size());
+  while (!pattern.empty()) {
+    const std::size_t open = pattern.find('{');
+    if (open == std::string_view::npos) return "";
+    const std::size_t close = pattern.find('}', open);
+    const std::string_view name =
+        close == std::string_view::npos ? "" : pattern.substr(open + 1, close - open - 1);
+    if (name != "beacon" && name != "receiver" && name != "vehicle")
+      return fmt::format("{} where a name is to stand", in_quotes(pattern.substr(open)));
+    pattern.remove_prefix(close + 1);
+  }
+  return "";
+}
+
+/// Backtracking that never tries the same two places twice, so in time of pattern times text.
+class PatternMatch {
+ public:
+  PatternMatch(std::string_view pattern, std::string_view text, PatternNames& names)
+      : pattern_(pattern), text_(text), names_(names), failed_((pattern.size() + 1) * (text.size() + 1)) {}
+
+  bool from(std::size_t p, std::size_t t) {
+    if (p == pattern_.size()) return t == text_.size();
+    const std::size_t place = p * (text_.size() + 1) + t;
+    if (failed_[place]) return false;
+    const bool matched = pattern_[p] == '*' ? star(p, t) : pattern_[p] == '{' ? name(p, t) : letter(p, t);
+    failed_[place] = !matched;
+    return matched;
+  }
+
+ private:
+  bool star(std::size_t p, std::size_t t) { return from(p + 1, t) || (t < text_.size() && from(p, t + 1)); }
+  bool letter(std::size_t p, std::size_t t) {
+    return t < text_.size() && pattern_[p] == text_[t] && from(p + 1, t + 1);
+  }
+  /// The shortest name that lets the rest match.
+  bool name(std::size_t p, std::size_t t) {
+    const std::size_t close = pattern_.find('}', p);
+    for (std::size_t end = t + 1;
+         close != std::string_view::npos && end <= text_.size() && text_[end - 1] != '/'; ++end)
+      if (from(close + 1, end)) {
+        names_[std::string(pattern_.substr(p + 1, close - p - 1))] = text_.substr(t, end - t);
+        return true;
+      }
+    return false;
+  }
+
+  std::string_view pattern_, text_;
+  PatternNames& names_;
+  std::vector<bool> failed_;
+};
+
+bool names_beacon(const RangeTopics& r) {
+  return !r.beacon.empty() || r.topic.find("{beacon}") != std::string::npos ||
+         r.frame.find("{beacon}") != std::string::npos;
+}
+
+/// What is wrong with a mapping; empty: nothing.
+std::string fault_of_topics(const TopicMapping& mapping) {
+  for (const RangeTopics& r : mapping.ranges) {
+    for (const std::string* pattern : {&r.topic, &r.frame})
+      if (const std::string fault = fault_of_pattern(*pattern); !fault.empty()) return fault;
+    if (r.topic.empty()) return "a range without a topic";
+    if (!names_beacon(r)) return fmt::format("range {} does not say of which beacon", in_quotes(r.topic));
+  }
+  return "";
+}
+
+constexpr const char* kTopicWords =
+    "range=/uwb/{beacon}, range=/uwb@{beacon} (frame_id), range:B3=/kit/range_3, odometry=/odom, "
+    "poses=/mocap/pose, truth=/tf@map>base_link, time=recorded";
+
+Result<void> add_range(std::string_view target, std::string_view source, TopicMapping& mapping) {
+  RangeTopics range;
+  const std::size_t at = source.find('@');
+  range.topic = source.substr(0, at);
+  if (at != std::string_view::npos) range.frame = source.substr(at + 1);
+  target.remove_prefix(std::string_view("range").size());
+  if (target.starts_with(':')) {
+    const std::string_view ids = target.substr(1);
+    const std::size_t colon = ids.find(':');
+    range.beacon = ids.substr(0, colon);
+    if (colon != std::string_view::npos) range.receiver = ids.substr(colon + 1);
+  }
+  mapping.ranges.push_back(std::move(range));
+  return {};
+}
+
+PoseTopic pose_topic(std::string_view source) {
+  PoseTopic pose;
+  const std::size_t at = source.find('@');
+  pose.topic = source.substr(0, at);
+  if (at == std::string_view::npos) return pose;
+  const std::string_view frames = source.substr(at + 1);
+  const std::size_t arrow = frames.find('>');
+  pose.parent = frames.substr(0, arrow);
+  if (arrow != std::string_view::npos) pose.child = frames.substr(arrow + 1);
+  return pose;
+}
+
+std::optional<PoseTopic> pose_block(YamlMap& root, const char* key, YamlLog& log) {
+  YamlMap block(root.block(key), key, log);
+  if (!block.present()) return std::nullopt;
+  PoseTopic pose{block.required_text("topic"), block.text("parent", ""), block.text("child", "")};
+  block.finish();
+  return pose;
+}
+
+void write_entry(YamlWriter& yaml, const char* key, const std::string& value) {
+  if (value.empty()) return;
+  yaml.text(key);
+  yaml.text(value, true);
+}
+
+void write_pose_topic(YamlWriter& yaml, const char* key, const std::optional<PoseTopic>& pose) {
+  if (!pose) return;
+  yaml.text(key);
+  yaml.begin_map(true);
+  write_entry(yaml, "topic", pose->topic);
+  write_entry(yaml, "parent", pose->parent);
+  write_entry(yaml, "child", pose->child);
+  yaml.end_map();
+}
+
+}  // namespace
+
+bool matches(std::string_view pattern, std::string_view text, PatternNames& names) {
+  return PatternMatch(pattern, text, names).from(0, 0);
+}
+
+Result<TopicMapping> topics_from_words(std::string_view words) {
+  TopicMapping mapping;
+  const auto refuse = [](std::string found) {
+    return fail({.code = Errc::kUsage, .found = std::move(found), .expected = kTopicWords});
+  };
+  while (!words.empty()) {
+    const std::string_view word = words.substr(0, words.find(','));
+    words.remove_prefix(std::min(words.size(), word.size() + 1));
+    const std::size_t equals = word.find('=');
+    const std::string_view target = word.substr(0, equals),
+                           source = equals == std::string_view::npos ? "" : word.substr(equals + 1);
+    if (source.empty()) return refuse(fmt::format("{} names no topic", in_quotes(word)));
+    if (target == "range" || target.starts_with("range:")) {
+      if (auto added = add_range(target, source, mapping); !added) return fail(added.error());
+    } else if (target == "time" && (source == "header" || source == "recorded")) {
+      mapping.recorded_time = source == "recorded";
+    } else if (target == "odometry" || target == "poses" || target == "truth") {
+      auto& pose = target == "odometry" ? mapping.odometry
+                   : target == "poses"  ? mapping.poses
+                                        : mapping.truth;
+      if (pose) return refuse(fmt::format("{} is there twice", target));
+      pose = pose_topic(source);
+    } else {
+      return refuse(fmt::format("{} is none of a bag's topics", in_quotes(word)));
+    }
+  }
+  if (const std::string fault = fault_of_topics(mapping); !fault.empty()) return refuse(fault);
+  return mapping;
+}
+
+Result<TopicMapping> read_topics(const std::string& path) {
+  const Result<YamlNode> node = read_yaml(path);
+  if (!node) return fail(node.error());
+  YamlLog log(path);
+  YamlMap root(*node, "", log);
+  check_version(root, "octant_topics", log);
+  TopicMapping mapping;
+  for (const YamlNode& item : root.list("ranges")) {
+    YamlMap range(item, "ranges", log);
+    mapping.ranges.push_back({range.required_text("topic"), range.text("frame", ""), range.text("beacon", ""),
+                              range.text("receiver", ""), range.text("vehicle", "")});
+    range.finish();
+  }
+  mapping.odometry = pose_block(root, "odometry", log);
+  mapping.poses = pose_block(root, "poses", log);
+  mapping.truth = pose_block(root, "truth", log);
+  mapping.recorded_time = root.choice<bool>("time", {{"header", false}, {"recorded", true}}, false);
+  for (const YamlNode& name : root.list("ignore")) mapping.ignore.push_back(text_of(name, "ignore", log));
+  root.finish();
+  if (log.error) return fail(*log.error);
+  if (const std::string fault = fault_of_topics(mapping); !fault.empty())
+    return fail({.file = path, .found = fault, .expected = "{beacon}, {receiver}, {vehicle} or *"});
+  return mapping;
+}
+
+std::string topics_to_yaml(const TopicMapping& mapping) {
+  YamlWriter yaml;
+  yaml.begin_map(false);
+  yaml.text("octant_topics");
+  yaml.text("1");
+  yaml.text("ranges");
+  yaml.begin_list(false);
+  for (const RangeTopics& r : mapping.ranges) {
+    yaml.begin_map(true);
+    write_entry(yaml, "topic", r.topic);
+    write_entry(yaml, "frame", r.frame);
+    write_entry(yaml, "beacon", r.beacon);
+    write_entry(yaml, "receiver", r.receiver);
+    write_entry(yaml, "vehicle", r.vehicle);
+    yaml.end_map();
+  }
+  yaml.end_list();
+  write_pose_topic(yaml, "odometry", mapping.odometry);
+  write_pose_topic(yaml, "poses", mapping.poses);
+  write_pose_topic(yaml, "truth", mapping.truth);
+  yaml.text("time");
+  yaml.text(mapping.recorded_time ? "recorded" : "header");
+  yaml.text("ignore");
+  yaml.begin_list(true);
+  for (const std::string& name : mapping.ignore) yaml.text(name, true);
+  yaml.end_list();
+  yaml.end_map();
+  return yaml.finish();
+}
+
+}  // namespace octant::io

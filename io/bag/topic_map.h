@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/support/result.h"
+
+// Which topic of a bag is what: `octant convert --topics`.
+namespace octant::io {
+
+/// Topics whose sensor_msgs/Range are arrivals. `topic` and `frame` (of the header's frame_id; empty: any)
+/// are patterns: {beacon}, {receiver} and {vehicle} stand for a name without a slash, * for anything.
+struct RangeTopics {
+  std::string topic, frame;
+  std::string beacon, receiver, vehicle;  ///< where the patterns do not tell
+};
+
+/// A topic of poses; of tf, of which frame in which.
+struct PoseTopic {
+  std::string topic;
+  std::string parent, child;  ///< empty: any
+};
+
+struct TopicMapping {
+  std::vector<RangeTopics> ranges;
+  std::optional<PoseTopic> odometry, poses, truth;
+  bool recorded_time = false;       ///< the time at which it was recorded, not the message's own
+  std::vector<std::string> ignore;  ///< beacons whose rows are left out, those of a neighbour
+};
+
+/// "range=/uwb/{receiver}/{beacon},range:B3=/kit/range_3,odometry=/odom,poses=/tf@map>base_link": ranges as
+/// TOPIC or TOPIC@FRAME, with the beacon (and :receiver) behind `range:` where no pattern names it; poses,
+/// odometry and truth as TOPIC or TOPIC@PARENT>CHILD; time=header (the default) or time=recorded.
+/// Errors: kUsage, naming the word.
+[[nodiscard]] Result<TopicMapping> topics_from_words(std::string_view words);
+/// The same as a file: octant_topics: 1, ranges: [{topic, frame, beacon, receiver, vehicle}], odometry,
+/// poses, truth: {topic, parent, child}, time: header | recorded, ignore: [...].
+[[nodiscard]] Result<TopicMapping> read_topics(const std::string& path);
+[[nodiscard]] std::string topics_to_yaml(const TopicMapping& mapping);
+
+/// Whether a text is as a pattern says; the names that it holds are added.
+[[nodiscard]] bool matches(std::string_view pattern, std::string_view text,
+                           std::map<std::string, std::string, std::less<>>& names);
+
+}  // namespace octant::io

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/import/imported_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "io/run/tum.h"
+#include "io/text/text.h"
+#include "io/tof/run_parts.h"
+
+namespace octant::io {
+namespace {
+
+template <class Rows>
+bool put_in_order(Rows& rows) {
+  const auto earlier = [](const auto& a, const auto& b) { return a.time_s < b.time_s; };
+  if (std::is_sorted(rows.begin(), rows.end(), earlier)) return false;
+  std::stable_sort(rows.begin(), rows.end(), earlier);
+  return true;
+}
+
+/// In the order of time, one at an instant, the first.
+void one_an_instant(std::vector<TimedPose>& poses, const char* what, ImportedLog& log) {
+  put_in_order(poses);
+  const std::size_t before = poses.size();
+  poses.erase(std::unique(poses.begin(), poses.end(),
+                          [](const TimedPose& a, const TimedPose& b) { return a.time_s == b.time_s; }),
+              poses.end());
+  if (poses.size() != before)
+    log.warnings.push_back(fmt::format("{}: {} {} of an instant that there was already are left out",
+                                       log.path, before - poses.size(), what));
+}
+
+/// Each pose in the plane of the one before.
+MeasurementLog steps_of(const std::vector<TimedPose>& poses) {
+  MeasurementLog steps;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    OdometryStep step;
+    step.time_s = poses[i].time_s;
+    step.vehicle = VehicleId(0);
+    if (i > 0) {
+      const Pose &a = poses[i - 1].T_map_vehicle, &b = poses[i].T_map_vehicle;
+      const double heading = a.heading_rad(), c = std::cos(heading), s = std::sin(heading);
+      const Eigen::Vector3d d = b.translation_m - a.translation_m;
+      step.dx_m = c * d.x() + s * d.y();
+      step.dy_m = -s * d.x() + c * d.y();
+      step.dheading_rad = wrap_angle(b.heading_rad() - heading);
+    }
+    steps.odometry.push_back(step);
+  }
+  return steps;
+}
+
+template <class Test>
+bool any_arrival(const ImportedLog& log, Test test) {
+  return std::any_of(log.arrivals.begin(), log.arrivals.end(), test);
+}
+
+void append_number(std::string& text, double value) {
+  text += ',';
+  if (std::isfinite(value)) text += exact(value);
+}
+
+std::string tof_text(const ImportedLog& log, std::optional<double> speed_mps, bool distances) {
+  const bool epoch = any_arrival(log, [](const auto&a) { return a.epoch != kNoEpoch; }),
+             vehicle = any_arrival(log, [](const auto&a) { return a.vehicle >= 0; }),
+             receiver = any_arrival(log, [](const auto&a) { return a.receiver >= 0; }),
+             amplitude = any_arrival(log, [](const auto&a) { return std::isfinite(a.amplitude_v); }),
+             temperature = any_arrival(log, [](const auto&a) { return std::isfinite(a.temperature_degC); });
+  std::vector<std::string> fields;
+  for (const std::string& name : log.names.all()) fields.push_back(csv_field(name));
+  const auto name = [&](int number) { return number < 0 ? "" : fields[static_cast<std::size_t>(number)]; };
+  std::string text = distances ? "time_s,beacon,distance_m" : "time_s,beacon,tof_s";
+  if (epoch) text += ",epoch";
+  if (vehicle) text += ",vehicle";
+  if (receiver) text += ",receiver";
+  if (amplitude) text += ",amplitude_v";
+  if (temperature) text += ",temperature_degC";
+  text += '\n';
+  for (const ImportedArrival& a : log.arrivals) {
+    text += exact(a.time_s);
+    text += ',';
+    text += name(a.beacon);
+    append_number(text, a.is_distance && speed_mps ? a.value / *speed_mps : a.value);
+    if (epoch) {
+      text += ',';
+      if (a.epoch != kNoEpoch) text += std::to_string(a.epoch);
+    }
+    if (vehicle) (text += ',') += name(a.vehicle);
+    if (receiver) (text += ',') += name(a.receiver);
+    if (amplitude) append_number(text, a.amplitude_v);
+    if (temperature) append_number(text, a.temperature_degC);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+int ImportedNames::number_of(std::string_view name) {
+  const auto known = numbers_.find(name);
+  if (known != numbers_.end()) return known->second;
+  if (names_.size() >= kMostImportedNames) return -1;
+  const int number = static_cast<int>(names_.size());
+  names_.emplace_back(name);
+  numbers_.emplace(names_.back(), number);
+  return number;
+}
+
+std::size_t ImportedLog::ignored_rows() const {
+  std::size_t rows = 0;
+  for (const auto& [name, count] : ignored) rows += count;
+  return rows;
+}
+
+Result<std::vector<FileContent>> run_files(ImportedLog& log, const std::string& folder,
+                                           std::optional<double> speed_mps) {
+  const bool distances = any_arrival(log, [](const auto& a) { return a.is_distance; });
+  if (distances && !speed_mps && any_arrival(log, [](const auto& a) { return !a.is_distance; }))
+    return fail({.file = log.path,
+                 .found = "both times of flight and distances",
+                 .expected = "one of the two",
+                 .advice = "name the speed that the distances were made with: --speed-mps"});
+  if (log.arrivals.empty() && log.odometry.empty() && log.poses.empty() && log.truth.empty())
+    return fail({.file = log.path,
+                 .found = "no row that was asked for",
+                 .expected = "distances, times of flight, odometry or poses"});
+  for (const auto& [name, rows] : log.ignored)
+    log.warnings.push_back(
+        fmt::format("{}: {} rows of beacon {}, which is ignored", log.path, rows, in_quotes(name)));
+  if (log.not_heard > 0)
+    log.warnings.push_back(fmt::format("{}: {} rows without a distance are left out: none was measured",
+                                       log.path, log.not_heard));
+  if (put_in_order(log.arrivals))
+    log.warnings.push_back(log.path + ": the rows are not in the order of time; they were put into it");
+  one_an_instant(log.odometry, "poses of the odometry", log);
+  one_an_instant(log.poses, "poses", log);
+  one_an_instant(log.truth, "reference poses", log);
+
+  std::vector<FileContent> files;
+  const auto add = [&](const char* name, std::string content) {
+    files.push_back({folder + "/" + name, std::move(content)});
+  };
+  if (!log.arrivals.empty()) add("tof.csv", tof_text(log, speed_mps, distances && !speed_mps));
+  if (!log.odometry.empty()) add("odometry.csv", odometry_to_csv(steps_of(log.odometry), {}));
+  if (!log.poses.empty()) add("poses.tum", poses_to_tum(log.poses));
+  if (!log.truth.empty()) add("truth.tum", poses_to_tum(log.truth));
+  if (!log.run_yaml.empty()) add("run.yaml", log.run_yaml);
+  return files;
+}
+
+}  // namespace octant::io

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/import/imported_log.h"
+#include "models/support/result.h"
+
+// What the kits of a few makers log. Distances in metres; a beacon is called what the kit calls it.
+namespace octant::io {
+
+struct VendorLogOptions {
+  std::vector<std::string> ignore{};  ///< beacons whose rows are left out, those of a neighbour
+  std::optional<double> period_s{};   ///< DWM1001: between lines that bear no time
+};
+
+/// Marvelmind's dashboard, CSV without a header (its operating manual, "CSV format"): UNIX time [ms] (older
+/// dashboards leave it out), time since the record before [ms], time since the dashboard's start [ms],
+/// address of the hedgehog, its x, y, z, then address and raw distance [m] of each stationary beacon.
+/// Receivers are the hedgehogs, named where there are several. Errors: kBadInput with the line.
+[[nodiscard]] Result<ImportedLog> read_marvelmind_log(const std::string& path,
+                                                      const VendorLogOptions& options = {});
+
+/// Bitcraze's client for the Crazyflie, CSV: Timestamp [ms] and log variables, of which ranging.distance0 to
+/// ranging.distance7 [m] are the anchors' (two-way ranging); where ranging.state is logged, anchors whose bit
+/// is not set were not heard. The client repeats what it last heard: a distance that is exactly the one
+/// before is no new one. Errors: kBadInput: no such column (a log of time differences says so), cells that
+/// are no numbers.
+[[nodiscard]] Result<ImportedLog> read_crazyflie_log(const std::string& path,
+                                                     const VendorLogOptions& options = {});
+
+/// What a Decawave/Qorvo DWM1001 says on its serial line to `les` or `lec`, one fix a line, whatever terminal
+/// logged it: behind a time in seconds or milliseconds, a date and time, or a time of day; or without, and
+/// options.period_s apart. Groups that the line garbled are left out and counted.
+/// Errors: kBadInput: a line without a time and no period; no line of the two kinds.
+[[nodiscard]] Result<ImportedLog> read_dwm1001_log(const std::string& path,
+                                                   const VendorLogOptions& options = {});
+
+}  // namespace octant::io
