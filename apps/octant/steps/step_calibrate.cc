@@ -12,6 +12,7 @@
 #include "apps/octant/ranks.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/stream_source.h"
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/table.h"
 #include "calib/statements/hints.h"
 #include "calib/stream/streamed.h"
@@ -296,9 +297,7 @@ std::string calibration_text(const Calibration& calibration) {
   std::string text = fmt::format("{}: calibrated, {} iterations, {:.2f} s\n\n",
                                  d.site.empty() ? "site without a name" : d.site, s.iterations, s.seconds) +
                      beacon_table(d) + "\n";
-  const auto line = [&](const char* name, const std::string& what) {
-    text += fmt::format("{:<17}{}\n", name, what);
-  };
+  const auto line = [&](const char* name, const std::string& what) { text += named_line(name, what); };
   line("speed", survey::speed_in_words(d));
   if (d.attenuation) {
     line("time-walk", fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, rise time constant {}",
