@@ -50,10 +50,18 @@ std::optional<ReportSection> left_out_section(const ReportInput& input) {
   PlanInput drawn;
   drawn.deployment = input.plan.deployment;
   drawn.tracks = input.plan.tracks;
+  // Of very many beacons those alone to which a line leads.
+  if (drawn.deployment.beacons.size() > kMostNamed)
+    std::erase_if(drawn.deployment.beacons, [&](const DeploymentBeacon& b) {
+      return std::none_of(input.misses.begin(), input.misses.end(),
+                          [&](const PlanMiss& miss) { return miss.beacon == b.name; });
+    });
   drawn.misses = input.misses;
   section.blocks.emplace_back(ReportFigure{
       "figure-left-out",
-      "The site from above: a line from the vehicle to each beacon of which it left out arrivals there.",
+      "The site from above: a line from the vehicle to each beacon of which arrivals were left out there; "
+      "solid: late (echo), dashed: early (spurious), dotted: for another reason. A disc's area says how "
+      "many.",
       site_plan_svg(drawn),
       {},
       {},

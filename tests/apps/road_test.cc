@@ -255,7 +255,6 @@ TEST_F(Road, ProgressAsJsonLines) {
     const auto step = nlohmann::json::parse(line, nullptr, false);
     if (!step.is_object() || !step.contains("cost")) continue;
     most = std::max(most, step["iteration"].get<int>());
-    EXPECT_EQ(step["cost"].is_null(), step["iteration"] == 0 && step["cost"].is_null()) << line;
     if (step["iteration"] > 0) EXPECT_GT(step["cost"].get<double>(), 0.0) << line;
     EXPECT_LT(line.size(), 200U) << "as many digits as anybody needs";
   }

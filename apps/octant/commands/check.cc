@@ -208,7 +208,9 @@ std::string forecast_verdict_text(const calib::Forecast& f, const std::string& s
                                    f.arrivals_used, f.arrivals)
                      : fmt::format("an adjustment of all {} arrivals", f.arrivals);
   std::string text =
-      fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})\n\n", site, from);
+      paragraph(fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})", site,
+                            from)) +
+      "\n";
   if (!s.beacon_status.empty()) {
     text += check_beacon_table(f) + "\n";
     if (f.speed_sigma_mps)

@@ -45,7 +45,11 @@ constexpr GlossaryTerm kGlossary[] = {
      "stands elsewhere, or is seen through echoes."},
     {kTerm, "beacon", "anchor, transmitter, node",
      "A device that is fixed to the building. It may send or receive: the equations are the same."},
-    {kTerm, "control point", "control points, held fixed",
+    {kTerm, "clock jump", "clock jumps, resolution",
+     "A step in the times of flight of all beacons at once, as of a clock that was set; the smallest step in "
+     "which "
+     "they are counted is the resolution."},
+    {kTerm, "control point", "control points, held fixed, control, fixed",
      "A beacon whose place was surveyed: sigma_m: 0 in the site file. It is held fixed, and everything "
      "else is found "
      "relative to it, so its error goes into all others. Three that do not stand in one line fix the map."},
@@ -83,12 +87,13 @@ constexpr GlossaryTerm kGlossary[] = {
      "column epoch "
      "were taken while the vehicle stood still. Without the column the vehicle is taken to move all the "
      "time."},
-    {kTerm, "error ellipse", "ellipse, 95 % a, b, azimuth",
+    {kTerm, "error ellipse", "ellipse, 95 % a, 95 % ellipse a, a, b, azimuth",
      "Where the true place in the plane lies with 95 per cent: half axes a and b, and the direction of a."},
-    {kTerm, "expanded uncertainty", "u, u x, u y, u z, u delay",
+    {kTerm, "expanded uncertainty", "u, u x, u y, u z, u delay, 95 %",
      "Twice the sigma (k = 2): 95 in 100 errors are smaller. A control point has none: it is held fixed, and "
      "its own error is not among these figures."},
-    {kTerm, "expected error", "expected error of a fix, total_m, calibration_m, speed_part_m, without",
+    {kTerm, "expected error",
+     "expected error of a fix, total_m, calibration_m, speed_part_m, without, if gone",
      "How far off a fix will be there (one standard deviation in the plane): by the noise of its arrivals, "
      "by "
      "what the calibration does not know, or by both. Without a beacon: when that one is silent."},
@@ -100,6 +105,10 @@ constexpr GlossaryTerm kGlossary[] = {
      "A limit that a result is held against: kept or not. tolerance in the site file sets them; the "
      "verdict is Good "
      "only if all are kept."},
+    {kTerm, "incidence", "",
+     "The angle at which an arrival comes: off the receiver's axis where the site file gives one, else off "
+     "the "
+     "vertical. Residuals that grow with it are the receiver's, not the room's."},
     {kTerm, "influence", "moves, moves [mm], one arrival moves it",
      "How far an error just too small to be found would move the beacon. Small is good: then undetected "
      "errors do "
@@ -160,7 +169,9 @@ constexpr GlossaryTerm kGlossary[] = {
      "How far a beacon is heard. It follows from amplitude, absorption and threshold, or is stated as "
      "range_m; "
      "where nothing says it, every beacon is taken as heard everywhere, which is too good to be true."},
-    {kTerm, "redundancy", "redundancy number, r",
+    {kTerm, "receiver", "receivers, microphone, tag",
+     "A device on the vehicle that hears beacons (or is heard by them: the equations are the same)."},
+    {kTerm, "redundancy", "redundancy number, r, reliability",
      "Observations beyond what the unknowns need. Of one arrival: which part of its error shows in its "
      "residual, 0 "
      "(not checked at all) to 1. Good calibrations have 0.5 and more on average."},
@@ -171,7 +182,8 @@ constexpr GlossaryTerm kGlossary[] = {
     {kTerm, "run", "recording, run folder",
      "A folder with one recording: tof.csv and what belongs to it. octant schema run explains all files."},
     {kTerm, "sigma",
-     "sigmas, sx, sy, sz, s, s delay, known to, stated within, standard deviation, uncertainty",
+     "sigmas, sigma x, sigma y, sigma z, sx, sy, sz, s, s delay, known to, stated within, standard "
+     "deviation, uncertainty",
      "One standard deviation: two in three errors are smaller, 95 in 100 are smaller than two of it. "
      "Figures marked "
      "95 % have that factor in them already."},

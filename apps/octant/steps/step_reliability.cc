@@ -121,7 +121,7 @@ std::string detection_table(const Reliability& r, const Unit& time) {
   Table table{"lrrrrrrr",
               {{"beacon", fmt::format("MDB [{}]", time.name), fmt::format("moves [{}]", shift.name),
                 fmt::format("all late [{}]", late.name), fmt::format("moves [{}]", shift.name),
-                fmt::format("95 % a [{}]", axis.name), "b", "azimuth"}}};
+                fmt::format("a [{}]", axis.name), "b", "azimuth"}}};
   for (const auto& b : r.beacons) {
     std::vector<std::string> row = {b.name};
     if (b.used > 0) {
@@ -218,7 +218,7 @@ std::string reliability_text(const Calibration& calibration) {
   text += paragraph(
       "MDB: smallest bias of one arrival that is found (0.1 %, power 80 %; median), and how far the worst "
       "that is not moves a beacon coordinate. all late: the same for a lateness of all arrivals of a beacon. "
-      "95 %: half axes of the horizontal error ellipse, azimuth counter-clockwise from +x.");
+      "a, b: half axes of the horizontal 95 % error ellipse, azimuth counter-clockwise from +x.");
   text += "\n";
   text += residual_table(r) + "\n";
   std::string kinds;

@@ -310,7 +310,7 @@ TEST(Report, PageIsMarkedUpForAllReaders) {
   EXPECT_THAT(html, HasSubstr("<html lang='en'>"));
   EXPECT_THAT(html, HasSubstr("class='skip' href='#main'"));
   EXPECT_EQ(count(html, "<h1"), 1u);
-  EXPECT_EQ(count(html, "<h2"), 11u);
+  EXPECT_EQ(count(html, "<h2"), 13u);
   EXPECT_EQ(count(html, "<h3"), 0u);
   EXPECT_EQ(count(html, "<table"), count(html, "<caption"));
   EXPECT_EQ(count(html, "<figure"), count(html, "<figcaption"));
