@@ -68,7 +68,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-class Words : public HallFolder {
+class ExplainedWords : public HallFolder {
  protected:
   /// @param where  for the message
   void expect_explained(const std::string& word, const std::string& where) {
@@ -80,7 +80,7 @@ class Words : public HallFolder {
   std::set<std::string> known_;
 };
 
-TEST_F(Words, OfTheReportAreExplained) {
+TEST_F(ExplainedWords, OfTheReportAreExplained) {
   ASSERT_EQ(calibrate({"--report", out("r.json")}).exit, 0);
   ASSERT_EQ(octant({"report", out("r.json"), hall("heldout"), "--since", hall("deployment.true.json"), "-o",
                     out("r.md")})
@@ -101,7 +101,7 @@ TEST_F(Words, OfTheReportAreExplained) {
   EXPECT_GT(headings, 40U);
 }
 
-TEST_F(Words, OfTheTerminalAreExplained) {
+TEST_F(ExplainedWords, OfTheTerminalAreExplained) {
   ASSERT_EQ(calibrate().exit, 0);
   const std::vector<std::vector<std::string>> commands = {
       {"calibrate", hall("site.yaml"), hall("run"), "-o", out("e.json"), "--no-report", "-v"},
@@ -131,7 +131,7 @@ TEST_F(Words, OfTheTerminalAreExplained) {
   EXPECT_GT(known_.size(), 20U);
 }
 
-TEST_F(Words, OfTheGuideAreExplained) {
+TEST_F(ExplainedWords, OfTheGuideAreExplained) {
   // What the page on reading the report sets in bold.
   const std::string page =
       slurp((std::filesystem::path(OCTANT_SOURCE_DIR) / "apps/guide/2-reading-the-report.md").string());
