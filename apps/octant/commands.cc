@@ -17,7 +17,7 @@ namespace octant::app {
 void add_common_options(CLI::App& app, CommonOptions& common) {
   const std::string group(kCommonGroup);
   app.set_help_flag("-h,--help", "Print this help and exit")->group(group);
-  app.set_version_flag("--version", "octant " OCTANT_VERSION)->group(group);
+  app.set_version_flag("-V,--version", "octant " OCTANT_VERSION)->group(group);
   app.add_flag("--json", common.json,
                "Print one JSON object on standard output, on failure too, and nothing else there")
       ->group(group);

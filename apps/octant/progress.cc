@@ -41,27 +41,43 @@ void ProgressReporter::show(const std::string& stage, int iteration, double cost
   if (style_ == ProgressStyle::kNone) return;
   const bool new_stage = stage != stage_;
   stage_ = stage;
-  if (!due(new_stage)) return;
   fraction = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
+  if (style_ == ProgressStyle::kJson) return show_json(iteration, cost, fraction, new_stage);
+  if (!due(new_stage)) return;
   if (style_ == ProgressStyle::kBar) {
     const int full = static_cast<int>(std::lround(24 * fraction));
     put_progress(
         fmt::format("\r\033[K[{:#<{}}{:.<{}}] {:3.0f} % {}", "", full, "", 24 - full, 100 * fraction, stage));
     drawn_ = true;
-  } else if (style_ == ProgressStyle::kPlain) {
-    if (new_stage) put_progress(fmt::format("{:3.0f} % {}\n", 100 * fraction, stage));
-  } else {
-    const nlohmann::ordered_json line = {
-        {"stage", stage}, {"iteration", iteration}, {"cost", cost}, {"fraction", fraction}};
-    put_progress(
-        fmt::format("{}\n", line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
+  } else if (new_stage) {
+    put_progress(fmt::format("{:3.0f} % {}\n", 100 * fraction, stage));
   }
+  std::fflush(stderr);
+}
+
+void ProgressReporter::show_json(int iteration, double cost, double fraction, bool new_stage) {
+  using Json = nlohmann::ordered_json;
+  constexpr double kDigits = 1e4;  // of the fraction: 0.3, not 0.30000000000000004
+  const bool made = iteration > 0 || cost != 0.0;
+  const Json line = {{"stage", stage_},
+                     {"iteration", iteration},
+                     {"cost", made && std::isfinite(cost) ? Json(cost) : Json(nullptr)},
+                     {"fraction", std::round(kDigits * fraction) / kDigits}};
+  std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (new_stage && !pending_.empty()) put_progress(pending_);  // how the stage before ended
+  pending_.clear();
+  if (due(new_stage))
+    put_progress(text);
+  else
+    pending_ = std::move(text);
   std::fflush(stderr);
 }
 
 void ProgressReporter::finish() {
   if (drawn_) put_progress(fmt::format("\r\033[K"));
   drawn_ = false;
+  if (!pending_.empty()) put_progress(pending_);
+  pending_.clear();
 }
 
 }  // namespace octant::app

@@ -23,6 +23,8 @@ class ProgressReporter {
   ProgressReporter(const ProgressReporter&) = delete;
   ProgressReporter& operator=(const ProgressReporter&) = delete;
 
+  /// As JSON the first and the last step of each stage are shown, and between them ten a second; cost is null
+  /// where no step was made yet.
   /// @param fraction  0..1 of the whole
   void show(const std::string& stage, int iteration, double cost, double fraction);
   /// Clears the bar. Called before other talk.
@@ -30,9 +32,11 @@ class ProgressReporter {
 
  private:
   [[nodiscard]] bool due(bool new_stage);
+  void show_json(int iteration, double cost, double fraction, bool new_stage);
 
   ProgressStyle style_;
   std::string stage_;
+  std::string pending_;  ///< JSON of the last step that was not shown
   bool drawn_ = false;
   std::chrono::steady_clock::time_point last_{};
 };

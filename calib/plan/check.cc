@@ -115,8 +115,10 @@ void judge_as_whole(const Problem& thinned, const Counts& whole, const Counts& f
   whole_solution.beacon_status.clear();
   whole_solution.weak.clear();
   whole_solution.undetermined.clear();
-  std::erase_if(whole_solution.warnings,
-                [](const std::string& w) { return w.find(" is undetermined: ") != std::string::npos; });
+  std::erase_if(whole_solution.warnings, [](const std::string& w) {
+    return w.find(" is undetermined: ") != std::string::npos ||
+           w.find(" beacons are undetermined: ") != std::string::npos;
+  });
   std::vector<Trajectory> weighed = solution.trajectories;
   weigh_as_whole(weighed, whole, few);
   static_cast<void>(judge(thinned, layout, x, usable, mirrored, options.strict, weighed, whole_solution));

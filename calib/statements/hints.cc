@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calib/plan/check.h"
 #include "calib/problem/thin.h"
@@ -45,20 +46,30 @@ bool needs_all(const Finding& f) {
 
 }  // namespace
 
+/// Places that hold nothing, at a site without a control point: an oversight more often than not.
 std::vector<Finding> site_hints(const Site& site) {
+  std::vector<std::string> loose;
   std::size_t placed = 0;
   for (const SiteBeacon& b : site.beacons) {
-    for (const auto& sigma : b.sigma_m)
-      if (sigma) return {};
-    placed += b.position_m[0] && b.position_m[1];
+    if (b.is_control_point()) return {};
+    if (!b.position_m[0] || !b.position_m[1]) continue;
+    ++placed;
+    if (!b.sigma_m[0] && !b.sigma_m[1] && !b.sigma_m[2]) loose.push_back(b.name);
   }
-  if (placed == 0) return {};
-  return {{"no_sigma",
-           fmt::format(
-               "{}: none of the {} beacons with a position_m has a sigma_m: their places serve as a start "
-               "only and hold nothing; state sigma_m: 0.0 for "
-               "those that were surveyed",
-               site.path, placed)}};
+  if (loose.empty()) return {};
+  constexpr std::size_t kNamed = 6;
+  std::string who = fmt::format("none of the {} beacons with a position_m has a sigma_m", placed);
+  if (loose.size() < placed) {
+    const std::size_t named = std::min(loose.size(), kNamed);
+    who =
+        fmt::format("{} of {} beacons with a position_m have no sigma_m ({}{}), and none is a control point",
+                    loose.size(), placed,
+                    fmt::join(loose.begin(), loose.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+                    named < loose.size() ? ", ..." : "");
+  }
+  return {{"no_sigma", fmt::format("{}: {}: their places serve as a start only and hold nothing; state "
+                                   "sigma_m: 0.0 for those that were surveyed",
+                                   site.path, who)}};
 }
 
 std::vector<Finding> log_hints(const Site& site, const std::vector<MeasurementLog>& runs) {

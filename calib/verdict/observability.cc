@@ -94,6 +94,7 @@ class Judge {
       }
       solution_.beacon_status.push_back(status);
     }
+    warn_of_undetermined();
   }
 
   void common_parameters() {
@@ -154,10 +155,28 @@ class Judge {
     const std::string name = owner_name(parameters::beacon_delay(b), names_of(site_));
     const std::string& beacon = site_.beacons[b].name;
     solution_.undetermined.push_back(name);
-    solution_.warnings.push_back(fmt::format("beacon {} is undetermined: {}; {}", beacon, why, remedy));
+    undetermined_.push_back({beacon, why, remedy});
     solution_.weak.push_back(
         {fmt::format("beacon {} ({})", beacon, why), {name}, sigma_m, 0.0, remedy, false, true});
     return BeaconStatus::kUndetermined;
+  }
+
+  /// One warning for each remedy: a site without control points has them all in common.
+  void warn_of_undetermined() {
+    for (std::size_t i = 0; i < undetermined_.size(); ++i) {
+      std::vector<std::string> alike;
+      for (std::size_t k = 0; k < undetermined_.size(); ++k)
+        if (undetermined_[k].remedy == undetermined_[i].remedy) {
+          if (k < i) break;  // told already
+          alike.push_back(undetermined_[k].beacon + " (" + undetermined_[k].why + ")");
+        }
+      if (alike.size() == 1)
+        solution_.warnings.push_back(fmt::format("beacon {} is undetermined: {}; {}", undetermined_[i].beacon,
+                                                 undetermined_[i].why, undetermined_[i].remedy));
+      else if (alike.size() > 1)
+        solution_.warnings.push_back(fmt::format("{} beacons are undetermined: {}; {}", alike.size(),
+                                                 fmt::join(alike, ", "), undetermined_[i].remedy));
+    }
   }
 
   void block(WeakDirection direction) {
@@ -239,6 +258,10 @@ class Judge {
   Solution& solution_;
   double limit_m_, fix_limit_m_;
   std::size_t asked_ = 0;
+  struct Undetermined {
+    std::string beacon, why, remedy;
+  };
+  std::vector<Undetermined> undetermined_;
   bool blocked_ = false;
 };
 

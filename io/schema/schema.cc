@@ -15,6 +15,7 @@ std::string_view schema(std::string_view format) {
   if (format == "batch") return batch_schema();
   if (format == "scene") return scene_schema();
   if (format == "live") return live_schema();
+  if (format == "fixes") return fixes_schema();
   return {};
 }
 

@@ -14,9 +14,13 @@ namespace octant::io {
 [[nodiscard]] std::string_view batch_schema();
 [[nodiscard]] std::string_view scene_schema();
 [[nodiscard]] std::string_view live_schema();
+[[nodiscard]] std::string_view fixes_schema();
 /// Properties of a scene, for the schemas that hold one.
 [[nodiscard]] std::string_view scene_properties();
 /// Lines "path | example | description" of the keys and columns of a format; a column's path is FILE:NAME.
+/// A description that begins with "+ " goes behind the schema's.
 [[nodiscard]] std::string_view key_words(std::string_view format);
+/// Those of what Octant writes.
+[[nodiscard]] std::string_view written_key_words(std::string_view format);
 
 }  // namespace octant::io

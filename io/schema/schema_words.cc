@@ -78,6 +78,32 @@ class SchemaWalk {
   Visit visit_;
 };
 
+/// A description of key_words(): "+ ..." goes behind that of the schema.
+std::string joined(const std::string& schemas, const std::string& words) {
+  constexpr std::string_view kBehind = "+ ";
+  if (words.empty()) return schemas;
+  if (!words.starts_with(kBehind)) return words;
+  const std::string more = words.substr(kBehind.size());
+  return schemas.empty() ? more : schemas + "; " + more;
+}
+
+/// Of a number whose name states no unit: it is a count or a ratio.
+bool is_numeric_key(const WordsJson& key, const WordsJson& root) {
+  if (key.contains("$ref")) {
+    const std::string to = key["$ref"].get<std::string>().substr(1);
+    return is_numeric_key(root.at(nlohmann::json::json_pointer(to)), root);
+  }
+  const auto numeric = [](const WordsJson& type) { return type == "number" || type == "integer"; };
+  if (!key.contains("type")) return false;
+  if (!key["type"].is_array()) return numeric(key["type"]);
+  bool any = false;
+  for (const WordsJson& type : key["type"]) {
+    if (!numeric(type) && type != "null") return false;
+    any = any || numeric(type);
+  }
+  return any;
+}
+
 /// Columns of the files of a run: a text becomes an object.
 void describe_columns(WordsJson& files, const std::map<std::string, KeyWords>& words) {
   constexpr std::string_view kOptional = "optional";
@@ -89,7 +115,7 @@ void describe_columns(WordsJson& files, const std::map<std::string, KeyWords>& w
       if (optional)
         text = stripped(std::string_view(text).substr(std::min(text.size(), kOptional.size() + 1)));
       const auto found = words.find(file + ":" + name);
-      if (found != words.end() && !found->second.description.empty()) text = found->second.description;
+      if (found != words.end()) text = joined(text, found->second.description);
       column = {{"description", text}, {"required", !optional}};
       const std::string first(name.substr(0, name.find(',')));
       if (const std::string_view unit = unit_of_key(first); !unit.empty()) column["x-unit"] = unit;
@@ -105,12 +131,15 @@ WordsJson described(std::string_view format) {
   const auto words = words_of(format), scene_words = words_of("scene");
   SchemaWalk([&](const std::string& path, WordsJson& key, bool) {
     const std::string name = path.substr(path.rfind('.') == std::string::npos ? 0 : path.rfind('.') + 1);
-    if (const std::string_view unit = unit_of_key(name); !unit.empty()) key["x-unit"] = unit;
+    if (const std::string_view unit = unit_of_key(name); !unit.empty())
+      key["x-unit"] = unit;
+    else if (is_numeric_key(key, root))
+      key["x-unit"] = "1";
     const bool in_scene = path.starts_with(kInScene);
     const auto& all = in_scene ? scene_words : words;
     const auto found = all.find(in_scene ? path.substr(kInScene.size()) : path);
     if (found == all.end()) return;
-    if (!found->second.description.empty()) key["description"] = found->second.description;
+    key["description"] = joined(key.value("description", ""), found->second.description);
     if (!found->second.example.empty()) key["examples"] = {example_of(found->second.example)};
   }).walk(root, "");
   if (root.contains("x-files")) describe_columns(root["x-files"], words);

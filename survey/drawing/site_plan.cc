@@ -24,11 +24,12 @@ constexpr const char* kPlanStyle = R"(<style>
 .plan .track{fill:none;stroke:#5d6b78;stroke-width:1.2}.plan .stop{fill:none;stroke:#5d6b78;stroke-width:4;stroke-linecap:round}
 .plan .fix{fill:none;stroke:#b3470b;stroke-width:1.3}.plan .beacon{fill:#1660a8}.plan .control{fill:#176b34}
 .plan .beacon,.plan .control{stroke:#fff;stroke-width:1}.plan .dots{fill:none;stroke:#1660a8;stroke-width:5;stroke-linecap:round}.plan .ellipse{fill:#1660a8;fill-opacity:.15;stroke:#1660a8}
+.plan .miss{fill:none;stroke:#b3261e;stroke-opacity:.45}.plan .early{stroke:#7a4a00;stroke-dasharray:6 4}.plan .other{stroke:#5d6b78;stroke-dasharray:2 4}.plan .missed{fill:#b3261e;fill-opacity:.3;stroke:#b3261e}
 .plan .silent{stroke:#b3261e;stroke-width:3}.plan .move{fill:none;stroke:#b3261e;stroke-width:2}.plan .swatch{stroke:#1b2733;stroke-width:.5}.plan .layer~.layer{display:none}
 @media(prefers-color-scheme:dark){.plan text{fill:#dfe6ec}.plan .name{stroke:#12181e}.plan .paper{fill:#12181e}.plan .grid{stroke:#2b353f}
 .plan .area{fill:#18251d;stroke:#8fb09a}.plan .track,.plan .stop{stroke:#9aa7b3}.plan .fix{stroke:#f0945a}.plan .beacon{fill:#6db3f2}
 .plan .control{fill:#67c587}.plan .beacon,.plan .control{stroke:#12181e}.plan .dots{stroke:#6db3f2}.plan .ellipse{fill:#6db3f2;stroke:#6db3f2}
-.plan .silent,.plan .move{stroke:#f2867e}.plan .swatch{stroke:#dfe6ec}}
+.plan .silent,.plan .move,.plan .miss,.plan .missed{stroke:#f2867e}.plan .missed{fill:#f2867e}.plan .early{stroke:#e6b35c}.plan .other{stroke:#9aa7b3}.plan .swatch{stroke:#dfe6ec}}
 </style>
 )";
 
@@ -156,6 +157,46 @@ void draw_moves(std::string& svg, const PlanInput& input, const PlanFrame& frame
   }
 }
 
+constexpr double kLargestMiss_px = 16.0;
+
+const char* miss_class(const PlanMiss& miss) {
+  return miss.late >= miss.early && miss.late >= miss.other ? "miss"
+         : miss.early >= miss.other                         ? "miss early"
+                                                            : "miss other";
+}
+
+/// Lines from where the vehicle was to the beacon whose arrivals were left out there, and a disc for each
+/// such place, its area by their number.
+void draw_misses(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
+  struct Place {
+    Eigen::Vector2d at_m;
+    std::size_t count = 0;
+  };
+  std::vector<Place> places;
+  std::size_t most = 1;
+  for (const PlanMiss& miss : input.misses) {
+    const auto beacon = std::find_if(input.deployment.beacons.begin(), input.deployment.beacons.end(),
+                                     [&](const DeploymentBeacon& b) { return b.name == miss.beacon; });
+    if (beacon != input.deployment.beacons.end() && is_drawn(*beacon))
+      svg += fmt::format("<path class='{}' d='M{:.1f} {:.1f}L{:.1f} {:.1f}' stroke-width='{:.1f}'/>\n",
+                         miss_class(miss), frame.x(miss.at_m.x()), frame.y(miss.at_m.y()),
+                         frame.x(beacon->position_m.x()), frame.y(beacon->position_m.y()),
+                         std::min(4.0, std::sqrt(static_cast<double>(miss.count()))));
+    // Those of one place stand together.
+    if (places.empty() || places.back().at_m != miss.at_m) places.push_back({miss.at_m});
+    places.back().count += miss.count();
+    most = std::max(most, places.back().count);
+  }
+  for (const Place& place : places)
+    svg += fmt::format(
+        "<circle class='missed' cx='{:.1f}' cy='{:.1f}' r='{:.1f}'><title>{} left out at x {:.2f} m, y "
+        "{:.2f} m</title></circle>\n",
+        frame.x(place.at_m.x()), frame.y(place.at_m.y()),
+        std::max(3.0,
+                 kLargestMiss_px * std::sqrt(static_cast<double>(place.count) / static_cast<double>(most))),
+        place.count, place.at_m.x(), place.at_m.y());
+}
+
 /// The beacon that is out of work while a map is shown.
 void draw_silent(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
   for (std::size_t k = 0; k < input.maps.size(); ++k) {
@@ -194,10 +235,22 @@ double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& fr
     entry(fmt::format("<path class='track' d='M{:.1f} {:.1f}h14'/>", x - 7, y), "drive of the calibration");
   if (!input.fixes_m.empty())
     entry("<path class='fix' d='" + fix_mark(x, y) + "'/>", "fix of the localized run");
+  if (!input.misses.empty()) {
+    x = kPlanMargin_px;
+    y += kLegendRow_px;
+    entry(fmt::format("<path class='miss' stroke-width='2' d='M{:.1f} {:.1f}h14'/>", x - 7, y),
+          "late (echo)");
+    entry(fmt::format("<path class='miss early' stroke-width='2' d='M{:.1f} {:.1f}h14'/>", x - 7, y),
+          "early (spurious)");
+    entry(fmt::format("<path class='miss other' stroke-width='2' d='M{:.1f} {:.1f}h14'/>", x - 7, y),
+          "another reason");
+    entry(fmt::format("<circle class='missed' cx='{:.1f}' cy='{:.1f}' r='6'/>", x, y),
+          "place, its area by how many");
+  }
   svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", kPlanMargin_px - 4, y + 4 + kLegendRow_px,
                      last_line);
   svg += "</g>\n";
-  return 2 * kLegendRow_px;
+  return (input.misses.empty() ? 2 : 3) * kLegendRow_px;
 }
 
 /// @param drawing  legend's height is known only when all is drawn
@@ -239,6 +292,7 @@ std::string site_plan_svg(const PlanInput& input) {
     svg += map_layer_svg(input.maps[k], k, frame, frame.height_px + 8 + 2 * kLegendRow_px);
   draw_grid(svg, frame, "x, y in metres");
   draw_tracks(svg, input, frame, flat);
+  draw_misses(svg, input, frame);
   const bool named = input.deployment.beacons.size() <= kMostNamed;
   for (const auto& beacon : input.deployment.beacons)
     if (named && is_drawn(beacon)) draw_ellipse(svg, beacon, frame, exaggeration);

@@ -43,13 +43,22 @@ struct PlanMove {
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< new less old
 };
 
+/// Arrivals of a beacon that were left out while the vehicle stood (or drove) at a place.
+struct PlanMiss {
+  std::string beacon;
+  Eigen::Vector2d at_m{0, 0};  ///< of the vehicle
+  std::size_t late = 0, early = 0, other = 0;
+  [[nodiscard]] std::size_t count() const { return late + early + other; }
+};
+
 /// What is drawn on the plan.
 struct PlanInput {
   Deployment deployment;
   std::vector<Track> tracks;             ///< of the calibration
   std::vector<Eigen::Vector3d> fixes_m;  ///< of a run that was localized; may be empty
   std::vector<NamedMap> maps;
-  std::vector<PlanMove> moves{};  ///< arrows to where beacons hang now
+  std::vector<PlanMove> moves{};   ///< arrows to where beacons hang now
+  std::vector<PlanMiss> misses{};  ///< lines from the vehicle to the beacon
 };
 
 /// A plan shows no more marks of a kind than this; more would not be seen.

@@ -59,7 +59,7 @@ std::string marked(const ReportText& cell) {
 
 class HtmlWriter {
  public:
-  explicit HtmlWriter(bool live) : live_(live) {}
+  HtmlWriter(bool live, bool explained) : live_(live), explained_(explained) {}
   std::string html;
 
   void operator()(const ReportText& text) {
@@ -77,9 +77,10 @@ class HtmlWriter {
     if (table.folded) html += "<details><summary>" + escape_xml(table.caption) + " as a table</summary>\n";
     html += fmt::format(
         "<div class='scroll' tabindex='0' role='region' aria-labelledby='caption-{0}'><table "
-        "id='{0}'>\n<caption id='caption-{0}'>{1}</caption>\n"
+        "id='{0}'>\n<caption id='caption-{0}'>{1}{2}</caption>\n"
         "<thead><tr>",
-        id, escape_xml(table.caption));
+        id, escape_xml(table.caption),
+        explained_ && table.columns.size() > 2 ? " <a class='words-link' href='#words'>Words</a>" : "");
     for (const auto& column : table.columns)
       html += fmt::format("<th scope='col'{}>{}</th>", column.words ? " class='words'" : "",
                           escape_xml(column.name));
@@ -136,6 +137,7 @@ class HtmlWriter {
   }
 
   bool live_;
+  bool explained_;  ///< the page has a section of words
 };
 
 }  // namespace
@@ -152,7 +154,9 @@ std::string page_head(const std::string& title, const std::string& more_style, b
 }
 
 std::string to_html(const ReportDocument& document, std::string_view plotly) {
-  HtmlWriter writer(!plotly.empty());
+  const bool explained = std::any_of(document.sections.begin(), document.sections.end(),
+                                     [](const ReportSection& section) { return section.id == "words"; });
+  HtmlWriter writer(!plotly.empty(), explained);
   std::string& html = writer.html;
   html = page_head(document.title + " – " + document.subtitle, "", !plotly.empty());
   html += "<a class='skip' href='#main'>Skip to the content</a>\n<header>\n";

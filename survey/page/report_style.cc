@@ -32,7 +32,7 @@ figure{margin:.4rem 0}ol,ul{margin:.3rem 0}figcaption{color:var(--soft);font-siz
 fieldset{border:1px solid var(--line);border-radius:.4rem;padding:.2rem .8rem .5rem;margin:.6rem 0 0;display:flex;flex-wrap:wrap;gap:.1rem 1.2rem}
 fieldset{min-width:0}fieldset span{overflow-wrap:anywhere}input{accent-color:var(--link)}label{cursor:pointer}details{margin:.3rem 0 1rem}summary{cursor:pointer;color:var(--link)}
 footer{margin-top:3rem;color:var(--soft);font-size:.8rem}
-@media(max-width:640px){body{font-size:15px;padding:1rem .8rem}.still svg text{font-size:20px}.still svg .legend text{font-size:13px}table{min-width:0}caption{max-width:calc(100vw - 1.8rem)}nav{display:none}h1{font-size:1.5rem}.verdict{font-size:1rem;padding:.7rem .9rem}}
+@media(max-width:640px){.drawing{display:flex;flex-direction:column}.drawing fieldset{order:2}.drawing figure{min-width:0;margin:.4rem 0}body{font-size:15px;padding:1rem .8rem}.still svg text{font-size:20px}.still svg .legend text{font-size:13px}table{min-width:0}caption{max-width:calc(100vw - 1.8rem)}nav{display:none}h1{font-size:1.5rem}.verdict{font-size:1rem;padding:.7rem .9rem}}
 @page{size:A4;margin:14mm}
 @media print{body{max-width:none;padding:0;font-size:10pt}nav,.skip,.controls,fieldset{display:none}.live,.is-live .live{display:none}.is-live .still{display:block}
 .scroll{overflow:visible}table{font-size:7.5pt;width:100%}#beacon-table td.words{white-space:normal}caption{font-size:8pt}th,td{padding:1.2pt 2.5pt}thead{display:table-header-group}

@@ -71,10 +71,10 @@ ReportDocument report_document(const ReportInput& input) {
   document.sentence = v.sentence;
   using MakeSection = std::optional<ReportSection> (*)(const ReportInput&);
   // What to do and where it is come first, then why; how it was found out comes last.
-  constexpr MakeSection kSections[] = {next_section,         plan_section,      verdict_section,
-                                       warnings_section,     changes_section,   beacons_section,
-                                       verification_section, weak_section,      loss_section,
-                                       residuals_section,    provenance_section};
+  constexpr MakeSection kSections[] = {
+      next_section,      plan_section,         verdict_section,   warnings_section, changes_section,
+      beacons_section,   verification_section, weak_section,      loss_section,     left_out_section,
+      residuals_section, words_section,        provenance_section};
   for (const MakeSection make : kSections)
     if (auto section = make(input)) document.sections.push_back(std::move(*section));
   return document;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "models/deployment.h"
@@ -22,12 +23,24 @@ struct WeakNote {
   std::string remedy;
   double consequence_m = 0.0;  ///< at the robot
   bool blocking = false;       ///< nothing was exported because of it
+  bool lone_beacon = false;    ///< an undetermined beacon, which does not block the others
 };
 
 /// Arrivals left out, by reason in words.
 struct LeftOutNote {
   std::string reason;
   std::size_t count = 0;
+};
+
+/// What was heard at one stop, or on a stretch of a drive.
+struct StopNote {
+  std::string name;  ///< of the stop: its epoch; of a stretch: "120 to 130 s"
+  bool moving = false;
+  Eigen::Vector2d at_m{0, 0};
+  std::size_t used = 0, late = 0, early = 0, other = 0;  ///< arrivals; late, early, other: left out
+  std::size_t looked_at = 0;                             ///< residuals that mean and RMS are of
+  double mean_s = 0.0, rms_s = 0.0;
+  [[nodiscard]] std::size_t left_out() const { return late + early + other; }
 };
 
 /// What the adjustment says of one beacon.
@@ -97,6 +110,8 @@ struct ReportInput {
   std::vector<MovedNote> moved;  ///< farthest first
   std::vector<WeakNote> weak;
   std::vector<LeftOutNote> left_out;
+  std::vector<StopNote> stops;   ///< of many those that stick out
+  std::vector<PlanMiss> misses;  ///< those of one place together
   std::vector<ResidualChart> residuals;
   std::optional<Histogram> standardised;  ///< residuals over their sigmas
   std::size_t looked_at = 0;              ///< arrivals that residuals and redundancies are of
@@ -106,8 +121,9 @@ struct ReportInput {
   std::string loss_name, loss_unit;
   std::optional<Changes> changes;  ///< since an earlier deployment
   std::vector<std::string> warnings;
-  std::string command;               ///< that wrote this report
-  std::vector<std::string> options;  ///< in words, beside the command: "threads 2"
+  std::vector<std::pair<std::string, std::string>> words;  ///< of the report, each with what it means
+  std::string command;                                     ///< that wrote this report
+  std::vector<std::string> options;                        ///< in words, beside the command: "threads 2"
 };
 
 enum class Grade {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,13 +24,20 @@ std::string names(const std::vector<std::string>& all) {
   return all.size() > kMostNames ? text + fmt::format(" and {} more", all.size() - kMostNames) : text;
 }
 
+/// One step for each remedy, whatever it settles.
 void add_weak(const ReportInput& input, std::vector<std::string>& steps) {
   for (const bool blocking : {true, false}) {
+    std::vector<std::pair<std::string, std::vector<std::string>>> by_remedy;
     for (const auto& weak : input.weak) {
       if (weak.blocking != blocking || weak.remedy.empty()) continue;
-      const std::string step = as_sentence(fmt::format("To settle {}: {}", weak.description, weak.remedy));
-      if (std::find(steps.begin(), steps.end(), step) == steps.end()) steps.push_back(step);
+      auto at = std::find_if(by_remedy.begin(), by_remedy.end(),
+                             [&](const auto& of) { return of.first == weak.remedy; });
+      if (at == by_remedy.end()) at = by_remedy.insert(at, {weak.remedy, {}});
+      if (std::find(at->second.begin(), at->second.end(), weak.description) == at->second.end())
+        at->second.push_back(weak.description);
     }
+    for (const auto& [remedy, settles] : by_remedy)
+      steps.push_back(as_sentence(fmt::format("To settle {}: {}", names(settles), remedy)));
   }
 }
 
@@ -46,7 +54,9 @@ void add_beacons(const ReportInput& input, std::vector<std::string>& steps) {
     const bool counts = std::find(lost.begin(), lost.end(), note.name) == lost.end();
     if (counts && note.used > 0 && note.redundancy < kLittleRedundancy) bare.push_back(note.name);
   }
-  if (!lost.empty() && input.outcome == Outcome::kCalibrated)
+  const bool told = std::any_of(input.weak.begin(), input.weak.end(),
+                                [](const WeakNote& weak) { return weak.lone_beacon; });
+  if (!lost.empty() && !told && input.outcome == Outcome::kCalibrated)
     steps.push_back(
         fmt::format("Hear {} from more places, well apart: not determined, localizers leave {} out.",
                     names(lost), lost.size() > 1 ? "them" : "it"));

@@ -51,9 +51,10 @@ std::optional<ReportSection> plan_section(const ReportInput& input) {
   PlanLines lines;
   lines.moves = move_lines(drawn);
   ReportFigure plan{"figure-plan",
-                    "The site from above: beacons with their 95 % error ellipses (2.45 sigma, drawn larger "
-                    "by the factor in the legend), "
-                    "the calibrated area and where the vehicle was.",
+                    fmt::format("The site from above: calibrated beacons (discs), control points held fixed "
+                                "(triangles), 95 % error ellipses (2.45 sigma, drawn {:g} times as large as "
+                                "they are), the calibrated area (dashed) and where the vehicle was.",
+                                ellipse_exaggeration(drawn.deployment, plan_frame(drawn).extent_m())),
                     site_plan_svg(drawn),
                     plan_figure_json(drawn, lines),
                     {},

@@ -14,6 +14,27 @@ namespace {
 
 constexpr std::size_t kLeastBins = 2;
 
+/// Stops whose residuals are of another size than all; few arrivals may do so by chance.
+constexpr double kSticksOut = 2.0;
+constexpr std::size_t kEnoughOfAStop = 5, kMostStops = 8;
+
+std::string stops_that_stick_out(const ReportInput& input) {
+  const double all_s = input.plan.deployment.statistics.rms_s;
+  std::vector<const StopNote*> out;
+  for (const StopNote& stop : input.stops)
+    if (stop.looked_at >= kEnoughOfAStop && all_s > 0 && stop.rms_s > kSticksOut * all_s)
+      out.push_back(&stop);
+  if (out.empty()) return "";
+  std::stable_sort(out.begin(), out.end(),
+                   [](const StopNote* a, const StopNote* b) { return a->rms_s > b->rms_s; });
+  std::string text = "Residuals stick out at";
+  for (std::size_t i = 0; i < std::min(out.size(), kMostStops); ++i)
+    text += fmt::format("{} {} ({:.1f} times the RMS of all)", i == 0 ? "" : ",",
+                        (out[i]->moving ? "" : "stop ") + out[i]->name, out[i]->rms_s / all_s);
+  if (out.size() > kMostStops) text += fmt::format(" and {} more", out.size() - kMostStops);
+  return text + ": did the vehicle move there, or did something stand in the way?";
+}
+
 /// Of very many names those whose residuals are largest.
 ResidualChart worst_of(const ResidualChart& chart) {
   ResidualChart few = chart;
@@ -60,6 +81,8 @@ std::optional<ReportSection> residuals_section(const ReportInput& input) {
     what += fmt::format(" Of {} of the {} arrivals, at even distances; the adjustment used all.",
                         input.looked_at, used);
   section.blocks.emplace_back(ReportText{what});
+  if (std::string stops = stops_that_stick_out(input); !stops.empty())
+    section.blocks.emplace_back(ReportText{std::move(stops), Tone::kAttention});
   for (const auto& whole : input.residuals) {
     if (whole.bins.size() < kLeastBins) continue;  // a chart of one point shows nothing
     const ResidualChart chart = worst_of(whole);

@@ -15,6 +15,8 @@ namespace octant::survey {
 [[nodiscard]] std::optional<ReportSection> verification_section(const ReportInput& input);
 [[nodiscard]] std::optional<ReportSection> residuals_section(const ReportInput& input);
 [[nodiscard]] std::optional<ReportSection> weak_section(const ReportInput& input);
+[[nodiscard]] std::optional<ReportSection> left_out_section(const ReportInput& input);
+[[nodiscard]] std::optional<ReportSection> words_section(const ReportInput& input);
 [[nodiscard]] std::optional<ReportSection> loss_section(const ReportInput& input);
 [[nodiscard]] std::optional<ReportSection> changes_section(const ReportInput& input);
 [[nodiscard]] std::optional<ReportSection> next_section(const ReportInput& input);

@@ -141,7 +141,13 @@ Verdict verdict(const ReportInput& input) {
             : !kept                                 ? Grade::kPoor
             : judged                                ? Grade::kGood
                                                     : Grade::kUnjudged;
-  if (v.grade == Grade::kUnjudged) v.sentence += " The site states no tolerance to hold that against.";
+  if (v.grade == Grade::kUnjudged)
+    v.sentence += input.plan.deployment.tolerance.fix_m
+                      ? fmt::format(
+                            " The site's tolerance of {} is one of fixes: octant verify holds them "
+                            "against it.",
+                            length_text(*input.plan.deployment.tolerance.fix_m))
+                      : " The site states no tolerance to hold that against.";
   return v;
 }
 

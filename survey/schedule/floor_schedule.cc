@@ -71,7 +71,8 @@ Result<FloorSchedule> floor_schedule(const SurveyModel& model, const Scene& scen
   if (!std::isfinite(out.reach_m))
     return fail({.file = scene.path,
                  .found = "neither file nor scene say how far a pulse is heard",
-                 .expected = "attenuation with a threshold_v, scene.acoustics, or gates.max_range_m",
+                 .expected = "attenuation with a threshold_v, acoustics.range_m of a scene (--scene), or "
+                             "gates.max_range_m of a site file",
                  .advice = "a schedule waits until a pulse has gone, and nothing says when that is"});
   double highest_m = 0.0;
   for (const SurveyBeacon& b : model.beacons) highest_m = std::max(highest_m, b.p_map_m.z());

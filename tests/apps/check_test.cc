@@ -180,7 +180,7 @@ TEST_F(Check, UndeterminedIsExit5WithCalibratesWords) {
   EXPECT_EQ(object["verdict"]["undetermined"], calibrate.json()["undetermined"]);
   EXPECT_EQ(object["verdict"]["weak"], calibrate.json()["weak"]);
   EXPECT_EQ(object["error"]["exit"], 5);
-  EXPECT_THAT(check().out, HasSubstr("calibrate would refuse"));
+  EXPECT_THAT(check().out, HasSubstr("cannot determine what the site asks for"));
 }
 
 TEST_F(Check, BadInputAndWrongUsage) {

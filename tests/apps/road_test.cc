@@ -248,6 +248,17 @@ TEST_F(Road, ProgressAsJsonLines) {
   ASSERT_EQ(done.exit, 0) << done.err;
   const std::string first = done.err.substr(0, done.err.find('\n'));
   EXPECT_TRUE(nlohmann::json::parse(first, nullptr, false).contains("stage")) << first;
+  // Each stage of the adjustment ends with the step that it came to and what was left then.
+  int most = 0;
+  std::istringstream lines(done.err);
+  for (std::string line; std::getline(lines, line);) {
+    const auto step = nlohmann::json::parse(line, nullptr, false);
+    if (!step.is_object() || !step.contains("cost")) continue;
+    most = std::max(most, step["iteration"].get<int>());
+    if (step["iteration"] > 0) EXPECT_GT(step["cost"].get<double>(), 0.0) << line;
+    EXPECT_LT(line.size(), 200U) << "as many digits as anybody needs";
+  }
+  EXPECT_GT(most, 1);
   EXPECT_TRUE(done.json().is_object());
 }
 

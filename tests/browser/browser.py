@@ -101,9 +101,9 @@ class Browser:
     def run(self, script, *words):
         return self.driver.execute_script(script, *words)
 
-    def open(self, path, width=1280, dark=False, script=True):
+    def open(self, path, width=1280, height=1000, dark=False, script=True):
         self.cdp("Emulation.setScriptExecutionDisabled", value=not script)
-        self.cdp("Emulation.setDeviceMetricsOverride", width=width, height=1000, deviceScaleFactor=1, mobile=width < 600)
+        self.cdp("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
         self.cdp("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
         self.driver.get_log("browser"), self.driver.get_log("performance")  # of the page before
         self.url = "file://" + os.path.abspath(path)

@@ -16,6 +16,8 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from browser import Browser, pixels, skip_unless_possible  # noqa: E402
 
 OCTANT = ""
+SOURCES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+SCREENS = ((1280, 900), (400, 800))  # a desk's, a phone's
 HOSTILE = ["<script>alert(1)</script>", '"];//', "</script><b>bold</b>", "]]>", "&lt;", "<img src=x onerror=\"document.title='taken'\">",
            "<a href='javascript:alert(1)'>B6</a>", "var(--bad)"]
 
@@ -37,6 +39,7 @@ class Reports(unittest.TestCase):
         octant("report", at("r.json"), at("hall/heldout"), "--since", at("hall/deployment.true.json"), "-o", at("good.html"))
         octant("report", at("r.json"), at("hall/heldout"), "--since", at("hall/deployment.true.json"), "-o", at("still.html"), "--report-static")
         octant("report", at("d.json"), "--site-sheet", at("sheet.html"))
+        cls.echoes()
         cls.hostile_site()
         octant("calibrate", at("hostile/site.yaml"), at("hostile/run"), "-o", at("h.json"), "--report", at("hostile.html"))
         octant("report", at("h.json"), "--site-sheet", at("hostile-sheet.html"))
@@ -49,6 +52,17 @@ class Reports(unittest.TestCase):
     def tearDownClass(cls):
         cls.browser.close()
         shutil.rmtree(cls.box, ignore_errors=True)
+
+    @classmethod
+    def echoes(cls):
+        """A hall in which one arrival in eight is an echo."""
+        with open(os.path.join(SOURCES, "datasets/hall/scenario.yaml")) as file:
+            scenario = file.read()
+        with open(cls.at("echoes.yaml"), "w") as file:
+            file.write(scenario + "\necho_fraction: 0.12\n")
+        octant("simulate", cls.at("echoes.yaml"), "-o", cls.at("echoes"))
+        cls.echoing = json.loads(octant("calibrate", cls.at("echoes/site.yaml"), cls.at("echoes/run"), "-o", cls.at("e.json"), "--report", cls.at("echoes.html"),
+                                        "--json"))
 
     @classmethod
     def hostile_site(cls):
@@ -91,7 +105,7 @@ class Reports(unittest.TestCase):
     def draw_all(self):
         """As a reader would: down to the end of the page."""
         b = self.browser
-        figures = b.run("return [...document.querySelectorAll('figure')].map(f => f.id)")
+        figures = b.run("return [...document.querySelectorAll('figure[data-live]')].map(f => f.id)")
         has_webgl = b.run("return !!document.createElement('canvas').getContext('webgl')")
         for figure in figures:
             b.run("document.getElementById(arguments[0]).scrollIntoView({behavior: 'instant', block: 'center'})", figure)
@@ -110,14 +124,14 @@ class Reports(unittest.TestCase):
         if not self.is_live():
             self.skipTest("built without plotly.js")
         figures = self.draw_all()
-        self.assertEqual(len(figures), 9)
+        self.assertEqual(len(figures), 10)
         for figure in figures:
             # An empty frame of one colour varies by nothing, one with axes alone by some 5.
             self.assertGreater(pixels(b.picture(f"#{figure}", 0.5)).std(), 8, figure)
         # What the drawings hold: 5 calibrated beacons and 3 control points, as many bins as the tables have rows.
         names = b.run("return [...document.querySelectorAll('#figure-plan .textpoint')].map(t => t.textContent)")
         self.assertEqual(sorted(names), [f"B{i}" for i in range(8)])
-        for by, bins in (("beacon", 8), ("distance", 8), ("time", 16)):
+        for by, bins in (("beacon", 8), ("stop", 150), ("distance", 8), ("time", 16)):
             self.assertEqual(b.run(f"return document.querySelectorAll('#figure-residuals-{by} .points path.point').length"), bins)
             self.assertEqual(b.run(f"return document.querySelectorAll('#residuals-by-{by} tbody tr').length"), bins)
             # And they stand where the table says.
@@ -207,18 +221,65 @@ class Reports(unittest.TestCase):
     def test_first_screen_says_what_to_do_and_where(self):
         b = self.browser
         box = "const r = document.querySelector(arguments[0]).getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]"
-        b.open(self.at("still.html"), width=1280)
-        self.assertLess(b.run(box, "#sentence")[3], 250)
-        self.assertLess(b.run(box, "[aria-labelledby=next] li")[3], 450)
-        plan = b.run(box, "#figure-plan svg")
-        self.assertLess(plan[1], 620)
-        self.assertLess((plan[1] + plan[3]) / 2, 900)  # half of it and more
-        b.open(self.at("still.html"), width=400)
-        self.assertLess(b.run(box, "[aria-labelledby=next] li")[3], 700)
+        for page in ("good.html", "still.html", "echoes.html"):
+            for width, height in SCREENS:
+                b.open(self.at(page), width=width, height=height)
+                of = (page, width)
+                sentence, step = b.run(box, "#sentence"), b.run(box, "[aria-labelledby=next] li")
+                plan = b.run(box, "#figure-plan")  # still or live
+                self.assertLess(sentence[3], 0.4 * height, of)
+                self.assertLess(sentence[3], step[1], of)  # the verdict first, then what to do, then where
+                self.assertLess(step[3], plan[1], of)
+                self.assertLess((plan[1] + plan[3]) / 2, height, of)  # half of it and more
+                self.assertLessEqual(b.run("return document.documentElement.scrollWidth"), width, of)
+        b.open(self.at("still.html"), width=400, height=800)
         for figure in b.run("return [...document.querySelectorAll('figure')].map(f => f.id)"):
             left, _, right, _ = b.run(box, f"#{figure} svg")
             self.assertGreaterEqual(left, 0, figure)
             self.assertLessEqual(right, 400, figure)  # whole, nothing to scroll for
+
+    def test_what_was_left_out_is_on_a_map(self):
+        b = self.browser
+        left_out = self.echoing["left_out"]["arrivals"]
+        self.assertGreater(left_out["total"], 100)
+        for width, height in SCREENS:
+            b.open(self.at("echoes.html"), width=width, height=height)
+            if self.is_live():
+                self.draw_all()
+            places = b.run("return [...document.querySelectorAll('#figure-left-out .missed title')].map(t => parseInt(t.textContent))")
+            self.assertEqual(sum(places), left_out["total"])  # none is lost on the way
+            self.assertGreater(b.run("return document.querySelectorAll('#figure-left-out path.miss:not(.legend *)').length"), 50)
+            rows = b.run("return [...document.querySelectorAll('#left-out-table tbody tr')].map(r => [...r.cells].map(c => c.textContent))")
+            self.assertEqual(len(rows), len(places))
+            self.assertEqual(sum(int(row[4]) + int(row[5]) + int(row[6]) for row in rows), left_out["total"])
+            right = b.run("return document.querySelector('#figure-left-out svg').getBoundingClientRect().right")
+            self.assertLessEqual(right, width)
+            self.assertGreater(pixels(b.picture("#figure-left-out svg", 0.5)).std(), 8)
+            self.assert_quiet()
+
+    def test_every_table_leads_to_its_words(self):
+        b = self.browser
+        for width, height in SCREENS:
+            b.open(self.at("echoes.html"), width=width, height=height)
+            words = b.run("return [...document.querySelectorAll('#words-table tbody th')].map(t => t.textContent)")
+            for word in ("arrival", "mdb", "variance factor", "control point", "moved from the site file", "redundancy", "lateness", "late", "gate"):
+                self.assertIn(word, words)
+            links = b.run("return document.querySelectorAll('caption a.words-link').length")
+            self.assertGreater(links, 5)
+            b.run("document.querySelector('#caption-beacon-table a.words-link').click()")
+            self.assertTrue(b.wait(f"Math.abs(document.getElementById('words').getBoundingClientRect().top) < {height}", 10))
+            table = b.run("const r = document.getElementById('words-table').getBoundingClientRect(); return [r.left, r.right]")
+            self.assertLessEqual(table[1], width)  # read without scrolling aside
+            self.assert_quiet()
+
+    def test_no_chart_has_one_point(self):
+        b = self.browser
+        for page in ("good.html", "echoes.html", "hostile.html"):
+            b.open(self.at(page))
+            for by, rows in b.run("return [...document.querySelectorAll('table[id^=residuals-by-]')].map(t => [t.id, t.tBodies[0].rows.length])"):
+                self.assertGreater(rows, 1, (page, by))
+            fixed = b.run("return [...document.querySelectorAll('#beacon-table tbody tr')].filter(r => r.textContent.includes('control point')).map(r => r.cells[4].textContent)")
+            self.assertEqual(set(fixed), {"fixed"})
 
     def test_paper_has_all_sections(self):
         if not shutil.which("pdftotext"):
@@ -229,7 +290,7 @@ class Reports(unittest.TestCase):
             if page == "good.html" and self.is_live():
                 self.draw_all()
             titles = b.run("return [...document.querySelectorAll('h2')].map(h => h.textContent)")
-            self.assertEqual(len(titles), 10)
+            self.assertEqual(len(titles), 11)
             b.cdp("Emulation.setEmulatedMedia", features=[])
             pdf = base64.b64decode(b.cdp("Page.printToPDF", printBackground=True, preferCSSPageSize=True)["data"])
             with open(self.at("page.pdf"), "wb") as file:

@@ -44,6 +44,10 @@ ReportInput full_report() {
   input.left_out = {{"late (echo)", 20}};
   input.residuals = {{"beacon", "", {{"B0", 0, 0, 700, 1e-7, 9e-6}, {"B1", 0, 0, 650, -2e-7, 9e-6}}},
                      {"distance", "m", {{"", 2, 5, 900, 1e-7, 8e-6}, {"", 5, 9, 1100, 2e-7, 9e-6}}}};
+  input.stops = {{"7", false, {2, 2}, 40, 15, 3, 0, 40, 1e-6, 3e-5},
+                 {"8", false, {3, 3}, 50, 2, 0, 0, 50, 0, 9e-6}};
+  input.misses = {{"B1", {2, 2}, 15, 0, 0}, {"B2", {2, 2}, 0, 3, 0}, {"B1", {3, 3}, 2, 0, 0}};
+  input.words = {{"variance factor", "How large the squared residuals are."}};
   input.standardised = Histogram{-6.0, 3.0, {10, 990, 985, 15}};
   input.looked_at = 2000;
   input.evaluation = Evaluation{};
@@ -84,6 +88,9 @@ ReportInput report_full_of(const std::string& text) {
                          &input.weak[0].description,
                          &input.weak[0].remedy,
                          &input.left_out[0].reason,
+                         &input.stops[0].name,
+                         &input.words[0].first,
+                         &input.words[0].second,
                          &input.evaluation->gates[0].name,
                          &input.losses[0].beacon,
                          &input.losses[0].map->silent_beacon,
@@ -100,6 +107,7 @@ ReportInput report_full_of(const std::string& text) {
     *s = text;
   for (auto& b : d.beacons) b.name = text;
   for (auto& b : input.beacons) b.name = text;
+  for (auto& m : input.misses) m.beacon = text;
   for (auto& b : input.residuals[0].bins) b.name = text;
   return input;
 }

@@ -13,6 +13,7 @@
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/step_check.h"
 #include "apps/octant/steps/steps.h"
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/table.h"
 #include "calib/statements/hints.h"
 #include "io/site/site_yaml.h"
@@ -120,7 +121,7 @@ Json beacons_json(const calib::Forecast& f) {
 }
 
 void add_line(std::string& text, const char* name, const std::string& what) {
-  text += fmt::format("{:<17}{}\n", name, what);
+  text += named_line(name, what);
 }
 
 std::string coverage_words(const calib::Coverage& c) {
@@ -207,7 +208,9 @@ std::string forecast_verdict_text(const calib::Forecast& f, const std::string& s
                                    f.arrivals_used, f.arrivals)
                      : fmt::format("an adjustment of all {} arrivals", f.arrivals);
   std::string text =
-      fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})\n\n", site, from);
+      paragraph(fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})", site,
+                            from)) +
+      "\n";
   if (!s.beacon_status.empty()) {
     text += check_beacon_table(f) + "\n";
     if (f.speed_sigma_mps)

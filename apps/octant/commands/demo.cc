@@ -140,8 +140,10 @@ int run(const std::string& folder, Session& session) {
   if (!checked) return session.fail(checked.error());
   if (interrupted()) return session.interrupted();
   survey::ReportInput report = report_input(*calibration, session);
+  add_stops(*calibration, report);
   add_verification(report, checked->found, checked->evaluation);
   survey::add_geometry(report, session.threads());
+  add_words(report);
   if (auto written = io::write_file(at.plan, survey::site_plan_svg(report.plan)); !written)
     return session.fail(written.error());
   if (auto written = io::write_file(at.report, survey::report_html(report)); !written)

@@ -14,9 +14,9 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
   CLI::App* command =
       add_command(app, common, "schema", "Print the JSON Schema of a file format, with a word on every key",
                   "octant schema deployment > deployment.schema.json");
-  command->add_option("format", *format, "site, run, deployment, scenario, scene, batch or live")
+  command->add_option("format", *format, "site, run, deployment, fixes, scenario, scene, batch or live")
       ->required()
-      ->check(CLI::IsMember({"site", "run", "deployment", "scenario", "scene", "batch", "live"}))
+      ->check(CLI::IsMember({"site", "run", "deployment", "scenario", "scene", "batch", "live", "fixes"}))
       ->type_name("FORMAT");
   command->add_flag("--page", *page, "Instead: a page of Markdown, a row for each key and column");
   command->callback([format, page, &action] {

@@ -37,7 +37,7 @@ const char* heading(GlossaryKind kind) {
 }
 
 constexpr GlossaryTerm kGlossary[] = {
-    {kTerm, "arrival", "arrivals, used, left out",
+    {kTerm, "arrival", "arrivals, used, left out, rejected",
      "One time of flight between one beacon and one receiver: a row of tof.csv. An arrival is used, or "
      "left out with "
      "a reason (late, early, ...). Some per cent left out is normal indoors; a beacon that loses half of "
@@ -45,7 +45,11 @@ constexpr GlossaryTerm kGlossary[] = {
      "stands elsewhere, or is seen through echoes."},
     {kTerm, "beacon", "anchor, transmitter, node",
      "A device that is fixed to the building. It may send or receive: the equations are the same."},
-    {kTerm, "control point", "control points, held fixed",
+    {kTerm, "clock jump", "clock jumps, resolution",
+     "A step in the times of flight of all beacons at once, as of a clock that was set; the smallest step in "
+     "which "
+     "they are counted is the resolution."},
+    {kTerm, "control point", "control points, held fixed, control, fixed",
      "A beacon whose place was surveyed: sigma_m: 0 in the site file. It is held fixed, and everything "
      "else is found "
      "relative to it, so its error goes into all others. Three that do not stand in one line fix the map."},
@@ -54,6 +58,10 @@ constexpr GlossaryTerm kGlossary[] = {
      "estimates "
      "them from the residuals and states sigmas that hold with them; white_sigma_m is what they would be "
      "without."},
+    {kTerm, "coverage", "covered, covered fraction, within tolerance",
+     "Which share of the floor hears so many beacons, or has a fix, or one within tolerance.fix_m: what "
+     "stands "
+     "beside the figure says which."},
     {kTerm, "datum", "frame",
      "What ties the map to the building: which points fix its position, its orientation and its scale. "
      "Without three "
@@ -79,26 +87,46 @@ constexpr GlossaryTerm kGlossary[] = {
      "column epoch "
      "were taken while the vehicle stood still. Without the column the vehicle is taken to move all the "
      "time."},
-    {kTerm, "error ellipse", "ellipse, 95 % a, b, azimuth",
+    {kTerm, "error ellipse", "ellipse, 95 % a, 95 % ellipse a, a, b, azimuth",
      "Where the true place in the plane lies with 95 per cent: half axes a and b, and the direction of a."},
+    {kTerm, "expanded uncertainty", "u, u x, u y, u z, u delay, 95 %",
+     "Twice the sigma (k = 2): 95 in 100 errors are smaller. A control point has none: it is held fixed, and "
+     "its own error is not among these figures."},
+    {kTerm, "expected error",
+     "expected error of a fix, total_m, calibration_m, speed_part_m, without, if gone",
+     "How far off a fix will be there (one standard deviation in the plane): by the noise of its arrivals, "
+     "by "
+     "what the calibration does not know, or by both. Without a beacon: when that one is silent."},
     {kTerm, "fix", "fixes, no fix",
      "A pose of the vehicle found from the arrivals of one epoch (or instant). No fix: the arrivals do not "
      "agree or "
      "do not suffice; the reason is its status."},
-    {kTerm, "gate", "gates, gate kept",
+    {kTerm, "gate", "gates, gate kept, limit, gate fix_m, kept",
      "A limit that a result is held against: kept or not. tolerance in the site file sets them; the "
      "verdict is Good "
      "only if all are kept."},
-    {kTerm, "influence", "moves, moves [mm]",
+    {kTerm, "incidence", "",
+     "The angle at which an arrival comes: off the receiver's axis where the site file gives one, else off "
+     "the "
+     "vertical. Residuals that grow with it are the receiver's, not the room's."},
+    {kTerm, "influence", "moves, moves [mm], one arrival moves it",
      "How far an error just too small to be found would move the beacon. Small is good: then undetected "
      "errors do "
      "no harm."},
     {kTerm, "iterations", "iteration, converged",
      "Steps of the adjustment until nothing changes any more. Many are no fault; not converged is (exit "
      "4)."},
+    {kTerm, "lateness", "all late, that moves it",
+     "All arrivals of a beacon late by the same: the smallest lateness that the adjustment would notice, and "
+     "how far a smaller one may move the beacon. A delay that is free takes it up; then the delay's prior "
+     "notices."},
     {kTerm, "lever arm", "receiver's place",
      "Where a receiver sits on the vehicle, seen from the vehicle's origin. An error of it turns with the "
      "vehicle."},
+    {kTerm, "longest silence", "rate, arrivals a second",
+     "How long a beacon was not heard, and how often it was heard on average. A long silence is a shadow, or "
+     "a "
+     "beacon that stopped sending."},
     {kTerm, "mdb", "minimal detectable bias, mdb_s",
      "The smallest error of one arrival that the test would find in 80 of 100 cases (Baarda). Small is "
      "good. It is "
@@ -107,7 +135,7 @@ constexpr GlossaryTerm kGlossary[] = {
      "What the signal runs through, and how fast. In air 343 m/s at 20 degC, and 0.6 m/s more for each "
      "degree: a "
      "range of 10 m changes by 18 mm for each degree that nobody accounts for."},
-    {kTerm, "moved from the site file", "how wrong was my tape, moved most",
+    {kTerm, "moved from the site file", "how wrong was my tape, moved most, moved from site, dx, dy, dz",
      "How far each beacon was found from where the site file has it. Within two or three of the sigma that "
      "you "
      "stated is as expected; far beyond it means a slip of the tape, or two labels exchanged."},
@@ -124,6 +152,10 @@ constexpr GlossaryTerm kGlossary[] = {
      "many "
      "arrivals small, harmless misfits become certain too: then look at the variance factor's size, not at "
      "p."},
+    {kTerm, "position error", "heading error, rmse, largest",
+     "How far fixes are from the reference. RMSE: their usual size; 95 %: so many are closer; largest: the "
+     "worst "
+     "of all."},
     {kTerm, "prior", "priors, sigma_m, delay_sigma_s, sigma_mps",
      "What you know beforehand, with its sigma: how far off it may be (one standard deviation; two in "
      "three lie "
@@ -133,17 +165,25 @@ constexpr GlossaryTerm kGlossary[] = {
      "A bound that the error of a fix exceeds only once in very many times, undetected echoes included. A "
      "robot "
      "stops where it is larger than its safety margin."},
-    {kTerm, "redundancy", "redundancy number, r",
+    {kTerm, "reach", "range_m",
+     "How far a beacon is heard. It follows from amplitude, absorption and threshold, or is stated as "
+     "range_m; "
+     "where nothing says it, every beacon is taken as heard everywhere, which is too good to be true."},
+    {kTerm, "receiver", "receivers, microphone, tag",
+     "A device on the vehicle that hears beacons (or is heard by them: the equations are the same)."},
+    {kTerm, "redundancy", "redundancy number, r, reliability",
      "Observations beyond what the unknowns need. Of one arrival: which part of its error shows in its "
      "residual, 0 "
      "(not checked at all) to 1. Good calibrations have 0.5 and more on average."},
-    {kTerm, "residual", "residuals, rms, rms_s",
+    {kTerm, "residual", "residuals, rms, rms_s, mean, count, looked at",
      "What an arrival differs by from what the found places, delays and speed explain. RMS is their usual "
      "size; it "
      "should be near noise.tof_sigma_s."},
     {kTerm, "run", "recording, run folder",
      "A folder with one recording: tof.csv and what belongs to it. octant schema run explains all files."},
-    {kTerm, "sigma", "sx, sy, sz, s, standard deviation, uncertainty",
+    {kTerm, "sigma",
+     "sigmas, sigma x, sigma y, sigma z, sx, sy, sz, s, s delay, known to, stated within, standard "
+     "deviation, uncertainty",
      "One standard deviation: two in three errors are smaller, 95 in 100 are smaller than two of it. "
      "Figures marked "
      "95 % have that factor in them already."},
@@ -151,6 +191,10 @@ constexpr GlossaryTerm kGlossary[] = {
      "A place with beacons; the site file says what is known of it before a calibration. octant init "
      "writes one to "
      "fill in."},
+    {kTerm, "status", "calibrated",
+     "Of a beacon: calibrated, control point (held where the site file has it) or undetermined. Of a fix: "
+     "ok, or "
+     "why there is none."},
     {kTerm, "time walk", "time-walk, rise time, threshold",
      "A weak pulse crosses the receiver's threshold later than a strong one. Octant calibrates it where "
      "the site "
@@ -164,7 +208,7 @@ constexpr GlossaryTerm kGlossary[] = {
      "It is written with that status, and localizers leave it out. Hear it from stops spread around it."},
     {kTerm, "unknowns", "unknown",
      "Numbers to be found: coordinates, delays, the speed, and the vehicle's pose at each stop."},
-    {kTerm, "variance factor", "variance_factor, variance components, variances",
+    {kTerm, "variance factor", "variance_factor, variance components, variances, variance",
      "How large the squared residuals are against what the stated sigmas expect. 1: as stated. 1.3: "
      "residuals are 14 "
      "per cent larger than stated (its root); state noise.tof_sigma_s as it is, and nothing else is "
@@ -173,11 +217,13 @@ constexpr GlossaryTerm kGlossary[] = {
      "receiver."},
     {kTerm, "verdict", "grade",
      "The answer in one word and a sentence: Good, Not good enough, Contradicted or Refused."},
-    {kTerm, "w", "baarda's w, critical w",
+    {kTerm, "w", "baarda, baarda's w, critical w",
      "A residual over its own sigma: its size in standard deviations. Beyond 4 it is a mistake, not "
      "noise."},
     {kTerm, "weak", "weak direction, weak directions",
      "Something that the data know worse than the rest, with the measurement that would settle it."},
+    {kTerm, "what if", "what-if",
+     "What becomes of fixes if the air is warmer by so much and nobody says so."},
     {kGrade, "good", "", "All gates are kept and nothing contradicts: use it."},
     {kGrade, "not good enough", "",
      "The result is right as far as the data know, and worse than the tolerance asks for (exit 0). Follow "
@@ -267,6 +313,40 @@ const GlossaryTerm* find_term(std::string_view word) {
     }
   }
   return nullptr;
+}
+
+namespace {
+
+/// Lower case, blanks for all but letters, digits and what stands between columns.
+std::string only_words(std::string_view text) {
+  std::string out = " ";
+  for (const char c : text) {
+    const auto u = static_cast<unsigned char>(c);
+    out += std::isalnum(u) != 0 || c == '|' || c == '%' ? static_cast<char>(std::tolower(u)) : ' ';
+    if (out.size() > 1 && out.back() == ' ' && out[out.size() - 2] == ' ') out.pop_back();
+  }
+  return out + " ";
+}
+
+bool has_spelling(const std::string& words, std::string_view spelling) {
+  constexpr std::size_t kShort = 2;  // letters of a spelling that is a word of its own in a heading alone
+  std::string wanted = only_words(spelling);
+  if (wanted.size() <= 2) return false;
+  if (wanted.size() - 2 <= kShort) wanted = "|" + wanted;
+  return words.find(wanted) != std::string::npos;
+}
+
+}  // namespace
+
+bool uses_term(std::string_view text, const GlossaryTerm& term) {
+  const std::string words = only_words(text);
+  if (has_spelling(words, term.name)) return true;
+  for (std::string_view others = term.others; !others.empty();) {
+    const std::size_t end = std::min(others.find(','), others.size());
+    if (has_spelling(words, others.substr(0, end))) return true;
+    others.remove_prefix(std::min(end + 1, others.size()));
+  }
+  return false;
 }
 
 std::string glossary_page() {

@@ -26,6 +26,10 @@ struct GlossaryTerm {
 /// none.
 [[nodiscard]] const GlossaryTerm* find_term(std::string_view word);
 
+/// Whether a text has the term or one of its spellings as words of their own; spellings of one or two letters
+/// count as the heading of a column alone ("| r |").
+[[nodiscard]] bool uses_term(std::string_view text, const GlossaryTerm& term);
+
 /// As a page of Markdown.
 [[nodiscard]] std::string glossary_page();
 

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/octant/help/glossary.h"
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/report_json.h"
 #include "io/deployment/deployment_json.h"
 
@@ -79,8 +81,18 @@ void add_verification(survey::ReportInput& input, const Localization& localizati
   input.plan.fixes_m = survey::thinned(places);
 }
 
-std::vector<io::FileContent> report_files(const ReportWords& words, const survey::ReportInput& input) {
+void add_words(survey::ReportInput& input) {
+  input.words.clear();
+  const std::string text = survey::report_markdown(input);
+  for (const GlossaryTerm& term : glossary())
+    if (term.kind != GlossaryKind::kExit && uses_term(text, term))
+      input.words.emplace_back(term.name, term.text);
+}
+
+std::vector<io::FileContent> report_files(const ReportWords& words, const survey::ReportInput& content) {
   std::vector<io::FileContent> files;
+  survey::ReportInput input = content;
+  add_words(input);
   for (const auto& path : words.paths) {
     switch (form_of(path)) {
       case Form::kMarkdown: files.push_back({path, survey::report_markdown(input)}); break;
@@ -94,6 +106,7 @@ std::vector<io::FileContent> report_files(const ReportWords& words, const survey
 Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportWords& words,
                                                const Session& session) {
   survey::ReportInput input = report_input(calibration, session);
+  if (!words.paths.empty()) add_stops(calibration, input);
   if (!calibration.deployment) return input;
   if (auto added = add_changes(input, words.since); !added) return fail(added.error());
   if (words.paths.empty()) return input;
@@ -121,8 +134,8 @@ std::string report_lines(const ReportWords& words) {
 
 std::string verdict_text(const survey::ReportInput& input) {
   const survey::Verdict v = survey::verdict(input);
-  std::string text = fmt::format("{:<17}{}: {}\n", "verdict", survey::to_string(v.grade), v.sentence);
-  for (const auto& step : survey::next_steps(input)) text += fmt::format("{:<17}{}\n", "next", step);
+  std::string text = named_line("verdict", fmt::format("{}: {}", survey::to_string(v.grade), v.sentence));
+  for (const auto& step : survey::next_steps(input)) text += named_line("next", step);
   return text;
 }
 

@@ -58,12 +58,17 @@ void add_verification(survey::ReportInput& input, const Localization& localizati
 /// "report           R.html", a line each, for people.
 [[nodiscard]] std::string report_lines(const ReportWords& words);
 
-/// Verdict and next steps for people, in the words of the report.
+/// Adds what was heard and left out at each stop and on each stretch of a drive: on the map, and residuals by
+/// stop. Of very many those where most was left out, or whose residuals are largest.
+void add_stops(const Calibration& calibration, survey::ReportInput& input);
+/// Adds the words of the glossary that the report uses.
+void add_words(survey::ReportInput& input);
 /// Beacons against where the site file has them, farthest first; control points are where it has them.
 [[nodiscard]] std::vector<survey::MovedNote> moved_from_site(const Calibration& calibration);
 /// A calibration that was exported in the dozen lines that everybody reads, the verdict first.
 [[nodiscard]] std::string calibration_summary(const Calibration& calibration,
                                               const survey::ReportInput& input);
+/// Verdict and next steps for people, in the words of the report.
 [[nodiscard]] std::string verdict_text(const survey::ReportInput& input);
 [[nodiscard]] Json verdict_json(const survey::ReportInput& input);
 

@@ -12,6 +12,7 @@
 #include "apps/octant/ranks.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/stream_source.h"
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/table.h"
 #include "calib/statements/hints.h"
 #include "calib/stream/streamed.h"
@@ -125,7 +126,7 @@ std::string beacon_table(const Deployment& deployment) {
       largest_delay_s > 0.0;  // else none is asked for, and columns of zeros would only distract
   Table table{delays ? "lrrrrrrrrl" : "lrrrrrrl",
               {{"beacon", "x [m]", "y [m]", "z [m]", fmt::format("sx [{}]", length.name), "sy", "sz"}}};
-  if (delays) table.rows[0].insert(table.rows[0].end(), {fmt::format("delay [{}]", time.name), "s"});
+  if (delays) table.rows[0].insert(table.rows[0].end(), {"delay", fmt::format("s [{}]", time.name)});
   for (const auto& b : deployment.beacons) {
     std::vector<std::string> row = {b.name};
     if (b.status == BeaconStatus::kUndetermined) {
@@ -138,9 +139,9 @@ std::string beacon_table(const Deployment& deployment) {
         row.push_back(sigma_m > 0 ? fmt::format("{:.2f}", length.per_si * sigma_m) : "fixed");
       }
       if (delays)
-        row.insert(row.end(), {fmt::format("{:.3f}", time.per_si * b.delay_s),
-                               fmt::format("{:.3f}", time.per_si * b.delay_sigma_s)});
-      row.emplace_back(b.status == BeaconStatus::kControlPoint ? "control point" : "");
+        row.insert(row.end(), {fmt::format("{:.2f}", time.per_si * b.delay_s),
+                               fmt::format("{:.2f}", time.per_si * b.delay_sigma_s)});
+      row.emplace_back(b.status == BeaconStatus::kControlPoint ? "control" : "");
     }
     table.rows.push_back(std::move(row));
   }
@@ -296,9 +297,7 @@ std::string calibration_text(const Calibration& calibration) {
   std::string text = fmt::format("{}: calibrated, {} iterations, {:.2f} s\n\n",
                                  d.site.empty() ? "site without a name" : d.site, s.iterations, s.seconds) +
                      beacon_table(d) + "\n";
-  const auto line = [&](const char* name, const std::string& what) {
-    text += fmt::format("{:<17}{}\n", name, what);
-  };
+  const auto line = [&](const char* name, const std::string& what) { text += named_line(name, what); };
   line("speed", survey::speed_in_words(d));
   if (d.attenuation) {
     line("time-walk", fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, rise time constant {}",

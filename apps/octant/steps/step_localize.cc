@@ -171,8 +171,7 @@ std::string evaluation_text(const survey::Evaluation& e, const Localization& loc
   }
   if (e.heading_rmse_rad) line("heading error", fmt::format("RMSE {:.4f} rad", *e.heading_rmse_rad));
   if (e.nees_mean)
-    line("NEES",
-         fmt::format("{:.2f} of its degrees of freedom (1: the stated sigmas are honest)", *e.nees_mean));
+    line("NEES", fmt::format("{:.2f} of its degrees of freedom (1: stated sigmas are honest)", *e.nees_mean));
   for (const auto& gate : e.gates) {
     if (gate.name == "matched") {
       line("gate matched", "NOT KEPT: " + unmatched_text(localization));

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/steps/steps.h"
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/table.h"
 
 namespace octant::app {
@@ -91,39 +92,48 @@ std::string cell(const std::optional<double>& value, double per_si, int digits) 
   return value && std::isfinite(*value) ? fmt::format("{:.{}f}", per_si * *value, digits) : "-";
 }
 
-std::string reliability_table(const Reliability& r) {
-  const Unit time =
-      time_unit(largest(r, [](const auto& b) { return std::max(b.rms_s, or_zero(b.mdb_median_s)); }));
+/// How well its arrivals agree.
+std::string agreement_table(const Reliability& r, const Unit& time) {
+  Table table{
+      "lrrrrrrr",
+      {{"beacon", "used", "late", "early", "r", fmt::format("RMS [{}]", time.name), "variance", "p"}}};
+  for (const auto& b : r.beacons) {
+    std::vector<std::string> row = {b.name, fmt::format("{}", b.used), fmt::format("{}", b.late),
+                                    fmt::format("{}", b.early)};
+    if (b.used > 0)
+      row.insert(row.end(), {fmt::format("{:.2f}", b.mean_redundancy), cell(b.rms_s, time.per_si, 2),
+                             cell(b.component.factor, 1, 2),
+                             b.component.chi2_p ? fmt::format("{:.2g}", *b.component.chi2_p) : "-"});
+    row.resize(table.align.size(), "-");
+    table.rows.push_back(std::move(row));
+  }
+  return table.text();
+}
+
+/// What an error that nobody notices would do to it, and its error ellipse.
+std::string detection_table(const Reliability& r, const Unit& time) {
   const Unit late = time_unit(largest(r, [](const auto& b) { return or_zero(b.lateness_mdb_s); }));
   const Unit shift = length_unit(largest(r, [](const auto& b) {
     return std::max(or_zero(b.influence_worst_m), or_zero(b.lateness_influence_m));
   }));
   const Unit axis =
       length_unit(largest(r, [](const auto& b) { return b.ellipse ? b.ellipse->semi_axes_m[0] : 0.0; }));
-  Table table{"lrrrrrrrrrrrrrr",
-              {{"beacon", "used", "late", "early", "r", fmt::format("RMS [{}]", time.name), "variance", "p",
-                fmt::format("MDB [{}]", time.name), fmt::format("moves [{}]", shift.name),
+  Table table{"lrrrrrrr",
+              {{"beacon", fmt::format("MDB [{}]", time.name), fmt::format("moves [{}]", shift.name),
                 fmt::format("all late [{}]", late.name), fmt::format("moves [{}]", shift.name),
-                fmt::format("95 % a [{}]", axis.name), "b", "azimuth"}}};
+                fmt::format("a [{}]", axis.name), "b", "azimuth"}}};
   for (const auto& b : r.beacons) {
-    std::vector<std::string> row = {b.name, fmt::format("{}", b.used), fmt::format("{}", b.late),
-                                    fmt::format("{}", b.early)};
-    if (b.used == 0) {
-      row.resize(table.align.size(), "-");
-    } else {
+    std::vector<std::string> row = {b.name};
+    if (b.used > 0) {
       row.insert(row.end(),
-                 {fmt::format("{:.2f}", b.mean_redundancy), cell(b.rms_s, time.per_si, 2),
-                  cell(b.component.factor, 1, 2),
-                  b.component.chi2_p ? fmt::format("{:.2g}", *b.component.chi2_p) : "-",
-                  cell(b.mdb_median_s, time.per_si, 1), cell(b.influence_worst_m, shift.per_si, 2),
+                 {cell(b.mdb_median_s, time.per_si, 1), cell(b.influence_worst_m, shift.per_si, 2),
                   cell(b.lateness_mdb_s, late.per_si, 1), cell(b.lateness_influence_m, shift.per_si, 2)});
-      if (b.ellipse) {
+      if (b.ellipse)
         row.insert(row.end(), {cell(b.ellipse->semi_major_m, axis.per_si, 2),
                                cell(b.ellipse->semi_minor_m, axis.per_si, 2),
                                fmt::format("{:.0f} deg", b.ellipse->azimuth_rad * 180.0 / M_PI)});
-      }
-      row.resize(table.align.size(), "-");
     }
+    row.resize(table.align.size(), "-");
     table.rows.push_back(std::move(row));
   }
   return table.text();
@@ -200,36 +210,39 @@ Json reliability_json(const Calibration& calibration) {
 std::string reliability_text(const Calibration& calibration) {
   const Reliability& r = calibration.solution.reliability;
   if (!r.ok || r.arrivals.empty()) return "";
-  std::string text = "\n" + reliability_table(r);
-  text +=
-      "r: mean redundancy number. variance: of the residuals over the stated one. MDB: smallest bias of one "
-      "arrival that is found\n"
-      "(0.1 %, power 80 %; median), and how far the worst that is not moves a beacon coordinate. all late: "
-      "the same for a lateness\n"
-      "of all arrivals of a beacon. 95 %: half axes of the horizontal error ellipse, azimuth "
-      "counter-clockwise from +x.\n\n";
+  const Unit time =
+      time_unit(largest(r, [](const auto& b) { return std::max(b.rms_s, or_zero(b.mdb_median_s)); }));
+  std::string text = "\n" + agreement_table(r, time) +
+                     paragraph("r: mean redundancy number. variance: of the residuals over the stated one.") +
+                     "\n" + detection_table(r, time);
+  text += paragraph(
+      "MDB: smallest bias of one arrival that is found (0.1 %, power 80 %; median), and how far the worst "
+      "that is not moves a beacon coordinate. all late: the same for a lateness of all arrivals of a beacon. "
+      "a, b: half axes of the horizontal 95 % error ellipse, azimuth counter-clockwise from +x.");
+  text += "\n";
   text += residual_table(r) + "\n";
   std::string kinds;
   for (const auto& kind : r.kinds) {
     if (!kind.factor) continue;
     kinds += fmt::format("{}{} {:.3g}", kinds.empty() ? "" : ", ", kind.name, *kind.factor);
   }
-  text += fmt::format("{:<17}{}\n", "variances", kinds);
+  text += named_line("variances", kinds);
   if (r.every > 1)
-    text += fmt::format(
-        "{:<17}redundancy, w, detectable biases, residual groups and variances are those of every {}th "
-        "epoch; the adjustment used all\n",
-        "looked at", r.every);
-  text += fmt::format("{:<17}{} of {} beyond {:.2f} ({:.1f} expected)", "Baarda's w", r.beyond_critical,
-                      r.arrivals.size(), calib::kCriticalW, 0.001 * static_cast<double>(r.arrivals.size()));
+    text += named_line("looked at",
+                       fmt::format("redundancy, w, detectable biases, residual groups and variances are "
+                                   "those of every {}th epoch; the adjustment used all",
+                                   r.every));
+  std::string w =
+      fmt::format("{} of {} beyond {:.2f} ({:.1f} expected)", r.beyond_critical, r.arrivals.size(),
+                  calib::kCriticalW, 0.001 * static_cast<double>(r.arrivals.size()));
   for (std::size_t i = 0;
        i < r.worst.size() && i < 3 && std::abs(r.arrivals[r.worst[i]].w) > calib::kCriticalW; ++i) {
     const auto& a = r.arrivals[r.worst[i]];
     const Place at = place_of(a, calibration.problem);
-    text += fmt::format("{}{}/tof.csv:{} {} {} w = {:.2f}", i == 0 ? "; worst: " : ", ", at.run, at.line,
-                        at.beacon, at.receiver, a.w);
+    w += fmt::format("{}{}/tof.csv:{} {} {} w = {:.2f}", i == 0 ? "; worst: " : ", ", at.run, at.line,
+                     at.beacon, at.receiver, a.w);
   }
-  return text + "\n";
+  return text + named_line("Baarda's w", w);
 }
 
 }  // namespace octant::app

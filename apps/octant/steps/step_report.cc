@@ -136,7 +136,8 @@ survey::ReportInput report_input(const Calibration& c, const Session& session) {
   }
   if (c.deployment) input.moved = moved_from_site(c);
   for (const auto& weak : s.weak)
-    input.weak.push_back({weak.description, weak.remedy, finite(weak.consequence_m), weak.blocking});
+    input.weak.push_back(
+        {weak.description, weak.remedy, finite(weak.consequence_m), weak.blocking, weak.lone_beacon});
   for (const auto& [reason, count] : left_out_by_reason(c)) input.left_out.push_back({reason, count});
   add_beacon_notes(s.reliability, input);
   add_residuals(s.reliability, input);

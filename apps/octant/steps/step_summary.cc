@@ -97,8 +97,7 @@ std::string calibration_summary(const Calibration& calibration, const survey::Re
           named_line("arrivals", arrivals_in_words(calibration)) +
           named_line("residuals", residuals_in_words(d.statistics));
   for (const auto& weak : calibration.solution.weak)
-    text +=
-        named_line("weak", weak.description + (weak.remedy.empty() ? "" : "; settled by: " + weak.remedy));
+    if (weak.remedy.empty()) text += named_line("weak", weak.description);  // the others are next steps
   for (const std::string& step : survey::next_steps(input)) text += named_line("next", step);
   return text;
 }

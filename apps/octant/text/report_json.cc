@@ -54,7 +54,11 @@ NLOHMANN_JSON_SERIALIZE_ENUM(Outcome, {{Outcome::kCalibrated, "calibrated"},
                                        {Outcome::kRefused, "refused"},
                                        {Outcome::kNotConverged, "not_converged"}})
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Track, moving, points_m, thinned_from)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WeakNote, description, remedy, consequence_m, blocking)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(WeakNote, description, remedy, consequence_m, blocking,
+                                                lone_beacon)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StopNote, name, moving, at_m, used, late, early, other, looked_at, mean_s,
+                                   rms_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlanMiss, beacon, at_m, late, early, other)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LeftOutNote, reason, count)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MovedNote, beacon, shift_m, sigma_m, stated_sigma_m, distance_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconNote, name, used, rejected, redundancy, rms_s, variance_factor,
@@ -102,7 +106,7 @@ void to_json(json& j, const ReportInput& r) {
        {"looked_at", r.looked_at}, {"evaluation", r.evaluation}, {"no_loss", r.no_loss},
        {"losses", r.losses},       {"loss_name", r.loss_name},   {"loss_unit", r.loss_unit},
        {"changes", r.changes},     {"warnings", r.warnings},     {"command", r.command},
-       {"options", r.options}};
+       {"options", r.options},     {"stops", r.stops},           {"misses", r.misses}};
 }
 void from_json(const json& j, ReportInput& r) {
   j.at("kind").get_to(r.kind);
@@ -112,7 +116,9 @@ void from_json(const json& j, ReportInput& r) {
   j.at("fixes_m").get_to(r.plan.fixes_m);
   j.at("maps").get_to(r.plan.maps);
   j.at("beacons").get_to(r.beacons);
-  if (j.contains("moved")) j.at("moved").get_to(r.moved);  // earlier ones had none
+  if (j.contains("moved")) j.at("moved").get_to(r.moved);  // earlier ones had none, nor what follows
+  if (j.contains("stops")) j.at("stops").get_to(r.stops);
+  if (j.contains("misses")) j.at("misses").get_to(r.misses);
   j.at("weak").get_to(r.weak);
   j.at("left_out").get_to(r.left_out);
   j.at("residuals").get_to(r.residuals);

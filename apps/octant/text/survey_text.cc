@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/schedule_text.h"
 #include "apps/octant/text/table.h"
 #include "io/import/plan_import.h"
@@ -169,9 +170,7 @@ Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule
 std::string survey_text(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule) {
   std::string text = fmt::format("{}: {} beacons, {} cells of {:g} m\n\n", survey.model.name,
                                  survey.model.beacons.size(), survey.grid.cells.size(), survey.grid.cell_m);
-  const auto line = [&](const char* name, const std::string& value) {
-    text += fmt::format("{:<17}{}\n", name, value);
-  };
+  const auto line = [&](const char* name, const std::string& value) { text += named_line(name, value); };
   line("fix", percent(survey.fix_fraction) + " of the floor");
   if (survey.model.tolerance.fix_m)
     line("within tolerance",
@@ -183,7 +182,8 @@ std::string survey_text(const Survey& survey, const std::optional<survey::FloorS
   const double reach = survey::reach_m(survey.model.hearing);
   line("reach", std::isfinite(reach) ? fmt::format("{:.1f} m on the axes, absorption {:.3f} dB/m", reach,
                                                    8.685889638 * survey.model.hearing.absorption_np_per_m)
-                                     : "everywhere: the scene states neither threshold nor range_m");
+                                     : "everywhere: nothing says how far a beacon is heard; state "
+                                       "acoustics.range_m in the scene (--scene)");
   if (survey.temperature_error_degC)
     line("what-if", fmt::format("{:+g} degC not accounted for: {:+.0f} ppm", *survey.temperature_error_degC,
                                 1e6 * survey.speed_error));

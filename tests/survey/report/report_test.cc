@@ -34,8 +34,9 @@ TEST(Report, SaysThingsInTheOrderOfTheirUse) {
   std::vector<std::string> ids;
   for (const auto& section : report_document(full_report()).sections) ids.push_back(section.id);
   // What to do and where it is first, how it was found out last.
-  EXPECT_THAT(ids, ::testing::ElementsAre("next", "plan", "verdict", "warnings", "changes", "beacons",
-                                          "verification", "determined", "loss", "residuals", "provenance"));
+  EXPECT_THAT(
+      ids, ::testing::ElementsAre("next", "plan", "verdict", "warnings", "changes", "beacons", "verification",
+                                  "determined", "loss", "left-out", "residuals", "words", "provenance"));
 }
 
 TEST(Report, ThePlanHasAnArrowToWhatMoved) {
@@ -50,6 +51,55 @@ TEST(Report, ThePlanHasAnArrowToWhatMoved) {
   EXPECT_THAT(still, Not(HasSubstr("Arrows:")));
 }
 
+TEST(Report, TheMapOfWhatWasLeftOutHasALineToEachBeacon) {
+  ReportInput input = full_report();
+  const auto section_of = [](const ReportInput& of) {
+    const std::string html = to_html(report_document(of), "");
+    const std::size_t at = html.find("<h2 id='left-out'>");
+    return at == std::string::npos ? std::string() : html.substr(at, html.find("<h2 ", at + 4) - at);
+  };
+  const std::string section = section_of(input);
+  EXPECT_THAT(section, HasSubstr("20 of 2020 arrivals were left out: 20 late (echo)"));
+  EXPECT_EQ(count(section, "<path class='miss' d="), 2u);        // late, from both stops to B1
+  EXPECT_EQ(count(section, "<path class='miss early' d="), 1u);  // early, from the first to B2
+  EXPECT_EQ(count(section, "<circle class='missed'"), 3u);       // two places and the legend's
+  EXPECT_THAT(section, HasSubstr("18 left out at x 2.00 m, y 2.00 m"));
+  EXPECT_THAT(section,
+              HasSubstr("<th scope='row'>7</th><td>2.00</td><td>2.00</td><td>40</td><td>15</td><td>3</td>"));
+  EXPECT_LT(section.find("<th scope='row'>7<"), section.find("<th scope='row'>8<")) << "most first";
+  input.misses.clear();
+  EXPECT_EQ(section_of(input), "");
+}
+
+TEST(Report, StopsThatStickOutAreNamed) {
+  ReportInput input = full_report();
+  const auto text = [&] { return report_markdown(input); };
+  EXPECT_THAT(text(), HasSubstr("stick out at stop 7 (3.3 times the RMS of all): did the vehicle move"));
+  EXPECT_THAT(text(), Not(HasSubstr("stop 8 (")));
+  input.stops[0].looked_at = 4;  // so few may be so by chance
+  EXPECT_THAT(text(), Not(HasSubstr("stick out")));
+}
+
+TEST(Report, TablesLeadToTheWordsThatTheyUse) {
+  ReportInput input = full_report();
+  const std::string html = to_html(report_document(input), "");
+  EXPECT_THAT(html, HasSubstr("How large the squared residuals are."));
+  EXPECT_GT(count(html, "href='#words'>Words</a></caption>"), 4u);
+  input.words.clear();
+  EXPECT_EQ(count(to_html(report_document(input), ""), "#words"), 0u);
+}
+
+TEST(Report, WhatOneMeasurementSettlesIsOneStep) {
+  ReportInput input = full_report();
+  input.weak = {{"beacon B1 (not heard)", "drive where it is heard", 0.0, false, true},
+                {"beacon B2 (not heard)", "drive where it is heard", 0.0, false, true}};
+  input.plan.deployment.beacons[1].status = BeaconStatus::kUndetermined;
+  const std::vector<std::string> steps = next_steps(input);
+  ASSERT_FALSE(steps.empty());
+  EXPECT_EQ(steps[0], "To settle beacon B1 (not heard), beacon B2 (not heard): drive where it is heard.");
+  for (const std::string& step : steps) EXPECT_THAT(step, Not(HasSubstr("Hear B1"))) << "it was told";
+}
+
 TEST(Report, StillPageIsClosedAndWithoutScript) {
   const std::string html = report_html(full_report(), {.interactive = false});
   EXPECT_THAT(html, HasSubstr("default-src 'none'"));
@@ -59,7 +109,7 @@ TEST(Report, StillPageIsClosedAndWithoutScript) {
   EXPECT_FALSE(std::regex_search(html, std::regex("href='[^#]")));  // anchors of the page alone
   EXPECT_THAT(html, Not(HasSubstr("url(")));
   EXPECT_FALSE(std::regex_search(html, std::regex("[^a-z]-?(nan|inf)[^a-z]")));
-  EXPECT_EQ(count(html, "<svg"), 7u);  // plan, side, errors, two residual charts, histogram, loss
+  EXPECT_EQ(count(html, "<svg"), 8u);  // plan, side, errors, left out, two residual charts, histogram, loss
   EXPECT_LT(html.size(), 100'000u);
 }
 
@@ -260,7 +310,7 @@ TEST(Report, PageIsMarkedUpForAllReaders) {
   EXPECT_THAT(html, HasSubstr("<html lang='en'>"));
   EXPECT_THAT(html, HasSubstr("class='skip' href='#main'"));
   EXPECT_EQ(count(html, "<h1"), 1u);
-  EXPECT_EQ(count(html, "<h2"), 11u);
+  EXPECT_EQ(count(html, "<h2"), 13u);
   EXPECT_EQ(count(html, "<h3"), 0u);
   EXPECT_EQ(count(html, "<table"), count(html, "<caption"));
   EXPECT_EQ(count(html, "<figure"), count(html, "<figcaption"));
