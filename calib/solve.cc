@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calib/adjust/adjust.h"
+#include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/calibrate.h"
 #include "calib/errors/statistics.h"

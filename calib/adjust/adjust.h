@@ -7,7 +7,6 @@
 #include <string>
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 
 #include "calib/adjust/ranks.h"
 #include "calib/problem/parameters.h"
@@ -48,28 +47,5 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout,
 /// The same of observations that are no tiles, on a layout that is dense.
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
                     Eigen::VectorXd& x, const AdjustOptions& options);
-
-/// 1/2 the weighted squares of priors and control distances at x.
-[[nodiscard]] double prior_cost(const Problem& problem, const ParameterLayout& layout,
-                                const Eigen::VectorXd& x);
-
-/// Gauss-Newton matrix of arrivals and bearings alone (data) and of priors and control distances (prior) at
-/// x, states settled.
-struct Information {
-  Eigen::MatrixXd data, prior;
-  double data_cost = 0.0;
-  Eigen::VectorXd data_gradient;  ///< of data_cost
-};
-/// The part of priors and control distances.
-[[nodiscard]] Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout,
-                                                const Eigen::VectorXd& x);
-[[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout,
-                                         std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
-                                         const RobustLoss& loss = {}, const Workers& workers = {});
-/// Of everything together, for sites where the matrix would be too large: all elements of parameters that
-/// some stop, prior or tape connects, both triangles.
-[[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(
-    const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-    const Eigen::VectorXd& x, const RobustLoss& loss = {}, const Workers& workers = {});
 
 }  // namespace octant::calib

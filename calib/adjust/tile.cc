@@ -10,8 +10,8 @@
 #include <tuple>
 #include <utility>
 
-#include "calib/adjust/stop_block.h"
 #include "calib/chain/chain_reduction.h"
+#include "calib/lanes/stop_block.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/settle.h"
 
@@ -20,8 +20,9 @@ namespace {
 
 constexpr std::size_t kNodesPerTile = 512;
 constexpr std::size_t kNodesOfLongChain = 1024;
-/// A step of a chain's states that gains less than this share of the cost is the last.
-constexpr double kChainAtRest = 1e-8;
+/// A step of a chain's states that gains less than this share of the cost is the last: the next would gain a
+/// hundredth of that at most, and the reduction takes its first order with it.
+constexpr double kChainAtRest = 1e-3;
 /// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the
 /// columns it touches.
 constexpr std::size_t kBeaconsPerSparseTile = 24;
@@ -136,38 +137,43 @@ void Tile::rewind_general() {
 double Tile::settle(const SharedState& state, const RobustLoss& loss, int threads) {
   rewind_general();
   double cost = stops_ ? stops_->settle(state, loss) : 0.0;
-  for (const std::size_t s : general_) {
-    const Segment& segment = trajectory_->segments[s];
+  settled_.assign(general_.size(), 0.0);
+  for (std::size_t i = 0; i < general_.size(); ++i) {
+    const Segment& segment = trajectory_->segments[general_[i]];
     if (!trajectory_->nodes[segment.first_node].placed)
       continue;  // a segment that no start could place says nothing
     const bool is_chain = segment.last_node - segment.first_node > 1;
-    cost += octant::settle(*trajectory_, segment, state, loss,
-                           {.tolerance = is_chain ? kChainAtRest : kSettledToRounding, .threads = threads})
-                .cost;
+    settled_[i] =
+        octant::settle(*trajectory_, segment, state, loss,
+                       {.tolerance = is_chain ? kChainAtRest : kSettledToRounding, .threads = threads})
+            .cost;
+    cost += settled_[i];
   }
   return cost;
 }
 
-void Tile::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
-                  ReducedSystem& system, int threads) {
+double Tile::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
+                    ReducedSystem& system, int threads) {
   if (stops_) stops_->reduce(state, loss, place, system);
-  for (const std::size_t s : general_) {
-    const Segment& segment = trajectory_->segments[s];
-    if (trajectory_->nodes[segment.first_node].placed)
-      chains_->reduce(segment, state, loss, place, threads, system);
+  double off = 0.0;
+  for (std::size_t i = 0; i < general_.size(); ++i) {
+    const Segment& segment = trajectory_->segments[general_[i]];
+    if (!trajectory_->nodes[segment.first_node].placed) continue;
+    const double cost = chains_->reduce(segment, state, loss, place, threads, system);
+    off += cost - std::exchange(settled_[i], cost);
   }
+  return off;
 }
 
 double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system) {
   const double cost = settle(state, loss);
   if (system == nullptr) return cost;
   const auto n = static_cast<Eigen::Index>(columns_.size());
-  system->cost = cost;
   system->H.setZero(n, n);
   system->gradient.setZero(n);
-  reduce(state, loss, local_of_, *system);
+  system->cost = cost + reduce(state, loss, local_of_, *system);
   system->H = system->H.selfadjointView<Eigen::Lower>();
-  return cost;
+  return system->cost;
 }
 
 namespace {

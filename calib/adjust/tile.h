@@ -61,13 +61,16 @@ class Tile {
   /// Whether it holds a chain so long that threads share its work: such tiles are evaluated one by one.
   [[nodiscard]] bool is_long() const { return is_long_; }
 
-  /// Settles the states from where they were committed and returns the cost. The trajectory shows them once
+  /// Settles the states from where they were committed and returns the cost, of chains to the second order of
+  /// what their last step gains. The trajectory shows them once
   /// they are committed and `rewind` was called.
   double settle(const SharedState& state, const RobustLoss& loss, int threads = 1);
   /// Adds gradient and lower triangle of H at the states of the last `settle`; `place` tells where each
   /// column of the layout stands in the system.
-  void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
-              ReducedSystem& system, int threads = 1);
+  /// @return by how much the cost of that `settle` was off: chains are not settled to the last, and what is
+  /// left to gain is foretold by this system better than by theirs
+  double reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
+                ReducedSystem& system, int threads = 1);
   /// Both, in the tile's own columns.
   double evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system);
   /// Makes the states of the last evaluation the start of the next ones (a step was accepted).
@@ -84,6 +87,7 @@ class Tile {
   std::vector<int> columns_, blocks_;
   std::vector<int> local_of_;                         ///< global column -> local, -1
   std::vector<std::size_t> stop_segments_, general_;  ///< those that the vector kernel takes, all others
+  std::vector<double> settled_;                       ///< cost of each of the latter
   bool is_long_ = false;
   std::unique_ptr<StopBlock> stops_;
   std::unique_ptr<ChainReduction> chains_;  ///< of the general segments

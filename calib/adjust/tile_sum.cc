@@ -81,10 +81,12 @@ void TileSum::reduce(const SharedState& state, const RobustLoss& loss, ReducedSy
     share.H.setZero(n, n);
     share.gradient.setZero(n);
   }
-  for_each_of_mine([&](Tile& tile, std::size_t, std::size_t share, int threads) {
-    tile.reduce(state, loss, all_columns_, shares_[share], threads);
+  std::vector<double> off(tiles_.size(), 0.0);
+  for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t share, int threads) {
+    off[i] = tile.reduce(state, loss, all_columns_, shares_[share], threads);
     tile.commit();
   });
+  correct_costs(off);
   sum.H = shares_[0].H;
   sum.gradient = shares_[0].gradient;
   for (std::size_t share = 1; share < kShares; ++share) {
@@ -106,19 +108,27 @@ void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss,
     const auto n = static_cast<Eigen::Index>(tiles_[i].columns().size());
     systems[i].H.setZero(n, n);
     systems[i].gradient.setZero(n);
-    systems[i].cost = costs_[i];
   }
+  std::vector<double> off(tiles_.size(), 0.0);
   for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t, int threads) {
-    tile.reduce(state, loss, tile.local_of(), systems[i], threads);
+    off[i] = tile.reduce(state, loss, tile.local_of(), systems[i], threads);
     tile.commit();
   });
-  for (ReducedSystem& system : systems) {
+  correct_costs(off);
+  for (std::size_t i = 0; i < systems.size(); ++i) {
+    ReducedSystem& system = systems[i];
+    system.cost = costs_[i];
     if (workers_.ranks != nullptr) {
       workers_.ranks->sum({system.H.data(), static_cast<std::size_t>(system.H.size())});
       workers_.ranks->sum({system.gradient.data(), static_cast<std::size_t>(system.gradient.size())});
     }
     system.H = system.H.selfadjointView<Eigen::Lower>();
   }
+}
+
+void TileSum::correct_costs(std::vector<double>& off) {
+  if (workers_.ranks != nullptr) workers_.ranks->sum(off);
+  for (std::size_t i = 0; i < costs_.size(); ++i) costs_[i] += off[i];
 }
 
 void TileSum::commit() {

@@ -60,6 +60,8 @@ class TileSum : public SystemSum {
   [[nodiscard]] std::size_t first_of(std::size_t share) const;
   template <class Work>
   void for_each_of_mine(Work&& work);
+  /// @param off  by how much each tile's cost was off, this rank's
+  void correct_costs(std::vector<double>& off);
 
   std::vector<Trajectory>& trajectories_;
   const ParameterLayout& layout_;

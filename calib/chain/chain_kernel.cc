@@ -3,7 +3,10 @@
 #include "calib/chain/chain_kernel.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include <Eigen/Core>
+
+#include "models/trajectory/chain_solver.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calib/chain/chain_kernel.cc"
@@ -19,25 +22,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<double, kBorderPad>;
 using V = hn::Vec<D>;
 
-/// Cholesky factor, the reciprocals of its diagonal on the diagonal.
-template <int N>
-HWY_INLINE bool factor(const double* A, double (&L)[N][N]) {
-  for (int i = 0; i < N; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double sum = A[i * N + j];
-      for (int k = 0; k < j; ++k) sum -= L[i][k] * L[j][k];
-      if (j < i) {
-        L[i][j] = sum * L[j][j];
-      } else if (sum > 0) {
-        L[i][i] = 1.0 / std::sqrt(sum);
-      } else {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
 template <int N>
 HWY_INLINE void raise(double* A, double floor) {
   double largest = 0.0;
@@ -45,31 +29,86 @@ HWY_INLINE void raise(double* A, double floor) {
   for (int i = 0; i < N; ++i) A[i * N + i] += floor * (1.0 + largest);
 }
 
-/// One state: its G becomes Y, what follows takes what it passes on.
+/// Of a state; where it is not positive definite its diagonal is raised first.
 template <int N>
-HWY_INLINE void eliminate_state(double* A, const double* U, double* G, double* A_next, double* G_next,
-                                std::size_t width, double spare_floor) {
-  double L[N][N], W[N][N];
-  if (!factor<N>(A, L)) {
-    raise<N>(A, 100 * spare_floor);
-    if (!factor<N>(A, L)) {  // nothing is left of it: it is held
-      for (int i = 0; i < N; ++i)
-        for (int j = 0; j <= i; ++j) L[i][j] = 0.0;
+HWY_INLINE SmallCholesky<N> factor(double* A, double spare_floor) {
+  using Block = Eigen::Map<const Eigen::Matrix<double, N, N, Eigen::RowMajor>>;
+  SmallCholesky<N> out;
+  if (out.factor(Block(A))) return out;
+  raise<N>(A, 100 * spare_floor);
+  if (out.factor(Block(A))) return out;
+  for (int i = 0; i < N; ++i)  // nothing is left of it: it is held
+    for (int j = 0; j <= i; ++j) out.L[i][j] = 0.0;
+  return out;
+}
+
+/// A -= B'C, all N x N.
+template <int N>
+HWY_INLINE void subtract_product(const double (&B)[N][N], const double (&C)[N][N], double* A) {
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) {
+      double sum = 0.0;
+      for (int k = 0; k < N; ++k) sum += B[k][i] * C[k][j];
+      A[i * N + j] -= sum;
+    }
+}
+
+/// L^-1 A, or of its transpose.
+template <int N>
+HWY_INLINE void solve_block(const SmallCholesky<N>& factor, const double* A, bool transposed,
+                            double (&W)[N][N]) {
+  for (int j = 0; j < N; ++j)
+    for (int i = 0; i < N; ++i) {
+      double sum = transposed ? A[j * N + i] : A[i * N + j];
+      for (int k = 0; k < i; ++k) sum -= factor.L[i][k] * W[k][j];
+      W[i][j] = sum * factor.L[i][i];
+    }
+}
+
+/// States that no column of the border but the gradient touches, the ones between two others: they go first,
+/// onto these two alone, so that the border sees only states that observe it.
+/// @param first, last  the first of them, the one behind them
+template <int N>
+HWY_INLINE void eliminate_plain(const ChainWindow& w, std::size_t first, std::size_t last,
+                                double spare_floor) {
+  constexpr std::size_t n = N;
+  const auto gradient = [&w](std::size_t k, int i) -> double& {
+    return w.G[(k * n + static_cast<std::size_t>(i)) * w.width + w.gradient];
+  };
+  double* const before = w.D + (first - 1) * n * n;
+  double* const U = w.U + (first - 1) * n * n;  // from the state before to the one at hand
+  for (std::size_t k = first; k < last; ++k) {
+    const SmallCholesky<N> L = factor<N>(w.D + k * n * n, spare_floor);
+    double W[N][N], Z[N][N], y[N];
+    solve_block<N>(L, w.U + k * n * n, false, W);
+    solve_block<N>(L, U, true, Z);
+    for (int i = 0; i < N; ++i) y[i] = gradient(k, i);
+    L.forward(y);
+    subtract_product<N>(Z, Z, before);
+    subtract_product<N>(W, W, w.D + (k + 1) * n * n);
+    std::fill(U, U + n * n, 0.0);
+    subtract_product<N>(Z, W, U);
+    for (int i = 0; i < N; ++i) {
+      for (int j = 0; j < N; ++j) {
+        gradient(first - 1, i) -= Z[j][i] * y[j];
+        gradient(k + 1, i) -= W[j][i] * y[j];
+      }
+      w.H[w.gradient * w.width + w.gradient] -= y[i] * y[i];
     }
   }
+}
+
+/// One state: what follows takes what it passes on.
+/// @param Y  L^-1 G, may be where G is
+template <int N>
+HWY_INLINE void eliminate_state(double* A, const double* U, const double* G, double* Y, double* A_next,
+                                double* G_next, std::size_t width, double spare_floor) {
+  const SmallCholesky<N> factored = factor<N>(A, spare_floor);
+  const auto& L = factored.L;
+  double W[N][N];
   if (U != nullptr) {
-    for (int j = 0; j < N; ++j)
-      for (int i = 0; i < N; ++i) {
-        double sum = U[i * N + j];
-        for (int k = 0; k < i; ++k) sum -= L[i][k] * W[k][j];
-        W[i][j] = sum * L[i][i];
-      }
-    for (int i = 0; i < N; ++i)
-      for (int j = 0; j < N; ++j) {
-        double sum = 0.0;
-        for (int k = 0; k < N; ++k) sum += W[k][i] * W[k][j];
-        A_next[i * N + j] -= sum;
-      }
+    solve_block<N>(factored, U, false, W);
+    subtract_product<N>(W, W, A_next);
   }
   const D d;
   for (std::size_t c = 0; c < width; c += hn::Lanes(d)) {
@@ -78,7 +117,7 @@ HWY_INLINE void eliminate_state(double* A, const double* U, double* G, double* A
       V v = hn::Load(d, G + static_cast<std::size_t>(i) * width + c);
       for (int k = 0; k < i; ++k) v = hn::NegMulAdd(hn::Set(d, L[i][k]), y[k], v);
       y[i] = hn::Mul(v, hn::Set(d, L[i][i]));
-      hn::Store(y[i], d, G + static_cast<std::size_t>(i) * width + c);
+      hn::Store(y[i], d, Y + static_cast<std::size_t>(i) * width + c);
     }
     if (U == nullptr) continue;
     for (int i = 0; i < N; ++i) {
@@ -134,14 +173,22 @@ HWY_INLINE void subtract_squares(const double* Y, std::size_t rows, std::size_t 
 template <int N>
 HWY_INLINE void eliminate_states(const ChainWindow& w, double floor_of_last, double spare_floor) {
   constexpr std::size_t n = N;
-  for (std::size_t k = 0; k < w.states; ++k) {
-    double* A = w.D + k * n * n;
+  std::size_t rows = 0;  // of Y, which close ranks
+  for (std::size_t k = 0; k < w.states;) {
     const bool is_last = k + 1 == w.states && floor_of_last > 0;
+    std::size_t next = k + 1;
+    while (w.is_plain != nullptr && next < w.states && w.is_plain[next] != 0 &&
+           !(floor_of_last > 0 && next + 1 == w.states))
+      ++next;
+    if (next > k + 1) eliminate_plain<N>(w, k + 1, next, spare_floor);
+    double* A = w.D + k * n * n;
     if (is_last) raise<N>(A, floor_of_last);
-    eliminate_state<N>(A, is_last ? nullptr : w.U + k * n * n, w.G + k * n * w.width, A + n * n,
-                       w.G + (k + 1) * n * w.width, w.width, spare_floor);
+    eliminate_state<N>(A, is_last ? nullptr : w.U + k * n * n, w.G + k * n * w.width, w.G + rows * w.width,
+                       w.D + next * n * n, w.G + next * n * w.width, w.width, spare_floor);
+    rows += n;
+    k = next;
   }
-  subtract_squares(w.G, w.states * n, w.width, w.H);
+  subtract_squares(w.G, rows, w.width, w.H);
 }
 
 void eliminate_window(const ChainWindow& w, double floor_of_last, double spare_floor) {

@@ -19,12 +19,17 @@ struct ChainWindow {
   double* U = nullptr;     ///< states x block x block: coupling to the next state
   double* G = nullptr;     ///< (states + 1) x block x width: coupling to the border
   double* H = nullptr;     ///< width x width: the border's own; only the lower triangle is meant
+  /// Of each state whether no column of the border but `gradient` couples to it; null: not known. Never the
+  /// first.
+  const char* is_plain = nullptr;
+  std::size_t gradient = 0;
 };
 
 /// Eliminates the states front to back: with D = L L', W = L^-1 U, Y = L^-1 G of each,
 ///   D_next -= W'W,   G_next -= W'Y,   H -= Y'Y
 /// (Schur complement of a bordered block-tridiagonal matrix). D and G of the state behind them are left as
-/// they then are; G of the others holds Y.
+/// they then are; what D, U and G of the others hold is of no use any more. States that do not see the border
+/// (odometry more often than arrivals) go before the others, onto their neighbours.
 /// @param floor  of a diagonal, by how much of its largest element it grows before it is factored; where that
 /// is not positive definite, 100 times `spare_floor` is added
 void eliminate(const ChainWindow& window, double floor_of_last, double spare_floor);

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "calib/adjust/stop_block.h"
 #include "calib/adjust/tile.h"
 #include "calib/chain/chain_kernel.h"
 #include "calib/chain/stretch_reducer.h"
+#include "calib/lanes/stop_block.h"
 #include "models/support/parallel.h"
 
 namespace octant::calib {
@@ -35,6 +35,7 @@ class Joiner {
 
   void take(const Stretch& stretch, const Remains& from) {
     const std::size_t m = from.columns.size(), gradient = m + (stretch.has_left ? n : 0);
+    cost_ += from.cost + 0.5 * from.H.data()[gradient * from.width + gradient];
     for (std::size_t i = 0; i < m; ++i) {
       const double* row = from.H.data() + i * from.width;
       for (std::size_t j = 0; j <= i; ++j) system_.H(from.columns[i], from.columns[j]) += row[j];
@@ -70,14 +71,16 @@ class Joiner {
     std::fill(U_.data(), U_.data() + n * n, 0.0);
   }
 
-  void finish() {
-    if (H_.data() == nullptr) return;
+  /// @return cost where the states have made the step that is left to them
+  [[nodiscard]] double finish() {
+    if (H_.data() == nullptr) return cost_;
     for (std::size_t i = 0; i < columns_; ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       for (std::size_t j = 0; j <= i; ++j)
         system_.H(row, static_cast<Eigen::Index>(j)) += H_.data()[i * width_ + j];
       system_.gradient[row] += H_.data()[columns_ * width_ + i];
     }
+    return cost_ + 0.5 * H_.data()[columns_ * width_ + columns_];
   }
 
  private:
@@ -97,6 +100,7 @@ class Joiner {
 
   ReducedSystem& system_;
   std::size_t columns_, width_;
+  double cost_ = 0.0;
   AlignedDoubles H_, D_, U_, G_;  ///< of an end and the one behind it
 };
 
@@ -112,9 +116,9 @@ std::vector<Stretch> stretches_of(std::size_t states) {
 }
 
 template <int N>
-void reduce_segment(const ChainReduction& chain, const Segment& segment, const SharedState& state,
-                    const RobustLoss& loss, const std::vector<int>& place, int threads,
-                    ReducedSystem& system) {
+double reduce_segment(const ChainReduction& chain, const Segment& segment, const SharedState& state,
+                      const RobustLoss& loss, const std::vector<int>& place, int threads,
+                      ReducedSystem& system) {
   const auto columns = static_cast<std::size_t>(system.H.cols());
   const std::vector<Stretch> stretches = stretches_of(segment.last_node - segment.first_node);
   const std::size_t at_once =
@@ -128,7 +132,7 @@ void reduce_segment(const ChainReduction& chain, const Segment& segment, const S
     });
     for (std::size_t i = 0; i < count; ++i) join.take(stretches[first + i], remains[i]);
   }
-  join.finish();
+  return join.finish();
 }
 
 }  // namespace
@@ -183,8 +187,8 @@ PathColumns ChainReduction::make_columns(std::size_t beacon, std::size_t receive
   return out;
 }
 
-void ChainReduction::reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
-                            const std::vector<int>& place, int threads, ReducedSystem& system) const {
+double ChainReduction::reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
+                              const std::vector<int>& place, int threads, ReducedSystem& system) const {
   switch (trajectory_->block_size()) {
     case 3: return reduce_segment<3>(*this, segment, state, loss, place, threads, system);
     case 4: return reduce_segment<4>(*this, segment, state, loss, place, threads, system);

@@ -42,12 +42,15 @@ class ChainReduction {
 
   /// Adds gradient and lower triangle of H at the states as the trajectory has them.
   /// @param place  where each column of the layout stands in the system, ascending; -1: nowhere
-  void reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
-              const std::vector<int>& place, int threads, ReducedSystem& system) const;
+  /// @return 1/2 sum of rho, less what the states' own step would still gain: r'r / 2 - r'Jx (Jx'Jx)^-1 Jx'r
+  /// / 2
+  double reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
+                const std::vector<int>& place, int threads, ReducedSystem& system) const;
 
-  /// Of a path that some arrival of the segments took.
-  [[nodiscard]] const PathColumns& columns_of(BeaconId beacon, ReceiverId receiver) const {
-    return paths_[static_cast<std::size_t>(path_of_[beacon.index() * receivers_ + receiver.index()])];
+  /// Paths that some arrival of the segments took.
+  [[nodiscard]] const std::vector<PathColumns>& paths() const { return paths_; }
+  [[nodiscard]] std::size_t path_of(const ArrivalObservation& a) const {
+    return static_cast<std::size_t>(path_of_[a.beacon.index() * receivers_ + a.receiver.index()]);
   }
   [[nodiscard]] const Trajectory& trajectory() const { return *trajectory_; }
   [[nodiscard]] const ParameterLayout& layout() const { return *layout_; }

@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "calib/adjust/adjust.h"
+#include "calib/adjust/information.h"
+#include "calib/adjust/priors.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/shared_entries.h"
 #include "calib/verdict/datum.h"

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/errors/statistics.h"
 #include "calib/problem/ranges.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "calib/adjust/adjust.h"
+#include "calib/adjust/information.h"
 #include "calib/errors/error_model.h"
 #include "calib/errors/error_sample.h"
 #include "calib/revisit/revisited_site.h"

@@ -8,7 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "calib/adjust/adjust.h"
+#include "calib/adjust/priors.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {

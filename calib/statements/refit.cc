@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "calib/adjust/information.h"
+#include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/errors/statistics.h"
 #include "calib/errors/whiteness.h"

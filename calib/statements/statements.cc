@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "calib/adjust/priors.h"
 #include "calib/adjust/tile_sum.h"
 #include "calib/statements/refit.h"
 #include "calib/statements/statement.h"

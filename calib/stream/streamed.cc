@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "calib/adjust/adjust.h"
+#include "calib/adjust/priors.h"
 #include "calib/adjust/quadratic_sum.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"

@@ -9,7 +9,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calib/adjust/adjust.h"
+#include "calib/adjust/information.h"
+#include "calib/adjust/priors.h"
 #include "calib/problem/ranges.h"
 #include "calib/verdict/datum.h"
 #include "calib/verdict/fix_shift.h"

@@ -16,8 +16,9 @@ template <int N>
 struct SmallCholesky {
   double L[N][N];
 
-  /// False where the block is not positive definite.
-  bool factor(const Eigen::Matrix<double, N, N>& A) {
+  /// False where the block is not positive definite. Always inlined, so that vector kernels compile it for
+  /// their instruction set.
+  [[gnu::always_inline]] bool factor(const Eigen::Matrix<double, N, N>& A) {
     for (int i = 0; i < N; ++i) {
       for (int j = 0; j <= i; ++j) {
         double sum = A(i, j);

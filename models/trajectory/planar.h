@@ -9,56 +9,93 @@
 
 namespace octant {
 
-/// A planar state as numbers, so that loops over a chain need neither quaternions nor atan2.
-struct PlanarNode {
-  double x_m = 0.0, y_m = 0.0, heading_rad = 0.0;
-  double cosine = 1.0, sine = 0.0;  ///< of the heading
+/// Angle of a unit vector, in (-pi, pi]; small ones without a library's arctangent.
+[[nodiscard]] inline double angle_of(double cosine, double sine) {
+  constexpr double kSeries = 0.1;  // where the terms left out are below 1e-17
+  if (!(cosine > 0.0) || std::abs(sine) > kSeries) return std::atan2(sine, cosine);
+  const double s2 = sine * sine;
+  return sine *
+         (1.0 + s2 * (1.0 / 6 +
+                      s2 * (3.0 / 40 + s2 * (5.0 / 112 +
+                                             s2 * (35.0 / 1152 + s2 * (63.0 / 2816 + s2 * 231.0 / 13312))))));
+}
 
-  PlanarNode() = default;
-  explicit PlanarNode(const Pose& T) : x_m(T.translation_m.x()), y_m(T.translation_m.y()) {
-    const Eigen::Quaterniond& q = T.rotation;
-    cosine = 1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z());
-    sine = 2.0 * (q.w() * q.z() + q.x() * q.y());
-    heading_rad = std::atan2(sine, cosine);
+/// A turn in the plane as cosine and sine: chains of them need no trigonometry.
+struct PlanarTurn {
+  double cosine = 1.0, sine = 0.0;
+
+  PlanarTurn() = default;
+  PlanarTurn(double c, double s) : cosine(c), sine(s) {}
+  explicit PlanarTurn(const Eigen::Quaterniond& q)
+      : cosine(1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z())), sine(2.0 * (q.w() * q.z() + q.x() * q.y())) {}
+  explicit PlanarTurn(double angle_rad) {
+    constexpr double kSeriesRad = 0.05;  // where the terms left out are below 1e-17
+    const double d = angle_rad, d2 = d * d;
+    if (d2 < kSeriesRad * kSeriesRad) {
+      cosine = 1.0 - d2 / 2 * (1.0 - d2 / 12 * (1.0 - d2 / 30 * (1.0 - d2 / 56)));
+      sine = d * (1.0 - d2 / 6 * (1.0 - d2 / 20 * (1.0 - d2 / 42)));
+    } else {
+      cosine = std::cos(d);
+      sine = std::sin(d);
+    }
   }
-  PlanarNode(double x, double y, double heading)
-      : x_m(x), y_m(y), heading_rad(heading), cosine(std::cos(heading)), sine(std::sin(heading)) {}
-  [[nodiscard]] Pose pose() const { return Pose::planar(x_m, y_m, heading_rad); }
+  [[nodiscard]] double angle_rad() const { return angle_of(cosine, sine); }
+  friend PlanarTurn operator*(const PlanarTurn& a, const PlanarTurn& b) {
+    return {a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine};
+  }
+  /// From a to b.
+  friend PlanarTurn between(const PlanarTurn& a, const PlanarTurn& b) {
+    return {a.cosine * b.cosine + a.sine * b.sine, a.cosine * b.sine - a.sine * b.cosine};
+  }
 };
 
-/// As wrap_angle, for differences that rarely need it.
-[[nodiscard]] inline double wrap_difference(double angle_rad) {
-  return angle_rad > M_PI || angle_rad <= -M_PI ? wrap_angle(angle_rad) : angle_rad;
-}
+/// A planar state as numbers, so that loops over a chain need neither quaternions nor trigonometry.
+struct PlanarNode {
+  double x_m = 0.0, y_m = 0.0;
+  PlanarTurn heading;
+
+  PlanarNode() = default;
+  explicit PlanarNode(const Pose& T)
+      : x_m(T.translation_m.x()), y_m(T.translation_m.y()), heading(T.rotation) {}
+  PlanarNode(double x, double y, const PlanarTurn& its_heading) : x_m(x), y_m(y), heading(its_heading) {}
+
+  [[nodiscard]] PlanarNode moved(double dx_m, double dy_m, double turn_rad) const {
+    PlanarTurn h = heading * PlanarTurn(turn_rad);
+    // A step of Newton's keeps the vector's length at one.
+    const double scale = 1.5 - 0.5 * (h.cosine * h.cosine + h.sine * h.sine);
+    return {x_m + dx_m, y_m + dy_m, {h.cosine * scale, h.sine * scale}};
+  }
+  /// z, roll and pitch are zero.
+  [[nodiscard]] Pose pose() const {
+    Pose T;
+    T.translation_m = {x_m, y_m, 0.0};
+    // Half the angle, from the larger of its cosine and sine.
+    const double c = heading.cosine, s = heading.sine;
+    if (c >= 0.0) {
+      const double w = std::sqrt(0.5 * (1.0 + c));
+      T.rotation = Eigen::Quaterniond(w, 0.0, 0.0, 0.5 * s / w);
+    } else {
+      const double z = std::copysign(std::sqrt(0.5 * (1.0 - c)), s);
+      T.rotation = Eigen::Quaterniond(0.5 * s / z, 0.0, 0.0, z);
+    }
+    return T;
+  }
+};
 
 /// Two states and the shortest turn from one to the other.
 struct PlanarInterval {
   const PlanarNode& from;
   const PlanarNode& to;
+  PlanarTurn turn;
   double turn_rad;
   PlanarInterval(const PlanarNode& a, const PlanarNode& b)
-      : from(a), to(b), turn_rad(wrap_difference(b.heading_rad - a.heading_rad)) {}
+      : from(a), to(b), turn(between(a.heading, b.heading)), turn_rad(turn.angle_rad()) {}
 
   /// Linear in position and heading, as `interpolate`.
   [[nodiscard]] PlanarNode at(double alpha) const {
     if (alpha == 0.0) return from;
-    PlanarNode s;
-    s.x_m = (1.0 - alpha) * from.x_m + alpha * to.x_m;
-    s.y_m = (1.0 - alpha) * from.y_m + alpha * to.y_m;
-    const double d = alpha * turn_rad, d2 = d * d;
-    s.heading_rad = from.heading_rad + d;
-    constexpr double kSeriesRad = 0.05;  // where the terms left out are below 1e-17
-    double c = 0.0, e = 0.0;
-    if (d2 < kSeriesRad * kSeriesRad) {
-      c = 1.0 - d2 / 2 * (1.0 - d2 / 12 * (1.0 - d2 / 30 * (1.0 - d2 / 56)));
-      e = d * (1.0 - d2 / 6 * (1.0 - d2 / 20 * (1.0 - d2 / 42)));
-    } else {
-      c = std::cos(d);
-      e = std::sin(d);
-    }
-    s.cosine = from.cosine * c - from.sine * e;
-    s.sine = from.sine * c + from.cosine * e;
-    return s;
+    return {(1.0 - alpha) * from.x_m + alpha * to.x_m, (1.0 - alpha) * from.y_m + alpha * to.y_m,
+            from.heading * PlanarTurn(alpha * turn_rad)};
   }
 };
 
@@ -105,8 +142,8 @@ struct PlanarArrival {
     constexpr double kMinDistanceM = 1e-6;  // as predict_arrival
     const Eigen::Vector3d &o = state.receiver_p_vehicle_m[a.receiver.index()],
                           &p = state.beacon_p_map_m[a.beacon.index()];
-    cosine = at.cosine;
-    sine = at.sine;
+    cosine = at.heading.cosine;
+    sine = at.heading.sine;
     const double ox = cosine * o.x() - sine * o.y(), oy = sine * o.x() + cosine * o.y();
     const double vx = at.x_m + ox - p.x(), vy = at.y_m + oy - p.y(), vz = o.z() - p.z();
     distance_m = std::max(std::sqrt(vx * vx + vy * vy + vz * vz), kMinDistanceM);
@@ -131,26 +168,26 @@ struct PlanarStep {
   double weight, weight_turn;
   double moment;  ///< derivative of the squares by the first heading, halved, turn apart
 
-  /// @param step_turn_rad  heading of the step
-  PlanarStep(const OdometryObservation& o, double step_turn_rad, const PlanarInterval& interval) {
+  PlanarStep(const OdometryObservation& o, const PlanarInterval& interval) {
     const PlanarNode &a = interval.from, &b = interval.to;
+    const double c = a.heading.cosine, s = a.heading.sine;
     dx = b.x_m - a.x_m;
     dy = b.y_m - a.y_m;
-    const double sx = a.cosine * dx + a.sine * dy, sy = a.cosine * dy - a.sine * dx;
+    const double sx = c * dx + s * dy, sy = c * dy - s * dx;
     const double ex = o.T_before_after.translation_m.x() - sx, ey = o.T_before_after.translation_m.y() - sy;
     weight = 1.0 / (o.distance_sigma_m * o.distance_sigma_m);
     weight_turn = 1.0 / (o.heading_sigma_rad * o.heading_sigma_rad);
-    turn = wrap_difference(step_turn_rad - interval.turn_rad);
-    fx = weight * (a.cosine * ex - a.sine * ey);
-    fy = weight * (a.sine * ex + a.cosine * ey);
+    turn = between(interval.turn, PlanarTurn(o.T_before_after.rotation)).angle_rad();
+    fx = weight * (c * ex - s * ey);
+    fy = weight * (s * ex + c * ey);
     moment = weight * (sx * ey - sy * ex);
     off2 = ex * ex + ey * ey;
   }
   [[nodiscard]] double cost() const { return 0.5 * (weight * off2 + weight_turn * turn * turn); }
 
   /// Adds the normal equations: blocks of the first state, of both, of the second.
-  template <class Block, class Vector>
-  void add_to(Block& D, Vector& g, Block& U, Block& D_next, Vector& g_next) const {
+  template <class Block, class Coupling, class Next, class Vector, class NextVector>
+  void add_to(Block& D, Vector& g, Coupling& U, Next& D_next, NextVector& g_next) const {
     const double cx = -weight * dy, cy = weight * dx;  // of position and heading of the first
     D(0, 0) += weight;
     D(1, 1) += weight;

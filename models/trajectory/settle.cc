@@ -140,9 +140,6 @@ class PlanarChain {
     for (std::size_t k = segment.first_node; k < segment.last_node; ++k)
       now_.emplace_back(t.nodes[k].T_map_vehicle);
     kept_ = now_;
-    step_turn_rad_.reserve(segment.last_odometry - segment.first_odometry);
-    for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
-      step_turn_rad_.push_back(t.odometry[i].T_before_after.heading_rad());
   }
 
   /// Stretches of it side by side; sums do not depend on the number of threads.
@@ -163,9 +160,7 @@ class PlanarChain {
     if (has_others_) add_others(state, loss, system);
   }
   void move(const std::pmr::vector<Vector>& step) {
-    for (std::size_t k = 0; k < step.size(); ++k)
-      now_[k] =
-          PlanarNode(now_[k].x_m + step[k][0], now_[k].y_m + step[k][1], now_[k].heading_rad + step[k][2]);
+    for (std::size_t k = 0; k < step.size(); ++k) now_[k] = now_[k].moved(step[k][0], step[k][1], step[k][2]);
     moved_ = true;
   }
   void keep() { kept_ = now_; }
@@ -223,7 +218,7 @@ class PlanarChain {
       Eigen::Vector3d& g_next = k + 1 == last ? beyond.g : system.g[k + 1];
       sums.add_to(system.D[k], system.g[k], system.U[k], D_next, g_next);
       for (; o < segment_.last_odometry && t_.odometry[o].node == base + k; ++o) {
-        const PlanarStep step(t_.odometry[o], step_turn_rad_[o - segment_.first_odometry], interval);
+        const PlanarStep step(t_.odometry[o], interval);
         cost += step.cost();
         step.add_to(system.D[k], system.g[k], system.U[k], D_next, g_next);
       }
@@ -250,7 +245,6 @@ class PlanarChain {
   bool has_others_, moved_ = false;
   std::pmr::vector<PlanarNode> now_{scratch()}, kept_{scratch()};
   std::pmr::vector<Beyond> beyond_{scratch()};
-  std::pmr::vector<double> step_turn_rad_{scratch()};
 };
 
 /// Levenberg-Marquardt: a point is built at once with its system, which the next step takes.

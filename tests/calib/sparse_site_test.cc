@@ -9,8 +9,8 @@
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 
-#include "calib/adjust/adjust.h"
 #include "calib/adjust/covariance.h"
+#include "calib/adjust/information.h"
 #include "calib/adjust/sparse_factor.h"
 #include "calib/errors/statistics.h"
 #include "calib/errors/variances.h"

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where an adjustment stops: no later than it has to, and never before what it was asked for is there.
 #include "calib/adjust/adjust.h"
+#include "calib/adjust/information.h"
 
 #include <cmath>
 #include <string>

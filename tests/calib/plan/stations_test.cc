@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calib/adjust/adjust.h"
+#include "calib/adjust/information.h"
 #include "calib/verdict/observability.h"
 #include "models/simulator/random.h"
 #include "tests/calib/calib_support.h"

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <ceres/evaluation_callback.h>
+#include <Eigen/Core>
+
+#include "calib/adjust/adjust.h"
+#include "calib/adjust/tile_sum.h"
+
+namespace octant::calib {
+
+/// A reduced system as residuals: H = R'R, g = R'z, and one row more so that half their squares are the cost.
+struct Residuals {
+  Eigen::MatrixXd R;
+  Eigen::VectorXd z;
+  double rest = 0.0;
+};
+
+/// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate
+/// is settled, and where it is taken only its reduction is added.
+struct EvaluationPoint : ceres::EvaluationCallback {
+  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout,
+                  const Eigen::VectorXd* its_x, const AdjustOptions& its_options)
+      : observations(all),
+        tiles(all_tiles),
+        layout(its_layout),
+        x(its_x),
+        options(&its_options),
+        dense(tiles == nullptr || is_dense(*its_layout)) {}
+
+  SystemSum* observations;
+  TileSum* tiles;  ///< the same, where each may be asked for its own
+  const ParameterLayout* layout;
+  const Eigen::VectorXd* x;
+  const AdjustOptions* options;
+  bool dense;
+  SharedState state;
+  double cost = 0.0;
+  bool settled = false;
+  bool at_rest = false;              ///< the step that led here was the last worth taking
+  ReducedSystem sum;                 ///< dense
+  Eigen::VectorXd reduced_at;        ///< where that was formed
+  std::vector<Residuals> residuals;  ///< of the sum; else of each tile
+
+  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
+
+ private:
+  /// The system here, which is not even needed where nothing worth while is left to gain.
+  void look();
+
+  /// A step gains half of its square in the matrix. Steps of Gauss and Newton leave a few hundredths of the
+  /// way behind where lever arms are as short as an octagon's, a tenth at most, and the square of that of the
+  /// gain. The matrix changes by some times what the foretold gain was off, and as rays turn: both have to
+  /// stay below what anybody reads in a covariance.
+  [[nodiscard]] bool nothing_left_to_gain() const;
+
+  /// Whether rays of some metres and lever arms of some centimetres point where they did, to a thousandth.
+  [[nodiscard]] bool rays_are_the_same() const;
+
+  /// The last system as it looks from here.
+  void look_from_last();
+};
+
+}  // namespace octant::calib

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/adjust/information.h"
+
+#include <utility>
+#include <vector>
+
+#include "calib/adjust/priors.h"
+#include "calib/adjust/tile_sum.h"
+
+namespace octant::calib {
+namespace {
+
+/// Adds up elements of a sparse matrix in portions, so that the list of them stays short.
+class SparseSum {
+ public:
+  explicit SparseSum(int size) : sum_(size, size) {}
+  void add(int i, int j, double value) {
+    elements_.emplace_back(i, j, value);
+    if (elements_.size() >= kPortion) take();
+  }
+  [[nodiscard]] Eigen::SparseMatrix<double> result() {
+    take();
+    sum_.makeCompressed();
+    Eigen::SparseMatrix<double> result;
+    result.swap(sum_);
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t kPortion = 1'000'000;
+  void take() {
+    Eigen::SparseMatrix<double> portion(sum_.rows(), sum_.cols());
+    portion.setFromTriplets(elements_.begin(), elements_.end());
+    sum_ += portion;
+    elements_.clear();
+  }
+  Eigen::SparseMatrix<double> sum_;
+  std::vector<Eigen::Triplet<double>> elements_;
+};
+
+}  // namespace
+
+Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout,
+                                                  std::vector<Trajectory>& trajectories,
+                                                  const Eigen::VectorXd& x, const RobustLoss& loss,
+                                                  const Workers& workers) {
+  const SharedState state = layout.state_of(x);
+  TileSum tiles(trajectories, layout, workers);
+  static_cast<void>(tiles.settle(state, loss));
+  std::vector<ReducedSystem> systems;
+  tiles.reduce_each(state, loss, systems);
+  tiles.share_states();
+  SparseSum sum(layout.size());
+  for (std::size_t t = 0; t < systems.size(); ++t) {
+    const std::vector<int>& columns = tiles.tiles()[t].columns();
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      for (std::size_t i = 0; i < columns.size(); ++i)
+        if (const double h = systems[t].H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+            h != 0.0)
+          sum.add(columns[i], columns[j], h);
+    systems[t] = {};
+  }
+  // The whole diagonal is there, whatever it holds.
+  for (int i = 0; i < layout.size(); ++i) sum.add(i, i, 0.0);
+  for_each_of_prior(problem, layout, x, [&](int i, int j, double value) { sum.add(i, j, value); });
+  return sum.result();
+}
+
+Information information_at(const Problem& problem, const ParameterLayout& layout,
+                           std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
+                           const RobustLoss& loss, const Workers& workers) {
+  Information info;
+  const SharedState state = layout.state_of(x);
+  TileSum tiles(trajectories, layout, workers);
+  static_cast<void>(tiles.settle(state, loss));
+  ReducedSystem sum;
+  tiles.reduce(state, loss, sum);
+  info.data_cost = sum.cost;
+  tiles.share_states();
+  info.data = std::move(sum.H);
+  info.data_gradient = std::move(sum.gradient);
+  info.prior = prior_information(problem, layout, x);
+  return info;
+}
+
+}  // namespace octant::calib

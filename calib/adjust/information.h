@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "calib/adjust/ranks.h"
+#include "calib/problem/parameters.h"
+
+namespace octant::calib {
+
+/// Gauss-Newton matrix of arrivals and bearings alone (data) and of priors and control distances (prior) at
+/// x, states settled.
+struct Information {
+  Eigen::MatrixXd data, prior;
+  double data_cost = 0.0;
+  Eigen::VectorXd data_gradient;  ///< of data_cost
+};
+[[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout,
+                                         std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
+                                         const RobustLoss& loss = {}, const Workers& workers = {});
+/// Of everything together, for sites where the matrix would be too large: all elements of parameters that
+/// some stop, prior or tape connects, both triangles.
+[[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(
+    const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
+    const Eigen::VectorXd& x, const RobustLoss& loss = {}, const Workers& workers = {});
+
+}  // namespace octant::calib
