@@ -151,27 +151,29 @@ TEST(Rooms, FilesAndFunctionsAreShortEnoughToRead) {
 }
 
 TEST(Rooms, LengthsAreCountedAsPeopleCountThem) {
-  const std::string text = R"cc(namespace a {
-                                struct alignas(64) Lanes {
-                                  double of[8] = {};
-                                  int twice() const { return 2; }
-                                };
-                                const std::vector<int> table = {1, 2};
-                                // a { in a comment
-                                template <class T>
-                                void visit(T&& f, int many = 3) {
-                                  if (many > 0) {
-                                    f('{');
-                                  }
-                                }
-                                const char* script() {
-                                  return R"js(
+  const std::string text = R"source(namespace a {
+struct alignas(64) Lanes {
+  double of[8] = {};
+  int twice() const {
+    return 2;
+  }
+};
+const std::vector<int> table = {1, 2};
+// a { in a comment
+template <class T>
+void visit(T&& f, int many = 3) {
+  if (many > 0) {
+    f('{');
+  }
+}
+const char* script() {
+  return R"js(
     {
   )js";
-                                }
-                                bool operator<(Lanes a, Lanes b) { return a.of[0] < b.of[0]; }
-                                }  // namespace a
-  )cc";
+}
+bool operator<(Lanes a, Lanes b) { return a.of[0] < b.of[0]; }
+}  // namespace a
+)source";
   std::vector<std::pair<int, int>> found;  // first line, length
   for (const FunctionShape& f : functions_of(text)) found.emplace_back(f.first_line, f.lines());
   EXPECT_EQ(found, (std::vector<std::pair<int, int>>{{4, 3}, {10, 6}, {16, 3}, {21, 1}}));
