@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/python/arrays.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "models/plain_fix.h"
 
 namespace octant::python {
 
@@ -23,33 +22,13 @@ py::dtype dtype_of(const std::vector<Column>& columns, std::size_t row_size) {
 
 FixRow row_of(const Fix& fix) {
   FixRow row;
-  row.time_s = fix.time_s;
-  row.epoch = fix.epoch;
-  row.vehicle = fix.vehicle.value;
-  row.status = static_cast<std::int32_t>(fix.status);
-  row.ok = fix.ok();
-  row.arrivals_used = fix.arrivals_used;
-  row.arrivals_rejected = fix.arrivals_rejected;
   // What there is none of is no number, so that a plot leaves it out.
   row.x_m = row.y_m = row.z_m = row.heading_rad = row.qx = row.qy = row.qz = row.qw = row.sigma_x_m =
       row.sigma_y_m = row.sigma_heading_rad = row.protection_level_m =
           std::numeric_limits<double>::quiet_NaN();
-  if (!fix.ok()) return row;
-  const Eigen::Vector3d& p = fix.T_map_vehicle.translation_m;
-  const Eigen::Quaterniond& q = fix.T_map_vehicle.rotation;
-  const auto sigma = [&](Eigen::Index i) { return std::sqrt(std::max(fix.covariance(i, i), 0.0)); };
-  row.x_m = p.x();
-  row.y_m = p.y();
-  row.z_m = p.z();
-  row.heading_rad = fix.T_map_vehicle.heading_rad();
-  row.qx = q.x();
-  row.qy = q.y();
-  row.qz = q.z();
-  row.qw = q.w();
-  row.sigma_x_m = sigma(0);
-  row.sigma_y_m = sigma(1);
-  row.sigma_heading_rad = std::min(sigma(fix.covariance.rows() == 6 ? 5 : 2), std::numbers::pi);
-  row.protection_level_m = fix.protection_level_m;
+  row.epoch = fix.epoch;
+  row.status = static_cast<std::int32_t>(fix.status);
+  fill_row(fix, row);
   return row;
 }
 

@@ -140,7 +140,17 @@ py::array positions(const py::object& self, Owner* first, std::size_t count, con
                    first == nullptr ? nullptr : at, self);
 }
 
-void bind_values(py::module_& m) {
+/// Of each beacon, 3 x 3.
+py::array_t<double> beacon_covariances(const Deployment& d) {
+  py::array_t<double> all({d.beacons.size(), std::size_t{3}, std::size_t{3}});
+  auto out = all.mutable_unchecked<3>();
+  for (py::ssize_t b = 0; b < out.shape(0); ++b)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) out(b, i, j) = d.beacons[static_cast<std::size_t>(b)].covariance_m2(i, j);
+  return all;
+}
+
+void bind_site(py::module_& m) {
   py::class_<Site>(m, "Site", "What is known of a site before calibration: a site file.")
       .def_readonly("name", &Site::name)
       .def_readonly("path", &Site::path)
@@ -148,7 +158,9 @@ void bind_values(py::module_& m) {
       .def_property_readonly("beacons", [](const Site& s) { return names_of(s).beacons; })
       .def_property_readonly("vehicles", [](const Site& s) { return names_of(s).vehicles; })
       .def("to_yaml", &io::site_to_yaml, "Text of a site file.");
+}
 
+void bind_deployment(py::module_& m) {
   py::class_<Deployment>(m, "Deployment", "What calibration found: all that a localizer needs.")
       .def_readonly("site", &Deployment::site)
       .def_readonly("created", &Deployment::created)
@@ -185,17 +197,7 @@ void bind_values(py::module_& m) {
                              d.receivers.empty() ? nullptr : d.receivers[0].position_m.data());
           },
           "Rows x, y, z in the vehicle frame; a view, no copy.")
-      .def_property_readonly("beacon_covariances_m2",
-                             [](const Deployment& d) {
-                               py::array_t<double> all({d.beacons.size(), std::size_t{3}, std::size_t{3}});
-                               auto out = all.mutable_unchecked<3>();
-                               for (py::ssize_t b = 0; b < out.shape(0); ++b)
-                                 for (int i = 0; i < 3; ++i)
-                                   for (int j = 0; j < 3; ++j)
-                                     out(b, i, j) =
-                                         d.beacons[static_cast<std::size_t>(b)].covariance_m2(i, j);
-                               return all;
-                             })
+      .def_property_readonly("beacon_covariances_m2", &beacon_covariances)
       .def_property_readonly(
           "covariance_parameters",
           [](const Deployment& d) { return parameter_names(d.covariance.parameters, names_of(d)); })
@@ -216,7 +218,9 @@ void bind_values(py::module_& m) {
             unlocked([&] { return io::write_deployment(path, d); });
           },
           "path"_a, "Writes the deployment file, whole or not at all.");
+}
 
+void bind_run(py::module_& m) {
   py::class_<Run>(m, "Run", "One recording.")
       .def_property_readonly("path", [](const Run& r) { return r.log.path; })
       .def_property_readonly("warnings", [](const Run& r) { return r.log.warnings; })
@@ -241,7 +245,9 @@ void bind_values(py::module_& m) {
             unlocked([&] { return io::write_run(folder, r.log, r.names); });
           },
           "folder"_a, "Writes a run folder.");
+}
 
+void bind_fixes(py::module_& m) {
   py::class_<Fixes>(m, "Fixes", "Where the vehicle was.")
       .def_property_readonly(
           "table",
@@ -271,7 +277,9 @@ void bind_values(py::module_& m) {
       .def("__len__", [](const Fixes& f) { return f.fixes.size(); })
       .def("to_tum", [](const Fixes& f) { return io::fixes_to_tum(f.fixes); })
       .def("to_csv", [](const Fixes& f) { return io::fixes_to_csv(f.fixes, f.names); });
+}
 
+void bind_world(py::module_& m) {
   py::class_<World>(m, "World", "A simulated site with known truth.")
       .def_readonly("site", &World::site)
       .def_property_readonly("run",
@@ -283,6 +291,14 @@ void bind_values(py::module_& m) {
                                return Run{w.heldout, names_of(w.site)};
                              })
       .def_readonly("truth", &World::truth, "The true deployment.");
+}
+
+void bind_values(py::module_& m) {
+  bind_site(m);
+  bind_deployment(m);
+  bind_run(m);
+  bind_fixes(m);
+  bind_world(m);
 }
 
 /// The follower with its fixes kept until they are asked for.

@@ -4,43 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "io/deployment/deployment_json.h"
 #include "models/live/follower.h"
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/plain_fix.h"
 
 namespace octant {
 namespace {
 
 Place place_of(const Fix& fix) {
   Place place;
-  place.ok = fix.ok();
   place.status = to_string(fix.status);
-  place.time_s = fix.time_s;
-  place.arrivals_used = fix.arrivals_used;
-  place.arrivals_rejected = fix.arrivals_rejected;
-  place.vehicle = fix.vehicle.value;
-  if (!fix.ok()) return place;
-  const Eigen::Vector3d& p = fix.T_map_vehicle.translation_m;
-  const Eigen::Quaterniond& q = fix.T_map_vehicle.rotation;
-  place.x_m = p.x();
-  place.y_m = p.y();
-  place.z_m = p.z();
-  place.heading_rad = fix.T_map_vehicle.heading_rad();
-  place.qx = q.x();
-  place.qy = q.y();
-  place.qz = q.z();
-  place.qw = q.w();
-  const auto sigma = [&](Eigen::Index i) { return std::sqrt(std::max(fix.covariance(i, i), 0.0)); };
+  if (!fill_row(fix, place)) return place;
   const bool spatial = fix.covariance.rows() == 6;
-  place.sigma_x_m = sigma(0);
-  place.sigma_y_m = sigma(1);
-  place.sigma_z_m = spatial ? sigma(2) : 0.0;
-  place.sigma_heading_rad = std::min(sigma(spatial ? 5 : 2), std::numbers::pi);
+  place.sigma_z_m = spatial ? std::sqrt(std::max(fix.covariance(2, 2), 0.0)) : 0.0;
   place.covariance_xy_m2 = fix.covariance(0, 1);
-  place.protection_level_m = fix.protection_level_m;
   return place;
 }
 

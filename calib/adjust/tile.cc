@@ -10,8 +10,8 @@
 #include <tuple>
 #include <utility>
 
-#include "calib/adjust/stop_block.h"
 #include "calib/chain/chain_reduction.h"
+#include "calib/lanes/stop_block.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/settle.h"
 

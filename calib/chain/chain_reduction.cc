@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "calib/adjust/stop_block.h"
 #include "calib/adjust/tile.h"
 #include "calib/chain/chain_kernel.h"
 #include "calib/chain/stretch_reducer.h"
+#include "calib/lanes/stop_block.h"
 #include "models/support/parallel.h"
 
 namespace octant::calib {

@@ -12,8 +12,8 @@
 
 #include <Eigen/Core>
 
-#include "calib/adjust/stop_block.h"
 #include "calib/chain/chain_kernel.h"
+#include "calib/lanes/stop_block.h"
 
 namespace octant::calib::chain {
 

@@ -47,6 +47,7 @@ Innovation innovation_of_difference(const Eigen::VectorXd& difference, const Eig
 
 Innovation innovation_of_information(const Eigen::MatrixXd& P, const Eigen::MatrixXd& N,
                                      const Eigen::VectorXd& gradient) {
+  if (P.rows() == 0) return {};  // everything is held: nothing can have changed
   const Root root(P);
   const Eigen::MatrixXd L = root.lower();
   const SymmetricEigen<Eigen::MatrixXd> eigen(L.transpose() * N * L);

@@ -75,7 +75,8 @@ std::string outside_brackets(std::string_view head) {
   int depth = 0;
   for (std::size_t i = 0; i < head.size(); ++i) {
     const bool arrow = i > 0 && head[i - 1] == '-' && head[i] == '>';
-    const bool opens = head[i] == '(' || head[i] == '<', closes = !arrow && (head[i] == ')' || head[i] == '>');
+    const bool opens = head[i] == '(' || head[i] == '<',
+               closes = !arrow && (head[i] == ')' || head[i] == '>');
     if (depth == 0 || (closes && depth == 1)) outside += head[i];
     depth += opens - closes;
   }
@@ -115,9 +116,7 @@ std::size_t closing_brace(std::string_view code, std::size_t open) {
 
 }  // namespace
 
-int lines_of(std::string_view text) {
-  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
-}
+int lines_of(std::string_view text) { return static_cast<int>(std::count(text.begin(), text.end(), '\n')); }
 
 std::vector<FunctionShape> functions_of(std::string_view text) {
   const Plain p = plain(text);
@@ -126,8 +125,9 @@ std::vector<FunctionShape> functions_of(std::string_view text) {
   std::size_t head_from = 0;
   for (std::size_t i = 0; i < code.size(); ++i) {
     const char c = code[i];
-    if (c == ':' && i > 0 && std::regex_match(folded(code.substr(head_from, i - head_from)),
-                                              std::regex("public|private|protected")))
+    if (c == ':' && i > 0 &&
+        std::regex_match(folded(code.substr(head_from, i - head_from)),
+                         std::regex("public|private|protected")))
       head_from = i + 1;
     if (c == ';' || c == '}') head_from = i + 1;
     if (c != '{') continue;
@@ -137,8 +137,8 @@ std::vector<FunctionShape> functions_of(std::string_view text) {
       const std::size_t begin = code.find_first_not_of(" \n", head_from), end = closing_brace(code, i);
       f.first_line = lines_of(code.substr(0, begin)) + 1;
       f.last_line = lines_of(code.substr(0, end)) + 1;
-      f.data_lines = static_cast<int>(
-          std::count(p.data.begin() + f.first_line - 1, p.data.begin() + f.last_line, true));
+      f.data_lines =
+          static_cast<int>(std::count(p.data.begin() + f.first_line - 1, p.data.begin() + f.last_line, true));
       found.push_back(std::move(f));
       i = end;
     }

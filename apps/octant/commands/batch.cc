@@ -93,6 +93,38 @@ int end(const io::Batch& batch, const std::vector<SiteOutcome>& outcomes, const 
                       object);
 }
 
+CommandFiles files_of(const BatchArgs& words, const io::Batch& batch) {
+  CommandFiles files{.inputs = {words.list}, .outputs = {}, .run_outputs = {}};
+  for (const io::BatchSite& site : batch.sites) {
+    files.inputs.push_back(site.site);
+    files.inputs.insert(files.inputs.end(), site.runs.begin(), site.runs.end());
+    files.outputs.insert(files.outputs.end(), {site.output, site.report});
+  }
+  return files;
+}
+
+int report_all(const io::Batch& batch, const Shard& shard, const std::vector<SiteOutcome>& outcomes,
+               Session& session) {
+  std::vector<std::string> warnings;
+  Json sites = Json::array();
+  std::size_t good = 0;
+  for (const auto& outcome : outcomes) {
+    good += outcome.exit == kDone;
+    for (const auto& warning : outcome.object["warnings"])
+      warnings.push_back(fmt::format("{}: {}", batch.sites[outcome.number].name, warning.get<std::string>()));
+    sites.push_back(outcome.object);
+  }
+  session.warn(warnings);
+  session.result(summary(batch, outcomes));
+  const Json object = {
+      {"sites", sites},
+      {"calibrated", good},
+      {"failed", outcomes.size() - good},
+      {"seconds", session.seconds()},
+      {"shard", {{"index", shard.index + 1}, {"count", shard.count}, {"sites_in_list", batch.sites.size()}}}};
+  return end(batch, outcomes, object, session);
+}
+
 int run(const BatchArgs& words, Session& session) {
   Shard shard;
   if (!words.shard.empty()) {
@@ -110,13 +142,7 @@ int run(const BatchArgs& words, Session& session) {
   }
   const auto batch = io::read_batch(words.list, words.folder);
   if (!batch) return session.fail(batch.error());
-  CommandFiles files{.inputs = {words.list}, .outputs = {}, .run_outputs = {}};
-  for (const io::BatchSite& site : batch->sites) {
-    files.inputs.push_back(site.site);
-    files.inputs.insert(files.inputs.end(), site.runs.begin(), site.runs.end());
-    files.outputs.insert(files.outputs.end(), {site.output, site.report});
-  }
-  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
+  if (auto fit = check_no_overwriting(files_of(words, *batch)); !fit) return session.fail(fit.error());
   session.warn(batch->warnings);
   if (!words.folder.empty()) {
     std::error_code error;
@@ -142,26 +168,7 @@ int run(const BatchArgs& words, Session& session) {
     shard.index %= shard.count / static_cast<std::size_t>(ranks->count());
     shard.count /= static_cast<std::size_t>(ranks->count());
   }
-  std::vector<std::string> warnings;
-  Json sites = Json::array();
-  std::size_t good = 0;
-  for (const auto& outcome : outcomes) {
-    good += outcome.exit == kDone;
-    for (const auto& warning : outcome.object["warnings"])
-      warnings.push_back(
-          fmt::format("{}: {}", batch->sites[outcome.number].name, warning.get<std::string>()));
-    sites.push_back(outcome.object);
-  }
-  session.warn(warnings);
-  session.result(summary(*batch, outcomes));
-  const Json object = {
-      {"sites", sites},
-      {"calibrated", good},
-      {"failed", outcomes.size() - good},
-      {"seconds", session.seconds()},
-      {"shard",
-       {{"index", shard.index + 1}, {"count", shard.count}, {"sites_in_list", batch->sites.size()}}}};
-  return end(*batch, outcomes, object, session);
+  return report_all(*batch, shard, outcomes, session);
 }
 
 }  // namespace

@@ -239,6 +239,17 @@ std::vector<const QuantityTrend*> charts_of(const survey::SiteTrend& trend, cons
   return charts;
 }
 
+Json speeds_json(const std::vector<survey::CalibrationRecord>& records) {
+  Json speeds = Json::array();
+  for (const auto& r : records)
+    speeds.push_back({{"date", io::utc_text(static_cast<std::int64_t>(r.time_s))},
+                      {"temperature_degC", r.temperature_degC},
+                      {"speed_mps", r.speed_mps},
+                      {"sigma_mps", r.speed_sigma_mps},
+                      {"offset_mps", r.speed_offset_mps}});
+  return speeds;
+}
+
 }  // namespace
 
 int history_trend(const HistoryWords& words, Session& session) {
@@ -277,18 +288,12 @@ int history_trend(const HistoryWords& words, Session& session) {
   std::string text = fmt::format("{}: {} calibrations, {} to {}\n", *site, records.size(),
                                  day_at(records.front().time_s), day_at(last_s)),
               alarms;
-  Json list = Json::array(), speeds = Json::array();
+  Json list = Json::array();
   for (const QuantityTrend* q : charts) {
     list.push_back(quantity_json(*q));
     alarms += alarms_text(*q);
     if (!words.beacon.empty()) text += chart_text(*q);
   }
-  for (const auto& r : records)
-    speeds.push_back({{"date", utc_text(static_cast<std::int64_t>(r.time_s))},
-                      {"temperature_degC", r.temperature_degC},
-                      {"speed_mps", r.speed_mps},
-                      {"sigma_mps", r.speed_sigma_mps},
-                      {"offset_mps", r.speed_offset_mps}});
   if (words.beacon.empty()) text += overview_text(trend) + speed_text(records);
   session.result(text + "\n" + (alarms.empty() ? fmt::format("{:<17}none\n", "alarm") : alarms) +
                  forecast_text(trend, last_s));
@@ -299,7 +304,7 @@ int history_trend(const HistoryWords& words, Session& session) {
                          {"cusum_h", trend.cusum_h},
                          {"visits_an_alarm", trend.visits_an_alarm},
                          {"charts", list},
-                         {"speed", speeds},
+                         {"speed", speeds_json(records)},
                          {"next", next_json(trend, last_s)}});
 }
 

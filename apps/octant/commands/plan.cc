@@ -28,34 +28,8 @@ int run(const PlanWords& words, Session& session) {
   return words.schedule ? plan_schedule(words, session) : plan_beacons(words, session);
 }
 
-void add_beacon_options(CLI::App& command, PlanWords& words) {
-  const std::string group = "Where to put beacons (a scene with floor_m and mounts)";
-  command.add_option("--beacons", words.beacons, "So many beacons in all")
-      ->check(CLI::Range(1, 200))
-      ->type_name("N")
-      ->group(group);
-  command
-      .add_option("--tolerance", words.tolerance_m, "Instead: as few as keep the goal within this everywhere")
-      ->check(CLI::PositiveNumber)
-      ->type_name("M")
-      ->group(group);
-  command
-      .add_option("--coverage", words.coverage, "Beacons that every place has to hear; else what a fix needs")
-      ->check(CLI::Range(0, 100))
-      ->type_name("K")
-      ->group(group);
-  command.add_option("--most", words.most, "With --tolerance: never more than these")
-      ->check(CLI::Range(1, 200))
-      ->capture_default_str()
-      ->type_name("N")
-      ->group(group);
-  command.add_flag("--keep", words.keep, "The site's beacons stay where they are; others are added")
-      ->group(group);
-  command.add_option("--goal", words.goal, "Expected error of a fix over the floor: worst, p95 or mean")
-      ->check(CLI::IsMember({"worst", "p95", "mean"}))
-      ->capture_default_str()
-      ->type_name("G")
-      ->group(group);
+/// How the places are searched.
+void add_search_options(CLI::App& command, PlanWords& words, const std::string& group) {
   command.add_option("--algorithm", words.algorithm, "NLopt's global one: crs2, direct, isres, esch or none")
       ->check(CLI::IsMember({"crs2", "direct", "isres", "esch", "none"}))
       ->capture_default_str()
@@ -86,6 +60,37 @@ void add_beacon_options(CLI::App& command, PlanWords& words) {
       ->check(CLI::Range(1, 200))
       ->type_name("N")
       ->group(group);
+}
+
+void add_beacon_options(CLI::App& command, PlanWords& words) {
+  const std::string group = "Where to put beacons (a scene with floor_m and mounts)";
+  command.add_option("--beacons", words.beacons, "So many beacons in all")
+      ->check(CLI::Range(1, 200))
+      ->type_name("N")
+      ->group(group);
+  command
+      .add_option("--tolerance", words.tolerance_m, "Instead: as few as keep the goal within this everywhere")
+      ->check(CLI::PositiveNumber)
+      ->type_name("M")
+      ->group(group);
+  command
+      .add_option("--coverage", words.coverage, "Beacons that every place has to hear; else what a fix needs")
+      ->check(CLI::Range(0, 100))
+      ->type_name("K")
+      ->group(group);
+  command.add_option("--most", words.most, "With --tolerance: never more than these")
+      ->check(CLI::Range(1, 200))
+      ->capture_default_str()
+      ->type_name("N")
+      ->group(group);
+  command.add_flag("--keep", words.keep, "The site's beacons stay where they are; others are added")
+      ->group(group);
+  command.add_option("--goal", words.goal, "Expected error of a fix over the floor: worst, p95 or mean")
+      ->check(CLI::IsMember({"worst", "p95", "mean"}))
+      ->capture_default_str()
+      ->type_name("G")
+      ->group(group);
+  add_search_options(command, words, group);
   command
       .add_option("--mount-sigma", words.mount_sigma_m,
                   "How well the beacons will stand where the plan says, for the written site")

@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Eight stops side by side: their paths' residuals and derivatives, and the normal equations of their states.
 // Compiled once for each instruction set, within stop_settle.cc and stop_reduction.cc.
-#if defined(OCTANT_CALIB_ADJUST_STOP_PATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef OCTANT_CALIB_ADJUST_STOP_PATH_INL_H_
-#undef OCTANT_CALIB_ADJUST_STOP_PATH_INL_H_
+#if defined(OCTANT_CALIB_LANES_STOP_PATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef OCTANT_CALIB_LANES_STOP_PATH_INL_H_
+#undef OCTANT_CALIB_LANES_STOP_PATH_INL_H_
 #else
-#define OCTANT_CALIB_ADJUST_STOP_PATH_INL_H_
+#define OCTANT_CALIB_LANES_STOP_PATH_INL_H_
 #endif
 
 #include <cstddef>
 
-#include "calib/adjust/stop_pack.h"
+#include "calib/lanes/stop_pack.h"
 #include "models/support/vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();

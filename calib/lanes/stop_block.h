@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
-#include "calib/adjust/stop_reduction.h"
-#include "calib/adjust/stop_settle.h"
+#include "calib/lanes/stop_reduction.h"
+#include "calib/lanes/stop_settle.h"
 #include "calib/problem/parameters.h"
 #include "models/trajectory/trajectory.h"
 

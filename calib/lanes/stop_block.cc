@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/adjust/stop_block.h"
+#include "calib/lanes/stop_block.h"
 
 #include <algorithm>
 #include <cmath>

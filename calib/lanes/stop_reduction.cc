@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/adjust/stop_reduction.h"
+#include "calib/lanes/stop_reduction.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "calib/adjust/stop_reduction.cc"
+#define HWY_TARGET_INCLUDE "calib/lanes/stop_reduction.cc"
 #include <hwy/foreach_target.h>  // compiles the rest of this file once for each instruction set
 #include <hwy/highway.h>
 
-#include "calib/adjust/stop_path-inl.h"
+#include "calib/lanes/stop_path-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octant::calib {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // The vector kernel against the general path of the tile: same cost, gradient, matrix and states.
-#include "calib/adjust/stop_block.h"
+#include "calib/lanes/stop_block.h"
 
 #include <cstdlib>
 #include <set>

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "calib/adjust/stop_pack.h"
+#include "calib/lanes/stop_pack.h"
 
 namespace octant::calib {
 

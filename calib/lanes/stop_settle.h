@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "calib/adjust/stop_pack.h"
+#include "calib/lanes/stop_pack.h"
 
 namespace octant::calib {
 

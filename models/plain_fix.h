@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "models/fix.h"
+
+namespace octant {
+
+/// Writes a fix into a row of plain numbers with Octant's names (x_m, qx, sigma_x_m ...), for other languages
+/// and for programs that know no Eigen.
+/// @return whether there is a fix; without one the row's pose, sigmas and protection level stay as they are
+template <class Row>
+bool fill_row(const Fix& fix, Row& row) {
+  row.ok = fix.ok();
+  row.time_s = fix.time_s;
+  row.vehicle = fix.vehicle.value;
+  row.arrivals_used = fix.arrivals_used;
+  row.arrivals_rejected = fix.arrivals_rejected;
+  if (!fix.ok()) return false;
+  const auto& p = fix.T_map_vehicle.translation_m;
+  const auto& q = fix.T_map_vehicle.rotation;
+  const auto sigma = [&](int i) { return std::sqrt(std::max(fix.covariance(i, i), 0.0)); };
+  row.x_m = p.x();
+  row.y_m = p.y();
+  row.z_m = p.z();
+  row.heading_rad = fix.T_map_vehicle.heading_rad();
+  row.qx = q.x();
+  row.qy = q.y();
+  row.qz = q.z();
+  row.qw = q.w();
+  row.sigma_x_m = sigma(0);
+  row.sigma_y_m = sigma(1);
+  row.sigma_heading_rad = std::min(sigma(fix.covariance.rows() == 6 ? 5 : 2), std::numbers::pi);
+  row.protection_level_m = fix.protection_level_m;
+  return true;
+}
+
+}  // namespace octant
