@@ -269,6 +269,10 @@ class TableReader {
 
 Result<TableMapping> mapping_from_words(std::string_view words) {
   TableMapping mapping;
+  if (!is_utf8(words))
+    return fail({.code = Errc::kUsage,
+                 .found = "--columns is no UTF-8 text",
+                 .expected = "names of columns in UTF-8, as the table is to be"});
   while (!words.empty()) {
     const std::string_view word = words.substr(0, words.find(','));
     words.remove_prefix(std::min(words.size(), word.size() + 1));

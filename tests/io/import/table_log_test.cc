@@ -16,6 +16,13 @@ struct Case {
   const char *name, *words, *table, *csv;
 };
 
+TEST(TableMappingWords, AreUtf8) {
+  const auto mapping = mapping_from_words("time=t,beacon=b,distance=d_\x89");
+  ASSERT_FALSE(mapping);
+  EXPECT_EQ(mapping.error().code, Errc::kUsage);
+  EXPECT_TRUE(mapping_from_words("time=t,beacon=b,distance=L\xC3\xA4nge"));
+}
+
 TEST(TableLog, TablesAsTheyCome) {
   const Case cases[] = {
       {"a radio kit's", "time=timestamp_ms*1e-3,beacon=anchor,distance=distance_cm*1e-2",
