@@ -242,7 +242,7 @@ std::vector<const QuantityTrend*> charts_of(const survey::SiteTrend& trend, cons
 Json speeds_json(const std::vector<survey::CalibrationRecord>& records) {
   Json speeds = Json::array();
   for (const auto& r : records)
-    speeds.push_back({{"date", io::utc_text(static_cast<std::int64_t>(r.time_s))},
+    speeds.push_back({{"date", utc_text(static_cast<std::int64_t>(r.time_s))},
                       {"temperature_degC", r.temperature_degC},
                       {"speed_mps", r.speed_mps},
                       {"sigma_mps", r.speed_sigma_mps},
