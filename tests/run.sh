@@ -14,14 +14,15 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/apps/install_deps.sh"
 preset=release
 slow=
+runtime=
 case ${1:-} in
-  --asan) preset=asan && shift ;;
+  --asan) preset=asan && runtime=libclang-rt-dev && shift ;;
   --tsan) preset=tsan && shift ;;
   --valgrind) slow="-C Valgrind -L valgrind" && shift ;;
   --slow) slow="-C Slow -L slow" && shift ;;
 esac
 # shellcheck disable=SC2086
-octant_install $OCTANT_BUILD_PACKAGES $OCTANT_TEST_PACKAGES
+octant_install $OCTANT_BUILD_PACKAGES $OCTANT_TEST_PACKAGES $runtime
 cd "$root"
 # Warnings are errors where a machine looks, not where a newer compiler meets a user.
 cmake --preset "$preset" -DOCTANT_BUILD_TESTS=ON ${CI:+-DOCTANT_WERROR=ON}
