@@ -211,6 +211,26 @@ bool crawls(const ceres::Solver::Summary& summary) {
   return summary.iterations[summary.iterations.size() / 2].cost - summary.final_cost < kUnseen;
 }
 
+double* address_of(const ParameterLayout& layout, int block, Eigen::VectorXd& x) {
+  return x.data() + layout.blocks[static_cast<std::size_t>(block)].first;
+}
+
+/// All blocks with their bounds and priors.
+void add_parameters(const ParameterLayout& layout, Eigen::VectorXd& x, ceres::Problem& to) {
+  for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
+    const ParameterBlock& block = layout.blocks[k];
+    double* const address = address_of(layout, static_cast<int>(k), x);
+    to.AddParameterBlock(address, block.size);
+    for (int i = 0; i < block.size; ++i) {
+      const Parameter& parameter =
+          layout.parameters[static_cast<std::size_t>(block.first) + static_cast<std::size_t>(i)];
+      if (std::isfinite(parameter.lower)) to.SetParameterLowerBound(address, i, parameter.lower);
+      if (std::isfinite(parameter.upper)) to.SetParameterUpperBound(address, i, parameter.upper);
+    }
+    to.AddResidualBlock(new PriorCost(&layout, block), nullptr, address);
+  }
+}
+
 AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
                         TileSum* tiles, Eigen::VectorXd& x, const AdjustOptions& options) {
   AdjustResult result;
@@ -224,26 +244,11 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   ceres::Problem::Options problem_options;
   problem_options.evaluation_callback = &point;
   ceres::Problem ceres_problem(problem_options);
-  const auto address = [&](int block) {
-    return x.data() + layout.blocks[static_cast<std::size_t>(block)].first;
-  };
-  for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
-    ceres_problem.AddParameterBlock(address(static_cast<int>(k)), layout.blocks[k].size);
-    for (int i = 0; i < layout.blocks[k].size; ++i) {
-      const Parameter& parameter =
-          layout.parameters[static_cast<std::size_t>(layout.blocks[k].first) + static_cast<std::size_t>(i)];
-      if (std::isfinite(parameter.lower))
-        ceres_problem.SetParameterLowerBound(address(static_cast<int>(k)), i, parameter.lower);
-      if (std::isfinite(parameter.upper))
-        ceres_problem.SetParameterUpperBound(address(static_cast<int>(k)), i, parameter.upper);
-    }
-    ceres_problem.AddResidualBlock(new PriorCost(&layout, layout.blocks[k]), nullptr,
-                                   address(static_cast<int>(k)));
-  }
+  add_parameters(layout, x, ceres_problem);
   const auto add = [&](ceres::CostFunction* cost, const std::vector<int>& blocks) {
     std::vector<double*> addresses;
     addresses.reserve(blocks.size());
-    for (const int b : blocks) addresses.push_back(address(b));
+    for (const int b : blocks) addresses.push_back(address_of(layout, b, x));
     ceres_problem.AddResidualBlock(cost, nullptr, addresses);
   };
   if (point.dense) {
@@ -274,7 +279,6 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   watch.point = &point;
   ceres::Solver::Options ceres_options = solver_options(options, point.dense);
   ceres_options.callbacks.push_back(&watch);
-  ceres_options.update_state_every_iteration = false;
   ceres::Solver::Summary summary;
   ceres::Solve(ceres_options, &ceres_problem, &summary);
   result.converged = point.at_rest || summary.termination_type == ceres::CONVERGENCE || crawls(summary);

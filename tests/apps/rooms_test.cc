@@ -107,7 +107,6 @@ constexpr int kMostFileLines = 400, kMostFunctionLines = 60;
 /// What is longer than a file should be, as it is now: these may only become shorter, and leave the list once
 /// they keep the limit.
 const std::map<std::string, int> kLongFiles = {
-    {"calib/revisit/revisit.cc", 474},
     {"tests/bench/drive_bench.cc", 497},
     {"tests/io/site/site_yaml_test.cc", 429},
     {"tests/models/localizers/head_tail/head_tail_test.cc", 422},
@@ -118,7 +117,6 @@ const std::map<std::string, int> kLongFiles = {
     {"tests/survey/predicted_test.cc", 406}};
 /// The same for functions: file, first words up to the parentheses (of a test, with them).
 const std::map<std::string, int> kLongFunctions = {
-    {"calib/adjust/adjust.cc: AdjustResult adjust_all", 76},
     {"models/localizers/least_squares/epoch_fix.cc: void fix_node", 65},
     {"tests/bench/drive_bench.cc: double build", 69},
     {"tests/io/site/site_yaml_test.cc: TEST(SiteYaml, SaysWhatIsWrongAndWhere)", 79},
