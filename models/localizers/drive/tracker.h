@@ -18,6 +18,7 @@ struct TrackerOptions {
       2.0;  ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
   double max_start_window_s = 120.0;
   double range_slack_m = 0.0;  ///< as in EpochFixOptions
+  bool protect = true;         ///< protection levels of a filter: as many filters more as beacons are heard
   bool smooth = true;          ///< use the whole run (fixed-interval smoothing); false: only what came before
 };
 

@@ -81,7 +81,8 @@ class LeastSquaresLocalizer final : public Localizer {
 
  private:
   void locate_known(const Observations& observations, Fix& fix) noexcept override;
-  void finish(const Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
+  void finish(Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
+  bool fix_without(BeaconId beacon, Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
 
   Deployment deployment_;
   EpochFixOptions options_;
