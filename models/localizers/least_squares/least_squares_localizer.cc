@@ -113,6 +113,7 @@ void LeastSquaresLocalizer::finish(Trajectory& trajectory, const Segment& epoch,
   constexpr int kMostExcluded = 2;
   for (int excluded = 0; fix.ok(); ++excluded) {
     calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
+    if (options_.range_slack_m > 0.0) return;  // beacons known roughly: their misfits are no faults
     const Protection protection =
         protection_of(trajectory, epoch, model_.state, fix.covariance, model_.beacon_covariance);
     fix.protection_level_m = protection.level_m;
