@@ -35,10 +35,11 @@ enum class Rejection : std::uint8_t {
   kTriangle,        ///< farther than the triangle inequality with another beacon allows (Kleeman eq. 5-6)
   kOutOfRange,      ///< nearer or farther than is possible at the site (Chang's first rule)
   kReflection,      ///< a second arrival from the same beacon right behind the first (Chang's second rule)
-  kOutvoted,   ///< the fixes it takes part in disagree with the others (Kleeman's longsolve, Thamma's four
-               ///< times)
-  kNotNeeded,  ///< the method fixes the pose from others
-  kUnknownId   ///< its beacon or receiver is none of the deployment's
+  kOutvoted,    ///< the fixes it takes part in disagree with the others (Kleeman's longsolve, Thamma's four
+                ///< times)
+  kNotNeeded,   ///< the method fixes the pose from others
+  kUnknownId,   ///< its beacon or receiver is none of the deployment's
+  kBeaconFault  ///< its beacon's arrivals together contradict those of all others
 };
 [[nodiscard]] const char* to_string(Rejection rejection);
 
@@ -60,7 +61,7 @@ struct Fix {
   Pose T_map_vehicle;  ///< meaningful when status is kOk
   PoseCovariance covariance;
   double protection_level_m =
-      0.0;  ///< horizontal, see localizers/protection.h; 0: not computed, or not protected
+      0.0;  ///< horizontal, see localizers/common/protection.h; 0: not computed, or not protected
   int arrivals_used = 0;
   int arrivals_rejected = 0;
   double cost = 0.0;                  ///< half the weighted sum of squares of the arrivals used
@@ -68,5 +69,16 @@ struct Fix {
 
   [[nodiscard]] bool ok() const { return status == FixStatus::kOk; }
 };
+
+/// What a fix may be used for.
+enum class Integrity : std::uint8_t {
+  kOk,        ///< its error is bounded by its protection level, at the risk that protection.h states
+  kDegraded,  ///< a fix whose error nothing bounds, or from which a beacon at fault had to be left out
+  kNoFix
+};
+[[nodiscard]] Integrity integrity(const Fix& fix);
+[[nodiscard]] const char* to_string(Integrity integrity);
+/// Why: of a degraded fix "beacon_fault" or "not_protected", of none its status; empty where all is well.
+[[nodiscard]] const char* integrity_reason(const Fix& fix);
 
 }  // namespace octant

@@ -116,8 +116,34 @@ const char* to_string(Rejection rejection) {
     case Rejection::kOutvoted: return "outvoted";
     case Rejection::kNotNeeded: return "not_needed";
     case Rejection::kUnknownId: return "unknown_id";
+    case Rejection::kBeaconFault: return "beacon_fault";
   }
   return "no_pose";
+}
+
+Integrity integrity(const Fix& fix) {
+  if (!fix.ok()) return Integrity::kNoFix;
+  const bool at_fault = std::find(fix.rejections.begin(), fix.rejections.end(), Rejection::kBeaconFault) !=
+                        fix.rejections.end();
+  return at_fault || !(fix.protection_level_m > 0.0) ? Integrity::kDegraded : Integrity::kOk;
+}
+
+const char* to_string(Integrity integrity) {
+  switch (integrity) {
+    case Integrity::kOk: return "ok";
+    case Integrity::kDegraded: return "degraded";
+    case Integrity::kNoFix: return "no_fix";
+  }
+  return "no_fix";
+}
+
+const char* integrity_reason(const Fix& fix) {
+  switch (integrity(fix)) {
+    case Integrity::kOk: return "";
+    case Integrity::kDegraded: return fix.protection_level_m > 0.0 ? "beacon_fault" : "not_protected";
+    case Integrity::kNoFix: return to_string(fix.status);
+  }
+  return "";
 }
 
 }  // namespace octant

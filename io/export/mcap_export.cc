@@ -196,6 +196,8 @@ class McapExport {
       }
       json["arrivals_used"] = fix.arrivals_used;
       json["arrivals_rejected"] = fix.arrivals_rejected;
+      json["integrity"] = to_string(integrity(fix));
+      json["integrity_reason"] = integrity_reason(fix);
       out_.message(out_.channel(topic_of(track.names, fix.vehicle, "fix_status"), fix_schema(), "json"),
                    at(fix.time_s), dumped(json));
     }

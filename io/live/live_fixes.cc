@@ -89,8 +89,11 @@ std::string fix_as_json(const Fix& fix, const NameTable& names) {
     if (fix.protection_level_m > 0)
       line += fmt::format(",\"protection_level_m\":{:.4g}", fix.protection_level_m);
   }
-  return line + fmt::format(",\"arrivals_used\":{},\"arrivals_rejected\":{}}}\n", fix.arrivals_used,
-                            fix.arrivals_rejected);
+  return line + fmt::format(
+                    ",\"arrivals_used\":{},\"arrivals_rejected\":{},\"integrity\":\"{}\",\"integrity_"
+                    "reason\":\"{}\"}}\n",
+                    fix.arrivals_used, fix.arrivals_rejected, to_string(integrity(fix)),
+                    integrity_reason(fix));
 }
 
 std::string fix_as_ros(const Fix& fix, const NameTable& names) {

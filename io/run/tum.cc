@@ -135,7 +135,8 @@ void append_csv(std::string& text, const Fix& fix, const NameTable& names) {
   } else {
     text += ",,,,,,,";
   }
-  fmt::format_to(out, ",{},{},{}\n", fix.arrivals_used, fix.arrivals_rejected, to_string(fix.status));
+  fmt::format_to(out, ",{},{},{},{},{}\n", fix.arrivals_used, fix.arrivals_rejected, to_string(fix.status),
+                 to_string(integrity(fix)), integrity_reason(fix));
 }
 
 }  // namespace
@@ -168,7 +169,7 @@ std::string fixes_to_csv(const std::vector<Fix>& fixes, const NameTable& names) 
   std::string text =
       "time_s,vehicle,x_m,y_m,z_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,protection_level_m,"
       "arrivals_used,"
-      "arrivals_rejected,status\n";
+      "arrivals_rejected,status,integrity,integrity_reason\n";
   for (const Fix& fix : fixes) append_csv(text, fix, names);
   return text;
 }

@@ -27,7 +27,9 @@ std::string_view fixes_schema() {
         "protection_level_m": "bound that the error in the plane exceeds only once in very many times, undetected echoes included; empty: not told",
         "arrivals_used": "arrivals that the fix was made of",
         "arrivals_rejected": "arrivals that did not agree with it, or are no measurement",
-        "status": "ok, or why there is no fix: too_few_arrivals, poor_geometry, ambiguous, no_consensus, not_converged"
+        "status": "ok, or why there is no fix: too_few_arrivals, poor_geometry, ambiguous, no_consensus, not_converged",
+        "integrity": "ok: the error is bounded by protection_level_m; degraded: a fix whose error nothing bounds; no_fix",
+        "integrity_reason": "of a degraded fix not_protected or beacon_fault, of none its status; empty: ok"
       }
     },
     "fixes.tum": {

@@ -60,7 +60,9 @@ std::string_view live_schema() {
         "sigma_x_m": {"type": "number"}, "sigma_y_m": {"type": "number"},
         "sigma_heading_rad": {"type": "number", "description": "pi: not known"},
         "protection_level_m": {"type": "number"},
-        "arrivals_used": {"type": "integer"}, "arrivals_rejected": {"type": "integer"}
+        "arrivals_used": {"type": "integer"}, "arrivals_rejected": {"type": "integer"},
+        "integrity": {"enum": ["ok", "degraded", "no_fix"]},
+        "integrity_reason": {"type": "string", "description": "beacon_fault, not_protected, or the status; empty where all is well"}
       }
     },
     "alarm": {

@@ -171,6 +171,8 @@ $fix.sigma_heading_rad | 0.012 | standard deviation of the heading; pi: not know
 $fix.protection_level_m | 0.041 | bound that the error exceeds only once in very many times, undetected echoes included; left out: not told
 $fix.arrivals_used | 12 | arrivals that the fix was made of
 $fix.arrivals_rejected | 1 | arrivals that did not agree with it
+$fix.integrity | ok | whether the protection level bounds its error
+$fix.integrity_reason | not_protected | why it does not; empty where it does
 $alarm.type | alarm | tells it from a fix
 $alarm.kind | beacon_moved | what no longer fits
 $alarm.beacon | B3 | which one; left out: it is a receiver
@@ -196,6 +198,8 @@ fixes.csv:protection_level_m | 0.041 |
 fixes.csv:arrivals_used | 12 | 
 fixes.csv:arrivals_rejected | 1 | 
 fixes.csv:status | ok | 
+fixes.csv:integrity | ok | 
+fixes.csv:integrity_reason | not_protected | 
 fixes.tum:time_s | 12.5 | 
 fixes.tum:x y z | 7.41 15.6 0.0 | 
 fixes.tum:qx qy qz qw | 0 0 0.707 0.707 | 

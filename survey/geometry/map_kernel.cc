@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace octant::survey {
 namespace HWY_NAMESPACE {
 
-constexpr double kNonCentrality = 4.13;  ///< 3.29 + 0.84, as in models/localizers/common/protection.cc
+constexpr double kNonCentrality = 4.13;  ///< 3.29 + 0.84: 0.1 %, power 80 %
 constexpr double kNoise = 3.29;
 constexpr double kUnnoticed = 1e-6;  ///< of a beacon's own information
 

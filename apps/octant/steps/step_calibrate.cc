@@ -37,6 +37,7 @@ std::string reason_in_words(Rejection reason) {
     case Rejection::kOutvoted: return "outvoted";
     case Rejection::kNotNeeded: return "not needed";
     case Rejection::kUnknownId: return "unknown";
+    case Rejection::kBeaconFault: return "its beacon contradicts the others";
   }
   return "other";
 }

@@ -2,20 +2,71 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+#include <span>
+
+#include <Eigen/Core>
+
 #include "models/fix.h"
+#include "models/support/scratch.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant {
 
-/// Horizontal protection level of a fix: how far off it may be with one beacon at fault (all its arrivals of
-/// the epoch late or early by the same) by just so much that the others would not notice (0.1 % significance,
-/// power 80 %), noise and calibration at 3.29 sigma on top. With A the information of the state, j the sum of
-/// a beacon's n derivatives (whitened rows):
-///   remaining = n - j A^-1 j',   bias = 4.13 / sqrt(remaining) sigma,   shift = A^-1 j' bias
-/// @param covariance  of the fix, calibration's part included
-/// @return m; 0 where a beacon's fault could not be noticed at all (two beacons, say): such a fix is not
-/// protected
-[[nodiscard]] double horizontal_protection_m(const Trajectory& trajectory, const Segment& segment,
-                                             const SharedState& state, const PoseCovariance& covariance);
+/// The risk that protection levels stand for: a fix that is ok lies beyond its level with at most this
+/// probability,
+///   half of it without a fault:   exp(-k^2 / 2) = kProtectionRisk / 2
+///   half with one beacon at fault: kBeaconsAtRisk kBeaconFaultRate exp(-k^2 / 2) = kProtectionRisk / 2
+/// for a beacon at fault, all or some of its arrivals off by anything, in at most kBeaconFaultRate of the
+/// fixes, among kBeaconsAtRisk that are heard; for errors that are normal with the stated sigmas. What it
+/// does not stand for: two beacons at fault at once by errors that agree, sigmas stated too small, a wrong
+/// deployment.
+inline constexpr double kProtectionRisk = 1e-5, kBeaconFaultRate = 1e-3, kBeaconsAtRisk = 10.0;
+/// sqrt(-2 ln(5e-6)) and sqrt(-2 ln(5e-4)), of the distance in the plane, in sigmas of its longer axis.
+inline constexpr double kFaultFreeSigmas = 4.941, kFaultySigmas = 3.899;
+
+/// A fix held against what it would be without one of its beacons (solution separation: Blanch et al. 2012,
+/// Advanced RAIM user algorithm description). With A, g the information and gradient of all observations in
+/// use at the fix, A_i, g_i those of the beacon's arrivals r_i,
+///   shift = (A - A_i)^-1 (g_i - g),   misfit = r_i' r_i + g_i' (A - A_i)^-1 g_i
+/// whatever the beacon's arrivals are off by, the fix without them is not, so the fix is off by no more than
+/// the shift and the error of that fix. Of a beacon without fault the misfit is chi-square distributed with a
+/// degree of freedom for each of its arrivals.
+struct BeaconSeparation {
+  BeaconId beacon;
+  int arrivals = 0;
+  bool determined = false;   ///< without it there is still a fix
+  double shift_m = 0.0;      ///< in the plane
+  double variance_m2 = 0.0;  ///< of the fix without it, along the longer axis; noise alone
+  double misfit = 0.0;       ///< over what the calibration's part explains of it
+};
+
+/// What a fix's redundancy says of it.
+struct Protection {
+  double level_m = 0.0;  ///< horizontal protection level; 0: without one of its beacons there would be no fix
+  BeaconId at_fault;     ///< the beacon whose arrivals contradict the others most, if any does beyond chance
+  int beacons = 0;       ///< in use
+};
+
+/// Of each beacon in use, at the state that the segment's node holds. Where the calibration is stated,
+/// `beacon_covariance` is that of each beacon's x, y, z [m], delay [s] and the speed [m/s], which a misfit
+/// may have of its own; empty: none.
+[[nodiscard]] std::pmr::vector<BeaconSeparation> separations(
+    const Trajectory& trajectory, const Segment& segment, const SharedState& state,
+    std::span<const Eigen::Matrix<double, 5, 5>> beacon_covariance);
+
+/// The level and whether a beacon is at fault: its misfit is beyond the chi-square quantile of six sigmas, a
+/// chance of 1e-9.
+/// @param covariance  of the fix, calibration's part included: by as much as that widens the noise's, the fix
+/// without a beacon is widened too
+[[nodiscard]] Protection protection_of(const Trajectory& trajectory, const Segment& segment,
+                                       const SharedState& state, const PoseCovariance& covariance,
+                                       std::span<const Eigen::Matrix<double, 5, 5>> beacon_covariance);
+
+/// The level of a fix that is held against others, of which each does without one beacon.
+[[nodiscard]] inline double protection_level_m(double variance_m2, double worst_m) {
+  const double fault_free = kFaultFreeSigmas * (variance_m2 > 0 ? std::sqrt(variance_m2) : 0.0);
+  return fault_free > worst_m ? fault_free : worst_m;
+}
 
 }  // namespace octant

@@ -149,8 +149,7 @@ void DriveFilter::correct(const Eigen::Vector3d& gain, const Eigen::RowVector3d&
         model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * gain;
 }
 
-Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObservation& a) {
-  if (!model_.beacon_usable[a.beacon.index()]) return Rejection::kBeaconUnusable;
+PathInput DriveFilter::path_input(const Trajectory& trajectory, const ArrivalObservation& a) const {
   PathInput in;
   in.p_beacon_map_m = model_.state.beacon_p_map_m[a.beacon.index()];
   in.p_receiver_vehicle_m = model_.state.receiver_p_vehicle_m[a.receiver.index()];
@@ -161,10 +160,51 @@ Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObserva
   in.log_gain = model_.state.log_gain(a.beacon);
   in.log_amplitude = walk_amplitude(a, model_.state);
   in.T_hear_send = a.two_way ? &trajectory.T_hear_send[static_cast<std::size_t>(a.hear_send)] : nullptr;
-  const double slack_s = range_slack_m_ * (a.two_way ? 2.0 : 1.0) / in.speed_mps;
+  return in;
+}
+
+double DriveFilter::single_variance_s2(const ArrivalObservation& a, double speed_mps) const {
+  const double slack_s = range_slack_m_ * (a.two_way ? 2.0 : 1.0) / speed_mps;
   // A pair's lasting bias is considered beside the noise where there is a calibration.
   const double pair_s = calibration_ ? model_.correlated.pair_sigma_s : 0.0;
-  const double single2 = a.sigma_s * a.sigma_s + slack_s * slack_s - pair_s * pair_s;
+  return a.sigma_s * a.sigma_s + slack_s * slack_s - pair_s * pair_s;
+}
+
+bool DriveFilter::within_gate(const ArrivalObservation& a, const PathOutput& path, double single2,
+                              Considered& considered, double& innovation) {
+  const Eigen::RowVector3d H = path.tof_by_pose.head<3>();
+  innovation = a.tof_s - path.tof_s;
+  considered = consider(path, a);
+  const double predicted2 = H * covariance_ * H.transpose();
+  const double calibration2 = considered.any ? considered.variance + 2.0 * H.dot(considered.cross)
+                                             : calibration_variance_s2(model_, a.beacon, path);
+  return innovation * innovation <= gate_sigmas_ * gate_sigmas_ * (predicted2 + single2 + calibration2);
+}
+
+bool DriveFilter::fits(const Trajectory& trajectory, const ArrivalObservation& a) {
+  if (!model_.beacon_usable[a.beacon.index()]) return false;
+  PathInput in = path_input(trajectory, a);
+  in.T_map_vehicle = &T_map_vehicle_;
+  Considered considered;
+  double innovation = 0.0;
+  return within_gate(a, predict_arrival(in, Motion::kPlanar), single_variance_s2(a, in.speed_mps), considered,
+                     innovation);
+}
+
+void DriveFilter::take_state(const DriveFilter& other) {
+  range_slack_m_ = other.range_slack_m_;
+  cross_ = other.cross_;
+  pair_cross_ = other.pair_cross_;
+  recent_ = other.recent_;
+  T_map_vehicle_ = other.T_map_vehicle_;
+  covariance_ = other.covariance_;
+  acceptance_ = other.acceptance_;
+}
+
+Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObservation& a) {
+  if (!model_.beacon_usable[a.beacon.index()]) return Rejection::kBeaconUnusable;
+  PathInput in = path_input(trajectory, a);
+  const double single2 = single_variance_s2(a, in.speed_mps);
   double noise2 = single2;
 
   // Iterated: the measurement is linearised where it puts the pose; the misfit of the prior comes along in
@@ -177,18 +217,15 @@ Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObserva
     in.T_map_vehicle = &T;
     const PathOutput out = predict_arrival(in, Motion::kPlanar);
     H = out.tof_by_pose.head<3>();
-    const double innovation = a.tof_s - out.tof_s + H.dot(moved);
-    const double predicted2 = H * covariance_ * H.transpose();
+    double innovation = a.tof_s - out.tof_s + H.dot(moved);
     if (k == 0) {
-      considered = consider(out, a);
-      const double calibration2 = considered.any ? considered.variance + 2.0 * H.dot(considered.cross)
-                                                 : calibration_variance_s2(model_, a.beacon, out);
-      if (innovation * innovation > gate_sigmas_ * gate_sigmas_ * (predicted2 + single2 + calibration2)) {
+      if (!within_gate(a, out, single2, considered, innovation)) {
         acceptance_ -= kForget * acceptance_;
         return innovation > 0 ? Rejection::kLate : Rejection::kEarly;
       }
       noise2 += weight_variance_s2(a) - a.sigma_s * a.sigma_s;
     }
+    const double predicted2 = H * covariance_ * H.transpose();
     const double S = predicted2 + 2.0 * H.dot(considered.cross) + considered.variance + noise2;
     gain = (covariance_ * H.transpose() + considered.cross) / S;
     moved = gain * innovation;

@@ -36,6 +36,11 @@ class DriveFilter {
   /// Corrects by an arrival at the present instant. Returns whether it was used or why not.
   Rejection update(const Trajectory& trajectory, const ArrivalObservation& arrival);
 
+  /// Whether an arrival is within the gate of what is expected now; nothing changes.
+  [[nodiscard]] bool fits(const Trajectory& trajectory, const ArrivalObservation& arrival);
+  /// Goes on with what another filter of the same model holds.
+  void take_state(const DriveFilter& other);
+
   [[nodiscard]] const Pose& pose() const { return T_map_vehicle_; }
   [[nodiscard]] const Eigen::Matrix3d& covariance() const { return covariance_; }
   /// Of the recent arrivals (exponentially forgotten over some thirty) too few could be used.
@@ -49,6 +54,11 @@ class DriveFilter {
   struct Considered;
   [[nodiscard]] Considered consider(const PathOutput& path, const ArrivalObservation& arrival);
   [[nodiscard]] double weight_variance_s2(const ArrivalObservation& arrival);
+  [[nodiscard]] PathInput path_input(const Trajectory& trajectory, const ArrivalObservation& arrival) const;
+  [[nodiscard]] double single_variance_s2(const ArrivalObservation& arrival, double speed_mps) const;
+  /// Whether an innovation is within the gate; fills what else the prediction follows.
+  bool within_gate(const ArrivalObservation& arrival, const PathOutput& path, double single2,
+                   Considered& considered, double& innovation);
   void correct(const Eigen::Vector3d& gain, const Eigen::RowVector3d& H, const Considered& considered,
                double noise2);
 

@@ -39,6 +39,7 @@ DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy&
       odometry_(odometry),
       trajectory_model_(trajectory_model(deployment)),
       filter_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_),
+      bank_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_, options.protect),
       start_calibration_(filter_.node_calibration_room()),
       scratch_(kDriveScratchBytes) {
   t_.moving = true;
@@ -84,6 +85,7 @@ void DriveTracker::keep_recent_half() {
 void DriveTracker::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance) noexcept {
   filter_.start(T_map_vehicle, covariance);
   filter_.set_range_slack(options_.range_slack_m);
+  bank_.start();
   placed_ = true;
 }
 
@@ -95,6 +97,7 @@ void DriveTracker::move(const OdometryStep& step, double fraction) noexcept {
   const OdometryObservation o = observation(t_.nodes.size() - 1, step, fraction, odometry_);
   if (placed_) {
     filter_.predict(o.T_before_after, o, 1.0);
+    bank_.predict(o.T_before_after, o, 1.0);
     return;
   }
   if (t_.nodes.size() >= kMaxNodes ||
@@ -144,7 +147,10 @@ void DriveTracker::search() {
   if (chain.ok) node_calibration(t_, all, model_.state, chain, calibration_, now, start_calibration_);
   filter_.start(t_.nodes[now].T_map_vehicle, start_covariance(t_, all, model_, options_.range_slack_m, now),
                 chain.ok ? &start_calibration_ : nullptr);
-  filter_.set_range_slack(independent_slack_m(t_, all, model_, options_.range_slack_m));
+  const double slack_m = independent_slack_m(t_, all, model_, options_.range_slack_m);
+  filter_.set_range_slack(slack_m);
+  bank_.start(filter_, t_);
+  bank_.set_range_slack(slack_m);
   placed_ = true;
 }
 
@@ -159,7 +165,8 @@ void DriveTracker::locate_known(const Observations& observations, Fix& fix) noex
   if (placed_) {
     begin_window(arrivals.front().time_s);
     observe_all(arrivals);
-    for (std::size_t i = 0; i < arrivals.size(); ++i) fix.rejections[i] = filter_.update(t_, t_.arrivals[i]);
+    for (std::size_t i = 0; i < arrivals.size(); ++i)
+      fix.rejections[i] = bank_.update(filter_, t_, t_.arrivals[i]);
     placed_ = !filter_.is_lost();
     if (!placed_) begin_window(arrivals.front().time_s);
   } else {
@@ -177,6 +184,7 @@ void DriveTracker::locate_known(const Observations& observations, Fix& fix) noex
   fix.arrivals_rejected = static_cast<int>(fix.rejections.size()) - fix.arrivals_used;
   if (!placed_) return;
   fix.status = FixStatus::kOk;
+  fix.protection_level_m = bank_.protection_level_m(filter_);
   fix.T_map_vehicle = filter_.pose();
   fix.covariance = filter_.covariance();
 }

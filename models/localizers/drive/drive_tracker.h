@@ -7,6 +7,7 @@
 #include "models/deployment.h"
 #include "models/localizers/common/calibration_part.h"
 #include "models/localizers/common/localizer.h"
+#include "models/localizers/drive/beacon_bank.h"
 #include "models/localizers/drive/chain_calibration.h"
 #include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/drive/tracker.h"
@@ -54,6 +55,7 @@ class DriveTracker final : public Localizer {
   OdometryAccuracy odometry_;
   TrajectoryModel trajectory_model_;
   DriveFilter filter_;
+  BeaconBank bank_;
   NodeCalibration start_calibration_;  ///< how the place found follows the calibration
   bool placed_ = false;
   Trajectory t_;  ///< the stretch that the place is searched with; with a place: the instant alone

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant {
 
@@ -11,5 +12,9 @@ namespace octant {
 /// line, over seven paths and more, and they tell the heading, that is the fix. Else fix_epoch.
 void fix_directly(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                   const EpochFixOptions& options, Fix& fix);
+
+/// Covariance of the pose of an adjusted node, noise alone; false where the position is not determined. A
+/// heading without information gets the sigma pi.
+bool pose_covariance(const Trajectory& trajectory, const NodeBlock& information, PoseCovariance& covariance);
 
 }  // namespace octant

@@ -132,29 +132,6 @@ NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const Epoc
   return adjustment;
 }
 
-/// Covariance of the pose; false where the position is not determined. A heading without information gets the
-/// sigma pi.
-bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCovariance& covariance) {
-  NodeBlock A = information;
-  const int dof = pose_dof(t.motion);
-  for (int i = dof / 3 * 3 - (dof == 3 ? 1 : 3); i < dof; ++i)
-    A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
-  // Judged in units in which every diagonal element is one.
-  const NodeVector scale = A.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
-  const NodeBlock scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  const Eigen::LDLT<NodeBlock> ldlt(scaled);
-  // The smallest eigenvalue is at least the determinant over the largest to the power of the others, which
-  // the trace bounds: only where that leaves a doubt is it computed.
-  const double others = std::pow(static_cast<double>(A.rows()), static_cast<double>(A.rows() - 1));
-  if (!(ldlt.vectorD().minCoeff() > 0 && ldlt.vectorD().prod() > 1e-10 * others)) {
-    const SymmetricEigen<NodeBlock> eigen(scaled);
-    if (eigen.info() != Eigen::Success || eigen.eigenvalues().minCoeff() < 1e-10) return false;
-  }
-  const NodeBlock inverse = ldlt.solve(NodeBlock::Identity(A.rows(), A.cols()));
-  covariance = (scale.asDiagonal() * inverse * scale.asDiagonal()).topLeftCorner(dof, dof);
-  return covariance.allFinite();
-}
-
 double horizontal_sigma_m(const PoseCovariance& covariance) {
   return std::sqrt(std::max(largest_eigenvalue(covariance(0, 0), covariance(0, 1), covariance(1, 1)), 0.0));
 }
@@ -373,6 +350,27 @@ Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
 void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                const EpochFixOptions& options, Fix& fix) {
   fix_node(t, segment, model, options, false, fix);
+}
+
+bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCovariance& covariance) {
+  NodeBlock A = information;
+  const int dof = pose_dof(t.motion);
+  for (int i = dof / 3 * 3 - (dof == 3 ? 1 : 3); i < dof; ++i)
+    A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
+  // Judged in units in which every diagonal element is one.
+  const NodeVector scale = A.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
+  const NodeBlock scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  const Eigen::LDLT<NodeBlock> ldlt(scaled);
+  // The smallest eigenvalue is at least the determinant over the largest to the power of the others, which
+  // the trace bounds: only where that leaves a doubt is it computed.
+  const double others = std::pow(static_cast<double>(A.rows()), static_cast<double>(A.rows() - 1));
+  if (!(ldlt.vectorD().minCoeff() > 0 && ldlt.vectorD().prod() > 1e-10 * others)) {
+    const SymmetricEigen<NodeBlock> eigen(scaled);
+    if (eigen.info() != Eigen::Success || eigen.eigenvalues().minCoeff() < 1e-10) return false;
+  }
+  const NodeBlock inverse = ldlt.solve(NodeBlock::Identity(A.rows(), A.cols()));
+  covariance = (scale.asDiagonal() * inverse * scale.asDiagonal()).topLeftCorner(dof, dof);
+  return covariance.allFinite();
 }
 
 void fix_directly(Trajectory& t, const Segment& segment, const EpochFixModel& model,

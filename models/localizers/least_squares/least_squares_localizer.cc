@@ -8,6 +8,7 @@
 #include "models/localizers/common/protection.h"
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/least_squares/direct_fix.h"
+#include "models/localizers/least_squares/node_adjustment.h"
 
 namespace octant {
 namespace {
@@ -82,11 +83,41 @@ LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOpti
   reserve_epoch(epoch_, arrivals, kRowsEachPair * deployment_.beacons.size());
 }
 
-/// What the arrivals' own noise does not tell: the calibration's part, and what a fault could do.
-void LeastSquaresLocalizer::finish(const Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
-  if (!fix.ok()) return;
-  calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
-  fix.protection_level_m = horizontal_protection_m(trajectory, epoch, model_.state, fix.covariance);
+/// The fix once more, a beacon left out; false where the others do not make one.
+bool LeastSquaresLocalizer::fix_without(BeaconId beacon, Trajectory& trajectory, const Segment& epoch,
+                                        Fix& fix) const {
+  fix.rejections.clear();
+  fix.arrivals_used = fix.arrivals_rejected = 0;
+  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i) {
+    ArrivalObservation& a = trajectory.arrivals[i];
+    if (a.beacon == beacon && a.rejection == Rejection::kUsed) a.rejection = Rejection::kBeaconFault;
+    fix.rejections.push_back(a.rejection);
+    ++(a.rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  }
+  const NodeAdjustment adjustment = adjust_node(trajectory, epoch, model_.state, options_.range_slack_m);
+  fix.T_map_vehicle = trajectory.nodes[epoch.first_node].T_map_vehicle;
+  fix.cost = adjustment.cost;
+  return adjustment.converged && pose_covariance(trajectory, adjustment.information, fix.covariance);
+}
+
+/// What the arrivals' own noise does not tell: the calibration's part, and what a fault could do. Where a
+/// beacon's arrivals together contradict the others the fix has no level; or, if asked for, the beacon is
+/// left out where three others remain, which then must agree: two cannot tell which of them is at fault.
+void LeastSquaresLocalizer::finish(Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
+  constexpr int kMostExcluded = 2;
+  for (int excluded = 0; fix.ok(); ++excluded) {
+    calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
+    if (options_.range_slack_m > 0.0) return;  // beacons known roughly: their misfits are no faults
+    const Protection protection =
+        protection_of(trajectory, epoch, model_.state, fix.covariance, model_.beacon_covariance);
+    fix.protection_level_m = protection.level_m;
+    if (!protection.at_fault.valid()) return;
+    if (!options_.exclude_faulty_beacons) break;
+    if (excluded == kMostExcluded || protection.beacons < 4 ||
+        !fix_without(protection.at_fault, trajectory, epoch, fix))
+      fix.status = FixStatus::kNoConsensus;
+  }
+  fix.protection_level_m = 0.0;
 }
 
 void LeastSquaresLocalizer::locate_known(const Observations& observations, Fix& fix) noexcept {

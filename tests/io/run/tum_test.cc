@@ -82,9 +82,9 @@ TEST(Fixes, CsvHoldsAllWithTheirStatus) {
   EXPECT_EQ(fixes_to_csv({protected_fix, some_fix(FixStatus::kTooFewArrivals)}, names),
             "time_s,vehicle,x_m,y_m,z_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,protection_level_m,"
             "arrivals_used,"
-            "arrivals_rejected,status\n"
-            "1.5,\"a,b\",1,2,0,0,0.2,0.3,0.1,0.25,7,1,ok\n"
-            "1.5,\"a,b\",,,,,,,,,7,1,too_few_arrivals\n");
+            "arrivals_rejected,status,integrity,integrity_reason\n"
+            "1.5,\"a,b\",1,2,0,0,0.2,0.3,0.1,0.25,7,1,ok,ok,\n"
+            "1.5,\"a,b\",,,,,,,,,7,1,too_few_arrivals,no_fix,too_few_arrivals\n");
 }
 
 /// The heading's variance of a spatial fix against a numeric derivative of heading_rad().

@@ -6,7 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/least_squares/node_adjustment.h"
+#include "models/trajectory/linearise.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
@@ -32,9 +35,94 @@ TEST(Protection, HoldsWithoutFaultsAndIsMoreThanNoise) {
     if (!fix.ok() || fix.protection_level_m == 0.0) continue;
     ++protected_fixes;
     EXPECT_LT(off_m(world, fix), fix.protection_level_m);
-    EXPECT_GT(fix.protection_level_m, 3.29 * std::sqrt(std::max(fix.covariance(0, 0), fix.covariance(1, 1))));
+    EXPECT_GE(fix.protection_level_m,
+              kFaultFreeSigmas * std::sqrt(std::max(fix.covariance(0, 0), fix.covariance(1, 1))));
   }
   EXPECT_GT(protected_fixes, 250);
+}
+
+// What the separations say is what fixes without the beacon come to: the same distance and, as squares, the
+// same rise.
+TEST(Protection, SeparationsAreThoseOfFixesWithoutTheBeacon) {
+  World world = must(simulate(many_stops(), 5));
+  const EpochFixModel model = epoch_fix_model(world.truth);
+  Trajectory t = make_trajectory(world.heldout, 0, VehicleId(0), trajectory_model(world.truth));
+  int compared = 0;
+  for (std::size_t k = 0; k < 40; ++k) {
+    const Segment& epoch = t.segments[k];
+    if (!fix_epoch(t, epoch, model).ok()) continue;
+    const NodeAdjustment all = adjust_node(t, epoch, model.state, 0.0);
+    const Node at = t.nodes[epoch.first_node];
+    for (const BeaconSeparation& s : separations(t, epoch, model.state, {})) {
+      std::vector<ArrivalObservation> before(t.arrivals.begin(), t.arrivals.end());
+      int left_out = 0;
+      for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
+        if (t.arrivals[i].beacon == s.beacon && t.arrivals[i].rejection == Rejection::kUsed) {
+          t.arrivals[i].rejection = Rejection::kBeaconFault;
+          ++left_out;
+        }
+      EXPECT_EQ(left_out, s.arrivals);
+      const NodeAdjustment others = adjust_node(t, epoch, model.state, 0.0);
+      const double moved_m =
+          (t.nodes[epoch.first_node].T_map_vehicle.translation_m - at.T_map_vehicle.translation_m)
+              .head<2>()
+              .norm();
+      std::copy(before.begin(), before.end(), t.arrivals.begin());
+      t.nodes[epoch.first_node] = at;
+      if (!s.determined || std::sqrt(s.variance_m2) > 0.02) continue;  // far off the linear is another thing
+      ++compared;
+      // Linear, where the heading of an array of 65 mm turns by a tenth of a radian: to a twelfth.
+      EXPECT_NEAR(s.shift_m, moved_m, moved_m / 12 + 5e-5);
+      EXPECT_NEAR(s.misfit, 2 * (all.cost - others.cost), s.misfit / 12 + 0.05);
+    }
+  }
+  EXPECT_GT(compared, 60);
+}
+
+// All arrivals of one beacon late by 35 us, 3.5 sigmas: hardly one by itself is beyond its gate of four, the
+// eight of them together are far beyond chance.
+TEST(Protection, ABeaconAtFaultIsLeftOut) {
+  Scenario all_round = many_stops();
+  all_round.hearing_half_angle_rad = 3.2;
+  World world = must(simulate(all_round, 4));
+  std::map<std::int64_t, int> heard;
+  for (Arrival& a : world.heldout.arrivals)
+    if (a.beacon == BeaconId(2)) {
+      a.tof_s += 35e-6;
+      ++heard[a.epoch];
+    }
+  int excluded = 0, many = 0;
+  const EpochFixOptions excluding{.exclude_faulty_beacons = true};
+  for (const Fix& fix : LeastSquaresLocalizer(world.truth, excluding).locate(world.heldout)) {
+    const bool at_fault =
+        std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kBeaconFault) > 0;
+    EXPECT_TRUE(!at_fault || heard.contains(fix.epoch)) << "a beacon without fault was left out";
+    if (!fix.ok() || !heard.contains(fix.epoch) || heard[fix.epoch] < 8) continue;
+    ++many;
+    excluded += at_fault;
+    if (!at_fault) continue;
+    EXPECT_EQ(integrity(fix), Integrity::kDegraded);
+    EXPECT_LT(off_m(world, fix), std::max(fix.protection_level_m, 0.02));
+  }
+  EXPECT_GT(many, 100);
+  EXPECT_GT(excluded, many / 4);
+}
+
+TEST(Protection, ABeaconAtFaultTakesTheLevelFromTheFix) {
+  Scenario all_round = many_stops();
+  all_round.hearing_half_angle_rad = 3.2;
+  World world = must(simulate(all_round, 4));
+  for (Arrival& a : world.heldout.arrivals)
+    if (a.beacon == BeaconId(2)) a.tof_s += 35e-6;
+  const auto without = [&world](const EpochFixOptions& options) {
+    int count = 0;
+    for (const Fix& fix : LeastSquaresLocalizer(world.truth, options).locate(world.heldout))
+      count += fix.ok() && integrity(fix) == Integrity::kDegraded;
+    return count;
+  };
+  const int degraded = without({});
+  EXPECT_GT(degraded, 30);
+  EXPECT_EQ(degraded, without({.exclude_faulty_beacons = true}));
 }
 
 // One beacon of each epoch late by 30 us, 10 mm: below what an epoch would notice, and the level still holds.

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/drive/beacon_bank.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/localizers/common/protection.h"
+#include "models/trajectory/planar.h"
+
+namespace octant {
+namespace {
+
+/// What is left of a start that a beacon took part in: a metre and as much as half a radian.
+const Eigen::Vector3d kLittleKnown(1.0, 1.0, 0.25);
+constexpr double kAtFaultSigmas = 6.0;
+
+double plane_variance(const DriveFilter& filter) {
+  const Eigen::Matrix3d& P = filter.covariance();
+  return largest_eigenvalue(P(0, 0), P(0, 1), P(1, 1));
+}
+
+}  // namespace
+
+BeaconBank::BeaconBank(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+                       const CalibrationPart* calibration, bool wanted)
+    : model_(model), excluded_(model.beacon_usable.size(), 0) {
+  if (!wanted) return;
+  const NodeCalibration room =
+      DriveFilter(model, gate_sigmas, range_slack_m, calibration).node_calibration_room();
+  const auto columns = static_cast<std::size_t>(room.by_parameter.cols() + room.by_pair.cols() + 1);
+  const std::size_t count = std::min({kMostBeacons, model.beacon_usable.size(), kMostColumns / columns});
+  slots_.reserve(count);
+  for (std::size_t i = 0; i < count; ++i)
+    slots_.push_back({BeaconId(), DriveFilter(model, gate_sigmas, range_slack_m, calibration)});
+}
+
+void BeaconBank::start() {
+  for (Slot& slot : slots_) slot.beacon = BeaconId();
+  std::fill(excluded_.begin(), excluded_.end(), 0);
+  heard_ = too_many_until_ = 0;
+}
+
+void BeaconBank::start(const DriveFilter& filter, const Trajectory& heard) {
+  start();
+  Eigen::Matrix3d covariance = filter.covariance();
+  covariance.diagonal() += kLittleKnown;
+  for (const ArrivalObservation& a : heard.arrivals) {
+    if (slots_.empty() || a.rejection != Rejection::kUsed) continue;
+    Slot& slot = slot_of(a.beacon, filter);
+    slot.filter.start(filter.pose(), covariance);
+  }
+}
+
+void BeaconBank::set_range_slack(double range_slack_m) {
+  for (Slot& slot : slots_) slot.filter.set_range_slack(range_slack_m);
+}
+
+void BeaconBank::predict(const Pose& step, const OdometryObservation& whole, double share) {
+  for (Slot& slot : slots_)
+    if (slot.beacon.valid()) slot.filter.predict(step, whole, share);
+}
+
+BeaconBank::Slot& BeaconBank::slot_of(BeaconId beacon, const DriveFilter& filter) {
+  ++heard_;
+  Slot* longest_ago = &slots_.front();
+  for (Slot& slot : slots_) {
+    if (slot.beacon == beacon) {
+      slot.heard = heard_;
+      return slot;
+    }
+    if (!slot.beacon.valid()) slot.heard = 0;
+    if (slot.heard < longest_ago->heard) longest_ago = &slot;
+  }
+  if (longest_ago->beacon.valid() && longest_ago->heard + kForgotten > heard_)
+    too_many_until_ = heard_ + kForgotten;
+  longest_ago->beacon = beacon;
+  longest_ago->heard = heard_;
+  longest_ago->filter.take_state(filter);
+  return *longest_ago;
+}
+
+Rejection BeaconBank::update(DriveFilter& filter, const Trajectory& t, const ArrivalObservation& a) {
+  if (slots_.empty() || !model_.beacon_usable[a.beacon.index()]) return filter.update(t, a);
+  int& left_out = excluded_[a.beacon.index()];
+  if (left_out > 0) {
+    const bool fits = filter.fits(t, a);
+    left_out = fits ? left_out - 1 : kGoodInARow;
+    return Rejection::kBeaconFault;
+  }
+  slot_of(a.beacon, filter);  // as it is before this arrival
+  for (Slot& slot : slots_)
+    if (slot.beacon.valid() && slot.beacon != a.beacon) static_cast<void>(slot.filter.update(t, a));
+  return filter.update(t, a);
+}
+
+void BeaconBank::exclude(Slot& slot, DriveFilter& filter) {
+  excluded_[slot.beacon.index()] = kGoodInARow;
+  filter.take_state(slot.filter);
+  // All others took its arrivals: they begin again with what never did.
+  const BeaconId beacon = slot.beacon;
+  for (Slot& other : slots_)
+    if (other.beacon.valid() && other.beacon != beacon) {
+      Eigen::Matrix3d covariance = filter.covariance();
+      covariance.diagonal() += kLittleKnown;
+      other.filter.start(filter.pose(), covariance);
+    }
+}
+
+double BeaconBank::protection_level_m(DriveFilter& filter) {
+  double worst_m = 0.0, worst_sigmas = kAtFaultSigmas;
+  bool any = false, all_found = true;
+  Slot* at_fault = nullptr;
+  for (Slot& slot : slots_) {
+    if (!slot.beacon.valid()) continue;
+    any = true;
+    if (slot.filter.is_lost()) {
+      all_found = false;
+      continue;
+    }
+    const double off_m = (filter.pose().translation_m - slot.filter.pose().translation_m).head<2>().norm();
+    const double sigma_m = std::sqrt(plane_variance(slot.filter));
+    worst_m = std::max(worst_m, off_m + kFaultySigmas * sigma_m);
+    if (off_m > worst_sigmas * sigma_m) {
+      worst_sigmas = off_m / sigma_m;
+      at_fault = &slot;
+    }
+  }
+  if (at_fault != nullptr) exclude(*at_fault, filter);
+  // After an exclusion the level is that of what was held against it: still true of the filter that takes
+  // over, which is the one farthest off.
+  return any && all_found && heard_ >= too_many_until_
+             ? octant::protection_level_m(plane_variance(filter), worst_m)
+             : 0.0;
+}
+
+}  // namespace octant
