@@ -11,7 +11,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kEnough = 8;  ///< arrivals of a pair
+constexpr std::size_t kEnoughOfPair = 8;  ///< arrivals of a pair
 constexpr double kSignificance = 1e-6;
 constexpr double kPairMatters = 2.0;  ///< twice the variance of white noise
 constexpr double kCorrelationMatters = 0.2;
@@ -67,7 +67,7 @@ Whiteness whiteness_of(const std::vector<std::vector<PairSeries>>& trajectories)
       products += s.products;
       count += s.count;
       w.neighbours += s.count - 1;
-      if (s.count < kEnough) continue;
+      if (s.count < kEnoughOfPair) continue;
       ++w.pairs;
       pair_sum += s.sum * s.sum / static_cast<double>(s.count);
     }
