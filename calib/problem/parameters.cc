@@ -156,7 +156,7 @@ class LayoutBuilder {
               a.amplitude_1m_v.value, 1e-3);
     if (a.absorption_np_per_m.sigma > 0)
       layout_.attenuation[1] =
-          add(parameters::attenuation(1), a.absorption_np_per_m.value, a.absorption_np_per_m.sigma, 1.0, 0.0);
+          add(parameters::attenuation(1), a.absorption_np_per_m.value, a.absorption_np_per_m.sigma, 1.0);
     if (a.rise_time_s.sigma > 0)
       layout_.attenuation[2] =
           add(parameters::attenuation(2), c * a.rise_time_s.value, c * a.rise_time_s.sigma, 1.0 / c, 0.0);

@@ -330,7 +330,7 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
     read_correlated_noise(root.at("noise").find("correlated"), d.correlated_noise);
     if (const JsonValue a = root.find("attenuation"); a.present()) {
       d.attenuation =
-          AttenuationModel{a.at("amplitude_1m_v").positive(), a.at("absorption_np_per_m").not_negative(),
+          AttenuationModel{a.at("amplitude_1m_v").positive(), a.at("absorption_np_per_m").number(),
                            a.at("threshold_v").not_negative(), a.at("rise_time_s").not_negative()};
       if (const JsonValue angle = a.find("half_power_angle_rad"); angle.present())
         d.attenuation->half_power_angle_rad = angle.within(kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);

@@ -89,7 +89,7 @@ std::string_view deployment_schema() {
       "required": ["amplitude_1m_v", "absorption_np_per_m", "threshold_v", "rise_time_s"],
       "properties": {
         "amplitude_1m_v": {"$ref": "#/$defs/positive"},
-        "absorption_np_per_m": {"$ref": "#/$defs/not_negative"},
+        "absorption_np_per_m": {"type": "number"},
         "threshold_v": {"$ref": "#/$defs/not_negative"},
         "rise_time_s": {"$ref": "#/$defs/not_negative", "description": "time constant of the envelope"},
         "half_power_angle_rad": {"type": ["number", "null"], "exclusiveMinimum": 0, "description": "off a receiver's axis, where the amplitude is 3 dB down; null: all round alike"},

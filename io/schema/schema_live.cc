@@ -47,7 +47,7 @@ std::string_view live_schema() {
     "fix": {
       "description": "What comes out with --format json; x_m to sigma_heading_rad with status ok alone.",
       "type": "object",
-      "required": ["type", "time_s", "vehicle", "status", "arrivals_used", "arrivals_rejected"],
+      "required": ["type", "time_s", "vehicle", "status", "arrivals_used", "arrivals_rejected", "integrity", "integrity_reason"],
       "properties": {
         "type": {"const": "fix"},
         "time_s": {"type": "number"},

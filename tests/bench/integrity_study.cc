@@ -206,6 +206,25 @@ Tally least_squares(long epochs, std::mt19937_64& random, bool every_fix) {
   return tally;
 }
 
+/// Moves the pose; what odometry says of that.
+OdometryStep drive(Pose& T, double time_s, double d, double turn, const OdometryAccuracy& accuracy,
+                   std::mt19937_64& random) {
+  const double sxy =
+      std::sqrt(accuracy.distance_sigma_m_per_sqrt_m * accuracy.distance_sigma_m_per_sqrt_m * d +
+                accuracy.floor_m * accuracy.floor_m);
+  const double sh =
+      std::sqrt(accuracy.heading_sigma_rad_per_sqrt_m * accuracy.heading_sigma_rad_per_sqrt_m * d +
+                accuracy.floor_rad * accuracy.floor_rad);
+  T = T * Pose::planar(d, 0.0, turn);
+  OdometryStep step;
+  step.time_s = time_s;
+  step.vehicle = VehicleId(0);
+  step.dx_m = d + sxy * normal(random);
+  step.dy_m = sxy * normal(random);
+  step.dheading_rad = turn + sh * normal(random);
+  return step;
+}
+
 Tally tracker(long epochs, std::mt19937_64& random) {
   Hall hall(random);
   Tally tally;
@@ -240,20 +259,7 @@ Tally tracker(long epochs, std::mt19937_64& random) {
     const bool near_wall = std::abs(to.x()) > 8.0 || std::abs(to.y()) > 4.5;
     turn_rate =
         near_wall ? std::copysign(0.7, bearing) : std::clamp(turn_rate + 0.1 * normal(random), -0.7, 0.7);
-    const double d = kSpeed_mps * kStep_s, turn = turn_rate * kStep_s;
-    const double sxy =
-        std::sqrt(accuracy.distance_sigma_m_per_sqrt_m * accuracy.distance_sigma_m_per_sqrt_m * d +
-                  accuracy.floor_m * accuracy.floor_m);
-    const double sh =
-        std::sqrt(accuracy.heading_sigma_rad_per_sqrt_m * accuracy.heading_sigma_rad_per_sqrt_m * d +
-                  accuracy.floor_rad * accuracy.floor_rad);
-    T = T * Pose::planar(d, 0.0, turn);
-    OdometryStep step;
-    step.time_s = time_s;
-    step.vehicle = VehicleId(0);
-    step.dx_m = d + sxy * normal(random);
-    step.dy_m = sxy * normal(random);
-    step.dheading_rad = turn + sh * normal(random);
+    const OdometryStep step = drive(T, time_s, kSpeed_mps * kStep_s, turn_rate * kStep_s, accuracy, random);
     tracker->move(step);
     arrivals.clear();
     const std::size_t b = static_cast<std::size_t>(k) % hall.truth.beacons.size();

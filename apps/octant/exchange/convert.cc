@@ -198,6 +198,67 @@ int run(const ConvertArgs& words, Session& session) {
 
 }  // namespace
 
+/// Of tables, bags and kits.
+void add_mapping_options(CLI::App& command, ConvertArgs& words) {
+  command
+      .add_option("--columns", words.columns,
+                  "Any table: which of its columns is what, as "
+                  "time=timestamp_ms,beacon=anchor,tof=tof_us*1e-6 (or distance=..., epoch, receiver, "
+                  "vehicle, amplitude, temperature), or a file that --save-columns wrote; delimiter and "
+                  "decimal commas are found out")
+      ->type_name("MAPPING");
+  command
+      .add_option(
+          "--topics", words.topics,
+          "Bags: which topic is what, as range=/uwb/{receiver}/{beacon} (or range=/uwb@{beacon}, by "
+          "frame_id; range:B3=/kit/range_3), odometry=/odom, poses=/mocap/pose, "
+          "truth=/tf@map>base_link, time=recorded; or a file that --save-topics wrote; without it, all "
+          "Range by frame_id and the only odometry")
+      ->type_name("MAPPING");
+  command.add_option("--save-topics", words.save_topics, "Bags: the mapping to write, for the next time")
+      ->type_name("M.yaml");
+  command
+      .add_option(
+          "--speed-mps", words.speed_mps,
+          "Bags and kits: the speed that the device made distances with; they become times of flight, "
+          "which media whose speed is not constant need [m/s]")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--period-s", words.period_s, "dwm1001: between lines that bear no time [s]")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--ignore", words.ignore,
+                  "Tables, bags and kits: beacons to leave out, a neighbour's; their rows are counted")
+      ->delimiter(',')
+      ->type_name("IDS");
+  command
+      .add_option("--save-columns", words.save_columns,
+                  "With --columns: the mapping to write, for the next time")
+      ->type_name("M.yaml");
+}
+
+void add_counter_options(CLI::App& command, ConvertArgs& words) {
+  command.add_option("--site", words.site, "Site file that names beacons and receivers (counters, pulses)")
+      ->type_name("SITE.yaml");
+  command.add_option("--clock-hz", words.clock_hz, "Clock of the counter [Hz]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      .add_option("--spread-s", words.spread_s,
+                  "Readings of one beacon agree within this; others are left out [s]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--fire-s", words.schedule.fire_s, "Between the firings of successive beacons [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--pulse-s", words.schedule.pulse_s, "Length of a pulse [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      .add_option("--double-s", words.schedule.double_s, "Between the starts of beacon 0's two pulses [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
 void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
   auto words = std::make_shared<ConvertArgs>();
   words->format = "auto";
@@ -220,60 +281,8 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
       ->check(CLI::IsMember(
           {"auto", "bag", "carmen", "counters", "pulses", "marvelmind", "crazyflie", "dwm1001"}))
       ->type_name("FORMAT");
-  command
-      ->add_option("--columns", words->columns,
-                   "Any table: which of its columns is what, as "
-                   "time=timestamp_ms,beacon=anchor,tof=tof_us*1e-6 (or distance=..., epoch, receiver, "
-                   "vehicle, amplitude, temperature), or a file that --save-columns wrote; delimiter and "
-                   "decimal commas are found out")
-      ->type_name("MAPPING");
-  command
-      ->add_option(
-          "--topics", words->topics,
-          "Bags: which topic is what, as range=/uwb/{receiver}/{beacon} (or range=/uwb@{beacon}, by "
-          "frame_id; range:B3=/kit/range_3), odometry=/odom, poses=/mocap/pose, "
-          "truth=/tf@map>base_link, time=recorded; or a file that --save-topics wrote; without it, all "
-          "Range by frame_id and the only odometry")
-      ->type_name("MAPPING");
-  command->add_option("--save-topics", words->save_topics, "Bags: the mapping to write, for the next time")
-      ->type_name("M.yaml");
-  command
-      ->add_option(
-          "--speed-mps", words->speed_mps,
-          "Bags and kits: the speed that the device made distances with; they become times of flight, "
-          "which media whose speed is not constant need [m/s]")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--period-s", words->period_s, "dwm1001: between lines that bear no time [s]")
-      ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--ignore", words->ignore,
-                   "Tables, bags and kits: beacons to leave out, a neighbour's; their rows are counted")
-      ->delimiter(',')
-      ->type_name("IDS");
-  command
-      ->add_option("--save-columns", words->save_columns,
-                   "With --columns: the mapping to write, for the next time")
-      ->type_name("M.yaml");
-  command->add_option("--site", words->site, "Site file that names beacons and receivers (counters, pulses)")
-      ->type_name("SITE.yaml");
-  command->add_option("--clock-hz", words->clock_hz, "Clock of the counter [Hz]")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--spread-s", words->spread_s,
-                   "Readings of one beacon agree within this; others are left out [s]")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--fire-s", words->schedule.fire_s, "Between the firings of successive beacons [s]")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--pulse-s", words->schedule.pulse_s, "Length of a pulse [s]")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--double-s", words->schedule.double_s, "Between the starts of beacon 0's two pulses [s]")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  add_mapping_options(*command, *words);
+  add_counter_options(*command, *words);
   command->callback(
       [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
 }
