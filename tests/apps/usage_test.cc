@@ -13,10 +13,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const std::vector<std::string> kCommands = {"demo",   "simulate", "calibrate", "localize",
-                                            "verify", "check",    "survey",    "schema",
-                                            "batch",  "convert",  "export",    "plan",
-                                            "report"};
+const std::vector<std::string> kCommands = {"demo",   "simulate", "calibrate", "localize", "verify",
+                                            "check",  "survey",   "schema",    "batch",    "convert",
+                                            "export", "plan",     "report"};
 
 TEST(Usage, EveryCommandHelpsWithAnExample) {
   for (const auto& command : kCommands) {
