@@ -83,7 +83,7 @@ BENCHMARK_CAPTURE(fix_percentiles, clean, false)->Iterations(1)->Unit(benchmark:
 PlanarNode start_of(const FixWorld& w, std::span<const Arrival> arrivals) {
   Pose T;
   static_cast<void>(interpolate_poses(w.world.heldout.truth, arrivals.front().time_s, 10.0, T));
-  return {T.translation_m.x() + 0.05, T.translation_m.y() - 0.05, T.heading_rad() + 0.05};
+  return {T.translation_m.x() + 0.05, T.translation_m.y() - 0.05, PlanarTurn(T.heading_rad() + 0.05)};
 }
 
 struct PlainFix {
@@ -119,7 +119,7 @@ void fix_eigen(benchmark::State& state) {
     const auto arrivals = arrivals_of(w, k++);
     const std::vector<PlainFix> rows = plain_of(w, arrivals);
     const PlanarNode at = start_of(w, arrivals);
-    Eigen::Vector3d x(at.x_m, at.y_m, at.heading_rad);
+    Eigen::Vector3d x(at.x_m, at.y_m, at.heading.angle_rad());
     for (int i = 0; i < 20; ++i) {
       Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
       Eigen::Vector3d g = Eigen::Vector3d::Zero(), J;
@@ -161,7 +161,7 @@ void fix_ceres(benchmark::State& state) {
     const auto arrivals = arrivals_of(w, k++);
     const std::vector<PlainFix> rows = plain_of(w, arrivals);
     const PlanarNode at = start_of(w, arrivals);
-    double x[3] = {at.x_m, at.y_m, at.heading_rad};
+    double x[3] = {at.x_m, at.y_m, at.heading.angle_rad()};
     ceres::Problem problem;
     problem.AddResidualBlock(new FixCost(&rows), nullptr, x);
     ceres::Solver::Options options;
