@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "io/import/ignored_names.h"
 #include "io/text/text.h"
 #include "io/yaml/yaml_reader.h"
 #include "io/yaml/yaml_writer.h"
@@ -198,7 +199,7 @@ Result<TopicMapping> read_topics(const std::string& path) {
   mapping.poses = pose_block(root, "poses", log);
   mapping.truth = pose_block(root, "truth", log);
   mapping.recorded_time = root.choice<bool>("time", {{"header", false}, {"recorded", true}}, false);
-  for (const YamlNode& name : root.list("ignore")) mapping.ignore.push_back(text_of(name, "ignore", log));
+  mapping.ignore = read_ignored(root, log);
   root.finish();
   if (log.error) return fail(*log.error);
   if (const std::string fault = fault_of_topics(mapping); !fault.empty())
@@ -228,10 +229,7 @@ std::string topics_to_yaml(const TopicMapping& mapping) {
   write_pose_topic(yaml, "truth", mapping.truth);
   yaml.text("time");
   yaml.text(mapping.recorded_time ? "recorded" : "header");
-  yaml.text("ignore");
-  yaml.begin_list(true);
-  for (const std::string& name : mapping.ignore) yaml.text(name, true);
-  yaml.end_list();
+  write_ignored(yaml, mapping.ignore);
   yaml.end_map();
   return yaml.finish();
 }

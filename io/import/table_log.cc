@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "io/import/ignored_names.h"
 #include "io/text/bounds.h"
 #include "io/text/mapped_file.h"
 #include "io/text/text.h"
@@ -303,7 +304,7 @@ Result<TableMapping> read_mapping(const std::string& path) {
       mapping.columns.push_back(std::move(*rule));
     }
   }
-  for (const YamlNode& name : root.list("ignore")) mapping.ignore.push_back(text_of(name, "ignore", log));
+  mapping.ignore = read_ignored(root, log);
   columns.finish();
   root.finish();
   if (log.error) return fail(*log.error);
@@ -328,10 +329,7 @@ std::string mapping_to_yaml(const TableMapping& mapping) {
     yaml.text(tof_column(rule.target)->is_id ? rule.source : rule.source + "*" + exact(rule.factor), true);
   }
   yaml.end_map();
-  yaml.text("ignore");
-  yaml.begin_list(true);
-  for (const std::string& name : mapping.ignore) yaml.text(name, true);
-  yaml.end_list();
+  write_ignored(yaml, mapping.ignore);
   yaml.end_map();
   return yaml.finish();
 }
