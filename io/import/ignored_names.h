@@ -10,7 +10,7 @@
 
 namespace octant::io {
 
-/// The names under `ignore` of a mapping: a neighbour's beacons, which are left out and counted.
+/// The names under `ignore` of a mapping: a neighbour's beacons, which are left out and counted. Private to io.
 [[nodiscard]] inline std::vector<std::string> read_ignored(YamlMap& mapping, YamlLog& log) {
   std::vector<std::string> names;
   for (const YamlNode& name : mapping.list("ignore")) names.push_back(text_of(name, "ignore", log));

@@ -94,6 +94,29 @@ TEST(Rooms, EverySourceNamesItsLicence) {
   }
 }
 
+/// As apps/package/install_headers.cmake: what it leaves behind is private.
+bool is_private(const std::string& header) {
+  return header.find("-inl.h") != std::string::npos ||
+         slurp(std::string(OCTANT_SOURCE_DIR) + "/" + header).find("Private to io") != std::string::npos;
+}
+
+TEST(Rooms, WhatIsInstalledLeansOnNothingThatIsNot) {
+  int arrows = 0;
+  for (const char* room : {"models", "calib", "survey", "io"})
+    for_each_source(room, [&](const std::filesystem::path& file) {
+      const std::string name = std::filesystem::relative(file, OCTANT_SOURCE_DIR).string();
+      if (file.extension() != ".h" || is_private(name)) return;
+      for (const auto& include : includes_of(file)) {
+        if (!include.quoted) continue;
+        ++arrows;
+        EXPECT_FALSE(is_private(include.what))
+            << name << ":" << include.line << ": " << include.what
+            << " is not installed: say \"Private to io\" in " << name << " too";
+      }
+    });
+  EXPECT_GT(arrows, 300);
+}
+
 TEST(Rooms, NoFolderHoldsMoreThanOneSeesAtAGlance) {
   std::map<std::filesystem::path, int> sources;
   for (const auto& [room, allowed] : kMayInclude)
