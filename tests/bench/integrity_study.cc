@@ -184,7 +184,7 @@ Tally least_squares(long epochs, std::mt19937_64& random, bool every_fix) {
   if (every_fix) fault.largest = 30.0;
   Fix fix;
   for (long k = 0; k < epochs; ++k) {
-    if (k % 1000 == 0) localizer.emplace(hall.calibrated(), EpochFixOptions{.exclude_faulty_beacons = true});
+    if (k % 1000 == 0) localizer.emplace(hall.calibrated());
     const Pose T = Pose::planar(uniform(random, 0.5, 19.5), uniform(random, 0.5, 11.5),
                                 uniform(random, -std::numbers::pi, std::numbers::pi));
     std::vector<std::size_t> heard;

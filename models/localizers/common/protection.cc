@@ -21,7 +21,7 @@ constexpr double kMisfitSigmas = 6.0;  ///< of a normal deviate: one in 1e9
 struct RowSum {
   NodeBlock A;
   NodeVector g;
-  double squares = 0.0, calibration = 0.0;  ///< sum of the whitened variances that the calibration adds
+  double squares = 0.0, common = 0.0;  ///< sum of the whitened variances that the beacon's own errors add
   int rows = 0;
 
   explicit RowSum(int n) : A(NodeBlock::Zero(n, n)), g(NodeVector::Zero(n)) {}
@@ -42,8 +42,8 @@ struct OfBeacon {
 class BeaconSums {
  public:
   BeaconSums(const Trajectory& t, const Segment& segment, const SharedState& state,
-             std::span<const Eigen::Matrix<double, 5, 5>> covariance)
-      : n_(t.block_size()), covariance_(covariance), all_(n_) {
+             const BeaconErrors& errors)
+      : n_(t.block_size()), errors_(errors), all_(n_) {
     Segment rows = segment;
     if (n_ == 3 && segment.last_node - segment.first_node == 1 && has_planar_arrivals(t, segment, state)) {
       add_planar(t, segment, state);
@@ -89,8 +89,9 @@ class BeaconSums {
 
   void count(RowSum& of, BeaconId beacon, const Eigen::Matrix<double, 1, 5>& by) {
     ++of.rows;
-    if (beacon.index() < covariance_.size())
-      of.calibration += std::max(0.0, by.dot(covariance_[beacon.index()] * by.transpose()));
+    of.common += std::pow(by[3] * errors_.common_sigma_s, 2);
+    if (beacon.index() < errors_.calibration.size())
+      of.common += std::max(0.0, by.dot(errors_.calibration[beacon.index()] * by.transpose()));
   }
 
   RowSum& of_beacon(BeaconId beacon) {
@@ -101,7 +102,7 @@ class BeaconSums {
   }
 
   int n_;
-  std::span<const Eigen::Matrix<double, 5, 5>> covariance_;
+  BeaconErrors errors_;
   RowSum all_;
   std::pmr::vector<OfBeacon> beacons_{scratch()};
 };
@@ -135,17 +136,16 @@ BeaconSeparation separation(const OfBeacon& of, const RowSum& all) {
   const NodeVector shift = P * (of.sum.g - all.g);
   out.shift_m = shift.head<2>().norm();
   out.variance_m2 = horizontal_variance(P);
-  // What its own calibration may be off is common to its arrivals: it stretches the misfit by at most this.
-  out.misfit = (of.sum.squares + of.sum.g.dot(P * of.sum.g)) / (1.0 + of.sum.calibration);
+  // Errors that are common to its arrivals stretch the misfit by at most this.
+  out.misfit = (of.sum.squares + of.sum.g.dot(P * of.sum.g)) / (1.0 + of.sum.common);
   return out;
 }
 
 }  // namespace
 
-std::pmr::vector<BeaconSeparation> separations(
-    const Trajectory& t, const Segment& segment, const SharedState& state,
-    std::span<const Eigen::Matrix<double, 5, 5>> beacon_covariance) {
-  const BeaconSums sums(t, segment, state, beacon_covariance);
+std::pmr::vector<BeaconSeparation> separations(const Trajectory& t, const Segment& segment,
+                                               const SharedState& state, const BeaconErrors& errors) {
+  const BeaconSums sums(t, segment, state, errors);
   std::pmr::vector<BeaconSeparation> out(scratch());
   out.reserve(sums.beacons().size());
   for (const OfBeacon& of : sums.beacons()) out.push_back(separation(of, sums.all()));
@@ -153,10 +153,9 @@ std::pmr::vector<BeaconSeparation> separations(
 }
 
 Protection protection_of(const Trajectory& t, const Segment& segment, const SharedState& state,
-                         const PoseCovariance& covariance,
-                         std::span<const Eigen::Matrix<double, 5, 5>> beacon_covariance) {
+                         const PoseCovariance& covariance, const BeaconErrors& errors) {
   Protection out;
-  const BeaconSums sums(t, segment, state, beacon_covariance);
+  const BeaconSums sums(t, segment, state, errors);
   NodeBlock P;
   if (sums.beacons().empty() || !invert(sums.all().A, P)) return out;
   const double variance_m2 = largest_eigenvalue(covariance(0, 0), covariance(0, 1), covariance(1, 1));

@@ -38,7 +38,7 @@ struct BeaconSeparation {
   bool determined = false;   ///< without it there is still a fix
   double shift_m = 0.0;      ///< in the plane
   double variance_m2 = 0.0;  ///< of the fix without it, along the longer axis; noise alone
-  double misfit = 0.0;       ///< over what the calibration's part explains of it
+  double misfit = 0.0;       ///< over what the beacon's errors without a fault explain of it
 };
 
 /// What a fix's redundancy says of it.
@@ -48,12 +48,20 @@ struct Protection {
   int beacons = 0;       ///< in use
 };
 
-/// Of each beacon in use, at the state that the segment's node holds. Where the calibration is stated,
-/// `beacon_covariance` is that of each beacon's x, y, z [m], delay [s] and the speed [m/s], which a misfit
-/// may have of its own; empty: none.
-[[nodiscard]] std::pmr::vector<BeaconSeparation> separations(
-    const Trajectory& trajectory, const Segment& segment, const SharedState& state,
-    std::span<const Eigen::Matrix<double, 5, 5>> beacon_covariance);
+/// What the arrivals of a beacon may be off together without a fault: a misfit may have that of its own.
+struct BeaconErrors {
+  /// Of each beacon's x, y, z [m], delay [s] and the speed [m/s]: what its calibration may be off. Empty:
+  /// none.
+  std::span<const Eigen::Matrix<double, 5, 5>> calibration;
+  /// Of errors that last beyond an arrival (noise.correlated). They are stated for a pair of beacon and
+  /// receiver, but come from the path, and receivers side by side share that.
+  double common_sigma_s = 0.0;
+};
+
+/// Of each beacon in use, at the state that the segment's node holds.
+[[nodiscard]] std::pmr::vector<BeaconSeparation> separations(const Trajectory& trajectory,
+                                                             const Segment& segment, const SharedState& state,
+                                                             const BeaconErrors& errors);
 
 /// The level and whether a beacon is at fault: its misfit is beyond the chi-square quantile of six sigmas, a
 /// chance of 1e-9.
@@ -61,7 +69,7 @@ struct Protection {
 /// without a beacon is widened too
 [[nodiscard]] Protection protection_of(const Trajectory& trajectory, const Segment& segment,
                                        const SharedState& state, const PoseCovariance& covariance,
-                                       std::span<const Eigen::Matrix<double, 5, 5>> beacon_covariance);
+                                       const BeaconErrors& errors);
 
 /// The level of a fix that is held against others, of which each does without one beacon.
 [[nodiscard]] inline double protection_level_m(double variance_m2, double worst_m) {

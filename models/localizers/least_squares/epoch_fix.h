@@ -31,10 +31,10 @@ struct EpochFixOptions {
   /// A second pose counts as equally good when its log likelihood is within this of the best (3: odds below
   /// twenty to one).
   double ambiguity_margin = 2.0;
-  /// Leaves out a beacon whose arrivals together contradict the others beyond chance, instead of giving the
-  /// fix no protection level. Chance is that of independent errors: where a beacon's arrivals are off
-  /// together (multipath of a real hall), right ones go too.
-  bool exclude_faulty_beacons = false;
+  /// Leaves out a beacon whose arrivals together contradict the others beyond chance (that of errors as the
+  /// deployment states them: white, lasting, its calibration's), instead of giving the fix no protection
+  /// level.
+  bool exclude_faulty_beacons = true;
 };
 
 /// Everything the search has to know besides the arrivals.
@@ -86,7 +86,7 @@ class LeastSquaresLocalizer final : public Localizer {
  private:
   void locate_known(const Observations& observations, Fix& fix) noexcept override;
   void finish(Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
-  bool fix_without(BeaconId beacon, Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
+  bool adjust_again(Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
 
   Deployment deployment_;
   EpochFixOptions options_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 
 #include "models/localizers/common/correlated_arrivals.h"
@@ -37,6 +38,19 @@ Matrix5d covariance_of(const Deployment& deployment, const ParameterIndex& row_o
   C(3, 3) = beacon.delay_sigma_s * beacon.delay_sigma_s;
   C(4, 4) = deployment.speed_sigma_mps * deployment.speed_sigma_mps;
   return C;
+}
+
+/// Of the arrivals of a beacon, or of all (no beacon), those marked `from` are marked `to`; whether there
+/// were any.
+bool set_marks(Trajectory& trajectory, const Segment& epoch, BeaconId beacon, Rejection from, Rejection to) {
+  bool any = false;
+  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i) {
+    ArrivalObservation& a = trajectory.arrivals[i];
+    if (a.rejection != from || (beacon.valid() && !(a.beacon == beacon))) continue;
+    a.rejection = to;
+    any = true;
+  }
+  return any;
 }
 
 }  // namespace
@@ -83,40 +97,48 @@ LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOpti
   reserve_epoch(epoch_, arrivals, kRowsEachPair * deployment_.beacons.size());
 }
 
-/// The fix once more, a beacon left out; false where the others do not make one.
-bool LeastSquaresLocalizer::fix_without(BeaconId beacon, Trajectory& trajectory, const Segment& epoch,
-                                        Fix& fix) const {
+/// The fix once more from the arrivals that are in use now; false where they do not make one.
+bool LeastSquaresLocalizer::adjust_again(Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
   fix.rejections.clear();
   fix.arrivals_used = fix.arrivals_rejected = 0;
   for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i) {
-    ArrivalObservation& a = trajectory.arrivals[i];
-    if (a.beacon == beacon && a.rejection == Rejection::kUsed) a.rejection = Rejection::kBeaconFault;
-    fix.rejections.push_back(a.rejection);
-    ++(a.rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+    const Rejection rejection = trajectory.arrivals[i].rejection;
+    fix.rejections.push_back(rejection);
+    ++(rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
   }
   const NodeAdjustment adjustment = adjust_node(trajectory, epoch, model_.state, options_.range_slack_m);
   fix.T_map_vehicle = trajectory.nodes[epoch.first_node].T_map_vehicle;
   fix.cost = adjustment.cost;
-  return adjustment.converged && pose_covariance(trajectory, adjustment.information, fix.covariance);
+  if (!adjustment.converged || !pose_covariance(trajectory, adjustment.information, fix.covariance))
+    return false;
+  calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
+  return true;
 }
 
-/// What the arrivals' own noise does not tell: the calibration's part, and what a fault could do. Where a
-/// beacon's arrivals together contradict the others the fix has no level; or, if asked for, the beacon is
-/// left out where three others remain, which then must agree: two cannot tell which of them is at fault.
+/// What the arrivals' own noise does not tell: the calibration's part, and what a fault could do. A beacon
+/// whose arrivals together contradict the others is left out where three others remain, which then must
+/// agree: two cannot tell which of them is at fault. Where that does not lead to agreement all stay in use,
+/// and the fix has no level.
 void LeastSquaresLocalizer::finish(Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
-  constexpr int kMostExcluded = 2;
-  for (int excluded = 0; fix.ok(); ++excluded) {
-    calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
-    if (options_.range_slack_m > 0.0) return;  // beacons known roughly: their misfits are no faults
-    const Protection protection =
-        protection_of(trajectory, epoch, model_.state, fix.covariance, model_.beacon_covariance);
+  constexpr int kMostExcluded = 2, kFewestBeacons = 4;
+  if (!fix.ok()) return;
+  calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
+  if (options_.range_slack_m > 0.0) return;  // beacons known roughly: their misfits are no faults
+  const BeaconErrors errors{model_.beacon_covariance,
+                            std::hypot(model_.correlated.sigma_s, model_.correlated.pair_sigma_s)};
+  bool made = true;
+  for (int excluded = 0; made; ++excluded) {
+    const Protection protection = protection_of(trajectory, epoch, model_.state, fix.covariance, errors);
     fix.protection_level_m = protection.level_m;
     if (!protection.at_fault.valid()) return;
-    if (!options_.exclude_faulty_beacons) break;
-    if (excluded == kMostExcluded || protection.beacons < 4 ||
-        !fix_without(protection.at_fault, trajectory, epoch, fix))
-      fix.status = FixStatus::kNoConsensus;
+    if (!options_.exclude_faulty_beacons || excluded == kMostExcluded || protection.beacons < kFewestBeacons)
+      break;
+    set_marks(trajectory, epoch, protection.at_fault, Rejection::kUsed, Rejection::kBeaconFault);
+    made = adjust_again(trajectory, epoch, fix);
   }
+  if (set_marks(trajectory, epoch, BeaconId(), Rejection::kBeaconFault, Rejection::kUsed) &&
+      !adjust_again(trajectory, epoch, fix))
+    fix.status = FixStatus::kNoConsensus;
   fix.protection_level_m = 0.0;
 }
 
