@@ -206,7 +206,7 @@ Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment,
   const MeasurementLog& run = known_rows(all_rows, deployment, room);
   if (method == Method::kAuto) method = choose_method(deployment, run, input).method;
   if (auto fits = method_fits(method, deployment, run, input); !fits) return fail(fits.error());
-  if (method == Method::kTracker) return track(run, deployment);
+  if (method == Method::kTracker) return track(run, deployment, {.protect = true});
   if (method == Method::kLeastSquares) return LeastSquaresLocalizer(deployment).locate(run);
   if (method == Method::kLineMap) return LineMapLocalizer(*input.line_map).locate(run);
   return locate_by_poses(*make_localizer(method, deployment, input), deployment, run,

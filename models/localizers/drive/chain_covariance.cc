@@ -35,6 +35,7 @@ ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment, c
     out.inverse[k] = scale.asDiagonal() * unscaled * scale.asDiagonal();
   }
   out.U = std::move(system.U);
+  out.gradient = std::move(system.g);
   out.ok = count > 0;
   return out;
 }

@@ -16,6 +16,7 @@ struct ChainFactor {
   bool ok = false;                                 ///< false: the observations do not determine the states
   std::pmr::vector<NodeBlock> inverse{scratch()};  ///< L_k^-1
   std::pmr::vector<NodeBlock> U{scratch()};
+  std::pmr::vector<NodeVector> gradient{scratch()};  ///< of half the sum of squares, where it was factored
 
   /// Overwrites the right-hand side, a vector or a block of columns a node, by the solution.
   template <class Part>

@@ -11,6 +11,7 @@
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/drive/chain_calibration.h"
 #include "models/localizers/drive/chain_covariance.h"
+#include "models/localizers/drive/chain_protection.h"
 #include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/drive/drive_start.h"
 #include "models/localizers/drive/drive_tracker.h"
@@ -198,6 +199,11 @@ bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
   add_drive_calibration(t, segment, model.state, factor, calibration, model.correlated.pair_sigma_s, instants,
                         covariances);
   for (std::size_t i = 0; i < covariances.size(); ++i) fixes[before + i].covariance = covariances[i];
+  if (!options.protect || options.range_slack_m > 0.0)
+    return true;  // beacons known roughly: nothing bounds them
+  const std::vector<double> levels_m =
+      chain_protection(t, segment, model.state, chain, instants, covariances);
+  for (std::size_t i = 0; i < levels_m.size(); ++i) fixes[before + i].protection_level_m = levels_m[i];
   return true;
 }
 
