@@ -11,6 +11,7 @@
 
 #include "io/bag/bag.h"
 #include "io/bag/ros_messages.h"
+#include "io/import/mapping_words.h"
 #include "io/text/text.h"
 
 namespace octant::io {
@@ -161,7 +162,7 @@ class BagLogReader {
   }
 
   bool ignores(const std::string& beacon) {
-    if (std::count(mapping_.ignore.begin(), mapping_.ignore.end(), beacon) == 0) return false;
+    if (!is_ignored(mapping_.ignore, beacon)) return false;
     ++log_.ignored[beacon];
     return true;
   }

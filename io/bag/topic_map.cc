@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "io/import/ignored_names.h"
+#include "io/import/mapping_words.h"
 #include "io/text/text.h"
 #include "io/yaml/yaml_reader.h"
 #include "io/yaml/yaml_writer.h"
@@ -157,12 +157,7 @@ Result<TopicMapping> topics_from_words(std::string_view words) {
   const auto refuse = [](std::string found) {
     return fail({.code = Errc::kUsage, .found = std::move(found), .expected = kTopicWords});
   };
-  while (!words.empty()) {
-    const std::string_view word = words.substr(0, words.find(','));
-    words.remove_prefix(std::min(words.size(), word.size() + 1));
-    const std::size_t equals = word.find('=');
-    const std::string_view target = word.substr(0, equals),
-                           source = equals == std::string_view::npos ? "" : word.substr(equals + 1);
+  for (const auto& [word, target, source] : mapping_words(words)) {
     if (source.empty()) return refuse(fmt::format("{} names no topic", in_quotes(word)));
     if (target == "range" || target.starts_with("range:")) {
       if (auto added = add_range(target, source, mapping); !added) return fail(added.error());

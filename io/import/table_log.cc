@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "io/import/ignored_names.h"
+#include "io/import/mapping_words.h"
 #include "io/text/bounds.h"
 #include "io/text/mapped_file.h"
 #include "io/text/text.h"
@@ -214,8 +214,7 @@ class TableReader {
       row.text += i == 0 ? "" : ",";
       if (rule.target == "beacon") {
         if (cell.empty()) return ++out_.dropped, false;
-        if (std::count(mapping_.ignore.begin(), mapping_.ignore.end(), cell) > 0)
-          return ++out_.ignored, false;
+        if (is_ignored(mapping_.ignore, cell)) return ++out_.ignored, false;
       }
       if (tof_column(rule.target)->is_id) {
         row.text += csv_field(cell);
@@ -274,12 +273,8 @@ Result<TableMapping> mapping_from_words(std::string_view words) {
     return fail({.code = Errc::kUsage,
                  .found = "--columns is no UTF-8 text",
                  .expected = "names of columns in UTF-8, as the table is to be"});
-  while (!words.empty()) {
-    const std::string_view word = words.substr(0, words.find(','));
-    words.remove_prefix(std::min(words.size(), word.size() + 1));
-    const auto equals = word.find('=');
-    auto rule =
-        rule_of(word.substr(0, equals), equals == std::string_view::npos ? "" : word.substr(equals + 1));
+  for (const MappingWord& word : mapping_words(words)) {
+    auto rule = rule_of(word.target, word.source);
     if (!rule) return fail(rule.error());
     mapping.columns.push_back(std::move(*rule));
   }

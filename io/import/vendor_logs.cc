@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "io/import/mapping_words.h"
 #include "io/text/bounds.h"
 #include "io/text/csv.h"
 #include "io/text/mapped_file.h"
@@ -51,7 +52,7 @@ class VendorRows {
 
   /// False: more names than there may be.
   bool add(double time_s, std::string_view beacon, double distance_m, std::string_view receiver = {}) {
-    if (std::count(options_.ignore.begin(), options_.ignore.end(), beacon) > 0) {
+    if (is_ignored(options_.ignore, beacon)) {
       ++log.ignored[std::string(beacon)];
       return true;
     }
