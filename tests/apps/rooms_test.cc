@@ -140,7 +140,6 @@ const std::map<std::string, int> kLongFiles = {
     {"tests/survey/predicted_test.cc", 406}};
 /// The same for functions: file, first words up to the parentheses (of a test, with them).
 const std::map<std::string, int> kLongFunctions = {
-    {"models/localizers/least_squares/epoch_fix.cc: void fix_node", 65},
     {"tests/bench/drive_bench.cc: double build", 69},
     {"tests/io/site/site_yaml_test.cc: TEST(SiteYaml, SaysWhatIsWrongAndWhere)", 79},
     {"tests/survey/predicted_test.cc: void compare", 66}};

@@ -59,6 +59,7 @@ void Consensus::set_extra_sigma(double extra_m) {
 }
 
 void Consensus::residuals_of_group(const PlanarState& s, double cosine, double sine, std::size_t group) {
+  const auto signed_square = [](double x) { return x * std::abs(x); };
   for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
     const SearchRange& r = problem_.ranges[i];
     const double dx = s.x_m + cosine * r.p_lever_m.x() - sine * r.p_lever_m.y() - r.p_beacon_map_m.x();
@@ -66,10 +67,12 @@ void Consensus::residuals_of_group(const PlanarState& s, double cosine, double s
     const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z();
     const double flat2 = dx * dx + dy * dy;
     residual_[i] = r.range_m - s.offset_m - std::sqrt(flat2 + dz * dz);
+    behind_[i] = 0.0;
+    if (!judge_shadows_ || r.axis.isZero(0.0)) continue;
     const double towards =
         -(dx * (cosine * r.axis.x() - sine * r.axis.y()) + dy * (sine * r.axis.x() + cosine * r.axis.y()));
-    const bool behind = r.axis.squaredNorm() > 0 && towards < r.hearing_cosine * std::sqrt(flat2);
-    behind_[i] = judge_shadows_ && behind ? kBehindCost : 0.0;
+    // towards < cosine * distance by their squares: roots are what this loop costs.
+    if (signed_square(towards) < signed_square(r.hearing_cosine) * flat2) behind_[i] = kBehindCost;
   }
 }
 

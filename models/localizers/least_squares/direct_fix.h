@@ -8,8 +8,9 @@
 namespace octant {
 
 /// As fix_epoch, without its search where that could find nothing better: linear ranges place a planar node
-/// in closed form, it is adjusted, and if then all arrivals agree, of three beacons and more that are not in
-/// line, over seven paths and more, and they tell the heading, that is the fix. Else fix_epoch.
+/// in closed form, it is adjusted, and if then all arrivals but a few echoes agree, of three beacons and more
+/// that are not in line, over seven paths and more, and they tell the heading, that is the fix. Else
+/// fix_epoch.
 void fix_directly(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                   const EpochFixOptions& options, Fix& fix);
 

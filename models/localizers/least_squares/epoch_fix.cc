@@ -189,14 +189,23 @@ bool are_over_enough_paths(const Trajectory& t, const Segment& segment) {
   return count == kFewestPaths;
 }
 
-/// Whether no search could find a better pose than one at which all arrivals agree: three beacons and more
-/// that are not in line (which the closed form takes), seven paths and more, all within the limit, and they
+/// Whether what does not agree are echoes in any pose: late, a quarter at most, and of each beacon something
+/// agrees.
+bool are_a_few_echoes(const Trajectory& t, const Segment& segment, const Count& c) {
+  if (4 * (c.heard - c.used) > c.heard || c.beacons_used != c.beacons_heard) return false;
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
+    if (t.arrivals[i].rejection == Rejection::kEarly) return false;
+  return true;
+}
+
+/// Whether no search could find a better pose than one at which all arrivals but a few echoes agree: of three
+/// beacons and more that are not in line (which the closed form takes), over seven paths and more, and they
 /// tell the heading. Few enough wrong arrivals to fit into that do not exist; four paths have two poses.
 bool is_beyond_doubt(const Trajectory& t, const Segment& segment, const Count& c,
                      const NodeAdjustment& adjustment) {
   constexpr double kHeadingSigmaRad = 0.3;
-  if (!adjustment.converged || c.used != c.heard || c.bearings != c.bearings_seen || c.beacons_used < 3 ||
-      !are_over_enough_paths(t, segment))
+  if (!adjustment.converged || !are_a_few_echoes(t, segment, c) || c.bearings != c.bearings_seen ||
+      c.beacons_used < 3 || !are_over_enough_paths(t, segment))
     return false;
   const NodeBlock& A = adjustment.information;
   // What is left of the heading's information when the position is open (Schur complement).
@@ -272,6 +281,27 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
 
 namespace {
 
+/// Linear ranges, adjusted: of all arrivals or, where they do not agree, without those that came over a
+/// detour. Returns whether no search could do better; else all arrivals are in use again.
+bool fix_in_closed_form(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                        const EpochFixOptions& options, CorrelatedArrivals& sigmas,
+                        NodeAdjustment& adjustment, Count& c) {
+  if (!may_begin_closed(t, segment, options)) return false;
+  for (const bool without_detours : {false, true}) {
+    if (without_detours && !mark_detours(t, segment, model.state, options.rejection_sigmas)) return false;
+    if (place_by_linear_ranges(t, segment, model.state, model.beacon_usable)) {
+      t.nodes[segment.first_node].placed = false;
+      adjustment = adjust_and_mark(t, segment, model, options, sigmas);
+      c = count(t, segment, model);
+      if (is_beyond_doubt(t, segment, c, adjustment)) return true;
+      sigmas.restore();
+    }
+    reset_marks(t, segment, model);
+    c = count(t, segment, model);
+  }
+  return false;
+}
+
 void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
               const EpochFixOptions& options, bool closed_form_first, Fix& fix) {
   clear(fix);
@@ -289,26 +319,12 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
   bool found = false, ambiguous = false;
   NodeAdjustment adjustment;
   CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kSame);
-  if (closed_form_first && enough && may_begin_closed(t, segment, options) &&
-      place_by_linear_ranges(t, segment, model.state, model.beacon_usable)) {
-    node.placed = false;
-    adjustment = adjust_and_mark(t, segment, model, options, sigmas);
-    c = count(t, segment, model);
-    found = is_beyond_doubt(t, segment, c, adjustment);
-    if (!found) {
-      sigmas.restore();
-      reset_marks(t, segment, model);
-      c = count(t, segment, model);
-    }
-  }
+  if (closed_form_first && enough)
+    found = fix_in_closed_form(t, segment, model, options, sigmas, adjustment, c);
   const bool search = !found;
-  if (enough && search) {
-    if (t.motion == Motion::kPlanar) {
-      ambiguous = start_planar(t, segment, model, options, found);
-    } else {
-      ambiguous = start_spatial(t, segment, model, options, found);
-    }
-  }
+  if (enough && search)
+    ambiguous = t.motion == Motion::kPlanar ? start_planar(t, segment, model, options, found)
+                                            : start_spatial(t, segment, model, options, found);
   if (!found) {
     fix.status = FixStatus::kTooFewArrivals;
     report_arrivals(t, segment, fix);

@@ -23,9 +23,34 @@ struct Heard {
   BeaconId beacon;
 };
 
-constexpr std::size_t kMaxHeard = 64;
+constexpr std::size_t kMaxHeard = 64, kMostCompared = 200;
+
+bool takes_part(const ArrivalObservation& a, const std::vector<bool>& usable) {
+  return usable[a.beacon.index()] && a.rejection != Rejection::kTriangle;
+}
 
 }  // namespace
+
+bool mark_detours(Trajectory& t, const Segment& s, const SharedState& state, double sigmas) {
+  bool any = false;
+  if (s.last_arrival - s.first_arrival > kMostCompared) return false;
+  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
+    ArrivalObservation& a = t.arrivals[i];
+    if (a.rejection != Rejection::kUsed) continue;
+    const double range_m = range_of(a, t, state);
+    for (std::size_t j = s.first_arrival; j < s.last_arrival && a.rejection == Rejection::kUsed; ++j) {
+      const ArrivalObservation& b = t.arrivals[j];
+      if (b.beacon != a.beacon || j == i) continue;
+      const double apart_m =
+          (state.receiver_p_vehicle_m[a.receiver.index()] - state.receiver_p_vehicle_m[b.receiver.index()])
+              .norm();
+      const double noise_m = a.model_speed_mps * std::hypot(a.sigma_s, b.sigma_s);
+      if (range_m > range_of(b, t, state) + apart_m + sigmas * noise_m) a.rejection = Rejection::kTriangle;
+    }
+    any = any || a.rejection == Rejection::kTriangle;
+  }
+  return any;
+}
 
 bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& state,
                             const std::vector<bool>& usable) {
@@ -34,7 +59,7 @@ bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& 
   double receiver_z_m = 0.0;
   for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
-    if (!usable[a.beacon.index()]) continue;
+    if (!takes_part(a, usable)) continue;
     std::size_t at = 0;
     while (at < beacons && heard[at].beacon != a.beacon) ++at;
     if (at == kMaxHeard) continue;
@@ -66,7 +91,7 @@ bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& 
   Eigen::Vector4d m = Eigen::Vector4d::Zero();
   for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
-    if (!usable[a.beacon.index()]) continue;
+    if (!takes_part(a, usable)) continue;
     const Eigen::Vector3d& o = state.receiver_p_vehicle_m[a.receiver.index()];
     const Eigen::Vector3d v =
         Eigen::Vector3d(p_m.x(), p_m.y(), o.z()) - state.beacon_p_map_m[a.beacon.index()];
