@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstring>
 #include <initializer_list>
+#include <mutex>
 
 #include <unistd.h>
 
@@ -37,6 +38,19 @@ extern "C" void on_signal(int) {
   constexpr char talk[] = "\noctant: interrupted, nothing was written\n";
   if (write(STDERR_FILENO, talk, sizeof talk - 1) > 0) if_interrupted.say();
   _exit(130);
+}
+
+std::mutex hosts_mutex;
+int polite_calls = 0;
+struct sigaction hosts_action = {};
+
+extern "C" void on_hosts_signal(int number, siginfo_t* info, void* context) {
+  signalled = 1;
+  if ((hosts_action.sa_flags & SA_SIGINFO) != 0) {
+    hosts_action.sa_sigaction(number, info, context);
+  } else if (hosts_action.sa_handler != SIG_IGN && hosts_action.sa_handler != SIG_DFL) {
+    hosts_action.sa_handler(number);
+  }
 }
 
 extern "C" void on_lost_input(int number, siginfo_t* info, void*) {
@@ -76,6 +90,29 @@ void install_lost_input_handler(const std::string& words) {
 }
 
 bool interrupted() { return signalled != 0; }
+
+PoliteInterrupts::PoliteInterrupts() {
+  const std::lock_guard lock(hosts_mutex);
+  if (polite_calls++ > 0) return;
+  ++must_not_exit;  // not ours to end
+  sigaction(SIGINT, nullptr, &hosts_action);
+  struct sigaction action = {};
+  action.sa_sigaction = on_hosts_signal;
+  action.sa_flags = SA_SIGINFO | SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+}
+
+PoliteInterrupts::~PoliteInterrupts() {
+  const std::lock_guard lock(hosts_mutex);
+  if (--polite_calls > 0) return;
+  sigaction(SIGINT, &hosts_action, nullptr);
+  --must_not_exit;
+  // Who had no handler wanted to be ended.
+  if (interrupted() && (hosts_action.sa_flags & SA_SIGINFO) == 0 && hosts_action.sa_handler == SIG_DFL)
+    std::raise(SIGINT);
+  signalled = 0;
+}
 
 ExitAtOnce::ExitAtOnce() {
   ++may_exit_at_once;

@@ -13,6 +13,16 @@ void install_interrupt_handlers(const std::string& last_words);
 
 [[nodiscard]] bool interrupted();
 
+/// While one lives within another program, its SIGINT asks politely too, and then goes where it went before.
+/// They may be nested and live on several threads; after the last one it is as before, and forgotten.
+class PoliteInterrupts {
+ public:
+  PoliteInterrupts();
+  ~PoliteInterrupts();
+  PoliteInterrupts(const PoliteInterrupts&) = delete;
+  PoliteInterrupts& operator=(const PoliteInterrupts&) = delete;
+};
+
 /// A recording is read where it lies on the disk: one that somebody cuts off meanwhile ends the program with
 /// SIGBUS. It then ends with exit 3 and says so.
 /// @param last_words  as above

@@ -8,6 +8,7 @@
 
 #include <pybind11/stl.h>
 
+#include "apps/octant/interrupt.h"
 #include "apps/octant/session.h"
 #include "apps/octant/steps/revisiting.h"
 #include "apps/octant/steps/step_check.h"
@@ -44,14 +45,19 @@ struct Call {
   Json object;
   app::Session session;
 
-  /// Runs work(session), which ends with one of the session's endings, without Python's lock.
+  /// Runs work(session), which ends with one of the session's endings, without Python's lock. Ctrl-C stops
+  /// it.
   template <class Work>
   py::object run(Work&& work) {
     int exit = 0;
     {
+      const app::PoliteInterrupts until_done;
       const py::gil_scoped_release others_may_run;
       exit = work(session);
+      if (exit != app::kDone && app::interrupted()) exit = session.interrupted();
     }
+    // Ctrl-C while Python did not look: KeyboardInterrupt, on the main thread.
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (exit != app::kDone) raise_object(object);
     return to_python(object);
   }

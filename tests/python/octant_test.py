@@ -3,6 +3,7 @@
 """The Python module, by pytest: PYTHONPATH=build/release/python pytest tests/python"""
 
 import os
+import signal
 import threading
 import time
 
@@ -199,3 +200,32 @@ def test_examples_draw(example, tmp_path):
     finally:
         sys.argv = before
     assert (tmp_path / "figure.png").stat().st_size > 10000
+
+
+def test_ctrl_c_stops_a_call(world):
+    """A call on another thread ends as interrupted; the main thread, as ever, gets KeyboardInterrupt."""
+    ended = []
+
+    def calibrate_until_stopped():
+        try:
+            while not ended:
+                octant.calibrate(world.site, world.run)
+        except octant.Interrupted as stop:
+            ended.append(stop)
+
+    thread = threading.Thread(target=calibrate_until_stopped)
+    thread.start()
+    interrupts = 0
+    for _ in range(1000):  # one may come while it writes its files, between two calls
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(1)  # until Python looks, at once
+        except KeyboardInterrupt:
+            interrupts += 1
+        thread.join(0.05)
+        if ended:
+            break
+    ended.append(None)
+    thread.join()
+    assert isinstance(ended[0], octant.Interrupted) and interrupts > 0
+    octant.calibrate(world.site, world.run)  # forgotten afterwards
