@@ -62,8 +62,7 @@ class Recorder {
   [[nodiscard]] bool hears(const Shot& shot, ReceiverId receiver, const Pose& T_map_vehicle) const;
   [[nodiscard]] PathOutput flight(const Shot& shot, ReceiverId receiver) const;
   [[nodiscard]] double lateness(const Shot& shot, double tof_s);
-  [[nodiscard]] Pose measured(const Pose& truth, const Eigen::Vector3d& position,
-                              const Eigen::Vector3d& rotation) const;
+  [[nodiscard]] Pose measured(const Pose& truth);
   [[nodiscard]] double temperature(double progress) const {
     return scenario_.site.medium.temperature_degC + scenario_.warming_degC * (progress - 0.5);
   }
@@ -176,8 +175,8 @@ void Recorder::record_shot(const Shot& shot) {
   }
 }
 
-Pose Recorder::measured(const Pose& truth, const Eigen::Vector3d& position,
-                        const Eigen::Vector3d& rotation) const {
+Pose Recorder::measured(const Pose& truth) {
+  const Eigen::Vector3d rotation = draws_.normal3(), position = draws_.normal3();
   const PoseAccuracy& accuracy = scenario_.pose_accuracy;
   const bool planar = scenario_.site.motion == Motion::kPlanar;
   Pose pose = truth;
@@ -212,7 +211,7 @@ void Recorder::record_stops() {
       shot.fired_s = start_s + spec_.slot_s * static_cast<double>(i);
       record_shot(shot);
     }
-    const Pose survey = measured(stop, draws_.normal3(), draws_.normal3());  // one set-up a stop: one error
+    const Pose survey = measured(stop);  // one set-up a stop: one error
     for (int i = 0; i < samples; ++i) {
       const double time_s = to_microsecond(start_s + i * kTruthPeriod_s);
       log_.truth.push_back({time_s, stop});
@@ -248,8 +247,7 @@ void Recorder::record_odometry() {
       log_.odometry.push_back(step);
     }
     log_.truth.push_back({time_s, pose});
-    if (scenario_.log_poses)
-      log_.poses.push_back({time_s, measured(pose, draws_.normal3(), draws_.normal3())});
+    if (scenario_.log_poses) log_.poses.push_back({time_s, measured(pose)});
   }
 }
 

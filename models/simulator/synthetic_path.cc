@@ -20,7 +20,10 @@ using Point = Eigen::Vector2d;
 std::vector<Pose> lissajous_stops(const Scenario& scenario, int epochs, Random& draws) {
   const Point hall(scenario.hall_m[0], scenario.hall_m[1]);
   const Point reach = hall / 2 - Point::Constant(0.1 * hall.minCoeff());
-  const Point phase(draws.uniform(0, 2 * M_PI), draws.uniform(0, 2 * M_PI));
+  // One draw a statement, here and elsewhere: in which order a call's arguments are drawn differs between
+  // compilers.
+  const double phase_y = draws.uniform(0, 2 * M_PI), phase_x = draws.uniform(0, 2 * M_PI);
+  const Point phase(phase_x, phase_y);
   const Point turns(3.0, 4.0);  // closed, and dense enough to visit the whole hall
   std::vector<Pose> stops;
   for (int k = 0; k < epochs; ++k) {
