@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr std::uintmax_t kHuge = 10'000'000'000;  // bytes, which take no place on the disk
-constexpr double kMost_mb = 100;
+constexpr double kMost_mb = with_sanitizer_mb(100);
 
 class Bounds : public HallFolder {
  protected:

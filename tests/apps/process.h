@@ -14,6 +14,16 @@
 namespace octant::test {
 
 /// How a process ended.
+/// What a process may take where it may take that much: the address sanitizer's shadow, and what it keeps of
+/// freed memory, come on top.
+constexpr double with_sanitizer_mb(double mb) {
+#ifdef OCTANT_SANITIZED
+  return mb + 300.0;
+#else
+  return mb;
+#endif
+}
+
 struct Outcome {
   int exit = -1;  ///< 128 + signal where one ended it
   std::string out, err;

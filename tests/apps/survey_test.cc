@@ -17,11 +17,7 @@ using ::testing::HasSubstr;
 const std::string kAisles = std::string(OCTANT_SOURCE_DIR) + "/datasets/aisles/site.yaml";
 const std::string kHall = std::string(OCTANT_SOURCE_DIR) + "/datasets/hall/";
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr double kSmallMb = 1e6, kLargeMb = 1e6;  // the sanitizer's own memory is not the program's
-#else
-constexpr double kSmallMb = 60.0, kLargeMb = 200.0;
-#endif
+constexpr double kSmallMb = with_sanitizer_mb(60), kLargeMb = with_sanitizer_mb(200);
 
 std::string aisles(const std::string& what, const std::string& by) {
   std::string text = slurp(kAisles);

@@ -267,7 +267,7 @@ class Reports(unittest.TestCase):
             links = b.run("return document.querySelectorAll('caption a.words-link').length")
             self.assertGreater(links, 5)
             b.run("document.querySelector('#caption-beacon-table a.words-link').click()")
-            self.assertTrue(b.wait(f"Math.abs(document.getElementById('words').getBoundingClientRect().top) < {height}", 10))
+            self.assertTrue(b.wait(f"Math.abs(document.getElementById('words').getBoundingClientRect().top) < {height}", 60))
             table = b.run("const r = document.getElementById('words-table').getBoundingClientRect(); return [r.left, r.right]")
             self.assertLessEqual(table[1], width)  # read without scrolling aside
             self.assert_quiet()

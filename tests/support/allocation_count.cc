@@ -31,7 +31,7 @@ void* take(Size... size) {
 }  // namespace
 
 // Eigen takes its memory straight from malloc. A sanitizer has a malloc of its own, which must stay.
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__GLIBC__) && !defined(OCTANT_SANITIZED)
 extern "C" void* __libc_malloc(std::size_t size);  // NOLINT: glibc's name
 extern "C" void* malloc(std::size_t size) {
   ++count;

@@ -158,7 +158,8 @@ class Streams(unittest.TestCase):
                 before = before or resident_mb(process)
         self.assertLess(sent, 1 << 22)
         self.assertIsNotNone(before)
-        self.assertLess(resident_mb(process) - before, 1.0)
+        # The address sanitizer keeps what was freed, up to 256 MB.
+        self.assertLess(resident_mb(process) - before, 300.0 if os.environ.get("OCTANT_SANITIZED") else 1.0)
         process.kill()
         process.communicate()
 
