@@ -228,7 +228,7 @@ std::string forecast_verdict_text(const calib::Forecast& f) {
   return text;
 }
 
-std::string forecast_text(const calib::Forecast& f, const std::string& site) {
+std::string forecast_tables(const calib::Forecast& f, const std::string& site) {
   const std::string from =
       f.is_thinned() ? fmt::format("a quick adjustment of {} of the {} arrivals, scaled to all of them",
                                    f.arrivals_used, f.arrivals)
@@ -317,7 +317,7 @@ int check_recordings(const CheckWords& words, Session& session) {
   session.result(forecast_verdict_text(f) + "\n");
   for (std::size_t i = 0; i < logs.runs.size(); ++i)
     session.result(health_text(logs.runs[i], logs.has_truth[i]));
-  session.result(forecast_text(f, name));
+  session.result(forecast_tables(f, name));
   const Json object = {{"health", health_json(logs)},
                        {"verdict", forecast_verdict_json(f)},
                        {"beacons", beacons_json(f)},

@@ -52,14 +52,14 @@ std::vector<std::string> known_formats() {
 }
 
 /// The format that a name means; as it is where it means none.
-std::string format_of(const std::string& name) {
+std::string format_named(const std::string& name) {
   const auto file = std::find_if(kFileNames.begin(), kFileNames.end(),
                                  [&](const auto& known) { return name == known.first; });
   return file == kFileNames.end() ? name : file->second;
 }
 
 int print_schema(const std::string& name, bool page, Session& session) {
-  const std::string format = format_of(name);
+  const std::string format = format_named(name);
   if (io::schema(format).empty())
     return session.fail({"error", "usage", kUsage,
                          fmt::format("there is no format '{}'{}", name, did_you_mean(name, known_formats())),
