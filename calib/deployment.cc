@@ -6,6 +6,7 @@
 #include "calib/calibrate.h"
 #include "calib/deployment_head.h"
 #include "calib/errors/variances.h"
+#include "calib/verdict/reach.h"
 #include "calib/verdict/validity.h"
 #include "models/trajectory/linearise.h"
 
@@ -114,6 +115,7 @@ void add_validity(const Problem& problem, const Solution& solution, Deployment& 
   if (coldest <= hottest && problem.site.medium.model != MediumModel::kConstant)
     d.validity_temperature_degC = {coldest, hottest};
   d.validity_area_m = convex_hull(std::move(places));
+  d.validity_reach_m = heard_reach_m(solution.trajectories, d.beacons);
 }
 
 /// White and correlated parts of the noise; how long a vehicle that moves as in the log stays in a cell of

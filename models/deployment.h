@@ -113,6 +113,9 @@ struct Deployment {
   Tolerance tolerance;
   std::optional<std::array<double, 2>> validity_temperature_degC;
   std::vector<Eigen::Vector2d> validity_area_m;  ///< convex hull of the calibrated poses, counter-clockwise
+  /// Distance beyond which the calibration's vehicle heard nothing though it would have had to; none: the
+  /// recordings do not tell how far a beacon is heard [m].
+  std::optional<double> validity_reach_m;
   std::vector<InputDigest> inputs;
   std::string program_version;
   std::string program_command;

@@ -15,8 +15,15 @@ BLOCKS = re.compile(r"```sh\n(.*?)```\n(```text\n(.*?)```\n)?", re.DOTALL)
 
 def fill(page: pathlib.Path, octant: pathlib.Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        os.symlink(GUIDE.parent.parent / "datasets", f"{folder}/datasets")
-        environment = {**os.environ, "PATH": f"{octant.parent}:{os.environ['PATH']}", "NO_COLOR": "1"}
+        # The folder of the sources, its build done: what would install or compile does nothing.
+        for name in ("datasets", "apps", "CMakePresets.json"):
+            os.symlink(GUIDE.parent.parent / name, f"{folder}/{name}")
+        os.makedirs(f"{folder}/build/release/bin")
+        os.symlink(octant, f"{folder}/build/release/bin/octant")
+        os.makedirs(f"{folder}/shims")
+        for name in ("cmake", "apt-get", "sudo"):
+            os.symlink("/bin/true", f"{folder}/shims/{name}")
+        environment = {**os.environ, "PATH": f"{folder}/shims:{octant.parent}:{os.environ['PATH']}", "NO_COLOR": "1", "OCTANT_DEFAULTS": ""}
 
         def run(block: re.Match) -> str:
             done = subprocess.run(["sh", "-c", block[1]], cwd=folder, env=environment, text=True, stdout=subprocess.PIPE,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string_view>
 #include <system_error>
@@ -16,6 +17,7 @@
 #include <CLI/Formatter.hpp>
 
 #include "apps/octant/commands.h"
+#include "apps/octant/defaults.h"
 #include "apps/octant/help/help.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/ranks.h"
@@ -52,11 +54,20 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
                                   : Json{{"help", text}});
   }
   std::string message = error.what();
+  if (const auto* site = command.get_option_no_throw("site");
+      site != nullptr && site->count() > 0 && message == "run is required" &&
+      std::filesystem::is_directory(site->as<std::string>()))
+    message = fmt::format(
+        "{0} is a folder, so a recording, and the site file before it is missing (octant init {0} -o "
+        "site.yaml begins one)",
+        site->as<std::string>());
   const auto strange = app.remaining(true);
   if (chosen.empty())
-    message = strange.empty() ? "a command is missing"
-                              : fmt::format("unknown command '{}'{}", strange.front(),
-                                            did_you_mean(strange.front(), command_names(app)));
+    message = strange.empty()
+                  ? "a command is missing: octant demo shows a site from recording to report, octant init "
+                    "RUN begins one of your own"
+                  : fmt::format("unknown command '{}'{}", strange.front(),
+                                did_you_mean(strange.front(), command_names(app)));
   else if (!strange.empty() && strange.front().starts_with("-"))
     message = fmt::format(
         "{} has no option '{}'{}", name, strange.front(),
@@ -72,6 +83,7 @@ int run(int argc, const char* const* argv, Session& session) {
   session.options.json = wants_json(argc, argv);
   install_interrupt_handlers(session.options.json ? dump(interrupted_object()) + "\n" : "");
   install_lost_input_handler(session.options.json ? dump(lost_input_object()) + "\n" : "");
+  if (auto set = apply_defaults(session); !set) return session.fail(set.error());
 
   CLI::App app(
       "Octant calibrates time-of-flight beacon positioning: beacons, delays and the speed of sound from a "
@@ -85,7 +97,9 @@ int run(int argc, const char* const* argv, Session& session) {
       "exit code "
       "means\n\nExit codes: 0 done, 1 fault of the program, 2 wrong usage, 3 bad input,\n4 not converged, 5 "
       "undetermined, "
-      "6 a quality gate failed or the data contradict\nthe site file, 130 interrupted.");
+      "6 a quality gate failed or the data contradict\nthe site file, 130 interrupted.\n\nDefaults of "
+      "threads, progress, quiet and verbose: "
+      "~/.config/octant/defaults.yaml, or\nthe file that OCTANT_DEFAULTS names (octant schema defaults).");
   app.require_subcommand(1);
   Action action;
   add_demo(app, session.options, action);

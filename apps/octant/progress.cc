@@ -56,14 +56,15 @@ void ProgressReporter::show(const std::string& stage, int iteration, double cost
 }
 
 void ProgressReporter::show_json(int iteration, double cost, double fraction, bool new_stage) {
-  using Json = nlohmann::ordered_json;
+  using ProgressLine = nlohmann::ordered_json;
   constexpr double kDigits = 1e4;  // of the fraction: 0.3, not 0.30000000000000004
   const bool made = iteration > 0 || cost != 0.0;
-  const Json line = {{"stage", stage_},
-                     {"iteration", iteration},
-                     {"cost", made && std::isfinite(cost) ? Json(cost) : Json(nullptr)},
-                     {"fraction", std::round(kDigits * fraction) / kDigits}};
-  std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const ProgressLine line = {
+      {"stage", stage_},
+      {"iteration", iteration},
+      {"cost", made && std::isfinite(cost) ? ProgressLine(cost) : ProgressLine(nullptr)},
+      {"fraction", std::round(kDigits * fraction) / kDigits}};
+  std::string text = line.dump(-1, ' ', false, ProgressLine::error_handler_t::replace) + "\n";
   if (new_stage && !pending_.empty()) put_progress(pending_);  // how the stage before ended
   pending_.clear();
   if (due(new_stage))

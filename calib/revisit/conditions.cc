@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/verdict/reach.h"
 #include "calib/verdict/validity.h"
 
 namespace octant::calib {
@@ -42,6 +43,8 @@ void extend_validity(Deployment& d, const std::vector<Trajectory>& trajectories,
     }
   }
   d.validity_area_m = convex_hull(std::move(places));
+  if (const auto now_m = heard_reach_m(trajectories, d.beacons))
+    d.validity_reach_m = std::max(*now_m, d.validity_reach_m.value_or(0.0));
 }
 
 }  // namespace octant::calib

@@ -167,7 +167,7 @@ class Checker {
 
   void stops() {
     const SharedState state = fit_.state();
-    std::vector<std::pair<double, std::int64_t>> moved;
+    std::vector<std::pair<StopMotion, std::int64_t>> moved;
     std::size_t all = 0;
     for (const Trajectory& t : fit_.trajectories) {
       if (t.moving || t.motion != Motion::kPlanar || !t.odometry.empty() || !t.poses.empty() ||
@@ -177,20 +177,26 @@ class Checker {
         const Node& node = t.nodes[s.first_node];
         if (!node.placed || node.epoch == kNoEpoch) continue;
         ++all;
-        if (const double gain = gain_of_two_poses(t, s, state, options_.rejection_sigmas); gain > 0)
-          moved.emplace_back(gain, node.epoch);
+        if (const auto motion = motion_during(t, s, state, options_.rejection_sigmas))
+          moved.emplace_back(*motion, node.epoch);
       }
     }
     if (moved.empty()) return;
-    std::sort(moved.begin(), moved.end(), std::greater<>());
+    std::sort(moved.begin(), moved.end(),
+              [](const auto& a, const auto& b) { return a.first.gain > b.first.gain; });
     constexpr std::size_t kMostNamed = 12;
-    std::vector<std::int64_t> named;
-    for (std::size_t i = 0; i < moved.size() && i < kMostNamed; ++i) named.push_back(moved[i].second);
-    out_.warnings.push_back(fmt::format(
-        "the vehicle moved during {} of {} stops: stops {}{} (epochs of the recording); what does not fit of "
-        "them is left out, better leave "
-        "them out as a whole, or record them again",
-        moved.size(), all, fmt::join(named, ", "), moved.size() > named.size() ? " and more" : ""));
+    std::vector<std::string> named;
+    for (std::size_t i = 0; i < moved.size() && i < kMostNamed; ++i)
+      named.push_back(fmt::format("{} (by {})", moved[i].second, length(moved[i].first.by_m)));
+    if (moved.size() == 1) named[0] += fmt::format(", at {:.6g} s", moved[0].first.time_s);
+    const bool several = moved.size() > 1;
+    out_.warnings.push_back(
+        fmt::format("the vehicle moved during {} of {} stops: stop{} {}{} (epoch{} of the recording); what "
+                    "does not fit of "
+                    "{} is left out; better leave {} out as a whole, or record {} again",
+                    moved.size(), all, several ? "s" : "", fmt::join(named, ", "),
+                    moved.size() > named.size() ? " and more" : "", several ? "s" : "",
+                    several ? "them" : "it", several ? "them" : "it", several ? "them" : "it"));
   }
 
   const Problem& problem_;

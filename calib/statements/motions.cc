@@ -24,6 +24,7 @@ constexpr std::size_t kFewestBeacons = 3, kFewestOfHalf = 6;
 struct SideCost {
   double cost = 0.0;
   std::size_t used = 0, beacons = 0;
+  Eigen::Vector2d at_m = Eigen::Vector2d::Zero();  ///< of the vehicle
 };
 
 class StopTest {
@@ -53,11 +54,11 @@ class StopTest {
     for (const ArrivalObservation& a : one_.arrivals) times_.insert(a.time_s);
   }
 
-  /// By how much two poses explain more than one; 0 where the stop does not tell.
-  [[nodiscard]] double gain() {
-    if (one_.arrivals.size() < 2 * kFewestOfHalf || times_.size() < 4) return 0.0;
+  /// The two poses that explain most; of no gain where the stop does not tell.
+  [[nodiscard]] StopMotion best() {
+    StopMotion best;
+    if (one_.arrivals.size() < 2 * kFewestOfHalf || times_.size() < 4) return best;
     const SideCost whole = side(-INFINITY, INFINITY);
-    double best = 0.0;
     const std::vector<double> times(times_.begin(), times_.end());
     const std::size_t step = std::max<std::size_t>(1, times.size() / 8);
     for (std::size_t k = step; k < times.size(); k += step) {
@@ -66,7 +67,8 @@ class StopTest {
       if (std::min(before.beacons, after.beacons) < kFewestBeacons ||
           std::min(before.used, after.used) < kFewestOfHalf)
         continue;
-      best = std::max(best, whole.cost - before.cost - after.cost);
+      if (const double gain = whole.cost - before.cost - after.cost; gain > best.gain)
+        best = {gain, (after.at_m - before.at_m).norm(), instant};
     }
     return best;
   }
@@ -89,6 +91,7 @@ class StopTest {
       beacons.insert(a.beacon.index());
     }
     result.beacons = beacons.size();
+    result.at_m = t.nodes[0].T_map_vehicle.translation_m.head<2>();
     return result;
   }
 
@@ -195,10 +198,11 @@ std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
   return times;
 }
 
-double gain_of_two_poses(const Trajectory& t, const Segment& stop, const SharedState& state, double limit) {
-  if (!may_have_moved(t, stop, state, limit)) return 0.0;
-  const double gain = StopTest(t, stop, state, limit).gain();
-  return gain > kStopGain ? gain : 0.0;
+std::optional<StopMotion> motion_during(const Trajectory& t, const Segment& stop, const SharedState& state,
+                                        double limit) {
+  if (!may_have_moved(t, stop, state, limit)) return {};
+  const StopMotion motion = StopTest(t, stop, state, limit).best();
+  return motion.gain > kStopGain ? std::optional(motion) : std::nullopt;
 }
 
 }  // namespace octant::calib

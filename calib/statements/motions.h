@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "calib/calibrate.h"
@@ -29,10 +30,17 @@ struct Move {
 /// By how much and how surely the two halves of such a fit differ.
 [[nodiscard]] Move move_of(const SolveOptions& options, const Fit& split, std::size_t beacon, double time_s);
 
-/// By how much two poses, one before and one after some instant, explain a stop's arrivals better than one:
-/// half the squares, each up to `limit`. 0 where they do not by more than chance, where the stop has too few
-/// arrivals to tell, or where a single beacon's do not fit: the echoes of one are no motion.
-[[nodiscard]] double gain_of_two_poses(const Trajectory& trajectory, const Segment& stop,
-                                       const SharedState& state, double limit);
+/// A motion of the vehicle during a stop.
+struct StopMotion {
+  double gain = 0.0;    ///< of a second pose: half the squares that it saves
+  double by_m = 0.0;    ///< from the pose before to that after, in the plane
+  double time_s = 0.0;  ///< between the two
+};
+
+/// The motion by which two poses, one before and one after some instant, explain a stop's arrivals better
+/// than one, by half the squares, each up to `limit`. None where they do not by more than chance, where the
+/// stop has too few arrivals to tell, or where a single beacon's do not fit: the echoes of one are no motion.
+[[nodiscard]] std::optional<StopMotion> motion_during(const Trajectory& trajectory, const Segment& stop,
+                                                      const SharedState& state, double limit);
 
 }  // namespace octant::calib

@@ -208,6 +208,7 @@ void read_validity(const JsonValue& json, Deployment& d) {
     const std::vector<double> v = corner.numbers(2);
     d.validity_area_m.emplace_back(v[0], v[1]);
   }
+  if (const JsonValue reach = json.find("reach_m"); reach.present()) d.validity_reach_m = reach.positive();
 }
 
 void read_provenance(const JsonValue& root, Deployment& d) {

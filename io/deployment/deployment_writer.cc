@@ -150,7 +150,10 @@ Json statistics_json(const CalibrationStatistics& s) {
 Json validity_json(const Deployment& d) {
   Json area = Json::array();
   for (const Eigen::Vector2d& p : d.validity_area_m) area.push_back(Json::array({p.x(), p.y()}));
-  return {{"temperature_degC", value_or_null(d.validity_temperature_degC)}, {"area", area}};
+  Json json = {{"temperature_degC", value_or_null(d.validity_temperature_degC)}, {"area", area}};
+  if (d.validity_reach_m)
+    json["reach_m"] = *d.validity_reach_m;  // absent where there is none: older files keep their digest
+  return json;
 }
 
 Json contradictions_json(const std::vector<Contradiction>& contradictions) {

@@ -98,7 +98,8 @@ class CarmenReader {
                    .file = log_.path,
                    .found = "neither scans nor odometry",
                    .expected = "lines that begin with FLASER, ROBOTLASER1 or ODOM",
-                   .advice = "is this a CARMEN log?"});
+                   .advice = "is this a CARMEN log? A table is read with --columns "
+                             "time=COLUMN,beacon=COLUMN,tof=COLUMN (octant schema columns)"});
     for (const auto& [name, count] : passed_over_)
       log_.warnings.push_back(fmt::format("{}: {} {} lines are passed over", log_.path, count, name));
     if (backwards_ > 0)

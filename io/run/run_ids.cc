@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "io/run/run_advice.h"
 #include "io/text/csv.h"
 #include "io/text/mapped_file.h"
 
@@ -61,13 +62,14 @@ class IdReader {
   explicit IdReader(const std::string& folder) : folder_(folder) {}
 
   Result<RunIds> read() {
+    if (auto there = check_run_folder(folder_); !there) return fail(there.error());
     for (const auto& [name, what] : {std::pair{"tof.csv", "beacon"}, {"bearings.csv", "reflector"}})
       if (auto ok = read_file_of(name, what); !ok) return fail(ok.error());
     if (files_ == 0)
       return fail({.file = folder_,
                    .found = "the folder holds neither tof.csv nor bearings.csv",
                    .expected = "a run folder with at least one of them",
-                   .advice = "is this the run folder?"});
+                   .advice = advice_where_no_run_is(folder_)});
     if (beacons_.empty())
       return fail({.file = folder_, .found = "no row names a beacon", .expected = "a recording of some"});
     ids_.beacons.assign(beacons_.begin(), beacons_.end());

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "io/run/run_advice.h"
 #include "io/run/tum.h"
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"
@@ -50,20 +51,7 @@ std::string RunReader::path(const char* name) const {
   return log_.path.ends_with('/') ? log_.path + name : log_.path + "/" + name;
 }
 
-Result<void> RunReader::check_folder() const {
-  struct stat status {};
-  if (::stat(log_.path.c_str(), &status) != 0) {
-    return fail({.file = log_.path,
-                 .found = fmt::format("the run folder cannot be read: {}", std::strerror(errno)),
-                 .expected = "a folder with tof.csv, bearings.csv or scans.csv",
-                 .advice = "check the path"});
-  }
-  if (S_ISDIR(status.st_mode)) return {};
-  return fail({.file = log_.path,
-               .found = "this is a file",
-               .expected = "a run folder with tof.csv, bearings.csv or scans.csv",
-               .advice = "name the folder, not a file within it"});
-}
+Result<void> RunReader::check_folder() const { return check_run_folder(log_.path); }
 
 /// Whether there is such a name. A link that leads nowhere is an error to come, not an absence.
 bool RunReader::is_there(const std::string& file) const {
@@ -248,7 +236,7 @@ Result<void> RunReader::finish() {
                                  : "the folder holds none of tof.csv, bearings.csv, scans.csv",
                .expected = has_tof_ ? "at least one row here, in bearings.csv or in scans.csv"
                                     : "at least one of them",
-               .advice = has_tof_ ? "" : "is this the run folder?"});
+               .advice = has_tof_ ? "" : advice_where_no_run_is(log_.path)});
 }
 
 }  // namespace octant::io

@@ -280,6 +280,47 @@ sites[].output | hall.json |
 sites[].report | hall.html | report to write, one HTML page; left out: none
 )";
 
+constexpr std::string_view kColumnsWords = R"(
+octant_columns | 1 | version of the format
+columns | {"time_s": "timestamp_ms*1e-3", "beacon": "anchor", "distance_m": "distance_cm*1e-2"} | column of tof.csv: column of the table; one of tof_s and distance_m is needed
+columns.time_s | timestamp_ms*1e-3 | time of the arrival
+columns.beacon | anchor | id of the beacon
+columns.tof_s | tof_ns*1e-9 | time of flight; left out: there is distance_m
+columns.distance_m | distance_cm*1e-2 | distance, where the site's speed is constant (radio); left out: there is tof_s
+columns.epoch | stop | number of the stop; left out: the vehicle moves all the time
+columns.vehicle | robot | id of the vehicle; left out: robot
+columns.receiver | antenna | id of the receiver; left out: the vehicle has one
+columns.amplitude_v | peak_mv*1e-3 | amplitude of the pulse; left out: not logged
+columns.temperature_degC | air | temperature of the air; left out: that of the run or the site
+ignore | ["A9"] | beacons whose rows are left out, as those of a neighbour; left out: none
+)";
+
+constexpr std::string_view kDefaultsWords = R"(
+octant_defaults | 1 | version of the format
+threads | 2 | as --threads: how many to use; 0: all cores
+progress | plain | as --progress: how it is shown on standard error
+quiet | true | as -q: no notes and no progress
+verbose | true | as -v: notes, and all tables in results
+)";
+
+constexpr std::string_view kTopicsWords = R"(
+octant_topics | 1 | version of the format
+ranges | [{"topic": "/uwb/{receiver}/{beacon}"}] | topics of sensor_msgs/Range, each message an arrival; left out: the bag has none
+ranges[].topic | /uwb/{receiver}/{beacon} | pattern of the topic's name
+ranges[].frame | tag_{receiver} | pattern of the header's frame_id; left out: any
+ranges[].beacon | A3 | where no pattern tells it; left out: a pattern does
+ranges[].receiver | tag0 | where no pattern tells it; left out: a pattern does, or the vehicle has one
+ranges[].vehicle | robot | where no pattern tells it; left out: robot
+odometry | {"topic": "/odom"} | topic of nav_msgs/Odometry; left out: none
+poses | {"topic": "/tf", "parent": "map", "child": "base_link"} | topic of measured poses; left out: none
+truth | {"topic": "/mocap/pose"} | topic of reference poses, which only verify opens; left out: none
+time | header | header: the time in each message; recorded: when the bag got it
+ignore | ["A9"] | beacons whose rows are left out, as those of a neighbour; left out: none
+$pose.topic | /odom | its name
+$pose.parent | map | frame in which the pose is, of tf; left out: any
+$pose.child | base_link | frame whose pose it is, of tf; left out: any
+)";
+
 }  // namespace
 
 std::string_view key_words(std::string_view format) {
@@ -288,6 +329,9 @@ std::string_view key_words(std::string_view format) {
   if (format == "run") return kRunWords;
   if (format == "scenario") return kScenarioWords;
   if (format == "batch") return kBatchWords;
+  if (format == "columns") return kColumnsWords;
+  if (format == "topics") return kTopicsWords;
+  if (format == "defaults") return kDefaultsWords;
   return written_key_words(format);
 }
 

@@ -16,6 +16,10 @@ std::string_view schema(std::string_view format) {
   if (format == "scene") return scene_schema();
   if (format == "live") return live_schema();
   if (format == "fixes") return fixes_schema();
+  if (format == "survey") return survey_schema();
+  if (format == "columns") return columns_schema();
+  if (format == "topics") return topics_schema();
+  if (format == "defaults") return defaults_schema();
   return {};
 }
 

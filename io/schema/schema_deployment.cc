@@ -180,7 +180,8 @@ std::string_view deployment_schema() {
           "description": "convex hull of the calibrated poses [m], counter-clockwise",
           "type": "array",
           "items": {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}}
-        }
+        },
+        "reach_m": {"type": "number", "exclusiveMinimum": 0}
       }
     },
     "inputs": {

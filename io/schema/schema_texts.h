@@ -15,6 +15,10 @@ namespace octant::io {
 [[nodiscard]] std::string_view scene_schema();
 [[nodiscard]] std::string_view live_schema();
 [[nodiscard]] std::string_view fixes_schema();
+[[nodiscard]] std::string_view survey_schema();
+[[nodiscard]] std::string_view columns_schema();
+[[nodiscard]] std::string_view topics_schema();
+[[nodiscard]] std::string_view defaults_schema();
 /// Properties of a scene, for the schemas that hold one.
 [[nodiscard]] std::string_view scene_properties();
 /// Lines "path | example | description" of the keys and columns of a format; a column's path is FILE:NAME.

@@ -168,7 +168,8 @@ std::string row(const std::string& name, const WordsJson& key, bool required) {
 
 std::string_view unit_of_key(std::string_view key) {
   using Unit = std::pair<std::string_view, std::string_view>;
-  static constexpr std::array<Unit, 22> kUnits = {{{"_m_per_sqrt_m", "m per root of m"},
+  static constexpr std::array<Unit, 23> kUnits = {{{"_m_per_sqrt_m", "m per root of m"},
+                                                   {"_rad_per_m", "rad/m"},
                                                    {"_rad_per_sqrt_m", "rad per root of m"},
                                                    {"_rad_per_s2", "rad/s2"},
                                                    {"_rad_per_s", "rad/s"},

@@ -94,6 +94,7 @@ tolerance.fix_m | 0.05 | largest RMSE of a fix in the plane; null or left out: n
 validity | {"temperature_degC": [17.0, 23.5], "area": [[1, 1], [9, 1], [9, 7]]} | where the calibration holds
 validity.temperature_degC | [17.0, 23.5] | lowest and highest of the recordings; null or left out: it does not matter
 validity.area | [[1, 1], [9, 1], [9, 7]] | convex hull of the calibrated poses, counter-clockwise; left out: not known
+validity.reach_m | 16.2 | distance beyond which the vehicle heard nothing though it was there often enough; left out: the recordings do not tell
 inputs | [{"path": "hall/site.yaml", "sha256": "d5e7c8ed6b60dc40cf3e00273bc23cbf5ba3e646f935e0d7e219b2cc0e65e9e7"}] | files that it was made of
 inputs[].path | hall/site.yaml | as the command named it
 inputs[].sha256 | d5e7c8ed6b60dc40cf3e00273bc23cbf5ba3e646f935e0d7e219b2cc0e65e9e7 | digest of the file's content, hexadecimal
@@ -205,12 +206,66 @@ fixes.tum:x y z | 7.41 15.6 0.0 |
 fixes.tum:qx qy qz qw | 0 0 0.707 0.707 | 
 )";
 
+constexpr std::string_view kSurveyWords = R"(
+cells.csv:x_m | 0.125 | 
+cells.csv:y_m | 0.125 | 
+cells.csv:sigma_m | 0.0048 | 
+cells.csv:total_m | 0.0051 | 
+cells.csv:calibration_m | 0.0017 | 
+cells.csv:speed_part_m | 0.013 | 
+cells.csv:temperature_m | 0.135 | 
+cells.csv:sigma_heading_rad | 0.031 | 
+cells.csv:hdop | 1.3 | 
+cells.csv:pdop | 1.7 | 
+cells.csv:vdop | 1.1 | 
+cells.csv:tdop | 0.9 | 
+cells.csv:gdop | 1.9 | 
+cells.csv:heading_dop_rad_per_m | 8.1 | 
+cells.csv:beacons_heard | 4 | 
+cells.csv:detectable_bias_m | 0.031 | 
+cells.csv:protection_m | 0.095 | 
+cells.csv:mirror | 0 | 
+cells.csv:loss_one_m | 0.015 | 
+cells.csv:loss_one_beacon | C1 | 
+cells.csv:loss_two_m | 0.011 | 
+cells.csv:heard | C0;C1;C4 | 
+routes.csv:route | aisle1 | 
+routes.csv:x_m | 1.5 | 
+routes.csv:y_m | 1.7 | 
+routes.csv:heading_rad | 0 | 
+routes.csv:sigma_m | 0.0048 | 
+routes.csv:total_m | 0.0051 | 
+routes.csv:calibration_m | 0.0017 | 
+routes.csv:speed_part_m | 0.013 | 
+routes.csv:temperature_m | 0.135 | 
+routes.csv:sigma_heading_rad | 0.031 | 
+routes.csv:hdop | 1.3 | 
+routes.csv:pdop | 1.7 | 
+routes.csv:vdop | 1.1 | 
+routes.csv:tdop | 0.9 | 
+routes.csv:gdop | 1.9 | 
+routes.csv:heading_dop_rad_per_m | 8.1 | 
+routes.csv:beacons_heard | 4 | 
+routes.csv:detectable_bias_m | 0.031 | 
+routes.csv:protection_m | 0.095 | 
+routes.csv:mirror | 0 | 
+routes.csv:heard | C0;C1;C4 | 
+NAME.yaml:image | hdop.pgm | 
+NAME.yaml:mode | scale | 
+NAME.yaml:resolution | 0.25 | 
+NAME.yaml:origin | [0, 0, 0.0] | 
+NAME.yaml:negate | 0 | 
+NAME.yaml:occupied_thresh | 0.65 | 
+NAME.yaml:free_thresh | 0.196 | 
+)";
+
 }  // namespace
 
 std::string_view written_key_words(std::string_view format) {
   if (format == "deployment") return kDeploymentWords;
   if (format == "live") return kLiveWords;
   if (format == "fixes") return kFixesWords;
+  if (format == "survey") return kSurveyWords;
   return {};
 }
 

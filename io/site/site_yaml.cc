@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -246,17 +248,22 @@ Result<Site> site_from_yaml(const YamlNode& node, const std::string& file, bool 
 }
 
 Result<Site> read_site(const std::string& path) {
+  if (std::error_code ignored; std::filesystem::is_directory(path, ignored))
+    return fail({.file = path,
+                 .found = "this is a folder",
+                 .expected = "a site file, which stands before the run folders",
+                 .advice = "octant init RUN -o site.yaml begins one"});
   const auto map = MappedFile::open(path);
   if (!map) return fail(map.error());
   const std::string_view text = map->text(), head = text.substr(0, kHeadBytes);
   if (head.find("\"octant_deployment\"") != std::string_view::npos &&
       head.find_first_not_of(" \t\r\n") == head.find('{'))
-    return fail(
-        {.file = path,
-         .found = "a deployment file",
-         .expected = "a site file (octant schema site): what is known before a calibration",
-         .advice =
-             "to hold a recording against a deployment: octant verify; to say what changed since: --since"});
+    return fail({.file = path,
+                 .found = "a deployment file",
+                 .expected = "a site file (octant schema site): what is known before a calibration",
+                 .advice = "to hold a recording against a deployment: octant monitor, or verify where the "
+                           "poses are known; to carry it over "
+                           "to a new recording: octant recalibrate"});
   const Result<YamlNode> root = parse_yaml(text, path);
   if (!root) return fail(root.error());
   return site_from_yaml(*root, path);

@@ -121,13 +121,34 @@ void CsvReader::skip_comments() {
   }
 }
 
+namespace {
+
+/// A table of arrivals need not be exported again.
+std::string separator_advice(const std::string& file, std::string_view header, char separator) {
+  constexpr std::string_view kTof = "tof.csv",
+                             kAgain = "export it again as comma-separated values in English notation";
+  if (!file.ends_with(kTof)) return std::string(kAgain);
+  std::string columns;
+  while (!header.empty()) {
+    const std::size_t end = std::min(header.find(separator), header.size());
+    for (const std::string_view known : {"time_s", "beacon", "tof_s", "distance_m", "epoch", "vehicle",
+                                         "receiver", "amplitude_v", "temperature_degC"})
+      if (header.substr(0, end) == known)
+        columns += fmt::format("{}{}={}", columns.empty() ? "" : ",", known, known);
+    header.remove_prefix(std::min(end + 1, header.size()));
+  }
+  return fmt::format("octant convert {} --columns {} -o RUN reads it as it is; or {}", file,
+                     columns.empty() ? "time=COLUMN,beacon=COLUMN,tof=COLUMN" : columns, kAgain);
+}
+
+}  // namespace
+
 void CsvReader::check_separator(std::string_view line) {
   if (line.find(',') != std::string_view::npos) return;
   for (const auto& [c, name] : {std::pair{';', "semicolons"}, {'\t', "tabs"}}) {
     if (line.find(c) == std::string_view::npos) continue;
     fail_file(line_, fmt::format("the fields are separated by {}", name),
-              "commas, and points in numbers (1.5)",
-              "export it again as comma-separated values in English notation");
+              "commas, and points in numbers (1.5)", separator_advice(file_, line, c));
   }
 }
 

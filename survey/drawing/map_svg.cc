@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "survey/drawing/escape.h"
+#include "survey/drawing/palette.h"
 
 namespace octant::survey {
 namespace {
@@ -114,7 +115,27 @@ void draw_axes(std::string& svg, const Frame& frame) {
   svg += "\n";
 }
 
-void draw_scale(std::string& svg, const BinnedMap& map, const Frame& frame, double width_px) {
+/// The classes of a map that is held against a tolerance, each as wide: what they end at stands between them.
+void draw_classes(std::string& svg, const BinnedMap& map, const Frame& frame, double width_px) {
+  const double y = frame.bottom() + 28, left = kMargin_px;
+  const double each = (width_px - kMargin_px - 14) / static_cast<double>(kToleranceColours.size());
+  const auto end_of = [&](std::size_t k) { return left + each * static_cast<double>(k + 1); };
+  for (std::size_t k = 0; k < kToleranceColours.size(); ++k)
+    svg += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.2f}' height='8' fill='{}'/>",
+                       left + each * static_cast<double>(k), y, each + 0.3, kToleranceColours[k]);
+  // Room for three: half of it, the tolerance, twice that.
+  for (const double part : {0.5, 1.0, 2.0}) {
+    const auto at = std::find(kToleranceParts.begin(), kToleranceParts.end(), part);
+    const double x = end_of(static_cast<std::size_t>(at - kToleranceParts.begin()));
+    svg += fmt::format("\n<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{}{}</text>", x, y + 21,
+                       part == 1.0 ? "tolerance " : "", figure_text(part * map.high, map.unit));
+  }
+  svg += fmt::format("\n<text x='{:.1f}' y='{:.1f}' text-anchor='end'>grey: no fix</text>\n", width_px - 14,
+                     y + 34);
+}
+
+/// The range of a map that nothing is held against.
+void draw_range(std::string& svg, const BinnedMap& map, const Frame& frame, double width_px) {
   const double y = frame.bottom() + 28, left = kMargin_px, width = width_px - kMargin_px - 14;
   BinnedMap scale = map;
   scale.columns = 32, scale.rows = 1;
@@ -126,11 +147,16 @@ void draw_scale(std::string& svg, const BinnedMap& map, const Frame& frame, doub
     svg += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.2f}' height='8' fill='#{:02x}{:02x}{:02x}'/>",
                        left + width * static_cast<double>(i) / 32, y, width / 32 + 0.3, c[0], c[1], c[2]);
   }
-  const bool beyond = !map.low_is_bad;
   svg += fmt::format(
       "\n<text x='{:.1f}' y='{:.1f}'>{}</text><text x='{:.1f}' y='{:.1f}' text-anchor='end'>{}{}</text>\n",
       left, y + 21, figure_text(map.low, map.unit), left + width, y + 21, figure_text(map.high, map.unit),
-      beyond ? "; red: beyond, grey: no fix" : "; grey: no fix");
+      map.low_is_bad ? "; grey: no fix" : " and more; grey: no fix");
+}
+
+void draw_scale(std::string& svg, const BinnedMap& map, const Frame& frame, double width_px) {
+  svg += "<g class='legend'>\n";
+  (map.against_tolerance ? draw_classes : draw_range)(svg, map, frame, width_px);
+  svg += "</g>\n";
 }
 
 }  // namespace

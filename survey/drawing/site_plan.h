@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "models/deployment.h"
+#include "survey/drawing/palette.h"
 
 namespace octant::survey {
 
@@ -90,14 +91,5 @@ inline constexpr std::size_t kMostNamed = 300;
 /// Limits between the classes in which a map is drawn, ascending: its own, or geometric where all values are
 /// positive.
 [[nodiscard]] std::vector<double> map_classes(const NamedMap& map);
-/// Cividis (Nunez, Anderton, Renslow 2018): the same to all kinds of colour vision, and ascending in grey.
-/// Low values are dark.
-/// Inside the tolerance (three), near it, beyond it (three); darker is worse, for eyes that see no red.
-inline constexpr std::array<const char*, 7> kToleranceColours = {"#d9f0d3", "#b2dfa5", "#8cc97d", "#f6b53c",
-                                                                 "#e8713c", "#bf2f2f", "#6b0f1a"};
-/// Where those classes end, as parts of the tolerance.
-inline constexpr std::array<double, 6> kToleranceParts = {0.25, 0.5, 0.75, 1.0, 1.5, 2.0};
-inline constexpr std::array<const char*, 7> kMapColours = {"#00204d", "#31446b", "#555b6c", "#7b7a77",
-                                                           "#a59c74", "#d3c064", "#ffe945"};
 
 }  // namespace octant::survey

@@ -28,6 +28,7 @@ struct Common {
   Noise noise;
   std::optional<AttenuationModel> attenuation;
   double speed_mps = 343.0, speed_sigma_mps = 0.0, max_range_m = std::numeric_limits<double>::infinity();
+  std::optional<double> heard_m;  ///< how far the calibration heard
   Tolerance tolerance;
   std::vector<SurveyBeacon> beacons;
   std::vector<double> sigma_m;  ///< of each beacon's place
@@ -49,6 +50,9 @@ Result<void> apply_acoustics(const Common& common, const Scene& scene, SurveyMod
   hearing.range_m = std::min(a.range_m.value_or(std::numeric_limits<double>::infinity()), common.max_range_m);
   hearing.amplitude_1m_v = a.amplitude_1m_v.value_or(attenuation ? attenuation->amplitude_1m_v : 0.0);
   hearing.threshold_v = a.threshold_v.value_or(attenuation ? attenuation->threshold_v : 0.0);
+  // What is stated of range or threshold says more than what was seen.
+  if (!std::isfinite(hearing.range_m) && !(hearing.threshold_v > 0) && common.heard_m)
+    hearing.range_m = *common.heard_m;
   if (a.absorption_np_per_m) {
     hearing.absorption_np_per_m = *a.absorption_np_per_m;
   } else if (a.frequency_hz) {
@@ -286,6 +290,7 @@ Result<SurveyModel> make_survey_model(const Deployment& d, const Scene& scene, s
   common.speed_sigma_mps = d.speed_sigma_mps;
   common.tolerance = d.tolerance;
   common.area_m = d.validity_area_m;
+  common.heard_m = d.validity_reach_m;
   for (const DeploymentBeacon& beacon : d.beacons) {
     if (beacon.status == BeaconStatus::kUndetermined || !beacon.position_m.allFinite()) {
       common.left_out.push_back(beacon.name);

@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "survey/drawing/palette.h"
+
 namespace octant::survey {
 namespace {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// Viridis at eighths.
-constexpr Rgb kColours[] = {{68, 1, 84},    {71, 44, 122}, {59, 81, 139},  {44, 113, 142}, {33, 144, 141},
-                            {39, 173, 129}, {92, 200, 99}, {170, 220, 50}, {253, 231, 37}};
-constexpr Rgb kBeyond = {214, 39, 40}, kGrey = {120, 120, 120};
+constexpr Rgb kGrey = {120, 120, 120};
 
 void set_range(const FloorMap& map, BinnedMap& binned) {
   binned.low = 0.0;
+  binned.against_tolerance = map.limit && *map.limit > 0;
   binned.high = map.limit.value_or(map.spread.p95);
   if (map.name == "beacons_heard") binned.high = map.spread.max;
   if (map.name == "loss_one_beacon") binned.low = -1, binned.high = map.spread.max;
@@ -62,13 +62,18 @@ BinnedMap cell_map(const Survey& survey, const FloorMap& map) { return bin(surve
 Rgb colour_of(const BinnedMap& map, std::size_t at) {
   if (map.bins[at] == BinnedMap::Bin::kEmpty) return kGrey;
   const double part = (map.values[at] - map.low) / (map.high - map.low);
-  if (part > 1 + 1e-9 && !map.low_is_bad) return kBeyond;
-  const double place = std::clamp(part, 0.0, 1.0) * 8;
-  const auto k = std::min<std::size_t>(7, static_cast<std::size_t>(place));
+  if (map.against_tolerance) {
+    const auto end = std::upper_bound(kToleranceParts.begin(), kToleranceParts.end(), part);
+    return rgb_of(kToleranceColours[static_cast<std::size_t>(end - kToleranceParts.begin())]);
+  }
+  constexpr std::size_t kLast = kMapColours.size() - 1;
+  const double place = std::clamp(part, 0.0, 1.0) * static_cast<double>(kLast);
+  const auto k = std::min(kLast - 1, static_cast<std::size_t>(place));
+  const Rgb from = rgb_of(kMapColours[k]), to = rgb_of(kMapColours[k + 1]);
   Rgb colour;
   for (std::size_t i = 0; i < 3; ++i)
-    colour[i] = static_cast<std::uint8_t>(std::lround(
-        kColours[k][i] + (place - static_cast<double>(k)) * (kColours[k + 1][i] - kColours[k][i])));
+    colour[i] = static_cast<std::uint8_t>(
+        std::lround(from[i] + (place - static_cast<double>(k)) * (to[i] - from[i])));
   return colour;
 }
 

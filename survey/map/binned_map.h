@@ -26,6 +26,7 @@ struct BinnedMap {
   std::vector<double> values;  ///< of kValue bins; 0 elsewhere
   bool low_is_bad = false;
   double low = 0.0, high = 1.0;  ///< range of the colours: 0 (or the least) to the limit or the 95 % quantile
+  bool against_tolerance = false;  ///< high is the site's tolerance: the colours say inside, near, beyond
 };
 
 /// @param most  bins along the longer side; a whole number of cells makes a bin
@@ -33,8 +34,9 @@ struct BinnedMap {
 /// One bin a cell.
 [[nodiscard]] BinnedMap cell_map(const Survey& survey, const FloorMap& map);
 
-/// Colour of a value, red, green, blue: from dark blue (good) to yellow (viridis by M. Bostock, S. van der
-/// Walt and N. Smith, CC0), red beyond the range, grey for no fix.
+/// Colour of a value, red, green, blue: against a tolerance green inside, amber near and red beyond
+/// (palette.h); else from dark blue to yellow, which is no judgement, and stays yellow beyond the range. Grey
+/// for no fix.
 [[nodiscard]] std::array<std::uint8_t, 3> colour_of(const BinnedMap& map, std::size_t bin);
 
 /// Pixels of one bin each, red, green, blue, opacity, from the top row down.

@@ -57,6 +57,10 @@ std::string marked(const ReportText& cell) {
   return mark + running(cell.text);
 }
 
+/// A table of so many columns is a card for each row on a phone, where each value has its column's name
+/// beside it.
+constexpr std::size_t kWideTable = 7;
+
 class HtmlWriter {
  public:
   HtmlWriter(bool live, bool explained) : live_(live), explained_(explained) {}
@@ -75,12 +79,14 @@ class HtmlWriter {
   void operator()(const ReportTable& table) {
     const std::string id = id_of(table.id);
     if (table.folded) html += "<details><summary>" + escape_xml(table.caption) + " as a table</summary>\n";
+    const bool wide = table.columns.size() >= kWideTable;
     html += fmt::format(
         "<div class='scroll' tabindex='0' role='region' aria-labelledby='caption-{0}'><table "
-        "id='{0}'>\n<caption id='caption-{0}'>{1}{2}</caption>\n"
+        "id='{0}'{3}>\n<caption id='caption-{0}'>{1}{2}</caption>\n"
         "<thead><tr>",
         id, escape_xml(table.caption),
-        explained_ && table.columns.size() > 2 ? " <a class='words-link' href='#words'>Words</a>" : "");
+        explained_ && table.columns.size() > 2 ? " <a class='words-link' href='#words'>Words</a>" : "",
+        wide ? " class='wide'" : "");
     for (const auto& column : table.columns)
       html += fmt::format("<th scope='col'{}>{}</th>", column.words ? " class='words'" : "",
                           escape_xml(column.name));
@@ -111,12 +117,15 @@ class HtmlWriter {
     html += "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool words = i < table.columns.size() && table.columns[i].words;
+      const std::string label = table.columns.size() >= kWideTable && i < table.columns.size()
+                                    ? " data-label='" + escape_xml(table.columns[i].name) + "'"
+                                    : std::string();
       if (i == 0)
         html += "<th scope='row'>" + escape_xml(row[0].text) + "</th>";
       else if (row[i].tone == Tone::kPlain)
-        html += fmt::format("<td{}>{}</td>", words ? " class='words'" : "", running(row[i].text));
+        html += fmt::format("<td{}{}>{}</td>", words ? " class='words'" : "", label, running(row[i].text));
       else
-        html += fmt::format("<td class='{}{}'>{}</td>", words ? "words " : "", class_of(row[i].tone),
+        html += fmt::format("<td class='{}{}'{}>{}</td>", words ? "words " : "", class_of(row[i].tone), label,
                             marked(row[i]));
     }
     html += "</tr>\n";

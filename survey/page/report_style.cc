@@ -33,6 +33,10 @@ fieldset{border:1px solid var(--line);border-radius:.4rem;padding:.2rem .8rem .5
 fieldset{min-width:0}fieldset span{overflow-wrap:anywhere}input{accent-color:var(--link)}label{cursor:pointer}details{margin:.3rem 0 1rem}summary{cursor:pointer;color:var(--link)}
 footer{margin-top:3rem;color:var(--soft);font-size:.8rem}
 @media(max-width:640px){.drawing{display:flex;flex-direction:column}.drawing fieldset{order:2}.drawing figure{min-width:0;margin:.4rem 0}body{font-size:15px;padding:1rem .8rem}.still svg text{font-size:20px}.still svg .legend text{font-size:13px}table{min-width:0}caption{max-width:calc(100vw - 1.8rem)}nav{display:none}h1{font-size:1.5rem}.verdict{font-size:1rem;padding:.7rem .9rem}}
+@media screen and (max-width:640px){table.wide,table.wide tbody,table.wide caption{display:block;width:100%}table.wide thead{display:none}
+table.wide tr{display:grid;grid-template-columns:1fr 1fr;gap:0 1rem;border-bottom:2px solid var(--line);padding:.3rem 0}
+table.wide th,table.wide td,#beacon-table td.words{border:0;padding:.1rem 0;white-space:normal}table.wide th{grid-column:1/-1}
+table.wide td{display:flex;justify-content:space-between;gap:.6rem;min-width:0;overflow-wrap:anywhere}table.wide td::before{content:attr(data-label);color:var(--soft);text-align:left}}
 @page{size:A4;margin:14mm}
 @media print{body{max-width:none;padding:0;font-size:10pt}nav,.skip,.controls,fieldset{display:none}.live,.is-live .live{display:none}.is-live .still{display:block}
 .scroll{overflow:visible}table{font-size:7.5pt;width:100%}#beacon-table td.words{white-space:normal}caption{font-size:8pt}th,td{padding:1.2pt 2.5pt}thead{display:table-header-group}

@@ -14,6 +14,7 @@
 #include "survey/drawing/site_plan.h"
 #include "survey/geometry/quantity.h"
 #include "survey/page/report_html.h"
+#include "survey/page/survey_verdict.h"
 
 namespace octant::survey {
 namespace {
@@ -106,10 +107,14 @@ ReportSection firing(const Survey& s, const FloorSchedule& schedule) {
 
 NamedMap live_map(const Survey& s, const FloorMap& map) {
   const BinnedMap binned = binned_map(s, map, kLiveBins);
-  NamedMap live{map.title, map.unit, binned.origin_m, binned.bin_m, binned.columns, {}};
+  // Lengths in millimetres, as tolerances are spoken of.
+  const bool length = map.unit == "m";
+  const double per_si = length ? 1e3 : 1.0;
+  NamedMap live{map.title, length ? "mm" : map.unit, binned.origin_m, binned.bin_m, binned.columns, {}};
+  if (binned.against_tolerance) live.tolerance = per_si * *map.limit;
   for (std::size_t i = 0; i < binned.bins.size(); ++i)
     live.values.push_back(binned.bins[i] == BinnedMap::Bin::kValue
-                              ? binned.values[i]
+                              ? per_si * binned.values[i]
                               : std::numeric_limits<double>::quiet_NaN());
   return live;
 }
@@ -124,7 +129,11 @@ ReportFigure maps(const Survey& s) {
     live.deployment.beacons.back().name = b.name;
     live.deployment.beacons.back().position_m = b.p_map_m;
   }
-  for (const FloorMap& map : s.maps) {
+  // First the one that the verdict is about: with the calibration's part where that is known.
+  std::vector<const FloorMap*> order;
+  for (const FloorMap& map : s.maps) order.insert(map.name == "total_m" ? order.begin() : order.end(), &map);
+  for (const FloorMap* each : order) {
+    const FloorMap& map = *each;
     figure.svg += fmt::format("<div class='layer layer-{}'>{}</div>\n", figure.layers.size(),
                               map_svg(s, binned_map(s, map, kDrawnBins)));
     figure.layers.push_back(map.title);
@@ -139,31 +148,21 @@ ReportFigure maps(const Survey& s) {
   return figure;
 }
 
-std::string grade(const Survey& s) {
-  return s.model.tolerance.fix_m ? fmt::format("{} of the floor within {}", percent(s.covered_fraction),
-                                               figure_text(*s.model.tolerance.fix_m, "m"))
-                                 : percent(s.covered_fraction) + " of the floor has a fix";
-}
-
-/// The colour says what the words say. Without a tolerance there is nothing to judge by.
-Tone tone(const Survey& s) {
-  constexpr double kNearlyAll = 0.99, kHalf = 0.5;
-  if (s.covered_fraction < kHalf) return Tone::kBad;
-  return s.model.tolerance.fix_m && s.covered_fraction >= kNearlyAll ? Tone::kGood : Tone::kAttention;
-}
-
 }  // namespace
 
 ReportDocument survey_document(const Survey& s, const SurveyPageInput& input) {
   ReportDocument document;
   document.title = s.model.name.empty() ? input.input : s.model.name;
   document.subtitle = "Survey of " + input.created;
-  document.grade = grade(s);
-  document.tone = tone(s);
-  document.sentence = fmt::format(
-      "{} beacons, {} cells of {:g} m; a fix in {}, {} beacons or more heard in {}, a mirror image in {}.",
-      s.model.beacons.size(), s.grid.cells.size(), s.grid.cell_m, percent(s.fix_fraction), s.coverage,
-      percent(s.k_covered_fraction), percent(s.mirror_fraction));
+  const SurveyVerdict v = survey_verdict(s);
+  document.grade = to_string(v.grade);
+  document.tone = tone_of(v.grade);
+  document.sentence = v.sentence + fmt::format(
+                                       " {} beacons or more are heard in {}, a mirror image fits in {}. "
+                                       "Looked at: {} beacons, {} cells of {:g} m.",
+                                       s.coverage, percent(s.k_covered_fraction), percent(s.mirror_fraction),
+                                       s.model.beacons.size(), s.grid.cells.size(), s.grid.cell_m);
+  document.sections.push_back({"next", "What to do next", {ReportList{v.next, true}}});
   document.sections.push_back({"maps", "Maps", {maps(s)}});
   document.sections.push_back({"figures", "Figures over the floor", {figures(s)}});
   if (!s.failures.empty()) document.sections.push_back({"failures", "If beacons fail", {failures(s)}});

@@ -14,7 +14,8 @@ namespace octant::survey {
 
 std::string speed_in_words(const Deployment& d) {
   std::string text =
-      fmt::format("{:.8g} m/s, sigma {:.2g} m/s", d.speed_mps(d.medium.temperature_degC), d.speed_sigma_mps);
+      fmt::format("{:.8g} m/s, {}", d.speed_mps(d.medium.temperature_degC),
+                  d.speed_sigma_mps > 0 ? fmt::format("sigma {:.2g} m/s", d.speed_sigma_mps) : "held fixed");
   if (d.medium.model == MediumModel::kConstant) return text;
   return text + fmt::format(", at {:g} degC (model {})", d.medium.temperature_degC,
                             std::string(to_string(d.medium.model)));
@@ -65,9 +66,7 @@ ReportDocument report_document(const ReportInput& input) {
                         : (input.kind == "Verification" ? " of the calibration of " : " of ") +
                               input.plan.deployment.created);
   document.grade = to_string(v.grade);
-  document.tone = v.grade == Grade::kGood       ? Tone::kGood
-                  : v.grade == Grade::kUnjudged ? Tone::kAttention
-                                                : Tone::kBad;
+  document.tone = tone_of(v.grade);
   document.sentence = v.sentence;
   using MakeSection = std::optional<ReportSection> (*)(const ReportInput&);
   // What to do and where it is come first, then why; how it was found out comes last.

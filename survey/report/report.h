@@ -26,10 +26,14 @@ struct WeakNote {
   bool lone_beacon = false;    ///< an undetermined beacon, which does not block the others
 };
 
+/// What is to be done about arrivals that were left out depends on this alone.
+enum class LeftOutCause { kOther, kLate, kEarly, kNoPose };
+
 /// Arrivals left out, by reason in words.
 struct LeftOutNote {
   std::string reason;
   std::size_t count = 0;
+  LeftOutCause cause = LeftOutCause::kOther;
 };
 
 /// What was heard at one stop, or on a stretch of a drive.
@@ -134,6 +138,8 @@ enum class Grade {
   kRefused        ///< nothing was exported
 };
 [[nodiscard]] const char* to_string(Grade grade);
+/// The colour that says what the grade says.
+[[nodiscard]] Tone tone_of(Grade grade);
 
 /// One thing that must hold, with its figures in words.
 struct ReportGate {

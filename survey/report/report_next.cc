@@ -70,6 +70,43 @@ void add_beacons(const ReportInput& input, std::vector<std::string>& steps) {
                     names(bare), kLittleRedundancy));
 }
 
+/// Where a quarter and more were left out: by what most of them were left out for.
+void add_left_out(const ReportInput& input, std::vector<std::string>& steps) {
+  const CalibrationStatistics& s = input.plan.deployment.statistics;
+  const std::size_t left_out = s.rejected, all = s.arrivals + s.rejected;
+  if (left_out * 4 <= all) return;
+  std::size_t late = 0, early = 0, no_pose = 0;
+  const LeftOutNote* most = nullptr;
+  for (const LeftOutNote& note : input.left_out) {
+    if (note.cause == LeftOutCause::kLate) late += note.count;
+    if (note.cause == LeftOutCause::kEarly) early += note.count;
+    if (note.cause == LeftOutCause::kNoPose) no_pose += note.count;
+    if (most == nullptr || note.count > most->count) most = &note;
+  }
+  const std::size_t other = left_out - std::min(left_out, late + early + no_pose);
+  if (no_pose > late + early && no_pose >= other)
+    steps.push_back(
+        fmt::format("Tell where the vehicle was: {} of {} arrivals count for nothing, as their vehicle has "
+                    "no pose. A stop "
+                    "takes three beacons that do not hang in one line; a drive, odometry or measured poses "
+                    "that cover it.",
+                    no_pose, all));
+  else if (late + early >= other && late > 2 * early)
+    steps.push_back(
+        fmt::format("Look for what reflects the sound or stands in its way: {} of {} arrivals were left out, "
+                    "{} of them late.",
+                    left_out, all, late));
+  else if (late + early >= other && late + early > 0)
+    steps.push_back(
+        fmt::format("Look for reflecting walls and swapped channels: {} of {} arrivals were left out, {} "
+                    "late and {} early.",
+                    left_out, all, late, early));
+  else
+    steps.push_back(
+        fmt::format("Look at what was left out: {} of {} arrivals{}.", left_out, all,
+                    most == nullptr ? "" : fmt::format(", {} for \"{}\"", most->count, most->reason)));
+}
+
 void add_noise(const ReportInput& input, std::vector<std::string>& steps) {
   const CalibrationStatistics& s = input.plan.deployment.statistics;
   if (s.redundancy < 10 || s.variance_factor <= 0) return;
@@ -79,10 +116,7 @@ void add_noise(const ReportInput& input, std::vector<std::string>& steps) {
         fmt::format("State the noise as it is: residuals have {:.2g} times the variance of noise.tof_sigma_s "
                     "in the site file.",
                     s.variance_factor));
-  std::size_t left_out = s.rejected, all = s.arrivals + s.rejected;
-  if (all > 0 && left_out * 4 > all)
-    steps.push_back(fmt::format(
-        "Look for reflecting walls and swapped channels: {} of {} arrivals were left out.", left_out, all));
+  add_left_out(input, steps);
 }
 
 void add_verification(const ReportInput& input, std::vector<std::string>& steps) {

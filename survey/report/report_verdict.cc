@@ -128,6 +128,10 @@ const char* to_string(Grade grade) {
   return "Refused";
 }
 
+Tone tone_of(Grade grade) {
+  return grade == Grade::kGood ? Tone::kGood : grade == Grade::kUnjudged ? Tone::kAttention : Tone::kBad;
+}
+
 Verdict verdict(const ReportInput& input) {
   const Beacons n = count(input.plan.deployment);
   Verdict v;

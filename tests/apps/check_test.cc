@@ -70,6 +70,8 @@ TEST_F(Check, AGoodHallIsExit0WithTableAndForecast) {
   for (const char* word : {"beacon", "arrivals", "robot/r7", "clock jumps", "forecast", "speed",
                            "these data can determine", "present (not opened)"})
     EXPECT_THAT(fine.out, HasSubstr(word));
+  EXPECT_TRUE(fine.out.starts_with("verdict          these data can determine")) << "what one came for";
+  EXPECT_THAT(fine.out, HasSubstr(" fixed  fixed  fixed ")) << "control points are no 0.00";
 }
 
 TEST_F(Check, JsonIsOneObjectAndNothingIsWritten) {

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // A site file that the data contradict, with the program as a process.
+#include <sstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +13,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Contradicted : public HallFolder {
  protected:
@@ -49,6 +52,36 @@ TEST_F(Contradicted, AcceptExportsItMarkedAndLocalizersSaySo) {
   EXPECT_EQ(located.exit, 0);
   EXPECT_THAT(located.err, HasSubstr("contradict"));
   EXPECT_THAT(octant({"verify", out("d.json"), hall("heldout")}).err, HasSubstr("B3"));
+}
+
+TEST_F(Contradicted, CheckDoesNotSayThatAllIsWell) {
+  const Outcome looked = octant({"check", hall("site.yaml"), hall("run"), "--progress", "none"});
+  EXPECT_TRUE(looked.out.starts_with("verdict          the data contradict what was stated")) << looked.out;
+  EXPECT_THAT(looked.err, HasSubstr("B3"));
+}
+
+/// The hall with its thermometer in Fahrenheit.
+class WrongThermometer : public HallFolder {
+ protected:
+  void SetUp() override {
+    make(60);
+    spit(hall("run/run.yaml"), slurp(hall("run/run.yaml")) + "temperature_degC: 69.8\n");
+    spit(hall("heldout/run.yaml"), slurp(hall("heldout/run.yaml")) + "temperature_degC: 21\n");
+  }
+};
+
+TEST_F(WrongThermometer, VerifySaysThatThereIsNoFixAndNotThatThereIsNoReference) {
+  const Outcome told = calibrate({"--accept"});
+  ASSERT_EQ(told.exit, 6) << told.err;
+  EXPECT_THAT(told.err, HasSubstr("Fahrenheit"));
+  EXPECT_THAT(told.err, Not(HasSubstr(".;"))) << "a sentence that goes on";
+  const Outcome held = octant({"verify", out("d.json"), hall("heldout")});
+  EXPECT_EQ(held.exit, 6);
+  EXPECT_THAT(held.err, HasSubstr("there is no fix to hold against the reference"));
+  EXPECT_THAT(held.err, Not(HasSubstr("no fix has a reference")));
+  EXPECT_THAT(held.err, HasSubstr("far outside the calibrated 69.8 degC"));
+  std::istringstream lines(held.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
 }
 
 TEST_F(Contradicted, ABatchWritesItWithAcceptAlone) {

@@ -106,6 +106,8 @@ TEST(Help, FitsATerminalAndNamesTheProgram) {
     const std::string help = octant({name, "--help"}).out;
     EXPECT_LE(longest_line(help), 80U) << help;
     EXPECT_THAT(help, HasSubstr("Usage: octant " + name)) << help;
+    for (const char* spelling : {" in [", ":{", "UINT", "Excludes", "REQUIRED"})
+      EXPECT_THAT(help, Not(HasSubstr(spelling))) << "a programmer's spelling";
     const std::size_t own = help.find("\nOptions:"), common = help.find("\nCommon options:");
     if (own != std::string::npos) EXPECT_LT(own, common) << help;
     EXPECT_EQ(octant({"help", name}).out, help);
@@ -147,6 +149,75 @@ TEST(Help, ManPageHasEachCommandAndOption) {
   }
   EXPECT_THAT(man.out, HasSubstr("\\-\\-memory\\-mb"));
   EXPECT_THAT(man.out, HasSubstr(".SH EXIT STATUS"));
+}
+
+class FirstMistakes : public HallFolder {
+ protected:
+  void SetUp() override { make(12); }
+  /// What the program says, and that it is a refusal of that kind.
+  std::string said(const std::vector<std::string>& words, int exit) {
+    const Outcome outcome = octant(words);
+    EXPECT_EQ(outcome.exit, exit) << outcome.err;
+    return outcome.err;
+  }
+};
+
+TEST_F(FirstMistakes, AreAnsweredWithTheWayOut) {
+  EXPECT_THAT(said({}, 2), HasSubstr("octant demo shows a site from recording to report"));
+  // No site file, or behind the recording.
+  EXPECT_THAT(said({"calibrate", hall("run"), "-o", out("d.json")}, 2),
+              HasSubstr("octant init " + hall("run")));
+  EXPECT_THAT(said({"check", hall("run")}, 2), HasSubstr("is a folder, so a recording, and the site file"));
+  EXPECT_THAT(said({"calibrate", hall("run"), hall("site.yaml"), "-o", out("d.json")}, 3),
+              HasSubstr("a site file, which stands before the run folders"));
+  // The folder above, one that is not there, one with nothing.
+  for (const char* command : {"calibrate", "init"}) {
+    std::vector<std::string> words = {command, hall("")};
+    if (words[0] == "calibrate") words = {"calibrate", hall("site.yaml"), hall(""), "-o", out("d.json")};
+    EXPECT_THAT(said(words, 3),
+                HasSubstr("did you mean '" + hall("heldout") + "' or '" + hall("run") + "'?"));
+  }
+  EXPECT_THAT(said({"init", out("none")}, 3),
+              HasSubstr("No such file or directory; expected a folder with tof.csv"));
+  EXPECT_THAT(said({"init", out("")}, 3), HasSubstr("is this the run folder?"));
+  EXPECT_THAT(said({"convert", hall("run/tof.csv"), "-o", out("c")}, 3), HasSubstr("--columns time=COLUMN"));
+  EXPECT_THAT(said({"schema", "cell.csv"}, 2), HasSubstr("did you mean 'cells.csv'?"));
+}
+
+TEST_F(FirstMistakes, AGermanTableIsReadByTheCommandThatTheMessageNames) {
+  std::string text = slurp(hall("run/tof.csv"));
+  std::replace(text.begin(), text.end(), ',', ';');
+  std::replace(text.begin(), text.end(), '.', ',');
+  std::filesystem::create_directory(out("german"));
+  spit(out("german/tof.csv"), text);
+  const std::string told = said({"check", hall("site.yaml"), out("german")}, 3);
+  std::smatch command;
+  ASSERT_TRUE(std::regex_search(told, command, std::regex("octant convert (\\S+) --columns (\\S+) -o RUN")))
+      << told;
+  const Outcome converted = octant({"convert", command[1], "--columns", command[2], "-o", out("run")});
+  ASSERT_EQ(converted.exit, 0) << converted.err;
+  const Outcome a = octant({"check", hall("site.yaml"), out("run"), "--json"}),
+                b = octant({"check", hall("site.yaml"), hall("run"), "--json"});
+  EXPECT_EQ(a.json()["beacons"], b.json()["beacons"]);
+}
+
+TEST(Defaults, StandBehindWhatIsTyped) {
+  TemporaryFolder box;
+  spit(box / "mine.yaml", "octant_defaults: 1\nverbose: true\nprogress: plain\nthreads: 1\n");
+  const RunOptions mine{.environment = {"OCTANT_DEFAULTS=" + (box / "mine.yaml")}};
+  EXPECT_THAT(octant({"schema", "--help"}, mine).out, HasSubstr("plain, json or none [plain]"));
+  const Outcome world = octant({"demo", "-o", box / "hall"}, mine);
+  ASSERT_EQ(world.exit, 0) << world.err;
+  EXPECT_THAT(world.err, HasSubstr(" % ")) << "plain progress, as asked for";
+  EXPECT_EQ(octant({"demo", "-o", box / "quiet", "-q", "--progress", "none"}, mine).err, "");
+  std::filesystem::create_directories(box / "config/octant");
+  spit(box / "config/octant/defaults.yaml", "octant_defaults: 1\nthreads: many\n");
+  const Outcome wrong = octant({"schema", "site"}, {.environment = {"XDG_CONFIG_HOME=" + (box / "config")}});
+  EXPECT_EQ(wrong.exit, 3);
+  EXPECT_THAT(wrong.err, HasSubstr("defaults.yaml:2:"));
+  const Outcome without = octant(
+      {"schema", "site"}, {.environment = {"XDG_CONFIG_HOME=" + (box / "config"), "OCTANT_DEFAULTS="}});
+  EXPECT_EQ(without.exit, 0) << without.err;
 }
 
 TEST(Completion, KnowsCommandsAndOptions) {

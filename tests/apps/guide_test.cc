@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // The guide as somebody reads it who types what it says: every command, and what it prints.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -89,25 +90,89 @@ testing::AssertionResult prints(const std::string& said, const std::string& prin
   return testing::AssertionSuccess();
 }
 
+/// The folder of the sources as a newcomer has it, its build done: what would install or compile writes down
+/// what it was asked for. Packages and build themselves are what tests/run.sh begins with, by the same list
+/// and preset.
+class Checkout {
+ public:
+  Checkout() {
+    const fs::path sources = OCTANT_SOURCE_DIR;
+    for (const char* name : {"datasets", "apps", "CMakePresets.json"})
+      fs::create_symlink(sources / name, box_ / name);
+    fs::create_directories(box_ / "build/release/bin");
+    fs::create_symlink(OCTANT_BINARY, box_ / "build/release/bin/octant");
+    fs::create_directories(box_ / "shims");
+    for (const char* name : {"cmake", "apt-get", "sudo"}) {
+      spit(box_ / "shims" / name,
+           "#!/bin/sh\necho \"" + std::string(name) + " $*\" >> '" + (box_ / "asked.txt").string() + "'\n");
+      fs::permissions(box_ / "shims" / name, fs::perms::owner_all);
+    }
+  }
+
+  /// Runs a block of commands as a shell does; what it prints is in `out`, what it says in `err`.
+  int run(const std::string& commands) {
+    spit(box_ / "block.sh", commands);
+    const std::string line = "cd '" + box_.string() + "' && PATH='" + (box_ / "shims").string() + "':'" +
+                             (box_ / "build/release/bin").string() +
+                             "':\"$PATH\" NO_COLOR=1 OCTANT_DEFAULTS= sh block.sh > out.txt 2> err.txt";
+    const int status = std::system(line.c_str());
+    out = slurp((box_ / "out.txt").string()), err = slurp((box_ / "err.txt").string());
+    return status;
+  }
+
+  [[nodiscard]] std::string asked() const {
+    return fs::exists(box_ / "asked.txt") ? slurp((box_ / "asked.txt").string()) : std::string();
+  }
+  [[nodiscard]] fs::path operator/(const std::string& name) const { return box_ / name; }
+  std::string out, err;
+
+ private:
+  TemporaryFolder folder_;
+  fs::path box_ = folder_.path();
+};
+
 class Guide : public testing::TestWithParam<std::string> {};
 
 TEST_P(Guide, EachCommandPrintsWhatThePageSays) {
   const auto blocks = blocks_of(slurp((guide() / GetParam()).string()));
   ASSERT_GE(blocks.size(), 2U);
-  TemporaryFolder box;
-  fs::create_directory_symlink(fs::path(OCTANT_SOURCE_DIR) / "datasets", box / "datasets");
-  const std::string path = fs::path(OCTANT_BINARY).parent_path().string();
+  Checkout checkout;
   for (const Block& block : blocks) {
-    spit(box / "block.sh", block.commands);
-    const std::string line = "cd '" + box.path().string() + "' && PATH='" + path +
-                             "':\"$PATH\" NO_COLOR=1 sh block.sh > out.txt 2> err.txt";
-    const int status = std::system(line.c_str());
+    const int status = checkout.run(block.commands);
     if (!block.printed) {
-      EXPECT_EQ(status, 0) << block.commands << slurp(box / "err.txt");
+      EXPECT_EQ(status, 0) << block.commands << checkout.err;
       continue;
     }
-    EXPECT_TRUE(prints(*block.printed, slurp(box / "out.txt"))) << block.commands << slurp(box / "err.txt");
+    EXPECT_TRUE(prints(*block.printed, checkout.out)) << block.commands << checkout.err;
   }
+}
+
+// Somebody who never saw Octant types what the first page says, on a machine with nothing, and has a
+// deployment that was verified.
+TEST(GuidePages, FromABareMachineToAVerifiedDeployment) {
+  Checkout newcomer;
+  bool verified = false, installed = false;
+  for (const Block& block : blocks_of(slurp((guide() / "1-first-site.md").string()))) {
+    ASSERT_EQ(newcomer.run(block.commands), 0) << block.commands << newcomer.err;
+    if (!installed) {  // the first thing that the page asks for
+      EXPECT_NE(newcomer.asked().find("cmake --preset release "), std::string::npos) << newcomer.asked();
+      EXPECT_NE(newcomer.asked().find("cmake --build --preset release --target octant"), std::string::npos);
+      EXPECT_TRUE(fs::exists(newcomer / "demo/report.html"));
+      installed = true;
+    }
+    if (block.commands.find("octant verify hall.json") != std::string::npos)
+      verified = newcomer.out.find("gate fix_m       kept") != std::string::npos;
+  }
+  EXPECT_TRUE(verified);
+  EXPECT_TRUE(fs::exists(newcomer / "hall.json"));
+  EXPECT_TRUE(fs::exists(newcomer / "fixes.tum"));
+  // The presets that the script asks for are there, and build where the page looks for the program.
+  const auto presets = nlohmann::json::parse(slurp((newcomer / "CMakePresets.json").string()));
+  for (const char* kind : {"configurePresets", "buildPresets"})
+    EXPECT_TRUE(std::any_of(presets[kind].begin(), presets[kind].end(), [](const auto& preset) {
+      return preset["name"] == "release";
+    })) << kind;
+  EXPECT_EQ(presets["configurePresets"][0].value("binaryDir", ""), "${sourceDir}/build/${presetName}");
 }
 
 INSTANTIATE_TEST_SUITE_P(Pages, Guide,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // octant survey as a process.
 #include <filesystem>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -13,6 +14,7 @@ namespace octant::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kAisles = std::string(OCTANT_SOURCE_DIR) + "/datasets/aisles/site.yaml";
 const std::string kHall = std::string(OCTANT_SOURCE_DIR) + "/datasets/hall/";
@@ -45,10 +47,73 @@ TEST(SurveyCommand, KeysOfTheContract) {
   EXPECT_EQ(bins["rows"][0].size(), 20u);
 }
 
+TEST(SurveyCommand, VerdictFirstInTenLinesTheRestWithV) {
+  const TemporaryFolder folder;
+  spit(folder / "site.yaml", aisles("cell_m: 0.25", "cell_m: 1"));
+  const Outcome brief = octant({"survey", folder / "site.yaml"}),
+                all = octant({"survey", folder / "site.yaml", "-v"});
+  EXPECT_TRUE(brief.out.starts_with("verdict          Not good enough: ")) << brief.out;
+  EXPECT_THAT(brief.out, HasSubstr("\nnext "));
+  std::size_t lines = 0;
+  std::istringstream in(brief.out);
+  for (std::string line; std::getline(in, line); ++lines) EXPECT_LE(line.size(), 80U) << line;
+  EXPECT_LE(lines, 16U) << brief.out;
+  EXPECT_TRUE(all.out.starts_with(brief.out)) << "the same, and more";
+  EXPECT_THAT(all.out, HasSubstr("heading_dop_rad_per_m"));
+  const auto json = octant({"survey", folder / "site.yaml", "--json"}).json();
+  EXPECT_EQ(json["verdict"]["grade"], "Not good enough");
+  EXPECT_FALSE(json["verdict"]["next"].empty());
+}
+
+TEST(SurveyCommand, EachColumnIsExplained) {
+  const TemporaryFolder folder;
+  spit(folder / "site.yaml", aisles("cell_m: 0.25", "cell_m: 1"));
+  ASSERT_EQ(octant({"survey", folder / "site.yaml", "--maps", folder / "maps", "-q"}).exit, 0);
+  const auto files = octant({"schema", "survey"}).json()["x-files"];
+  EXPECT_EQ(octant({"schema", "routes.csv"}).json()["x-files"], files);
+  for (const char* file : {"cells.csv", "routes.csv"}) {
+    const std::string text = slurp(folder / (std::string("maps/") + file));
+    std::istringstream heads(text.substr(0, text.find('\n')));
+    std::size_t columns = 0;
+    for (std::string name; std::getline(heads, name, ','); ++columns)
+      EXPECT_TRUE(files[file]["columns"].contains(name)) << file << ": " << name;
+    EXPECT_GT(columns, 10U);
+  }
+}
+
+// Nothing but the recording says how far a beacon is heard: the calibration keeps it.
+TEST(SurveyCommand, ADeploymentKeepsHowFarItHeard) {
+  const TemporaryFolder folder;
+  spit(folder / "scenario.yaml", slurp(std::string(OCTANT_SOURCE_DIR) + "/datasets/hall/scenario.yaml"));
+  ASSERT_EQ(octant({"simulate", folder / "scenario.yaml", "-o", folder / "hall", "-q"}).exit, 0);
+  ASSERT_THAT(slurp(folder / "hall/site.yaml"), Not(HasSubstr("attenuation"))) << "which would tell";
+  // What is farther than nine metres was not heard.
+  std::istringstream rows(slurp(folder / "hall/run/tof.csv"));
+  std::string near, row;
+  for (bool head = true; std::getline(rows, row); head = false) {
+    const std::size_t first = row.find(','), second = row.find(',', first + 1);
+    if (head || std::stod(row.substr(second + 1)) < 9.0 / 345.5) near += row + "\n";
+  }
+  spit(folder / "hall/run/tof.csv", near);
+  ASSERT_EQ(
+      octant({"calibrate", folder / "hall/site.yaml", folder / "hall/run", "-o", folder / "d.json", "-q"})
+          .exit,
+      0);
+  const double kept = nlohmann::json::parse(slurp(folder / "d.json"))["validity"]["reach_m"];
+  EXPECT_NEAR(kept, 9.0, 0.3);
+  const Outcome text = octant({"survey", folder / "d.json"});
+  EXPECT_THAT(text.out, HasSubstr("\nreach            "));
+  EXPECT_THAT(text.out, Not(HasSubstr("everywhere")));
+  EXPECT_NEAR(octant({"survey", folder / "d.json", "--json", "--failures", "0"}).json()["reach_m"], kept,
+              1e-9);
+  EXPECT_EQ(octant({"plan", folder / "d.json", "--schedule", "--json"}).exit, 0) << "it needs a reach";
+}
+
 TEST(SurveyCommand, SaysWhoFiresWhen) {
   const TemporaryFolder folder;
   spit(folder / "site.yaml", aisles("cell_m: 0.25", "cell_m: 0.5"));
-  const Outcome text = octant({"survey", folder / "site.yaml", "--failures", "0", "-o", folder / "r.md"});
+  const Outcome text =
+      octant({"survey", folder / "site.yaml", "--failures", "0", "-v", "-o", folder / "r.md"});
   ASSERT_EQ(text.exit, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("fires at"));
   EXPECT_THAT(text.out, HasSubstr("\ncycle            "));
@@ -73,7 +138,7 @@ TEST(SurveyCommand, WritesPageTableAndEveryMap) {
   const Outcome survey = octant({"survey", kAisles, "--cell", "0.5", "-o", folder / "r.html", "--csv",
                                  folder / "c.csv", "--maps", folder / "maps"});
   EXPECT_EQ(survey.exit, 0) << survey.err;
-  EXPECT_THAT(survey.out, HasSubstr("within tolerance"));
+  EXPECT_THAT(survey.out, HasSubstr("of the floor is within the tolerance of 10 mm"));
   EXPECT_THAT(slurp(folder / "r.html"), HasSubstr("default-src 'none'"));
   EXPECT_THAT(slurp(folder / "c.csv"), HasSubstr("x_m,y_m,sigma_m,"));
   for (const char* file : {"sigma_m.svg", "sigma_m.png", "sigma_m.pgm", "sigma_m.yaml", "hdop.png",

@@ -238,6 +238,42 @@ class Reports(unittest.TestCase):
             self.assertGreaterEqual(left, 0, figure)
             self.assertLessEqual(right, 400, figure)  # whole, nothing to scroll for
 
+    def test_a_wide_table_is_read_on_a_phone_without_scrolling_aside(self):
+        b = self.browser
+        for page in ("good.html", "still.html", "hostile.html"):
+            b.open(self.at(page), width=390, height=800)
+            tables = b.run("return [...document.querySelectorAll('table.wide')].map(t => [t.id, t.parentElement.scrollWidth, t.parentElement.clientWidth])")
+            self.assertIn("beacon-table", [table[0] for table in tables])
+            for name, content, room in tables:
+                self.assertLessEqual(content, room, (page, name))
+            # Each value stands beside its column's name, and the same names are the heads of a desk's table.
+            labels = b.run("return [...document.querySelector('#beacon-table tbody tr').querySelectorAll('td')].map(c => getComputedStyle(c, '::before').content)")
+            heads = b.run("return [...document.querySelectorAll('#beacon-table thead th')].slice(1).map(c => c.textContent)")
+            self.assertEqual(labels, [f'"{head}"' for head in heads])
+            self.assertEqual(b.run("return getComputedStyle(document.querySelector('#beacon-table thead')).display"), "none")
+            b.open(self.at(page), width=1280)
+            self.assertEqual(b.run("return getComputedStyle(document.querySelector('#beacon-table thead')).display"), "table-header-group")
+            self.assert_quiet()
+
+    def test_survey_is_judged_at_its_tolerance(self):
+        b = self.browser
+        for page in ("survey.html", "survey-still.html"):
+            for width, height in SCREENS:
+                b.open(self.at(page), width=width, height=height)
+                said, tone = b.run("const p = document.getElementById('sentence'); return [p.textContent, p.className]")
+                self.assertEqual(tone.split()[-1], "good" if said.startswith("Good ") else "bad")
+                self.assertIn("of the floor is within the tolerance of 50 mm", said)
+                step = b.run("return document.querySelector('[aria-labelledby=next] li').getBoundingClientRect().bottom")
+                self.assertLess(step, height)
+                self.assertLessEqual(b.run("return document.documentElement.scrollWidth"), width)
+                self.assert_quiet()
+        # The drawing in classes of the tolerance; not a red bin where the banner says that all is well.
+        fills = b.run("return [...document.querySelectorAll('#figure-maps .layer-0 g[shape-rendering] path')].map(p => p.getAttribute('fill'))")
+        classes = ["#d9f0d3", "#b2dfa5", "#8cc97d", "#f6b53c", "#e8713c", "#bf2f2f", "#6b0f1a", "#787878"]
+        self.assertEqual([f for f in fills if f not in classes], [])
+        if said.startswith("Good 100.0 %"):
+            self.assertEqual([f for f in fills if f in classes[4:]], [])
+
     def test_what_was_left_out_is_on_a_map(self):
         b = self.browser
         left_out = self.echoing["left_out"]["arrivals"]

@@ -193,7 +193,9 @@ std::string check_beacon_table(const calib::Forecast& f) {
   for (const auto& b : f.beacons) {
     std::vector<std::string> row = {b.name, fmt::format("{}", b.arrivals)};
     for (int i = 0; i < 3; ++i)
-      row.push_back(b.sigma_m ? fmt::format("{:.2f}", length.per_si * (*b.sigma_m)[i]) : "-");
+      row.push_back(b.status == BeaconStatus::kControlPoint ? "fixed"
+                    : b.sigma_m ? fmt::format("{:.2f}", length.per_si * (*b.sigma_m)[i])
+                                : "-");
     row.push_back(largest_delay_s > 0 ? fmt::format("{:.3f}", time.per_si * b.delay_sigma_s) : "");
     row.push_back(state_in_words(b));
     table.rows.push_back(std::move(row));
@@ -201,23 +203,21 @@ std::string check_beacon_table(const calib::Forecast& f) {
   return table.text();
 }
 
-std::string forecast_verdict_text(const calib::Forecast& f, const std::string& site) {
+/// What a reader came for: can these data do it, and if not, what would settle it.
+std::string forecast_verdict_text(const calib::Forecast& f) {
   const calib::Solution& s = f.solution;
-  const std::string from =
-      f.is_thinned() ? fmt::format("a quick adjustment of {} of the {} arrivals, scaled to all of them",
-                                   f.arrivals_used, f.arrivals)
-                     : fmt::format("an adjustment of all {} arrivals", f.arrivals);
-  std::string text =
-      paragraph(fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})", site,
-                            from)) +
-      "\n";
-  if (!s.beacon_status.empty()) {
-    text += check_beacon_table(f) + "\n";
-    if (f.speed_sigma_mps)
-      add_line(text, "speed",
-               fmt::format("{:.2f} m/s, predicted sigma {:.2g} m/s", f.speed_mps, *f.speed_sigma_mps));
-    add_line(text, "datum", s.datum.description);
-  }
+  const bool converged = s.status == calib::SolveStatus::kConverged;
+  const char* verdict = !s.contradictions.empty()
+                            ? "the data contradict what was stated, as the warnings say: calibrate would "
+                              "end with exit 6"
+                        : converged && !s.undetermined.empty()
+                            ? "these data can determine the rest, but not what is listed as weak"
+                        : converged ? "these data can determine what the site asks for"
+                        : s.status == calib::SolveStatus::kUndetermined
+                            ? "these data cannot determine what the site asks for: calibrate would refuse"
+                            : "the adjustment did not converge: calibrate may not either";
+  std::string text;
+  add_line(text, "verdict", verdict);
   for (const auto& w : s.weak) {
     const std::string at_robot = w.consequence_m > 0 && std::isfinite(w.consequence_m)
                                      ? fmt::format(": up to {} at the robot", length_text(w.consequence_m))
@@ -225,14 +225,25 @@ std::string forecast_verdict_text(const calib::Forecast& f, const std::string& s
     add_line(text, w.blocking ? "undetermined" : "weak",
              fmt::format("{}{}; settled by: {}", w.description, at_robot, w.remedy));
   }
-  const char* verdict = s.status == calib::SolveStatus::kConverged
-                            ? "these data can determine what the site asks for"
-                        : s.status == calib::SolveStatus::kUndetermined
-                            ? "these data cannot determine what the site asks for: calibrate would refuse"
-                            : "the adjustment did not converge: calibrate may not either";
-  const bool some = s.status == calib::SolveStatus::kConverged && !s.undetermined.empty();
-  add_line(text, "verdict",
-           some ? "these data can determine the rest, but not what is listed as weak" : verdict);
+  return text;
+}
+
+std::string forecast_tables(const calib::Forecast& f, const std::string& site) {
+  const std::string from =
+      f.is_thinned() ? fmt::format("a quick adjustment of {} of the {} arrivals, scaled to all of them",
+                                   f.arrivals_used, f.arrivals)
+                     : fmt::format("an adjustment of all {} arrivals", f.arrivals);
+  std::string text =
+      paragraph(fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})",
+                            site.empty() ? "site without a name" : site, from));
+  if (f.solution.beacon_status.empty()) return text;
+  text += "\n" + check_beacon_table(f) + "\n";
+  if (f.speed_sigma_mps)
+    add_line(text, "speed",
+             *f.speed_sigma_mps > 0
+                 ? fmt::format("{:.2f} m/s, predicted sigma {:.2g} m/s", f.speed_mps, *f.speed_sigma_mps)
+                 : fmt::format("{:.2f} m/s, held fixed", f.speed_mps));
+  add_line(text, "datum", f.solution.datum.description);
   return text;
 }
 
@@ -303,9 +314,10 @@ int check_recordings(const CheckWords& words, Session& session) {
   logs.findings.insert(logs.findings.end(), suspected.begin(), suspected.end());
   session.warn(f.solution.warnings);
 
+  session.result(forecast_verdict_text(f) + "\n");
   for (std::size_t i = 0; i < logs.runs.size(); ++i)
     session.result(health_text(logs.runs[i], logs.has_truth[i]));
-  session.result(forecast_verdict_text(f, name));
+  session.result(forecast_tables(f, name));
   const Json object = {{"health", health_json(logs)},
                        {"verdict", forecast_verdict_json(f)},
                        {"beacons", beacons_json(f)},

@@ -1,12 +1,78 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "io/schema/schema_words.h"
-
+#include <algorithm>
+#include <array>
 #include <memory>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "apps/octant/commands.h"
+#include "apps/octant/help/help.h"
+#include "io/schema/schema.h"
+#include "io/schema/schema_words.h"
 
 namespace octant::app {
+namespace {
+
+/// Files that people ask for by their own name, and the format that tells of them.
+constexpr std::array<std::pair<const char*, const char*>, 20> kFileNames = {
+    {{"site.yaml", "site"},
+     {"tof.csv", "run"},
+     {"odometry.csv", "run"},
+     {"bearings.csv", "run"},
+     {"scans.csv", "run"},
+     {"points.csv", "run"},
+     {"poses.tum", "run"},
+     {"truth.csv", "run"},
+     {"truth.tum", "run"},
+     {"run.yaml", "run"},
+     {"deployment.json", "deployment"},
+     {"fixes.csv", "fixes"},
+     {"fixes.tum", "fixes"},
+     {"cells.csv", "survey"},
+     {"routes.csv", "survey"},
+     {"columns.yaml", "columns"},
+     {"topics.yaml", "topics"},
+     {"scenario.yaml", "scenario"},
+     {"sites.yaml", "batch"},
+     {"defaults.yaml", "defaults"}}};
+
+constexpr const char* kListed =
+    "site, run, deployment, fixes, survey, columns, topics, scenario, scene, batch, live or defaults; or a "
+    "file's "
+    "name, "
+    "such as cells.csv";
+
+std::vector<std::string> known_formats() {
+  std::vector<std::string> known = {"site",   "run",      "deployment", "fixes", "survey", "columns",
+                                    "topics", "scenario", "scene",      "batch", "live",   "defaults"};
+  for (const auto& [file, format] : kFileNames) known.emplace_back(file);
+  return known;
+}
+
+/// The format that a name means; as it is where it means none.
+std::string format_named(const std::string& name) {
+  const auto file = std::find_if(kFileNames.begin(), kFileNames.end(),
+                                 [&](const auto& known) { return name == known.first; });
+  return file == kFileNames.end() ? name : file->second;
+}
+
+int print_schema(const std::string& name, bool page, Session& session) {
+  const std::string format = format_named(name);
+  if (io::schema(format).empty())
+    return session.fail({"error", "usage", kUsage,
+                         fmt::format("there is no format '{}'{}", name, did_you_mean(name, known_formats())),
+                         fmt::format("expected {}", kListed)});
+  if (page && session.options.json)
+    return session.fail(
+        {"error", "usage", kUsage, "--page is no JSON", "leave out one of --page and --json"});
+  if (page) return session.finish_document(io::schema_page(format));
+  // It is one JSON object already, so --json changes nothing.
+  return session.finish_document(io::schema_with_words(format));
+}
+
+}  // namespace
 
 void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
   auto format = std::make_shared<std::string>();
@@ -14,20 +80,10 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
   CLI::App* command =
       add_command(app, common, "schema", "Print the JSON Schema of a file format, with a word on every key",
                   "octant schema deployment > deployment.schema.json");
-  command->add_option("format", *format, "site, run, deployment, fixes, scenario, scene, batch or live")
-      ->required()
-      ->check(CLI::IsMember({"site", "run", "deployment", "scenario", "scene", "batch", "live", "fixes"}))
-      ->type_name("FORMAT");
+  command->add_option("format", *format, kListed)->required()->type_name("FORMAT");
   command->add_flag("--page", *page, "Instead: a page of Markdown, a row for each key and column");
   command->callback([format, page, &action] {
-    action = [format, page](Session& session) {
-      if (*page && session.options.json)
-        return session.fail(
-            {"error", "usage", kUsage, "--page is no JSON", "leave out one of --page and --json"});
-      if (*page) return session.finish_document(io::schema_page(*format));
-      // It is one JSON object already, so --json changes nothing.
-      return session.finish_document(io::schema_with_words(*format));
-    };
+    action = [format, page](Session& session) { return print_schema(*format, *page, session); };
   });
 }
 

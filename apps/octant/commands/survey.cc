@@ -97,10 +97,10 @@ int run(const SurveyArgs& words, Session& session) {
   const auto schedule = survey::schedule_of_survey(survey->model, survey->scene, session.threads());
   const auto written = write_survey_outputs(words, *survey, schedule, session);
   if (!written) return session.fail(written.error());
-  session.result(survey_text(*survey, schedule));
-  if (!written->empty())
-    session.result(fmt::format("\n{:<17}{}\n", "written",
-                               words.maps.empty() ? written->back().get<std::string>() : words.maps));
+  session.result(survey_summary(*survey, schedule));
+  for (const std::string& path : {words.report, words.csv, words.maps})
+    if (!path.empty() && path != "-") session.result(fmt::format("{:<17}{}\n", "written", path));
+  if (session.options.verbose > 0) session.result("\n" + survey_text(*survey, schedule));
   Json object = survey_json(*survey, schedule, words.bins);
   object["seconds"] = session.seconds();
   object["written"] = *written;

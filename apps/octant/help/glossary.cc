@@ -62,6 +62,10 @@ constexpr GlossaryTerm kGlossary[] = {
      "Which share of the floor hears so many beacons, or has a fix, or one within tolerance.fix_m: what "
      "stands "
      "beside the figure says which."},
+    {kTerm, "cycle", "slot, firing schedule, fires at",
+     "Who sends when, so that no pulse meets the echo of another: beacons of one slot fire together, and "
+     "after "
+     "a cycle it begins anew. octant plan --schedule makes it."},
     {kTerm, "datum", "frame",
      "What ties the map to the building: which points fix its position, its orientation and its scale. "
      "Without three "
@@ -179,6 +183,9 @@ constexpr GlossaryTerm kGlossary[] = {
      "What an arrival differs by from what the found places, delays and speed explain. RMS is their usual "
      "size; it "
      "should be near noise.tof_sigma_s."},
+    {kTerm, "route", "routes, along the routes",
+     "A line that vehicles drive, stated in the scene: a survey looks at the poses along it, headings "
+     "included."},
     {kTerm, "run", "recording, run folder",
      "A folder with one recording: tof.csv and what belongs to it. octant schema run explains all files."},
     {kTerm, "sigma",

@@ -39,7 +39,20 @@ class HelpFormat : public CLI::Formatter {
     return text;
   }
   std::string make_option(const CLI::Option* option, bool positional) const override {
-    return row(make_option_name(option, positional) + make_option_opts(option), make_option_desc(option));
+    // The type's name alone: what CLI11 appends to it (INT in [0 - 1024], {a,b,c}) is a programmer's
+    // spelling.
+    const std::string type = option->get_type_name();
+    const std::size_t colon = type.find(':');
+    std::string name = make_option_name(option, positional);
+    if (option->get_type_size() != 0 && !type.empty()) name += " " + type.substr(0, colon);
+    if (option->get_expected_max() > 1 && positional) name += " ...";
+    std::string what = option->get_description();
+    if (colon != std::string::npos && type[colon + 1] == '{')
+      what += choices_untold(type.substr(colon + 2), what);
+    if (option->get_required() && !positional) what += " (required)";
+    if (option->get_type_size() != 0 && !option->get_default_str().empty())
+      what += " [" + option->get_default_str() + "]";
+    return row(name, what);
   }
   std::string make_subcommand(const CLI::App* command) const override {
     return row(command->get_display_name(true), command->get_description());
@@ -74,6 +87,15 @@ class HelpFormat : public CLI::Formatter {
   }
 
  private:
+  /// The choices of an option, "a,b,c}", where its description names none of them.
+  static std::string choices_untold(std::string choices, const std::string& what) {
+    choices.resize(std::min(choices.find('}'), choices.size()));
+    if (what.find(choices.substr(0, choices.find(','))) != std::string::npos) return "";
+    std::string text = ": ";
+    for (const char c : choices) text += c == ',' ? std::string(", ") : std::string(1, c);
+    return text;
+  }
+
   static std::string row(const std::string& name, const std::string& what) {
     const std::string indent(kNames, ' ');
     std::string text = "  " + name;

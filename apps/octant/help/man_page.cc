@@ -26,9 +26,10 @@ std::string roff(std::string_view text) {
 }
 
 std::string man_option(const CLI::Option& option) {
-  std::string name = option.get_positional() ? option.get_type_name() : option.get_name();
-  if (!option.get_positional() && option.get_type_size() > 0 && !option.get_type_name().empty())
-    name += " " + option.get_type_name();
+  // Without what CLI11 appends to a type's name: INT in [0 - 1024].
+  const std::string whole_type = option.get_type_name(), type = whole_type.substr(0, whole_type.find(':'));
+  std::string name = option.get_positional() ? type : option.get_name();
+  if (!option.get_positional() && option.get_type_size() > 0 && !type.empty()) name += " " + type;
   return fmt::format(".TP\n.B {}\n{}\n", roff(name), roff(option.get_description()));
 }
 
@@ -67,7 +68,9 @@ std::string man_page(const CLI::App& program) {
     if (term.kind == GlossaryKind::kExit)
       text += fmt::format(".TP\n.B {}\n{}\n", roff(term.name), roff(term.text));
   text +=
-      ".SH ENVIRONMENT\n.TP\n.B NO_COLOR\nNo colours on standard error.\n.TP\n.B OCTANT_TRUSTED_KEY\nPublic "
+      ".SH ENVIRONMENT\n.TP\n.B NO_COLOR\nNo colours on standard error.\n.TP\n.B OCTANT_DEFAULTS\nFile of "
+      "defaults; empty: none. Else ~/.config/octant/defaults.yaml is read where it is.\n.TP\n.B "
+      "OCTANT_TRUSTED_KEY\nPublic "
       "key "
       "that deployments must be signed by.\n.TP\n.B SOURCE_DATE_EPOCH\nThe time that documents name as "
       "now.\n";

@@ -42,6 +42,15 @@ std::string reason_in_words(Rejection reason) {
   return "other";
 }
 
+survey::LeftOutCause cause_of(Rejection reason) {
+  switch (reason) {
+    case Rejection::kLate: return survey::LeftOutCause::kLate;
+    case Rejection::kEarly: return survey::LeftOutCause::kEarly;
+    case Rejection::kNoPose: return survey::LeftOutCause::kNoPose;
+    default: return survey::LeftOutCause::kOther;
+  }
+}
+
 calib::Provenance provenance(const std::string& site_path, const std::string& site_sha256,
                              const std::vector<const MeasurementLog*>& runs, const Session& session) {
   calib::Provenance from;
@@ -202,24 +211,37 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
   return result;
 }
 
-std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration) {
-  std::map<std::string, std::size_t> counts;
-  for (const auto& arrival : calibration.solution.left_out) ++counts[reason_in_words(arrival.reason)];
+std::vector<survey::LeftOutNote> left_out_by_reason(const Calibration& calibration) {
+  std::map<std::string, survey::LeftOutNote> notes;
+  const auto count = [&](Rejection reason, std::size_t more) {
+    survey::LeftOutNote& note = notes[reason_in_words(reason)];
+    note.count += more;
+    note.cause = cause_of(reason);
+  };
+  for (const auto& arrival : calibration.solution.left_out) count(arrival.reason, 1);
   if (const auto& whole = calibration.solution.whole) {
     for (const auto& of_beacon : whole->of_beacon)
       for (std::size_t reason = 0; reason < of_beacon.size(); ++reason)
         if (const auto r = static_cast<Rejection>(reason); r != Rejection::kUsed && of_beacon[reason] > 0)
-          counts[reason_in_words(r)] += of_beacon[reason];
+          count(r, of_beacon[reason]);
   }
   for (const auto& run : calibration.problem.runs)
-    for (const auto& row : run.rejected) ++counts[row.reason];
-  return counts;
+    for (const auto& row : run.rejected) ++notes[row.reason].count;
+  std::vector<survey::LeftOutNote> list;
+  for (auto& [reason, note] : notes) {
+    note.reason = reason;
+    list.push_back(std::move(note));
+  }
+  return list;
 }
 
 void warn_if_contradicted(const Deployment& deployment, const std::string& path, Session& session) {
-  for (const Contradiction& c : deployment.contradictions)
-    session.warn(fmt::format("{} was exported although its data contradict its site file: {} {}", path,
-                             in_words(c), c.remedy));
+  for (const Contradiction& c : deployment.contradictions) {
+    std::string what = in_words(c);
+    what.pop_back();  // the full stop: the remedy goes on
+    session.warn(fmt::format("{} was exported although its data contradict its site file: {}; {}", path, what,
+                             c.remedy));
+  }
 }
 
 namespace {
@@ -244,7 +266,7 @@ class LeftOutCounts {
 Json arrivals_left_out(const Calibration& calibration) {
   const auto& beacons = calibration.problem.site.beacons;
   LeftOutCounts counts;
-  for (const auto& [reason, count] : left_out_by_reason(calibration)) counts.add(reason, count);
+  for (const auto& note : left_out_by_reason(calibration)) counts.add(note.reason, note.count);
   for (const auto& left : calibration.solution.left_out) {
     if (left.run >= calibration.problem.runs.size() ||
         left.arrival >= calibration.problem.runs[left.run].arrivals.size())
@@ -307,8 +329,8 @@ std::string calibration_text(const Calibration& calibration) {
     if (d.attenuation->directional()) line("receivers", survey::directivity_in_words(d));
   }
   std::string reasons;
-  for (const auto& [reason, count] : left_out_by_reason(calibration))
-    reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, reason);
+  for (const auto& note : left_out_by_reason(calibration))
+    reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", note.count, note.reason);
   line("arrivals", fmt::format("{} used, {} left out{}", d.statistics.arrivals, d.statistics.rejected,
                                reasons.empty() ? "" : ": " + reasons));
   line("unknowns", fmt::format("{}, redundancy {:.0f}", d.statistics.unknowns, d.statistics.redundancy));

@@ -7,6 +7,7 @@
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/steps/steps.h"
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/table.h"
 
 namespace octant::app {
@@ -160,9 +161,7 @@ std::string unmatched_text(const Localization& localization) {
 
 std::string evaluation_text(const survey::Evaluation& e, const Localization& localization) {
   std::string text;
-  const auto line = [&](const char* name, const std::string& what) {
-    text += fmt::format("{:<17}{}\n", name, what);
-  };
+  const auto line = [&](const char* name, const std::string& what) { text += named_line(name, what); };
   line("fixes",
        fmt::format("{}, {} of them with a reference; {} times no fix", e.fixes, e.matched, e.no_fix));
   if (e.matched > 0) {

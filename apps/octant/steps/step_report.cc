@@ -138,7 +138,7 @@ survey::ReportInput report_input(const Calibration& c, const Session& session) {
   for (const auto& weak : s.weak)
     input.weak.push_back(
         {weak.description, weak.remedy, finite(weak.consequence_m), weak.blocking, weak.lone_beacon});
-  for (const auto& [reason, count] : left_out_by_reason(c)) input.left_out.push_back({reason, count});
+  input.left_out = left_out_by_reason(c);
   add_beacon_notes(s.reliability, input);
   add_residuals(s.reliability, input);
   input.warnings = session.warnings();

@@ -31,8 +31,8 @@ std::string residuals_in_words(const CalibrationStatistics& s) {
 std::string arrivals_in_words(const Calibration& calibration) {
   const CalibrationStatistics& s = calibration.deployment->statistics;
   std::string reasons;
-  for (const auto& [reason, count] : left_out_by_reason(calibration))
-    reasons += fmt::format("{}{} {}", reasons.empty() ? ": " : ", ", count, reason);
+  for (const auto& note : left_out_by_reason(calibration))
+    reasons += fmt::format("{}{} {}", reasons.empty() ? ": " : ", ", note.count, note.reason);
   return fmt::format("{} used, {} left out{}", s.arrivals, s.rejected, reasons);
 }
 

@@ -20,6 +20,7 @@
 #include "models/simulator/synthetic.h"
 #include "models/support/result.h"
 #include "survey/evaluate.h"
+#include "survey/report/report.h"
 
 // The steps of the road, shared by the commands that walk a part of it and by the demo that walks all of it.
 namespace octant::app {
@@ -77,7 +78,7 @@ void add_deployment_json(const Deployment& deployment, Json& object);
 void warn_if_contradicted(const Deployment& deployment, const std::string& path, Session& session);
 /// Arrivals and rows left out, by reason and by beacon.
 [[nodiscard]] Json left_out_json(const Calibration& calibration);
-[[nodiscard]] std::map<std::string, std::size_t> left_out_by_reason(const Calibration& calibration);
+[[nodiscard]] std::vector<survey::LeftOutNote> left_out_by_reason(const Calibration& calibration);
 /// Redundancy numbers, detectable biases, ellipses, variance components, residuals by group; null without a
 /// covariance.
 [[nodiscard]] Json reliability_json(const Calibration& calibration);

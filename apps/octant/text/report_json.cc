@@ -59,7 +59,11 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(WeakNote, description, remedy, c
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StopNote, name, moving, at_m, used, late, early, other, looked_at, mean_s,
                                    rms_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlanMiss, beacon, at_m, late, early, other)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LeftOutNote, reason, count)
+NLOHMANN_JSON_SERIALIZE_ENUM(LeftOutCause, {{LeftOutCause::kOther, "other"},
+                                            {LeftOutCause::kLate, "late"},
+                                            {LeftOutCause::kEarly, "early"},
+                                            {LeftOutCause::kNoPose, "no_pose"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(LeftOutNote, reason, count, cause)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MovedNote, beacon, shift_m, sigma_m, stated_sigma_m, distance_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconNote, name, used, rejected, redundancy, rms_s, variance_factor,
                                    mdb_s, influence_m, lateness_mdb_s, lateness_influence_m)

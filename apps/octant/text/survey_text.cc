@@ -18,6 +18,7 @@
 #include "survey/drawing/map_svg.h"
 #include "survey/map/binned_map.h"
 #include "survey/map/survey_csv.h"
+#include "survey/page/survey_verdict.h"
 
 namespace octant::app {
 namespace {
@@ -125,15 +126,19 @@ std::string routes_text(const Survey& survey) {
 
 Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule,
                  std::size_t bins) {
-  Json object = {{"cells", survey.grid.cells.size()},
-                 {"cell_m", survey.grid.cell_m},
-                 {"beacons", survey.model.beacons.size()},
-                 {"calibrated", survey.calibrated},
-                 {"fix_fraction", survey.fix_fraction},
-                 {"covered_fraction", survey.covered_fraction},
-                 {"coverage", survey.coverage},
-                 {"k_covered_fraction", survey.k_covered_fraction},
-                 {"mirror_fraction", survey.mirror_fraction}};
+  const survey::SurveyVerdict verdict = survey::survey_verdict(survey);
+  Json object = {
+      {"verdict",
+       {{"grade", survey::to_string(verdict.grade)}, {"sentence", verdict.sentence}, {"next", verdict.next}}},
+      {"cells", survey.grid.cells.size()},
+      {"cell_m", survey.grid.cell_m},
+      {"beacons", survey.model.beacons.size()},
+      {"calibrated", survey.calibrated},
+      {"fix_fraction", survey.fix_fraction},
+      {"covered_fraction", survey.covered_fraction},
+      {"coverage", survey.coverage},
+      {"k_covered_fraction", survey.k_covered_fraction},
+      {"mirror_fraction", survey.mirror_fraction}};
   object["tolerance_m"] = survey.model.tolerance.fix_m ? Json(*survey.model.tolerance.fix_m) : Json(nullptr);
   object["reach_m"] = std::isfinite(survey::reach_m(survey.model.hearing))
                           ? Json(survey::reach_m(survey.model.hearing))
@@ -167,26 +172,48 @@ Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule
   return object;
 }
 
-std::string survey_text(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule) {
-  std::string text = fmt::format("{}: {} beacons, {} cells of {:g} m\n\n", survey.model.name,
-                                 survey.model.beacons.size(), survey.grid.cells.size(), survey.grid.cell_m);
+std::string survey_summary(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule) {
+  const survey::SurveyVerdict verdict = survey::survey_verdict(survey);
+  std::string text;
   const auto line = [&](const char* name, const std::string& value) { text += named_line(name, value); };
-  line("fix", percent(survey.fix_fraction) + " of the floor");
-  if (survey.model.tolerance.fix_m)
-    line("within tolerance",
-         percent(survey.covered_fraction) + " (" + length_text(*survey.model.tolerance.fix_m) + ")");
-  line("coverage",
-       fmt::format("{} hear {} beacons or more", percent(survey.k_covered_fraction), survey.coverage));
+  line("verdict", fmt::format("{}: {}", survey::to_string(verdict.grade), verdict.sentence));
+  const FloorMap* judged = survey.find(survey.calibrated ? "total_m" : "sigma_m");
+  if (judged != nullptr && judged->spread.count > 0) {
+    const survey::Spread& s = judged->spread;
+    line("expected error", fmt::format("median {}, 95 % {}, largest {}", survey::figure_text(s.median, "m"),
+                                       survey::figure_text(s.p95, "m"), survey::figure_text(s.max, "m")));
+  }
+  std::string coverage =
+      fmt::format("{} hear {} beacons or more", percent(survey.k_covered_fraction), survey.coverage);
   if (survey.find("mirror") != nullptr)
-    line("mirror image", percent(survey.mirror_fraction) + " of the floor");
+    coverage += fmt::format("; a mirror image fits in {}", percent(survey.mirror_fraction));
+  line("coverage", coverage);
   const double reach = survey::reach_m(survey.model.hearing);
-  line("reach", std::isfinite(reach) ? fmt::format("{:.1f} m on the axes, absorption {:.3f} dB/m", reach,
-                                                   8.685889638 * survey.model.hearing.absorption_np_per_m)
-                                     : "everywhere: nothing says how far a beacon is heard; state "
-                                       "acoustics.range_m in the scene (--scene)");
+  line("reach", !std::isfinite(reach) ? "everywhere: nothing says how far a beacon is heard"
+                : survey.model.hearing.threshold_v > 0
+                    ? fmt::format("{:.1f} m on the axes, absorption {:.3f} dB/m", reach,
+                                  8.685889638 * survey.model.hearing.absorption_np_per_m)
+                    : fmt::format("{:.1f} m", reach));
   if (survey.temperature_error_degC)
     line("what-if", fmt::format("{:+g} degC not accounted for: {:+.0f} ppm", *survey.temperature_error_degC,
                                 1e6 * survey.speed_error));
+  const auto worst =
+      std::min_element(survey.routes.begin(), survey.routes.end(),
+                       [](const auto& a, const auto& b) { return a.covered_fraction < b.covered_fraction; });
+  if (worst != survey.routes.end())
+    line("route", fmt::format("{}: {} of it covered{}", worst->name, percent(worst->covered_fraction),
+                              survey.routes.size() > 1 ? ", the least of all" : ""));
+  if (schedule)
+    line("cycle",
+         fmt::format("{} in {} slots", time_text(schedule->plan.cycle_s()), schedule->plan.groups.size()));
+  for (const std::string& step : verdict.next) line("next", step);
+  return text;
+}
+
+std::string survey_text(const Survey& survey, const std::optional<survey::FloorSchedule>& schedule) {
+  std::string text = fmt::format("{}: {} beacons, {} cells of {:g} m\n",
+                                 survey.model.name.empty() ? "site without a name" : survey.model.name,
+                                 survey.model.beacons.size(), survey.grid.cells.size(), survey.grid.cell_m);
   Table table{"lrrrrr", {{"", "least", "median", "95 %", "largest", "no fix"}}};
   for (const FloorMap& map : survey.maps) {
     if (!is_number(map)) continue;

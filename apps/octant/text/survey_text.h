@@ -15,6 +15,10 @@ namespace octant::app {
 /// the longer side of each map's values; 0: no values
 [[nodiscard]] Json survey_json(const survey::Survey& survey,
                                const std::optional<survey::FloorSchedule>& schedule, std::size_t bins);
+/// For people: the verdict, what it rests on, and what to do, in some ten lines.
+[[nodiscard]] std::string survey_summary(const survey::Survey& survey,
+                                         const std::optional<survey::FloorSchedule>& schedule);
+/// All figures: maps, what failures cost, routes, who fires when.
 [[nodiscard]] std::string survey_text(const survey::Survey& survey,
                                       const std::optional<survey::FloorSchedule>& schedule);
 

@@ -3,6 +3,7 @@
 #include "apps/octant/text/validity_words.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,12 @@ std::string speed_words(const std::string& path, const RunSpeed& speed, bool no_
     text += fmt::format(", as in air of {:.1f} degC (sigma {:.1f} degC)", speed.temperature_degC,
                         speed.temperature_sigma_degC);
   return text + "; its sigma is part of the fixes'";
+}
+
+/// "17.0 to 23.5", or one figure where both are the same.
+std::string range_text(const std::array<double, 2>& range) {
+  const std::string low = fmt::format("{:.1f}", range[0]), high = fmt::format("{:.1f}", range[1]);
+  return low == high ? low : low + " to " + high;
 }
 
 std::string agreement_words(const std::optional<RunSpeed>& speed) {
@@ -49,11 +56,10 @@ void warn_outside_validity(const Deployment& d, const std::vector<MeasurementLog
                       runs[i].path, d.medium.temperature_degC, agreement_words(speed)));
     }
     if (outside.temperature_degC)
-      session.warn(
-          fmt::format("{}: {:.1f} degC is far outside the calibrated {:.1f} to {:.1f} degC: the speed there "
-                      "is the model's, not measured",
-                      runs[i].path, *outside.temperature_degC, (*d.validity_temperature_degC)[0],
-                      (*d.validity_temperature_degC)[1]));
+      session.warn(fmt::format(
+          "{}: {:.1f} degC is far outside the calibrated {} degC: the speed there is the model's, "
+          "not measured",
+          runs[i].path, *outside.temperature_degC, range_text(*d.validity_temperature_degC)));
     if (outside.outside > 0)
       session.warn(
           fmt::format("{}: {} of {} fixes lie outside the calibrated area, up to {} from it: beacons were "

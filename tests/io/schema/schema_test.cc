@@ -12,8 +12,8 @@
 namespace octant::io {
 namespace {
 
-constexpr const char* kFormats[] = {"site",     "run",   "deployment", "fixes",
-                                    "scenario", "scene", "batch",      "live"};
+constexpr const char* kFormats[] = {"site",  "run",  "deployment", "fixes",   "scenario", "scene",
+                                    "batch", "live", "survey",     "columns", "topics",   "defaults"};
 
 TEST(Schema, EachFormatHasOne) {
   for (const char* format : kFormats) {
@@ -59,6 +59,8 @@ void check_words(const nlohmann::json& node, const nlohmann::json& root, const s
   if (!node.is_structured()) return;
   for (const char* list : {"properties", "columns"}) {
     if (!node.is_object() || !node.contains(list) || !node[list].is_object()) continue;
+    // A mapping has a key "columns", which is none of a file's list.
+    if (std::string_view(list) == "columns" && !node.contains("description")) continue;
     const nlohmann::json required = node.value("required", nlohmann::json::array());
     for (const auto& [name, key] : node[list].items()) {
       ++keys;
@@ -85,7 +87,7 @@ TEST(Schema, EachKeyAndColumnIsExplained) {
     const auto json = nlohmann::json::parse(schema_with_words(format));
     std::size_t keys = 0;
     check_words(json, json, format, keys);
-    EXPECT_GT(keys, 6U) << format;
+    EXPECT_GT(keys, 4U) << format;
   }
   EXPECT_EQ(unit_of_key("speed_mps"), "m/s");
   EXPECT_EQ(unit_of_key("name"), "");
@@ -103,6 +105,9 @@ TEST(Schema, APageHasARowForEachKeyAndColumn) {
   EXPECT_THAT(deployment, testing::HasSubstr("| `beacons[].delay_sigma_s` | s | required | `4.3e-06` |"));
   EXPECT_THAT(deployment, testing::HasSubstr("| `statistics.redundancy` | 1 | required | `1711` |"));
   EXPECT_THAT(deployment, testing::HasSubstr("a reader refuses one that it does not know"));
+  EXPECT_THAT(schema_page("survey"), testing::HasSubstr("| `heading_dop_rad_per_m` | rad/m |  | `8.1` |"));
+  EXPECT_THAT(schema_page("columns"),
+              testing::HasSubstr("| `columns.distance_m` | m |  | `distance_cm*1e-2` |"));
   EXPECT_THAT(fixes, testing::HasSubstr("| `protection_level_m` | m | required | `0.041` | bound that"));
 }
 

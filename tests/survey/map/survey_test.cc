@@ -21,6 +21,7 @@
 #include "survey/map/mirror.h"
 #include "survey/map/survey_csv.h"
 #include "survey/page/survey_page.h"
+#include "survey/page/survey_verdict.h"
 #include "tests/support/worlds.h"
 #include "tests/survey/brute_force.h"
 
@@ -449,12 +450,60 @@ TEST(SurveyPage, TheBannersColourSaysWhatItsWordsSay) {
   const auto tone_with = [&](std::optional<double> tolerance_m, double covered) {
     survey.model.tolerance.fix_m = tolerance_m;
     survey.covered_fraction = covered;
-    return survey_document(survey, {}).tone;
+    const ReportDocument page = survey_document(survey, {});
+    EXPECT_EQ(page.grade, to_string(survey_verdict(survey).grade));
+    EXPECT_EQ(page.sections.front().id, "next") << "what to do comes first";
+    return page.tone;
   };
+  survey.fix_fraction = 1.0;
   EXPECT_EQ(tone_with(0.05, 1.0), Tone::kGood);
-  EXPECT_EQ(tone_with(0.05, 0.9), Tone::kAttention);
+  EXPECT_EQ(survey_verdict(survey).sentence, "100.0 % of the floor is within the tolerance of 50 mm.");
+  EXPECT_EQ(tone_with(0.05, 0.9), Tone::kBad);
+  EXPECT_EQ(survey_verdict(survey).grade, Grade::kPoor);
+  survey.fix_fraction = 0.95;
+  EXPECT_EQ(survey_verdict(survey).sentence,
+            "90.0 % of the floor is within the tolerance of 50 mm, 5.0 % beyond it, 5.0 % without a fix.");
+  EXPECT_THAT(survey_verdict(survey).next.front(), HasSubstr("octant plan SITE.yaml --tolerance 0.05"));
   EXPECT_EQ(tone_with({}, 1.0), Tone::kAttention) << "nothing to judge by";
-  EXPECT_EQ(tone_with(0.05, 0.3), Tone::kBad);
+  EXPECT_EQ(survey_verdict(survey).grade, Grade::kUnjudged);
+}
+
+// Green inside, amber near, red beyond, at the site's tolerance; in a drawing with a script and in one
+// without.
+TEST(SurveyPage, ColoursAreAnchoredAtTheTolerance) {
+  Scene scene = small_scene();
+  Site site = small_site();
+  site.tolerance.fix_m = 0.02;
+  const auto survey = must(run_survey(must(make_survey_model(site, scene)), scene, nullptr));
+  const BinnedMap sigma = cell_map(survey, *survey.find("sigma_m")),
+                  hdop = cell_map(survey, *survey.find("hdop"));
+  BinnedMap one = sigma;
+  one.columns = one.rows = 1;
+  one.bins = {BinnedMap::Bin::kValue};
+  const auto colour = [&](double part) {
+    one.values = {part * 0.02};
+    return colour_of(one, 0);
+  };
+  const auto is_green = [](const auto& c) { return c[1] > c[0] && c[1] > c[2]; };
+  for (const double part : {0.01, 0.3, 0.6, 0.74}) EXPECT_TRUE(is_green(colour(part))) << part;
+  for (const double part : {0.8, 0.99}) EXPECT_EQ(colour(part), rgb_of("#f6b53c")) << part;
+  for (const double part : {1.01, 1.6, 3.0, 100.0}) {
+    const auto c = colour(part);
+    EXPECT_TRUE(c[0] > 1.5 * c[1] && c[0] > 1.5 * c[2]) << part;
+  }
+  // What nothing is held against is never red, however far out.
+  BinnedMap plain = hdop;
+  EXPECT_FALSE(plain.against_tolerance);
+  plain.bins[0] = BinnedMap::Bin::kValue;
+  plain.values[0] = 10 * plain.high;
+  EXPECT_EQ(colour_of(plain, 0), rgb_of(kMapColours.back()));
+  EXPECT_THAT(map_svg(survey, sigma), HasSubstr("tolerance 20 mm"));
+  EXPECT_THAT(map_svg(survey, sigma), Not(HasSubstr("red")));
+  const auto document = survey_document(survey, {});
+  const auto& figure = std::get<ReportFigure>(document.sections[1].blocks.front());
+  const auto data = nlohmann::json::parse(figure.interactive)["data"];
+  EXPECT_EQ(data[0]["zmax"], 45.0) << "mm: two and a quarter of the tolerance";
+  EXPECT_EQ(data[0]["colorscale"].back()[1], kToleranceColours.back());
 }
 
 TEST(SurveyPage, LivePlanHasWallsAndRoutesByName) {

@@ -224,8 +224,35 @@ TEST(Report, NextStepsBeginWithWhatBlocks) {
   EXPECT_THAT(next_steps(input).front(), HasSubstr("Hear B1 from more places"));
 }
 
+TEST(Report, NextStepsSayWhatMostArrivalsWereLeftOutFor) {
+  ReportInput input = full_report();
+  input.changes.reset();
+  input.weak.clear();
+  const auto step_with = [&](std::vector<LeftOutNote> notes) {
+    input.left_out = std::move(notes);
+    std::size_t all = 0;
+    for (const LeftOutNote& note : input.left_out) all += note.count;
+    input.plan.deployment.statistics.arrivals = 1000;
+    input.plan.deployment.statistics.rejected = all;
+    return next_steps(input).front();
+  };
+  const LeftOutNote late{"late (echo)", 600, LeftOutCause::kLate},
+      early{"early (spurious)", 500, LeftOutCause::kEarly},
+      no_pose{"no vehicle pose at its time", 649, LeftOutCause::kNoPose}, rows{"not a number", 900};
+  EXPECT_THAT(step_with({late}), HasSubstr("reflects the sound or stands in its way: 600 of 1600"));
+  EXPECT_THAT(step_with({late, early}),
+              HasSubstr("swapped channels: 1100 of 2100 arrivals were left out, 600 late"));
+  EXPECT_THAT(step_with({{"late (echo)", 30, LeftOutCause::kLate}, no_pose}),
+              HasSubstr("Tell where the vehicle was: 649 of 1679"));
+  EXPECT_THAT(step_with({rows}), HasSubstr("900 for \"not a number\""));
+  EXPECT_THAT(step_with({{"late (echo)", 100, LeftOutCause::kLate}}),
+              HasSubstr("Nothing needs to be measured"));
+}
+
 TEST(Report, NumbersAreInTheTable) {
-  const std::string html = page(full_report());
+  // Without what names the columns on a phone.
+  const std::string html = std::regex_replace(page(full_report()), std::regex(" data-label='[^']*'"), "");
+  EXPECT_THAT(page(full_report()), HasSubstr("<td data-label='r'>0.75</td>"));
   // x 10, U = 2 sigma = 4 mm, delay 100 us with U 4 us, r, MDB, arrivals, rejected.
   EXPECT_THAT(html, HasSubstr("<th "
                               "scope='row'>B1</th><td>10.0000</td><td>0.0000</td><td>2.5000</td><td>4.00</"

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/page/survey_verdict.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "survey/drawing/map_svg.h"
+
+namespace octant::survey {
+namespace {
+
+constexpr double kNearlyAll = 0.99;
+/// A beacon's failure that takes this share of the floor out of tolerance is worth a word.
+constexpr double kMuchLost = 0.05;
+
+std::string share_text(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
+
+/// How much of the floor is inside, beyond, and without a fix.
+std::string parts_of(const Survey& s) {
+  const double beyond = s.fix_fraction - s.covered_fraction, none = 1 - s.fix_fraction;
+  std::string text = fmt::format("{} of the floor is within the tolerance of {}",
+                                 share_text(s.covered_fraction), figure_text(*s.model.tolerance.fix_m, "m"));
+  if (beyond > 0) text += fmt::format(", {} beyond it", share_text(beyond));
+  if (none > 0) text += fmt::format(", {} without a fix", share_text(none));
+  return text + ".";
+}
+
+std::vector<std::string> steps_of(const Survey& s, Grade grade) {
+  std::vector<std::string> steps;
+  if (grade == Grade::kUnjudged)
+    steps.emplace_back("State tolerance.fix_m in the site file: what a fix must reach.");
+  if (grade == Grade::kPoor)
+    steps.push_back(
+        fmt::format("Look at the map for where; octant plan SITE.yaml --tolerance {:g} says which "
+                    "beacons would do.",
+                    *s.model.tolerance.fix_m));
+  if (!std::isfinite(reach_m(s.model.hearing)))
+    steps.emplace_back(
+        "State how far a beacon is heard (acoustics.range_m in the scene, --scene): until then every beacon "
+        "counts everywhere.");
+  if (!s.failures.empty() && s.poses() > 0) {
+    const Loss& worst = s.failures.front();
+    const double lost = static_cast<double>(worst.poses_out) / static_cast<double>(s.poses());
+    if (lost > kMuchLost)
+      steps.push_back(fmt::format("Mind {}: without it {} of the floor falls out of tolerance.",
+                                  s.model.beacons[worst.first].name, share_text(lost)));
+  }
+  if (s.mirror_fraction > 1 - kNearlyAll)
+    steps.push_back(
+        fmt::format("Hang a beacon off the line of the others: in {} of the floor a mirror image "
+                    "explains the ranges as well.",
+                    share_text(s.mirror_fraction)));
+  if (steps.empty())
+    steps.emplace_back(s.calibrated ? "Nothing needs to be done."
+                                    : "Nothing: hang the beacons, record, and calibrate.");
+  return steps;
+}
+
+}  // namespace
+
+SurveyVerdict survey_verdict(const Survey& s) {
+  SurveyVerdict v;
+  if (s.model.tolerance.fix_m) {
+    v.grade = s.covered_fraction >= kNearlyAll ? Grade::kGood : Grade::kPoor;
+    v.sentence = parts_of(s);
+  } else {
+    v.sentence = fmt::format(
+        "{} of the floor has a fix. The site states no tolerance (tolerance.fix_m) to hold that against.",
+        share_text(s.fix_fraction));
+  }
+  v.next = steps_of(s, v.grade);
+  return v;
+}
+
+}  // namespace octant::survey
