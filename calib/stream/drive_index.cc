@@ -3,6 +3,9 @@
 #include "calib/stream/drive_index.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "calib/stream/long_log.h"
 
 namespace octant::calib {
 namespace {
@@ -26,7 +29,6 @@ DriveChain chain_of(const MeasurementLog& log, std::size_t run, VehicleId vehicl
   // A unit needs a second state.
   if (chain.units.size() > 1 && chain.nodes % kUnitNodes == 1) chain.units.pop_back();
   if (chain.nodes < 2) chain.units.clear();
-  chain.heard.assign(chain.units.size() * beacons, 0);
   chain.stateless.assign(beacons, 0);
   return chain;
 }
@@ -48,6 +50,10 @@ std::size_t DriveChain::nodes_of(std::size_t unit) const {
   return unit + 1 < units.size() ? kUnitNodes + 1 : nodes - unit * kUnitNodes;
 }
 
+std::int64_t DriveGroups::key_at(double time_s) const {
+  return static_cast<std::int64_t>(std::floor((time_s - begin_s) / kPartOfLongLog.stretch_s));
+}
+
 Result<DriveIndex> DriveIndex::scan(ArrivalSource& source, std::size_t vehicles, std::size_t beacons,
                                     std::size_t piece_bytes) {
   DriveIndex index;
@@ -57,6 +63,8 @@ Result<DriveIndex> DriveIndex::scan(ArrivalSource& source, std::size_t vehicles,
     for (std::size_t v = 0; v < vehicles; ++v)
       index.chains_.push_back(chain_of(source.log(run), run, VehicleId(v), beacons));
   std::vector<std::size_t> unit_of_chain(index.chains_.size(), 0);
+  index.groups_.resize(source.runs());
+  for (DriveGroups& of_run : index.groups_) of_run.latest.assign(vehicles, SIZE_MAX);
   std::size_t last_run = source.runs(), block = 0;
   const auto read = source.scan([&](std::size_t run, const std::vector<Arrival>& rows) {
     block = run == last_run ? block + 1 : 0;
@@ -72,6 +80,7 @@ Result<DriveIndex> DriveIndex::scan(ArrivalSource& source, std::size_t vehicles,
 void DriveIndex::take(std::size_t run, std::size_t block, const std::vector<Arrival>& rows,
                       std::vector<std::size_t>& unit_of_chain) {
   for (const Arrival& a : rows) {
+    group(groups_[run], block, a);
     const std::size_t c = run * vehicles_ + a.vehicle.index();
     DriveChain& chain = chains_[c];
     if (!is_within(chain, a.time_s)) {
@@ -83,10 +92,25 @@ void DriveIndex::take(std::size_t run, std::size_t block, const std::vector<Arri
     DriveUnit& unit = chain.units[u];
     if (unit.arrivals++ == 0) unit.first_block = block;
     unit.last_block = block + 1;
-    ++chain.heard[u * beacons_ + a.beacon.index()];
     ++chain.arrivals;
     ++arrivals_;
   }
+}
+
+void DriveIndex::group(DriveGroups& of_run, std::size_t block, const Arrival& a) const {
+  if (of_run.arrivals++ == 0) of_run.begin_s = a.time_s;
+  const std::int64_t key = of_run.key_at(a.time_s);
+  std::size_t& latest = of_run.latest[a.vehicle.index()];
+  if (latest == SIZE_MAX || of_run.groups[latest].key != key) {
+    latest = of_run.groups.size();
+    of_run.groups.push_back({a.vehicle, key, a.time_s, a.time_s, 0, block, block});
+    of_run.heard.resize(of_run.heard.size() + beacons_, 0);
+  }
+  DriveGroup& group = of_run.groups[latest];
+  group.last_s = a.time_s;
+  group.last_block = block + 1;
+  ++group.arrivals;
+  ++of_run.heard[latest * beacons_ + a.beacon.index()];
 }
 
 DrivePiece DriveIndex::widened(const DrivePiece& piece) const {
@@ -133,22 +157,32 @@ void DriveIndex::cut(std::size_t piece_bytes) {
   }
 }
 
-Result<void> DriveIndex::read(const ArrivalSource& source, const DriveChain& chain, std::size_t first,
-                              std::size_t last, std::vector<Arrival>& arrivals) const {
+Result<void> DriveIndex::read(const ArrivalSource& source, std::size_t run, const DriveGroup& group,
+                              std::vector<Arrival>& arrivals) const {
+  arrivals.clear();
+  if (auto ok = source.read(run, group.first_block, group.last_block, arrivals); !ok) return ok;
+  std::erase_if(arrivals, [&](const Arrival& a) {
+    return a.vehicle != group.vehicle || groups_[run].key_at(a.time_s) != group.key;
+  });
+  return {};
+}
+
+Result<void> DriveIndex::read_arrivals(const ArrivalSource& source, const DrivePiece& piece,
+                                       std::vector<Arrival>& arrivals) const {
+  const DriveChain& chain = chains_[piece.chain];
   arrivals.clear();
   std::size_t first_block = SIZE_MAX, last_block = 0;
-  for (std::size_t u = first; u < last; ++u) {
+  for (std::size_t u = piece.first_unit; u < piece.last_unit; ++u) {
     if (chain.units[u].arrivals == 0) continue;
     first_block = std::min(first_block, chain.units[u].first_block);
     last_block = std::max(last_block, chain.units[u].last_block);
   }
   if (first_block >= last_block) return {};
   if (auto ok = source.read(chain.run, first_block, last_block, arrivals); !ok) return ok;
-  const double from_s = chain.units[first].from_s, until_s = chain.end_of(last - 1);
-  const bool to_the_end = last == chain.units.size();
+  const double from_s = chain.units[piece.first_unit].from_s, until_s = chain.end_of(piece.last_unit - 1);
   std::erase_if(arrivals, [&](const Arrival& a) {
     return a.vehicle != chain.vehicle || a.time_s < from_s || a.time_s > until_s ||
-           (a.time_s == until_s && !to_the_end);
+           (a.time_s == until_s && piece.open_right);
   });
   return {};
 }
@@ -156,7 +190,7 @@ Result<void> DriveIndex::read(const ArrivalSource& source, const DriveChain& cha
 Result<void> DriveIndex::read(const ArrivalSource& source, const DrivePiece& piece,
                               MeasurementLog& log) const {
   const DriveChain& chain = chains_[piece.chain];
-  if (auto ok = read(source, chain, piece.first_unit, piece.last_unit, log.arrivals); !ok) return ok;
+  if (auto ok = read_arrivals(source, piece, log.arrivals); !ok) return ok;
   log.odometry.clear();
   const std::vector<OdometryStep>& rows = source.log(chain.run).odometry;
   for (std::size_t row = chain.units[piece.first_unit].first_row;

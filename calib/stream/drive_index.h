@@ -29,7 +29,6 @@ struct DriveChain {
   double until_s = 0.0;
   std::size_t last_row = 0;  ///< of its last state
   std::vector<DriveUnit> units;
-  std::vector<std::uint32_t> heard;    ///< unit-major: arrivals of each beacon
   std::vector<std::size_t> stateless;  ///< of each beacon, before the first or behind the last state
   std::size_t stateless_count = 0;
   int stateless_line = 0;  ///< of the first of them
@@ -39,6 +38,25 @@ struct DriveChain {
   [[nodiscard]] double end_of(std::size_t unit) const {
     return unit + 1 < units.size() ? units[unit + 1].from_s : until_s;
   }
+};
+
+/// Arrivals of a vehicle within some seconds, as thin() groups them.
+struct DriveGroup {
+  VehicleId vehicle;
+  std::int64_t key = 0;  ///< which seconds
+  double first_s = 0.0, last_s = 0.0;
+  std::size_t arrivals = 0;
+  std::size_t first_block = 0, last_block = 0;  ///< of the source, [first, last)
+};
+/// All of a run, in the order in which they begin.
+struct DriveGroups {
+  double begin_s = 0.0;
+  std::size_t arrivals = 0;
+  std::vector<DriveGroup> groups;
+  std::vector<std::uint32_t> heard;  ///< group-major: arrivals of each beacon
+  std::vector<std::size_t> latest;   ///< of each vehicle; SIZE_MAX: none
+
+  [[nodiscard]] std::int64_t key_at(double time_s) const;
 };
 
 /// Units of a drive that are worked on at once. Its first and last state are those of its neighbours as well.
@@ -60,15 +78,16 @@ class DriveIndex {
 
   [[nodiscard]] const std::vector<DriveChain>& chains() const { return chains_; }
   [[nodiscard]] const std::vector<DrivePiece>& pieces() const { return pieces_; }
+  [[nodiscard]] const DriveGroups& groups(std::size_t run) const { return groups_[run]; }
   /// A piece with a unit more wherever it has a neighbour.
   [[nodiscard]] DrivePiece widened(const DrivePiece& piece) const;
   [[nodiscard]] std::size_t arrivals() const { return arrivals_; }  ///< that a state carries
   [[nodiscard]] std::size_t nodes() const { return nodes_; }
   [[nodiscard]] std::size_t beacons() const { return beacons_; }
 
-  /// Puts the arrivals of units [first, last) of a chain in place of what `arrivals` held. Any thread.
-  [[nodiscard]] Result<void> read(const ArrivalSource& source, const DriveChain& chain, std::size_t first,
-                                  std::size_t last, std::vector<Arrival>& arrivals) const;
+  /// Puts the arrivals of a group in place of what `arrivals` held. Any thread.
+  [[nodiscard]] Result<void> read(const ArrivalSource& source, std::size_t run, const DriveGroup& group,
+                                  std::vector<Arrival>& arrivals) const;
   /// A piece as a log: its odometry rows, first state to last, and its arrivals; all else of the run stays as
   /// it is.
   [[nodiscard]] Result<void> read(const ArrivalSource& source, const DrivePiece& piece,
@@ -77,10 +96,14 @@ class DriveIndex {
  private:
   void take(std::size_t run, std::size_t block, const std::vector<Arrival>& rows,
             std::vector<std::size_t>& unit_of_chain);
+  void group(DriveGroups& of_run, std::size_t block, const Arrival& a) const;
   void cut(std::size_t piece_bytes);
+  [[nodiscard]] Result<void> read_arrivals(const ArrivalSource& source, const DrivePiece& piece,
+                                           std::vector<Arrival>& arrivals) const;
 
   std::size_t vehicles_ = 0, beacons_ = 0, arrivals_ = 0, nodes_ = 0;
   std::vector<DriveChain> chains_;  ///< run-major
+  std::vector<DriveGroups> groups_;
   std::vector<DrivePiece> pieces_;
 };
 

@@ -8,7 +8,7 @@
 namespace octant::calib {
 
 /// A problem with evenly spread stretches of long drives that are not at hand, their odometry row by row and
-/// summed up between them, and enough of each beacon (see thin).
+/// summed up between them, and enough of each beacon: what thin() takes of drives that are.
 [[nodiscard]] Result<Problem> part_of(const Site& site, const ArrivalSource& source, const DriveIndex& index,
                                       int threads = 1);
 

@@ -65,13 +65,15 @@ struct StreamedLog {
     if (drives) return std::make_unique<DrivePasses>(frame, source, *drives, options, workers, course);
     return std::make_unique<LogPasses>(frame, source, *stops, options, workers, course);
   }
-  /// What is to be said of arrivals that no state carries.
-  void warn(const ArrivalSource& source, std::vector<std::string>& warnings) const {
-    if (!drives) return;
+  /// What make_problem() would say of all of it. @param part  of it
+  [[nodiscard]] std::vector<std::string> warnings(const Problem& part, const ArrivalSource& source) const {
+    if (!drives) return part.warnings;
+    std::vector<std::string> words;
     for (const DriveChain& chain : drives->chains())
       if (chain.stateless_count > 0)
-        warnings.push_back(
+        words.push_back(
             stateless_in_words(source.log(chain.run), chain.stateless_line, chain.stateless_count));
+    return words;
   }
 };
 
@@ -96,8 +98,7 @@ class StreamedCalibrator {
     if (!part) return fail(part.error());
     // So small that each rank is sooner done with it than it would hear of the others.
     Approach found = approach(*part, alone_, course_);
-    of_source.warn(source_, warnings_);
-    warnings_.insert(warnings_.end(), part->warnings.begin(), part->warnings.end());
+    warnings_ = of_source.warnings(*part, source_);
     warnings_.insert(warnings_.end(), found.warnings.begin(), found.warnings.end());
     it_ = std::move(found.estimate);
     part_sigma_ = found.ok ? agreeing_sigma(found.trajectories, it_.state()) : 1.0;
@@ -293,10 +294,11 @@ std::size_t memory_of_whole(std::size_t arrivals, std::size_t odometry_rows) {
 }
 
 std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_rows) {
-  constexpr std::size_t kProgram = std::size_t{20} << 20, kLookedAt = 110'000, kBytesLookedAt = 1600,
-                        kBytesOfState = sizeof(OdometryStep) + 3 * sizeof(double);
-  return kProgram + std::min(arrivals, kLookedAt) * kBytesLookedAt + 7 * arrivals / 2 +
-         odometry_rows * kBytesOfState;
+  constexpr std::size_t kMega = std::size_t{1} << 20, kProgram = 20 * kMega;
+  constexpr std::size_t kLookedAt = 110'000, kBytesLookedAt = 1600;
+  constexpr std::size_t kOfDrives = 90 * kMega, kBytesOfStep = 90;  // rows, states, stretches looked at
+  if (odometry_rows > 0) return kOfDrives + odometry_rows * kBytesOfStep;
+  return kProgram + std::min(arrivals, kLookedAt) * kBytesLookedAt + 7 * arrivals / 2;
 }
 
 namespace {
