@@ -11,7 +11,6 @@
 #include "calib/problem/whole_log.h"
 #include "calib/start/approach.h"
 #include "calib/stream/drive_index.h"
-#include "calib/stream/drive_work.h"
 #include "calib/stream/log_readings.h"
 
 namespace octant::calib {

@@ -9,6 +9,7 @@
 
 #include "models/arrival_source.h"
 #include "models/trajectory/stretches.h"
+#include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
 
@@ -64,6 +65,15 @@ struct DrivePiece {
   std::size_t chain = 0, first_unit = 0, last_unit = 0;  ///< [first, last)
   std::size_t nodes = 0, arrivals = 0, arrivals_before = 0;
   bool open_left = false, open_right = false;  ///< has a neighbour there
+};
+
+/// A piece that a worker has at hand.
+struct DriveWork {
+  const DrivePiece* piece = nullptr;
+  MeasurementLog log;
+  std::vector<Trajectory> trajectory;  ///< one: of the piece, a single segment
+  [[nodiscard]] Trajectory& t() { return trajectory.front(); }
+  [[nodiscard]] const Trajectory& t() const { return trajectory.front(); }
 };
 
 /// Bytes that a state and an arrival of a drive take while they are worked on.

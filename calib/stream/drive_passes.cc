@@ -239,7 +239,7 @@ std::vector<DrivePasses::State> DrivePasses::ends_at(const Eigen::VectorXd& x) c
 
 /// Settles the states of a piece with plain squares, its ends held, marks arrivals as asked, and reduces it.
 void DrivePasses::settle(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
-                         MarkPolicy marks, Numbers& numbers, DriveWork& w) const {
+                         MarkPolicy marks, Numbers& numbers, DriveWork& w, OpenChain& out) const {
   Trajectory& t = w.t();
   const Segment& segment = t.segments.front();
   const SettleOptions held{
@@ -253,9 +253,9 @@ void DrivePasses::settle(const DrivePiece& piece, const ParameterLayout& layout,
   }
   std::vector<int> columns(static_cast<std::size_t>(layout.size()));
   std::iota(columns.begin(), columns.end(), 0);
-  w.system.has_left = piece.open_left;
-  w.system.has_right = piece.open_right;
-  ChainReduction(t, layout, {0}).reduce_open(segment, state, {}, columns, columns.size(), w.system);
+  out.has_left = piece.open_left;
+  out.has_right = piece.open_right;
+  ChainReduction(t, layout, {0}).reduce_open(segment, state, {}, columns, columns.size(), out);
 }
 
 Result<PassSum> DrivePasses::pass(const Estimate& estimate, MarkPolicy marks) {
@@ -266,11 +266,11 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, MarkPolicy marks) {
   std::vector<Numbers> numbers(pieces_.size());
   const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
     restore(k, sigma_s, tried_.state, w);
-    w.system.H.resize(0, 0);
-    if (w.t().nodes.front().placed) settle(*w.piece, estimate.layout, state, marks, numbers[k], w);
+    OpenChain system;
+    if (w.t().nodes.front().placed) settle(*w.piece, estimate.layout, state, marks, numbers[k], w, system);
     numbers[k].counts = count_observations(w.t(), state, 1, false);
     if (w.piece->open_left && w.t().nodes.front().placed) numbers[k].counts.states -= 3;  // told before
-    joined.add(k, w.system);
+    joined.add(k, system);
     keep(k, w, 0, 0);
   });
   if (!done) return fail(done.error());

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "calib/stream/drive_index.h"
-#include "calib/stream/drive_work.h"
 #include "calib/stream/end_chain.h"
 #include "calib/stream/log_passes.h"
 #include "calib/stream/log_readings.h"
@@ -53,7 +52,7 @@ class DrivePasses : public LogReadings {
   void reach_by_odometry(std::size_t piece, bool forward);
   [[nodiscard]] std::vector<State> ends_at(const Eigen::VectorXd& x) const;
   void settle(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
-              MarkPolicy marks, Numbers& numbers, DriveWork& w) const;
+              MarkPolicy marks, Numbers& numbers, DriveWork& w, OpenChain& out) const;
 
   const Problem& frame_;
   const ArrivalSource& source_;
