@@ -103,6 +103,7 @@ void add_validity(const Problem& problem, const Solution& solution, Deployment& 
     hottest = solution.whole->hottest_degC;
   }
   for (const Trajectory& t : solution.trajectories) {
+    if (solution.whole) break;  // of which they are a part
     for (const Node& node : t.nodes)
       if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
     const MeasurementLog& run = problem.runs[t.run];
@@ -131,13 +132,19 @@ void add_noise(const Problem& problem, const Solution& solution, Deployment& d) 
       errors.white_tof + std::pow(errors.correlated_sigma(), 2) + std::pow(errors.pair_sigma(), 2);
   d.noise.tof_sigma_s *= std::sqrt(std::max(errors.white_tof, kLeastWhite * total));
   double path_m = 0.0, time_s = 0.0;
-  for (const Trajectory& t : solution.trajectories)
+  for (const Trajectory& t : solution.trajectories) {
+    auto segment = t.segments.begin();
     for (std::size_t k = 1; k < t.nodes.size(); ++k) {
-      if (!t.nodes[k - 1].placed || !t.nodes[k].placed || !(t.nodes[k].time_s > t.nodes[k - 1].time_s))
+      while (segment != t.segments.end() && segment->last_node <= k) ++segment;
+      const bool is_gap =
+          solution.whole && t.moving && segment != t.segments.end() && segment->first_node == k;
+      if (!t.nodes[k - 1].placed || !t.nodes[k].placed || is_gap ||
+          !(t.nodes[k].time_s > t.nodes[k - 1].time_s))
         continue;
       path_m += (t.nodes[k].T_map_vehicle.translation_m - t.nodes[k - 1].T_map_vehicle.translation_m).norm();
       time_s += t.nodes[k].time_s - t.nodes[k - 1].time_s;
     }
+  }
   d.correlated_noise = {
       solution.tof_sigma_s * errors.correlated_sigma(),
       errors.correlation_time_s(time_s > 0 ? path_m / time_s : 0.0, problem.typical_range_m),

@@ -65,15 +65,25 @@ std::size_t StreamSource::rows_estimate() const {
   return rows;
 }
 
+std::size_t StreamSource::odometry_rows() const {
+  std::size_t rows = 0;
+  for (const auto& stream : streams_) rows += stream.log().odometry.size();
+  return rows;
+}
+
 bool fits_for_sure(const std::vector<std::string>& folders, std::size_t memory_bytes) {
   constexpr std::size_t kShortestRow = 10;
-  std::size_t bytes = 0;
-  for (const auto& folder : folders) {
+  std::size_t arrivals = 0, odometry = 0;
+  const auto rows_of = [](const std::string& folder, const char* file) {
     std::error_code none;  // then whoever reads it says so
-    const auto size = std::filesystem::file_size(std::filesystem::path(folder) / "tof.csv", none);
-    bytes += none ? 0 : static_cast<std::size_t>(size);
+    const auto size = std::filesystem::file_size(std::filesystem::path(folder) / file, none);
+    return none ? 0 : static_cast<std::size_t>(size) / kShortestRow;
+  };
+  for (const auto& folder : folders) {
+    arrivals += rows_of(folder, "tof.csv");
+    odometry += rows_of(folder, "odometry.csv");
   }
-  return calib::memory_of_whole(bytes / kShortestRow) <= memory_bytes;
+  return calib::memory_of_whole(arrivals, odometry) <= memory_bytes;
 }
 
 }  // namespace octant::app

@@ -32,6 +32,7 @@ class StreamSource : public ArrivalSource {
   }
   /// A guess at the number of arrivals, rather too many; before scan().
   [[nodiscard]] std::size_t rows_estimate() const;
+  [[nodiscard]] std::size_t odometry_rows() const;
 
  private:
   StreamSource(const std::vector<std::string>& folders, const NameTable& names, const Timing& timing,

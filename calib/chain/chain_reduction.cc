@@ -135,6 +135,36 @@ double reduce_segment(const ChainReduction& chain, const Segment& segment, const
   return join.finish();
 }
 
+template <int N>
+void reduce_open_segment(const ChainReduction& chain, const Segment& segment, const SharedState& state,
+                         const RobustLoss& loss, const std::vector<int>& place, std::size_t columns,
+                         OpenChain& out) {
+  const Stretch stretch{out.has_left, out.has_right, out.has_left ? 1U : 0U,
+                        segment.last_node - segment.first_node - (out.has_right ? 1U : 0U)};
+  Remains from;
+  StretchReducer<N>(chain, segment, state, loss, place, columns).reduce(stretch, from);
+  // Where each column of its border stands; the gradient's is the last.
+  const std::size_t gradient = from.gradient(out.has_left ? N : 0);
+  std::vector<Eigen::Index> at(from.columns.begin(), from.columns.end());
+  const auto left = static_cast<Eigen::Index>(columns), right = left + (out.has_left ? N : 0),
+             size = right + (out.has_right ? N : 0);
+  for (Eigen::Index i = left; i < right; ++i) at.push_back(i);
+  out.cost = from.cost + 0.5 * from.H.data()[gradient * from.width + gradient];
+  out.gradient.setZero(size);
+  out.H.setZero(size, size);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    for (std::size_t j = 0; j <= i; ++j) out.H(at[i], at[j]) = from.H.data()[i * from.width + j];
+    out.gradient[at[i]] = from.H.data()[gradient * from.width + i];
+  }
+  for (std::size_t i = 0; out.has_right && i < N; ++i) {
+    const Eigen::Index row = right + static_cast<Eigen::Index>(i);
+    for (std::size_t j = 0; j < at.size(); ++j) out.H(row, at[j]) = from.G[i * from.width + j];
+    for (std::size_t j = 0; j <= i; ++j) out.H(row, right + static_cast<Eigen::Index>(j)) = from.D[i * N + j];
+    out.gradient[row] = from.G[i * from.width + gradient];
+  }
+  out.H = out.H.selfadjointView<Eigen::Lower>();
+}
+
 }  // namespace
 
 ChainReduction::ChainReduction(const Trajectory& trajectory, const ParameterLayout& layout,
@@ -194,6 +224,16 @@ double ChainReduction::reduce(const Segment& segment, const SharedState& state, 
     case 4: return reduce_segment<4>(*this, segment, state, loss, place, threads, system);
     case 6: return reduce_segment<6>(*this, segment, state, loss, place, threads, system);
     default: return reduce_segment<7>(*this, segment, state, loss, place, threads, system);
+  }
+}
+
+void ChainReduction::reduce_open(const Segment& segment, const SharedState& state, const RobustLoss& loss,
+                                 const std::vector<int>& place, std::size_t columns, OpenChain& out) const {
+  switch (trajectory_->block_size()) {
+    case 3: return reduce_open_segment<3>(*this, segment, state, loss, place, columns, out);
+    case 4: return reduce_open_segment<4>(*this, segment, state, loss, place, columns, out);
+    case 6: return reduce_open_segment<6>(*this, segment, state, loss, place, columns, out);
+    default: return reduce_open_segment<7>(*this, segment, state, loss, place, columns, out);
   }
 }
 

@@ -26,6 +26,14 @@ struct PathColumns {
   std::array<Entry, 20> entry;
 };
 
+/// What is left of a part of a chain whose ends are those of its neighbours as well.
+struct OpenChain {
+  bool has_left = false, has_right = false;  ///< which ends stay
+  double cost = 0.0;                         ///< less what the inner states' own step gains
+  Eigen::VectorXd gradient;                  ///< by parameters, left end, right end
+  Eigen::MatrixXd H;                         ///< both triangles
+};
+
 /// Eliminates the states of segments of a trajectory, and leaves their cost's gradient and Gauss-Newton
 /// matrix in the shared parameters:
 ///   H = sum Js'Js - Js'Jx (Jx'Jx)^-1 Jx'Js,   g = Js'r - Js'Jx (Jx'Jx)^-1 Jx'r
@@ -46,6 +54,12 @@ class ChainReduction {
   /// / 2
   double reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
                 const std::vector<int>& place, int threads, ReducedSystem& system) const;
+
+  /// Eliminates all states of a segment but those of its ends that the result is to keep, at the states as
+  /// the trajectory has them.
+  /// @param columns  of the system of parameters
+  void reduce_open(const Segment& segment, const SharedState& state, const RobustLoss& loss,
+                   const std::vector<int>& place, std::size_t columns, OpenChain& out) const;
 
   /// Paths that some arrival of the segments took.
   [[nodiscard]] const std::vector<PathColumns>& paths() const { return paths_; }

@@ -122,6 +122,13 @@ TrajectoryModel trajectory_model(const Site& site) {
   return model;
 }
 
+std::string stateless_in_words(const MeasurementLog& run, int line, std::size_t count) {
+  return fmt::format(
+      "{}/tof.csv:{}: {} arrivals have no vehicle state at their time (beyond odometry or in a gap of "
+      "poses.tum) and are left out",
+      run.path, line, count);
+}
+
 Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int threads) {
   Problem problem;
   std::size_t observations = 0;
@@ -135,10 +142,8 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int th
       if (t.arrivals.empty() && t.bearings.empty() && t.stateless_arrivals.empty()) continue;
       observations += t.arrivals.size() + t.bearings.size();
       if (!t.stateless_arrivals.empty())
-        problem.warnings.push_back(fmt::format(
-            "{}/tof.csv:{}: {} arrivals have no vehicle state at their time (beyond odometry or in a gap of "
-            "poses.tum) and are left out",
-            runs[i].path, runs[i].arrivals[t.stateless_arrivals.front()].line, t.stateless_arrivals.size()));
+        problem.warnings.push_back(stateless_in_words(
+            runs[i], runs[i].arrivals[t.stateless_arrivals.front()].line, t.stateless_arrivals.size()));
       problem.trajectories.push_back(std::move(t));
     }
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "models/contradiction.h"
@@ -25,6 +26,9 @@ struct Problem {
 
 /// What the trajectories of a site need to know of it.
 [[nodiscard]] TrajectoryModel trajectory_model(const Site& site);
+
+/// Arrivals of a recording that no state carries, in words. @param line  of the first
+[[nodiscard]] std::string stateless_in_words(const MeasurementLog& run, int line, std::size_t count);
 
 /// Checks the recordings against the site and builds the trajectories.
 /// Errors (kBadInput): no arrival at all; times of flight in the wrong unit (median distance beyond 20 times

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace octant::calib {
 namespace {
@@ -178,28 +179,15 @@ class Thinner {
     return near;
   }
 
-  /// Rows of the stretches as they are, what lies between summed up to longer steps.
+  /// Of all vehicles.
   [[nodiscard]] std::vector<OdometryStep> summed_up(
       const std::vector<std::pair<double, double>>& spans) const {
-    std::map<VehicleId, std::vector<OdometryStep>> by_vehicle;
-    for (const OdometryStep& s : run_.odometry) by_vehicle[s.vehicle].push_back(s);
+    std::set<VehicleId> vehicles;
+    for (const OdometryStep& s : run_.odometry) vehicles.insert(s.vehicle);
     std::vector<OdometryStep> few;
-    for (const auto& [vehicle, rows] : by_vehicle) {
-      const std::vector<bool> near = marked(rows, spans);
-      few.push_back(rows.front());
-      Pose sum;
-      double way_m = 0.0, turn_rad = 0.0;
-      for (std::size_t i = 1; i < rows.size(); ++i) {
-        sum = sum * Pose::planar(rows[i].dx_m, rows[i].dy_m, rows[i].dheading_rad);
-        way_m += std::hypot(rows[i].dx_m, rows[i].dy_m);
-        turn_rad += std::abs(rows[i].dheading_rad);
-        const bool open = !near[i] && i + 1 < rows.size() && way_m < kStepM && turn_rad < kStepRad;
-        if (open) continue;
-        few.push_back(
-            {rows[i].time_s, sum.translation_m.x(), sum.translation_m.y(), sum.heading_rad(), vehicle});
-        sum = Pose();
-        way_m = turn_rad = 0.0;
-      }
+    for (const VehicleId vehicle : vehicles) {
+      const std::vector<OdometryStep> its = thinned_odometry(run_.odometry, vehicle, spans);
+      few.insert(few.end(), its.begin(), its.end());
     }
     std::stable_sort(few.begin(), few.end(),
                      [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
@@ -215,6 +203,42 @@ class Thinner {
 };
 
 }  // namespace
+
+std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odometry, VehicleId vehicle,
+                                           const std::vector<std::pair<double, double>>& spans) {
+  std::vector<OdometryStep> few;
+  const auto next_of = [&](std::size_t row) {
+    while (row < odometry.size() && odometry[row].vehicle != vehicle) ++row;
+    return row;
+  };
+  Pose sum;
+  double way_m = 0.0, turn_rad = 0.0, before_s = -INFINITY;
+  auto span = spans.begin();
+  for (std::size_t row = next_of(0); row < odometry.size();) {
+    const OdometryStep& step = odometry[row];
+    const std::size_t after = next_of(row + 1);
+    const bool is_last = after == odometry.size();
+    // A row is near a span that it lies in, or of which it is the next one on either side.
+    while (span != spans.end() && span->second < before_s) ++span;
+    const bool near = span != spans.end() && (is_last || odometry[after].time_s > span->first);
+    if (few.empty()) {
+      few.push_back(step);
+    } else {
+      sum = sum * Pose::planar(step.dx_m, step.dy_m, step.dheading_rad);
+      way_m += std::hypot(step.dx_m, step.dy_m);
+      turn_rad += std::abs(step.dheading_rad);
+      if (near || is_last || way_m >= kStepM || turn_rad >= kStepRad) {
+        few.push_back(
+            {step.time_s, sum.translation_m.x(), sum.translation_m.y(), sum.heading_rad(), vehicle});
+        sum = Pose();
+        way_m = turn_rad = 0.0;
+      }
+    }
+    before_s = step.time_s;
+    row = after;
+  }
+  return few;
+}
 
 std::vector<bool> evenly_chosen(std::size_t groups, std::size_t budget) {
   std::vector<bool> chosen(groups, false);

@@ -16,17 +16,10 @@
 #include "calib/start/approach.h"
 #include "calib/stream/chunk_work.h"
 #include "calib/stream/log_index.h"
-#include "calib/verdict/conclude.h"
+#include "calib/stream/log_readings.h"
 #include "models/arrival_source.h"
 
 namespace octant::calib {
-
-/// What is to be said of all arrivals of a log, and some of its epochs.
-struct LogFindings {
-  Findings findings;
-  std::vector<std::vector<Arrival>> arrivals;  ///< of each run, those of the epochs at hand
-  std::vector<Trajectory> trajectories;        ///< of these
-};
 
 /// Gathers the findings of a log chunk by chunk: what a chunk has to say is written as numbers, those of all
 /// chunks and ranks stand one behind the other, and are read back from there in the order of the chunks.

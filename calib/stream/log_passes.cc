@@ -3,13 +3,8 @@
 #include "calib/stream/log_passes.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
 #include <numeric>
-#include <optional>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -17,6 +12,7 @@
 #include "calib/problem/ranges.h"
 #include "calib/problem/thin.h"
 #include "calib/stream/long_log.h"
+#include "calib/stream/side_by_side.h"
 
 namespace octant::calib {
 namespace {
@@ -35,6 +31,7 @@ StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
   memory_bytes -= std::min(memory_bytes / 2, kBesideChunks);
   StreamPlan plan;
   plan.chunk_arrivals = std::clamp<std::size_t>(memory_bytes / 8 / kBytesInWork, 1, kMostInChunk);
+  plan.piece_bytes = plan.chunk_arrivals * kBytesInWork;
   plan.workers =
       static_cast<int>(std::clamp<std::size_t>(memory_bytes / 2 / (plan.chunk_arrivals * kBytesInWork), 1,
                                                static_cast<std::size_t>(std::max(threads, 1))));
@@ -58,42 +55,15 @@ LogPasses::LogPasses(const Problem& frame, const ArrivalSource& source, const Lo
   for (int i = 0; i < workers; ++i) workers_.push_back(std::make_unique<ChunkWork>());
 }
 
-/// work(chunk, ChunkWork&) -> Result<void>, with the chunk loaded. The caller's thread is one of those that
-/// work.
+/// work(chunk, ChunkWork&), with the chunk loaded.
 template <class Do>
 Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
-  std::atomic<std::size_t> next{first_};
-  std::atomic<bool> stop{false};
-  std::mutex mutex;
-  std::optional<Error> error;
-  std::exception_ptr failure;
-  const auto loop = [&](ChunkWork& w, bool reports) {
-    try {
-      for (std::size_t k = next.fetch_add(1); k < last_ && !stop; k = next.fetch_add(1)) {
-        Result<void> done = load(k, w);
-        if (done) work(k, w);
-        if (done && reports && !course_.go_on())
-          done = fail({.code = Errc::kInterrupted, .found = "interrupted"});
-        if (done) continue;
-        stop = true;
-        const std::lock_guard lock(mutex);
-        if (!error) error = done.error();
-      }
-    } catch (...) {
-      stop = true;
-      const std::lock_guard lock(mutex);
-      failure = std::current_exception();
-    }
-  };
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < workers_.size() && first_ + i < last_; ++i)
-    others.emplace_back([&, i] { loop(*workers_[i], false); });
-  loop(*workers_[0], true);
-  for (std::thread& thread : others) thread.join();
-  if (failure) std::rethrow_exception(failure);
-  if (error) return fail(*error);
-  if (!course_.go_on()) return fail({.code = Errc::kInterrupted, .found = "interrupted"});
-  return {};
+  return for_each_side_by_side(first_, last_, workers_.size(), course_,
+                               [&](std::size_t k, std::size_t worker) -> Result<void> {
+                                 if (auto ok = load(k, *workers_[worker]); !ok) return ok;
+                                 work(k, *workers_[worker]);
+                                 return {};
+                               });
 }
 
 Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
@@ -173,7 +143,7 @@ std::vector<double> LogPasses::in_order(std::vector<std::vector<double>> of_chun
   return all;
 }
 
-Result<LogPasses::Placed> LogPasses::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
+Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
   constexpr std::size_t kResiduals = 200000,
                         kRanges = 50000;  // as agreeing_sigma() and typical_range_m() look at
   const std::size_t every_residual = index_.arrivals() / kResiduals + 1,

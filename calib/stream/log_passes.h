@@ -10,6 +10,7 @@
 #include "calib/stream/chunk_work.h"
 #include "calib/stream/log_findings.h"
 #include "calib/stream/log_index.h"
+#include "calib/stream/log_readings.h"
 #include "calib/stream/pass_sum.h"
 #include "models/arrival_source.h"
 
@@ -19,34 +20,25 @@ namespace octant::calib {
 /// number of threads.
 struct StreamPlan {
   std::size_t chunk_arrivals = 0;
-  int workers = 1;  ///< chunks worked on side by side
+  std::size_t piece_bytes = 0;  ///< of drives, instead
+  int workers = 1;              ///< chunks worked on side by side
 };
 [[nodiscard]] StreamPlan stream_plan(std::size_t memory_bytes, int threads);
 
-/// A log that is read again for each look at it, chunk by chunk on several threads. Between the readings
-/// there remains where each stop is (28 bytes) and what became of each arrival (one byte); ranks keep those
-/// of their own chunks and read no others. Errors: those of reading, Errc::kInterrupted where the course is
-/// to stop.
-class LogPasses {
+/// A log of stops that is read again for each look at it, chunk by chunk on several threads. Between the
+/// readings there remains where each stop is (28 bytes) and what became of each arrival (one byte); ranks
+/// keep those of their own chunks and read no others.
+class LogPasses : public LogReadings {
  public:
   /// All must outlive it. @param frame  site and runs without arrivals
   LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index,
             const SolveOptions& options, int workers, Course& course);
 
-  struct Placed {
-    std::vector<double> residuals;  ///< magnitudes of evenly spread ones
-    std::vector<double> ranges_m;   ///< the same, by the site's priors
-    PassSum sum;                    ///< where marks were asked for
-  };
-  /// Places all stops anew (see place_all_stops).
-  /// @param mark  then rejects, settles with plain squares and sums up
-  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark);
-
-  /// Settles all stops at the estimate.
-  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks);
-
-  /// What is to be said of all arrivals at the end, and every so many-th epoch to look at.
-  [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate);
+  /// See place_all_stops.
+  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
+  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
+  /// Every so many-th epoch to look at.
+  [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
 
  private:
   template <class Do>

@@ -11,7 +11,6 @@
 
 #include "calib/adjust/reject.h"
 #include "calib/adjust/tile_sum.h"
-#include "calib/problem/thin.h"
 #include "calib/start/start.h"
 #include "models/localizers/least_squares/linear_ranges.h"
 #include "models/support/parallel.h"
@@ -21,7 +20,6 @@ namespace {
 
 constexpr std::size_t kLongEpochs = 4000;
 constexpr std::size_t kLongDrive = 20'000;  ///< arrivals
-constexpr ThinOptions kPart = {.instants = 600, .per_beacon = 200};
 
 }  // namespace
 
@@ -50,7 +48,7 @@ bool is_long_drive(const Problem& problem) {
 Result<Problem> part_of(const Problem& problem, int threads) {
   std::vector<MeasurementLog> runs;
   for (const MeasurementLog& run : problem.runs)
-    runs.push_back(thin(run, problem.site.beacons.size(), kPart));
+    runs.push_back(thin(run, problem.site.beacons.size(), kPartOfLongLog));
   return make_problem(problem.site, std::move(runs), threads);
 }
 
@@ -104,7 +102,7 @@ Result<void> choose_for_rare_beacons(const ArrivalSource& source, const LogIndex
   };
   std::vector<bool> rare(hearing.kept.size());
   for (std::size_t b = 0; b < rare.size(); ++b)
-    rare[b] = hearing.kept[b] < kPart.per_beacon && hearing.kept[b] < index.heard(run)[b];
+    rare[b] = hearing.kept[b] < kPartOfLongLog.per_beacon && hearing.kept[b] < index.heard(run)[b];
   if (std::find(rare.begin(), rare.end(), true) == rare.end()) return {};
   std::vector<std::size_t> blocks(index.blocks(run));
   for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = b;
@@ -127,7 +125,7 @@ Result<void> choose_for_rare_beacons(const ArrivalSource& source, const LogIndex
          at != heard->end() && at->epoch == epoch; ++at)
       visit(at->beacon);
   };
-  choose_more(hearing, kPart.per_beacon, chosen);
+  choose_more(hearing, kPartOfLongLog.per_beacon, chosen);
   return {};
 }
 
@@ -157,7 +155,7 @@ Result<Problem> part_of(const Site& site, const ArrivalSource& source, const Log
   for (std::size_t run = 0; run < source.runs(); ++run) {
     MeasurementLog few = without_lists(source.log(run));
     few.rejected = source.log(run).rejected;
-    std::vector<bool> chosen = evenly_chosen(index.epochs(run), kPart.instants);
+    std::vector<bool> chosen = evenly_chosen(index.epochs(run), kPartOfLongLog.instants);
     if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok)
       return fail(ok.error());
     GroupsHearing hearing;
@@ -173,7 +171,7 @@ Result<Problem> part_of(const Site& site, const ArrivalSource& source, const Log
     };
     std::stable_sort(few.arrivals.begin(), few.arrivals.end(), sooner);
     // All of these epochs, but not more of one pair within one than is good for anything.
-    ThinOptions all = kPart;
+    ThinOptions all = kPartOfLongLog;
     all.instants = index.epochs(run);
     all.per_beacon = 0;
     runs.push_back(thin(few, site.beacons.size(), all));

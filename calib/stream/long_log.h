@@ -7,6 +7,7 @@
 #include "calib/adjust/ranks.h"
 #include "calib/problem/parameters.h"
 #include "calib/problem/problem.h"
+#include "calib/problem/thin.h"
 #include "calib/stream/log_index.h"
 
 namespace octant::calib {
@@ -16,6 +17,9 @@ namespace octant::calib {
 
 /// The same of drives: many thousands of arrivals on chains of odometry in the plane, no measured poses.
 [[nodiscard]] bool is_long_drive(const Problem& problem);
+
+/// How much of a long log that part is.
+inline constexpr ThinOptions kPartOfLongLog = {.instants = 600, .per_beacon = 200};
 
 /// A problem with evenly spread epochs of a long log, enough of each beacon (see thin).
 [[nodiscard]] Result<Problem> part_of(const Problem& problem, int threads = 1);

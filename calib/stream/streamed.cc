@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -17,6 +18,8 @@
 #include "calib/problem/ranges.h"
 #include "calib/problem/thin.h"
 #include "calib/start/approach.h"
+#include "calib/stream/drive_part.h"
+#include "calib/stream/drive_passes.h"
 #include "calib/stream/log_passes.h"
 #include "calib/stream/long_log.h"
 #include "calib/verdict/conclude.h"
@@ -24,12 +27,55 @@
 namespace octant::calib {
 namespace {
 
-/// Rows, observations, tiles and marks of one arrival.
-constexpr std::size_t kBytesOfWhole = 220;
+/// Rows, observations, tiles and marks of one arrival; rows, states and their systems of one odometry row.
+constexpr std::size_t kBytesOfWhole = 220, kBytesOfWholeStep = 850;
 constexpr int kMostPasses = 40;
+/// Costs of two readings are the same to this share.
+constexpr double kSameCost = 1e-11;
 /// A step that would change the cost by a smaller share is none.
 constexpr double kNoStep = 1e-12;
 constexpr double kFirstDamping = 1e-3;
+
+bool is_drive(const MeasurementLog& run) { return !run.has_epochs && !run.odometry.empty(); }
+
+/// The log of a source, which is read several times.
+struct StreamedLog {
+  std::optional<LogIndex> stops;
+  std::optional<DriveIndex> drives;
+
+  Result<void> scan(const Site& site, ArrivalSource& source, const StreamPlan& plan) {
+    const std::size_t vehicles = site.vehicles.size(), beacons = site.beacons.size();
+    if (is_drive(source.log(0))) {
+      auto index = DriveIndex::scan(source, vehicles, beacons, plan.piece_bytes);
+      if (!index) return fail(index.error());
+      drives = std::move(*index);
+    } else {
+      auto index = LogIndex::scan(source, vehicles, beacons, plan.chunk_arrivals);
+      if (!index) return fail(index.error());
+      stops = std::move(*index);
+    }
+    return {};
+  }
+  [[nodiscard]] Result<Problem> part(const Site& site, const ArrivalSource& source, int threads) const {
+    return drives ? part_of(site, source, *drives, threads) : part_of(site, source, *stops, threads);
+  }
+  [[nodiscard]] std::unique_ptr<LogReadings> readings(const Problem& frame, const ArrivalSource& source,
+                                                      const SolveOptions& options, int workers,
+                                                      Course& course) const {
+    if (drives) return std::make_unique<DrivePasses>(frame, source, *drives, options, workers, course);
+    return std::make_unique<LogPasses>(frame, source, *stops, options, workers, course);
+  }
+  /// What make_problem() would say of all of it. @param part  of it
+  [[nodiscard]] std::vector<std::string> warnings(const Problem& part, const ArrivalSource& source) const {
+    if (!drives) return part.warnings;
+    std::vector<std::string> words;
+    for (const DriveChain& chain : drives->chains())
+      if (chain.stateless_count > 0)
+        words.push_back(
+            stateless_in_words(source.log(chain.run), chain.stateless_line, chain.stateless_count));
+    return words;
+  }
+};
 
 class StreamedCalibrator {
  public:
@@ -46,14 +92,13 @@ class StreamedCalibrator {
 
   Result<StreamedCalibration> run() {
     if (!course_.report("first reading of the log", 0.01)) return finished(interrupted_solution());
-    const auto index =
-        LogIndex::scan(source_, site_.vehicles.size(), site_.beacons.size(), plan_.chunk_arrivals);
-    if (!index) return fail(index.error());
-    auto part = part_of(site_, source_, *index, options_.threads);
+    StreamedLog of_source;
+    if (auto ok = of_source.scan(site_, source_, plan_); !ok) return fail(ok.error());
+    auto part = of_source.part(site_, source_, options_.threads);
     if (!part) return fail(part.error());
     // So small that each rank is sooner done with it than it would hear of the others.
     Approach found = approach(*part, alone_, course_);
-    warnings_ = part->warnings;
+    warnings_ = of_source.warnings(*part, source_);
     warnings_.insert(warnings_.end(), found.warnings.begin(), found.warnings.end());
     it_ = std::move(found.estimate);
     part_sigma_ = found.ok ? agreeing_sigma(found.trajectories, it_.state()) : 1.0;
@@ -67,7 +112,8 @@ class StreamedCalibrator {
     for (MeasurementLog& run : frame_.runs) run.arrivals = {};
     found = {};
 
-    LogPasses log(frame_, source_, *index, options_, plan_.workers, course_);
+    const auto readings = of_source.readings(frame_, source_, options_, plan_.workers, course_);
+    LogReadings& log = *readings;
     const auto settled = settle_noise(log);
     if (!settled) return stopped(settled.error());
     if (!course_.report("covariance and verdict", 0.92)) return finished(interrupted_solution());
@@ -113,7 +159,7 @@ class StreamedCalibrator {
   }
 
   /// Plain squares on the arrivals that agree; the noise as found where the stated one is off.
-  Result<void> settle_noise(LogPasses& log) {
+  Result<void> settle_noise(LogReadings& log) {
     if (!course_.report("states of the whole log", 0.68)) return interrupted();
     const double suspect_sigmas = options_.rejection_sigmas * std::max(1.0, part_sigma_);
     // Where the part's noise is as stated, the whole's will be, and the first rejection goes in one with the
@@ -131,7 +177,7 @@ class StreamedCalibrator {
       it_.noise_factor *= factor;
     }
     std::optional<PassSum> first;
-    if (marked) first = std::move(placed->sum);
+    if (marked) first = std::move(placed->sum);  // if there is one
     for (int round = 0; round < kNoiseRounds; ++round) {
       const auto settled = reject_and_adjust(log, std::exchange(first, std::nullopt));
       if (!settled) return fail(settled.error());
@@ -149,7 +195,7 @@ class StreamedCalibrator {
   /// Newton's method on the sums of the passes, with arrivals rejected and readmitted at each. A step that
   /// makes things worse is taken back, and from then on marks change only where the adjustment has settled.
   /// @param first  at the present estimate, if it is known
-  Result<PassSum> reject_and_adjust(LogPasses& log, std::optional<PassSum> first) {
+  Result<PassSum> reject_and_adjust(LogReadings& log, std::optional<PassSum> first) {
     double cost = INFINITY, damping = 0.0;
     Eigen::VectorXd x;  // where `sum` is of
     PassSum sum;
@@ -164,7 +210,8 @@ class StreamedCalibrator {
       first.reset();
       ++course_.iterations;
       const double prior = prior_cost(frame_, it_.layout, it_.x);
-      if (next->cost_before + prior > cost * (1 + 1e-12) && marks != MarkPolicy::kFirst && damping < 1e6) {
+      if (next->cost_before + prior > cost * (1 + kSameCost) && marks != MarkPolicy::kFirst &&
+          damping < 1e6) {
         if (careful) {  // from where it was, a shorter step
           damping = std::max(kFirstDamping, 10 * damping);
           it_.x = stepped(sum.system, x, damping).x;
@@ -176,6 +223,7 @@ class StreamedCalibrator {
         marks = MarkPolicy::kKept;
         continue;
       }
+      log.accept();
       sum = std::move(*next);
       x = it_.x;
       cost = sum.system.cost + prior;
@@ -241,12 +289,33 @@ class StreamedCalibrator {
 
 }  // namespace
 
-std::size_t memory_of_whole(std::size_t arrivals) { return arrivals * kBytesOfWhole; }
+std::size_t memory_of_whole(std::size_t arrivals, std::size_t odometry_rows) {
+  return arrivals * kBytesOfWhole + odometry_rows * kBytesOfWholeStep;
+}
 
-std::size_t least_memory_streamed(std::size_t arrivals) {
-  constexpr std::size_t kProgram = std::size_t{20} << 20, kLookedAt = 110'000, kBytesLookedAt = 1600;
+std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_rows) {
+  constexpr std::size_t kMega = std::size_t{1} << 20, kProgram = 20 * kMega;
+  constexpr std::size_t kLookedAt = 110'000, kBytesLookedAt = 1600;
+  constexpr std::size_t kOfDrives = 90 * kMega, kBytesOfStep = 90;  // rows, states, stretches looked at
+  if (odometry_rows > 0) return kOfDrives + odometry_rows * kBytesOfStep;
   return kProgram + std::min(arrivals, kLookedAt) * kBytesLookedAt + 7 * arrivals / 2;
 }
+
+namespace {
+
+/// Why a drive cannot be.
+std::optional<std::string> why_no_streamed_drive(const Site& site, const MeasurementLog& run) {
+  if (site.gates.min_range_m > 0 || std::isfinite(site.gates.max_range_m))
+    return fmt::format("{} is a drive, whose range gates look at neighbours", run.path);
+  for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
+    const auto rows = std::count_if(run.odometry.begin(), run.odometry.end(),
+                                    [v](const OdometryStep& s) { return s.vehicle.index() == v; });
+    if (rows < 2) return fmt::format("{} has no odometry of {}", run.path, site.vehicles[v].name);
+  }
+  return {};
+}
+
+}  // namespace
 
 std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs,
                                             int dense_limit) {
@@ -258,8 +327,13 @@ std::optional<std::string> why_not_streamed(const Site& site, const std::vector<
   Problem frame;
   frame.site = site;
   for (const MeasurementLog* run : runs) {
-    if (!run->has_epochs) return fmt::format("{} has no epochs", run->path);
-    if (!run->odometry.empty()) return fmt::format("{} has odometry", run->path);
+    if (!run->has_epochs && run->odometry.empty())
+      return fmt::format("{} has neither epochs nor odometry", run->path);
+    if (run->has_epochs && !run->odometry.empty())
+      return fmt::format("{} has stops with odometry between them", run->path);
+    if (is_drive(*run) != is_drive(*runs.front())) return "some runs have stops, others are drives";
+    if (is_drive(*run))
+      if (auto why = why_no_streamed_drive(site, *run)) return why;
     if (!run->poses.empty()) return fmt::format("{} has measured poses", run->path);
     if (!run->bearings.empty()) return fmt::format("{} has bearings", run->path);
     frame.runs.push_back(without_lists(*run));

@@ -12,15 +12,16 @@
 
 namespace octant::calib {
 
-/// Bytes that solve() needs for a log of so many arrivals, reading included.
-[[nodiscard]] std::size_t memory_of_whole(std::size_t arrivals);
+/// Bytes that solve() needs for a log of so many arrivals and, of drives, odometry rows, reading included.
+[[nodiscard]] std::size_t memory_of_whole(std::size_t arrivals, std::size_t odometry_rows = 0);
 
-/// The least that solve_streamed() needs: what is known of each arrival between two readings, and the epochs
-/// that are looked at one by one in the end.
-[[nodiscard]] std::size_t least_memory_streamed(std::size_t arrivals);
+/// The least that solve_streamed() needs: what is known of each arrival and each state between two readings,
+/// and the states that are looked at one by one in the end.
+[[nodiscard]] std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_rows = 0);
 
-/// Why a log cannot be streamed, in words: only stops of arrivals alone, with a clock that all share, on a
-/// site of not too many parameters, hang together by the shared parameters alone.
+/// Why a log cannot be streamed, in words. Planar stops of arrivals alone can be, with a clock that all
+/// share, on a site of not too many parameters: they hang together by the shared parameters alone; and so
+/// can drives with odometry, whose pieces hang together by their ends as well.
 /// @param runs  without their arrivals
 [[nodiscard]] std::optional<std::string> why_not_streamed(const Site& site,
                                                           const std::vector<const MeasurementLog*>& runs,
@@ -35,10 +36,10 @@ struct StreamedCalibration {
 /// solve() for a log that would not fit into memory: an evenly spread part of it tells the shared parameters
 /// but for the noise, as solve() does with a long log; then the whole is read again for each step of the
 /// adjustment. What it leaves each time is its sufficient data: cost, gradient and Gauss-Newton matrix of all
-/// arrivals at the shared parameters of the step, all stops settled and eliminated. Near the optimum that is
-/// all there is to know, so one reading is one step of Newton's method; it rejects and readmits arrivals by
-/// the way, and three or four of them are enough. The answer is that of solve(). Errors: those of reading, of
-/// make_problem, and a file that changes meanwhile.
+/// arrivals at the shared parameters of the step, all stops or drives settled and eliminated. Near the
+/// optimum that is all there is to know, so one reading is one step of Newton's method; it rejects and
+/// readmits arrivals by the way, and three or four of them are enough. The answer is that of solve(). Errors:
+/// those of reading, of make_problem, and a file that changes meanwhile.
 /// @param memory_bytes  bound of the process, by the size of what is read at once
 [[nodiscard]] Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source,
                                                          const SolveOptions& options,

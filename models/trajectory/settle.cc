@@ -247,6 +247,20 @@ class PlanarChain {
   std::pmr::vector<Beyond> beyond_{scratch()};
 };
 
+/// A state that is held makes no step and passes none on.
+template <int N>
+void hold_ends(const SettleOptions& options, FixedChainSystem<N>& system) {
+  const std::size_t last = system.D.size() - 1;
+  const auto hold = [&](std::size_t k) {
+    system.D[k].setIdentity();
+    system.g[k].setZero();
+    if (k > 0) system.U[k - 1].setZero();
+    if (k < last) system.U[k].setZero();
+  };
+  if (options.hold_first) hold(0);
+  if (options.hold_last) hold(last);
+}
+
 /// Levenberg-Marquardt: a point is built at once with its system, which the next step takes.
 template <class Chain>
 SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLoss& loss,
@@ -255,7 +269,11 @@ SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLos
   FixedChainSystem<Chain::kSize> system, tried;
   FixedChainStep<Chain::kSize> work;
   double lambda = 1e-8;
-  chain.build(state, loss, system, options.threads);
+  const auto build = [&](FixedChainSystem<Chain::kSize>& at) {
+    chain.build(state, loss, at, options.threads);
+    hold_ends(options, at);
+  };
+  build(system);
   for (; result.iterations < options.max_iterations; ++result.iterations) {
     bool improved = false;
     double gain = 0.0;
@@ -272,7 +290,7 @@ SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLos
         gain = 0.0;
         break;
       }
-      chain.build(state, loss, tried, options.threads);
+      build(tried);
       improved = tried.cost <= system.cost * (1.0 + 1e-14);
       if (!improved) {
         chain.restore();

@@ -13,6 +13,7 @@ struct SettleOptions {
   int max_iterations = 30;
   double tolerance = kSettledToRounding;  ///< a step that gains less than this share of the cost is the last
   int threads = 1;                        ///< on stretches of a long planar chain
+  bool hold_first = false, hold_last = false;  ///< these states of the segment stay where they are
 };
 
 /// As `settle` of trajectory.h, which is this one with its defaults.

@@ -71,6 +71,31 @@ TEST_F(Stream, GivesTheAnswerOfTheWhole) {
   EXPECT_THAT(slurp(out("r.md")), HasSubstr("B7"));
 }
 
+TEST_F(Stream, DrivesGiveTheAnswerOfTheWhole) {
+  make(hall_scenario(
+      "path: {kind: stops, epochs: 150, epoch_period_s: 5.0, slot_s: 0.05}\nheldout_path: {epochs: 40}",
+      "path: {kind: drive, duration_s: 500}\nheldout_path: {duration_s: 5}"));
+  const Outcome whole = calibrate({"--json"});
+  ASSERT_EQ(whole.exit, 0) << whole.err;
+  EXPECT_TRUE(whole.json()["streamed"].is_null());
+  const auto expected = deployment();
+  const Outcome streamed = calibrate({"--json", "--memory-mb", "1", "--report", out("r.md")});
+  ASSERT_EQ(streamed.exit, 0) << streamed.err;
+  EXPECT_THAT(streamed.err, HasSubstr("read in chunks"));
+  const auto a = whole.json(), b = streamed.json();
+  EXPECT_EQ(b["streamed"]["epochs"], 10001) << "states, at the rows of odometry.csv";
+  for (const char* key :
+       {"arrivals", "rejected", "unknowns", "redundancy", "undetermined", "left_out", "datum"})
+    EXPECT_EQ(a[key], b[key]) << key;
+  const auto found = deployment();
+  EXPECT_EQ(found["inputs"], expected["inputs"]);
+  for (std::size_t i = 0; i < expected["beacons"].size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(found["beacons"][i]["position_m"][axis].get<double>(),
+                  expected["beacons"][i]["position_m"][axis].get<double>(), 1e-6);
+  EXPECT_THAT(slurp(out("r.md")), HasSubstr("B7"));
+}
+
 TEST_F(Stream, SaysWhereARowIsWrong) {
   spit(hall("run/tof.csv"), tof() + "1e9,B99,0.01,0,r0\n");
   const Outcome whole = calibrate(), streamed = calibrate({"--memory-mb", "1"});

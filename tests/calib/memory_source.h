@@ -32,7 +32,7 @@ class MemorySource : public ArrivalSource {
     const std::size_t begin = std::min(first * block_, all.size()), end = std::min(last * block_, all.size());
     rows_read += end - begin;
     arrivals.insert(arrivals.end(), all.begin() + at(begin), all.begin() + at(end));
-    if (forgets && begin == 0) arrivals.pop_back();
+    if (forgets && begin == 0) arrivals.erase(arrivals.end() - at(end - begin));
     return {};
   }
 

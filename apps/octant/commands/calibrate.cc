@@ -201,7 +201,8 @@ void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
   command
       ->add_option(
           "--memory-mb", words->options.memory_mb,
-          "Bound of the memory: recordings of stops that would take more are read in chunks, several times")
+          "Bound of the memory: recordings of stops or drives that would take more are read in chunks, "
+          "several times")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))
       ->type_name("N")
       ->capture_default_str();

@@ -87,7 +87,8 @@ Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vect
   auto source =
       StreamSource::open(runs, names_of(site), site.timing, session, constant_speed_mps(site.medium));
   if (!source) return fail(source.error());
-  const std::size_t rows = (*source)->rows_estimate(), needed_mb = calib::memory_of_whole(rows) / kMega;
+  const std::size_t rows = (*source)->rows_estimate(), steps = (*source)->odometry_rows(),
+                    needed_mb = calib::memory_of_whole(rows, steps) / kMega;
   if (needed_mb <= memory_mb) return nullptr;
   const std::string much = fmt::format(
       "these recordings would take about {} MB of memory, more than --memory-mb {}", needed_mb, memory_mb);
@@ -95,7 +96,7 @@ Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vect
     session.warn(fmt::format("{}, and cannot be streamed: {}", much, *why));
     return nullptr;
   }
-  const std::size_t least_mb = calib::least_memory_streamed(rows) / kMega;
+  const std::size_t least_mb = calib::least_memory_streamed(rows, steps) / kMega;
   session.note(fmt::format(
       "{}: they are read in chunks, several times{}", much,
       least_mb > memory_mb ? fmt::format("; about {} MB is the least that takes", least_mb) : ""));

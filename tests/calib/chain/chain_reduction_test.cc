@@ -11,7 +11,10 @@
 
 #include "calib/adjust/tile.h"
 #include "calib/problem/shared_entries.h"
+#include "calib/stream/end_chain.h"
 #include "models/trajectory/linearise.h"
+#include "models/trajectory/settle.h"
+#include "models/trajectory/stretches.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
@@ -180,6 +183,83 @@ TEST_P(ChainReductionOf, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one.H, three.H);
   EXPECT_EQ(one.gradient, three.gradient);
   EXPECT_EQ(one.cost, three.cost);
+}
+
+/// The chain in pieces that share their ends.
+struct Pieces {
+  Chain& chain;
+  std::vector<std::size_t> ends;
+  std::vector<Trajectory> parts{};
+
+  void cut() {
+    const Segment& all = chain.t.segments[0];
+    for (std::size_t first = 0, k = 0; k <= ends.size(); ++k) {
+      const std::size_t last = k < ends.size() ? ends[k] : all.last_node - 1;
+      Segment s = stretch_of(chain.t, all, first, last + 1);
+      if (k == ends.size()) s.last_arrival = all.last_arrival;  // those at the last state as well
+      parts.push_back(pick_segments(chain.t, {s}));
+      first = last;
+    }
+  }
+  /// @param held  settles what is between the ends first
+  calib::EndChain joined(bool held) {
+    std::vector<int> place(static_cast<std::size_t>(chain.layout.size()));
+    std::iota(place.begin(), place.end(), 0);
+    calib::EndChain join(chain.layout.size());
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      calib::OpenChain piece;
+      piece.has_left = k > 0;
+      piece.has_right = k + 1 < parts.size();
+      if (held)
+        settle(parts[k], parts[k].segments[0], chain.state, {},
+               {.hold_first = piece.has_left, .hold_last = piece.has_right});
+      calib::ChainReduction(parts[k], chain.layout, {0})
+          .reduce_open(parts[k].segments[0], chain.state, {}, place, place.size(), piece);
+      join.append(piece);
+    }
+    return join;
+  }
+};
+
+TEST(OpenChains, JoinToTheWhole) {
+  Chain chain(Kind{.name = "with_others"});
+  const calib::ReducedSystem whole = by_sparse_factors(chain, {});
+  Pieces pieces{chain, {300, 301, 900, 1500}};
+  pieces.cut();
+  calib::ReducedSystem here;
+  here.H.setZero(chain.layout.size(), chain.layout.size());
+  here.gradient.setZero(chain.layout.size());
+  pieces.joined(false).add_to(here);
+  const Eigen::VectorXd scale = whole.H.diagonal().cwiseMax(1e-9).cwiseSqrt();
+  const Eigen::MatrixXd off =
+      scale.cwiseInverse().asDiagonal() * (here.H - whole.H) * scale.cwiseInverse().asDiagonal();
+  EXPECT_LT(off.cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((here.gradient - whole.gradient).cwiseQuotient(scale).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_NEAR(here.cost, whole.cost, 1e-9 * whole.cost);
+}
+
+// With the parameters as they are, the steps of the ends lead where the whole chain comes to rest.
+TEST(OpenChains, EndsStepToWhereTheWholeRests) {
+  Chain chain(Kind{.name = "plain", .others = false});
+  Pieces pieces{chain, {300, 301, 900, 1500}};
+  pieces.cut();
+  for (int round = 0; round < 4; ++round) {
+    const std::vector<Eigen::Vector3d> steps =
+        pieces.joined(true).steps(Eigen::VectorXd::Zero(chain.layout.size()));
+    ASSERT_EQ(steps.size(), pieces.ends.size());
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      Node& end = pieces.parts[k].nodes.back();
+      end.T_map_vehicle = retract(end.T_map_vehicle, steps[k], Motion::kPlanar);
+      pieces.parts[k + 1].nodes.front().T_map_vehicle = end.T_map_vehicle;
+    }
+  }
+  settle(chain.t, chain.t.segments[0], chain.state, {});
+  for (std::size_t k = 0; k < pieces.ends.size(); ++k) {
+    const Pose &here = pieces.parts[k].nodes.back().T_map_vehicle,
+               &there = chain.t.nodes[pieces.ends[k]].T_map_vehicle;
+    EXPECT_LT((here.translation_m - there.translation_m).norm(), 1e-7) << k;
+    EXPECT_LT(std::abs(wrap_angle(here.heading_rad() - there.heading_rad())), 1e-7) << k;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(

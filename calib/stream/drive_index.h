@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "models/arrival_source.h"
+#include "models/trajectory/stretches.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant::calib {
+
+/// A stretch of a drive of kUnitNodes states, which begins where the one before it ends.
+struct DriveUnit {
+  double from_s = 0.0;
+  std::size_t first_row = 0;  ///< of the run's odometry: its first state
+  std::size_t arrivals = 0;
+  std::size_t first_block = 0, last_block = 0;  ///< of the source, [first, last): those with its arrivals
+};
+inline constexpr std::size_t kUnitNodes = kStretchNodes;
+
+/// The drive of one vehicle in one run.
+struct DriveChain {
+  std::size_t run = 0;
+  VehicleId vehicle;
+  std::size_t nodes = 0, arrivals = 0;
+  double until_s = 0.0;
+  std::size_t last_row = 0;  ///< of its last state
+  std::vector<DriveUnit> units;
+  std::vector<std::size_t> stateless;  ///< of each beacon, before the first or behind the last state
+  std::size_t stateless_count = 0;
+  int stateless_line = 0;  ///< of the first of them
+
+  /// States of a unit, both ends included.
+  [[nodiscard]] std::size_t nodes_of(std::size_t unit) const;
+  [[nodiscard]] double end_of(std::size_t unit) const {
+    return unit + 1 < units.size() ? units[unit + 1].from_s : until_s;
+  }
+};
+
+/// Arrivals of a vehicle within some seconds, as thin() groups them.
+struct DriveGroup {
+  VehicleId vehicle;
+  std::int64_t key = 0;  ///< which seconds
+  double first_s = 0.0, last_s = 0.0;
+  std::size_t arrivals = 0;
+  std::size_t first_block = 0, last_block = 0;  ///< of the source, [first, last)
+};
+/// All of a run, in the order in which they begin.
+struct DriveGroups {
+  double begin_s = 0.0;
+  std::size_t arrivals = 0;
+  std::vector<DriveGroup> groups;
+  std::vector<std::uint32_t> heard;  ///< group-major: arrivals of each beacon
+  std::vector<std::size_t> latest;   ///< of each vehicle; SIZE_MAX: none
+
+  [[nodiscard]] std::int64_t key_at(double time_s) const;
+};
+
+/// Units of a drive that are worked on at once. Its first and last state are those of its neighbours as well.
+struct DrivePiece {
+  std::size_t chain = 0, first_unit = 0, last_unit = 0;  ///< [first, last)
+  std::size_t nodes = 0, arrivals = 0, arrivals_before = 0;
+  bool open_left = false, open_right = false;  ///< has a neighbour there
+};
+
+/// A piece that a worker has at hand.
+struct DriveWork {
+  const DrivePiece* piece = nullptr;
+  MeasurementLog log;
+  std::vector<Trajectory> trajectory;  ///< one: of the piece, a single segment
+  [[nodiscard]] Trajectory& t() { return trajectory.front(); }
+  [[nodiscard]] const Trajectory& t() const { return trajectory.front(); }
+};
+
+/// Bytes that a state and an arrival of a drive take while they are worked on.
+inline constexpr std::size_t kBytesOfStateInWork = 1200, kBytesOfDriveArrivalInWork = 280;
+
+/// Where the arrivals of drives lie among the blocks of a source, and in which pieces they are worked on.
+class DriveIndex {
+ public:
+  /// Reads all of the source. Every run is a drive: odometry, no epochs.
+  [[nodiscard]] static Result<DriveIndex> scan(ArrivalSource& source, std::size_t vehicles,
+                                               std::size_t beacons, std::size_t piece_bytes);
+
+  [[nodiscard]] const std::vector<DriveChain>& chains() const { return chains_; }
+  [[nodiscard]] const std::vector<DrivePiece>& pieces() const { return pieces_; }
+  [[nodiscard]] const DriveGroups& groups(std::size_t run) const { return groups_[run]; }
+  /// A piece with a unit more wherever it has a neighbour.
+  [[nodiscard]] DrivePiece widened(const DrivePiece& piece) const;
+  [[nodiscard]] std::size_t arrivals() const { return arrivals_; }  ///< that a state carries
+  [[nodiscard]] std::size_t nodes() const { return nodes_; }
+  [[nodiscard]] std::size_t beacons() const { return beacons_; }
+
+  /// Puts the arrivals of a group in place of what `arrivals` held. Any thread.
+  [[nodiscard]] Result<void> read(const ArrivalSource& source, std::size_t run, const DriveGroup& group,
+                                  std::vector<Arrival>& arrivals) const;
+  /// A piece as a log: its odometry rows, first state to last, and its arrivals; all else of the run stays as
+  /// it is.
+  [[nodiscard]] Result<void> read(const ArrivalSource& source, const DrivePiece& piece,
+                                  MeasurementLog& log) const;
+
+ private:
+  void take(std::size_t run, std::size_t block, const std::vector<Arrival>& rows,
+            std::vector<std::size_t>& unit_of_chain);
+  void group(DriveGroups& of_run, std::size_t block, const Arrival& a) const;
+  void cut(std::size_t piece_bytes);
+  [[nodiscard]] Result<void> read_arrivals(const ArrivalSource& source, const DrivePiece& piece,
+                                           std::vector<Arrival>& arrivals) const;
+
+  std::size_t vehicles_ = 0, beacons_ = 0, arrivals_ = 0, nodes_ = 0;
+  std::vector<DriveChain> chains_;  ///< run-major
+  std::vector<DriveGroups> groups_;
+  std::vector<DrivePiece> pieces_;
+};
+
+}  // namespace octant::calib

@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/stream/drive_part.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "calib/problem/thin.h"
+#include "calib/stream/long_log.h"
+
+namespace octant::calib {
+namespace {
+
+/// At most so many arrivals of each pair, evenly, as thin() takes them. @return whether any was left out
+bool keep_some_of_pairs(std::size_t per_pair, std::vector<Arrival>& arrivals) {
+  using Pair = std::pair<int, int>;
+  const auto pair_of = [](const Arrival& a) { return Pair(a.beacon.value, a.receiver.value); };
+  std::map<Pair, std::size_t> all, met;
+  for (const Arrival& a : arrivals) ++all[pair_of(a)];
+  return std::erase_if(arrivals, [&](const Arrival& a) {
+           const std::size_t n = all[pair_of(a)], count = std::min(n, per_pair), at = met[pair_of(a)]++,
+                             i = (at * count + n - 1) / n;
+           return i * n / count != at;
+         }) > 0;
+}
+
+/// The groups that thin() takes of a run.
+std::vector<bool> chosen_groups(const DriveGroups& of_run, std::size_t beacons, std::size_t budget) {
+  const auto heard = [&](std::size_t g, std::size_t b) { return of_run.heard[g * beacons + b]; };
+  std::vector<bool> chosen = evenly_chosen(of_run.groups.size(), budget);
+  GroupsHearing hearing;
+  hearing.kept.assign(beacons, 0);
+  hearing.more.resize(beacons);
+  for (std::size_t g = 0; g < chosen.size(); ++g)
+    for (std::size_t b = 0; b < beacons; ++b) {
+      if (chosen[g]) hearing.kept[b] += heard(g, b);
+      if (!chosen[g] && heard(g, b) > 0) hearing.more[b].push_back(g);
+    }
+  hearing.for_each_heard = [&](std::size_t g, const auto& visit) {
+    for (std::size_t b = 0; b < beacons; ++b)
+      for (std::uint32_t i = 0; i < heard(g, b); ++i) visit(b);
+  };
+  choose_more(hearing, kPartOfLongLog.per_beacon, chosen);
+  return chosen;
+}
+
+std::size_t budget_of(const DriveGroups& of_run) {
+  if (of_run.groups.empty()) return kPartOfLongLog.instants;
+  const double each = static_cast<double>(of_run.arrivals) / static_cast<double>(of_run.groups.size());
+  return static_cast<std::size_t>(
+      std::max(30.0, static_cast<double>(kPartOfLongLog.drive_arrivals) / std::max(each, 1e-3)));
+}
+
+Result<MeasurementLog> part_of_run(std::size_t run, std::size_t vehicles, const ArrivalSource& source,
+                                   const DriveIndex& index) {
+  const MeasurementLog& log = source.log(run);
+  const DriveGroups& of_run = index.groups(run);
+  MeasurementLog few = without_lists(log);
+  few.rejected = log.rejected;
+  const std::size_t budget = budget_of(of_run);
+  const std::vector<bool> chosen = chosen_groups(of_run, index.beacons(), budget);
+  std::vector<std::pair<double, double>> spans;
+  std::vector<Arrival> rows;
+  bool crowded = false;
+  for (std::size_t g = 0; g < chosen.size(); ++g) {
+    if (!chosen[g]) continue;
+    if (auto ok = index.read(source, run, of_run.groups[g], rows); !ok) return fail(ok.error());
+    crowded = keep_some_of_pairs(kPartOfLongLog.per_pair, rows) || crowded;
+    few.arrivals.insert(few.arrivals.end(), rows.begin(), rows.end());
+    spans.emplace_back(of_run.groups[g].first_s, of_run.groups[g].last_s);
+  }
+  std::stable_sort(few.arrivals.begin(), few.arrivals.end(), [](const Arrival& a, const Arrival& b) {
+    return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
+  });
+  if (of_run.groups.size() <= budget && !crowded) {  // all of it
+    few.odometry = log.odometry;
+    return few;
+  }
+  std::sort(spans.begin(), spans.end());
+  for (std::size_t v = 0; v < vehicles; ++v) {
+    const std::vector<OdometryStep> some = thinned_odometry(log.odometry, VehicleId(v), spans);
+    few.odometry.insert(few.odometry.end(), some.begin(), some.end());
+  }
+  std::stable_sort(few.odometry.begin(), few.odometry.end(),
+                   [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
+  return few;
+}
+
+}  // namespace
+
+Result<Problem> part_of(const Site& site, const ArrivalSource& source, const DriveIndex& index, int threads) {
+  std::vector<MeasurementLog> runs;
+  for (std::size_t run = 0; run < source.runs(); ++run) {
+    auto few = part_of_run(run, site.vehicles.size(), source, index);
+    if (!few) return fail(few.error());
+    runs.push_back(std::move(*few));
+  }
+  return make_problem(site, std::move(runs), threads);
+}
+
+}  // namespace octant::calib
