@@ -7,6 +7,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "apps/octant/steps/steps.h"
 #include "apps/python/arrays.h"
 #include "apps/python/calls.h"
 #include "io/deployment/deployment_json.h"
@@ -44,6 +45,7 @@ struct Run {
 struct Fixes {
   std::vector<Fix> fixes;
   NameTable names;
+  std::optional<RunSpeed> speed{};  ///< of a run at an unknown temperature
 };
 
 NameTable names_in(const py::object& of) {
@@ -131,7 +133,8 @@ Method method_named(const std::string& name) {
 
 Fixes localize(const Deployment& deployment, const Run& run, const std::string& method) {
   const Method how = method_named(method);
-  return {unlocked([&] { return locate_run(how, deployment, run.log); }), names_of(deployment)};
+  auto found = unlocked([&] { return app::localize_runs(deployment, {run.log}, how); });
+  return {std::move(found.fixes.front()), names_of(deployment), found.speeds.front()};
 }
 
 template <class Owner>
@@ -274,6 +277,16 @@ void bind_fixes(py::module_& m) {
             return all;
           },
           "Of each fix, what became of each arrival.")
+      .def_property_readonly(
+          "speed",
+          [](const Fixes& f) -> py::object {
+            if (!f.speed || !f.speed->determined) return py::none();
+            return py::dict("offset_mps"_a = f.speed->offset_mps, "sigma_mps"_a = f.speed->sigma_mps,
+                            "taken"_a = f.speed->differs());
+          },
+          "What the arrivals of a run at an unknown temperature say of the speed; None: it is known, or they "
+          "do "
+          "not tell.")
       .def("__len__", [](const Fixes& f) { return f.fixes.size(); })
       .def("to_tum", [](const Fixes& f) { return io::fixes_to_tum(f.fixes); })
       .def("to_csv", [](const Fixes& f) { return io::fixes_to_csv(f.fixes, f.names); });

@@ -3,8 +3,8 @@
 #include "calib/errors/error_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -26,44 +26,68 @@ constexpr double kWhitenessSignificance =
     1e-4;                                  ///< of the test whether residuals are white, all sums together
 constexpr Eigen::Index kDraws = 48;        ///< of white noise in the test
 constexpr Eigen::Index kModelDraws = 120;  ///< of the fitted errors
+constexpr Eigen::Index kDrawsAtOnce = 24;
 constexpr int kReweightings = 2;
 constexpr double kRidge = 0.05;       ///< of the correlation of the sums, which some hundred draws tell
 constexpr double kLeastShare = 0.02;  ///< share of a component that residuals must show
 constexpr double kFewestFreedoms = 3.0;
 constexpr std::uint64_t kSeed = 20261122;
 
-/// Sums of values over the cells of a partition, one column each.
-Eigen::MatrixXd cell_sums(const std::vector<std::int32_t>& cell, std::int32_t count,
-                          const Eigen::MatrixXd& values) {
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(count, values.cols());
-  for (std::size_t i = 0; i < cell.size(); ++i)
-    if (cell[i] >= 0) sums.row(cell[i]) += values.row(static_cast<Eigen::Index>(i));
-  return sums;
-}
+/// Cells of the observations that have a part in a component, one after the other, of one partition.
+struct CellList {
+  std::vector<std::int32_t> cell;
+  std::int32_t count = 0;
+};
 
-/// |Z'r|^2 averaged over the partitions of a component, of each column of r.
-Eigen::RowVectorXd squares_of(const ErrorCells& c, const Eigen::MatrixXd& r) {
-  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(r.cols());
-  for (std::size_t k = 0; k < c.partitions.size(); ++k)
-    sum += cell_sums(c.partitions[k], c.counts[k], r).colwise().squaredNorm();
-  return sum / static_cast<double>(c.partitions.size());
+/// Sums of values over the cells of a partition, a row for each.
+/// @param values  of the observations of the list
+void sum_cells(const CellList& list, const ByRow& values, ByRow& sums) {
+  const Eigen::Index columns = values.cols();
+  sums.setZero(list.count, columns);
+  const double* from = values.data();
+  for (const std::int32_t cell : list.cell) {
+    double* to = sums.data() + cell * columns;
+    for (Eigen::Index k = 0; k < columns; ++k) to[k] += from[k];
+    from += columns;
+  }
 }
 
 /// White noise of one kind of observation is the component whose cells are the observations.
 struct Component {
-  const ErrorCells* cells = nullptr;  ///< null: white
+  const ErrorPart* part = nullptr;  ///< null: white
+  std::vector<CellList> partitions;
   bool bearings = false;
+};
+
+/// |Z'r|^2 of a component, averaged over its partitions, of each column of r. @param sums  room
+Eigen::RowVectorXd squares_of(const Component& c, const ByRow& r, ByRow& sums) {
+  if (c.part == nullptr) return r.cwiseAbs2().colwise().sum();
+  Eigen::RowVectorXd squares = Eigen::RowVectorXd::Zero(r.cols());
+  for (const CellList& list : c.partitions) {
+    sum_cells(list, r, sums);
+    squares += sums.cwiseAbs2().colwise().sum();
+  }
+  return squares / static_cast<double>(c.partitions.size());
+}
+
+/// What simulated errors leave: sums of squares of all components, rows, of each draw; squares of all
+/// residuals.
+struct Drawn {
+  Eigen::MatrixXd sums;
+  double squares = 0.0;
 };
 
 class Estimator {
  public:
   Estimator(const ErrorSample& sample, int threads)
       : sample_(sample), cells_(error_cells(sample)), threads_(threads) {
+    for (std::size_t i = 0; i < sample.rows.size(); ++i)
+      rows_of_[static_cast<std::size_t>(sample.rows[i].kind)].push_back(static_cast<Eigen::Index>(i));
     for (const bool bearings : {false, true})
-      if (count(bearings) > 0) components_.push_back({nullptr, bearings});
+      if (count(bearings) > 0) components_.push_back({nullptr, {}, bearings});
     whites_ = components_.size();
     for (const ErrorCells& c : cells_)
-      if (count(c.part.bearings) >= kFewestObservations) components_.push_back({&c, c.part.bearings});
+      if (count(c.part.bearings) >= kFewestObservations) components_.push_back(component_of(c));
   }
 
   /// Whether some sum of residuals is beyond what white noise leaves.
@@ -72,8 +96,8 @@ class Estimator {
     if (tests == 0) return false;
     Eigen::VectorXd white_noise = Eigen::VectorXd::Zero(size());
     white_noise.head(static_cast<Eigen::Index>(whites_)).setOnes();
-    const Eigen::MatrixXd drawn = statistics_of(residuals_drawn(white_noise, kDraws, 0, true));
-    const Eigen::VectorXd found = statistics_of(sample_.residual);
+    const Eigen::MatrixXd drawn = simulated(white_noise, kDraws, 0, true).sums;
+    const Eigen::VectorXd found = sums_of(sample_.residual);
     for (Eigen::Index m = static_cast<Eigen::Index>(whites_); m < size(); ++m) {
       // A sum of squares is about a gamma variable of its simulated mean and variance; as chi-square: x /
       // scale on nu degrees.
@@ -96,8 +120,8 @@ class Estimator {
     expect();
     // What priors, poses and odometry leave in the residuals is taken at its word.
     const Eigen::VectorXd word =
-        statistics_of(residuals_drawn(Eigen::VectorXd::Zero(size()), kModelDraws, 1, true)).rowwise().mean();
-    const Eigen::VectorXd found = statistics_of(sample_.residual) - word;
+        simulated(Eigen::VectorXd::Zero(size()), kModelDraws, 1, true).sums.rowwise().mean();
+    const Eigen::VectorXd found = sums_of(sample_.residual) - word;
     theta_ = Eigen::VectorXd::Zero(size());
     for (std::size_t w = 0; w < whites_; ++w) {
       const auto i = static_cast<Eigen::Index>(w);
@@ -105,9 +129,8 @@ class Estimator {
     }
     Eigen::MatrixXd weighted, drawn;
     for (int round = 0; round < kReweightings; ++round) {
-      drawn = statistics_of(residuals_drawn(theta_, kModelDraws, 2 + static_cast<std::uint64_t>(round), true))
-                  .colwise() -
-              word;
+      drawn =
+          simulated(theta_, kModelDraws, 2 + static_cast<std::uint64_t>(round), true).sums.colwise() - word;
       const Eigen::MatrixXd W = weights_of(drawn);
       weighted = W * expected_;
       theta_ = non_negative_least_squares(weighted, W * found);
@@ -127,7 +150,7 @@ class Estimator {
       (components_[w].bearings ? out.white_bearing : out.white_tof) = theta_[static_cast<Eigen::Index>(w)];
     for (std::size_t m = whites_; m < components_.size(); ++m)
       if (const double variance = theta_[static_cast<Eigen::Index>(m)]; variance > 0) {
-        out.parts.push_back(components_[m].cells->part);
+        out.parts.push_back(*components_[m].part);
         out.parts.back().variance = variance;
       }
     out.covariance = covariance(out.freedoms);
@@ -139,43 +162,55 @@ class Estimator {
   static ErrorSample::Kind kind_of(bool bearings) {
     return bearings ? ErrorSample::Kind::kBearing : ErrorSample::Kind::kArrival;
   }
-  [[nodiscard]] std::size_t count(bool bearings) const {
-    return static_cast<std::size_t>(
-        std::count_if(sample_.rows.begin(), sample_.rows.end(),
-                      [&](const ErrorSample::Row& r) { return r.kind == kind_of(bearings); }));
+  [[nodiscard]] const std::vector<Eigen::Index>& rows_of(ErrorSample::Kind kind) const {
+    return rows_of_[static_cast<std::size_t>(kind)];
+  }
+  [[nodiscard]] std::size_t count(bool bearings) const { return rows_of(kind_of(bearings)).size(); }
+  [[nodiscard]] Component component_of(const ErrorCells& c) const {
+    Component out{&c.part, {}, c.part.bearings};
+    for (std::size_t k = 0; k < c.partitions.size(); ++k) {
+      out.partitions.push_back({{}, c.counts[k]});
+      for (const Eigen::Index i : rows_of(kind_of(out.bearings)))
+        out.partitions.back().cell.push_back(c.partitions[k][static_cast<std::size_t>(i)]);
+    }
+    return out;
   }
   [[nodiscard]] Eigen::Index white_of(bool bearings) const { return whites_ > 1 && bearings ? 1 : 0; }
-  /// Adds draws of one component of unit variance times sigma.
+  /// Adds draws of one component of unit variance times sigma. @param errors  blocks of draws
   void add_draws(const Component& component, double sigma, std::uint64_t stream,
-                 Eigen::MatrixXd& errors) const {
+                 std::vector<ByRow>& errors) const {
     Random random(kSeed, stream);
-    if (component.cells == nullptr) {
-      add_white(kind_of(component.bearings), sigma, random, errors);
+    const ErrorSample::Kind kind = kind_of(component.bearings);
+    if (component.part == nullptr) {
+      add_white(kind, sigma, random, errors);
       return;
     }
-    const ErrorCells& c = *component.cells;
     std::vector<double> value;
-    for (Eigen::Index k = 0; k < errors.cols(); ++k) {
-      const std::size_t partition = static_cast<std::size_t>(k) % c.partitions.size();
-      value.resize(static_cast<std::size_t>(c.counts[partition]));
-      for (double& v : value) v = sigma * random.normal();
-      const std::vector<std::int32_t>& cell = c.partitions[partition];
-      for (std::size_t i = 0; i < cell.size(); ++i)
-        if (cell[i] >= 0) errors(static_cast<Eigen::Index>(i), k) += value[static_cast<std::size_t>(cell[i])];
-    }
+    std::size_t draw = 0;
+    for (ByRow& block : errors)
+      for (Eigen::Index k = 0; k < block.cols(); ++k, ++draw) {
+        const CellList& list = component.partitions[draw % component.partitions.size()];
+        value.resize(static_cast<std::size_t>(list.count));
+        for (double& v : value) v = sigma * random.normal();
+        std::size_t at = 0;
+        for (const Eigen::Index i : rows_of(kind))
+          block(i, k) += value[static_cast<std::size_t>(list.cell[at++])];
+      }
   }
 
-  void add_white(ErrorSample::Kind kind, double sigma, Random& random, Eigen::MatrixXd& errors) const {
-    for (Eigen::Index k = 0; k < errors.cols(); ++k)
-      for (std::size_t i = 0; i < sample_.rows.size(); ++i)
-        if (sample_.rows[i].kind == kind) errors(static_cast<Eigen::Index>(i), k) += sigma * random.normal();
+  void add_white(ErrorSample::Kind kind, double sigma, Random& random, std::vector<ByRow>& errors) const {
+    for (ByRow& block : errors)
+      for (Eigen::Index k = 0; k < block.cols(); ++k)
+        for (const Eigen::Index i : rows_of(kind)) block(i, k) += sigma * random.normal();
   }
 
-  /// Residuals of simulated errors.
+  /// Residuals of simulated errors, draws in blocks that a processor's cache holds.
   /// @param stated  priors, poses and odometry err too, as stated
-  [[nodiscard]] Eigen::MatrixXd residuals_drawn(const Eigen::VectorXd& theta, Eigen::Index draws,
-                                                std::uint64_t stream, bool stated) const {
-    Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(sample_.residual.size(), draws);
+  [[nodiscard]] Drawn simulated(const Eigen::VectorXd& theta, Eigen::Index draws, std::uint64_t stream,
+                                bool stated) const {
+    std::vector<ByRow> errors;
+    for (Eigen::Index first = 0; first < draws; first += kDrawsAtOnce)
+      errors.push_back(ByRow::Zero(sample_.residual.size(), std::min(kDrawsAtOnce, draws - first)));
     Eigen::MatrixXd of_priors = Eigen::MatrixXd::Zero(sample_.F.cols(), draws);
     for (Eigen::Index m = 0; m < size(); ++m)
       if (theta[m] > 0)
@@ -189,24 +224,30 @@ class Estimator {
         for (Eigen::Index i = 0; i < normal.rows(); ++i) normal(i, k) = random.normal();
       of_priors = sample_.prior_root * normal;
     }
-    return sample_.residuals_of(errors, of_priors);
+    Drawn out{Eigen::MatrixXd(size(), draws), 0.0};
+    Eigen::VectorXd squares(static_cast<Eigen::Index>(errors.size()));
+    for_each_parallel(errors.size(), threads_, [&](std::size_t block) {
+      const auto b = static_cast<Eigen::Index>(block);
+      const Eigen::Index first = b * kDrawsAtOnce, width = errors[block].cols();
+      const ByRow residuals = sample_.residuals_of(errors[block], of_priors.middleCols(first, width));
+      errors[block].resize(0, 0);
+      squares[b] = residuals.squaredNorm();
+      out.sums.middleCols(first, width) = sums_of(residuals);
+    });
+    out.squares = squares.sum();
+    return out;
   }
 
   /// Sums of squares of all components, rows, of each column of residuals.
-  [[nodiscard]] Eigen::MatrixXd statistics_of(const Eigen::MatrixXd& r) const {
+  [[nodiscard]] Eigen::MatrixXd sums_of(const ByRow& r) const {
     Eigen::MatrixXd q(size(), r.cols());
-    for_each_parallel(components_.size(), threads_, [&](std::size_t m) {
-      const Component& component = components_[m];
-      if (component.cells != nullptr) {
-        q.row(static_cast<Eigen::Index>(m)) = squares_of(*component.cells, r);
-        return;
-      }
-      Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(r.cols());
-      for (std::size_t i = 0; i < sample_.rows.size(); ++i)
-        if (sample_.rows[i].kind == kind_of(component.bearings))
-          sum += r.row(static_cast<Eigen::Index>(i)).cwiseAbs2();
-      q.row(static_cast<Eigen::Index>(m)) = sum;
-    });
+    ByRow sums;
+    for (const bool bearings : {false, true}) {
+      const ByRow mine = r(rows_of(kind_of(bearings)), Eigen::all);
+      for (std::size_t m = 0; m < components_.size(); ++m)
+        if (components_[m].bearings == bearings)
+          q.row(static_cast<Eigen::Index>(m)) = squares_of(components_[m], mine, sums);
+    }
     return q;
   }
 
@@ -221,12 +262,12 @@ class Estimator {
     std::vector<Eigen::Index> kept;
     for (Eigen::Index m = 0; m < size(); ++m) {
       const Component& component = components_[static_cast<std::size_t>(m)];
-      const Eigen::MatrixXd residuals = residuals_drawn(Eigen::VectorXd::Unit(size(), m), draws, 10, false);
+      const Drawn drawn = simulated(Eigen::VectorXd::Unit(size(), m), draws, 10, false);
       const double put_in = static_cast<double>(count(component.bearings)) * static_cast<double>(draws);
-      if (component.cells != nullptr && residuals.squaredNorm() < kLeastShare * put_in)
+      if (component.part != nullptr && drawn.squares < kLeastShare * put_in)
         continue;  // absorbed by the parameters
       kept.push_back(m);
-      columns.push_back(statistics_of(residuals).rowwise().mean());
+      columns.push_back(drawn.sums.rowwise().mean());
       told.push_back(component);
     }
     expected_.resize(static_cast<Eigen::Index>(kept.size()), static_cast<Eigen::Index>(kept.size()));
@@ -253,27 +294,27 @@ class Estimator {
     const Eigen::Index rank = sample_.F.cols(), p = sample_.L.rows();
     const double per_sample = 1.0 / std::max(sample_.share, 1e-9);
     Eigen::MatrixXd S = Eigen::MatrixXd::Identity(rank, rank);
+    const std::array<ByRow, 2> of_kind = {sample_.F(rows_of(ErrorSample::Kind::kArrival), Eigen::all),
+                                          sample_.F(rows_of(ErrorSample::Kind::kBearing), Eigen::all)};
+    ByRow sums;
     Eigen::MatrixXd told =
         Eigen::MatrixXd::Zero(p, size());  // what a unit of each variance adds to those of the parameters
     for (Eigen::Index m = 0; m < size(); ++m) {
       const Component& component = components_[static_cast<std::size_t>(m)];
       Eigen::MatrixXd part = Eigen::MatrixXd::Zero(rank, rank);
-      if (component.cells == nullptr) {
-        for (std::size_t i = 0; i < sample_.rows.size(); ++i)
-          if (sample_.rows[i].kind == kind_of(component.bearings))
-            part.selfadjointView<Eigen::Lower>().rankUpdate(
-                sample_.F.row(static_cast<Eigen::Index>(i)).transpose());
-        part = Eigen::MatrixXd(part.selfadjointView<Eigen::Lower>());
-      } else {
-        const ErrorCells& c = *component.cells;
-        for (std::size_t k = 0; k < c.partitions.size(); ++k) {
-          const Eigen::MatrixXd sums = cell_sums(c.partitions[k], c.counts[k], sample_.F);
-          part.noalias() += sums.transpose() * sums / static_cast<double>(c.partitions.size());
-        }
+      const ByRow& mine = of_kind[component.bearings ? 1 : 0];
+      const auto add_squares = [&part](const ByRow& rows, double weight) {
+        part.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose(), weight);
+      };
+      if (component.part == nullptr) add_squares(mine, 1.0);
+      for (const CellList& list : component.partitions) {
+        sum_cells(list, mine, sums);
+        add_squares(sums, 1.0 / static_cast<double>(component.partitions.size()));
       }
+      part = Eigen::MatrixXd(part.selfadjointView<Eigen::Lower>());
       part *= per_sample;
       told.col(m) = (sample_.L * part).cwiseProduct(sample_.L).rowwise().sum();
-      S += (component.cells == nullptr ? theta_[m] - 1.0 : theta_[m]) * part;
+      S += (component.part == nullptr ? theta_[m] - 1.0 : theta_[m]) * part;
     }
     Eigen::MatrixXd C = sample_.L * S * sample_.L.transpose();
     const Eigen::VectorXd held =
@@ -296,6 +337,7 @@ class Estimator {
   const ErrorSample& sample_;
   std::vector<ErrorCells> cells_;
   int threads_;
+  std::array<std::vector<Eigen::Index>, 3> rows_of_;  ///< by kind
   std::vector<Component> components_;
   std::size_t whites_ = 0;
   Eigen::MatrixXd expected_;  ///< sums x components

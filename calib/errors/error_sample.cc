@@ -61,8 +61,7 @@ class SampleBuilder {
     const auto n = static_cast<Eigen::Index>(sample_.rows.size());
     sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), n);
     const Eigen::Index rank = sample_.L.cols();
-    sample_.F = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        influence_.data(), n, rank);
+    sample_.F = Eigen::Map<const ByRow>(influence_.data(), n, rank);
     const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(rank, rank) - sample_.F.transpose() * sample_.F;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest);
     sample_.prior_root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
@@ -157,30 +156,52 @@ class SampleBuilder {
   std::vector<double> residual_, influence_;
 };
 
+/// x <- (L L')^-1 x, a few rows of many columns.
+void solve_rows(const NodeBlock& L, Eigen::Ref<ByRow> x) {
+  const Eigen::Index n = x.rows();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) x.row(i) -= L(i, j) * x.row(j);
+    x.row(i) /= L(i, i);
+  }
+  for (Eigen::Index i = n; i-- > 0;) {
+    for (Eigen::Index j = i + 1; j < n; ++j) x.row(i) -= L(j, i) * x.row(j);
+    x.row(i) /= L(i, i);
+  }
+}
+
 /// What the states of a chain take of errors, Jx A^-1 Jx' e, by forward elimination and back-substitution.
-void subtract_states(const ErrorSample& sample, const ErrorSample::Chain& chain,
-                     const Eigen::MatrixXd& errors, Eigen::MatrixXd& residuals) {
-  using Block =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxBlock, Eigen::Dynamic>;
-  const Eigen::Index draws = errors.cols();
-  std::vector<Block> x(chain.factor.size());
-  for (std::size_t k = 0; k < x.size(); ++k) x[k].setZero(chain.factor[k].rows(), draws);
+void subtract_states(const ErrorSample& sample, const ErrorSample::Chain& chain, const ByRow& errors,
+                     ByRow& residuals) {
+  const std::size_t count = chain.factor.size();
+  std::vector<Eigen::Index> first(count + 1, 0);  // row of each node's state in x
+  for (std::size_t k = 0; k < count; ++k) first[k + 1] = first[k] + chain.factor[k].rows();
+  ByRow x = ByRow::Zero(first[count], errors.cols());
+  const auto of_node = [&](std::size_t k) { return x.middleRows(first[k], first[k + 1] - first[k]); };
+  const auto gather = [&](std::size_t node, const NodeRow& by, Eigen::Index at) {
+    for (Eigen::Index a = 0; a < by.size(); ++a) x.row(first[node] + a) += by[a] * errors.row(at);
+  };
+  const auto spread = [&](std::size_t node, const NodeRow& by, Eigen::Index at) {
+    for (Eigen::Index a = 0; a < by.size(); ++a) residuals.row(at) -= by[a] * x.row(first[node] + a);
+  };
   for (std::size_t i = chain.first_row; i < chain.last_row; ++i) {
     const ErrorSample::Row& row = sample.rows[i];
-    const auto at = static_cast<Eigen::Index>(i);
-    x[row.node].noalias() += row.by_node.transpose() * errors.row(at);
-    if (row.has_next) x[row.node + 1].noalias() += row.by_next.transpose() * errors.row(at);
+    gather(row.node, row.by_node, static_cast<Eigen::Index>(i));
+    if (row.has_next) gather(row.node + 1, row.by_next, static_cast<Eigen::Index>(i));
   }
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    chain.factor[k].solveInPlace(x[k]);
-    if (k + 1 < x.size()) x[k + 1].noalias() -= chain.U[k].transpose() * x[k];
+  for (std::size_t k = 0; k < count; ++k) {
+    solve_rows(chain.factor[k].matrixLLT(), of_node(k));
+    if (k + 1 < count) of_node(k + 1).noalias() -= chain.U[k].transpose().lazyProduct(of_node(k));
   }
-  for (std::size_t k = x.size() - 1; k-- > 0;) x[k].noalias() -= chain.factor[k].solve(chain.U[k] * x[k + 1]);
+  ByRow carried;
+  for (std::size_t k = count - 1; k-- > 0;) {
+    carried = chain.U[k].lazyProduct(of_node(k + 1));
+    solve_rows(chain.factor[k].matrixLLT(), carried);
+    of_node(k) -= carried;
+  }
   for (std::size_t i = chain.first_row; i < chain.last_row; ++i) {
     const ErrorSample::Row& row = sample.rows[i];
-    const auto at = static_cast<Eigen::Index>(i);
-    residuals.row(at).noalias() -= row.by_node * x[row.node];
-    if (row.has_next) residuals.row(at).noalias() -= row.by_next * x[row.node + 1];
+    spread(row.node, row.by_node, static_cast<Eigen::Index>(i));
+    if (row.has_next) spread(row.node + 1, row.by_next, static_cast<Eigen::Index>(i));
   }
 }
 
@@ -364,12 +385,11 @@ ErrorSample error_sample(const ParameterLayout& layout, const std::vector<Trajec
   return SampleBuilder(layout, trajectories, state, C, most).build();
 }
 
-Eigen::MatrixXd ErrorSample::residuals_of(const Eigen::MatrixXd& errors,
-                                          const Eigen::MatrixXd& of_priors) const {
-  Eigen::MatrixXd residuals = errors;
+ByRow ErrorSample::residuals_of(const ByRow& errors, const Eigen::MatrixXd& of_priors) const {
+  ByRow residuals = errors;
   for (const Chain& chain : chains)
     if (chain.last_row > chain.first_row) subtract_states(*this, chain, errors, residuals);
-  const Eigen::MatrixXd taken = F.transpose() * errors + of_priors;
+  const ByRow taken = F.transpose() * errors + of_priors;
   residuals.noalias() -= F * taken;
   return residuals;
 }

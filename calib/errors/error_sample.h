@@ -17,6 +17,9 @@
 
 namespace octant::calib {
 
+/// A row for each observation, many columns: a pass over the rows takes all columns of each together.
+using ByRow = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// Observations in use as an error model sees them: residuals, influences, and where and when they were
 /// taken.
 struct ErrorSample {
@@ -40,7 +43,7 @@ struct ErrorSample {
   };
   std::vector<Row> rows;     ///< by chain
   Eigen::VectorXd residual;  ///< whitened
-  Eigen::MatrixXd F;         ///< rows x rank: d theta = -L f' e
+  ByRow F;                   ///< rows x rank: d theta = -L f' e
   Eigen::MatrixXd L;         ///< root of the white covariance
   double share = 1.0;        ///< of all arrivals and bearings that the sample holds
 
@@ -50,8 +53,7 @@ struct ErrorSample {
   /// Residuals that errors leave when parameters and states have been adjusted to them, M e.
   /// @param errors  rows x any number of draws
   /// @param of_priors  rank x draws: what the errors of priors add to F'e
-  [[nodiscard]] Eigen::MatrixXd residuals_of(const Eigen::MatrixXd& errors,
-                                             const Eigen::MatrixXd& of_priors) const;
+  [[nodiscard]] ByRow residuals_of(const ByRow& errors, const Eigen::MatrixXd& of_priors) const;
 
   /// Factored information of the states of one segment: block-tridiagonal.
   struct Chain {

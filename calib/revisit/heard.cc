@@ -34,6 +34,21 @@ Heard heard_of(std::string name, const std::vector<Trajectory>& trajectories, co
   return h;
 }
 
+/// Of each of so many beacons or receivers. @param as_before  puts one back to where it was
+/// @param owner  beacon or receiver of an arrival
+template <class Name, class AsBefore, class Owner>
+std::vector<Heard> heard_of_each(std::size_t count, const std::vector<Trajectory>& trajectories,
+                                 const SharedState& now, Name&& name, AsBefore&& as_before, Owner&& owner) {
+  std::vector<Heard> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    SharedState state = now;
+    as_before(i, state);
+    all.push_back(
+        heard_of(name(i), trajectories, state, [&](const ArrivalObservation& a) { return owner(a) == i; }));
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<Agreeing> agreeing(std::size_t beacons, const std::vector<Trajectory>& trajectories) {
@@ -65,34 +80,32 @@ std::vector<std::size_t> doubtful_beacons(const Deployment& before,
 std::vector<Heard> heard_of_beacons(const Deployment& before, const std::vector<Trajectory>& trajectories,
                                     const SharedState& now) {
   const SharedState then = shared_state(before);
-  std::vector<Heard> all;
-  for (std::size_t b = 0; b < before.beacons.size(); ++b) {
-    SharedState state = now;
-    if (before.beacons[b].status != BeaconStatus::kUndetermined) {
-      state.beacon_p_map_m[b] = then.beacon_p_map_m[b];
-      state.beacon_delay_s[b] = then.beacon_delay_s[b];
-      if (!then.beacon_log_gain.empty()) state.beacon_log_gain[b] = then.beacon_log_gain[b];
-    }
-    all.push_back(heard_of(before.beacons[b].name, trajectories, state,
-                           [b](const ArrivalObservation& a) { return a.beacon.index() == b; }));
-  }
-  return all;
+  return heard_of_each(
+      before.beacons.size(), trajectories, now, [&](std::size_t b) { return before.beacons[b].name; },
+      [&](std::size_t b, SharedState& state) {
+        if (before.beacons[b].status == BeaconStatus::kUndetermined) return;
+        state.beacon_p_map_m[b] = then.beacon_p_map_m[b];
+        state.beacon_delay_s[b] = then.beacon_delay_s[b];
+        if (!then.beacon_log_gain.empty()) state.beacon_log_gain[b] = then.beacon_log_gain[b];
+      },
+      [](const ArrivalObservation& a) { return a.beacon.index(); });
 }
 
 std::vector<Heard> heard_by_receivers(const Deployment& before, const std::vector<Trajectory>& trajectories,
                                       const SharedState& now) {
   const SharedState then = shared_state(before);
-  std::vector<Heard> all;
-  for (std::size_t r = 0; r < before.receivers.size(); ++r) {
-    SharedState state = now;
-    state.receiver_p_vehicle_m[r] = then.receiver_p_vehicle_m[r];
-    state.receiver_delay_s[r] = then.receiver_delay_s[r];
-    std::string name = before.vehicles[before.receivers[r].vehicle.index()].name;
-    name += "/" + before.receivers[r].name;
-    all.push_back(heard_of(std::move(name), trajectories, state,
-                           [r](const ArrivalObservation& a) { return a.receiver.index() == r; }));
-  }
-  return all;
+  return heard_of_each(
+      before.receivers.size(), trajectories, now,
+      [&](std::size_t r) {
+        std::string name = before.vehicles[before.receivers[r].vehicle.index()].name;
+        name += "/" + before.receivers[r].name;
+        return name;
+      },
+      [&](std::size_t r, SharedState& state) {
+        state.receiver_p_vehicle_m[r] = then.receiver_p_vehicle_m[r];
+        state.receiver_delay_s[r] = then.receiver_delay_s[r];
+      },
+      [](const ArrivalObservation& a) { return a.receiver.index(); });
 }
 
 }  // namespace octant::calib

@@ -293,14 +293,19 @@ class SecondVisit {
     const bool known_white = !visit_.correlated;
     const Eigen::MatrixXd prior = drifted();
     for (int pass = 0; pass < kPassesOfAll; ++pass) {
+      // The error model is of the residuals that white weights leave: it is told once, where these have led,
+      // and until then what changed stays what the part has shown.
+      const bool last = pass + 1 == kPassesOfAll;
       const SharedState state = fit_.state();
       settle_all(state, pass == 0 ? kCauchyScale : 0.0);
       mark_rejected(fit_.trajectories, state, options_.solve.rejection_sigmas, options_.solve.threads);
       const Eigen::MatrixXd P =
           prior + released_covariance(known_, changed_parameters(out_.comparison, known_), before_.motion);
       set_joint_prior(fit_.layout = layout_, known_, P);
-      visit_ = visit_information(fit_, known_, P, before_, options_.solve.threads, known_white);
-      out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
+      visit_ = visit_information(fit_, known_, P, before_, options_.solve.threads, known_white || !last);
+      if (known_white || last)
+        out_.comparison =
+            compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
       move_to(known_.value + updated_by(P, visit_.N, visit_.gradient).step);
     }
     statistics_ = statistics_of(fit_.problem, fit_.layout, fit_.trajectories, fit_.state(), data_cost(),

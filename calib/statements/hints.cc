@@ -104,8 +104,13 @@ std::vector<Finding> outcome_hints(const Problem& problem, const Solution& solut
 
 void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
              const SolveOptions& options) {
-  if (!seems_misread(adjusted, solution)) return;
-  std::vector<Contradiction> found = find_misreadings(problem, solution, options);
+  const bool misread = seems_misread(adjusted, solution);
+  const bool point_blamed =
+      std::any_of(solution.contradictions.begin(), solution.contradictions.end(),
+                  [](const Contradiction& c) { return c.kind == ContradictionKind::kControlPoint; });
+  if (!misread && !point_blamed) return;
+  std::vector<Contradiction> found = misread ? find_misreadings(problem, solution, options)
+                                             : find_exchanged_points(problem, solution, options);
   if (found.empty()) return;
   solution.contradictions = std::move(found);
   if (solution.status != SolveStatus::kUndetermined) return;

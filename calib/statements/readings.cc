@@ -12,13 +12,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calib/adjust/adjust.h"
-#include "calib/adjust/reject.h"
 #include "calib/problem/site_units.h"
 #include "calib/problem/thin.h"
-#include "calib/start/approach.h"
 #include "calib/statements/pauses.h"
 #include "calib/statements/pose_frames.h"
+#include "calib/statements/reading_score.h"
 #include "calib/statements/wiring.h"
 
 namespace octant::calib {
@@ -40,6 +38,9 @@ struct Share {
 constexpr Share kFirstLook = {16, 12, 600}, kSecondLook = {40, 30, 1500};
 constexpr double kWorthASecondLook = 0.8;  ///< of the loss as stated
 constexpr std::size_t kSecondLooks = 2;    ///< of each kind
+/// Control points among which every exchange of two is looked at.
+constexpr std::size_t kFewPoints = 4;
+constexpr double kPlainSigmas = 8.0;  ///< by which an exchange must explain more than what was stated
 constexpr std::size_t kInstantsAtLeast = 10, kDriveArrivalsAtLeast = 200;
 
 /// The statements as they might be meant: another site, or other recordings.
@@ -48,68 +49,6 @@ struct Reading {
   std::function<Site(const Site&)> site;
   std::function<void(MeasurementLog&)> run;
 };
-
-/// What an adjustment makes of a reading.
-struct Score {
-  double loss =
-      0.0;  ///< negative log likelihood an arrival: Gauss where it agrees, a constant where it does not
-  double agreeing = 0.0;    ///< share of the arrivals
-  double noise = INFINITY;  ///< of those, over the stated one
-  double redundancy = 0.0;  ///< an arrival
-  double arrivals = 0.0;
-  std::vector<double> sizes = {};  ///< of the residuals, in stated sigmas
-};
-
-/// Observations that tie the states beside the arrivals.
-double ties_of(const Trajectory& t) {
-  return 3.0 * static_cast<double>(t.odometry.size() + t.poses.size()) +
-         static_cast<double>(t.bearings.size());
-}
-
-/// Fills what the adjusted states say of the arrivals.
-void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajectories, double cap, double n,
-                    Score& score) {
-  const SharedState state = it.state();
-  double squares = 0.0, agreeing = 0.0, free = -static_cast<double>(it.layout.size());
-  for (const Trajectory& t : trajectories) {
-    free += ties_of(t);
-    for (const Node& node : t.nodes) free -= node.placed ? t.block_size() : 0;
-    for (const ArrivalObservation& a : t.arrivals) {
-      if (!t.nodes[a.node].placed || a.rejection == Rejection::kBeaconUnusable) continue;
-      const double residual = arrival_residual(t, a, state);
-      score.sizes.push_back(std::abs(residual));
-      if (a.rejection != Rejection::kUsed) continue;
-      squares += residual * residual;
-      agreeing += 1;
-    }
-  }
-  const double others = std::max(0.0, it.last.cost - 0.5 * squares);  // priors, poses, odometry
-  score.loss = (0.5 * squares / (score.noise * score.noise) + cap * (n - agreeing) + others) / n +
-               std::log(score.noise);
-  score.agreeing = agreeing / n;
-  score.redundancy = (agreeing + free) / n;
-}
-
-/// A quick calibration: approach, rejection at four sigmas, plain squares. An arrival that does not agree
-/// costs as much as one at the limit.
-Score score_of(const Site& site, const std::vector<MeasurementLog>& runs, const SolveOptions& options,
-               bool search_again) {
-  const double limit = options.rejection_sigmas, cap = 0.5 * limit * limit;
-  Score score{.loss = cap};
-  for (const MeasurementLog& run : runs) score.arrivals += static_cast<double>(run.arrivals.size());
-  const double n = score.arrivals;
-  const auto problem = make_problem(site, runs, options.threads);
-  if (!problem || n == 0) return score;
-  Course course(options);
-  Approach found = approach(*problem, options, course, search_again);
-  if (!found.ok) return score;
-  Estimate& it = found.estimate;
-  score.noise = std::max(1.0, agreeing_sigma(found.trajectories, it.state()));
-  (void)mark_rejected(found.trajectories, it.state(), limit * score.noise, options.threads);
-  it.last = adjust(*problem, it.layout, found.trajectories, it.x, course.adjust_options(0.0, 1e-6));
-  judge_arrivals(it, found.trajectories, cap, n, score);
-  return score;
-}
 
 std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std::size_t beacons,
                                    const Share& share) {
@@ -138,12 +77,17 @@ class Search {
       };
   }
 
+  /// Exchanged control points alone.
+  std::vector<Contradiction> exchanged() {
+    look_as_stated();
+    try_exchanged_points();
+    return best();
+  }
+
   std::vector<Contradiction> run() {
-    first_ = few_of(problem_.runs, site_.beacons.size(), kFirstLook);
-    second_ = few_of(problem_.runs, site_.beacons.size(), kSecondLook);
-    stated_first_ = score_of(site_, first_, options_, false);
-    stated_ = score_of(site_, second_, options_, true);
+    look_as_stated();
     try_numbered_stops();
+    if (found_.empty()) try_exchanged_points();
     const bool scale_is_right = stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise;
     if (found_.empty()) {
       std::vector<Reading> scales = units(scale_is_right);
@@ -162,10 +106,17 @@ class Search {
  private:
   struct Tried {
     Contradiction what;
-    Score score;
+    ReadingScore score;
   };
   static constexpr double kScaleAgrees =
       0.5;  ///< a share of agreeing arrivals that no wrong scale of all leaves
+
+  void look_as_stated() {
+    first_ = few_of(problem_.runs, site_.beacons.size(), kFirstLook);
+    second_ = few_of(problem_.runs, site_.beacons.size(), kSecondLook);
+    stated_first_ = score_of(site_, first_, options_, false);
+    stated_ = score_of(site_, second_, options_, true);
+  }
 
   [[nodiscard]] bool stopped() const { return options_.on_progress && !options_.on_progress({}); }
 
@@ -178,13 +129,18 @@ class Search {
     return static_cast<double>(agreeing) / std::max(1.0, stated_.arrivals);
   }
 
-  [[nodiscard]] bool explains(const Score& s) const {
+  /// By itself, whatever the statements explain.
+  [[nodiscard]] bool is_good(const ReadingScore& s) const {
     return s.agreeing >= std::max(kAgreeingShare, agreeing_as_stated(s.noise)) && s.noise <= kNoise &&
-           s.redundancy >= kRedundant && stated_.loss - s.loss >= kGain && s.loss <= kFactor * stated_.loss;
+           s.redundancy >= kRedundant;
   }
 
-  [[nodiscard]] Score score(const Reading& reading, const std::vector<MeasurementLog>& runs,
-                            bool search_again) const {
+  [[nodiscard]] bool explains(const ReadingScore& s) const {
+    return is_good(s) && stated_.loss - s.loss >= kGain && s.loss <= kFactor * stated_.loss;
+  }
+
+  [[nodiscard]] ReadingScore score(const Reading& reading, const std::vector<MeasurementLog>& runs,
+                                   bool search_again) const {
     if (!reading.run) return score_of(reading.site(site_), runs, options_, search_again);
     std::vector<MeasurementLog> others = runs;
     for (MeasurementLog& run : others) reading.run(run);
@@ -208,7 +164,7 @@ class Search {
               [](const auto& a, const auto& b) { return a.second < b.second; });
     for (const auto& [loss, i] : ranking) {
       if (stopped()) return;
-      const Score s = score(readings[i], second_, true);
+      const ReadingScore s = score(readings[i], second_, true);
       if (explains(s)) found_.push_back({readings[i].what, s});
     }
   }
@@ -239,8 +195,22 @@ class Search {
                     stops),
         0.0,
         "add a column epoch that numbers the stops: rows with the same epoch share one pose of the vehicle"};
-    const Score s = score_of(site_, few_of(runs, site_.beacons.size(), kSecondLook), options_, true);
+    const ReadingScore s = score_of(site_, few_of(runs, site_.beacons.size(), kSecondLook), options_, true);
     if (explains(s)) found_.push_back({what, s});
+  }
+
+  /// The best of them. Control points that are exchanged leave most of the shape of the site as it is, so
+  /// that many arrivals agree with what was stated: as nothing is adjusted to it, a plain gain in likelihood
+  /// suffices.
+  void try_exchanged_points() {
+    std::optional<Tried> least;
+    for (const Reading& reading : exchanged_points()) {
+      if (stopped()) return;
+      const ReadingScore s = score(reading, second_, true);
+      const bool plain = s.arrivals * (stated_.loss - s.loss) >= 0.5 * kPlainSigmas * kPlainSigmas;
+      if (plain && is_good(s) && (!least || s.loss < least->score.loss)) least = {reading.what, s};
+    }
+    if (least) found_.push_back(*least);
   }
 
   [[nodiscard]] std::optional<Reading> ranging() const {
@@ -290,6 +260,35 @@ class Search {
       if (!names.empty())
         readings.push_back(unit(u, {some, false}, fmt::format("beacons {}", fmt::join(names, ", "))));
     }
+    return readings;
+  }
+
+  /// Two of a few control points at each other's places. Of three that are all the datum each can be blamed
+  /// by itself, as it may move to where it agrees with the two others; an exchange explains the same with
+  /// nothing to adjust.
+  [[nodiscard]] std::vector<Reading> exchanged_points() const {
+    std::vector<std::size_t> points;
+    for (std::size_t b = 0; b < site_.beacons.size(); ++b)
+      if (site_.beacons[b].is_control_point()) points.push_back(b);
+    std::vector<Reading> readings;
+    if (points.size() > kFewPoints) return readings;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      for (std::size_t j = i + 1; j < points.size(); ++j) {
+        const std::size_t a = points[i], b = points[j];
+        const std::string names = site_.beacons[a].name + ", " + site_.beacons[b].name;
+        readings.push_back(
+            {{ContradictionKind::kExchanged, names, "at the places in the site file",
+              "at each other's places", 0.0,
+              fmt::format("exchange the positions of control points {} and {} in the site file, or their "
+                          "labels on the wall",
+                          site_.beacons[a].name, site_.beacons[b].name)},
+             [a, b](const Site& site) {
+               Site other = site;
+               std::swap(other.beacons[a].position_m, other.beacons[b].position_m);
+               return other;
+             },
+             {}});
+      }
     return readings;
   }
 
@@ -346,7 +345,7 @@ class Search {
   SolveOptions options_;
   Site site_;
   std::vector<MeasurementLog> first_, second_;  ///< evenly spread parts for a first and a second look
-  Score stated_first_, stated_;
+  ReadingScore stated_first_, stated_;
   std::vector<Tried> found_;
 };
 
@@ -383,6 +382,11 @@ bool seems_misread(const Problem& problem, const Solution& solution) {
 std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution,
                                             const SolveOptions& options) {
   return Search(problem, solution, options).run();
+}
+
+std::vector<Contradiction> find_exchanged_points(const Problem& problem, const Solution& solution,
+                                                 const SolveOptions& options) {
+  return Search(problem, solution, options).exchanged();
 }
 
 }  // namespace octant::calib

@@ -15,12 +15,19 @@ namespace octant::calib {
 [[nodiscard]] bool seems_misread(const Problem& problem, const Solution& solution);
 
 /// Looks for the false statement behind such an outcome, one that people often get wrong: a small
-/// combinatorial search over other readings (receivers exchanged, mirrored, turned; positions in centimetres,
-/// millimetres, feet, inches; two-way times; stops without epochs; mirrored poses), each adjusted to an
-/// evenly spread part of the recordings and held against the same part as stated by a robust likelihood
+/// combinatorial search over other readings (two of a few control points exchanged; receivers exchanged,
+/// mirrored, turned; positions in centimetres, millimetres, feet, inches; two-way times; stops without
+/// epochs; mirrored poses), each adjusted to an evenly spread part of the recordings and held against the
+/// same part as stated by a robust likelihood
 /// (`sigmas`: the root of twice its logarithm). Usually one or none; several where the data cannot tell them
 /// apart. Takes some dozens of quick adjustments.
 [[nodiscard]] std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution,
                                                           const SolveOptions& options = {});
+
+/// The same search among exchanges of two control points alone, where the site has three or four: for an
+/// outcome that blames one of them and explains all else.
+[[nodiscard]] std::vector<Contradiction> find_exchanged_points(const Problem& problem,
+                                                               const Solution& solution,
+                                                               const SolveOptions& options = {});
 
 }  // namespace octant::calib

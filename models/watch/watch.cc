@@ -73,8 +73,13 @@ void Watch::add_charts(std::vector<Member>& members, WatchKind late, WatchKind m
   }
 }
 
+void Watch::forget(Chart& chart) noexcept {
+  chart.sum = CumulativeSum{};
+  chart.score = chart.information = 0.0;
+}
+
 void Watch::restart() noexcept {
-  for (Chart& chart : charts_) chart.sum = chart.score = chart.information = 0.0;
+  for (Chart& chart : charts_) forget(chart);
   for (auto* members : {&beacons_, &receivers_})
     for (Member& member : *members) member.out = false;
   speed_offset_mps_ = 0.0;
@@ -261,15 +266,15 @@ void Watch::advance(Chart& chart, double score, double information, double cross
   const double let_pass = beta_m * std::max(information, std::abs(cross));
   const double gain = std::min(threshold_ / options_.least_steps, delta_m * (chart.sign * score - let_pass) -
                                                                       0.5 * delta_m * delta_m * information);
-  if (chart.sum + gain <= 0.0) {
-    chart.sum = chart.score = chart.information = 0.0;
+  const bool begins = chart.sum.value == 0.0;
+  if (!chart.sum.add(gain)) {
+    forget(chart);
     return;
   }
-  if (chart.sum == 0.0) chart.since_s = time_s;
-  chart.sum += gain;
+  if (begins) chart.since_s = time_s;
   chart.score += chart.sign * score;
   chart.information += information;
-  alarmed_ = alarmed_ || chart.sum > threshold_;
+  alarmed_ = alarmed_ || chart.sum.value > threshold_;
 }
 
 std::optional<WatchAlarm> Watch::verdict(double time_s) noexcept {
@@ -281,7 +286,7 @@ std::optional<WatchAlarm> Watch::verdict(double time_s) noexcept {
     return chart.information > 0.0 ? chart.score / std::sqrt(chart.information) : 0.0;
   };
   for (const Chart& chart : charts_)
-    if (chart.sum > 0.5 * threshold_ && (likeliest == nullptr || sigmas(chart) > sigmas(*likeliest)))
+    if (chart.sum.value > 0.5 * threshold_ && (likeliest == nullptr || sigmas(chart) > sigmas(*likeliest)))
       likeliest = &chart;
   if (likeliest == nullptr) return std::nullopt;
   WatchAlarm alarm;
@@ -295,7 +300,7 @@ std::optional<WatchAlarm> Watch::verdict(double time_s) noexcept {
   alarm.since_s = likeliest->since_s;
   alarm.time_s = time_s;
   (of_beacon ? beacons_ : receivers_)[likeliest->member].out = true;
-  for (Chart& chart : charts_) chart.sum = chart.score = chart.information = 0.0;
+  for (Chart& chart : charts_) forget(chart);
   return alarm;
 }
 

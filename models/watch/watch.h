@@ -14,6 +14,7 @@
 #include "models/fix.h"
 #include "models/run.h"
 #include "models/trajectory/shared_state.h"
+#include "models/watch/cusum.h"
 
 namespace octant {
 
@@ -137,9 +138,11 @@ class Watch {
     std::size_t member = 0;
     int signature = 0;
     double sign = 1.0;
-    double sum = 0.0, score = 0.0, information = 0.0, since_s = 0.0;
+    CumulativeSum sum{};
+    double score = 0.0, information = 0.0, since_s = 0.0;
   };
 
+  static void forget(Chart& chart) noexcept;
   void add_charts(std::vector<Member>& members, WatchKind late, WatchKind moved);
   [[nodiscard]] bool predict(const Arrival& arrival, const Pose& T_map_vehicle, bool used, Row& row) noexcept;
   void gather(const Row& row) noexcept;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "survey/trend/cusum.h"
+#include "models/watch/cusum.h"
 
 namespace octant::survey {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "survey/trend/cusum.h"
+#include "models/watch/cusum.h"
 
 namespace octant::survey {
 namespace {
@@ -29,7 +29,7 @@ struct WeightedMean {
 class Level {
  public:
   Level(std::vector<ChartPoint>& points, std::size_t first, double k, double h, double smallest_sigma)
-      : points_(points), first_(first), cusum_{k, h, 0.0, 0.0}, smallest_sigma_(smallest_sigma) {}
+      : points_(points), first_(first), cusum_{k, h}, smallest_sigma_(smallest_sigma) {}
 
   /// The first point with an alarm behind `silent_until`; points before it may be beyond the limit and say
   /// nothing.
@@ -43,8 +43,8 @@ class Level {
         p.deviation_sigmas = (p.measured.value - mean_.mean()) / std::sqrt(sigma * sigma + mean_.variance());
         cusum_.add(p.deviation_sigmas);
       }
-      p.upper = cusum_.upper;
-      p.lower = cusum_.lower;
+      p.upper = cusum_.upper.value;
+      p.lower = cusum_.lower.value;
       if (i > silent_until) p.alarm = cusum_.alarm();
       if (p.alarm != 0) return shift_before(i);
       add(i, mean_);

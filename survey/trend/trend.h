@@ -51,7 +51,7 @@ struct ControlChart {
 /// 1975), and so are what a self-starting CUSUM wants (Hawkins, JQT 19, 1987): no value is taken for the
 /// truth because it is the first. After an alarm the chart begins anew at the first point of the new level.
 /// @param values           by time; sigmas of independent errors
-/// @param k, h             of the cumulative sums (cusum.h)
+/// @param k, h             of the cumulative sums (models/watch/cusum.h)
 /// @param smallest_sigma   what a change is measured by where both values are held fixed (surveyed places)
 [[nodiscard]] ControlChart control_chart(const std::vector<TrendValue>& values, double k, double h,
                                          double smallest_sigma);

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,10 +22,12 @@
 #include "io/live/live_fixes.h"
 #include "io/live/live_rows.h"
 #include "models/live/follower.h"
+#include "models/live/live_speed.h"
 
 namespace octant::app {
 namespace {
 
+constexpr double kPause_s = 0.005;    ///< between pings of two poses
 constexpr int kQuiet_ms = 50;         ///< after which a pose that is open counts as complete
 constexpr int kQuietEpoch_ms = 2000;  ///< the same of an epoch: beacons take turns
 
@@ -130,7 +133,16 @@ class FollowLoop {
     if (!deployment) return fail(deployment.error());
     if (auto fits = follow_fits(*deployment, options_.method); !fits) return fail(fits.error());
     warn_if_contradicted(*deployment, deployment_, session_);
-    auto engine = std::make_unique<Engine>(std::move(*deployment), options_);
+    if (tells_speed(*deployment)) {
+      speed_.emplace(*deployment);
+    } else {
+      speed_.reset();
+    }
+    return engine_of(std::move(*deployment));
+  }
+
+  std::unique_ptr<Engine> engine_of(Deployment deployment) {
+    auto engine = std::make_unique<Engine>(std::move(deployment), options_);
     Engine* e = engine.get();
     e->follower.on_fix = [this, e](const Fix& fix) {
       out_ += words_.format == "nmea"  ? io::fix_as_nmea(fix, origin_)
@@ -150,11 +162,41 @@ class FollowLoop {
     reloads_ = hangups;
     auto engine = load();
     if (!engine) return session_.warn("the deployment that is in use is kept: " + engine.error().message());
-    engine_->follower.flush();
-    (*engine)->follower.carry_on(engine_->follower);
-    add_counts();
-    engine_ = std::move(*engine);
+    go_on_with(std::move(*engine));
+    offset_mps_ = 0.0;
     session_.note(fmt::format("{} was read anew", deployment_));
+  }
+
+  void go_on_with(std::unique_ptr<Engine> engine) {
+    engine_->follower.flush();
+    engine->follower.carry_on(engine_->follower);
+    add_counts();
+    engine_ = std::move(engine);
+  }
+
+  /// Least squares and the tracker take a speed; of one vehicle, as poses that are open do not end together.
+  [[nodiscard]] bool tells_speed(const Deployment& d) const {
+    const bool takes_speed = options_.method == Method::kAuto || options_.method == Method::kLeastSquares ||
+                             options_.method == Method::kTracker;
+    return takes_speed && d.vehicles.size() == 1 && d.medium.model != MediumModel::kConstant;
+  }
+
+  /// Where the temperature is not known the arrivals tell the speed, as for a recording. Between two poses.
+  void follow_speed(const Arrival& next) {
+    const bool begins_pose =
+        next.epoch != kNoEpoch ? next.epoch != last_.epoch : next.time_s > last_.time_s + kPause_s;
+    last_ = next;
+    if (!speed_->ready() || !begins_pose) return;
+    const auto found = speed_->estimate();
+    if (!found) return;
+    const double wanted_mps = found->differs() ? found->offset_mps : 0.0;
+    if (std::abs(wanted_mps - offset_mps_) <= found->sigma_mps) return;
+    offset_mps_ = wanted_mps;
+    go_on_with(engine_of(found->differs() ? at_speed(speed_->calibrated(), *found) : speed_->calibrated()));
+    session_.note(
+        fmt::format("the temperature is not known; from here on the speed is that of {} arrivals: {:+.2f} "
+                    "m/s (sigma {:.2f} m/s) from the calibration's",
+                    found->arrivals, found->offset_mps, found->sigma_mps));
   }
 
   void add_counts() {
@@ -176,8 +218,11 @@ class FollowLoop {
     const auto row = engine_->reader.row(text);
     if (!row) return bad_.add(row.error().message(), lines_, session_);
     if (const auto* arrival = std::get_if<Arrival>(&*row)) {
+      if (speed_) follow_speed(*arrival);
+      if (speed_) speed_->hear(*arrival);
       engine_->follower.hear(*arrival);
     } else if (const auto* step = std::get_if<OdometryStep>(&*row)) {
+      if (speed_) speed_->move(*step);
       engine_->follower.move(*step);
     } else if (std::holds_alternative<io::LiveFlush>(*row)) {
       engine_->follower.flush();
@@ -216,6 +261,9 @@ class FollowLoop {
   Session& session_;
   io::EarthOrigin origin_;
   std::unique_ptr<Engine> engine_;
+  std::optional<LiveSpeed> speed_;
+  double offset_mps_ = 0.0;  ///< of the speed in use from the calibration's
+  Arrival last_;
   io::LineCutter cutter_;
   BadLines bad_;
   FollowCounts counts_;

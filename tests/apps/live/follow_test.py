@@ -84,6 +84,24 @@ class Streams(unittest.TestCase):
             self.assertAlmostEqual(fix["y_m"], row[2], 5)
         self.assertIn("fixes            40", err)
 
+    def test_arrivals_tell_the_speed_of_air_at_an_unknown_temperature(self):
+        with open(DEPLOYMENT, encoding="utf-8") as file:
+            colder = json.load(file)
+        del colder["digest"]
+        colder["medium"]["offset_mps"] -= 5.0  # eight degrees
+        colder["medium"]["speed_mps"] -= 5.0
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "colder.json")
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(colder, file)
+            process = follow(deployment=path)
+            out, err = process.communicate(STREAM + b"".join(later(line, 1) for line in LINES), timeout=120)
+        self.assertEqual(process.returncode, 0, err)
+        self.assertIn("the temperature is not known; from here on the speed is that of", err.decode())
+        fixes, expected = fixes_of(out.decode())[-len(offline()):], offline()
+        off_m = [((fix["x_m"] - row[1]) ** 2 + (fix["y_m"] - row[2]) ** 2) ** 0.5 for fix, row in zip(fixes, expected)]
+        self.assertLess(sorted(off_m)[len(off_m) // 2], 0.005)
+
     def test_formats(self):
         code, out, err = whole(STREAM, "--format", "ros")
         self.assertEqual(code, 0, err)

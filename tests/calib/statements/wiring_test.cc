@@ -102,6 +102,43 @@ TEST(Readings, NameReceiversThatAreWiredOtherwise) {
   }
 }
 
+/// Three control points are all the datum, and of the other beacons nothing is known.
+World three_points(std::uint64_t seed) {
+  World world = cart(40, seed);
+  int points = 0;
+  for (SiteBeacon& b : world.site.beacons) {
+    if (b.is_control_point() && ++points <= 3) continue;
+    b.position_m = {};
+    b.sigma_m = {};
+  }
+  return world;
+}
+
+std::vector<Contradiction> explained(const World& world) {
+  const calib::Problem problem = problem_of(world);
+  calib::Solution solution = calib::solve(problem);
+  calib::explain(problem, problem, solution, {});
+  return solution.contradictions;
+}
+
+// Each of the three can be blamed by itself, as it may move to where it agrees with the others.
+TEST(Readings, NameTwoOfThreeControlPointsThatAreExchanged) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    World world = three_points(seed);
+    EXPECT_THAT(explained(world), IsEmpty()) << "before they are exchanged";
+    std::vector<SiteBeacon*> points;
+    for (SiteBeacon& b : world.site.beacons)
+      if (b.is_control_point()) points.push_back(&b);
+    ASSERT_EQ(points.size(), 3U);
+    std::swap(points[0]->position_m, points[2]->position_m);
+    const auto found = explained(world);
+    ASSERT_EQ(found.size(), 1U) << seed;
+    EXPECT_EQ(found[0].kind, ContradictionKind::kExchanged);
+    EXPECT_EQ(found[0].subject, points[0]->name + ", " + points[2]->name);
+    EXPECT_GT(found[0].sigmas, 10.0);
+  }
+}
+
 TEST(Readings, AccuseNobodyOfAnHonestWorldWithManyEchoes) {
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     const World world = cart(40, seed, 0.3);

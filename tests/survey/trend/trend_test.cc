@@ -7,33 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "models/simulator/random.h"
-#include "survey/trend/cusum.h"
+#include "models/watch/cusum.h"
 
 namespace octant::survey {
 namespace {
 
 constexpr double kMonth = 30.0 * 86400.0;
-
-TEST(Cusum, RunLengthsAreThoseOfTheTables) {
-  // Two-sided, k = 0.5: h 4 168, h 5 465 (D. C. Montgomery, Introduction to Statistical Quality Control,
-  // table 9.3).
-  EXPECT_NEAR(run_length(0.5, 4.0), 168.0, 0.03 * 168.0);
-  EXPECT_NEAR(run_length(0.5, 5.0), 465.0, 0.03 * 465.0);
-  EXPECT_NEAR(cusum_threshold(0.5, 465.0), 5.0, 0.02);
-}
-
-// The same by simulation, which knows no formula.
-TEST(Cusum, FalseAlarmsComeAsOftenAsStated) {
-  Random draws(1);
-  const double stated = 200.0, h = cusum_threshold(0.5, stated);
-  double values = 0.0;
-  const int alarms = 4000;
-  for (int i = 0; i < alarms; ++i)
-    for (Cusum cusum{0.5, h}; cusum.alarm() == 0; ++values) cusum.add(draws.normal());
-  // Run lengths are spread like an exponential: 4,000 of them give their mean to 1.6 %, and the formula is
-  // good to 3 %.
-  EXPECT_NEAR(values / alarms, stated, stated * (0.03 + 4 * 0.016));
-}
 
 std::vector<TrendValue> level(Random& draws, int count, double sigma, double step_sigmas = 0.0,
                               int step_at = 0) {

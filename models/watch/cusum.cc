@@ -1,16 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "survey/trend/cusum.h"
+#include "models/watch/cusum.h"
 
-#include <algorithm>
 #include <cmath>
 
-namespace octant::survey {
-
-void Cusum::add(double z) {
-  upper = std::max(0.0, upper + z - k);
-  lower = std::max(0.0, lower - z - k);
-}
+namespace octant {
 
 double run_length(double k, double h) {
   // One side: (exp(2 k b) - 1 - 2 k b) / (2 k^2), b = h + 1.166 for the overshoot; both together alarm twice
@@ -29,4 +23,4 @@ double cusum_threshold(double k, double length) {
   return high;
 }
 
-}  // namespace octant::survey
+}  // namespace octant

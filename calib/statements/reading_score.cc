@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/statements/reading_score.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/adjust/adjust.h"
+#include "calib/adjust/reject.h"
+#include "calib/start/approach.h"
+
+namespace octant::calib {
+namespace {
+
+/// Observations that tie the states beside the arrivals.
+double ties_of(const Trajectory& t) {
+  return 3.0 * static_cast<double>(t.odometry.size() + t.poses.size()) +
+         static_cast<double>(t.bearings.size());
+}
+
+/// Fills what the adjusted states say of the arrivals.
+void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajectories, double cap, double n,
+                    ReadingScore& score) {
+  const SharedState state = it.state();
+  double squares = 0.0, agreeing = 0.0, free = -static_cast<double>(it.layout.size());
+  for (const Trajectory& t : trajectories) {
+    free += ties_of(t);
+    for (const Node& node : t.nodes) free -= node.placed ? t.block_size() : 0;
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (!t.nodes[a.node].placed || a.rejection == Rejection::kBeaconUnusable) continue;
+      const double residual = arrival_residual(t, a, state);
+      score.sizes.push_back(std::abs(residual));
+      if (a.rejection != Rejection::kUsed) continue;
+      squares += residual * residual;
+      agreeing += 1;
+    }
+  }
+  const double others = std::max(0.0, it.last.cost - 0.5 * squares);  // priors, poses, odometry
+  score.loss = (0.5 * squares / (score.noise * score.noise) + cap * (n - agreeing) + others) / n +
+               std::log(score.noise);
+  score.agreeing = agreeing / n;
+  score.redundancy = (agreeing + free) / n;
+}
+
+}  // namespace
+
+ReadingScore score_of(const Site& site, const std::vector<MeasurementLog>& runs, const SolveOptions& options,
+                      bool search_again) {
+  const double limit = options.rejection_sigmas, cap = 0.5 * limit * limit;
+  ReadingScore score{.loss = cap};
+  for (const MeasurementLog& run : runs) score.arrivals += static_cast<double>(run.arrivals.size());
+  const double n = score.arrivals;
+  const auto problem = make_problem(site, runs, options.threads);
+  if (!problem || n == 0) return score;
+  Course course(options);
+  Approach found = approach(*problem, options, course, search_again);
+  if (!found.ok) return score;
+  Estimate& it = found.estimate;
+  score.noise = std::max(1.0, agreeing_sigma(found.trajectories, it.state()));
+  (void)mark_rejected(found.trajectories, it.state(), limit * score.noise, options.threads);
+  it.last = adjust(*problem, it.layout, found.trajectories, it.x, course.adjust_options(0.0, 1e-6));
+  judge_arrivals(it, found.trajectories, cap, n, score);
+  return score;
+}
+
+}  // namespace octant::calib

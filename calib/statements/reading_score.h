@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "calib/calibrate.h"
+
+namespace octant::calib {
+
+/// What an adjustment makes of a reading.
+struct ReadingScore {
+  double loss =
+      0.0;  ///< negative log likelihood an arrival: Gauss where it agrees, a constant where it does not
+  double agreeing = 0.0;    ///< share of the arrivals
+  double noise = INFINITY;  ///< of those, over the stated one
+  double redundancy = 0.0;  ///< an arrival
+  double arrivals = 0.0;
+  std::vector<double> sizes = {};  ///< of the residuals, in stated sigmas
+};
+
+/// A quick calibration: approach, rejection at four sigmas, plain squares. An arrival that does not agree
+/// costs as much as one at the limit.
+/// @param search_again  as approach (start/approach.h) has it
+[[nodiscard]] ReadingScore score_of(const Site& site, const std::vector<MeasurementLog>& runs,
+                                    const SolveOptions& options, bool search_again);
+
+}  // namespace octant::calib
