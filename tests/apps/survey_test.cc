@@ -69,8 +69,8 @@ TEST(SurveyCommand, EachColumnIsExplained) {
   const TemporaryFolder folder;
   spit(folder / "site.yaml", aisles("cell_m: 0.25", "cell_m: 1"));
   ASSERT_EQ(octant({"survey", folder / "site.yaml", "--maps", folder / "maps", "-q"}).exit, 0);
-  const auto files = octant({"schema", "survey"}).json()["x-files"];
-  EXPECT_EQ(octant({"schema", "routes.csv"}).json()["x-files"], files);
+  const auto files = nlohmann::json::parse(octant({"schema", "survey"}).out)["x-files"];
+  EXPECT_EQ(nlohmann::json::parse(octant({"schema", "routes.csv"}).out)["x-files"], files);
   for (const char* file : {"cells.csv", "routes.csv"}) {
     const std::string text = slurp(folder / (std::string("maps/") + file));
     std::istringstream heads(text.substr(0, text.find('\n')));

@@ -260,7 +260,7 @@ class Reports(unittest.TestCase):
         for page in ("survey.html", "survey-still.html"):
             for width, height in SCREENS:
                 b.open(self.at(page), width=width, height=height)
-                said, tone = b.run("const p = document.getElementById('sentence'); return [p.textContent, p.className]")
+                said, tone = b.run("const p = document.getElementById('sentence'); return [p.textContent.replaceAll('\\u00a0', ' '), p.className]")
                 self.assertEqual(tone.split()[-1], "good" if said.startswith("Good ") else "bad")
                 self.assertIn("of the floor is within the tolerance of 50 mm", said)
                 step = b.run("return document.querySelector('[aria-labelledby=next] li').getBoundingClientRect().bottom")
