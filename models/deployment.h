@@ -113,6 +113,7 @@ struct Deployment {
   Tolerance tolerance;
   std::optional<std::array<double, 2>> validity_temperature_degC;
   std::vector<Eigen::Vector2d> validity_area_m;  ///< convex hull of the calibrated poses, counter-clockwise
+  ValidityPeriod validity_period;                ///< as the site states it; from `created` on
   std::vector<InputDigest> inputs;
   std::string program_version;
   std::string program_command;

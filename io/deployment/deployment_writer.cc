@@ -10,6 +10,8 @@
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"
 #include "io/text/json_reader.h"
+#include "models/support/utc_time.h"
+#include "models/validity.h"
 
 namespace octant::io {
 namespace {
@@ -150,7 +152,14 @@ Json statistics_json(const CalibrationStatistics& s) {
 Json validity_json(const Deployment& d) {
   Json area = Json::array();
   for (const Eigen::Vector2d& p : d.validity_area_m) area.push_back(Json::array({p.x(), p.y()}));
-  return {{"temperature_degC", value_or_null(d.validity_temperature_degC)}, {"area", area}};
+  Json json = {{"temperature_degC", value_or_null(d.validity_temperature_degC)}, {"area", area}};
+  if (!d.validity_period.stated())
+    return json;  // absent where nothing is stated: older files keep their digest
+  json["months"] = value_or_null(d.validity_period.months);
+  json["beacon_drift_m_per_month"] = value_or_null(d.validity_period.beacon_drift_m_per_month);
+  const auto due = calibration_due(d);
+  json["until"] = due ? Json(utc_text(due->at_s)) : Json(nullptr);
+  return json;
 }
 
 Json contradictions_json(const std::vector<Contradiction>& contradictions) {

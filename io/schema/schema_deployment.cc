@@ -180,7 +180,10 @@ std::string_view deployment_schema() {
           "description": "convex hull of the calibrated poses [m], counter-clockwise",
           "type": "array",
           "items": {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}}
-        }
+        },
+        "months": {"type": ["number", "null"]},
+        "beacon_drift_m_per_month": {"type": ["number", "null"]},
+        "until": {"type": ["string", "null"]}
       }
     },
     "inputs": {

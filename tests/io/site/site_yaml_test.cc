@@ -211,6 +211,8 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {kHead + "motion:\n" + kTail, 3, "given twice"},
       {"octant_site: 1\nmotion:\n" + kTail, 2, "'motion' has no value"},
       {kHead + "tolerance:\n  fix_m:\n" + kTail, 4, "'tolerance.fix_m' has no value"},
+      {kHead + "validity: {months: 0}\n" + kTail, 3, "positive"},
+      {kHead + "validity: {beacon_drift_m_per_month: 0.001}\n" + kTail, 3, "a drift without a limit"},
       {kHead + "timing:\n  delay_per:\n" + kTail, 4, "timing.delay_per"},
       {kHead + "timing: {delay_per: [beacon, none]}\n" + kTail, 3, "'none' beside others"},
       {kHead + "timing: {clock: synchronized}\n" + kTail, 3, "did you mean 'synchronised'?"},
@@ -356,6 +358,8 @@ Site some_site() {
   if (*rc::gen::arbitrary<bool>())
     s.distances.push_back({BeaconId(0), BeaconId(1), test::some_positive(), test::some_positive()});
   s.tolerance = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
+  s.validity.months = test::maybe(test::some_positive());
+  if (s.tolerance.beacon_m) s.validity.beacon_drift_m_per_month = test::maybe(test::some_positive());
   return s;
 }
 
@@ -412,6 +416,7 @@ void assert_same(const Site& a, const Site& b) {
               a.distances[i].sigma_m == b.distances[i].sigma_m);
   }
   RC_ASSERT(a.tolerance.beacon_m == b.tolerance.beacon_m && a.tolerance.fix_m == b.tolerance.fix_m);
+  RC_ASSERT(a.validity == b.validity);
 }
 
 TEST(SiteYaml, ReadsBackWhatItWrote) {
