@@ -162,6 +162,7 @@ Deployment deployment_head(const Site& site, const Solution& solution, const Pro
   d.timing = site.timing;
   d.noise = site.noise;
   d.tolerance = site.tolerance;
+  d.validity_period = site.validity;
   d.datum = solution.datum;
   d.statistics = solution.statistics;
   d.inputs = provenance.inputs;

@@ -116,6 +116,7 @@ struct Deployment {
   /// Distance beyond which the calibration's vehicle heard nothing though it would have had to; none: the
   /// recordings do not tell how far a beacon is heard [m].
   std::optional<double> validity_reach_m;
+  ValidityPeriod validity_period;  ///< as the site states it; from `created` on
   std::vector<InputDigest> inputs;
   std::string program_version;
   std::string program_command;

@@ -151,6 +151,15 @@ struct Tolerance {
   std::optional<double> fix_m;
 };
 
+/// For how long a calibration of the site may be trusted; what is not stated does not count.
+struct ValidityPeriod {
+  std::optional<double> months;  ///< after which a recalibration is due
+  /// By which beacons may settle: a recalibration is due when one of them may have left tolerance.beacon_m.
+  std::optional<double> beacon_drift_m_per_month;
+  [[nodiscard]] bool stated() const { return months || beacon_drift_m_per_month; }
+  friend bool operator==(const ValidityPeriod&, const ValidityPeriod&) = default;
+};
+
 /// What is left out before anything is known of the vehicle.
 struct Gates {
   double min_range_m = 0.0;                                      ///< Chang's d_min; 0: no gate
@@ -174,6 +183,7 @@ struct Site {
   std::vector<SiteReceiver> receivers;  ///< all vehicles' receivers, vehicle by vehicle
   std::vector<ControlDistance> distances;
   Tolerance tolerance;
+  ValidityPeriod validity;
   Gates gates;
   std::vector<std::string> warnings;  ///< of reading: ignored keys, assumptions made
   /// Blocks that the site file states; they may be left out only where there are no arrivals (bearings or

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/support/utc_time.h"
+#include "models/trajectory/decompositions.h"
+
 namespace octant {
 namespace {
 
@@ -33,7 +36,38 @@ void look_at_temperature(const Deployment& d, const MeasurementLog& run, Outside
   if (std::max(below, above) > 0.0) out.temperature_degC = below > above ? (*stated)[0] : (*stated)[1];
 }
 
+constexpr double kSecondsOfAMonth = 30.44 * 86400.0;  ///< as months_between counts
+constexpr double kInThePlane95 = 2.4477;              ///< sqrt of chi-square's 95 % point of 2 degrees
+constexpr double kLongest_months = 1200.0;            ///< beyond which no date is told
+
+/// Months until a beacon may have left the tolerance.
+double months_within(const DeploymentBeacon& b, double tolerance_m, double drift_m_per_month) {
+  const Eigen::Matrix2d plane = b.covariance_m2.topLeftCorner<2, 2>();
+  const double variance = std::max(0.0, SymmetricEigen<Eigen::Matrix2d>(plane).eigenvalues()[1]);
+  const double room = std::pow(tolerance_m / kInThePlane95, 2) - variance;
+  return room > 0.0 ? std::sqrt(room) / drift_m_per_month : 0.0;
+}
+
 }  // namespace
+
+std::optional<CalibrationDue> calibration_due(const Deployment& d) {
+  const std::optional<std::int64_t> created_s = utc_seconds(d.created);
+  if (!created_s) return std::nullopt;
+  double months = d.validity_period.months.value_or(INFINITY);
+  CalibrationDue due;
+  if (d.validity_period.beacon_drift_m_per_month && d.tolerance.beacon_m)
+    for (const DeploymentBeacon& b : d.beacons) {
+      if (b.status == BeaconStatus::kUndetermined) continue;
+      const double within =
+          months_within(b, *d.tolerance.beacon_m, *d.validity_period.beacon_drift_m_per_month);
+      if (within >= months) continue;
+      months = within;
+      due.beacon = b.name;
+    }
+  if (!(months <= kLongest_months)) return std::nullopt;
+  due.at_s = *created_s + static_cast<std::int64_t>(months * kSecondsOfAMonth);
+  return due;
+}
 
 std::optional<std::array<double, 2>> stated_temperatures(const MeasurementLog& run) {
   double coldest = INFINITY, warmest = -INFINITY;

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "models/deployment.h"
@@ -35,6 +37,20 @@ struct OutsideValidity {
 /// @param fixes  of this run; those that are none do not count
 [[nodiscard]] OutsideValidity outside_validity(const Deployment& deployment, const MeasurementLog& run,
                                                const std::vector<Fix>& fixes);
+
+/// When a recalibration is due by the validity that the site states.
+struct CalibrationDue {
+  std::int64_t at_s = 0;  ///< since 1970, UTC
+  std::string
+      beacon;  ///< the first that may have left the tolerance by then; empty: the stated months are over
+  [[nodiscard]] bool by_drift() const { return !beacon.empty(); }
+};
+/// The earlier of the stated months, and the time at which some beacon may be off by more than the tolerance
+/// (95 % in the plane), its drift standing for a standard deviation that grows with time beside that of the
+/// calibration: 2.45 sqrt(sigma^2 + (drift t)^2). At once where it is not known that well to begin with;
+/// control points settle as others do. None where neither is stated, or `created` is no date. Months
+/// have 30.44 days.
+[[nodiscard]] std::optional<CalibrationDue> calibration_due(const Deployment& deployment);
 
 /// Distance of a point from a convex area, counter-clockwise as Deployment::validity_area_m (a line or a
 /// point may stand for it); 0 within [m].

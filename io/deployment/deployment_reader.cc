@@ -204,6 +204,8 @@ void read_validity(const JsonValue& json, Deployment& d) {
     const std::vector<double> v = range.numbers(2);
     d.validity_temperature_degC = {v[0], v[1]};
   }
+  d.validity_period = {optional_number(json.find("months")),
+                       optional_number(json.find("beacon_drift_m_per_month"))};  // until follows from these
   for (const JsonValue& corner : json.find("area").items()) {
     const std::vector<double> v = corner.numbers(2);
     d.validity_area_m.emplace_back(v[0], v[1]);

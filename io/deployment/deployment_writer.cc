@@ -10,6 +10,8 @@
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"
 #include "io/text/json_reader.h"
+#include "models/support/utc_time.h"
+#include "models/validity.h"
 
 namespace octant::io {
 namespace {
@@ -153,6 +155,12 @@ Json validity_json(const Deployment& d) {
   Json json = {{"temperature_degC", value_or_null(d.validity_temperature_degC)}, {"area", area}};
   if (d.validity_reach_m)
     json["reach_m"] = *d.validity_reach_m;  // absent where there is none: older files keep their digest
+  if (!d.validity_period.stated())
+    return json;  // absent where nothing is stated: older files keep their digest
+  json["months"] = value_or_null(d.validity_period.months);
+  json["beacon_drift_m_per_month"] = value_or_null(d.validity_period.beacon_drift_m_per_month);
+  const auto due = calibration_due(d);
+  json["until"] = due ? Json(utc_text(due->at_s)) : Json(nullptr);
   return json;
 }
 

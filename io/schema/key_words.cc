@@ -82,6 +82,9 @@ scene | {"floor_m": [[0, 0], [20, 0], [20, 12], [0, 12]]} | + left out: no walls
 tolerance | {"beacon_m": 0.03, "fix_m": 0.05} | what the site must reach; verdicts and gates hold results against it; left out: nothing is held against a limit
 tolerance.beacon_m | 0.03 | largest error of a beacon in the plane (95 %); left out: no such gate
 tolerance.fix_m | 0.05 | largest RMSE of a fix in the plane; left out: no such gate
+validity | {"months": 12} | + left out: no date is told
+validity.months | 12 | a recalibration is due after so many months of 30.44 days; left out: not by the calendar
+validity.beacon_drift_m_per_month | 0.001 | by how much beacons may settle (one standard deviation): due when one may have left tolerance.beacon_m; left out: they are taken to stay
 $rail.from_m | [0, 1.5] | one end of a straight rail; left out: it is an arc
 $rail.to_m | [40, 1.5] | its other end, towards which the vehicle heads; left out: it is an arc
 $rail.centre_m | [6, 5] | centre of an arc; left out: it is straight

@@ -181,7 +181,10 @@ std::string_view deployment_schema() {
           "type": "array",
           "items": {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}}
         },
-        "reach_m": {"type": "number", "exclusiveMinimum": 0}
+        "reach_m": {"type": "number", "exclusiveMinimum": 0},
+        "months": {"type": ["number", "null"]},
+        "beacon_drift_m_per_month": {"type": ["number", "null"]},
+        "until": {"type": ["string", "null"]}
       }
     },
     "inputs": {

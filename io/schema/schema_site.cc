@@ -204,6 +204,12 @@ std::string_view site_schema() {
       "type": ["object", "null"],
       "additionalProperties": false,
       "properties": {"beacon_m": {"$ref": "#/$defs/positive"}, "fix_m": {"$ref": "#/$defs/positive"}}
+    },
+    "validity": {
+      "description": "for how long a calibration may be trusted: localize, verify and monitor say when the next one is due",
+      "type": ["object", "null"],
+      "additionalProperties": false,
+      "properties": {"months": {"$ref": "#/$defs/positive"}, "beacon_drift_m_per_month": {"$ref": "#/$defs/positive"}}
     }
   },
   "$defs": {

@@ -95,6 +95,9 @@ validity | {"temperature_degC": [17.0, 23.5], "area": [[1, 1], [9, 1], [9, 7]]} 
 validity.temperature_degC | [17.0, 23.5] | lowest and highest of the recordings; null or left out: it does not matter
 validity.area | [[1, 1], [9, 1], [9, 7]] | convex hull of the calibrated poses, counter-clockwise; left out: not known
 validity.reach_m | 16.2 | distance beyond which the vehicle heard nothing though it was there often enough; left out: the recordings do not tell
+validity.months | 12 | after which a recalibration is due, as the site file states; null or left out: not stated
+validity.beacon_drift_m_per_month | 0.001 | by how much beacons may settle, as the site file states; null or left out: not stated
+validity.until | 2027-05-01T08:00:00Z | when a recalibration is due by these: ISO 8601, UTC; null or left out: no date
 inputs | [{"path": "hall/site.yaml", "sha256": "d5e7c8ed6b60dc40cf3e00273bc23cbf5ba3e646f935e0d7e219b2cc0e65e9e7"}] | files that it was made of
 inputs[].path | hall/site.yaml | as the command named it
 inputs[].sha256 | d5e7c8ed6b60dc40cf3e00273bc23cbf5ba3e646f935e0d7e219b2cc0e65e9e7 | digest of the file's content, hexadecimal

@@ -172,6 +172,12 @@ std::string site_to_yaml(const Site& site) {
     if (site.tolerance.beacon_m) fmt::format_to(out, "  beacon_m: {}\n", exact(*site.tolerance.beacon_m));
     if (site.tolerance.fix_m) fmt::format_to(out, "  fix_m: {}\n", exact(*site.tolerance.fix_m));
   }
+  if (const ValidityPeriod& v = site.validity; v.stated()) {
+    fmt::format_to(out, "validity:\n");
+    if (v.months) fmt::format_to(out, "  months: {}\n", exact(*v.months));
+    if (v.beacon_drift_m_per_month)
+      fmt::format_to(out, "  beacon_drift_m_per_month: {}\n", exact(*v.beacon_drift_m_per_month));
+  }
   return text;
 }
 

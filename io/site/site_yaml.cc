@@ -155,6 +155,17 @@ void read_attenuation(const YamlNode& node, Site& site, YamlLog& log) {
   site.attenuation = prior;
 }
 
+/// After the tolerance, which a drift is held against.
+void read_validity_period(YamlMap& root, Site& site, YamlLog& log) {
+  YamlMap validity(root.block("validity"), "validity", log);
+  site.validity.months = validity.optional_number("months", kPositive);
+  site.validity.beacon_drift_m_per_month = validity.optional_number("beacon_drift_m_per_month", kPositive);
+  if (site.validity.beacon_drift_m_per_month && !site.tolerance.beacon_m)
+    validity.fail("beacon_drift_m_per_month", "a drift without a limit",
+                  "tolerance.beacon_m, which beacons leave one day", "state tolerance: {beacon_m: 0.03}");
+  validity.finish();
+}
+
 BeaconId read_beacon_name(YamlMap& map, const char* key, const Site& site, YamlLog& log) {
   const std::string name = map.required_text(key);
   for (std::size_t i = 0; i < site.beacons.size(); ++i) {
@@ -240,6 +251,7 @@ Result<Site> site_from_yaml(const YamlNode& node, const std::string& file, bool 
   site.tolerance.beacon_m = tolerance.optional_number("beacon_m", kPositive);
   site.tolerance.fix_m = tolerance.optional_number("fix_m", kPositive);
   tolerance.finish();
+  read_validity_period(root, site, log);
   root.get("scene");  // scene_yaml.cc's
   root.finish();
   if (log.error) return fail(*log.error);

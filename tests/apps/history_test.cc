@@ -265,5 +265,28 @@ TEST_F(HallFolder, LocalizeSaysWhereTheDeploymentDoesNotHold) {
   EXPECT_THAT(warnings, HasSubstr("outside the calibrated area"));
 }
 
+TEST_F(HallFolder, ACalibrationThatIsTooOldSaysSo) {
+  spit(hall("site.yaml"), slurp(hall("site.yaml")) + "\nvalidity: {months: 12}\n");
+  ASSERT_EQ(calibrate().exit, 0);
+  const Outcome fresh = octant({"verify", out("d.json"), hall("heldout"), "--json"});
+  EXPECT_EQ(fresh.json().at("calibration").at("overdue"), false);
+  auto deployment = *io::read_deployment(out("d.json"));
+  EXPECT_EQ(deployment.validity_period.months, 12.0);
+  deployment.created = "2020-01-01T00:00:00Z";
+  ASSERT_TRUE(io::write_deployment(out("old.json"), deployment));
+  EXPECT_EQ(nlohmann::json::parse(slurp(out("old.json"))).at("validity").at("until"), "2020-12-31T06:43:12Z");
+  for (const auto& words : std::vector<std::vector<std::string>>{
+           {"localize", out("old.json"), hall("heldout"), "-o", out("f.tum"), "--json"},
+           {"verify", out("old.json"), hall("heldout"), "--json"},
+           {"monitor", out("old.json"), hall("heldout"), "--json"}}) {
+    const auto json = octant(words).json();
+    EXPECT_EQ(json.at("calibration").at("due"), "2020-12-31T06:43:12Z") << words[0];
+    EXPECT_EQ(json.at("calibration").at("overdue"), true) << words[0];
+    EXPECT_THAT(json.at("warnings").dump(), HasSubstr("a recalibration is due since 2020-12-31")) << words[0];
+  }
+  const Outcome text = octant({"verify", out("old.json"), hall("heldout")});
+  EXPECT_THAT(text.out, HasSubstr("recalibrate      by 2020-12-31 (12 months after the calibration"));
+}
+
 }  // namespace
 }  // namespace octant::test

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "models/support/utc_time.h"
+
 namespace octant {
 namespace {
 
@@ -76,6 +78,47 @@ TEST(Validity, AreasMayBeLinesPointsOrUnknown) {
   EXPECT_NEAR(distance_from_area_m({{0, 0}, {10, 0}}, {5, 2}), 2.0, 1e-12);
   EXPECT_NEAR(distance_from_area_m({{0, 0}, {10, 0}}, {5, -2}), 2.0, 1e-12);
   EXPECT_EQ(distance_from_area_m({{0, 0}, {10, 0}, {10, 5}}, {9, 1}), 0.0);
+}
+
+Deployment of_new_year() {
+  Deployment d = ten_by_five();
+  d.created = "2026-01-01T00:00:00Z";
+  d.tolerance.beacon_m = 0.024477;  // ten millimetres, one sigma
+  d.beacons = {{.name = "A"}, {.name = "B"}, {.name = "C", .status = BeaconStatus::kUndetermined}};
+  d.beacons[1].covariance_m2(1, 1) = 0.006 * 0.006;
+  d.beacons[2].covariance_m2 = Eigen::Matrix3d::Identity();
+  return d;
+}
+
+double due_after_months(const Deployment& d) {
+  const auto due = calibration_due(d);
+  return due ? static_cast<double>(due->at_s - *utc_seconds(d.created)) / (30.44 * 86400.0) : -1.0;
+}
+
+TEST(Validity, ARecalibrationIsDueByTheCalendar) {
+  Deployment d = of_new_year();
+  EXPECT_FALSE(calibration_due(d)) << "nothing is stated";
+  d.validity_period.months = 12.0;
+  EXPECT_NEAR(due_after_months(d), 12.0, 1e-6);
+  EXPECT_FALSE(calibration_due(d)->by_drift());
+  d.created = "last spring";
+  EXPECT_FALSE(calibration_due(d));
+}
+
+TEST(Validity, ARecalibrationIsDueWhenABeaconMayHaveLeftTheTolerance) {
+  Deployment d = of_new_year();
+  d.validity_period.beacon_drift_m_per_month = 0.001;
+  EXPECT_NEAR(due_after_months(d), 8.0, 1e-3) << "6 mm and 8 mm make 10 mm";
+  EXPECT_EQ(calibration_due(d)->beacon, "B");
+  d.validity_period.months = 3.0;
+  EXPECT_NEAR(due_after_months(d), 3.0, 1e-6) << "whichever is sooner";
+  EXPECT_FALSE(calibration_due(d)->by_drift());
+  d.validity_period.months.reset();
+  d.beacons[1].covariance_m2(1, 1) = 0.02 * 0.02;
+  EXPECT_EQ(due_after_months(d), 0.0) << "it was never within";
+  d.beacons[1].covariance_m2(1, 1) = 0.0;
+  d.validity_period.beacon_drift_m_per_month = 1e-6;
+  EXPECT_FALSE(calibration_due(d)) << "in eight hundred years";
 }
 
 }  // namespace

@@ -79,6 +79,7 @@ int run(const LocalizeArgs& words, Session& session) {
   const auto deployment = read_trusted_deployment(words.deployment, words.trusted_key);
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, words.deployment, session);
+  warn_if_overdue(*deployment, session);
   const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing,
                               {.read_truth = false,
                                .read_poses = looks_at_poses(words.how),
@@ -116,7 +117,8 @@ int run(const LocalizeArgs& words, Session& session) {
                          {"rejected", found.rejected},
                          {"no_fix_reasons", reasons},
                          {"assumed_temperature_degC", assumed_temperature_json(*deployment, found, *runs)},
-                         {"speeds", speeds_json(found, *runs)}});
+                         {"speeds", speeds_json(found, *runs)},
+                         {"calibration", calibration_age_json(*deployment)}});
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/steps/revisiting.h"
 #include "apps/octant/text/changes_text.h"
+#include "apps/octant/text/validity_words.h"
 
 namespace octant::app {
 namespace {
@@ -25,8 +26,10 @@ int run(const MonitorArgs& words, Session& session) {
     return session.interrupted();
   Json object = visit->head;
   object.update(revisit_json(*visit, session));
+  object["calibration"] = calibration_age_json(visit->before);
+  warn_if_overdue(visit->before, session);
   if (const auto failure = failure_of(visit->revisit)) return session.fail(*failure, object);
-  session.result(revisit_text(*visit));
+  session.result(revisit_text(*visit) + due_line(visit->before));
   std::string message, advice;
   for (const Change& c : visit->revisit.comparison.changes) {
     if (!needs_action(c, visit->revisit.medium)) continue;

@@ -94,6 +94,7 @@ int run(const VerifyArgs& words, Session& session) {
   const auto deployment = read_trusted_deployment(words.deployment, words.trusted_key);
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, words.deployment, session);
+  warn_if_overdue(*deployment, session);
   const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing,
                               {.read_truth = true,
                                .read_poses = looks_at_poses(words.how),
@@ -125,11 +126,13 @@ int run(const VerifyArgs& words, Session& session) {
   if (!words.report.paths.empty()) survey::add_geometry(report, session.threads());
   if (auto written = io::write_files(report_files(words.report, report)); !written)
     return session.fail(written.error());
-  session.result(evaluation_text(*evaluation, found) + changes_text(report) + report_lines(words.report));
+  session.result(evaluation_text(*evaluation, found) + due_line(*deployment) + changes_text(report) +
+                 report_lines(words.report));
   Json object = result_head("verification", words.deployment, *deployment, *runs);
   object.update(evaluation_json(*evaluation));
   object["no_fix_reasons"] = no_fix_json(found);
   object["speeds"] = speeds_json(found, *runs);
+  object["calibration"] = calibration_age_json(*deployment);
   add_changes_json(report, object);
   if (!evaluation->pass())
     return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation, found), ""},

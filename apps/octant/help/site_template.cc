@@ -81,6 +81,9 @@ constexpr std::string_view kTail = R"(
 tolerance:
   beacon_m: {}                 # <-- largest error of a beacon in the plane (95 %)
   fix_m: {}                    # <-- largest error of a fix (RMSE)
+
+# For how long a calibration may be trusted: localize, verify and monitor say when the next one is due.
+# validity: {{months: 12}}         # and, or instead, beacon_drift_m_per_month: 0.001
 )";
 
 /// Receivers in a ring, for want of better: where they are has to be measured.

@@ -19,6 +19,7 @@
 #include "apps/octant/live/byte_source.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/steps/trusted.h"
+#include "apps/octant/text/validity_words.h"
 #include "io/live/live_fixes.h"
 #include "io/live/live_rows.h"
 #include "models/live/follower.h"
@@ -133,6 +134,7 @@ class FollowLoop {
     if (!deployment) return fail(deployment.error());
     if (auto fits = follow_fits(*deployment, options_.method); !fits) return fail(fits.error());
     warn_if_contradicted(*deployment, deployment_, session_);
+    warn_if_overdue(*deployment, session_);
     if (tells_speed(*deployment)) {
       speed_.emplace(*deployment);
     } else {

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "apps/octant/text/table.h"
 #include "io/deployment/deployment_json.h"
+#include "models/support/utc_time.h"
 #include "models/validity.h"
 
 namespace octant::app {
@@ -31,6 +33,21 @@ std::string speed_words(const std::string& path, const RunSpeed& speed, bool no_
 std::string range_text(const std::array<double, 2>& range) {
   const std::string low = fmt::format("{:.1f}", range[0]), high = fmt::format("{:.1f}", range[1]);
   return low == high ? low : low + " to " + high;
+}
+
+constexpr double kDay_s = 86400.0;
+
+std::string why_due(const Deployment& d, const CalibrationDue& due) {
+  if (!due.by_drift())
+    return fmt::format("{:g} months after the calibration, as the site states", *d.validity_period.months);
+  return fmt::format("by then {} may be off by more than {}, if beacons settle by {} a month", due.beacon,
+                     length_text(*d.tolerance.beacon_m),
+                     length_text(*d.validity_period.beacon_drift_m_per_month));
+}
+
+std::optional<double> seconds_since(std::int64_t then_s) {
+  const auto now_s = utc_seconds(created_now());
+  return now_s ? std::optional<double>(static_cast<double>(*now_s - then_s)) : std::nullopt;
 }
 
 std::string agreement_words(const std::optional<RunSpeed>& speed) {
@@ -66,6 +83,34 @@ void warn_outside_validity(const Deployment& d, const std::vector<MeasurementLog
                       "not held against a recording there",
                       runs[i].path, outside.outside, outside.fixes, length_text(outside.farthest_m)));
   }
+}
+
+void warn_if_overdue(const Deployment& d, Session& session) {
+  const auto due = calibration_due(d);
+  const auto late_s = due ? seconds_since(due->at_s) : std::nullopt;
+  if (late_s && *late_s >= 0.0)
+    session.warn(
+        fmt::format("the calibration is of {}, and a recalibration is due since {} ({}): octant monitor "
+                    "tells whether it still holds, octant recalibrate renews it",
+                    d.created.substr(0, 10), utc_text(due->at_s).substr(0, 10), why_due(d, *due)));
+}
+
+std::string due_line(const Deployment& d) {
+  const auto due = calibration_due(d);
+  if (!due) return "";
+  return fmt::format("{:<17}by {} ({})\n", "recalibrate", utc_text(due->at_s).substr(0, 10),
+                     why_due(d, *due));
+}
+
+Json calibration_age_json(const Deployment& d) {
+  const auto created_s = utc_seconds(d.created);
+  const auto age_s = created_s ? seconds_since(*created_s) : std::nullopt;
+  const auto due = calibration_due(d);
+  const auto late_s = due ? seconds_since(due->at_s) : std::nullopt;
+  return {{"created", d.created},
+          {"age_days", age_s ? Json(std::floor(*age_s / kDay_s)) : Json(nullptr)},
+          {"due", due ? Json(utc_text(due->at_s)) : Json(nullptr)},
+          {"overdue", late_s ? Json(*late_s >= 0.0) : Json(nullptr)}};
 }
 
 Json assumed_temperature_json(const Deployment& d, const Localization& found,

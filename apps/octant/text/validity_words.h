@@ -22,6 +22,13 @@ void warn_outside_validity(const Deployment& deployment, const std::vector<Measu
 /// offset_mps, sigma_mps, temperature_degC, temperature_sigma_degC, poses, arrivals}.
 [[nodiscard]] Json speeds_json(const Localization& localization, const std::vector<MeasurementLog>& runs);
 
+/// Warns where a recalibration is overdue by the validity that the site states.
+void warn_if_overdue(const Deployment& deployment, Session& session);
+/// "recalibrate by 2027-05-01 ...": a line of a result; empty where no date is told.
+[[nodiscard]] std::string due_line(const Deployment& deployment);
+/// {created, age_days, due, overdue}; null what is not known.
+[[nodiscard]] Json calibration_age_json(const Deployment& deployment);
+
 /// What a result says of itself, so that `octant history` can put it down: kind, site, created, deployment
 /// {path, digest}, temperature_degC of the recordings, program.
 /// @param kind  "verification" or "monitoring"

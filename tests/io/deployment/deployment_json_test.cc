@@ -247,6 +247,7 @@ Deployment some_deployment() {
   if (*rc::gen::arbitrary<bool>()) d.validity_temperature_degC = {test::some_number(), test::some_number()};
   if (*rc::gen::arbitrary<bool>()) d.validity_reach_m = 1 + std::abs(test::some_number());
   if (*rc::gen::arbitrary<bool>()) d.validity_area_m = {{0, 1}, {test::some_number(), 2}};
+  d.validity_period = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
   d.inputs = {{test::some_name(3), std::string(64, 'a')}};
   d.program_version = "0.1.0";
   d.program_command = "octant calibrate 'a b'";
@@ -307,7 +308,8 @@ void assert_same(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.statistics.rms_s == b.statistics.rms_s && a.statistics.converged == b.statistics.converged);
   RC_ASSERT(a.tolerance.beacon_m == b.tolerance.beacon_m && a.tolerance.fix_m == b.tolerance.fix_m);
   RC_ASSERT(a.validity_temperature_degC == b.validity_temperature_degC &&
-            a.validity_area_m == b.validity_area_m && a.validity_reach_m == b.validity_reach_m);
+            a.validity_area_m == b.validity_area_m && a.validity_reach_m == b.validity_reach_m &&
+            a.validity_period == b.validity_period);
   RC_ASSERT(a.inputs.size() == b.inputs.size() && a.inputs[0].path == b.inputs[0].path &&
             a.inputs[0].sha256 == b.inputs[0].sha256);
   RC_ASSERT(a.program_version == b.program_version && a.program_command == b.program_command &&
