@@ -89,13 +89,13 @@ class Search {
     try_numbered_stops();
     if (found_.empty()) try_exchanged_points();
     const bool scale_is_right = stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise;
-    if (found_.empty()) {
+    if (nothing_but_exchanges()) {
       std::vector<Reading> scales = units(scale_is_right);
       if (const auto reading = ranging(); reading && !scale_is_right) scales.push_back(*reading);
       try_out(scales);
     }
     // A wrong frame of short lever arms looks much like receivers in another unit: both have their turn.
-    if (found_.empty() || !poses().empty()) {
+    if (nothing_but_exchanges() || !poses().empty()) {
       std::vector<Reading> frames = poses();
       for (Reading& reading : wired_otherwise()) frames.push_back(std::move(reading));
       try_out(frames);
@@ -116,6 +116,13 @@ class Search {
     second_ = few_of(problem_.runs, site_.beacons.size(), kSecondLook);
     stated_first_ = score_of(site_, first_, options_, false);
     stated_ = score_of(site_, second_, options_, true);
+  }
+
+  /// Two points at each other's places take a part of what receivers wired otherwise do to the ranges: what
+  /// is found of them settles nothing before all else had its turn.
+  [[nodiscard]] bool nothing_but_exchanges() const {
+    return std::all_of(found_.begin(), found_.end(),
+                       [](const Tried& t) { return t.what.kind == ContradictionKind::kExchanged; });
   }
 
   [[nodiscard]] bool stopped() const { return options_.on_progress && !options_.on_progress({}); }
