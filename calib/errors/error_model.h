@@ -82,8 +82,4 @@ struct ErrorModel {
                                         const std::vector<Trajectory>& trajectories, const SharedState& state,
                                         const Covariance& C, double share_of_log = 1.0, int threads = 1);
 
-/// Least squares with non-negative unknowns, |A x - b| (Lawson and Hanson 1974, algorithm NNLS).
-/// @param A  rows x unknowns
-[[nodiscard]] Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
-
 }  // namespace octant::calib

@@ -18,11 +18,10 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kStretches = 8;  ///< of a long log
-/// A drive is taken as a whole unless the sample is at most this part of it: cutting costs what its states
-/// know of each other across the cuts.
+/// A drive is cut where the sample is at most this part: cuts cost what states know of each other.
 constexpr double kShareOfLongDrive = 0.1;
-constexpr double kStateFloor =
-    1e-9;  ///< of a state's block: directions that nothing observes stay where they are
+/// Of a state's block: directions that nothing observes stay where they are.
+constexpr double kStateFloor = 1e-9;
 constexpr std::size_t kShifts = 3;  ///< partitions of a component
 constexpr double kLadder = 3.0;     ///< from one extent to the next
 
@@ -158,13 +157,12 @@ class SampleBuilder {
 
 /// x <- (L L')^-1 x, a few rows of many columns.
 void solve_rows(const NodeBlock& L, Eigen::Ref<ByRow> x) {
-  const Eigen::Index n = x.rows();
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
     for (Eigen::Index j = 0; j < i; ++j) x.row(i) -= L(i, j) * x.row(j);
     x.row(i) /= L(i, i);
   }
-  for (Eigen::Index i = n; i-- > 0;) {
-    for (Eigen::Index j = i + 1; j < n; ++j) x.row(i) -= L(j, i) * x.row(j);
+  for (Eigen::Index i = x.rows(); i-- > 0;) {
+    for (Eigen::Index j = i + 1; j < x.rows(); ++j) x.row(i) -= L(j, i) * x.row(j);
     x.row(i) /= L(i, i);
   }
 }
@@ -192,9 +190,8 @@ void subtract_states(const ErrorSample& sample, const ErrorSample::Chain& chain,
     solve_rows(chain.factor[k].matrixLLT(), of_node(k));
     if (k + 1 < count) of_node(k + 1).noalias() -= chain.U[k].transpose().lazyProduct(of_node(k));
   }
-  ByRow carried;
   for (std::size_t k = count - 1; k-- > 0;) {
-    carried = chain.U[k].lazyProduct(of_node(k + 1));
+    ByRow carried = chain.U[k].lazyProduct(of_node(k + 1));
     solve_rows(chain.factor[k].matrixLLT(), carried);
     of_node(k) -= carried;
   }

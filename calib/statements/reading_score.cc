@@ -7,6 +7,7 @@
 
 #include "calib/adjust/adjust.h"
 #include "calib/adjust/reject.h"
+#include "calib/problem/thin.h"
 #include "calib/start/approach.h"
 
 namespace octant::calib {
@@ -42,7 +43,22 @@ void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajector
   score.redundancy = (agreeing + free) / n;
 }
 
+constexpr std::size_t kInstantsAtLeast = 10, kDriveArrivalsAtLeast = 200;
+
 }  // namespace
+
+std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std::size_t beacons,
+                                   const LogShare& share) {
+  ThinOptions thin_options;
+  const std::size_t count = std::max<std::size_t>(1, runs.size());
+  thin_options.instants = std::max(kInstantsAtLeast, share.instants / count);
+  thin_options.per_beacon = share.per_beacon;
+  thin_options.per_pair = 4;
+  thin_options.drive_arrivals = std::max(kDriveArrivalsAtLeast, share.drive_arrivals / count);
+  std::vector<MeasurementLog> few;
+  for (const MeasurementLog& run : runs) few.push_back(thin(run, beacons, thin_options));
+  return few;
+}
 
 ReadingScore score_of(const Site& site, const std::vector<MeasurementLog>& runs, const SolveOptions& options,
                       bool search_again) {

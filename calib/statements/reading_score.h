@@ -20,6 +20,14 @@ struct ReadingScore {
   std::vector<double> sizes = {};  ///< of the residuals, in stated sigmas
 };
 
+/// How much of the recordings is adjusted.
+struct LogShare {
+  std::size_t instants, per_beacon, drive_arrivals;
+};
+/// An evenly spread part of each run.
+[[nodiscard]] std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std::size_t beacons,
+                                                 const LogShare& share);
+
 /// A quick calibration: approach, rejection at four sigmas, plain squares. An arrival that does not agree
 /// costs as much as one at the limit.
 /// @param search_again  as approach (start/approach.h) has it

@@ -32,16 +32,12 @@ constexpr double kGain = 0.5, kFactor = 0.6, kAgreeingShare = 0.6, kNoise = 5.0,
 constexpr double kTie = 0.05;
 /// Parts of the recordings that are adjusted: a small one for each reading, a larger one for those few that
 /// explain it far better.
-struct Share {
-  std::size_t instants, per_beacon, drive_arrivals;
-};
-constexpr Share kFirstLook = {16, 12, 600}, kSecondLook = {40, 30, 1500};
+constexpr LogShare kFirstLook = {16, 12, 600}, kSecondLook = {40, 30, 1500};
 constexpr double kWorthASecondLook = 0.8;  ///< of the loss as stated
 constexpr std::size_t kSecondLooks = 2;    ///< of each kind
 /// Control points among which every exchange of two is looked at.
 constexpr std::size_t kFewPoints = 4;
 constexpr double kPlainSigmas = 8.0;  ///< by which an exchange must explain more than what was stated
-constexpr std::size_t kInstantsAtLeast = 10, kDriveArrivalsAtLeast = 200;
 
 /// The statements as they might be meant: another site, or other recordings.
 struct Reading {
@@ -49,19 +45,6 @@ struct Reading {
   std::function<Site(const Site&)> site;
   std::function<void(MeasurementLog&)> run;
 };
-
-std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std::size_t beacons,
-                                   const Share& share) {
-  ThinOptions thin_options;
-  const std::size_t count = std::max<std::size_t>(1, runs.size());
-  thin_options.instants = std::max(kInstantsAtLeast, share.instants / count);
-  thin_options.per_beacon = share.per_beacon;
-  thin_options.per_pair = 4;
-  thin_options.drive_arrivals = std::max(kDriveArrivalsAtLeast, share.drive_arrivals / count);
-  std::vector<MeasurementLog> few;
-  for (const MeasurementLog& run : runs) few.push_back(thin(run, beacons, thin_options));
-  return few;
-}
 
 class Search {
  public:
@@ -208,7 +191,7 @@ class Search {
 
   /// The best of them. Control points that are exchanged leave most of the shape of the site as it is, so
   /// that many arrivals agree with what was stated: as nothing is adjusted to it, a plain gain in likelihood
-  /// suffices.
+  /// suffices, unless a single point that is elsewhere explains more.
   void try_exchanged_points() {
     std::optional<Tried> least;
     for (const Reading& reading : exchanged_points()) {
@@ -217,7 +200,14 @@ class Search {
       const bool plain = s.arrivals * (stated_.loss - s.loss) >= 0.5 * kPlainSigmas * kPlainSigmas;
       if (plain && is_good(s) && (!least || s.loss < least->score.loss)) least = {reading.what, s};
     }
-    if (least) found_.push_back(*least);
+    for (std::size_t b = 0; b < site_.beacons.size() && least; ++b) {
+      if (!site_.beacons[b].is_control_point()) continue;
+      Site released = site_;
+      released.beacons[b].position_m = {};
+      released.beacons[b].sigma_m = {};
+      if (score_of(released, second_, options_, true).loss < least->score.loss - kTie) least.reset();
+    }
+    if (least && !stopped()) found_.push_back(*least);
   }
 
   [[nodiscard]] std::optional<Reading> ranging() const {

@@ -57,6 +57,18 @@ std::string marked(const ReportText& cell) {
   return mark + running(cell.text);
 }
 
+/// Within quotes of a style sheet: nothing ends the quotes or the sheet.
+std::string css_text(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\'' || c == '"' || c == '\\' || c == '<' || c == '>' || static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\{:x} ", static_cast<unsigned char>(c));
+    else
+      out += c;
+  }
+  return out;
+}
+
 /// A table of so many columns is a card for each row on a phone, where each value has its column's name
 /// beside it.
 constexpr std::size_t kWideTable = 7;
@@ -93,6 +105,7 @@ class HtmlWriter {
     html += "</tr></thead>\n<tbody>\n";
     for (const auto& row : table.rows) write_row(table, row);
     html += "</tbody></table></div>\n";
+    if (wide) write_labels(table, id);
     if (table.folded) html += "</details>\n";
   }
 
@@ -113,19 +126,25 @@ class HtmlWriter {
   }
 
  private:
+  /// Once for each column, not in each cell: tables of hundreds of beacons stay small.
+  void write_labels(const ReportTable& table, const std::string& id) {
+    html += "<style>@media screen and (max-width:640px){";
+    for (std::size_t i = 1; i < table.columns.size(); ++i)
+      html += fmt::format("#{} td:nth-child({})::before{{content:'{}'}}", id, i + 1,
+                          css_text(table.columns[i].name));
+    html += "}</style>\n";
+  }
+
   void write_row(const ReportTable& table, const std::vector<ReportText>& row) {
     html += "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool words = i < table.columns.size() && table.columns[i].words;
-      const std::string label = table.columns.size() >= kWideTable && i < table.columns.size()
-                                    ? " data-label='" + escape_xml(table.columns[i].name) + "'"
-                                    : std::string();
       if (i == 0)
         html += "<th scope='row'>" + escape_xml(row[0].text) + "</th>";
       else if (row[i].tone == Tone::kPlain)
-        html += fmt::format("<td{}{}>{}</td>", words ? " class='words'" : "", label, running(row[i].text));
+        html += fmt::format("<td{}>{}</td>", words ? " class='words'" : "", running(row[i].text));
       else
-        html += fmt::format("<td class='{}{}'{}>{}</td>", words ? "words " : "", class_of(row[i].tone), label,
+        html += fmt::format("<td class='{}{}'>{}</td>", words ? "words " : "", class_of(row[i].tone),
                             marked(row[i]));
     }
     html += "</tr>\n";

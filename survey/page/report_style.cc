@@ -36,7 +36,7 @@ footer{margin-top:3rem;color:var(--soft);font-size:.8rem}
 @media screen and (max-width:640px){table.wide,table.wide tbody,table.wide caption{display:block;width:100%}table.wide thead{display:none}
 table.wide tr{display:grid;grid-template-columns:1fr 1fr;gap:0 1rem;border-bottom:2px solid var(--line);padding:.3rem 0}
 table.wide th,table.wide td,#beacon-table td.words{border:0;padding:.1rem 0;white-space:normal}table.wide th{grid-column:1/-1}
-table.wide td{display:flex;justify-content:space-between;gap:.6rem;min-width:0;overflow-wrap:anywhere}table.wide td::before{content:attr(data-label);color:var(--soft);text-align:left}}
+table.wide td{display:flex;justify-content:space-between;gap:.6rem;min-width:0;overflow-wrap:anywhere}table.wide td::before{color:var(--soft);text-align:left}}
 @page{size:A4;margin:14mm}
 @media print{body{max-width:none;padding:0;font-size:10pt}nav,.skip,.controls,fieldset{display:none}.live,.is-live .live{display:none}.is-live .still{display:block}
 .scroll{overflow:visible}table{font-size:7.5pt;width:100%}#beacon-table td.words{white-space:normal}caption{font-size:8pt}th,td{padding:1.2pt 2.5pt}thead{display:table-header-group}

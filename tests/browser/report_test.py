@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -201,6 +202,10 @@ class Reports(unittest.TestCase):
             before = b.picture("#figure-plan svg")
             b.driver.find_element("id", "choice-figure-plan-1").click()
             self.assertEqual(b.run(displays), ["none", "block", "none", "none"])
+            for _ in range(20):  # until it is painted
+                if b.picture("#figure-plan svg") != before:
+                    break
+                time.sleep(0.5)
             self.assertNotEqual(before, b.picture("#figure-plan svg"))
             self.assertEqual(b.run("return getComputedStyle(document.querySelector('.controls') || document.createElement('p')).display") in ("none", ""), True)
             self.assert_quiet()

@@ -136,9 +136,9 @@ def test_failures_have_their_class(tmp_path, world):
     assert bad.value.exit in (3, 4, 5) and bad.value.result["error"]["message"]
     with pytest.raises(ValueError, match="no method"):
         octant.localize(world.truth, world.heldout, method="magic")
-    with pytest.raises(octant.UsageError) as bad:
+    with pytest.raises(octant.InputError) as bad:  # as the command line has it
         octant.localize(world.truth, world.heldout, method="rail")
-    assert bad.value.exit == 2
+    assert bad.value.exit == 3 and "rail" in bad.value.expected
     with pytest.raises(TypeError):
         octant.calibrate(3, world.run)
 

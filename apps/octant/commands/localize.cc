@@ -75,7 +75,6 @@ int run(const LocalizeArgs& words, Session& session) {
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   for (const auto& path : {words.output, words.csv})
     if (auto fit = check_output(path); !fit) return session.fail(fit.error());
-
   const auto deployment = read_trusted_deployment(words.deployment, words.trusted_key);
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, words.deployment, session);

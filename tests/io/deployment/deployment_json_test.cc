@@ -254,6 +254,12 @@ Deployment some_deployment() {
   return d;
 }
 
+void assert_same_validity(const Deployment& a, const Deployment& b) {
+  RC_ASSERT(a.validity_temperature_degC == b.validity_temperature_degC &&
+            a.validity_area_m == b.validity_area_m);
+  RC_ASSERT(a.validity_reach_m == b.validity_reach_m && a.validity_period == b.validity_period);
+}
+
 void assert_same(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.site == b.site && a.created == b.created && a.motion == b.motion);
   RC_ASSERT(a.datum.description == b.datum.description && a.datum.position == b.datum.position &&
@@ -307,9 +313,7 @@ void assert_same(const Deployment& a, const Deployment& b) {
             a.statistics.chi2_p == b.statistics.chi2_p);
   RC_ASSERT(a.statistics.rms_s == b.statistics.rms_s && a.statistics.converged == b.statistics.converged);
   RC_ASSERT(a.tolerance.beacon_m == b.tolerance.beacon_m && a.tolerance.fix_m == b.tolerance.fix_m);
-  RC_ASSERT(a.validity_temperature_degC == b.validity_temperature_degC &&
-            a.validity_area_m == b.validity_area_m && a.validity_reach_m == b.validity_reach_m &&
-            a.validity_period == b.validity_period);
+  assert_same_validity(a, b);
   RC_ASSERT(a.inputs.size() == b.inputs.size() && a.inputs[0].path == b.inputs[0].path &&
             a.inputs[0].sha256 == b.inputs[0].sha256);
   RC_ASSERT(a.program_version == b.program_version && a.program_command == b.program_command &&

@@ -17,6 +17,19 @@ Result<Site> read_written(const std::string& text) {
   return read_site(folder.write("site.yaml", text));
 }
 
+SiteBeacon some_beacon(std::size_t i, bool has_delay) {
+  SiteBeacon b{.name = test::some_name(i), .position_m = {}, .sigma_m = {}};
+  for (int k = 0; k < 3; ++k) {
+    b.position_m[k] = test::maybe(test::some_number());
+    b.sigma_m[k] = test::maybe(test::some_positive());
+  }
+  if (has_delay) {
+    b.delay_s = test::maybe(test::some_number());
+    b.delay_sigma_s = test::maybe(test::some_fraction());
+  }
+  return b;
+}
+
 Site some_site() {
   Site s;
   s.name = test::some_name(0);
@@ -44,18 +57,8 @@ Site some_site() {
     s.attenuation->saturation_v =
         test::maybe(s.attenuation->threshold_v + test::some_positive()).value_or(INFINITY);
   }
-  for (std::size_t i = 0; i < *rc::gen::inRange<std::size_t>(2, 5); ++i) {
-    SiteBeacon b{.name = test::some_name(i), .position_m = {}, .sigma_m = {}};
-    for (int k = 0; k < 3; ++k) {
-      b.position_m[k] = test::maybe(test::some_number());
-      b.sigma_m[k] = test::maybe(test::some_positive());
-    }
-    if (s.timing.delay_per.beacon) {
-      b.delay_s = test::maybe(test::some_number());
-      b.delay_sigma_s = test::maybe(test::some_fraction());
-    }
-    s.beacons.push_back(b);
-  }
+  for (std::size_t i = 0; i < *rc::gen::inRange<std::size_t>(2, 5); ++i)
+    s.beacons.push_back(some_beacon(i, s.timing.delay_per.beacon));
   for (std::size_t v = 0; v < *rc::gen::inRange<std::size_t>(1, 3); ++v) {
     s.vehicles.push_back({test::some_name(v), s.receivers.size(), *rc::gen::inRange<std::size_t>(0, 3)});
     s.vehicles.back().rail = test::some_rail();
