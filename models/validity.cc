@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "models/support/utc_time.h"
-#include "models/trajectory/decompositions.h"
+#include "models/trajectory/planar.h"
 
 namespace octant {
 namespace {
@@ -42,8 +42,8 @@ constexpr double kLongest_months = 1200.0;            ///< beyond which no date 
 
 /// Months until a beacon may have left the tolerance.
 double months_within(const DeploymentBeacon& b, double tolerance_m, double drift_m_per_month) {
-  const Eigen::Matrix2d plane = b.covariance_m2.topLeftCorner<2, 2>();
-  const double variance = std::max(0.0, SymmetricEigen<Eigen::Matrix2d>(plane).eigenvalues()[1]);
+  const Eigen::Matrix3d& P = b.covariance_m2;
+  const double variance = std::max(0.0, largest_eigenvalue(P(0, 0), P(0, 1), P(1, 1)));
   const double room = std::pow(tolerance_m / kInThePlane95, 2) - variance;
   return room > 0.0 ? std::sqrt(room) / drift_m_per_month : 0.0;
 }

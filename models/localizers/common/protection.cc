@@ -14,8 +14,7 @@
 namespace octant {
 namespace {
 
-constexpr double kDetermined = 1e-9;   ///< smallest pivot of an information whose diagonal is one
-constexpr double kMisfitSigmas = 6.0;  ///< of a normal deviate: one in 1e9
+constexpr double kDetermined = 1e-9;  ///< smallest pivot of an information whose diagonal is one
 
 /// Sums over the rows of one beacon, or of all that are in use.
 struct RowSum {
@@ -118,13 +117,11 @@ bool invert(const NodeBlock& A, NodeBlock& inverse) {
   return inverse.allFinite();
 }
 
-/// Quantile of the chi-square distribution at kMisfitSigmas (Wilson and Hilferty 1931).
+/// Quantile of the chi-square distribution at kAtFaultSigmas (Wilson and Hilferty 1931).
 double misfit_limit(int degrees) {
   const double v = 2.0 / (9.0 * degrees);
-  return degrees * std::pow(1.0 - v + kMisfitSigmas * std::sqrt(v), 3);
+  return degrees * std::pow(1.0 - v + kAtFaultSigmas * std::sqrt(v), 3);
 }
-
-double horizontal_variance(const NodeBlock& P) { return largest_eigenvalue(P(0, 0), P(0, 1), P(1, 1)); }
 
 BeaconSeparation separation(const OfBeacon& of, const RowSum& all) {
   BeaconSeparation out;
@@ -158,7 +155,7 @@ Protection protection_of(const Trajectory& t, const Segment& segment, const Shar
   const BeaconSums sums(t, segment, state, errors);
   NodeBlock P;
   if (sums.beacons().empty() || !invert(sums.all().A, P)) return out;
-  const double variance_m2 = largest_eigenvalue(covariance(0, 0), covariance(0, 1), covariance(1, 1));
+  const double variance_m2 = horizontal_variance(covariance);
   const double widened = std::max(1.0, variance_m2 / horizontal_variance(P));
   double worst_m = 0.0, worst_misfit = 1.0;
   bool all_determined = true;

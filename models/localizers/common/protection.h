@@ -9,6 +9,7 @@
 
 #include "models/fix.h"
 #include "models/support/scratch.h"
+#include "models/trajectory/planar.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant {
@@ -24,6 +25,15 @@ namespace octant {
 inline constexpr double kProtectionRisk = 1e-5, kBeaconFaultRate = 1e-3, kBeaconsAtRisk = 10.0;
 /// sqrt(-2 ln(5e-6)) and sqrt(-2 ln(5e-4)), of the distance in the plane, in sigmas of its longer axis.
 inline constexpr double kFaultFreeSigmas = 4.941, kFaultySigmas = 3.899;
+
+/// Sigmas beyond which a beacon counts as at fault: of a normal deviate, one in 1e9.
+inline constexpr double kAtFaultSigmas = 6.0;
+
+/// Variance of a position in the plane along its longer axis. @param P  x, y before all else
+template <class Derived>
+[[nodiscard]] double horizontal_variance(const Eigen::MatrixBase<Derived>& P) {
+  return largest_eigenvalue(P(0, 0), P(0, 1), P(1, 1));
+}
 
 /// A fix held against what it would be without one of its beacons (solution separation: Blanch et al. 2012,
 /// Advanced RAIM user algorithm description). With A, g the information and gradient of all observations in

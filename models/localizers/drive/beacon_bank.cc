@@ -6,19 +6,12 @@
 #include <cmath>
 
 #include "models/localizers/common/protection.h"
-#include "models/trajectory/planar.h"
 
 namespace octant {
 namespace {
 
 /// What is left of a start that a beacon took part in: a metre and as much as half a radian.
 const Eigen::Vector3d kLittleKnown(1.0, 1.0, 0.25);
-constexpr double kAtFaultSigmas = 6.0;
-
-double plane_variance(const DriveFilter& filter) {
-  const Eigen::Matrix3d& P = filter.covariance();
-  return largest_eigenvalue(P(0, 0), P(0, 1), P(1, 1));
-}
 
 }  // namespace
 
@@ -119,7 +112,7 @@ double BeaconBank::protection_level_m(DriveFilter& filter) {
       continue;
     }
     const double off_m = (filter.pose().translation_m - slot.filter.pose().translation_m).head<2>().norm();
-    const double sigma_m = std::sqrt(plane_variance(slot.filter));
+    const double sigma_m = std::sqrt(horizontal_variance(slot.filter.covariance()));
     worst_m = std::max(worst_m, off_m + kFaultySigmas * sigma_m);
     if (off_m > worst_sigmas * sigma_m) {
       worst_sigmas = off_m / sigma_m;
@@ -130,7 +123,7 @@ double BeaconBank::protection_level_m(DriveFilter& filter) {
   // After an exclusion the level is that of what was held against it: still true of the filter that takes
   // over, which is the one farthest off.
   return any && all_found && heard_ >= too_many_until_
-             ? octant::protection_level_m(plane_variance(filter), worst_m)
+             ? octant::protection_level_m(horizontal_variance(filter.covariance()), worst_m)
              : 0.0;
 }
 

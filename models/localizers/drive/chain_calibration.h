@@ -19,6 +19,10 @@ struct DriveInstant {
   double alpha = 0.0;
 };
 
+/// x, y, heading that the states of a segment's nodes amount to at an instant.
+[[nodiscard]] Eigen::Vector3d at_instant(std::span<const NodeVector> x, const Segment& segment,
+                                         const DriveInstant& instant);
+
 /// Adds to each covariance of a planar pose what does not average out along a drive: with H the information
 /// of all states, G their coupling to the calibrated parameters of joint covariance C, and g_p the coupling
 /// to a bias that a beacon-receiver pair keeps,

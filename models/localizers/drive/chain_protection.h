@@ -20,7 +20,8 @@ namespace octant {
 ///
 /// 0 where the drive is lost without one of the beacons, or lies six sigmas off the drive without it: then
 /// that beacon, or those that were left, is at fault.
-/// @param trajectory  settled; marks of arrivals are changed on the way and left as they were
+/// @param trajectory  settled, no arrival marked kBeaconFault; marks change on the way and are left as they
+/// were
 /// @param noise  covariance of the states by noise alone
 /// @param covariances  of the pose at each instant, calibration's part included: by as much as that widens
 /// the noise's, the drive without a beacon is widened too

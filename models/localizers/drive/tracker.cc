@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/localizers/common/arrival_marks.h"
 #include "models/localizers/common/calibration_part.h"
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/localizer.h"
@@ -148,10 +149,7 @@ Fix fix_at(const Trajectory& t, std::size_t first, std::size_t last) {
   fix.time_s = t.arrivals[first].time_s;
   fix.vehicle = t.vehicle;
   fix.epoch = t.nodes[t.arrivals[first].node].epoch;
-  for (std::size_t i = first; i < last; ++i) {
-    fix.rejections.push_back(t.arrivals[i].rejection);
-    ++(t.arrivals[i].rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
-  }
+  report_arrivals(t, first, last, fix);
   return fix;
 }
 

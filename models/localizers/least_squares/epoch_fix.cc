@@ -9,6 +9,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/localizers/common/arrival_marks.h"
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/least_squares/candidates.h"
@@ -152,14 +153,6 @@ bool is_consensus(const Count& c, int unknowns) {
   // Any `unknowns` arrivals agree on something; and two beacons cannot tell which of three is in a shadow.
   return spare >= 2 && 3 * c.used >= c.heard &&
          (c.beacons_used >= 3 || c.beacons_used == c.beacons_heard || c.bearings >= 2);
-}
-
-void report_arrivals(const Trajectory& t, const Segment& segment, Fix& fix) {
-  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
-    const Rejection r = t.arrivals[i].rejection;
-    fix.rejections.push_back(r);
-    ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
-  }
 }
 
 double instant_of(const Trajectory& t, const Segment& segment) {
@@ -327,7 +320,7 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                                             : start_spatial(t, segment, model, options, found);
   if (!found) {
     fix.status = FixStatus::kTooFewArrivals;
-    report_arrivals(t, segment, fix);
+    report_arrivals(t, segment.first_arrival, segment.last_arrival, fix);
     return;
   }
 
@@ -337,7 +330,7 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
   }
   fix.T_map_vehicle = node.T_map_vehicle;
   fix.cost = adjustment.cost;
-  report_arrivals(t, segment, fix);
+  report_arrivals(t, segment.first_arrival, segment.last_arrival, fix);
   const bool determined = pose_covariance(t, adjustment.information, fix.covariance);
   const bool heading_open = t.motion == Motion::kPlanar && determined && fix.covariance(2, 2) > 1.0;
   const int unknowns = pose_dof(t.motion) + (t.has_cycle_offset ? 1 : 0) - (heading_open ? 1 : 0);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "models/localizers/common/arrival_marks.h"
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/protection.h"
 #include "models/localizers/common/trajectory_model.h"
@@ -38,19 +39,6 @@ Matrix5d covariance_of(const Deployment& deployment, const ParameterIndex& row_o
   C(3, 3) = beacon.delay_sigma_s * beacon.delay_sigma_s;
   C(4, 4) = deployment.speed_sigma_mps * deployment.speed_sigma_mps;
   return C;
-}
-
-/// Of the arrivals of a beacon, or of all (no beacon), those marked `from` are marked `to`; whether there
-/// were any.
-bool set_marks(Trajectory& trajectory, const Segment& epoch, BeaconId beacon, Rejection from, Rejection to) {
-  bool any = false;
-  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i) {
-    ArrivalObservation& a = trajectory.arrivals[i];
-    if (a.rejection != from || (beacon.valid() && !(a.beacon == beacon))) continue;
-    a.rejection = to;
-    any = true;
-  }
-  return any;
 }
 
 }  // namespace
@@ -99,13 +87,7 @@ LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOpti
 
 /// The fix once more from the arrivals that are in use now; false where they do not make one.
 bool LeastSquaresLocalizer::adjust_again(Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
-  fix.rejections.clear();
-  fix.arrivals_used = fix.arrivals_rejected = 0;
-  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i) {
-    const Rejection rejection = trajectory.arrivals[i].rejection;
-    fix.rejections.push_back(rejection);
-    ++(rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
-  }
+  report_arrivals(trajectory, epoch.first_arrival, epoch.last_arrival, fix);
   const NodeAdjustment adjustment = adjust_node(trajectory, epoch, model_.state, options_.range_slack_m);
   fix.T_map_vehicle = trajectory.nodes[epoch.first_node].T_map_vehicle;
   fix.cost = adjustment.cost;

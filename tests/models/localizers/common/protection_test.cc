@@ -10,16 +10,11 @@
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/trajectory/linearise.h"
+#include "tests/models/localizers/off_truth.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
 namespace {
-
-double off_m(const World& world, const Fix& fix) {
-  Pose truth;
-  EXPECT_TRUE(interpolate_poses(world.heldout.truth, fix.time_s, 1.0, truth));
-  return (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>().norm();
-}
 
 Scenario many_stops() {
   Scenario s = hall_scenario();
@@ -34,7 +29,7 @@ TEST(Protection, HoldsWithoutFaultsAndIsMoreThanNoise) {
   for (const Fix& fix : LeastSquaresLocalizer(world.truth).locate(world.heldout)) {
     if (!fix.ok() || fix.protection_level_m == 0.0) continue;
     ++protected_fixes;
-    EXPECT_LT(off_m(world, fix), fix.protection_level_m);
+    EXPECT_LT(off_truth_m(world, fix), fix.protection_level_m);
     EXPECT_GE(fix.protection_level_m,
               kFaultFreeSigmas * std::sqrt(std::max(fix.covariance(0, 0), fix.covariance(1, 1))));
   }
@@ -101,7 +96,7 @@ TEST(Protection, ABeaconAtFaultIsLeftOut) {
     excluded += at_fault;
     if (!at_fault) continue;
     EXPECT_EQ(integrity(fix), Integrity::kDegraded);
-    EXPECT_LT(off_m(world, fix), std::max(fix.protection_level_m, 0.02));
+    EXPECT_LT(off_truth_m(world, fix), std::max(fix.protection_level_m, 0.02));
   }
   EXPECT_GT(many, 100);
   EXPECT_GT(excluded, many / 4);
@@ -186,7 +181,7 @@ TEST(Protection, HoldsWithOneBeaconAtFault) {
   for (const Fix& fix : LeastSquaresLocalizer(world.truth).locate(world.heldout)) {
     if (!fix.ok() || fix.protection_level_m == 0.0) continue;
     ++count;
-    beyond += off_m(world, fix) > fix.protection_level_m;
+    beyond += off_truth_m(world, fix) > fix.protection_level_m;
   }
   ASSERT_GT(count, 200);
   EXPECT_LE(beyond, 1);  // one in a thousand by construction

@@ -5,16 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "models/localizers/drive/tracker.h"
+#include "tests/models/localizers/off_truth.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
 namespace {
-
-double off_by_m(const World& world, const Fix& fix) {
-  Pose truth;
-  EXPECT_TRUE(interpolate_poses(world.heldout.truth, fix.time_s, 1.0, truth));
-  return (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>().norm();
-}
 
 // A beacon whose times creep off by 20 us a second, which no arrival by itself shows: the filter follows it,
 // the one without it does not.
@@ -36,7 +31,7 @@ TEST(BeaconBank, ACreepingBeaconStaysWithinTheLevel) {
     }
     if (!fix.ok() || fix.protection_level_m == 0.0) continue;
     ++leveled;
-    beyond += off_by_m(world, fix) > fix.protection_level_m;
+    beyond += off_truth_m(world, fix) > fix.protection_level_m;
   }
   EXPECT_GT(leveled, 500);
   EXPECT_EQ(beyond, 0);

@@ -8,7 +8,7 @@
 
 #include "models/localizers/common/protection.h"
 #include "models/localizers/drive/tracker.h"
-#include "models/trajectory/planar.h"
+#include "tests/models/localizers/off_truth.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
@@ -16,15 +16,7 @@ namespace {
 
 constexpr TrackerOptions kProtected{.protect = true};
 
-double horizontal_sigma_m(const Fix& fix) {
-  return std::sqrt(largest_eigenvalue(fix.covariance(0, 0), fix.covariance(0, 1), fix.covariance(1, 1)));
-}
-
-double off_truth_m(const World& world, const Fix& fix) {
-  Pose truth;
-  EXPECT_TRUE(interpolate_poses(world.heldout.truth, fix.time_s, 1.0, truth));
-  return (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>().norm();
-}
+double horizontal_sigma_m(const Fix& fix) { return std::sqrt(horizontal_variance(fix.covariance)); }
 
 // Against whole solutions: the drive localized again, of one beacon after the other nothing but far echoes.
 TEST(ChainProtection, IsTheFarthestOfTheDrivesWithoutABeacon) {
