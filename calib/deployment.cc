@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "calib/calibrate.h"
 #include "calib/deployment_head.h"
@@ -102,8 +103,10 @@ void add_validity(const Problem& problem, const Solution& solution, Deployment& 
     coldest = solution.whole->coldest_degC;
     hottest = solution.whole->hottest_degC;
   }
-  for (const Trajectory& t : solution.trajectories) {
-    if (solution.whole) break;  // of which they are a part
+  // Of a whole log the trajectories at hand are a part.
+  const std::span<const Trajectory> all =
+      solution.whole ? std::span<const Trajectory>() : std::span<const Trajectory>(solution.trajectories);
+  for (const Trajectory& t : all) {
     for (const Node& node : t.nodes)
       if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
     const MeasurementLog& run = problem.runs[t.run];

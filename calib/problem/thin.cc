@@ -141,7 +141,7 @@ class Thinner {
     for (const std::size_t b : bearings) few.bearings.push_back(run_.bearings[b]);
     std::sort(spans.begin(), spans.end());
     few.poses = near_spans(run_.poses, spans);
-    if (drive_) few.odometry = summed_up(spans);
+    if (drive_) few.odometry = thinned_odometry(run_.odometry, spans);
     return few;
   }
 
@@ -179,21 +179,6 @@ class Thinner {
     return near;
   }
 
-  /// Of all vehicles.
-  [[nodiscard]] std::vector<OdometryStep> summed_up(
-      const std::vector<std::pair<double, double>>& spans) const {
-    std::set<VehicleId> vehicles;
-    for (const OdometryStep& s : run_.odometry) vehicles.insert(s.vehicle);
-    std::vector<OdometryStep> few;
-    for (const VehicleId vehicle : vehicles) {
-      const std::vector<OdometryStep> its = thinned_odometry(run_.odometry, vehicle, spans);
-      few.insert(few.end(), its.begin(), its.end());
-    }
-    std::stable_sort(few.begin(), few.end(),
-                     [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
-    return few;
-  }
-
   const MeasurementLog& run_;
   std::size_t beacons_;
   const ThinOptions& options_;
@@ -202,11 +187,10 @@ class Thinner {
   std::vector<bool> chosen_;
 };
 
-}  // namespace
-
-std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odometry, VehicleId vehicle,
-                                           const std::vector<std::pair<double, double>>& spans) {
-  std::vector<OdometryStep> few;
+/// Of one vehicle.
+void add_thinned(const std::vector<OdometryStep>& odometry, VehicleId vehicle,
+                 const std::vector<std::pair<double, double>>& spans, std::vector<OdometryStep>& few) {
+  const std::size_t of_others = few.size();
   const auto next_of = [&](std::size_t row) {
     while (row < odometry.size() && odometry[row].vehicle != vehicle) ++row;
     return row;
@@ -221,7 +205,7 @@ std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odom
     // A row is near a span that it lies in, or of which it is the next one on either side.
     while (span != spans.end() && span->second < before_s) ++span;
     const bool near = span != spans.end() && (is_last || odometry[after].time_s > span->first);
-    if (few.empty()) {
+    if (few.size() == of_others) {
       few.push_back(step);
     } else {
       sum = sum * Pose::planar(step.dx_m, step.dy_m, step.dheading_rad);
@@ -237,6 +221,18 @@ std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odom
     before_s = step.time_s;
     row = after;
   }
+}
+
+}  // namespace
+
+std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odometry,
+                                           const std::vector<std::pair<double, double>>& spans) {
+  std::set<VehicleId> vehicles;
+  for (const OdometryStep& s : odometry) vehicles.insert(s.vehicle);
+  std::vector<OdometryStep> few;
+  for (const VehicleId vehicle : vehicles) add_thinned(odometry, vehicle, spans, few);
+  std::stable_sort(few.begin(), few.end(),
+                   [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
   return few;
 }
 

@@ -27,10 +27,10 @@ struct ThinOptions {
 [[nodiscard]] MeasurementLog thin(const MeasurementLog& run, std::size_t beacons,
                                   const ThinOptions& options = {});
 
-/// Odometry of a vehicle: rows of the spans of time as they are, what lies between summed up to longer steps.
+/// Odometry of all vehicles, by time: rows of the spans of time as they are, what lies between summed up to
+/// longer steps.
 /// @param spans  begin and end, ascending
 [[nodiscard]] std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odometry,
-                                                         VehicleId vehicle,
                                                          const std::vector<std::pair<double, double>>& spans);
 
 /// The choice of groups (epochs, instants, stretches) that thin() makes, by their numbers in the order of

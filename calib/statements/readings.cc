@@ -13,7 +13,6 @@
 #include <fmt/ranges.h>
 
 #include "calib/problem/site_units.h"
-#include "calib/problem/thin.h"
 #include "calib/statements/pauses.h"
 #include "calib/statements/pose_frames.h"
 #include "calib/statements/reading_score.h"

@@ -52,8 +52,7 @@ std::size_t budget_of(const DriveGroups& of_run) {
       std::max(30.0, static_cast<double>(kPartOfLongLog.drive_arrivals) / std::max(each, 1e-3)));
 }
 
-Result<MeasurementLog> part_of_run(std::size_t run, std::size_t vehicles, const ArrivalSource& source,
-                                   const DriveIndex& index) {
+Result<MeasurementLog> part_of_run(std::size_t run, const ArrivalSource& source, const DriveIndex& index) {
   const MeasurementLog& log = source.log(run);
   const DriveGroups& of_run = index.groups(run);
   MeasurementLog few = without_lists(log);
@@ -78,12 +77,7 @@ Result<MeasurementLog> part_of_run(std::size_t run, std::size_t vehicles, const 
     return few;
   }
   std::sort(spans.begin(), spans.end());
-  for (std::size_t v = 0; v < vehicles; ++v) {
-    const std::vector<OdometryStep> some = thinned_odometry(log.odometry, VehicleId(v), spans);
-    few.odometry.insert(few.odometry.end(), some.begin(), some.end());
-  }
-  std::stable_sort(few.odometry.begin(), few.odometry.end(),
-                   [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
+  few.odometry = thinned_odometry(log.odometry, spans);
   return few;
 }
 
@@ -92,7 +86,7 @@ Result<MeasurementLog> part_of_run(std::size_t run, std::size_t vehicles, const 
 Result<Problem> part_of(const Site& site, const ArrivalSource& source, const DriveIndex& index, int threads) {
   std::vector<MeasurementLog> runs;
   for (std::size_t run = 0; run < source.runs(); ++run) {
-    auto few = part_of_run(run, site.vehicles.size(), source, index);
+    auto few = part_of_run(run, source, index);
     if (!few) return fail(few.error());
     runs.push_back(std::move(*few));
   }

@@ -26,20 +26,6 @@ namespace {
 /// next one with it.
 constexpr double kPieceAtRest = 1e-9;
 
-bool has_state(const std::array<double, 3>& state) { return !std::isnan(state[2]); }
-
-std::array<double, 3> numbers_of(const Node& node) {
-  return {node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(),
-          node.placed ? node.T_map_vehicle.heading_rad() : NAN};
-}
-
-Pose pose_of(const std::array<double, 3>& state) { return Pose::planar(state[0], state[1], state[2]); }
-
-void put_state(const std::array<double, 3>& state, Node& node) {
-  node.placed = has_state(state);
-  if (node.placed) node.T_map_vehicle = pose_of(state);
-}
-
 /// Pieces of chains, added up in their order, whoever is first.
 class OrderedEnds {
  public:
@@ -101,25 +87,20 @@ Result<void> DrivePasses::for_each_piece(bool widened, Do&& work) {
     const DrivePiece piece = widened ? index_.widened(*w.piece) : *w.piece;
     const DriveChain& chain = index_.chains()[piece.chain];
     if (run_before != chain.run) {
-      std::vector<Arrival> room = std::move(w.log.arrivals);
-      w.log = without_lists(source_.log(chain.run));
-      w.log.arrivals = std::move(room);
+      begin_run(source_.log(chain.run), w.log);
     }
     if (auto ok = index_.read(source_, piece, w.log); !ok) return ok;
     w.trajectory.clear();
     w.trajectory.push_back(make_trajectory(w.log, chain.run, chain.vehicle, model_));
     if (w.t().arrivals.size() != piece.arrivals || w.t().nodes.size() != piece.nodes)
-      return fail({.file = w.log.path + "/tof.csv",
-                   .found = "the file has changed while it was read",
-                   .expected = "the same rows each time, as a log of this size is read several times",
-                   .advice = "calibrate with a copy, or when the recording is over"});
+      return fail(changed_while_read(w.log));
     work(k, w);
     return {};
   };
   return for_each_side_by_side(0, pieces_.size(), workers_.size(), course_, load);
 }
 
-void DrivePasses::restore(std::size_t piece, double sigma_s, const std::vector<State>& ends,
+void DrivePasses::restore(std::size_t piece, double sigma_s, const std::vector<KeptState>& ends,
                           DriveWork& w) const {
   Trajectory& t = w.t();
   for (std::size_t k = 0; k < t.nodes.size(); ++k) put_state(pieces_[piece].state[k], t.nodes[k]);
@@ -140,18 +121,15 @@ void DrivePasses::keep(std::size_t piece, const DriveWork& w, std::size_t first_
   kept.state.reserve(w.piece->nodes);
   kept.marks.reserve(w.piece->arrivals);
   for (std::size_t k = 0; k < w.piece->nodes; ++k)
-    kept.state.push_back(numbers_of(w.t().nodes[first_node + k]));
+    kept.state.push_back(kept_state(w.t().nodes[first_node + k]));
   for (std::size_t i = 0; i < w.piece->arrivals; ++i)
     kept.marks.push_back(w.t().arrivals[first_arrival + i].rejection);
 }
 
 Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double /*suspect_sigmas*/,
                                                bool /*mark*/) {
-  constexpr std::size_t kResiduals = 200000,
-                        kRanges = 50000;  // as agreeing_sigma() and typical_range_m() look at
-  const std::size_t every_residual = index_.arrivals() / kResiduals + 1,
-                    every_range = index_.arrivals() / kRanges + 1;
-  const SharedState state = estimate.state(), prior = prior_state(frame_.site);
+  const SharedState state = estimate.state();
+  const SpreadArrivals spread(index_.arrivals(), state, prior_state(frame_.site));
   std::vector<std::vector<double>> residuals(pieces_.size()), ranges(pieces_.size());
   // What is heard before and behind a piece tells its ends as well.
   const auto done = for_each_piece(true, [&](std::size_t k, DriveWork& w) {
@@ -163,13 +141,8 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
         std::partition_point(t.arrivals.begin(), t.arrivals.end(),
                              [&](const ArrivalObservation& a) { return a.node < first_node; }) -
         t.arrivals.begin());
-    for (std::size_t i = 0; i < w.piece->arrivals; ++i) {
-      const ArrivalObservation& a = t.arrivals[first_arrival + i];
-      if ((w.piece->arrivals_before + i) % every_range == 0) ranges[k].push_back(prior_range_m(t, a, prior));
-      if ((w.piece->arrivals_before + i) % every_residual == 0 && a.rejection == Rejection::kUsed &&
-          t.nodes[a.node].placed)
-        residuals[k].push_back(std::abs(arrival_residual(t, a, state)));
-    }
+    for (std::size_t i = 0; i < w.piece->arrivals; ++i)
+      spread.look_at(w.piece->arrivals_before + i, t, t.arrivals[first_arrival + i], residuals[k], ranges[k]);
     keep(k, w, first_node, first_arrival);
   });
   if (!done) return fail(done.error());
@@ -185,7 +158,7 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
 /// they share.
 void DrivePasses::join_pieces() {
   const std::vector<DrivePiece>& pieces = index_.pieces();
-  const auto none = [&](std::size_t k) { return !has_state(pieces_[k].state.front()); };
+  const auto none = [&](std::size_t k) { return !has_place(pieces_[k].state.front()); };
   for (std::size_t k = 1; k < pieces.size(); ++k)
     if (pieces[k].open_left && none(k) && !none(k - 1)) reach_by_odometry(k, true);
   for (std::size_t k = pieces.size(); k-- > 0;)
@@ -194,7 +167,7 @@ void DrivePasses::join_pieces() {
   tried_.state.assign(pieces.size(), {NAN, NAN, NAN});
   for (std::size_t k = 0; k + 1 < pieces.size(); ++k) {
     if (!pieces[k].open_right || none(k)) continue;
-    const State &here = pieces_[k].state.back(), &there = pieces_[k + 1].state.front();
+    const KeptState &here = pieces_[k].state.back(), &there = pieces_[k + 1].state.front();
     tried_.state[k] = {0.5 * (here[0] + there[0]), 0.5 * (here[1] + there[1]),
                        here[2] + 0.5 * wrap_angle(there[2] - here[2])};
   }
@@ -222,8 +195,8 @@ void DrivePasses::reach_by_odometry(std::size_t piece, bool forward) {
 }
 
 /// The ends when the parameters go to x.
-std::vector<DrivePasses::State> DrivePasses::ends_at(const Eigen::VectorXd& x) const {
-  std::vector<State> ends = from_.state;
+std::vector<KeptState> DrivePasses::ends_at(const Eigen::VectorXd& x) const {
+  std::vector<KeptState> ends = from_.state;
   if (from_.chains.empty()) return ends;
   std::vector<std::vector<Eigen::Vector3d>> steps;
   for (const EndChain& chain : from_.chains) steps.push_back(chain.steps(x - from_.x));

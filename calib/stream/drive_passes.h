@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
+#include "calib/stream/chunk_work.h"
 #include "calib/stream/drive_index.h"
 #include "calib/stream/end_chain.h"
 #include "calib/stream/log_passes.h"
@@ -31,14 +31,13 @@ class DrivePasses : public LogReadings {
   [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
 
  private:
-  using State = std::array<double, 3>;  ///< x, y, heading; NaN: no place
   struct PieceStates {
-    std::vector<State> state;
+    std::vector<KeptState> state;
     std::vector<Rejection> marks;
   };
   /// The ends behind pieces and what they were linearised with.
   struct Ends {
-    std::vector<State> state;      ///< behind each piece
+    std::vector<KeptState> state;  ///< behind each piece
     Eigen::VectorXd x;             ///< where that was done; empty: nowhere
     std::vector<EndChain> chains;  ///< of each chain
   };
@@ -46,11 +45,11 @@ class DrivePasses : public LogReadings {
 
   template <class Do>
   Result<void> for_each_piece(bool widened, Do&& work);
-  void restore(std::size_t piece, double sigma_s, const std::vector<State>& ends, DriveWork& w) const;
+  void restore(std::size_t piece, double sigma_s, const std::vector<KeptState>& ends, DriveWork& w) const;
   void keep(std::size_t piece, const DriveWork& w, std::size_t first_node, std::size_t first_arrival);
   void join_pieces();
   void reach_by_odometry(std::size_t piece, bool forward);
-  [[nodiscard]] std::vector<State> ends_at(const Eigen::VectorXd& x) const;
+  [[nodiscard]] std::vector<KeptState> ends_at(const Eigen::VectorXd& x) const;
   void settle(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
               MarkPolicy marks, Numbers& numbers, DriveWork& w, OpenChain& out) const;
 

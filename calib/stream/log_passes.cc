@@ -69,9 +69,7 @@ Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
 Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
   const LogChunk& c = index_.chunks()[chunk];
   if (w.chunk == nullptr || w.chunk->run != c.run) {
-    std::vector<Arrival> room = std::move(w.log.arrivals);
-    w.log = without_lists(source_.log(c.run));
-    w.log.arrivals = std::move(room);
+    begin_run(source_.log(c.run), w.log);
   }
   w.chunk = &c;
   if (auto ok = index_.read(source_, c.run, c.first_block, c.last_block, w.log.arrivals); !ok) return ok;
@@ -82,10 +80,7 @@ Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
     if (w.trajectories.back().arrivals.size() == c.arrivals[v] &&
         w.trajectories.back().nodes.size() == c.epochs[v])
       continue;
-    return fail({.file = w.log.path + "/tof.csv",
-                 .found = "the file has changed while it was read",
-                 .expected = "the same rows each time, as a log of this size is read several times",
-                 .advice = "calibrate with a copy, or when the recording is over"});
+    return fail(changed_while_read(w.log));
   }
   return {};
 }
@@ -93,11 +88,7 @@ Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
 void LogPasses::restore(const ChunkStops& stops, double sigma_s, ChunkWork& w) const {
   std::size_t node = 0, arrival = 0;
   for (Trajectory& t : w.trajectories) {
-    for (Node& n : t.nodes) {
-      const auto& [x_m, y_m, heading_rad] = stops.pose[node++];
-      n.placed = !std::isnan(heading_rad);
-      if (n.placed) n.T_map_vehicle = Pose::planar(x_m, y_m, heading_rad);
-    }
+    for (Node& n : t.nodes) put_state(stops.pose[node++], n);
     for (ArrivalObservation& a : t.arrivals) {
       a.rejection = stops.marks[arrival++];
       a.sigma_s = sigma_s;
@@ -109,9 +100,7 @@ void LogPasses::keep(const ChunkWork& w, ChunkStops& stops) const {
   stops.pose.clear();
   stops.marks.clear();
   for (const Trajectory& t : w.trajectories) {
-    for (const Node& n : t.nodes)
-      stops.pose.push_back({n.T_map_vehicle.translation_m.x(), n.T_map_vehicle.translation_m.y(),
-                            n.placed ? n.T_map_vehicle.heading_rad() : NAN});
+    for (const Node& n : t.nodes) stops.pose.push_back(kept_state(n));
     for (const ArrivalObservation& a : t.arrivals) stops.marks.push_back(a.rejection);
   }
 }
@@ -144,11 +133,8 @@ std::vector<double> LogPasses::in_order(std::vector<std::vector<double>> of_chun
 }
 
 Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
-  constexpr std::size_t kResiduals = 200000,
-                        kRanges = 50000;  // as agreeing_sigma() and typical_range_m() look at
-  const std::size_t every_residual = index_.arrivals() / kResiduals + 1,
-                    every_range = index_.arrivals() / kRanges + 1;
-  const SharedState state = estimate.state(), prior = prior_state(frame_.site);
+  const SharedState state = estimate.state();
+  const SpreadArrivals spread(index_.arrivals(), state, prior_state(frame_.site));
   std::vector<std::vector<double>> residuals(stops_.size()), ranges(stops_.size());
   PassSummer summer(first_, stops_.size(), estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
@@ -161,12 +147,8 @@ Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double su
         stops_[k].start_heading_rad.push_back(n.placed ? static_cast<float>(n.T_map_vehicle.heading_rad())
                                                        : NAN);
       const std::size_t before = w.chunk->arrivals_before[t.vehicle.index()];
-      for (std::size_t i = 0; i < t.arrivals.size(); ++i) {
-        const ArrivalObservation& a = t.arrivals[i];
-        if ((before + i) % every_range == 0) ranges[k].push_back(prior_range_m(t, a, prior));
-        if ((before + i) % every_residual == 0 && a.rejection == Rejection::kUsed && t.nodes[a.node].placed)
-          residuals[k].push_back(std::abs(arrival_residual(t, a, state)));
-      }
+      for (std::size_t i = 0; i < t.arrivals.size(); ++i)
+        spread.look_at(before + i, t, t.arrivals[i], residuals[k], ranges[k]);
     }
     if (mark)
       summer.take(k, w.trajectories, estimate.layout, state, options_.rejection_sigmas, MarkPolicy::kFirst,
