@@ -20,6 +20,34 @@ class Stream : public HallFolder {
   void SetUp() override { make(1500); }
   [[nodiscard]] nlohmann::json deployment() const { return nlohmann::json::parse(slurp(out("d.json"))); }
   [[nodiscard]] std::string tof() const { return slurp(hall("run/tof.csv")); }
+
+  /// Calibrates the hall in memory and in chunks: objects of the command, deployments, in this order.
+  struct Both {
+    nlohmann::json whole, streamed, whole_deployment, streamed_deployment;
+  };
+  void expect_the_same(std::size_t epochs, Both& both) const {
+    const Outcome whole = calibrate({"--json"});
+    ASSERT_EQ(whole.exit, 0) << whole.err;
+    both.whole = whole.json();
+    both.whole_deployment = deployment();
+    EXPECT_TRUE(both.whole["streamed"].is_null());
+    const Outcome streamed = calibrate({"--json", "--memory-mb", "1", "--report", out("r.md")});
+    ASSERT_EQ(streamed.exit, 0) << streamed.err;
+    EXPECT_THAT(streamed.err, HasSubstr("read in chunks"));
+    both.streamed = streamed.json();
+    both.streamed_deployment = deployment();
+    EXPECT_EQ(both.streamed["streamed"]["epochs"], epochs);
+    for (const char* key :
+         {"arrivals", "rejected", "unknowns", "redundancy", "undetermined", "left_out", "datum"})
+      EXPECT_EQ(both.whole[key], both.streamed[key]) << key;
+    const auto &found = both.streamed_deployment, &expected = both.whole_deployment;
+    EXPECT_EQ(found["inputs"], expected["inputs"]);
+    for (std::size_t i = 0; i < expected["beacons"].size(); ++i)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(found["beacons"][i]["position_m"][axis].get<double>(),
+                    expected["beacons"][i]["position_m"][axis].get<double>(), 1e-6);
+    EXPECT_THAT(slurp(out("r.md")), HasSubstr("B7"));
+  }
 };
 
 /// Every so many-th data row with its line changed.
@@ -48,52 +76,20 @@ TEST_F(Stream, GivesTheAnswerOfTheWhole) {
   text = text.substr(0, middle) + "\"" + text.substr(middle, comma - middle) + "\"" + text.substr(comma);
   spit(hall("run/tof.csv"), text);
 
-  const Outcome whole = calibrate({"--json"});
-  ASSERT_EQ(whole.exit, 0) << whole.err;
-  EXPECT_TRUE(whole.json()["streamed"].is_null());
-  const auto expected = deployment();
-  const Outcome streamed = calibrate({"--json", "--memory-mb", "1", "--report", out("r.md")});
-  ASSERT_EQ(streamed.exit, 0) << streamed.err;
-  EXPECT_THAT(streamed.err, HasSubstr("read in chunks"));
-  const auto a = whole.json(), b = streamed.json();
-  EXPECT_EQ(b["streamed"]["epochs"], 4100);
-  for (const char* key :
-       {"arrivals", "rejected", "unknowns", "redundancy", "undetermined", "left_out", "warnings", "datum"})
-    EXPECT_EQ(a[key], b[key]) << key;
-  EXPECT_EQ(a["reliability"]["beacons"].size(), b["reliability"]["beacons"].size());
-  const auto found = deployment();
-  EXPECT_EQ(found["inputs"], expected["inputs"]);
-  EXPECT_EQ(found["validity"]["temperature_degC"], expected["validity"]["temperature_degC"]);
-  for (std::size_t i = 0; i < expected["beacons"].size(); ++i)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      EXPECT_NEAR(found["beacons"][i]["position_m"][axis].get<double>(),
-                  expected["beacons"][i]["position_m"][axis].get<double>(), 1e-6);
-  EXPECT_THAT(slurp(out("r.md")), HasSubstr("B7"));
+  Both both;
+  expect_the_same(4100, both);
+  EXPECT_EQ(both.whole["warnings"], both.streamed["warnings"]);
+  EXPECT_EQ(both.whole["reliability"]["beacons"].size(), both.streamed["reliability"]["beacons"].size());
+  EXPECT_EQ(both.streamed_deployment["validity"]["temperature_degC"],
+            both.whole_deployment["validity"]["temperature_degC"]);
 }
 
 TEST_F(Stream, DrivesGiveTheAnswerOfTheWhole) {
   make(hall_scenario(
       "path: {kind: stops, epochs: 150, epoch_period_s: 5.0, slot_s: 0.05}\nheldout_path: {epochs: 40}",
       "path: {kind: drive, duration_s: 500}\nheldout_path: {duration_s: 5}"));
-  const Outcome whole = calibrate({"--json"});
-  ASSERT_EQ(whole.exit, 0) << whole.err;
-  EXPECT_TRUE(whole.json()["streamed"].is_null());
-  const auto expected = deployment();
-  const Outcome streamed = calibrate({"--json", "--memory-mb", "1", "--report", out("r.md")});
-  ASSERT_EQ(streamed.exit, 0) << streamed.err;
-  EXPECT_THAT(streamed.err, HasSubstr("read in chunks"));
-  const auto a = whole.json(), b = streamed.json();
-  EXPECT_EQ(b["streamed"]["epochs"], 10001) << "states, at the rows of odometry.csv";
-  for (const char* key :
-       {"arrivals", "rejected", "unknowns", "redundancy", "undetermined", "left_out", "datum"})
-    EXPECT_EQ(a[key], b[key]) << key;
-  const auto found = deployment();
-  EXPECT_EQ(found["inputs"], expected["inputs"]);
-  for (std::size_t i = 0; i < expected["beacons"].size(); ++i)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      EXPECT_NEAR(found["beacons"][i]["position_m"][axis].get<double>(),
-                  expected["beacons"][i]["position_m"][axis].get<double>(), 1e-6);
-  EXPECT_THAT(slurp(out("r.md")), HasSubstr("B7"));
+  Both both;
+  expect_the_same(10001, both);  // states, at the rows of odometry.csv
 }
 
 TEST_F(Stream, SaysWhereARowIsWrong) {

@@ -38,15 +38,20 @@ constexpr std::array<std::pair<const char*, const char*>, 20> kFileNames = {
      {"sites.yaml", "batch"},
      {"defaults.yaml", "defaults"}}};
 
-constexpr const char* kListed =
-    "site, run, deployment, fixes, survey, columns, topics, scenario, scene, batch, live or defaults; or a "
-    "file's "
-    "name, "
-    "such as cells.csv";
+constexpr std::array<const char*, 12> kFormats = {"site",   "run",     "deployment", "fixes",
+                                                  "survey", "columns", "topics",     "scenario",
+                                                  "scene",  "batch",   "live",       "defaults"};
+
+/// "site, run, ... or defaults; or a file's name, such as cells.csv"
+std::string formats_in_words() {
+  std::string words;
+  for (const char* format : kFormats)
+    words += (words.empty() ? "" : format == kFormats.back() ? " or " : ", ") + std::string(format);
+  return words + "; or a file's name, such as cells.csv";
+}
 
 std::vector<std::string> known_formats() {
-  std::vector<std::string> known = {"site",   "run",      "deployment", "fixes", "survey", "columns",
-                                    "topics", "scenario", "scene",      "batch", "live",   "defaults"};
+  std::vector<std::string> known(kFormats.begin(), kFormats.end());
   for (const auto& [file, format] : kFileNames) known.emplace_back(file);
   return known;
 }
@@ -63,7 +68,7 @@ int print_schema(const std::string& name, bool page, Session& session) {
   if (io::schema(format).empty())
     return session.fail({"error", "usage", kUsage,
                          fmt::format("there is no format '{}'{}", name, did_you_mean(name, known_formats())),
-                         fmt::format("expected {}", kListed)});
+                         fmt::format("expected {}", formats_in_words())});
   if (page && session.options.json)
     return session.fail(
         {"error", "usage", kUsage, "--page is no JSON", "leave out one of --page and --json"});
@@ -80,7 +85,7 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
   CLI::App* command =
       add_command(app, common, "schema", "Print the JSON Schema of a file format, with a word on every key",
                   "octant schema deployment > deployment.schema.json");
-  command->add_option("format", *format, kListed)->required()->type_name("FORMAT");
+  command->add_option("format", *format, formats_in_words())->required()->type_name("FORMAT");
   command->add_flag("--page", *page, "Instead: a page of Markdown, a row for each key and column");
   command->callback([format, page, &action] {
     action = [format, page](Session& session) { return print_schema(*format, *page, session); };
