@@ -21,8 +21,6 @@ constexpr double kAgreeing = 0.25;  ///< of the step, by which they may differ b
 constexpr std::size_t kSide = 8, kAtLeastSide = 5;  ///< stops before and after a step that are compared
 constexpr double kOnTheirSide = 0.8;                ///< of the stops
 constexpr double kStepSigmas = 8.0;
-/// Where the fit of a stop is rough (echoes), steps below a tenth of a metre of sound's way say nothing.
-constexpr double kSmallestStepM = 0.1;
 
 /// Two arrivals in a row of one beacon at one receiver.
 struct Change {
@@ -228,7 +226,7 @@ std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& r
 }
 
 std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajectories, std::size_t run,
-                                           const SharedState& state) {
+                                           const SharedState& state, double smallest_m) {
   std::vector<ClockStep> steps;
   for (const Trajectory& t : trajectories) {
     if (t.run != run || t.moving || t.has_cycle_offset) continue;
@@ -241,7 +239,7 @@ std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajec
       double difference = 0.0, sigma = 0.0;
       if (!difference_at(o, i, usual_s, difference, sigma)) continue;
       if (std::abs(difference) > kStepSigmas * sigma &&
-          std::abs(difference) * t.nominal_speed_mps > kSmallestStepM)
+          std::abs(difference) * t.nominal_speed_mps > smallest_m)
         candidates.emplace_back(std::abs(difference) / sigma, i);
     }
     std::sort(candidates.rbegin(), candidates.rend());

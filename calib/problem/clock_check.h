@@ -15,11 +15,15 @@ namespace octant::calib {
 /// between stops far apart in time are beyond it.
 [[nodiscard]] std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& run);
 
+/// Where the fit of a stop is rough (echoes), steps below a tenth of a metre of sound's way say nothing.
+inline constexpr double kSmallestStepM = 0.1;
+
 /// Jumps that the beacons' geometry shows: each stop is settled with a clock offset of its own (four beacons
 /// or more), and the offsets of stops in a row are compared before and after.
 /// @param trajectories  with states near the truth; rejected arrivals take part, as a jump may be why they
-/// were
+/// were  @param smallest_m  of sound's way
 [[nodiscard]] std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajectories,
-                                                         std::size_t run, const SharedState& state);
+                                                         std::size_t run, const SharedState& state,
+                                                         double smallest_m = kSmallestStepM);
 
 }  // namespace octant::calib

@@ -10,7 +10,7 @@
 
 #include "calib/plan/check.h"
 #include "calib/problem/thin.h"
-#include "calib/statements/readings.h"
+#include "calib/readings/readings.h"
 
 namespace octant::calib {
 namespace {
@@ -105,12 +105,9 @@ std::vector<Finding> outcome_hints(const Problem& problem, const Solution& solut
 void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
              const SolveOptions& options) {
   const bool misread = seems_misread(adjusted, solution);
-  const bool point_blamed =
-      std::any_of(solution.contradictions.begin(), solution.contradictions.end(),
-                  [](const Contradiction& c) { return c.kind == ContradictionKind::kControlPoint; });
-  if (!misread && !point_blamed) return;
+  if (!misread && solution.contradictions.empty()) return;
   std::vector<Contradiction> found = misread ? find_misreadings(problem, solution, options)
-                                             : find_exchanged_points(problem, solution, options);
+                                             : find_other_culprits(problem, solution, options);
   if (found.empty()) return;
   solution.contradictions = std::move(found);
   if (solution.status != SolveStatus::kUndetermined) return;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/statements/reading_score.h"
+#include "calib/readings/reading_score.h"
 
 #include <algorithm>
 #include <cmath>

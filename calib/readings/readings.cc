@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/statements/readings.h"
+#include "calib/readings/readings.h"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <optional>
 #include <utility>
@@ -12,11 +11,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calib/problem/site_units.h"
-#include "calib/statements/pauses.h"
-#include "calib/statements/pose_frames.h"
-#include "calib/statements/reading_score.h"
-#include "calib/statements/wiring.h"
+#include "calib/readings/pauses.h"
+#include "calib/readings/reading.h"
+#include "calib/readings/reading_score.h"
 
 namespace octant::calib {
 namespace {
@@ -34,16 +31,7 @@ constexpr double kTie = 0.05;
 constexpr LogShare kFirstLook = {16, 12, 600}, kSecondLook = {40, 30, 1500};
 constexpr double kWorthASecondLook = 0.8;  ///< of the loss as stated
 constexpr std::size_t kSecondLooks = 2;    ///< of each kind
-/// Control points among which every exchange of two is looked at.
-constexpr std::size_t kFewPoints = 4;
-constexpr double kPlainSigmas = 8.0;  ///< by which an exchange must explain more than what was stated
-
-/// The statements as they might be meant: another site, or other recordings.
-struct Reading {
-  Contradiction what;
-  std::function<Site(const Site&)> site;
-  std::function<void(MeasurementLog&)> run;
-};
+constexpr double kPlainSigmas = 8.0;       ///< by which an exchange must explain more than what was stated
 
 class Search {
  public:
@@ -59,10 +47,13 @@ class Search {
       };
   }
 
-  /// Exchanged control points alone.
-  std::vector<Contradiction> exchanged() {
+  /// What is blamed on a control point, or on anything.
+  std::vector<Contradiction> instead_of(const std::vector<Contradiction>& blamed) {
     look_as_stated();
-    try_exchanged_points();
+    if (std::any_of(blamed.begin(), blamed.end(),
+                    [](const Contradiction& c) { return c.kind == ContradictionKind::kControlPoint; }))
+      try_exchanged_points();
+    if (found_.empty()) try_out(jumped_clocks(site_, problem_.runs, options_));
     return best();
   }
 
@@ -71,15 +62,17 @@ class Search {
     try_numbered_stops();
     if (found_.empty()) try_exchanged_points();
     const bool scale_is_right = stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise;
+    if (nothing_but_exchanges()) try_out(jumped_clocks(site_, problem_.runs, options_));
     if (nothing_but_exchanges()) {
-      std::vector<Reading> scales = units(scale_is_right);
-      if (const auto reading = ranging(); reading && !scale_is_right) scales.push_back(*reading);
+      std::vector<Reading> scales = other_units(site_, scale_is_right);
+      if (!scale_is_right)
+        for (Reading& reading : other_ranging(site_)) scales.push_back(std::move(reading));
       try_out(scales);
     }
     // A wrong frame of short lever arms looks much like receivers in another unit: both have their turn.
-    if (nothing_but_exchanges() || !poses().empty()) {
-      std::vector<Reading> frames = poses();
-      for (Reading& reading : wired_otherwise()) frames.push_back(std::move(reading));
+    std::vector<Reading> frames = other_pose_frames(problem_.runs);
+    if (nothing_but_exchanges() || !frames.empty()) {
+      for (Reading& reading : other_wirings(site_, solution_)) frames.push_back(std::move(reading));
       try_out(frames);
     }
     return best();
@@ -130,9 +123,9 @@ class Search {
 
   [[nodiscard]] ReadingScore score(const Reading& reading, const std::vector<MeasurementLog>& runs,
                                    bool search_again) const {
-    if (!reading.run) return score_of(reading.site(site_), runs, options_, search_again);
+    if (!reading.log) return score_of(reading.site(site_), runs, options_, search_again);
     std::vector<MeasurementLog> others = runs;
-    for (MeasurementLog& run : others) reading.run(run);
+    for (std::size_t run = 0; run < others.size(); ++run) reading.log(run, others[run]);
     return score_of(reading.site ? reading.site(site_) : site_, others, options_, search_again);
   }
 
@@ -193,7 +186,7 @@ class Search {
   /// suffices, unless a single point that is elsewhere explains more.
   void try_exchanged_points() {
     std::optional<Tried> least;
-    for (const Reading& reading : exchanged_points()) {
+    for (const Reading& reading : exchanged_points(site_)) {
       if (stopped()) return;
       const ReadingScore s = score(reading, second_, true);
       const bool plain = s.arrivals * (stated_.loss - s.loss) >= 0.5 * kPlainSigmas * kPlainSigmas;
@@ -207,115 +200,6 @@ class Search {
       if (score_of(released, second_, options_, true).loss < least->score.loss - kTie) least.reset();
     }
     if (least && !stopped()) found_.push_back(*least);
-  }
-
-  [[nodiscard]] std::optional<Reading> ranging() const {
-    if (site_.timing.clock == Clock::kCycleOffset) return {};
-    const bool one_way = site_.timing.ranging == Ranging::kOneWay;
-    const auto other = [one_way](Site site) {
-      site.timing.ranging = one_way ? Ranging::kTwoWay : Ranging::kOneWay;
-      return site;
-    };
-    return Reading{
-        {ContradictionKind::kRanging, "the arrivals", one_way ? "one_way" : "two_way",
-         one_way ? "that the times of flight are times there and back (two-way), though timing.ranging says "
-                   "one_way"
-                 : "that the times of flight are one-way times, though timing.ranging says two_way, the time "
-                   "there and back",
-         0.0, one_way ? "state timing.ranging: two_way, and turnaround_s" : "state timing.ranging: one_way"},
-        other,
-        {}};
-  }
-
-  static Reading unit(const LengthUnit& u, const ScaledParts& parts, const std::string& whose) {
-    return {{ContradictionKind::kUnits, "positions of " + whose, "metres",
-             fmt::format("that they are in {}", u.name), 0.0,
-             fmt::format("multiply them (and their sigmas, where these are in {} too) by {:g}", u.name,
-                         u.metres)},
-            [u, parts](const Site& site) { return in_unit(site, u, parts); },
-            {}};
-  }
-
-  /// @param some_only  of beacons of another order of magnitude than the rest alone
-  [[nodiscard]] std::vector<Reading> units(bool some_only) const {
-    const std::vector<bool> none(site_.beacons.size(), false);
-    std::vector<bool> all = none;
-    for (std::size_t b = 0; b < all.size(); ++b)
-      all[b] = std::any_of(site_.beacons[b].position_m.begin(), site_.beacons[b].position_m.end(),
-                           [](const auto& x) { return x.has_value(); });
-    const bool placed = std::find(all.begin(), all.end(), true) != all.end();
-    std::vector<Reading> readings;
-    for (const LengthUnit& u : length_units()) {
-      if (placed && !some_only) readings.push_back(unit(u, {all, false}, "the beacons"));
-      if (placed && !some_only) readings.push_back(unit(u, {all, true}, "the beacons and receivers"));
-      if (!some_only) readings.push_back(unit(u, {none, true}, "the receivers"));
-      const std::vector<bool> some = beacons_in_unit(site_, u);
-      std::vector<std::string> names;
-      for (std::size_t b = 0; b < some.size(); ++b)
-        if (some[b]) names.push_back(site_.beacons[b].name);
-      if (!names.empty())
-        readings.push_back(unit(u, {some, false}, fmt::format("beacons {}", fmt::join(names, ", "))));
-    }
-    return readings;
-  }
-
-  /// Two of a few control points at each other's places. Of three that are all the datum each can be blamed
-  /// by itself, as it may move to where it agrees with the two others; an exchange explains the same with
-  /// nothing to adjust.
-  [[nodiscard]] std::vector<Reading> exchanged_points() const {
-    std::vector<std::size_t> points;
-    for (std::size_t b = 0; b < site_.beacons.size(); ++b)
-      if (site_.beacons[b].is_control_point()) points.push_back(b);
-    std::vector<Reading> readings;
-    if (points.size() > kFewPoints) return readings;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      for (std::size_t j = i + 1; j < points.size(); ++j) {
-        const std::size_t a = points[i], b = points[j];
-        const std::string names = site_.beacons[a].name + ", " + site_.beacons[b].name;
-        readings.push_back(
-            {{ContradictionKind::kExchanged, names, "at the places in the site file",
-              "at each other's places", 0.0,
-              fmt::format("exchange the positions of control points {} and {} in the site file, or their "
-                          "labels on the wall",
-                          site_.beacons[a].name, site_.beacons[b].name)},
-             [a, b](const Site& site) {
-               Site other = site;
-               std::swap(other.beacons[a].position_m, other.beacons[b].position_m);
-               return other;
-             },
-             {}});
-      }
-    return readings;
-  }
-
-  [[nodiscard]] std::vector<Reading> poses() const {
-    std::vector<Reading> readings;
-    if (std::none_of(problem_.runs.begin(), problem_.runs.end(),
-                     [](const MeasurementLog& run) { return !run.poses.empty(); }))
-      return readings;
-    for (const Reflection& reflection : reflections())
-      readings.push_back(
-          {{ContradictionKind::kPoses, "in poses.tum", "in a right-handed frame",
-            fmt::format("that their frame is left-handed (mirrored): {}", reflection.words), 0.0,
-            "export the poses in a right-handed frame: z up, headings counter-clockwise from x"},
-           {},
-           [read = reflection.read](MeasurementLog& run) {
-             for (TimedPose& pose : run.poses) pose.T_map_vehicle = read(pose.T_map_vehicle);
-           }});
-    return readings;
-  }
-
-  [[nodiscard]] std::vector<Reading> wired_otherwise() const {
-    std::vector<Reading> readings;
-    const std::vector<bool> doubtful = doubtful_receivers(site_, solution_.trajectories);
-    for (std::size_t v = 0; v < site_.vehicles.size(); ++v)
-      for (const Wiring& wiring : wirings(site_, VehicleId(v), doubtful))
-        readings.push_back(
-            {{ContradictionKind::kWiring, "of " + site_.vehicles[v].name, "wired as in the site file",
-              "that " + wiring.words, 0.0, "check the cables, or exchange the places in the site file"},
-             [v, wiring](const Site& site) { return rewired(site, VehicleId(v), wiring); },
-             {}});
-    return readings;
   }
 
   /// The likeliest, and of other kinds those that are as likely; of one kind the first that is as good as
@@ -380,9 +264,9 @@ std::vector<Contradiction> find_misreadings(const Problem& problem, const Soluti
   return Search(problem, solution, options).run();
 }
 
-std::vector<Contradiction> find_exchanged_points(const Problem& problem, const Solution& solution,
-                                                 const SolveOptions& options) {
-  return Search(problem, solution, options).exchanged();
+std::vector<Contradiction> find_other_culprits(const Problem& problem, const Solution& solution,
+                                               const SolveOptions& options) {
+  return Search(problem, solution, options).instead_of(solution.contradictions);
 }
 
 }  // namespace octant::calib

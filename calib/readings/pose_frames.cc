@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/statements/pose_frames.h"
+#include "calib/readings/pose_frames.h"
 
 #include <cmath>
 

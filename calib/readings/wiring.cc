@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/statements/wiring.h"
+#include "calib/readings/wiring.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/statements/pauses.h"
+#include "calib/readings/pauses.h"
 
 #include <algorithm>
 #include <cmath>

@@ -17,17 +17,17 @@ namespace octant::calib {
 /// Looks for the false statement behind such an outcome, one that people often get wrong: a small
 /// combinatorial search over other readings (two of a few control points exchanged; receivers exchanged,
 /// mirrored, turned; positions in centimetres, millimetres, feet, inches; two-way times; stops without
-/// epochs; mirrored poses), each adjusted to an evenly spread part of the recordings and held against the
-/// same part as stated by a robust likelihood
+/// epochs; mirrored poses; a clock that jumped), each adjusted to an evenly spread part of the recordings and
+/// held against the same part as stated by a robust likelihood
 /// (`sigmas`: the root of twice its logarithm). Usually one or none; several where the data cannot tell them
 /// apart. Takes some dozens of quick adjustments.
 [[nodiscard]] std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution,
                                                           const SolveOptions& options = {});
 
-/// The same search among exchanges of two control points alone, where the site has three or four: for an
-/// outcome that blames one of them and explains all else.
-[[nodiscard]] std::vector<Contradiction> find_exchanged_points(const Problem& problem,
-                                                               const Solution& solution,
-                                                               const SolveOptions& options = {});
+/// The same for an outcome that blames some statements and explains all else, which may be innocent: two of
+/// three or four control points exchanged in place of one that is elsewhere; a clock that jumped in place of
+/// delays, receivers and places that bend to it.
+[[nodiscard]] std::vector<Contradiction> find_other_culprits(const Problem& problem, const Solution& solution,
+                                                             const SolveOptions& options = {});
 
 }  // namespace octant::calib

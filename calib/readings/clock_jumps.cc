@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/readings/clock_jumps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calib/problem/clock_check.h"
+#include "calib/problem/thin.h"
+#include "calib/start/approach.h"
+#include "calib/start/start.h"
+
+namespace octant::calib {
+namespace {
+
+/// Of a half, adjusted; and the stops that are held against it.
+constexpr ThinOptions kHalf = {.instants = 40, .per_beacon = 30, .per_pair = 4};
+constexpr ThinOptions kAllStops = {.instants = 400, .per_beacon = 0, .per_pair = 4};
+/// Ranges from places that a half tells may be off by this where the other half stood elsewhere.
+constexpr double kSlackM = 0.1;
+/// Such a jump is told by its significance; whether it explains the recording is seen afterwards.
+constexpr double kSmallestJumpM = 0.01;
+/// Beside a jump, steps below this share of it are what a half that was bent by it leaves.
+constexpr double kBesides = 0.25;
+
+MeasurementLog half_of(const MeasurementLog& run, LogHalf half) {
+  std::vector<double> times;
+  times.reserve(run.arrivals.size());
+  for (const Arrival& a : run.arrivals) times.push_back(a.time_s);
+  const auto middle = times.begin() + std::ssize(times) / 2;
+  std::nth_element(times.begin(), middle, times.end());
+  MeasurementLog part = run;
+  std::erase_if(part.arrivals,
+                [&](const Arrival& a) { return (a.time_s < *middle) != (half == LogHalf::kFirst); });
+  return part;
+}
+
+/// Stops of the run at the places where the beacons of `adjusted` are, each with a clock of its own.
+std::vector<Trajectory> stops_with_clocks(const Site& site, const MeasurementLog& run,
+                                          const Estimate& adjusted, int threads) {
+  Site loose = site;
+  loose.timing.clock = Clock::kCycleOffset;
+  auto problem = make_problem(std::move(loose), {thin(run, site.beacons.size(), kAllStops)}, threads);
+  if (!problem) return {};
+  const SharedState state = adjusted.state();
+  const EpochFixModel model = search_model(*problem, state, adjusted.beacon_usable);
+  for (Trajectory& t : problem->trajectories) {
+    static_cast<void>(place_states(t, model, kSlackM, false, 0.0, threads));
+    t.has_cycle_offset = false;  // what is looked for is no offset of the site's clock
+  }
+  return std::move(problem->trajectories);
+}
+
+/// What the stops show of the clock at the places that one half tells; nothing where it tells none.
+std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, const MeasurementLog& run,
+                                const SolveOptions& options) {
+  const auto problem = make_problem(site, {thin(half, site.beacons.size(), kHalf)}, options.threads);
+  if (!problem) return {};
+  Course course(options);
+  const Approach found = approach(*problem, options, course, false);
+  if (!found.ok) return {};
+  return steps_between_stops(stops_with_clocks(site, run, found.estimate, options.threads), 0,
+                             found.estimate.state(), kSmallestJumpM);
+}
+
+}  // namespace
+
+std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, LogHalf half,
+                                   const SolveOptions& options) {
+  if (!run.has_epochs || run.arrivals.empty() || site.timing.clock == Clock::kCycleOffset) return {};
+  std::vector<ClockStep> jumps = jumps_by(site, half_of(run, half), run, options);
+  double largest_s = 0.0;
+  for (const ClockStep& jump : jumps) largest_s = std::max(largest_s, std::abs(jump.step_s));
+  std::erase_if(jumps, [&](const ClockStep& jump) { return std::abs(jump.step_s) < kBesides * largest_s; });
+  return jumps;
+}
+
+void without_jumps(const std::vector<ClockStep>& jumps, MeasurementLog& run) {
+  for (Arrival& a : run.arrivals)
+    for (const ClockStep& jump : jumps)
+      if (a.time_s >= jump.time_s) a.tof_s -= jump.step_s;
+}
+
+}  // namespace octant::calib

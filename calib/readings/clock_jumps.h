@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "calib/calibrate.h"
+#include "calib/problem/log_health.h"
+
+namespace octant::calib {
+
+enum class LogHalf { kFirst, kLast };
+
+/// Jumps of a clock between the stops of a recording, as one half of it shows them: the half is adjusted by
+/// itself, and every stop then has a clock offset of its own (four beacons or more heard). An adjustment of
+/// the whole bends to a jump, so that its offsets no longer show it; of two halves one is without it. Evenly
+/// spread stops are looked at, some hundreds. None where each epoch has a clock of its own, or none is told.
+[[nodiscard]] std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, LogHalf half,
+                                                 const SolveOptions& options = {});
+
+/// Takes the jumps away: times of flight after each as the clock before it would have had them.
+void without_jumps(const std::vector<ClockStep>& jumps, MeasurementLog& run);
+
+}  // namespace octant::calib

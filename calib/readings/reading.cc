@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/readings/reading.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calib/problem/site_units.h"
+#include "calib/readings/clock_jumps.h"
+#include "calib/readings/pose_frames.h"
+#include "calib/readings/wiring.h"
+
+namespace octant::calib {
+namespace {
+
+/// Control points among which every exchange of two is looked at.
+constexpr std::size_t kFewPoints = 4;
+
+Reading unit_reading(const LengthUnit& u, const ScaledParts& parts, const std::string& whose) {
+  return {
+      {ContradictionKind::kUnits, "positions of " + whose, "metres",
+       fmt::format("that they are in {}", u.name), 0.0,
+       fmt::format("multiply them (and their sigmas, where these are in {} too) by {:g}", u.name, u.metres)},
+      [u, parts](const Site& site) { return in_unit(site, u, parts); },
+      {}};
+}
+
+}  // namespace
+
+std::vector<Reading> other_ranging(const Site& site) {
+  if (site.timing.clock == Clock::kCycleOffset) return {};
+  const bool one_way = site.timing.ranging == Ranging::kOneWay;
+  const auto read = [one_way](Site other) {
+    other.timing.ranging = one_way ? Ranging::kTwoWay : Ranging::kOneWay;
+    return other;
+  };
+  return {Reading{
+      {ContradictionKind::kRanging, "the arrivals", one_way ? "one_way" : "two_way",
+       one_way ? "that the times of flight are times there and back (two-way), though timing.ranging says "
+                 "one_way"
+               : "that the times of flight are one-way times, though timing.ranging says two_way, the time "
+                 "there and back",
+       0.0, one_way ? "state timing.ranging: two_way, and turnaround_s" : "state timing.ranging: one_way"},
+      read,
+      {}}};
+}
+
+std::vector<Reading> other_units(const Site& site, bool some_only) {
+  const std::vector<bool> none(site.beacons.size(), false);
+  std::vector<bool> all = none;
+  for (std::size_t b = 0; b < all.size(); ++b)
+    all[b] = std::any_of(site.beacons[b].position_m.begin(), site.beacons[b].position_m.end(),
+                         [](const auto& x) { return x.has_value(); });
+  const bool placed = std::find(all.begin(), all.end(), true) != all.end();
+  std::vector<Reading> readings;
+  for (const LengthUnit& u : length_units()) {
+    if (placed && !some_only) readings.push_back(unit_reading(u, {all, false}, "the beacons"));
+    if (placed && !some_only) readings.push_back(unit_reading(u, {all, true}, "the beacons and receivers"));
+    if (!some_only) readings.push_back(unit_reading(u, {none, true}, "the receivers"));
+    const std::vector<bool> some = beacons_in_unit(site, u);
+    std::vector<std::string> names;
+    for (std::size_t b = 0; b < some.size(); ++b)
+      if (some[b]) names.push_back(site.beacons[b].name);
+    if (!names.empty())
+      readings.push_back(unit_reading(u, {some, false}, fmt::format("beacons {}", fmt::join(names, ", "))));
+  }
+  return readings;
+}
+
+std::vector<Reading> exchanged_points(const Site& site) {
+  std::vector<std::size_t> points;
+  for (std::size_t b = 0; b < site.beacons.size(); ++b)
+    if (site.beacons[b].is_control_point()) points.push_back(b);
+  std::vector<Reading> readings;
+  if (points.size() > kFewPoints) return readings;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      const std::size_t a = points[i], b = points[j];
+      const std::string names = site.beacons[a].name + ", " + site.beacons[b].name;
+      readings.push_back(
+          {{ContradictionKind::kExchanged, names, "at the places in the site file", "at each other's places",
+            0.0,
+            fmt::format("exchange the positions of control points {} and {} in the site file, or their "
+                        "labels on the wall",
+                        site.beacons[a].name, site.beacons[b].name)},
+           [a, b](const Site& stated) {
+             Site other = stated;
+             std::swap(other.beacons[a].position_m, other.beacons[b].position_m);
+             return other;
+           },
+           {}});
+    }
+  return readings;
+}
+
+std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs) {
+  std::vector<Reading> readings;
+  if (std::none_of(runs.begin(), runs.end(), [](const MeasurementLog& run) { return !run.poses.empty(); }))
+    return readings;
+  for (const Reflection& reflection : reflections())
+    readings.push_back({{ContradictionKind::kPoses, "in poses.tum", "in a right-handed frame",
+                         fmt::format("that their frame is left-handed (mirrored): {}", reflection.words), 0.0,
+                         "export the poses in a right-handed frame: z up, headings counter-clockwise from x"},
+                        {},
+                        [read = reflection.read](std::size_t, MeasurementLog& run) {
+                          for (TimedPose& pose : run.poses) pose.T_map_vehicle = read(pose.T_map_vehicle);
+                        }});
+  return readings;
+}
+
+std::vector<Reading> other_wirings(const Site& site, const Solution& solution) {
+  std::vector<Reading> readings;
+  const std::vector<bool> doubtful = doubtful_receivers(site, solution.trajectories);
+  for (std::size_t v = 0; v < site.vehicles.size(); ++v)
+    for (const Wiring& wiring : wirings(site, VehicleId(v), doubtful))
+      readings.push_back(
+          {{ContradictionKind::kWiring, "of " + site.vehicles[v].name, "wired as in the site file",
+            "that " + wiring.words, 0.0, "check the cables, or exchange the places in the site file"},
+           [v, wiring](const Site& stated) { return rewired(stated, VehicleId(v), wiring); },
+           {}});
+  return readings;
+}
+
+std::vector<Reading> jumped_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
+                                   const SolveOptions& options) {
+  std::vector<Reading> readings;
+  for (const LogHalf half : {LogHalf::kFirst, LogHalf::kLast}) {
+    std::vector<std::vector<ClockStep>> jumps;
+    std::vector<std::string> names, words;
+    for (const MeasurementLog& run : runs) {
+      jumps.push_back(clock_jumps(site, run, half, options));
+      if (jumps.back().empty()) continue;
+      names.push_back(run.path);
+      for (const ClockStep& jump : jumps.back())
+        words.push_back(fmt::format("from {:.6g} s on times of flight are {:.4g} ms {}", jump.time_s,
+                                    1e3 * std::abs(jump.step_s), jump.step_s > 0 ? "longer" : "shorter"));
+    }
+    if (names.empty()) continue;
+    readings.push_back(
+        {{ContradictionKind::kLog, fmt::format("{}", fmt::join(names, ", ")), "one clock throughout",
+          fmt::format("that it jumped: {}", fmt::join(words, ", ")), 0.0,
+          "look at what synchronises beacons and receivers (a restart, a lost pulse), and leave out what was "
+          "recorded before the jump or after it"},
+         {},
+         [jumps](std::size_t run, MeasurementLog& log) { without_jumps(jumps[run], log); }});
+  }
+  return readings;
+}
+
+}  // namespace octant::calib

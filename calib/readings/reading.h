@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "calib/calibrate.h"
+#include "models/contradiction.h"
+
+namespace octant::calib {
+
+/// The statements as they might be meant: another site, or other recordings.
+struct Reading {
+  Contradiction what;                                         ///< if it is what is meant; without `sigmas`
+  std::function<Site(const Site&)> site;                      ///< empty: as stated
+  std::function<void(std::size_t run, MeasurementLog&)> log;  ///< of each run; empty: as recorded
+};
+
+/// Times there and back for one-way times, or the other way round; none where each epoch has a clock of its
+/// own.
+[[nodiscard]] std::vector<Reading> other_ranging(const Site& site);
+
+/// Positions of beacons, receivers or both in centimetres, millimetres, feet, inches.
+/// @param some_only  only those beacons that are of another order of magnitude than the rest
+[[nodiscard]] std::vector<Reading> other_units(const Site& site, bool some_only);
+
+/// Two of a few control points at each other's places. Of three that are all the datum each can be blamed by
+/// itself, as it may move to where it agrees with the two others; an exchange explains the same with nothing
+/// to adjust. None where there are more than a few.
+[[nodiscard]] std::vector<Reading> exchanged_points(const Site& site);
+
+/// Measured poses in a mirrored frame; none where there are no poses.
+[[nodiscard]] std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs);
+
+/// Receivers exchanged, mirrored, turned.
+[[nodiscard]] std::vector<Reading> other_wirings(const Site& site, const Solution& solution);
+
+/// A clock that jumped between two stops, taken back, as either half of the recordings shows it
+/// (clock_jumps.h); none where none is seen.
+[[nodiscard]] std::vector<Reading> jumped_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
+                                                 const SolveOptions& options);
+
+}  // namespace octant::calib

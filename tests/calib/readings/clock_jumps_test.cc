@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/readings/clock_jumps.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/calib/readings/cart.h"
+
+namespace octant::test {
+namespace {
+
+using calib::ClockStep;
+using calib::LogHalf;
+using ::testing::IsEmpty;
+
+// One half of the two is without the jump: by that half it is as large as it was made, and where it was made.
+TEST(ClockJumps, AreToldByTheHalfWithoutThem) {
+  for (const auto& [share, half] : {std::pair{0.3, LogHalf::kLast}, {0.7, LogHalf::kFirst}}) {
+    World world = cart(80, 2);
+    EXPECT_THAT(calib::clock_jumps(world.site, world.run, half), IsEmpty()) << "before";
+    const double at_s = jump_clock(world, share, 4e-4);
+    const std::vector<ClockStep> found = calib::clock_jumps(world.site, world.run, half);
+    ASSERT_EQ(found.size(), 1U) << share;
+    EXPECT_EQ(found[0].time_s, at_s);
+    EXPECT_NEAR(found[0].step_s, 4e-4, 0.2e-4);
+  }
+}
+
+TEST(ClockJumps, WhereEachEpochHasItsOwnClockThereIsNothingToSay) {
+  World world = cart(40, 2);
+  static_cast<void>(jump_clock(world, 0.7, 1e-3));
+  world.site.timing.clock = Clock::kCycleOffset;
+  EXPECT_THAT(calib::clock_jumps(world.site, world.run, LogHalf::kFirst), IsEmpty());
+}
+
+TEST(ClockJumps, TakenBackLeaveTheTimesThatTheFirstClockWouldHaveSeen) {
+  MeasurementLog run;
+  for (const double time_s : {1.0, 2.0, 3.0, 4.0}) {
+    Arrival a;
+    a.time_s = time_s;
+    a.tof_s = 0.010;
+    run.arrivals.push_back(a);
+  }
+  calib::without_jumps({{2.0, 0.001, 3}, {4.0, -0.003, 3}}, run);
+  const double tofs[] = {0.010, 0.009, 0.009, 0.012};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(run.arrivals[i].tof_s, tofs[i], 1e-15) << i;
+}
+
+}  // namespace
+}  // namespace octant::test
