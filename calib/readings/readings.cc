@@ -24,6 +24,8 @@ constexpr std::size_t kEarlyAtLeast = 10;
 /// How much better a reading must be: by so much log likelihood an arrival, and by such a factor; and good by
 /// itself.
 constexpr double kGain = 0.5, kFactor = 0.6, kAgreeingShare = 0.6, kNoise = 5.0, kRedundant = 0.2;
+/// Share of the arrivals that may agree less than as stated: what stands at the limit.
+constexpr double kFewer = 0.02;
 /// Readings within this much log likelihood an arrival are equally good.
 constexpr double kTie = 0.05;
 /// Parts of the recordings that are adjusted: a small one for each reading, a larger one for those few that
@@ -31,7 +33,7 @@ constexpr double kTie = 0.05;
 constexpr LogShare kFirstLook = {16, 12, 600}, kSecondLook = {40, 30, 1500};
 constexpr double kWorthASecondLook = 0.8;  ///< of the loss as stated
 constexpr std::size_t kSecondLooks = 2;    ///< of each kind
-constexpr double kPlainSigmas = 8.0;       ///< by which an exchange must explain more than what was stated
+constexpr double kPlainSigmas = 8.0;       ///< by which a reading must explain more than what was stated
 
 class Search {
  public:
@@ -48,11 +50,10 @@ class Search {
   }
 
   /// What is blamed on a control point, or on anything.
-  std::vector<Contradiction> instead_of(const std::vector<Contradiction>& blamed) {
+  std::vector<Contradiction> other_culprits() {
     look_as_stated();
-    if (std::any_of(blamed.begin(), blamed.end(),
-                    [](const Contradiction& c) { return c.kind == ContradictionKind::kControlPoint; }))
-      try_exchanged_points();
+    if (is_blamed(ContradictionKind::kControlPoint)) try_exchanged_points();
+    if (is_blamed(ContradictionKind::kSpeed)) try_out(scales(), true);
     if (found_.empty()) try_out(jumped_clocks(site_, problem_.runs, options_));
     return best();
   }
@@ -61,14 +62,11 @@ class Search {
     look_as_stated();
     try_numbered_stops();
     if (found_.empty()) try_exchanged_points();
-    const bool scale_is_right = stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise;
+    const bool scale_is_right =
+        stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise && !is_blamed(ContradictionKind::kSpeed);
     if (nothing_but_exchanges()) try_out(jumped_clocks(site_, problem_.runs, options_));
-    if (nothing_but_exchanges()) {
-      std::vector<Reading> scales = other_units(site_, scale_is_right);
-      if (!scale_is_right)
-        for (Reading& reading : other_ranging(site_)) scales.push_back(std::move(reading));
-      try_out(scales);
-    }
+    if (nothing_but_exchanges())
+      try_out(scale_is_right ? other_units(site_, true) : scales(), is_blamed(ContradictionKind::kSpeed));
     // A wrong frame of short lever arms looks much like receivers in another unit: both have their turn.
     std::vector<Reading> frames = other_pose_frames(problem_.runs);
     if (nothing_but_exchanges() || !frames.empty()) {
@@ -86,6 +84,13 @@ class Search {
   static constexpr double kScaleAgrees =
       0.5;  ///< a share of agreeing arrivals that no wrong scale of all leaves
 
+  /// Readings by which everything is larger or smaller.
+  [[nodiscard]] std::vector<Reading> scales() const {
+    std::vector<Reading> readings = other_units(site_, false);
+    for (Reading& reading : other_ranging(site_)) readings.push_back(std::move(reading));
+    return readings;
+  }
+
   void look_as_stated() {
     first_ = few_of(problem_.runs, site_.beacons.size(), kFirstLook);
     second_ = few_of(problem_.runs, site_.beacons.size(), kSecondLook);
@@ -98,6 +103,11 @@ class Search {
   [[nodiscard]] bool nothing_but_exchanges() const {
     return std::all_of(found_.begin(), found_.end(),
                        [](const Tried& t) { return t.what.kind == ContradictionKind::kExchanged; });
+  }
+
+  [[nodiscard]] bool is_blamed(ContradictionKind kind) const {
+    return std::any_of(solution_.contradictions.begin(), solution_.contradictions.end(),
+                       [kind](const Contradiction& c) { return c.kind == kind; });
   }
 
   [[nodiscard]] bool stopped() const { return options_.on_progress && !options_.on_progress({}); }
@@ -113,8 +123,8 @@ class Search {
 
   /// By itself, whatever the statements explain.
   [[nodiscard]] bool is_good(const ReadingScore& s) const {
-    return s.agreeing >= std::max(kAgreeingShare, agreeing_as_stated(s.noise)) && s.noise <= kNoise &&
-           s.redundancy >= kRedundant;
+    return s.agreeing >= std::max(kAgreeingShare, agreeing_as_stated(s.noise) - kFewer) &&
+           s.noise <= kNoise && s.redundancy >= kRedundant;
   }
 
   [[nodiscard]] bool explains(const ReadingScore& s) const {
@@ -129,12 +139,19 @@ class Search {
     return score_of(reading.site ? reading.site(site_) : site_, others, options_, search_again);
   }
 
+  /// Good, and likelier than what was stated by more than chance.
+  [[nodiscard]] bool is_likelier(const ReadingScore& s) const {
+    return is_good(s) && s.arrivals * (stated_.loss - s.loss) >= 0.5 * kPlainSigmas * kPlainSigmas;
+  }
+
   /// A first look at each, a second one at those that explain the log far better than the statements do.
-  void try_out(const std::vector<Reading>& readings) {
+  /// @param plainly  all agrees as stated but for one statement: a reading that is likelier suffices
+  void try_out(const std::vector<Reading>& readings, bool plainly = false) {
     std::vector<std::pair<double, std::size_t>> ranking;
     for (std::size_t i = 0; i < readings.size() && !stopped(); ++i) {
       const double loss = score(readings[i], first_, false).loss;
-      if (loss < kWorthASecondLook * stated_first_.loss) ranking.emplace_back(loss, i);
+      if (plainly ? loss < stated_first_.loss : loss < kWorthASecondLook * stated_first_.loss)
+        ranking.emplace_back(loss, i);
     }
     std::stable_sort(ranking.begin(), ranking.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -147,7 +164,7 @@ class Search {
     for (const auto& [loss, i] : ranking) {
       if (stopped()) return;
       const ReadingScore s = score(readings[i], second_, true);
-      if (explains(s)) found_.push_back({readings[i].what, s});
+      if (explains(s) || (plainly && is_likelier(s))) found_.push_back({readings[i].what, s});
     }
   }
 
@@ -189,8 +206,7 @@ class Search {
     for (const Reading& reading : exchanged_points(site_)) {
       if (stopped()) return;
       const ReadingScore s = score(reading, second_, true);
-      const bool plain = s.arrivals * (stated_.loss - s.loss) >= 0.5 * kPlainSigmas * kPlainSigmas;
-      if (plain && is_good(s) && (!least || s.loss < least->score.loss)) least = {reading.what, s};
+      if (is_likelier(s) && (!least || s.loss < least->score.loss)) least = {reading.what, s};
     }
     for (std::size_t b = 0; b < site_.beacons.size() && least; ++b) {
       if (!site_.beacons[b].is_control_point()) continue;
@@ -266,7 +282,7 @@ std::vector<Contradiction> find_misreadings(const Problem& problem, const Soluti
 
 std::vector<Contradiction> find_other_culprits(const Problem& problem, const Solution& solution,
                                                const SolveOptions& options) {
-  return Search(problem, solution, options).instead_of(solution.contradictions);
+  return Search(problem, solution, options).other_culprits();
 }
 
 }  // namespace octant::calib

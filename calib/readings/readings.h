@@ -26,7 +26,7 @@ namespace octant::calib {
 
 /// The same for an outcome that blames some statements and explains all else, which may be innocent: two of
 /// three or four control points exchanged in place of one that is elsewhere; a clock that jumped in place of
-/// delays, receivers and places that bend to it.
+/// delays, receivers and places that bend to it; times there and back, or units, in place of the speed.
 [[nodiscard]] std::vector<Contradiction> find_other_culprits(const Problem& problem, const Solution& solution,
                                                              const SolveOptions& options = {});
 

@@ -32,13 +32,14 @@ bool NameLookup::beacon(CsvReader& csv, int column, BeaconId& id) const {
     return csv.fail_at(column, csv.header()[static_cast<std::size_t>(column)] + " is empty", "a beacon's id");
   const std::string others = other_unknown_beacons(csv, column);
   const std::string hint = suggestion(name, names_.beacons);
-  return csv.fail_at(column, fmt::format("beacon {} is not in the site{}", in_quotes(name), others),
-                     "a beacon's id",
-                     hint +
-                         (hint.empty()          ? ""
-                          : hint.ends_with('?') ? " Or "
-                                                : "; or ") +
-                         "add it to the site's beacons");
+  return csv.fail_at(
+      column, fmt::format("beacon {} is not in the site{}", in_quotes(name), others), "a beacon's id",
+      hint +
+          (hint.empty()          ? ""
+           : hint.ends_with('?') ? " Or "
+                                 : "; or ") +
+          fmt::format("add it to the site's beacons; octant convert --ignore {} leaves a neighbour's out",
+                      in_quotes(name)));
 }
 
 /// The other names of the column that the site does not have, so that all can be mended at once.

@@ -128,6 +128,17 @@ TEST(Readings, NameTheUnitOfPositions) {
   }
 }
 
+// The speed may bend to it where its prior is wide: it is not what is wrong.
+TEST(Readings, NameTwoWayTimesInPlaceOfASpeedThatBentToThem) {
+  World world = must(simulate(hall_scenario(), 5));
+  for (Arrival& a : world.run.arrivals) a.tof_s *= 2;
+  const calib::Problem problem = problem_of(world);
+  calib::Solution solution = calib::solve(problem);
+  calib::explain(problem, problem, solution, {});
+  ASSERT_EQ(solution.contradictions.size(), 1U);
+  EXPECT_EQ(solution.contradictions[0].kind, ContradictionKind::kRanging);
+}
+
 TEST(Readings, NameTwoWayTimesAndMissingEpochs) {
   World twice = cart();
   for (Arrival& a : twice.run.arrivals) a.tof_s *= 2;
