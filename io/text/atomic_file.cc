@@ -7,20 +7,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <memory>
-#include <optional>
 
 #include <fmt/format.h>
 
 #include "io/text/open_file.h"
 #include "io/text/sha256.h"
+#include "io/text/staging.h"
 #include "io/text/text.h"
 
 namespace octant::io {
@@ -61,44 +58,12 @@ Result<void> write_in_place(const std::string& path, std::string_view content) {
   return {};
 }
 
-/// Whether a name is that of a staged file of a target: TARGET.PID.COUNT.tmp; who staged it.
-std::optional<pid_t> stager_of(std::string_view name, std::string_view target) {
-  constexpr std::string_view kEnd = ".tmp";
-  if (!name.starts_with(target) || !name.ends_with(kEnd) || name.size() < target.size() + kEnd.size())
-    return std::nullopt;
-  name = name.substr(target.size(), name.size() - target.size() - kEnd.size());  // .PID.COUNT
-  const std::size_t dot = name.rfind('.');
-  std::int64_t pid = 0, count = 0;
-  if (dot == std::string_view::npos || dot < 2 || name.front() != '.' ||
-      name.find_first_not_of("0123456789.") != std::string_view::npos ||
-      !parse_integer(name.substr(1, dot - 1), pid) || !parse_integer(name.substr(dot + 1), count) || pid <= 0)
-    return std::nullopt;
-  return static_cast<pid_t>(pid);
-}
-
-/// Removes what processes that were killed left beside a target: staged files of it whose process is gone and
-/// that nobody holds (a process on another machine, or in another container, locks its own).
-void remove_stale(const std::string& target) {
-  namespace fs = std::filesystem;
-  const fs::path path(target);
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::error_code error;
-  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
-    const auto pid = stager_of(entry->path().filename().string(), path.filename().string());
-    if (!pid || ::kill(*pid, 0) == 0 || errno != ESRCH) continue;
-    const Descriptor fd(::open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-    if (fd.get() >= 0 && ::flock(fd.get(), LOCK_EX | LOCK_NB) == 0) (void)::unlink(entry->path().c_str());
-  }
-}
-
 /// A file that lies complete beside the one that it will replace; gone unless it is kept.
 class StagedFile {
  public:
   StagedFile(std::string path, std::string target) : path_(std::move(path)), target_(std::move(target)) {
-    remove_stale(target_);
-    static std::atomic<unsigned> count{0};
-    temporary_ = fmt::format("{}.{}.{}.tmp", target_, ::getpid(), count++);
+    for (const StaleStaging& stale : stale_beside(target_)) (void)::unlink(stale.path.c_str());
+    temporary_ = staging_name(target_);
   }
   StagedFile(StagedFile&& other) noexcept
       : path_(std::move(other.path_)),

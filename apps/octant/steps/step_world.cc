@@ -7,7 +7,9 @@
 #include <set>
 #include <system_error>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 
 #include "apps/octant/interrupt.h"
@@ -15,6 +17,8 @@
 #include "io/deployment/deployment_json.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
+#include "io/text/open_file.h"
+#include "io/text/staging.h"
 
 namespace octant::app {
 namespace {
@@ -28,7 +32,11 @@ Error output_error(const fs::path& path, const std::string& found, const std::st
 /// A folder of ours while it is being made; gone with its content unless it is kept.
 class Staging {
  public:
-  explicit Staging(fs::path path) : path_(std::move(path)) {}
+  /// @param path  a folder that is there
+  explicit Staging(fs::path path)
+      : path_(std::move(path)), lock_(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    (void)::flock(lock_.get(), LOCK_EX | LOCK_NB);  // so that nobody takes it for one that was left behind
+  }
   ~Staging() {
     std::error_code ignored;  // nothing better can be done in a destructor
     if (!path_.empty()) fs::remove_all(path_, ignored);
@@ -40,6 +48,7 @@ class Staging {
 
  private:
   fs::path path_;
+  io::Descriptor lock_;
 };
 
 /// The first thing in the folder that no world has, if any.
@@ -73,19 +82,20 @@ Result<void> check_world_folder(const fs::path& folder, const std::vector<std::s
   return {};
 }
 
+/// A folder beside the one that it will replace; what killed processes left there is removed.
 Result<fs::path> make_sibling(const fs::path& folder) {
+  constexpr int kTries = 100;
   const fs::path parent = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
   std::error_code error;
   fs::create_directories(parent, error);
   if (error) return fail(output_error(parent, error.message()));
-  std::string pattern = fmt::format("{}/.{}.XXXXXX", parent.string(), folder.filename().string());
-  if (mkdtemp(pattern.data()) == nullptr)
-    return fail(output_error(parent, std::strerror(errno), "choose a folder that can be written"));
-  // mkdtemp makes it private; what is kept is an ordinary folder.
-  const mode_t mask = umask(0);
-  umask(mask);
-  chmod(pattern.c_str(), 0777 & ~mask);
-  return fs::path(pattern);
+  for (const io::StaleStaging& stale : io::stale_beside(folder.string())) fs::remove_all(stale.path, error);
+  for (int tries = 0; tries < kTries; ++tries) {
+    fs::path sibling = io::staging_name(folder.string());
+    if (::mkdir(sibling.c_str(), 0777) == 0) return sibling;
+    if (errno != EEXIST) break;  // else a process of the same number on another machine
+  }
+  return fail(output_error(parent, std::strerror(errno), "choose a folder that can be written"));
 }
 
 Result<void> write_content(const fs::path& at, const World& world, std::string_view scenario_text) {
