@@ -60,13 +60,15 @@ struct ErrorModel {
   [[nodiscard]] double pair_sigma() const;
 };
 
+struct ErrorSample;
+
 /// Estimates how the errors of arrivals and bearings hang together, and what that makes of the covariance.
 ///
 /// Errors are modelled as white noise plus variance components: random values that are constant over cells of
 /// time, place, direction and range, at several scales each, of a pair or of a beacon. With F the influence
 /// of each observation on the parameters (LeverageSweep) and Z_l the cells of component l, residuals r = M e
 /// have E |Z_m'r|^2 = sum_l theta_l tr(Z_m'M Z_l Z_l'M Z_m), which is linear in the variances theta; the
-/// traces come from simulated errors (Hutchinson), and theta from non-negative least squares weighted by the
+/// traces come from random signs (Hutchinson), and theta from non-negative least squares weighted by the
 /// covariance of the sums |Z_m'r|^2: quadratic estimation of variance components (Rao 1971; Searle, Casella
 /// and McCulloch 1992, chapter 11), as REML does by likelihood. What estimates have absorbed of the errors is
 /// accounted for by M. The covariance is the model-based sandwich C + sum_l theta_l (F'Z_l)(F'Z_l)', each
@@ -81,5 +83,8 @@ struct ErrorModel {
 [[nodiscard]] ErrorModel error_model_of(const ParameterLayout& layout,
                                         const std::vector<Trajectory>& trajectories, const SharedState& state,
                                         const Covariance& C, double share_of_log = 1.0, int threads = 1);
+
+/// The same of a sample at hand, as it is.
+[[nodiscard]] ErrorModel error_model_of(const ErrorSample& sample, int threads = 1);
 
 }  // namespace octant::calib

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "calib/adjust/leverage.h"
@@ -25,21 +26,36 @@ constexpr double kStateFloor = 1e-9;
 constexpr std::size_t kShifts = 3;  ///< partitions of a component
 constexpr double kLadder = 3.0;     ///< from one extent to the next
 
-/// Factors the states of a segment, plain squares.
-ErrorSample::Chain factor_chain(const Trajectory& t, const Segment& segment, const SharedState& state) {
-  ErrorSample::Chain chain;
+/// Eliminates the states of a segment, plain squares. @return the coordinate at which each state begins
+std::vector<std::uint32_t> add_chain(const Trajectory& t, const Segment& segment, const SharedState& state,
+                                     StateChains& chains) {
   ChainSystem system;
   build_chain_system(t, segment, state, {}, system);
   const std::size_t count = system.D.size();
-  chain.factor.resize(count);
-  chain.U.assign(system.U.begin(), system.U.end());
+  const auto keep = [&chains](const NodeBlock& block) {
+    chains.blocks.insert(chains.blocks.end(), block.data(), block.data() + block.size());
+    return chains.blocks.size() - static_cast<std::size_t>(block.size());
+  };
+  std::vector<std::uint32_t> first;
   NodeBlock A = system.D[0];
   for (std::size_t k = 0; k < count; ++k) {
     A.diagonal().array() += kStateFloor * (1.0 + system.D[k].diagonal().maxCoeff());
-    chain.factor[k].compute(A);
-    if (k + 1 < count) A = system.D[k + 1] - system.U[k].transpose() * chain.factor[k].solve(system.U[k]);
+    StateChains::Link link;
+    link.first = chains.coordinates;
+    link.size = static_cast<int>(A.rows());
+    first.push_back(link.first);
+    chains.coordinates += static_cast<std::uint32_t>(link.size);
+    const Eigen::LLT<NodeBlock> factor(A);
+    link.inverse = keep(factor.solve(NodeBlock::Identity(A.rows(), A.rows())));
+    if (k + 1 < count) {
+      const NodeBlock onward = factor.solve(system.U[k]);
+      link.next_size = static_cast<int>(onward.cols());
+      link.onward = keep(onward);
+      A = system.D[k + 1] - system.U[k].transpose() * onward;
+    }
+    chains.links.push_back(link);
   }
-  return chain;
+  return first;
 }
 
 class SampleBuilder {
@@ -49,6 +65,7 @@ class SampleBuilder {
       : trajectories_(trajectories), state_(state), sweep_(layout, C), most_(most) {}
 
   ErrorSample build() {
+    sample_.J.first = {0};
     std::size_t all = 0;
     for (const Trajectory& t : trajectories_) all += t.arrivals.size() + t.bearings.size();
     for (const Trajectory& t : trajectories_) {
@@ -61,6 +78,7 @@ class SampleBuilder {
     sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), n);
     const Eigen::Index rank = sample_.L.cols();
     sample_.F = Eigen::Map<const ByRow>(influence_.data(), n, rank);
+    influence_ = {};
     const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(rank, rank) - sample_.F.transpose() * sample_.F;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest);
     sample_.prior_root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
@@ -104,22 +122,24 @@ class SampleBuilder {
       const Segment& segment = t.segments[s];
       seen_ += segment.last_arrival - segment.first_arrival + segment.last_bearing - segment.first_bearing;
       if (!t.nodes[segment.first_node].placed) continue;
-      ErrorSample::Chain chain = factor_chain(t, segment, state_);
-      chain.first_row = sample_.rows.size();
-      sweep_.sweep(t, state_, s, s + 1, 1, [&](const RowLeverage& l) { add(t, segment, l); });
-      chain.last_row = sample_.rows.size();
-      sample_.chains.push_back(std::move(chain));
+      const std::vector<std::uint32_t> states = add_chain(t, segment, state_, sample_.chains);
+      sweep_.sweep(t, state_, s, s + 1, 1, [&](const RowLeverage& l) {
+        const std::size_t node = l.row.node - segment.first_node;
+        add_taps(l.row.by_node, states[node]);
+        if (l.row.has_next) add_taps(l.row.by_next, states[node + 1]);
+        add(t, l);
+      });
     }
   }
 
-  void add(const Trajectory& t, const Segment& segment, const RowLeverage& l) {
+  void add_taps(const NodeRow& by, std::uint32_t state) {
+    for (Eigen::Index a = 0; a < by.size(); ++a)
+      sample_.J.taps.push_back({state + static_cast<std::uint32_t>(a), static_cast<float>(by[a])});
+  }
+
+  void add(const Trajectory& t, const RowLeverage& l) {
     using Kind = ErrorSample::Kind;
     ErrorSample::Row row;
-    row.chain = sample_.chains.size();
-    row.node = l.row.node - segment.first_node;
-    row.has_next = l.row.has_next;
-    row.by_node = l.row.by_node;
-    if (row.has_next) row.by_next = l.row.by_next;
     row.run = t.run;
     row.kind = l.row.kind == RowKind::kTof ? Kind::kArrival : Kind::kOther;
     if (row.kind == Kind::kArrival) {
@@ -144,7 +164,8 @@ class SampleBuilder {
     }
     residual_.push_back(l.row.residual);
     influence_.insert(influence_.end(), l.f.data(), l.f.data() + l.f.size());
-    sample_.rows.push_back(std::move(row));
+    sample_.rows.push_back(row);
+    sample_.J.first.push_back(static_cast<std::uint32_t>(sample_.J.taps.size()));
   }
 
   const std::vector<Trajectory>& trajectories_;
@@ -155,67 +176,21 @@ class SampleBuilder {
   std::vector<double> residual_, influence_;
 };
 
-/// x <- (L L')^-1 x, a few rows of many columns.
-void solve_rows(const NodeBlock& L, Eigen::Ref<ByRow> x) {
-  for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    for (Eigen::Index j = 0; j < i; ++j) x.row(i) -= L(i, j) * x.row(j);
-    x.row(i) /= L(i, i);
-  }
-  for (Eigen::Index i = x.rows(); i-- > 0;) {
-    for (Eigen::Index j = i + 1; j < x.rows(); ++j) x.row(i) -= L(j, i) * x.row(j);
-    x.row(i) /= L(i, i);
-  }
-}
-
-/// What the states of a chain take of errors, Jx A^-1 Jx' e, by forward elimination and back-substitution.
-void subtract_states(const ErrorSample& sample, const ErrorSample::Chain& chain, const ByRow& errors,
-                     ByRow& residuals) {
-  const std::size_t count = chain.factor.size();
-  std::vector<Eigen::Index> first(count + 1, 0);  // row of each node's state in x
-  for (std::size_t k = 0; k < count; ++k) first[k + 1] = first[k] + chain.factor[k].rows();
-  ByRow x = ByRow::Zero(first[count], errors.cols());
-  const auto of_node = [&](std::size_t k) { return x.middleRows(first[k], first[k + 1] - first[k]); };
-  const auto gather = [&](std::size_t node, const NodeRow& by, Eigen::Index at) {
-    for (Eigen::Index a = 0; a < by.size(); ++a) x.row(first[node] + a) += by[a] * errors.row(at);
-  };
-  const auto spread = [&](std::size_t node, const NodeRow& by, Eigen::Index at) {
-    for (Eigen::Index a = 0; a < by.size(); ++a) residuals.row(at) -= by[a] * x.row(first[node] + a);
-  };
-  for (std::size_t i = chain.first_row; i < chain.last_row; ++i) {
-    const ErrorSample::Row& row = sample.rows[i];
-    gather(row.node, row.by_node, static_cast<Eigen::Index>(i));
-    if (row.has_next) gather(row.node + 1, row.by_next, static_cast<Eigen::Index>(i));
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    solve_rows(chain.factor[k].matrixLLT(), of_node(k));
-    if (k + 1 < count) of_node(k + 1).noalias() -= chain.U[k].transpose().lazyProduct(of_node(k));
-  }
-  for (std::size_t k = count - 1; k-- > 0;) {
-    ByRow carried = chain.U[k].lazyProduct(of_node(k + 1));
-    solve_rows(chain.factor[k].matrixLLT(), carried);
-    of_node(k) -= carried;
-  }
-  for (std::size_t i = chain.first_row; i < chain.last_row; ++i) {
-    const ErrorSample::Row& row = sample.rows[i];
-    spread(row.node, row.by_node, static_cast<Eigen::Index>(i));
-    if (row.has_next) spread(row.node + 1, row.by_next, static_cast<Eigen::Index>(i));
-  }
-}
-
-/// Numbers keys from 0 in ascending order.
+/// Numbers keys from 0 in the order in which they come. @param keys  mixed
 std::vector<std::int32_t> numbered(const std::vector<std::uint64_t>& keys, const std::vector<bool>& in,
                                    std::int32_t& count) {
-  std::vector<std::uint64_t> distinct;
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (in[i]) distinct.push_back(keys[i]);
-  std::sort(distinct.begin(), distinct.end());
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  std::size_t size = 16;
+  while (size < 2 * keys.size()) size *= 2;
+  std::vector<std::pair<std::uint64_t, std::int32_t>> table(size, {0, -1});
   std::vector<std::int32_t> number(keys.size(), -1);
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (in[i])
-      number[i] = static_cast<std::int32_t>(std::lower_bound(distinct.begin(), distinct.end(), keys[i]) -
-                                            distinct.begin());
-  count = static_cast<std::int32_t>(distinct.size());
+  count = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (!in[i]) continue;
+    std::size_t at = keys[i] & (size - 1);
+    while (table[at].second >= 0 && table[at].first != keys[i]) at = (at + 1) & (size - 1);
+    if (table[at].second < 0) table[at] = {keys[i], count++};
+    number[i] = table[at].second;
+  }
   return number;
 }
 
@@ -280,7 +255,7 @@ class CellBuilder {
   static std::uint64_t key_of(const ErrorSample::Row& row, std::uint64_t group, ErrorAxis axis, double extent,
                               double shift) {
     switch (axis) {
-      case ErrorAxis::kConstant: return group;
+      case ErrorAxis::kConstant: return mixed(group, 0);
       case ErrorAxis::kTime:
         return mixed(mixed(group, static_cast<std::int64_t>(row.run)), cell(row.time_s, extent, shift));
       case ErrorAxis::kPlace:
@@ -380,15 +355,6 @@ class CellBuilder {
 ErrorSample error_sample(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
                          const SharedState& state, const Covariance& C, std::size_t most) {
   return SampleBuilder(layout, trajectories, state, C, most).build();
-}
-
-ByRow ErrorSample::residuals_of(const ByRow& errors, const Eigen::MatrixXd& of_priors) const {
-  ByRow residuals = errors;
-  for (const Chain& chain : chains)
-    if (chain.last_row > chain.first_row) subtract_states(*this, chain, errors, residuals);
-  const ByRow taken = F.transpose() * errors + of_priors;
-  residuals.noalias() -= F * taken;
-  return residuals;
 }
 
 std::vector<ErrorCells> error_cells(const ErrorSample& sample) {

@@ -6,13 +6,12 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "calib/adjust/covariance.h"
+#include "calib/errors/draw_kernel.h"
 #include "calib/errors/error_model.h"
 #include "calib/problem/parameters.h"
-#include "models/trajectory/linearise.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
@@ -30,9 +29,6 @@ struct ErrorSample {
   };  ///< other: amplitudes, poses, odometry, motion; they are taken at their word
   struct Row {
     Kind kind = Kind::kArrival;
-    std::size_t chain = 0, node = 0;  ///< its chain, and its node therein
-    bool has_next = false;
-    NodeRow by_node, by_next;
     std::size_t run = 0;
     int beacon = 0, receiver = 0;
     double time_s = 0.0;
@@ -41,7 +37,7 @@ struct ErrorSample {
     double aspect_rad = 0.0;                            ///< from the beacon to the receiver, in the map
     double range_m = 0.0;
   };
-  std::vector<Row> rows;     ///< by chain
+  std::vector<Row> rows;
   Eigen::VectorXd residual;  ///< whitened
   ByRow F;                   ///< rows x rank: d theta = -L f' e
   Eigen::MatrixXd L;         ///< root of the white covariance
@@ -50,18 +46,8 @@ struct ErrorSample {
   Eigen::MatrixXd
       prior_root;  ///< K K' = I - F'F: covariance of what priors, tapes and all that is no row add to F'e
 
-  /// Residuals that errors leave when parameters and states have been adjusted to them, M e.
-  /// @param errors  rows x any number of draws
-  /// @param of_priors  rank x draws: what the errors of priors add to F'e
-  [[nodiscard]] ByRow residuals_of(const ByRow& errors, const Eigen::MatrixXd& of_priors) const;
-
-  /// Factored information of the states of one segment: block-tridiagonal.
-  struct Chain {
-    std::size_t first_row = 0, last_row = 0;
-    std::vector<Eigen::LLT<NodeBlock>> factor;
-    std::vector<NodeBlock> U;
-  };
-  std::vector<Chain> chains;
+  StateTaps J;  ///< derivatives by the states of the vehicle
+  StateChains chains;
 };
 
 /// @param most  arrivals; of longer logs of stops evenly spread stretches are taken

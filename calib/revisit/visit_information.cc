@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "calib/adjust/information.h"
+#include "calib/errors/error_draws.h"
 #include "calib/errors/error_model.h"
 #include "calib/errors/error_sample.h"
 #include "calib/revisit/revisited_site.h"
@@ -17,7 +18,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kSampledRows = 20'000;
+constexpr std::size_t kSampledRows = 40'000;
 constexpr double kUntold = 1e-9;  ///< of the information beside that of the prior
 
 /// Errors of a pair that hang together as exp(-t / time_s), and those that it keeps for good; variances as
@@ -41,25 +42,36 @@ Eigen::MatrixXd covariance_under(const StatedErrors& errors, const ErrorSample& 
     if (const ErrorSample::Row& row = sample.rows[i]; row.kind == ErrorSample::Kind::kArrival)
       pairs[{row.run, row.beacon, row.receiver}].push_back(i);
   const Eigen::Index rank = sample.F.cols();
-  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(rank, rank);
+  // F' (Omega - I) F is G'F and its transpose, G what each row has in common with those before it of its
+  // pair.
+  std::vector<float> F, G;
+  Eigen::RowVectorXf faded(rank), sum(rank), g(rank);
+  const auto add = [&](const Eigen::RowVectorXf& row, const Eigen::RowVectorXf& with) {
+    F.insert(F.end(), row.data(), row.data() + rank);
+    G.insert(G.end(), with.data(), with.data() + rank);
+  };
   for (auto& [pair, rows] : pairs) {
     std::sort(rows.begin(), rows.end(),
               [&](std::size_t a, std::size_t b) { return sample.rows[a].time_s < sample.rows[b].time_s; });
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(rank),
-                       faded = sum;  // of the rows before, as much as is left of their errors
+    faded.setZero();  // of the rows before, as much as is left of their errors
+    sum.setZero();
     double last_s = -INFINITY;
     for (const std::size_t i : rows) {
-      const Eigen::RowVectorXd f = sample.F.row(static_cast<Eigen::Index>(i));
-      faded *= errors.time_s > 0 ? std::exp((last_s - sample.rows[i].time_s) / errors.time_s) : 0.0;
+      const Eigen::RowVectorXf f = sample.F.row(static_cast<Eigen::Index>(i)).cast<float>();
+      faded *= static_cast<float>(
+          errors.time_s > 0 ? std::exp((last_s - sample.rows[i].time_s) / errors.time_s) : 0.0);
       last_s = sample.rows[i].time_s;
-      S.noalias() += (errors.white - 1.0 + errors.correlated) * f.transpose() * f;
-      S.noalias() += errors.correlated * (f.transpose() * faded + faded.transpose() * f);
+      g = static_cast<float>(0.5 * (errors.white - 1.0 + errors.correlated)) * f +
+          static_cast<float>(errors.correlated) * faded;
+      add(f, g);
       faded += f;
       sum += f;
     }
-    S.noalias() += errors.pair * sum.transpose() * sum;
+    g = static_cast<float>(0.5 * errors.pair) * sum;
+    add(sum, g);
   }
-  S /= std::max(sample.share, 1e-9);
+  Eigen::MatrixXd S = product_of_rows(F, G, static_cast<std::size_t>(rank));
+  S = (S + S.transpose()).eval() / std::max(sample.share, 1e-9);
   S.diagonal().array() += 1.0;
   return sample.L * S * sample.L.transpose();
 }
@@ -69,10 +81,13 @@ Eigen::MatrixXd correlated_covariance(const Fit& fit, const Eigen::MatrixXd& whi
                                       int threads) {
   const SharedState state = fit.state();
   const Covariance C(white);
-  const ErrorModel shown = error_model_of(fit.layout, fit.trajectories, state, C, 1.0, threads);
-  if (!noise.correlated_noise.any()) return shown.correlated ? shown.covariance : Eigen::MatrixXd();
-  const Eigen::MatrixXd stated = covariance_under(
-      stated_errors(noise), error_sample(fit.layout, fit.trajectories, state, C, kSampledRows));
+  if (!noise.correlated_noise.any()) {
+    const ErrorModel shown = error_model_of(fit.layout, fit.trajectories, state, C, 1.0, threads);
+    return shown.correlated ? shown.covariance : Eigen::MatrixXd();
+  }
+  const ErrorSample sample = error_sample(fit.layout, fit.trajectories, state, C, kSampledRows);
+  const ErrorModel shown = error_model_of(sample, threads);
+  const Eigen::MatrixXd stated = covariance_under(stated_errors(noise), sample);
   if (!shown.correlated) return stated;
   // A short visit tells its errors badly: they are not less than those of the first one.
   const Eigen::VectorXd scale = white.diagonal().cwiseInverse();

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -174,14 +173,6 @@ class StatementWords {
     c.found += fmt::format(": the temperature is in degrees Fahrenheit ({:.1f} degF are {:.1f} degC)", degC,
                            celsius);
     c.remedy = "write the temperature in degrees Celsius: the thermometer's is in Fahrenheit";
-  }
-
-  static std::optional<double> temperature_at(const Medium& medium, double speed) {
-    double low = -60, high = 60;
-    if (!(speed_mps(medium, low) < speed && speed < speed_mps(medium, high))) return {};
-    for (int i = 0; i < 40; ++i)
-      (speed_mps(medium, 0.5 * (low + high)) < speed ? low : high) = 0.5 * (low + high);
-    return 0.5 * (low + high);
   }
 
   void describe_receiver(const Statement& s, const SharedState& state, Contradiction& c) const {

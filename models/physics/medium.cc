@@ -37,6 +37,14 @@ double speed_mps(const Medium& medium, double temperature_degC) {
   return medium.speed_mps;
 }
 
+std::optional<double> temperature_at(const Medium& medium, double wanted_mps) {
+  double low = -60.0, high = 60.0;
+  if (!(speed_mps(medium, low) < wanted_mps && wanted_mps < speed_mps(medium, high))) return {};
+  for (int i = 0; i < 40; ++i)
+    (speed_mps(medium, 0.5 * (low + high)) < wanted_mps ? low : high) = 0.5 * (low + high);
+  return 0.5 * (low + high);
+}
+
 std::string_view to_string(MediumModel model) {
   switch (model) {
     case MediumModel::kConstant: return "constant";

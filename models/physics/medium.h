@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 namespace octant {
@@ -26,6 +27,10 @@ struct Medium {
 [[nodiscard]] inline double speed_mps(const Medium& medium) {
   return speed_mps(medium, medium.temperature_degC);
 }
+
+/// The air in which the model has a speed, by bisection to 1e-9 degC.
+/// @return degrees Celsius; nothing below -60 or above 60 degC, or where the speed does not depend on it
+[[nodiscard]] std::optional<double> temperature_at(const Medium& medium, double wanted_mps);
 
 [[nodiscard]] std::string_view to_string(MediumModel model);
 

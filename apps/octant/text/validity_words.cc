@@ -23,7 +23,7 @@ std::string speed_words(const std::string& path, const RunSpeed& speed, bool no_
   text += no_temperature ? ": no temperature is stated" : ": by its arrivals the speed is not the model's";
   text += fmt::format(", so the speed is taken from {} arrivals of {} poses: {:+.2f} m/s (sigma {:.2f} m/s)",
                       speed.arrivals, speed.poses, speed.offset_mps, speed.sigma_mps);
-  if (no_temperature)
+  if (no_temperature && speed.temperature_sigma_degC > 0.0)
     text += fmt::format(", as in air of {:.1f} degC (sigma {:.1f} degC)", speed.temperature_degC,
                         speed.temperature_sigma_degC);
   return text + "; its sigma is part of the fixes'";

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "models/localizers/common/trajectory_model.h"
@@ -205,15 +206,6 @@ class SpeedSearch {
   std::size_t heard_ = 0;
 };
 
-/// The air in which the model's speed is so much more than at the reference.
-double air_of(const Medium& medium, double offset_mps) {
-  constexpr double kSlope = 0.606;  // m/s a degree, to begin with
-  double degC = medium.temperature_degC;
-  const double wanted_mps = speed_mps(medium) + offset_mps;
-  for (int i = 0; i < 20; ++i) degC += (wanted_mps - speed_mps(medium, degC)) / kSlope;
-  return degC;
-}
-
 }  // namespace
 
 bool speed_is_unknown(const Deployment& deployment, const MeasurementLog& run) {
@@ -226,12 +218,14 @@ RunSpeed estimate_run_speed(const Deployment& deployment, const MeasurementLog& 
   MeasurementLog room;
   const MeasurementLog part = part_of_run(known_rows(all_rows, deployment, room));
   RunSpeed out = SpeedSearch(deployment, part).run();
-  if (!out.determined || deployment.medium.model == MediumModel::kConstant) return out;
+  if (!out.determined) return out;
+  const Medium& medium = deployment.medium;
+  const std::optional<double> degC = temperature_at(medium, speed_mps(medium) + out.offset_mps);
+  if (!degC) return out;
   constexpr double kDegree = 1.0;
-  const double degC = air_of(deployment.medium, out.offset_mps);
-  out.temperature_degC = degC;
+  out.temperature_degC = *degC;
   out.temperature_sigma_degC =
-      out.sigma_mps / (speed_mps(deployment.medium, degC + kDegree) - speed_mps(deployment.medium, degC));
+      out.sigma_mps / (speed_mps(medium, *degC + kDegree) - speed_mps(medium, *degC));
   return out;
 }
 

@@ -19,7 +19,7 @@ struct RunSpeed {
   double offset_mps = 0.0;  ///< of the speed from what the deployment says at the same (or its reference)
                             ///< temperature
   double sigma_mps = 0.0;   ///< of the offset, the calibration's own sigma of the speed included
-  double temperature_degC = 0.0;        ///< air of that speed, where the recording states no temperature
+  double temperature_degC = 0.0;        ///< air of that speed, where there is such air (else its sigma is 0)
   double temperature_sigma_degC = 0.0;  ///< by the medium's model
   std::size_t poses = 0, arrivals = 0;  ///< that it was told from
 

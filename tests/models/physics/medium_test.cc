@@ -53,6 +53,16 @@ TEST(Medium, ConstantKnowsNoTemperature) {
   EXPECT_EQ(speed_mps(medium), 2.998e8);
 }
 
+TEST(Medium, TheAirOfASpeedHasThatSpeed) {
+  for (const Medium& medium :
+       {Medium{.model = MediumModel::kCramer1993}, Medium{.model = MediumModel::kLinearTemperature}})
+    for (const double t : {-30.0, 0.0, 17.3, 41.0})
+      EXPECT_NEAR(temperature_at(medium, speed_mps(medium, t)).value(), t, 1e-8);
+  EXPECT_NEAR(temperature_at({.model = MediumModel::kLinearTemperature}, 343.42).value(), 20.0, 1e-8);
+  EXPECT_FALSE(temperature_at({.model = MediumModel::kCramer1993}, 1480.0)) << "water";
+  EXPECT_FALSE(temperature_at({.model = MediumModel::kConstant}, 343.0));
+}
+
 TEST(Medium, ReferenceTemperatureIsTheDefault) {
   const Medium medium{.model = MediumModel::kLinearTemperature, .temperature_degC = 25.0};
   EXPECT_EQ(speed_mps(medium), speed_mps(medium, 25.0));

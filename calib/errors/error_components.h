@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calib/errors/error_draws.h"
+#include "calib/errors/error_sample.h"
+
+namespace octant::calib {
+
+/// Observations of a kind below which nothing is told of its errors.
+inline constexpr std::size_t kFewestObservations = 30;
+
+/// White noise of one kind of observation is the component whose cells are the observations.
+struct ErrorComponent {
+  ErrorPart part;                       ///< not of white noise
+  std::vector<std::size_t> partitions;  ///< in the sums of its kind; none: white
+  bool bearings = false;
+  [[nodiscard]] bool is_white() const { return partitions.empty(); }
+};
+
+/// The components that errors of a sample may have, those of white noise first; their draws and their sums.
+class ErrorComponents {
+ public:
+  /// @param sample  not owned
+  explicit ErrorComponents(const ErrorSample& sample);
+
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(all_.size()); }
+  [[nodiscard]] Eigen::Index whites() const { return whites_; }
+  [[nodiscard]] Eigen::Index white_of(bool bearings) const { return whites_ > 1 && bearings ? 1 : 0; }
+  [[nodiscard]] const ErrorComponent& operator[](Eigen::Index m) const {
+    return all_[static_cast<std::size_t>(m)];
+  }
+  [[nodiscard]] const std::vector<std::uint32_t>& rows_of(bool bearings) const {
+    return sums_[bearings].rows();
+  }
+  [[nodiscard]] std::size_t count(bool bearings) const { return rows_of(bearings).size(); }
+  /// Of a partition of the component; white: its observations.
+  [[nodiscard]] std::size_t cells_of(Eigen::Index m) const;
+  /// Leaves out all but these. @param kept  ascending
+  void keep(const std::vector<Eigen::Index>& kept);
+
+  /// Adds normal errors of one component, sixteen draws. @param draw  tells the partition
+  void add_normal(Eigen::Index m, double sigma, std::size_t draw, DrawBits& random,
+                  std::vector<DrawLine>& errors) const;
+  /// Plus or minus one in each cell of a component (Hutchinson's draws), in one of sixteen columns.
+  void set_signs(Eigen::Index m, std::size_t draw, std::size_t column, DrawBits& random,
+                 std::vector<DrawLine>& errors) const;
+  /// Sums of squares of all components, rows, of each draw: |Z'r|^2, averaged over partitions.
+  using Room = std::array<CellSums::Room, 2>;
+  [[nodiscard]] Eigen::MatrixXd sums_of(const std::vector<DrawLine>& r, Room& room) const;
+  /// F'Z Z'F of a component, averaged over partitions.
+  [[nodiscard]] Eigen::MatrixXd squares_of_influence(Eigen::Index m, const ErrorDraws& draws) const;
+
+ private:
+  std::array<CellSums, 2> sums_;  ///< of arrivals, of bearings
+  std::vector<ErrorComponent> all_;
+  Eigen::Index whites_ = 0;
+};
+
+}  // namespace octant::calib

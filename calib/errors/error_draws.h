@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calib/errors/draw_kernel.h"
+#include "calib/errors/error_sample.h"
+
+namespace octant::calib {
+
+/// Bits that are the same everywhere, and what is made of them.
+class DrawBits {
+ public:
+  explicit DrawBits(std::uint64_t stream) : state_(stream * 0xd1342543de82ef95ULL + 20261122) {}
+  [[nodiscard]] std::uint64_t bits();  ///< splitmix64
+  /// About normal, variance 1: the middles of 4096 equal parts of the distribution.
+  void normal(DrawLine& line);
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Observations of one kind and all partitions of them, the coarse ones summed up from the fine ones that
+/// they join.
+class CellSums {
+ public:
+  /// @param rows  of the sample, in order
+  explicit CellSums(std::vector<std::uint32_t> rows) : rows_(std::move(rows)) {}
+  /// @param cell  of each row of the sample  @return number of the partition
+  std::size_t add(const std::vector<std::int32_t>& cell, std::int32_t count);
+  /// After all were added.
+  void arrange();
+
+  [[nodiscard]] const std::vector<std::uint32_t>& rows() const { return rows_; }
+  [[nodiscard]] const std::vector<std::int32_t>& cells(std::size_t partition) const {
+    return partitions_[partition].cell;
+  }
+  [[nodiscard]] std::int32_t count(std::size_t partition) const { return partitions_[partition].count; }
+
+  /// What one thread needs for it.
+  struct Room {
+    std::vector<DrawLine> values;
+    std::vector<std::vector<DrawLine>> sums;
+  };
+  /// Squares of the sums over the cells of each partition, a row each, of each draw; the last row: of the
+  /// observations themselves.
+  [[nodiscard]] Eigen::MatrixXd squares(const std::vector<DrawLine>& draws, Room& room) const;
+
+ private:
+  struct Partition {
+    std::vector<std::int32_t> cell;  ///< of each observation
+    std::int32_t count = 0;
+    int finer = -1;                      ///< the partition whose cells it joins, if any
+    std::vector<std::int32_t> of_finer;  ///< cell of each of its cells
+  };
+  [[nodiscard]] bool joins(const Partition& finer, Partition& coarser) const;
+
+  std::vector<std::uint32_t> rows_;
+  std::vector<Partition> partitions_;
+  std::vector<std::size_t> order_;  ///< fine ones first
+};
+
+/// Errors of a sample's observations, sixteen draws abreast, and what adjusting to them leaves.
+class ErrorDraws {
+ public:
+  explicit ErrorDraws(const ErrorSample& sample);
+
+  struct Room {
+    std::vector<DrawLine> shared;
+    std::vector<StateLine> states;
+  };
+  /// Residuals that errors leave when parameters and states have been adjusted to them, M e.
+  /// @param of_priors  of each shared direction: what the errors of priors add to F'e; empty: none
+  void adjust(std::vector<DrawLine>& errors, const std::vector<DrawLine>& of_priors, Room& room) const;
+  /// Errors of priors as stated.
+  [[nodiscard]] std::vector<DrawLine> of_priors(std::uint64_t stream) const;
+  /// F T.  @param T  rank x at most sixteen
+  void influence_times(const Eigen::MatrixXd& T, std::vector<DrawLine>& product) const;
+  /// F'Z Z'F.  @param rows, cell  of some observations
+  [[nodiscard]] Eigen::MatrixXd squares_of_cells(const std::vector<std::uint32_t>& rows,
+                                                 const std::vector<std::int32_t>& cell,
+                                                 std::int32_t count) const;
+
+ private:
+  const ErrorSample& sample_;
+  std::vector<float> F_;
+};
+
+/// A'B, both rows x rank by rows.
+[[nodiscard]] Eigen::MatrixXd product_of_rows(const std::vector<float>& A, const std::vector<float>& B,
+                                              std::size_t rank);
+
+}  // namespace octant::calib
