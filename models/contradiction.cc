@@ -56,7 +56,7 @@ std::string in_words(const Contradiction& c) {
     std::snprintf(size, sizeof size, " (%.*f sigma)", c.sigmas < 10 ? 1 : 0, c.sigmas);
     text += size;
   }
-  return text + ".";
+  return text;
 }
 
 }  // namespace octant

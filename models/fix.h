@@ -61,7 +61,7 @@ struct Fix {
   Pose T_map_vehicle;  ///< meaningful when status is kOk
   PoseCovariance covariance;
   double protection_level_m =
-      0.0;  ///< horizontal, see localizers/common/protection.h; 0: not computed, or not protected
+      0.0;  ///< horizontal, see localizers/common/separation.h; 0: not computed, or not protected
   int arrivals_used = 0;
   int arrivals_rejected = 0;
   double cost = 0.0;                  ///< half the weighted sum of squares of the arrivals used
@@ -72,7 +72,7 @@ struct Fix {
 
 /// What a fix may be used for.
 enum class Integrity : std::uint8_t {
-  kOk,        ///< its error is bounded by its protection level, at the risk that protection.h states
+  kOk,        ///< its error is bounded by its protection level, at the risk that separation.h states
   kDegraded,  ///< a fix whose error nothing bounds, or from which a beacon at fault had to be left out
   kNoFix
 };

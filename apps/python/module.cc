@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // octant._octant: what the Python package octant/ stands on. Parse, call, hand over; no estimation here.
 #include <optional>
+#include <string>
 
 #include <pybind11/functional.h>
 #include <pybind11/pybind11.h>
@@ -10,13 +11,13 @@
 #include "apps/octant/steps/steps.h"
 #include "apps/python/arrays.h"
 #include "apps/python/calls.h"
+#include "apps/python/live.h"
 #include "io/deployment/deployment_json.h"
 #include "io/run/run_folder.h"
 #include "io/run/tum.h"
 #include "io/site/scenario_yaml.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
-#include "models/live/follower.h"
 #include "models/simulator/synthetic.h"
 
 namespace octant::python {
@@ -40,12 +41,6 @@ auto unlocked(Call&& call) {
 struct Run {
   MeasurementLog log;
   NameTable names;
-};
-
-struct Fixes {
-  std::vector<Fix> fixes;
-  NameTable names;
-  std::optional<RunSpeed> speed{};  ///< of a run at an unknown temperature
 };
 
 NameTable names_in(const py::object& of) {
@@ -77,8 +72,10 @@ Run make_run(const py::object& of, const Array<double>& time_s, const Array<std:
              const Array<double>& tof_s, const std::optional<Array<std::int32_t>>& receiver,
              const std::optional<Array<std::int64_t>>& epoch, const std::optional<Array<double>>& amplitude_v,
              const std::optional<Array<double>>& temperature_degC,
-             const std::optional<Array<double>>& odometry, std::int32_t vehicle) {
+             const std::optional<Array<double>>& odometry, std::int32_t vehicle,
+             const OdometrySigmas& noise) {
   Run run{{}, names_in(of)};
+  run.log.odometry_accuracy = odometry_noise(noise);
   const auto size = time_s.size();
   const auto check = [size](const char* name, const auto& array) {
     if (array.ndim() != 1 || array.size() != size)
@@ -120,15 +117,6 @@ Run make_run(const py::object& of, const Array<double>& time_s, const Array<std:
   }
   run.log.rows = run.log.arrivals.size();
   return run;
-}
-
-Method method_named(const std::string& name) {
-  std::string listed;
-  for (const auto& [spelling, method] : method_names()) {
-    if (spelling == name) return method;
-    listed += (listed.empty() ? "" : ", ") + std::string(spelling);
-  }
-  throw py::value_error("there is no method '" + name + "'; expected one of " + listed);
 }
 
 Fixes localize(const Deployment& deployment, const Run& run, const std::string& method) {
@@ -314,57 +302,6 @@ void bind_values(py::module_& m) {
   bind_world(m);
 }
 
-/// The follower with its fixes kept until they are asked for.
-struct Live {
-  Live(const Deployment& d, const std::string& method, bool watch) : names(names_of(d)) {
-    FollowOptions options;
-    options.method = method_named(method);
-    options.watch = watch;
-    if (auto fits = follow_fits(d, options.method); !fits) raise(fits.error());
-    follower = std::make_unique<Follower>(d, options);
-    follower->on_fix = [this](const Fix& fix) { fixes.push_back(fix); };
-    follower->on_alarm = [this](const WatchAlarm& alarm) { alarms.push_back(alarm); };
-  }
-  NameTable names;
-  std::unique_ptr<Follower> follower;
-  std::vector<Fix> fixes;
-  std::vector<WatchAlarm> alarms;
-};
-
-void bind_live(py::module_& m) {
-  py::class_<Live>(m, "Follower", "Localizes as the data come; see octant localize --follow.")
-      .def(py::init<const Deployment&, const std::string&, bool>(), "deployment"_a, "method"_a = "auto",
-           "watch"_a = false)
-      .def(
-          "hear",
-          [](Live& live, double time_s, const std::string& beacon, double tof_s, const std::string& receiver,
-             const std::string& vehicle, std::optional<std::int64_t> epoch) {
-            auto arrival = arrival_of(live.names, beacon, tof_s, time_s, receiver, vehicle);
-            if (!arrival) raise(arrival.error());
-            if (epoch) arrival->epoch = *epoch;
-            return live.follower->hear(*arrival);
-          },
-          "time_s"_a, "beacon"_a, "tof_s"_a, "receiver"_a = "", "vehicle"_a = "", "epoch"_a = py::none(),
-          "One arrival; False: it runs backwards in time.")
-      .def(
-          "move",
-          [](Live& live, double time_s, double dx_m, double dy_m, double dheading_rad,
-             const std::string& vehicle) {
-            return live.follower->move({time_s, dx_m, dy_m, dheading_rad, live.names.find_vehicle(vehicle)});
-          },
-          "time_s"_a, "dx_m"_a, "dy_m"_a, "dheading_rad"_a, "vehicle"_a = "", "One row of odometry.")
-      .def(
-          "flush", [](Live& live) { live.follower->flush(); }, "Nothing more is coming of this pose.")
-      .def(
-          "take",
-          [](Live& live) {
-            Fixes taken{std::move(live.fixes), live.names};
-            live.fixes.clear();
-            return taken;
-          },
-          "The fixes since the last call.");
-}
-
 }  // namespace
 
 PYBIND11_MODULE(_octant, m) {
@@ -381,7 +318,7 @@ PYBIND11_MODULE(_octant, m) {
   m.def("read_run", &read_run, "folder"_a, "names"_a, "truth"_a = false);
   m.def("make_run", &make_run, "names"_a, "time_s"_a, "beacon"_a, "tof_s"_a, "receiver"_a = py::none(),
         "epoch"_a = py::none(), "amplitude_v"_a = py::none(), "temperature_degC"_a = py::none(),
-        "odometry"_a = py::none(), "vehicle"_a = 0);
+        "odometry"_a = py::none(), "vehicle"_a = 0, "odometry_noise"_a = py::none());
   m.def("localize", &localize, "deployment"_a, "run"_a, "method"_a = "auto");
   m.def(
       "simulate",

@@ -49,7 +49,8 @@ struct Positioner::Inside {
   }
 };
 
-Positioner::Positioner(const std::string& deployment_path) : inside_(std::make_unique<Inside>()) {
+Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& odometry)
+    : inside_(std::make_unique<Inside>()) {
   auto deployment = io::read_deployment(deployment_path);
   if (!deployment) {
     inside_->error = deployment.error().message();
@@ -57,7 +58,13 @@ Positioner::Positioner(const std::string& deployment_path) : inside_(std::make_u
   }
   inside_->names = names_of(*deployment);
   inside_->at_rest = std::make_unique<LeastSquaresLocalizer>(*deployment);
-  inside_->follower = std::make_unique<Follower>(std::move(*deployment));
+  FollowOptions options;
+  options.odometry = {.distance_sigma_m_per_sqrt_m = odometry.distance_sigma_m_per_sqrt_m,
+                      .heading_sigma_rad_per_sqrt_m = odometry.heading_sigma_rad_per_sqrt_m,
+                      .heading_sigma_per_rad = odometry.heading_sigma_per_rad,
+                      .floor_m = odometry.floor_m,
+                      .floor_rad = odometry.floor_rad};
+  inside_->follower = std::make_unique<Follower>(std::move(*deployment), options);
   // The inside stays where it is when a positioner moves.
   inside_->follower->on_fix = [inside = inside_.get()](const Fix& fix) {
     if (inside->sink) inside->sink(place_of(fix));

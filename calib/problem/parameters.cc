@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/parameter_visitor.h"
+
 namespace octant::calib {
 namespace {
 
@@ -224,25 +226,27 @@ void shape_arrays(const ParameterLayout& layout, const Eigen::VectorXd& x, Share
   }
 }
 
+/// Visitor: see visit_parameter.
+struct InLayout {
+  const ParameterLayout& of;
+  [[nodiscard]] int beacon_position(std::size_t b, std::size_t axis) const { return of.beacon[b][axis]; }
+  [[nodiscard]] int beacon_delay(std::size_t b) const { return of.beacon_delay[b]; }
+  [[nodiscard]] int beacon_gain(std::size_t b) const { return of.beacon_gain[b]; }
+  [[nodiscard]] int receiver_position(std::size_t r, std::size_t axis) const { return of.receiver[r][axis]; }
+  [[nodiscard]] int receiver_delay(std::size_t r) const { return of.receiver_delay[r]; }
+  [[nodiscard]] int array(std::size_t v, std::size_t unknown) const { return of.array[v][unknown]; }
+  [[nodiscard]] int site_delay() const { return of.site_delay; }
+  [[nodiscard]] int speed(std::size_t run) const { return of.speed_column(run > 0 ? run - 1 : 0); }
+  [[nodiscard]] int attenuation(std::size_t unknown) const { return of.attenuation[unknown]; }
+  [[nodiscard]] int clock_drift(std::size_t v) const { return of.clock_drift[v]; }
+  [[nodiscard]] int pair_bias(std::size_t b, std::size_t r) const {
+    return of.pair_bias.empty() ? -1 : of.pair_bias[b * of.receiver.size() + r];
+  }
+};
+
 }  // namespace
 
-int ParameterLayout::column_of(const ParameterId& id) const {
-  switch (id.kind) {
-    case ParameterKind::kBeaconPosition: return beacon[id.owner][id.component];
-    case ParameterKind::kBeaconDelay: return beacon_delay[id.owner];
-    case ParameterKind::kBeaconGain: return beacon_gain[id.owner];
-    case ParameterKind::kReceiverPosition: return receiver[id.owner][id.component];
-    case ParameterKind::kReceiverDelay: return receiver_delay[id.owner];
-    case ParameterKind::kArray: return array[id.owner][id.component];
-    case ParameterKind::kSiteDelay: return site_delay;
-    case ParameterKind::kSpeed: return speed_column(id.owner > 0 ? id.owner - 1 : 0);
-    case ParameterKind::kAttenuation: return attenuation[id.component];
-    case ParameterKind::kClockDrift: return clock_drift[id.owner];
-    case ParameterKind::kPairBias:
-      return pair_bias.empty() ? -1 : pair_bias[id.owner * receiver.size() + id.component];
-  }
-  return -1;
-}
+int ParameterLayout::column_of(const ParameterId& id) const { return visit_parameter(id, InLayout{*this}); }
 
 SharedState ParameterLayout::state_of(const Eigen::VectorXd& x) const {
   SharedState state = fixed;

@@ -15,25 +15,13 @@
 #include "io/text/mapped_file.h"
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
+#include "io/tof/tof_columns.h"
 #include "io/yaml/yaml_reader.h"
 #include "io/yaml/yaml_writer.h"
 
 namespace octant::io {
 namespace {
 
-struct TofColumn {
-  const char *name, *short_name;
-  bool is_id;
-};
-constexpr std::array<TofColumn, 9> kTofColumns = {{{"time_s", "time", false},
-                                                   {"beacon", "beacon", true},
-                                                   {"tof_s", "tof", false},
-                                                   {"distance_m", "distance", false},
-                                                   {"epoch", "epoch", true},
-                                                   {"vehicle", "vehicle", true},
-                                                   {"receiver", "receiver", true},
-                                                   {"amplitude_v", "amplitude", false},
-                                                   {"temperature_degC", "temperature", false}}};
 constexpr std::array<std::pair<std::string_view, double>, 8> kUnitSuffixes = {{{"_ms", 1e-3},
                                                                                {"_us", 1e-6},
                                                                                {"_ns", 1e-9},
@@ -62,7 +50,7 @@ Result<ColumnRule> rule_of(std::string_view target, std::string_view source) {
         {.code = Errc::kUsage,
          .found = fmt::format("{} is no column of tof.csv", in_quotes(target)),
          .expected = "time, beacon, tof or distance, epoch, vehicle, receiver, amplitude, temperature"});
-  ColumnRule rule{column->name, std::string(without_blanks(source))};
+  ColumnRule rule{std::string(column->name), std::string(without_blanks(source))};
   if (const auto star = source.rfind('*'); star != std::string_view::npos) {
     rule.source = without_blanks(source.substr(0, star));
     if (parse_number(without_blanks(source.substr(star + 1)), rule.factor) != NumberText::kNumber ||

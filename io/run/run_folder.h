@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "models/run.h"
 #include "models/site.h"
@@ -29,6 +30,11 @@ struct ReadRunOptions {
 /// MeasurementLog::rejected, with one warning that names the first line of each kind.
 [[nodiscard]] Result<MeasurementLog> read_run(const std::string& folder, const NameTable& names,
                                               const Timing& timing, const ReadRunOptions& options = {});
+
+/// How good a vehicle's odometry is, without a recording of it: the block `odometry` of a run.yaml, or of
+/// that in a run folder. Error: there is none. @param warnings  of the file, added to
+[[nodiscard]] Result<OdometryAccuracy> read_odometry_accuracy(const std::string& path,
+                                                              std::vector<std::string>& warnings);
 
 /// Writes a run folder; truth.tum when the log has truth.
 [[nodiscard]] Result<void> write_run(const std::string& folder, const MeasurementLog& log,

@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
 #include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
 
+#include "io/run/run_folder.h"
+#include "io/text/atomic_file.h"
 #include "io/tof/run_parts.h"
 #include "io/yaml/yaml_reader.h"
 #include "io/yaml/yaml_text.h"
@@ -84,6 +87,26 @@ Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file,
   if (yaml.error) return fail(*yaml.error);
   log.warnings.insert(log.warnings.end(), yaml.warnings.begin(), yaml.warnings.end());
   return header;
+}
+
+Result<OdometryAccuracy> read_odometry_accuracy(const std::string& path, std::vector<std::string>& warnings) {
+  const bool folder = std::filesystem::is_directory(path);
+  const std::string file = folder ? (std::filesystem::path(path) / "run.yaml").string() : path;
+  const auto text = read_file(file);
+  if (!text) return fail(text.error());
+  MeasurementLog log;
+  if (auto header = parse_run_yaml(*text, file, log); !header) return fail(header.error());
+  const Result<YamlNode> node = parse_yaml(*text, file);
+  if (!node) return fail(node.error());
+  YamlLog yaml(file);
+  if (!YamlMap(*node, "", yaml).has("odometry"))
+    return fail({.code = Errc::kBadInput,
+                 .file = file,
+                 .found = "nothing is said of the odometry",
+                 .expected = "a block odometry: {distance_sigma_m_per_sqrt_m: 0.01, ...}",
+                 .advice = "octant schema run lists its keys and what holds without them"});
+  warnings.insert(warnings.end(), log.warnings.begin(), log.warnings.end());
+  return log.odometry_accuracy;
 }
 
 std::string run_to_yaml(const MeasurementLog& log, const NameTable& names) {

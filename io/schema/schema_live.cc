@@ -31,7 +31,7 @@ std::string_view live_schema() {
       }
     },
     "odometry": {
-      "description": "The vehicle's pose in the frame that it had at its row before; its first row is the anchor.",
+      "description": "The vehicle's pose in the frame that it had at its row before; its first row is the anchor. How good it is says --odometry RUN.yaml, by the keys of a recording's odometry block (octant schema run), or what holds there where nothing is said.",
       "type": "object",
       "required": ["time_s"],
       "anyOf": [{"required": ["dx_m"]}, {"required": ["dheading_rad"]}],

@@ -104,6 +104,14 @@ bool is_numeric_key(const WordsJson& key, const WordsJson& root) {
   return any;
 }
 
+/// Of a column of a file; those of routes.csv that have no words of their own are the ones of cells.csv.
+const KeyWords* column_words(const std::map<std::string, KeyWords>& words, const std::string& file,
+                             const std::string& column) {
+  auto found = words.find(file + ":" + column);
+  if (found == words.end() && file == "routes.csv") found = words.find("cells.csv:" + column);
+  return found == words.end() ? nullptr : &found->second;
+}
+
 /// Columns of the files of a run: a text becomes an object.
 void describe_columns(WordsJson& files, const std::map<std::string, KeyWords>& words) {
   constexpr std::string_view kOptional = "optional";
@@ -114,12 +122,12 @@ void describe_columns(WordsJson& files, const std::map<std::string, KeyWords>& w
       const bool optional = text.starts_with(kOptional);
       if (optional)
         text = stripped(std::string_view(text).substr(std::min(text.size(), kOptional.size() + 1)));
-      const auto found = words.find(file + ":" + name);
-      if (found != words.end()) text = joined(text, found->second.description);
+      const KeyWords* found = column_words(words, file, name);
+      if (found != nullptr) text = joined(text, found->description);
       column = {{"description", text}, {"required", !optional}};
       const std::string first(name.substr(0, name.find(',')));
       if (const std::string_view unit = unit_of_key(first); !unit.empty()) column["x-unit"] = unit;
-      if (found != words.end()) column["examples"] = {example_of(found->second.example)};
+      if (found != nullptr) column["examples"] = {example_of(found->example)};
     }
   }
 }

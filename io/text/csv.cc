@@ -13,6 +13,7 @@
 
 #include "io/text/bounds.h"
 #include "io/text/csv_scan.h"
+#include "io/tof/tof_columns.h"
 
 namespace octant::io {
 namespace {
@@ -131,10 +132,9 @@ std::string separator_advice(const std::string& file, std::string_view header, c
   std::string columns;
   while (!header.empty()) {
     const std::size_t end = std::min(header.find(separator), header.size());
-    for (const std::string_view known : {"time_s", "beacon", "tof_s", "distance_m", "epoch", "vehicle",
-                                         "receiver", "amplitude_v", "temperature_degC"})
-      if (header.substr(0, end) == known)
-        columns += fmt::format("{}{}={}", columns.empty() ? "" : ",", known, known);
+    for (const TofColumn& known : kTofColumns)
+      if (header.substr(0, end) == known.name)
+        columns += fmt::format("{}{}={}", columns.empty() ? "" : ",", known.name, known.name);
     header.remove_prefix(std::min(end + 1, header.size()));
   }
   return fmt::format("octant convert {} --columns {} -o RUN reads it as it is; or {}", file,

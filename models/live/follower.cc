@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "models/localizers/drive/space_track.h"
+#include "models/localizers/space/space_track.h"
 
 namespace octant {
 namespace {

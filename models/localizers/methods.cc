@@ -9,7 +9,6 @@
 
 #include "models/localizers/binaural/binaural.h"
 #include "models/localizers/common/localizer.h"
-#include "models/localizers/drive/space_track.h"
 #include "models/localizers/drive/tracker.h"
 #include "models/localizers/head_tail/head_tail.h"
 #include "models/localizers/kleeman/kleeman.h"
@@ -17,6 +16,7 @@
 #include "models/localizers/rail/one_beacon.h"
 #include "models/localizers/rail/rail.h"
 #include "models/localizers/reflectors/reflectors.h"
+#include "models/localizers/space/space_track.h"
 
 namespace octant {
 namespace {
@@ -146,6 +146,18 @@ const std::vector<std::pair<std::string_view, Method>>& method_names() {
 }
 
 const char* to_string(Method method) { return method_names()[static_cast<std::size_t>(method)].first.data(); }
+
+const char* why_no_level(Method method) {
+  switch (method) {
+    case Method::kKleeman:
+      return "it averages triples of beacons, which is no adjustment to leave one out of";
+    case Method::kHeadTail:
+      return "it averages triangles, end by end, which is no adjustment to leave one out of";
+    case Method::kBinaural: return "without one of the other robot's transmitters two ranges are left";
+    case Method::kLineMap: return "it matches scans to walls, and hears no beacons";
+    default: return "";
+  }
+}
 
 Result<void> method_fits(Method method, const Deployment& deployment, const MeasurementLog& run,
                          const MethodInput& input) {

@@ -35,6 +35,10 @@ enum class Method {
 /// All of them in the order of the enumeration.
 [[nodiscard]] const std::vector<std::pair<std::string_view, Method>>& method_names();
 
+/// Why fixes of a method have no protection level; empty where they have one as soon as there is a beacon to
+/// spare.
+[[nodiscard]] const char* why_no_level(Method method);
+
 /// What a method may be given beside deployment and run.
 struct MethodInput {
   std::optional<LineMap> line_map{};  ///< Method::kLineMap

@@ -38,7 +38,7 @@ struct GeometryFigures {
   /// part.
   std::vector<double> shift_by_speed_m;
   std::vector<double> covariance_xy_m2;  ///< beside sigma_x_m and sigma_y_m
-  /// Integrity, for planning (of a fix: models/localizers/common/protection.h): largest bias of one beacon's
+  /// Integrity, for planning (of a fix: models/localizers/common/separation.h): largest bias of one beacon's
   /// ranges that stays unnoticed (0.1 %, power 80 %), by how much such a bias moves the fix at worst, and the
   /// horizontal protection level with the arrivals' noise; kNoFix where a beacon's fault could not be
   /// noticed.

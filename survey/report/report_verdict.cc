@@ -74,7 +74,7 @@ bool is_contradicted(const ReportInput& input) {
 std::string contradictions_in_words(const std::vector<Contradiction>& all) {
   constexpr std::size_t kMostTold = 4;
   std::string text = "The data contradict what was stated. ";
-  for (std::size_t i = 0; i < all.size() && i < kMostTold; ++i) text += in_words(all[i]) + " ";
+  for (std::size_t i = 0; i < all.size() && i < kMostTold; ++i) text += in_words(all[i]) + ". ";
   if (all.size() > kMostTold) text += fmt::format("And {} more. ", all.size() - kMostTold);
   return text;
 }

@@ -121,6 +121,14 @@ def test_follows(world):
         follower.hear(0.0, "nobody", 0.01, receiver="r0")
 
 
+def test_odometry_is_as_good_as_it_is_said_to_be(world):
+    follower = octant.Follower(world.truth, odometry_noise={"distance_sigma_m_per_sqrt_m": 0.01, "floor_m": 0.0})
+    assert follower.move(0.0, 0.0, 0.0, 0.0)
+    for wrong in ({"distance": 0.1}, {"floor_m": -1.0}, {"floor_m": float("nan")}):
+        with pytest.raises(ValueError, match="odometry_noise"):
+            octant.Follower(world.truth, odometry_noise=wrong)
+
+
 def test_failures_have_their_class(tmp_path, world):
     with pytest.raises(octant.InputError) as bad:
         octant.read_site(str(tmp_path / "none.yaml"))

@@ -111,7 +111,7 @@ std::optional<Failure> failure_of(const Calibration& calibration) {
   if (!s.contradictions.empty()) {
     std::string message = "the data contradict what was stated", advice;
     for (const Contradiction& c : s.contradictions) {
-      message += (&c == &s.contradictions.front() ? ": " : " ") + in_words(c);
+      message += (&c == &s.contradictions.front() ? ": " : "; ") + in_words(c);
       if (advice.find(c.remedy) == std::string::npos) advice += (advice.empty() ? "" : "; ") + c.remedy;
     }
     message.pop_back();  // the advice goes on

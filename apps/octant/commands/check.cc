@@ -265,7 +265,7 @@ calib::Forecast forecast(const calib::Problem& problem, const CheckWords& words,
 std::vector<calib::Finding> findings_of(const calib::Forecast& f, Logs& logs) {
   std::vector<calib::Finding> findings;
   for (const Contradiction& c : f.solution.contradictions)
-    findings.push_back({to_string(c.kind), in_words(c) + " " + c.remedy});
+    findings.push_back({to_string(c.kind), in_words(c) + ". " + c.remedy});
   return findings.empty() ? calib::suspicions(f, logs.runs) : findings;
 }
 

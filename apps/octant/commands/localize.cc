@@ -49,6 +49,15 @@ void warn_of_fixes(const Localization& found, const std::vector<Fix>& fixes, Ses
   }
 }
 
+std::string fixes_text(const Localization& found) {
+  std::string why;
+  for (const auto& [reason, count] : found.no_fix_reasons)
+    why += fmt::format("{}{} {}", why.empty() ? ": " : ", ", count, reason);
+  return fmt::format("{:<17}{} ({}{}), {} times no fix{}\n{:<17}{} used, {} left out\n", "fixes", found.ok,
+                     found.method, found.why.empty() ? "" : ": " + found.why, found.no_fix, why, "arrivals",
+                     found.arrivals, found.rejected);
+}
+
 /// Live, a deployment is all that there is.
 int run_live(const LocalizeArgs& words, Session& session) {
   if (!words.runs.empty() || !words.csv.empty() || (!words.output.empty() && words.output != "-") ||
@@ -96,15 +105,7 @@ int run(const LocalizeArgs& words, Session& session) {
   warn_outside_validity(*deployment, *runs, found, session);
   if (auto written = write_outputs(words, *deployment, fixes); !written) return session.fail(written.error());
 
-  Json reasons = Json::object();
-  std::string why;
-  for (const auto& [reason, count] : found.no_fix_reasons) {
-    reasons[reason] = count;
-    why += fmt::format("{}{} {}", why.empty() ? ": " : ", ", count, reason);
-  }
-  session.result(fmt::format("{:<17}{} ({}{}), {} times no fix{}\n{:<17}{} used, {} left out\n", "fixes",
-                             found.ok, found.method, found.why.empty() ? "" : ": " + found.why, found.no_fix,
-                             why, "arrivals", found.arrivals, found.rejected));
+  session.result(fixes_text(found) + integrity_text(found));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "written", words.output));
   return session.finish({{"status", found.ok > 0 ? "ok" : "no_fix"},
                          {"method", found.method},
@@ -114,7 +115,8 @@ int run(const LocalizeArgs& words, Session& session) {
                          {"seconds", session.seconds()},
                          {"arrivals", found.arrivals},
                          {"rejected", found.rejected},
-                         {"no_fix_reasons", reasons},
+                         {"no_fix_reasons", no_fix_json(found)},
+                         {"integrity", integrity_json(found)},
                          {"assumed_temperature_degC", assumed_temperature_json(*deployment, found, *runs)},
                          {"speeds", speeds_json(found, *runs)},
                          {"calibration", calibration_age_json(*deployment)}});

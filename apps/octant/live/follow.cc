@@ -11,6 +11,7 @@
 #include <numbers>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -22,6 +23,7 @@
 #include "apps/octant/text/validity_words.h"
 #include "io/live/live_fixes.h"
 #include "io/live/live_rows.h"
+#include "io/run/run_folder.h"
 #include "models/live/follower.h"
 #include "models/live/live_speed.h"
 
@@ -310,6 +312,12 @@ void add_follow_options(CLI::App& command, FollowWords& words) {
       ->type_name("DEG")
       ->group(group);
   command
+      .add_option("--odometry", words.odometry,
+                  "How good the odometry is: a run.yaml, or a recording's folder, with a block odometry "
+                  "(octant schema run); left out: as for a recording that says nothing of it")
+      ->type_name("RUN.yaml")
+      ->group(group);
+  command
       .add_flag("--watch", words.watch,
                 "Say which beacon or receiver no longer fits, with a stated rate of false alarms")
       ->group(group);
@@ -321,6 +329,13 @@ int follow(const FollowWords& words, const std::string& deployment, const std::s
   FollowOptions options;
   options.method = method;
   options.watch = words.watch;
+  if (!words.odometry.empty()) {
+    std::vector<std::string> warnings;
+    const auto accuracy = io::read_odometry_accuracy(words.odometry, warnings);
+    if (!accuracy) return session.fail(accuracy.error());
+    session.warn(warnings);
+    options.odometry = *accuracy;
+  }
   FollowLoop loop(words, deployment, trusted_key, options, session);
   if (auto started = loop.start(); !started) return session.fail(started.error());
   auto source = ByteSource::open(words.from);
@@ -333,6 +348,8 @@ int follow(const FollowWords& words, const std::string& deployment, const std::s
   sigaction(SIGHUP, &hangup, nullptr);
   sigaction(SIGPIPE, &pipe, nullptr);
   if (!source->listens().empty()) session.note(source->listens());
+  if (const std::string why = why_no_level(method); !why.empty())
+    session.note(fmt::format("fixes of {} have no protection level: {}", to_string(method), why));
   const auto done = loop.run(*source);
   if (!session.options.quiet) session.result(loop.summary());
   if (!done) return session.fail(done.error());

@@ -19,6 +19,7 @@ struct FollowWords {
   std::string origin;           ///< LAT,LON[,ALT] of the map's origin; nmea
   double north_deg = 90.0;      ///< direction of north in the map, counter-clockwise from +x
   bool watch = false;
+  std::string odometry;  ///< run.yaml, or a folder with one: how good the odometry is
 };
 void add_follow_options(CLI::App& command, FollowWords& words);
 

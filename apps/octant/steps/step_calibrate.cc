@@ -238,10 +238,8 @@ std::vector<survey::LeftOutNote> left_out_by_reason(const Calibration& calibrati
 
 void warn_if_contradicted(const Deployment& deployment, const std::string& path, Session& session) {
   for (const Contradiction& c : deployment.contradictions) {
-    std::string what = in_words(c);
-    what.pop_back();  // the full stop: the remedy goes on
-    session.warn(fmt::format("{} was exported although its data contradict its site file: {}; {}", path, what,
-                             c.remedy));
+    session.warn(fmt::format("{} was exported although its data contradict its site file: {}; {}", path,
+                             in_words(c), c.remedy));
   }
 }
 

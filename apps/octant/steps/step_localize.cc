@@ -75,16 +75,47 @@ Result<Localization> localize_runs(const Deployment& deployment, const std::vect
       result.method += (result.method.empty() ? "" : "+") + name;
       if (wanted == Method::kAuto)
         result.why += fmt::format("{}{}", result.why.empty() ? "" : "; ", choice.why);
+      if (const std::string why = why_no_level(choice.method); !why.empty())
+        result.no_levels += fmt::format("{}{}: {}", result.no_levels.empty() ? "" : "; ", name, why);
     }
     result.rejected += run.rejected.size();
     for (const Fix& fix : result.fixes.back()) {
       ++(fix.ok() ? result.ok : result.no_fix);
       if (!fix.ok()) ++result.no_fix_reasons[to_string(fix.status)];
+      if (integrity(fix) == Integrity::kDegraded) ++result.degraded_reasons[integrity_reason(fix)];
       result.arrivals += static_cast<std::size_t>(std::max(0, fix.arrivals_used));
       result.rejected += static_cast<std::size_t>(std::max(0, fix.arrivals_rejected));
     }
   }
   return result;
+}
+
+std::size_t Localization::degraded() const {
+  std::size_t sum = 0;
+  for (const auto& [reason, count] : degraded_reasons) sum += count;
+  return sum;
+}
+
+std::string integrity_text(const Localization& localization) {
+  std::string text =
+      fmt::format("{} ok, {} degraded", localization.ok - localization.degraded(), localization.degraded());
+  for (const auto& [reason, count] : localization.degraded_reasons)
+    text += fmt::format("{} {} {}", &reason == &localization.degraded_reasons.begin()->first ? ":" : ",",
+                        count, reason);
+  if (!localization.no_levels.empty())
+    text += fmt::format("; no protection levels: {}", localization.no_levels);
+  return named_line("integrity", text);
+}
+
+Json integrity_json(const Localization& localization) {
+  Json reasons = Json::object();
+  for (const auto& [reason, count] : localization.degraded_reasons) reasons[reason] = count;
+  Json object = {{"ok", localization.ok - localization.degraded()},
+                 {"degraded", localization.degraded()},
+                 {"no_fix", localization.no_fix},
+                 {"degraded_reasons", reasons}};
+  if (!localization.no_levels.empty()) object["no_levels"] = localization.no_levels;
+  return object;
 }
 
 Result<MethodInput> method_input(const MethodWords& words, const Deployment& deployment) {

@@ -93,11 +93,18 @@ struct Localization {
   std::string why;     ///< of Method::kAuto: why these
   std::size_t ok = 0, no_fix = 0, arrivals = 0, rejected = 0;
   std::map<std::string, std::size_t> no_fix_reasons;
+  std::map<std::string, std::size_t> degraded_reasons;  ///< of fixes whose error nothing bounds
+  std::string no_levels;  ///< of methods without protection levels: which, and why
   /// Of each run at an unknown temperature; none where the temperature is known or the method takes no
   /// arrivals one by one.
   std::vector<std::optional<RunSpeed>> speeds;
   [[nodiscard]] std::vector<Fix> all() const;
+  [[nodiscard]] std::size_t degraded() const;  ///< of the fixes that are ok
 };
+/// How many fixes have an error that is bounded, and why the others do not: a line, an object.
+[[nodiscard]] std::string integrity_text(const Localization& localization);
+[[nodiscard]] Json integrity_json(const Localization& localization);
+
 /// Fixes of all runs by a method, at the speed that a run's arrivals tell where its temperature is not known
 /// and that is another one than the deployment's (run_speed.h). Errors: a run for which the method is not
 /// made, named.

@@ -35,6 +35,17 @@ struct Moved {
   std::string_view vehicle = {};
 };
 
+/// Noise of the odometry over a step of length d and turn a:
+///   sigma_xy^2 = distance^2 d + floor_m^2,  sigma_heading^2 = heading^2 d + (per_rad a)^2 + floor_rad^2
+/// as in the block `odometry` of a recording's run.yaml, and the same where nothing is said.
+struct OdometryNoise {
+  double distance_sigma_m_per_sqrt_m = 0.02;
+  double heading_sigma_rad_per_sqrt_m = 0.02;
+  double heading_sigma_per_rad = 0.0;
+  double floor_m = 1.0e-4;
+  double floor_rad = 1.0e-4;
+};
+
 /// Where the vehicle is, or why that is not known.
 struct Place {
   bool ok = false;
@@ -55,7 +66,7 @@ struct Place {
 class [[gnu::visibility("default")]] Positioner {
  public:
   /// Reads a deployment file. Where that fails the object is false, and error() says where and why.
-  explicit Positioner(const std::string& deployment_path);
+  explicit Positioner(const std::string& deployment_path, const OdometryNoise& odometry = {});
   ~Positioner();
   Positioner(Positioner &&) noexcept;
   Positioner& operator=(Positioner&&) noexcept;

@@ -12,7 +12,7 @@
 namespace octant {
 
 /// What a drive's filter would hold without each of the beacons that it hears: a filter more a beacon, which
-/// never took an arrival of it (solution separation, as protection.h has it for one fix). Whatever a beacon's
+/// never took an arrival of it (solution separation, as separation.h has it for one fix). Whatever a beacon's
 /// arrivals are off by, and for however long, the filter without them is not: so the protection level is the
 /// largest distance to one of them with that one's own error. A filter that stands six sigmas off says that
 /// its beacon is at fault: it takes over, and the beacon is left out until kGoodInARow of its arrivals in a

@@ -12,7 +12,7 @@
 namespace octant {
 
 /// Horizontal protection levels [m] along a drive that was smoothed, one for each instant: the drive is held
-/// against what it would be without each of its beacons (solution separation, as protection.h has it for one
+/// against what it would be without each of its beacons (solution separation, as separation.h has it for one
 /// fix). With H_i and g_i the information and gradient of all states without the arrivals of beacon i,
 ///   shift = -H_i^-1 g_i
 /// whatever those arrivals are off by, and for however long, the drive without them is not. Linear, from

@@ -18,8 +18,8 @@
 #include "models/localizers/drive/drive_tracker.h"
 #include "models/localizers/drive/motion_start.h"
 #include "models/localizers/drive/odometry_track.h"
-#include "models/localizers/drive/space_track.h"
 #include "models/localizers/least_squares/node_adjustment.h"
+#include "models/localizers/space/space_track.h"
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/settle.h"
 
@@ -269,7 +269,8 @@ std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deploym
   MeasurementLog room;
   const MeasurementLog& log = known_rows(all_rows, deployment, room);
   if (is_drive_in_space(deployment, log))
-    return track_in_space(log, deployment, {.rejection_sigmas = options.rejection_sigmas});
+    return track_in_space(log, deployment,
+                          {.rejection_sigmas = options.rejection_sigmas, .protect = options.protect});
   std::vector<Fix> fixes;
   const EpochFixModel model = epoch_fix_model(deployment);
   const CalibrationPart calibration(deployment);

@@ -20,7 +20,7 @@ struct TrackerOptions {
   double range_slack_m = 0.0;  ///< as in EpochFixOptions
   bool protect = false;        ///< protection levels. Of a filter: as many filters more as beacons are heard,
                                ///< and one whose beacon is at fault takes over; of a smoothed drive: as many
-                               ///< solutions more (chain_protection.h)
+                               ///< solutions more (chain_protection.h; space_track.h)
   bool smooth = true;          ///< use the whole run (fixed-interval smoothing); false: only what came before
 };
 

@@ -68,6 +68,7 @@ OneBeacon::OneBeacon(const Deployment& deployment, OneBeaconOptions options)
       last_(deployment.vehicles.size()),
       ranges_(deployment, {.gates = options.gates, .spread_sigmas = options.spread_sigmas}),
       propagation_(deployment),
+      sums_(3, deployment.beacons.size()),
       heading_rad_(options.heading_rad) {
   options_.heading_sigma_rad = std::max(options_.heading_sigma_rad, kMinHeadingSigma_rad);
   for (const SiteVehicle& vehicle : deployment_.vehicles)
@@ -208,6 +209,7 @@ FixStatus OneBeacon::finish(const Attempt& attempt, int left_out, std::span<cons
   }
   if (views_.size() == 1) add_bend(attempt.pose.head<2>(), covariance);
   fix.covariance = covariance;
+  fix.protection_level_m = protection_level(attempt, left_out, covariance);
   fix.cost = 0.5 * attempt.cost;
   const bool sharp =
       covariance.allFinite() && covariance.diagonal().minCoeff() > 0 &&

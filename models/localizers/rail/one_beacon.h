@@ -12,6 +12,7 @@
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/common/pair_ranges.h"
 #include "models/localizers/common/range_propagation.h"
+#include "models/localizers/common/separation.h"
 
 namespace octant {
 
@@ -58,7 +59,8 @@ struct OneBeaconOptions {
 ///
 /// Fix: kTooFewArrivals (no beacon is heard by both, or one without heading), kNoConsensus (circles that do
 /// not meet, beacons that disagree), kPoorGeometry (a beacon in line with the receivers), kAmbiguous
-/// (Facing::kEither, and nothing tells the side).
+/// (Facing::kEither, and nothing tells the side). A fix that one beacon less would leave one, too, has a
+/// protection level (separation.h); a heading known from elsewhere is then taken for right.
 class OneBeacon : public Localizer {
  public:
   explicit OneBeacon(const Deployment& deployment, OneBeaconOptions options = {});
@@ -105,6 +107,8 @@ class OneBeacon : public Localizer {
                                  Fix& fix);
   [[nodiscard]] double gate(int left_out) const;
   void add_bend(const Eigen::Vector2d& p_map_m, Eigen::Matrix3d& covariance) const;
+  [[nodiscard]] double protection_level(const Attempt& attempt, int left_out,
+                                        const Eigen::Matrix3d& covariance);
   [[nodiscard]] double row(const View& view, std::size_t end, const Eigen::Vector3d& pose,
                            Eigen::Vector3d& by_pose) const;
 
@@ -115,6 +119,7 @@ class OneBeacon : public Localizer {
   PairRanges ranges_;
   RangePropagation propagation_;
   std::vector<View> views_;
+  BeaconSums sums_;
   Receivers now_;  ///< of the vehicle of the call
   std::optional<double> heading_rad_;
 };

@@ -69,6 +69,27 @@ OneBeacon::Attempt OneBeacon::adjust(Eigen::Vector3d pose, int left_out) const {
   return out;
 }
 
+/// The fix held against those without each of its beacons; 0 where too few are left. A heading that is known
+/// from elsewhere is taken for right.
+double OneBeacon::protection_level(const Attempt& attempt, int left_out, const Eigen::Matrix3d& covariance) {
+  sums_.clear();
+  if (const std::optional<double> known_rad = heading_rad_ ? heading_rad_ : now_.rail_heading_rad)
+    sums_.add(Eigen::RowVector3d(0, 0, 1 / options_.heading_sigma_rad),
+              wrap_angle(*known_rad - attempt.pose.z()) / options_.heading_sigma_rad);
+  Eigen::Vector3d by_pose;
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    if (static_cast<int>(k) == left_out) continue;
+    for (std::size_t end = 0; end < 2; ++end) {
+      const PairRange& pair = views_[k].pair[end];
+      const double residual_m = row(views_[k], end, attempt.pose, by_pose);
+      sums_.add(pair.beacon, Eigen::RowVector3d(by_pose.transpose() / pair.sigma_m),
+                residual_m / pair.sigma_m,
+                calibration_variance_m2(pair, deployment_) / (pair.sigma_m * pair.sigma_m));
+    }
+  }
+  return sums_.level_m(horizontal_variance(covariance));
+}
+
 /// Whether the vehicle can have got there since the last fix, or beacons that agree say so.
 bool OneBeacon::in_reach(const Fix& fix, int left_out, const Attempt& attempt) const {
   const Last& last = last_[fix.vehicle.index()];

@@ -31,6 +31,7 @@ RailLocalizer::RailLocalizer(const Deployment& deployment, RailOptions options)
       options_(options),
       ranges_(deployment, {.gates = options.gates, .spread_sigmas = options.spread_sigmas}),
       propagation_(deployment),
+      sums_(3, deployment.beacons.size()),
       last_(deployment.vehicles.size()) {
   places_.reserve(2 * deployment.beacons.size() * deployment.receivers.size());
 }
@@ -184,11 +185,30 @@ bool RailLocalizer::published(std::span<const PairRange> pairs, const Place& exa
   return true;
 }
 
+/// The place on the rail held against those without each of its beacons, the rail itself known as stated; 0
+/// where one beacon alone tells it.
+double RailLocalizer::protection_level(std::span<const PairRange> pairs, const RailPoint& at,
+                                       const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector2d along = at.by_s.head<2>(), across = left_of(along) / options_.rail_sigma_m;
+  sums_.clear();
+  sums_.add(Eigen::RowVector3d(across.x(), across.y(), 0.0), 0.0);
+  sums_.add(Eigen::RowVector3d(0.0, 0.0, 1 / options_.heading_sigma_rad), 0.0);
+  for (const PairRange& pair : pairs) {
+    const Row r = row(pair, at);
+    if (std::abs(r.off_m) > options_.gate_sigmas * r.sigma_m) continue;
+    const Eigen::Vector2d by = r.by_s / r.sigma_m * along;
+    sums_.add(pair.beacon, Eigen::RowVector3d(by.x(), by.y(), 0.0), r.off_m / r.sigma_m, 0.0);
+  }
+  return sums_.level_m(horizontal_variance(covariance));
+}
+
 FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<const Arrival> arrivals,
                                 Place place, Fix& fix) {
   Last& last = last_[fix.vehicle.index()];
   const RailPoint found = rail_point(*rail_, place.s_m);
-  if (options_.arc == ArcSolution::kPublished && rail_->shape == Rail::Shape::kArc && last.known) {
+  const bool by_published_step =
+      options_.arc == ArcSolution::kPublished && rail_->shape == Rail::Shape::kArc && last.known;
+  if (by_published_step) {
     double s_m = last.s_m;
     if (!published(pairs, place, s_m)) return FixStatus::kPoorGeometry;
     place.s_m = s_m;
@@ -229,6 +249,7 @@ FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<cons
       options_.rail_sigma_m * options_.rail_sigma_m * by_sway * by_sway.transpose() +
       options_.heading_sigma_rad * options_.heading_sigma_rad * by_turn * by_turn.transpose();
   fix.covariance = covariance;
+  if (!by_published_step) fix.protection_level_m = protection_level(pairs, found, covariance);
   if (!covariance.allFinite() ||
       !(covariance.topLeftCorner<2, 2>().trace() < options_.max_sigma_m * options_.max_sigma_m))
     return FixStatus::kPoorGeometry;

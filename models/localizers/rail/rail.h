@@ -10,6 +10,7 @@
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/common/pair_ranges.h"
 #include "models/localizers/common/range_propagation.h"
+#include "models/localizers/common/separation.h"
 #include "models/localizers/rail/arc_rail.h"
 #include "models/localizers/rail/rail_path.h"
 
@@ -47,7 +48,8 @@ struct RailOptions {
 ///
 /// Fix: kTooFewArrivals (no range, or a single one that no last position confirms), kNoConsensus (ranges that
 /// no place explains, or none within reach; fewer than half agree), kPoorGeometry (abreast of the only
-/// beacon), kAmbiguous.
+/// beacon), kAmbiguous. A fix of two beacons or more has a protection level (separation.h), but for
+/// ArcSolution::kPublished, whose step is no adjustment.
 class RailLocalizer : public Localizer {
  public:
   explicit RailLocalizer(const Deployment& deployment, RailOptions options = {});
@@ -82,12 +84,15 @@ class RailLocalizer : public Localizer {
   [[nodiscard]] bool in_reach(const Fix& fix, const Place& place) const;
   [[nodiscard]] FixStatus finish(std::span<const PairRange> pairs, std::span<const Arrival> arrivals,
                                  Place place, Fix& fix);
+  [[nodiscard]] double protection_level(std::span<const PairRange> pairs, const RailPoint& at,
+                                        const Eigen::Matrix3d& covariance);
   [[nodiscard]] bool published(std::span<const PairRange> pairs, const Place& exact, double& s_m) const;
 
   Deployment deployment_;
   RailOptions options_;
   PairRanges ranges_;
   RangePropagation propagation_;
+  BeaconSums sums_;
   std::vector<Last> last_;  ///< of each vehicle
   std::vector<Place> places_;
   const Rail* rail_ = nullptr;  ///< of the vehicle of the call

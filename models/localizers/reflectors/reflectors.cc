@@ -21,6 +21,12 @@ constexpr int kResectionSteps = 20, kRematches = 4;
 constexpr double kSameSigmas = 5.0;                 // hypotheses closer than this are one pose
 constexpr double kTight_m = 0.5, kTight_rad = 0.3;  // a prediction that may stand in for a search
 
+/// Derivative of a bearing by x, y, heading.
+Eigen::Vector3d by_pose(const Eigen::Vector2d& sight) {
+  const double squared = std::max(sight.squaredNorm(), square(kSmallestSight_m));
+  return {sight.y() / squared, -sight.x() / squared, -1.0};
+}
+
 Eigen::Vector3d difference(const ResectedPose& a, const ResectedPose& b) {
   return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(),
           wrap_angle(a.heading_rad - b.heading_rad)};
@@ -40,7 +46,10 @@ Result<void> reflectors_fits(const Deployment& deployment) {
 }
 
 Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& options)
-    : Localizer(deployment, Marks::kBearings), options_(options), index_(deployment.beacons.size(), -1) {
+    : Localizer(deployment, Marks::kBearings),
+      options_(options),
+      index_(deployment.beacons.size(), -1),
+      sums_(3, deployment.beacons.size()) {
   sigma_rad_ =
       std::max(options.bearing_sigma_rad.value_or(deployment.noise.bearing_sigma_rad), kSmallestSigma_rad);
   for (std::size_t b = 0; b < deployment.beacons.size(); ++b) {
@@ -88,9 +97,25 @@ void Reflectors::locate_known(const Observations& observations, Fix& fix) noexce
   }
   for (const Rejection r : fix.rejections)
     ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  protect(best.pose, bearings, fix);
   last_ = best.pose;
   last_fix_s_ = fix.time_s;
   last_sigma_ = {std::sqrt(fix.covariance(0, 0) + fix.covariance(1, 1)), std::sqrt(fix.covariance(2, 2))};
+}
+
+/// The fix held against those without each of its reflectors.
+void Reflectors::protect(const ResectedPose& pose, std::span<const Bearing> bearings, Fix& fix) noexcept {
+  sums_.clear();
+  for (std::size_t i = 0; i < bearings.size(); ++i) {
+    if (fix.rejections[i] != Rejection::kUsed) continue;
+    const Reflector& reflector = reflectors_[static_cast<std::size_t>(match_[i])];
+    const Eigen::Vector2d sight = reflector.p_map_m - pose.p_map_m;
+    const double sigma = std::sqrt(variance(reflector, sight));
+    const double off =
+        wrap_angle(bearings[i].bearing_rad - std::atan2(sight.y(), sight.x()) + pose.heading_rad);
+    sums_.add(reflector.beacon, Eigen::RowVector3d(by_pose(sight).transpose() / sigma), off / sigma, 0.0);
+  }
+  fix.protection_level_m = sums_.level_m(horizontal_variance(fix.covariance));
 }
 
 /// The fix's blank state, and what is known of the pose beforehand.
@@ -254,8 +279,7 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
         if (match_[i] < 0) continue;
         const Reflector& reflector = reflectors_[static_cast<std::size_t>(match_[i])];
         const Eigen::Vector2d sight = reflector.p_map_m - pose.p_map_m;
-        const double squared = std::max(sight.squaredNorm(), square(kSmallestSight_m));
-        const Eigen::Vector3d J(sight.y() / squared, -sight.x() / squared, -1.0);
+        const Eigen::Vector3d J = by_pose(sight);
         const double off =
             wrap_angle(bearings[i].bearing_rad - std::atan2(sight.y(), sight.x()) + pose.heading_rad);
         const double weight = 1 / variance(reflector, sight);

@@ -12,6 +12,7 @@
 
 #include "models/deployment.h"
 #include "models/localizers/common/localizer.h"
+#include "models/localizers/common/separation.h"
 #include "models/localizers/reflectors/resection.h"
 #include "models/support/result.h"
 
@@ -47,7 +48,8 @@ struct ReflectorsOptions {
 /// No fix: kTooFewArrivals under three bearings; kPoorGeometry on the danger circle or with a sigma beyond
 /// max_sigma_m; kAmbiguous where another pose explains the bearings as well; kNoConsensus where fewer than
 /// three bearings agree, or three alone and not all of them labelled. The covariance is that of the bearings'
-/// noise and of the reflectors' own.
+/// noise and of the reflectors' own. A fix of four bearings or more has a protection level (separation.h):
+/// one reflector, or what was taken for it, may be off by anything.
 class Reflectors : public Localizer {
  public:
   explicit Reflectors(const Deployment& deployment, const ReflectorsOptions& options = {});
@@ -85,6 +87,7 @@ class Reflectors : public Localizer {
               Eigen::Matrix3d& information) noexcept;
   FixStatus judge(std::span<const Bearing> bearings, Hypothesis& best, Eigen::Matrix3d& information) noexcept;
   [[nodiscard]] double variance(const Reflector& reflector, const Eigen::Vector2d& sight_m) const noexcept;
+  void protect(const ResectedPose& pose, std::span<const Bearing> bearings, Fix& fix) noexcept;
 
   ReflectorsOptions options_;
   std::vector<Reflector> reflectors_;
@@ -100,6 +103,7 @@ class Reflectors : public Localizer {
   std::vector<int> match_;         ///< of each bearing: reflector, or -1
   std::vector<double> direction_;  ///< of each reflector from the pose under test
   std::vector<char> used_;
+  BeaconSums sums_;
 };
 
 }  // namespace octant

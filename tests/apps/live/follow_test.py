@@ -43,8 +43,8 @@ def follow(*words, deployment=DEPLOYMENT, **more):
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
 
 
-def whole(data, *words):
-    process = follow(*words)
+def whole(data, *words, **more):
+    process = follow(*words, **more)
     out, err = process.communicate(data, timeout=120)
     return process.returncode, out.decode(), err.decode()
 
@@ -101,6 +101,54 @@ class Streams(unittest.TestCase):
         fixes, expected = fixes_of(out.decode())[-len(offline()):], offline()
         off_m = [((fix["x_m"] - row[1]) ** 2 + (fix["y_m"] - row[2]) ** 2) ** 0.5 for fix, row in zip(fixes, expected)]
         self.assertLess(sorted(off_m)[len(off_m) // 2], 0.005)
+
+    def test_odometry_is_as_good_as_the_robot_says(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(HALL, "scenario.yaml"), encoding="utf-8") as file:
+                scenario = re.sub(r"\npath: .*", "\npath: {kind: drive, duration_s: 40.0}", file.read())
+            path = os.path.join(folder, "drive.yaml")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(scenario)
+            world = os.path.join(folder, "world")
+            subprocess.run([OCTANT, "simulate", path, "-o", world, "-q"], check=True, timeout=60)
+            rows = []
+            with open(os.path.join(world, "run", "odometry.csv"), encoding="utf-8") as file:
+                steps = [{key: float(row[key]) for key in ("time_s", "dx_m", "dy_m", "dheading_rad")} for row in csv.DictReader(file)]
+            with open(os.path.join(world, "run", "tof.csv"), encoding="utf-8") as file:
+                arrivals = [{"time_s": float(row["time_s"]), "beacon": row["beacon"], "tof_s": float(row["tof_s"]),
+                             "receiver": row["receiver"]} for row in csv.DictReader(file)]
+            # Fifteen seconds of arrivals, then odometry alone, then one more arrival.
+            heard = [a for a in arrivals if a["time_s"] < 15.0]
+            last = next(a for a in arrivals if a["time_s"] > 25.0)
+            driven_m = sum((s["dx_m"] ** 2 + s["dy_m"] ** 2) ** 0.5 for s in steps if heard[-1]["time_s"] < s["time_s"] <= 25.0)
+            self.assertGreater(driven_m, 2.0)
+            rows = sorted(heard + [last] + steps, key=lambda row: (row["time_s"], "dx_m" not in row))
+            data = "".join(json.dumps(row) + "\n" for row in rows).encode()
+
+            def across_m(*words):
+                code, out, err = whole(data, *words, deployment=os.path.join(world, "deployment.true.json"))
+                self.assertEqual(code, 0, err)
+                fix = fixes_of(out)[-1]
+                self.assertAlmostEqual(fix["time_s"], last["time_s"], 6)
+                return (fix["sigma_x_m"] ** 2 + fix["sigma_y_m"] ** 2) ** 0.5
+
+            # The one range tells the place along itself; across it the odometry's noise has grown with the root of the way.
+            for sigma in (0.1, 0.2):
+                accuracy = os.path.join(folder, "run.yaml")
+                with open(accuracy, "w", encoding="utf-8") as file:
+                    file.write(f"octant_run: 1\nodometry: {{distance_sigma_m_per_sqrt_m: {sigma}, heading_sigma_rad_per_sqrt_m: 0.0, floor_rad: 0.0}}\n")
+                self.assertAlmostEqual(across_m("--odometry", accuracy) / (sigma * driven_m ** 0.5), 1.0, delta=0.1)
+            stated = across_m("--odometry", os.path.join(world, "run"))
+            self.assertLess(stated, across_m("--odometry", accuracy))
+            silent = os.path.join(folder, "silent.yaml")
+            with open(silent, "w", encoding="utf-8") as file:
+                file.write("octant_run: 1\n")
+            code, _, err = whole(b"", "--odometry", silent)
+            self.assertEqual(code, 3)
+            self.assertIn("nothing is said of the odometry", err)
+
+    def test_methods_without_levels_say_so(self):
+        self.assertIn("have no protection level: it averages triples", whole(b"", "--method", "kleeman")[2])
 
     def test_formats(self):
         code, out, err = whole(STREAM, "--format", "ros")

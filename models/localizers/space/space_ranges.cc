@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/localizers/drive/space_ranges.h"
+#include "models/localizers/space/space_ranges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ class PlaceSearch {
          {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(1, -1, 0),
           Eigen::Vector3d(-1, 1, 0), Eigen::Vector3d(-1, -1, 0)})
       for (const double up : {-0.5, 0.5}) {
-        Eigen::Vector3d p = setting_.centre_m + e * (step + Eigen::Vector3d(0, 0, up));
+        Eigen::Vector3d p = setting_.plane.centre_m + e * (step + Eigen::Vector3d(0, 0, up));
         found.emplace_back(descend(p), p);
       }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -125,19 +125,29 @@ SpaceSetting::SpaceSetting(const Deployment& d, const SpaceTrackOptions& o)
     bias.push_back(has_state ? static_cast<int>(size++) : -1);
     if (b.status == BeaconStatus::kUndetermined) continue;
     ++usable;
-    centre_m += b.position_m;
     low = low.cwiseMin(b.position_m);
     high = high.cwiseMax(b.position_m);
   }
-  if (usable > 0) centre_m /= static_cast<double>(usable);
   if (usable > 1) extent_m = std::max(1e-3, (high - low).norm());
+  plane = beacon_plane(d, extent_m);
+}
+
+BeaconPlane beacon_plane(const Deployment& deployment, double extent_m, BeaconId without) {
+  BeaconPlane plane;
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t b = 0; b < deployment.beacons.size(); ++b)
+    if (deployment.beacons[b].status != BeaconStatus::kUndetermined && BeaconId(b) != without)
+      places.push_back(deployment.beacons[b].position_m);
+  const auto count = static_cast<double>(places.size());
+  for (const Eigen::Vector3d& p : places) plane.centre_m += p;
+  if (!places.empty()) plane.centre_m /= count;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const DeploymentBeacon& b : d.beacons)
-    if (b.status != BeaconStatus::kUndetermined)
-      spread += (b.position_m - centre_m) * (b.position_m - centre_m).transpose();
+  for (const Eigen::Vector3d& p : places) spread += (p - plane.centre_m) * (p - plane.centre_m).transpose();
   const SymmetricEigen<Eigen::Matrix3d> axes(spread);
-  coplanar = usable < 4 || axes.eigenvalues()[0] < square(kCoplanar * extent_m) * static_cast<double>(usable);
-  normal = axes.eigenvectors().col(0);
+  plane.coplanar = places.size() < 4 || axes.eigenvalues()[0] < square(kCoplanar * extent_m) * count;
+  plane.off_m = std::sqrt(std::max(0.0, axes.eigenvalues()[0]) / std::max(1.0, count));
+  plane.normal = axes.eigenvectors().col(0);
+  return plane;
 }
 
 SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle, SpaceSetting& setting) {

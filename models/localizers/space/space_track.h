@@ -17,6 +17,7 @@ struct SpaceTrackOptions {
   double rejection_sigmas = 4.0;
   double max_gap_s = 5.0;        ///< without arrivals, after which the place is searched anew
   double speed_sigma_mps = 3.0;  ///< of each component, before anything is heard
+  bool protect = false;  ///< protection levels, at the cost of a filter and a smoother more for each beacon
 };
 
 /// Whether a run is a drive in space that arrivals alone tell: no epochs, no odometry, no motion prior, and
@@ -34,6 +35,9 @@ struct SpaceTrackOptions {
 /// Beacons in one plane leave a mirror image: taken is the one above the floor (z = 0) and, if both are,
 /// below the beacons. A track that comes near their plane may have gone through it: then the distance of the
 /// images counts in the covariance.
+///
+/// Protection levels are horizontal, as everywhere. None where fewer than four beacons are heard, where the
+/// track is lost without one of them, or lies six sigmas off it.
 [[nodiscard]] std::vector<Fix> track_in_space(const MeasurementLog& log, const Deployment& deployment,
                                               const SpaceTrackOptions& options = {});
 

@@ -11,7 +11,7 @@
 
 #include "models/localizers/common/arrival_range.h"
 #include "models/localizers/common/calibration_part.h"
-#include "models/localizers/drive/space_track.h"
+#include "models/localizers/space/space_track.h"
 
 namespace octant {
 
@@ -29,6 +29,15 @@ struct SpaceInstant {
   std::size_t first = 0, last = 0;  ///< its ranges
 };
 
+/// The plane that beacons lie in, or come nearest to.
+struct BeaconPlane {
+  bool coplanar = false;  ///< so that it leaves a mirror image
+  double off_m = 0.0;     ///< of the beacons from it, root of the mean square
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
+};
+/// Of the usable beacons of a deployment but one. @param extent_m  of all of them
+[[nodiscard]] BeaconPlane beacon_plane(const Deployment& deployment, double extent_m, BeaconId without = {});
+
 /// All that a vehicle's receivers, the site and its errors mean for the track.
 struct SpaceSetting {
   const Deployment& deployment;
@@ -39,9 +48,7 @@ struct SpaceSetting {
   double bias_sigma_m = 0.0, bias_time_s = 1.0;
   double lever_m2 = 0.0;  ///< variance of the origin's place in each axis about the receivers' centre
   double extent_m = 1.0;  ///< of the beacons
-  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
-  bool coplanar = false;  ///< the beacons, so that their plane leaves a mirror image
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< of that plane
+  BeaconPlane plane;      ///< of the beacons
 
   SpaceSetting(const Deployment& d, const SpaceTrackOptions& o);
 };

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/python/live.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <pybind11/stl.h>
+
+#include "apps/python/calls.h"
+#include "models/live/follower.h"
+
+namespace octant::python {
+namespace {
+
+namespace py = pybind11;
+using namespace py::literals;
+
+/// The follower with its fixes kept until they are asked for.
+struct Live {
+  Live(const Deployment& d, const std::string& method, bool watch, const OdometrySigmas& noise)
+      : names(names_of(d)) {
+    FollowOptions options;
+    options.method = method_named(method);
+    options.watch = watch;
+    options.odometry = odometry_noise(noise);
+    if (auto fits = follow_fits(d, options.method); !fits) raise(fits.error());
+    follower = std::make_unique<Follower>(d, options);
+    follower->on_fix = [this](const Fix& fix) { fixes.push_back(fix); };
+    follower->on_alarm = [this](const WatchAlarm& alarm) { alarms.push_back(alarm); };
+  }
+  NameTable names;
+  std::unique_ptr<Follower> follower;
+  std::vector<Fix> fixes;
+  std::vector<WatchAlarm> alarms;
+};
+
+}  // namespace
+
+Method method_named(const std::string& name) {
+  std::string listed;
+  for (const auto& [spelling, method] : method_names()) {
+    if (spelling == name) return method;
+    listed += (listed.empty() ? "" : ", ") + std::string(spelling);
+  }
+  throw py::value_error("there is no method '" + name + "'; expected one of " + listed);
+}
+
+OdometryAccuracy odometry_noise(const OdometrySigmas& sigmas) {
+  OdometryAccuracy accuracy;
+  const std::map<std::string, double*> known = {
+      {"distance_sigma_m_per_sqrt_m", &accuracy.distance_sigma_m_per_sqrt_m},
+      {"heading_sigma_rad_per_sqrt_m", &accuracy.heading_sigma_rad_per_sqrt_m},
+      {"heading_sigma_per_rad", &accuracy.heading_sigma_per_rad},
+      {"floor_m", &accuracy.floor_m},
+      {"floor_rad", &accuracy.floor_rad}};
+  if (!sigmas) return accuracy;
+  for (const auto& [name, value] : *sigmas) {
+    const auto at = known.find(name);
+    if (at == known.end())
+      throw py::value_error("odometry_noise: there is no '" + name + "'; see octant schema run");
+    if (!(value >= 0.0) || !std::isfinite(value))
+      throw py::value_error("odometry_noise: " + name + " is not a number from 0 on");
+    *at->second = value;
+  }
+  return accuracy;
+}
+
+void bind_live(py::module_& m) {
+  py::class_<Live>(m, "Follower", "Localizes as the data come; see octant localize --follow.")
+      .def(py::init<const Deployment&, const std::string&, bool, const OdometrySigmas&>(), "deployment"_a,
+           "method"_a = "auto", "watch"_a = false, "odometry_noise"_a = py::none(),
+           "odometry_noise: a dict with the keys of run.yaml's block odometry.")
+      .def(
+          "hear",
+          [](Live& live, double time_s, const std::string& beacon, double tof_s, const std::string& receiver,
+             const std::string& vehicle, std::optional<std::int64_t> epoch) {
+            auto arrival = arrival_of(live.names, beacon, tof_s, time_s, receiver, vehicle);
+            if (!arrival) raise(arrival.error());
+            if (epoch) arrival->epoch = *epoch;
+            return live.follower->hear(*arrival);
+          },
+          "time_s"_a, "beacon"_a, "tof_s"_a, "receiver"_a = "", "vehicle"_a = "", "epoch"_a = py::none(),
+          "One arrival; False: it runs backwards in time.")
+      .def(
+          "move",
+          [](Live& live, double time_s, double dx_m, double dy_m, double dheading_rad,
+             const std::string& vehicle) {
+            return live.follower->move({time_s, dx_m, dy_m, dheading_rad, live.names.find_vehicle(vehicle)});
+          },
+          "time_s"_a, "dx_m"_a, "dy_m"_a, "dheading_rad"_a, "vehicle"_a = "", "One row of odometry.")
+      .def(
+          "flush", [](Live& live) { live.follower->flush(); }, "Nothing more is coming of this pose.")
+      .def(
+          "take",
+          [](Live& live) {
+            Fixes taken{std::move(live.fixes), live.names};
+            live.fixes.clear();
+            return taken;
+          },
+          "The fixes since the last call.");
+}
+
+}  // namespace octant::python

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: the columns of tof.csv that people fill.
+
+#include <array>
+#include <string_view>
+
+namespace octant::io {
+
+struct TofColumn {
+  std::string_view name, short_name;  ///< short: on the left of `octant convert --columns`
+  bool is_id = false;                 ///< no unit
+};
+inline constexpr std::array<TofColumn, 9> kTofColumns = {{{"time_s", "time", false},
+                                                          {"beacon", "beacon", true},
+                                                          {"tof_s", "tof", false},
+                                                          {"distance_m", "distance", false},
+                                                          {"epoch", "epoch", true},
+                                                          {"vehicle", "vehicle", true},
+                                                          {"receiver", "receiver", true},
+                                                          {"amplitude_v", "amplitude", false},
+                                                          {"temperature_degC", "temperature", false}}};
+
+}  // namespace octant::io

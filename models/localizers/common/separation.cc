@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/common/separation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace octant {
+namespace {
+
+constexpr double kDetermined = 1e-9;  ///< smallest pivot of an information whose diagonal is one
+
+/// Inverse of an information matrix, judged in units in which its diagonal is one; false where it is
+/// singular.
+bool invert(const NodeBlock& A, NodeBlock& inverse) {
+  const NodeVector scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const NodeBlock scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  const Eigen::LDLT<NodeBlock> ldlt(scaled);
+  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kDetermined)) return false;
+  inverse = scale.asDiagonal() * ldlt.solve(NodeBlock::Identity(A.rows(), A.cols())) * scale.asDiagonal();
+  return inverse.allFinite();
+}
+
+/// Quantile of the chi-square distribution at kAtFaultSigmas (Wilson and Hilferty 1931).
+double misfit_limit(int degrees) {
+  const double v = 2.0 / (9.0 * degrees);
+  return degrees * std::pow(1.0 - v + kAtFaultSigmas * std::sqrt(v), 3);
+}
+
+}  // namespace
+
+BeaconSums::RowSum& BeaconSums::of_beacon(BeaconId beacon) {
+  for (OfBeacon& b : beacons_)
+    if (b.beacon == beacon) return b.sum;
+  beacons_.push_back({beacon, RowSum(n_)});
+  return beacons_.back().sum;
+}
+
+BeaconSeparation BeaconSums::separation(const OfBeacon& of) const {
+  BeaconSeparation out;
+  out.beacon = of.beacon;
+  out.arrivals = of.sum.rows;
+  NodeBlock P;
+  out.determined = invert(all_.A - of.sum.A, P);
+  if (!out.determined) return out;
+  const NodeVector shift = P * (of.sum.g - all_.g);
+  out.shift_m = shift.head<2>().norm();
+  out.variance_m2 = horizontal_variance(P);
+  // Errors that are common to its arrivals stretch the misfit by at most this.
+  out.misfit = (of.sum.squares + of.sum.g.dot(P * of.sum.g)) / (1.0 + of.sum.common);
+  return out;
+}
+
+std::pmr::vector<BeaconSeparation> BeaconSums::separations() const {
+  std::pmr::vector<BeaconSeparation> out(scratch());
+  out.reserve(beacons_.size());
+  for (const OfBeacon& of : beacons_) out.push_back(separation(of));
+  return out;
+}
+
+Protection BeaconSums::protection(double variance_m2) const {
+  Protection out;
+  NodeBlock P;
+  if (beacons_.empty() || !invert(all_.A, P)) return out;
+  const double widened = std::max(1.0, variance_m2 / horizontal_variance(P));
+  double worst_m = 0.0, worst_misfit = 1.0;
+  bool all_determined = true;
+  for (const OfBeacon& of : beacons_) {
+    const BeaconSeparation s = separation(of);
+    ++out.beacons;
+    all_determined = all_determined && s.determined;
+    if (!s.determined) continue;
+    worst_m = std::max(worst_m, s.shift_m + kFaultySigmas * std::sqrt(widened * s.variance_m2));
+    const double misfit = s.misfit / misfit_limit(s.arrivals);
+    if (misfit > worst_misfit) {
+      worst_misfit = misfit;
+      out.at_fault = s.beacon;
+    }
+  }
+  if (all_determined) out.level_m = protection_level_m(variance_m2, worst_m);
+  return out;
+}
+
+}  // namespace octant

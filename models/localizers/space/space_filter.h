@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to the track of a vehicle in space: its filter and smoother.
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/localizers/space/space_ranges.h"
+
+namespace octant {
+
+/// Mean and covariance of position, velocity and biases, and how the mean follows the calibrated parameters.
+struct SpaceBelief {
+  Eigen::VectorXd x;
+  Eigen::MatrixXd P, M;
+};
+struct SpaceStep {
+  SpaceBelief predicted, updated, smoothed;
+  Eigen::MatrixXd F;
+};
+
+/// Extended Kalman filter and smoother (Rauch, Tung and Striebel 1965) over consecutive instants, under
+/// white-noise acceleration.
+class SpaceFilter {
+ public:
+  /// @param density  of the acceleration [m^2/s^3]
+  SpaceFilter(SpaceRanges& ranges, const SpaceSetting& setting, std::size_t first,
+              const Eigen::Vector3d& start, double density);
+
+  /// Filters on to the instant `end`, or until the place is lost; marks the ranges on the way. Linearises
+  /// where the track was smoothed before, else where it goes.
+  /// @return the instant behind the last one
+  std::size_t filter(std::size_t end);
+  void smooth();
+  /// The next filter() linearises at these steps.
+  void linearise_at(const std::vector<SpaceStep>& steps);
+
+  [[nodiscard]] double likelihood() const { return likelihood_; }
+  [[nodiscard]] const std::vector<SpaceStep>& steps() const { return steps_; }
+
+ private:
+  [[nodiscard]] Eigen::MatrixXd predict(double dt);
+  void hold_within_site(double dt);
+  void correct(const Eigen::VectorXd& H, double innovation, double variance,
+               const Eigen::VectorXd& by_calibration);
+  bool update(SpaceRange& range, std::size_t step);
+  [[nodiscard]] Eigen::VectorXd by_calibration(const SpaceRange& range, const Eigen::Vector3d& u) const;
+
+  SpaceRanges& ranges_;
+  const SpaceSetting& setting_;
+  std::size_t first_;
+  double density_, height_m_ = 0.0, likelihood_ = 0.0;
+  double since_held_s_ = std::numeric_limits<double>::infinity();
+  SpaceBelief start_, now_;
+  std::vector<SpaceStep> steps_;
+  std::vector<Eigen::VectorXd> about_;  ///< smoothed states to linearise at
+};
+
+}  // namespace octant

@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/space/space_track.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <span>
+
+#include "models/localizers/common/separation.h"
+#include "models/localizers/space/space_filter.h"
+#include "models/localizers/space/space_ranges.h"
+#include "models/physics/plane.h"
+
+namespace octant {
+namespace {
+
+constexpr std::size_t kPoseArrivals = 7;  ///< of an instant, with which six degrees of freedom are checked
+constexpr int kRelinearisations = 2;
+constexpr std::size_t kFewestBeacons = 3;  ///< that place a vehicle in space
+/// Densities of the white-noise acceleration that are tried [m^2/s^3]: from a tripod that is carried to a
+/// racing drone.
+constexpr std::array kDensities = {0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
+
+class SpaceTracker {
+ public:
+  SpaceTracker(const MeasurementLog& log, VehicleId vehicle, const Deployment& deployment,
+               const SpaceTrackOptions& options)
+      : setting_(deployment, options), vehicle_(vehicle), ranges_(ranges_in_space(log, vehicle, setting_)) {}
+
+  void run(std::vector<Fix>& fixes) {
+    std::size_t k = 0;
+    while (k < ranges_.instants.size()) {
+      const auto start = place_in_space(ranges_, k, setting_);
+      const std::size_t next = start ? follow(k, *start, fixes) : k;
+      if (next <= k) fixes.push_back(no_fix(k));
+      k = std::max(next, k + 1);
+    }
+  }
+
+ private:
+  /// @return the instant behind the last one that was tracked
+  std::size_t follow(std::size_t k, const Eigen::Vector3d& start, std::vector<Fix>& fixes) {
+    double most = -INFINITY, density = kDensities.front();
+    std::size_t end = k;
+    for (const double tried : kDensities) {
+      SpaceFilter track(ranges_, setting_, k, start, tried);
+      const std::size_t reached = track.filter(ranges_.instants.size());
+      if (reached < end || (reached == end && !(track.likelihood() > most))) continue;
+      end = reached;
+      most = track.likelihood();
+      density = tried;
+    }
+    // What led to the loss belongs to what comes.
+    const bool lost = end < ranges_.instants.size();
+    if (end <= k + 1) return k;
+    SpaceFilter track(ranges_, setting_, k, start, density);
+    track.filter(end);
+    for (int round = 0; round < kRelinearisations; ++round) {
+      track.smooth();
+      track.filter(end);
+    }
+    track.smooth();
+    std::size_t kept = track.steps().size();
+    while (lost && kept > 0 && !is_heard(k + kept - 1)) --kept;
+    const std::vector<SpaceStep>& steps = track.steps();
+    const bool side_is_open = comes_near_the_plane(steps);
+    const std::size_t before = fixes.size();
+    for (std::size_t j = 0; j < kept; ++j) fixes.push_back(fix_at(k + j, steps[j].smoothed, side_is_open));
+    if (setting_.options.protect && kept > 0)
+      protect(steps, k, start, density, std::span(fixes).subspan(before));
+    return k + kept;
+  }
+
+  /// Levels of fixes along a track: each is held against the track without one of the beacons, filtered and
+  /// smoothed again from where it begins, its outliers told anew (solution separation, separation.h). A
+  /// beacon that alone tells on which side of the others' plane the vehicle is takes that with it.
+  void protect(const std::vector<SpaceStep>& steps, std::size_t k, const Eigen::Vector3d& start,
+               double density, std::span<Fix> fixes) {
+    const auto ranges = std::span(ranges_.all)
+                            .subspan(ranges_.instants[k].first,
+                                     ranges_.instants[k + fixes.size() - 1].last - ranges_.instants[k].first);
+    const std::vector<SpaceRange> marked(ranges.begin(), ranges.end());
+    std::set<BeaconId> beacons;
+    double variance_m2 = 0.0;
+    for (const SpaceRange& r : marked)
+      if (r.mark == Rejection::kUsed) {
+        beacons.insert(r.arrival.beacon);
+        variance_m2 = std::max(variance_m2, r.variance_m2);
+      }
+    const double range_sigma_m = std::sqrt(variance_m2 + square(setting_.bias_sigma_m));
+    std::vector<double> levels_m(fixes.size(), 0.0);
+    bool all_determined = beacons.size() > kFewestBeacons;
+    for (auto beacon = beacons.begin(); beacon != beacons.end() && all_determined; ++beacon) {
+      for (SpaceRange& r : ranges)
+        if (r.arrival.beacon == *beacon) r.mark = Rejection::kBeaconFault;
+      SpaceFilter without(ranges_, setting_, k, start, density);
+      without.linearise_at(steps);
+      all_determined = without.filter(k + fixes.size()) == k + fixes.size();
+      if (all_determined) {
+        without.smooth();
+        without.filter(k + fixes.size());  // linearised where it is without the beacon
+        without.smooth();
+        BeaconPlane plane = beacon_plane(setting_.deployment, setting_.extent_m, *beacon);
+        plane.coplanar = plane.coplanar && plane.off_m < kAtFaultSigmas * range_sigma_m;
+        for (std::size_t j = 0; j < fixes.size(); ++j)
+          hold_against(without.steps()[j].smoothed, steps[j].smoothed, plane, fixes[j], levels_m[j]);
+      }
+      std::copy(marked.begin(), marked.end(), ranges.begin());
+    }
+    for (std::size_t j = 0; all_determined && j < fixes.size(); ++j)
+      if (fixes[j].ok() && std::isfinite(levels_m[j]))
+        fixes[j].protection_level_m =
+            protection_level_m(horizontal_variance(fixes[j].covariance), levels_m[j]);
+  }
+
+  /// @param level_m  grows; infinite where the fix without the beacon contradicts
+  void hold_against(const SpaceBelief& without, const SpaceBelief& with, const BeaconPlane& plane,
+                    const Fix& fix, double& level_m) const {
+    const Eigen::Vector3d p = without.x.head<3>();
+    double shift_m = (p - with.x.head<3>()).head<2>().norm();
+    const double widened = std::max(1.0, horizontal_variance(fix.covariance) / horizontal_variance(with.P));
+    const double sigma_m = std::sqrt(widened * horizontal_variance(without.P));
+    if (!(shift_m <= kAtFaultSigmas * sigma_m)) level_m = INFINITY;
+    if (plane.coplanar && !setting_.plane.coplanar)
+      shift_m += 2 * std::abs(plane.normal.dot(p - plane.centre_m)) * plane.normal.head<2>().norm();
+    level_m = std::max(level_m, shift_m + kFaultySigmas * sigma_m);
+  }
+
+  [[nodiscard]] double height_over_plane_m(const SpaceBelief& belief) const {
+    return setting_.plane.normal.dot(Eigen::Vector3d(belief.x.head<3>()) - setting_.plane.centre_m);
+  }
+
+  /// A track that stays clear of the plane of the beacons keeps its side; one that may have gone through it
+  /// does not.
+  [[nodiscard]] bool comes_near_the_plane(const std::vector<SpaceStep>& steps) const {
+    if (!setting_.plane.coplanar) return false;
+    return std::any_of(steps.begin(), steps.end(), [this](const SpaceStep& step) {
+      const Eigen::Matrix3d P = step.smoothed.P.topLeftCorner<3, 3>();
+      const double sigma = std::sqrt(std::max(0.0, setting_.plane.normal.dot(P * setting_.plane.normal)));
+      return std::abs(height_over_plane_m(step.smoothed)) < setting_.options.rejection_sigmas * sigma;
+    });
+  }
+
+  [[nodiscard]] bool is_heard(std::size_t k) const {
+    for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i)
+      if (ranges_.all[i].mark == Rejection::kUsed) return true;
+    return false;
+  }
+
+  [[nodiscard]] Fix no_fix(std::size_t k) const {
+    Fix fix;
+    fix.status = FixStatus::kNoConsensus;
+    fix.time_s = ranges_.instants[k].time_s;
+    fix.vehicle = vehicle_;
+    fix.arrivals_rejected = static_cast<int>(ranges_.instants[k].last - ranges_.instants[k].first);
+    return fix;
+  }
+
+  /// @param side_is_open  it may as well be at the mirror image: half of the squares between both counts
+  [[nodiscard]] Fix fix_at(std::size_t k, const SpaceBelief& belief, bool side_is_open) const {
+    Fix fix = no_fix(k);
+    fix.arrivals_rejected = 0;
+    for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i) {
+      fix.rejections.push_back(ranges_.all[i].mark);
+      ++(ranges_.all[i].mark == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+    }
+    fix.T_map_vehicle.translation_m = belief.x.head<3>();
+    const Eigen::MatrixXd M = belief.M.topRows<3>();
+    Eigen::Matrix3d P = belief.P.topLeftCorner<3, 3>();
+    if (M.cols() > 0) P += M * setting_.calibration.covariance() * M.transpose();
+    P.diagonal().array() += setting_.lever_m2;
+    if (side_is_open)
+      P +=
+          2 * square(height_over_plane_m(belief)) * setting_.plane.normal * setting_.plane.normal.transpose();
+    fix.covariance = Eigen::MatrixXd::Zero(6, 6);
+    fix.covariance.topLeftCorner<3, 3>() = 0.5 * (P + P.transpose());
+    fix.covariance.diagonal().tail<3>().setConstant(kUnknownRotationVariance);
+    const double largest = P.diagonal().maxCoeff();
+    fix.status =
+        largest < square(setting_.extent_m) && largest > 0 ? FixStatus::kOk : FixStatus::kPoorGeometry;
+    return fix;
+  }
+
+  SpaceSetting setting_;
+  VehicleId vehicle_;
+  SpaceRanges ranges_;
+};
+
+}  // namespace
+
+bool is_drive_in_space(const Deployment& deployment, const MeasurementLog& log) {
+  if (deployment.motion != Motion::kSpatial || log.has_epochs || !log.odometry.empty() ||
+      log.arrivals.empty() || deployment.timing.clock != Clock::kSynchronised)
+    return false;
+  for (const SiteVehicle& v : deployment.vehicles)
+    if (v.motion) return false;
+  std::size_t instants = 0, rich = 0, size = 0;
+  double last_s = -INFINITY;
+  for (const Arrival& a : log.arrivals) {
+    if (a.time_s - last_s > kSamePing_s) {
+      rich += size >= kPoseArrivals;
+      size = 0;
+      ++instants;
+    }
+    last_s = a.time_s;
+    ++size;
+  }
+  rich += size >= kPoseArrivals;
+  const bool one_antenna = deployment.receivers.size() <= deployment.vehicles.size();
+  return one_antenna || 2 * rich < instants;
+}
+
+std::vector<Fix> track_in_space(const MeasurementLog& log, const Deployment& deployment,
+                                const SpaceTrackOptions& options) {
+  std::vector<Fix> fixes;
+  for (std::size_t v = 0; v < deployment.vehicles.size(); ++v)
+    SpaceTracker(log, VehicleId(v), deployment, options).run(fixes);
+  std::stable_sort(fixes.begin(), fixes.end(),
+                   [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  return fixes;
+}
+
+}  // namespace octant
