@@ -2,6 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Private to io/: the schemas that schema() gives, one file each.
+//
+// Readers, writers and schemas are written apart, on purpose. A key is one line in a reader (its range, its
+// unit and the words of its error are arguments there) and one in a schema; a table of both would need a
+// function for each key that finds its place, and one for what keys ask of each other (one of two, needs a
+// third), and came out longer. That they agree is a test: tests/io/schema/schema_keys_test.cc. They are texts
+// in sources, not data files, so that a library that is linked needs neither a folder nor a generator.
 
 #include <string>
 #include <string_view>

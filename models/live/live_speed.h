@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <future>
+#include <memory>
 #include <optional>
 
 #include "models/deployment.h"
@@ -14,23 +16,30 @@ namespace octant {
 /// The speed of a live stream at an unknown temperature, again and again as the air changes: rows are kept
 /// until they tell it, at most some thousands, as run_speed.h has it for a recording. Rows whose arrivals
 /// state temperatures at which the deployment is valid cost nothing but their memory.
+///
+/// An estimate takes some tenths of a second, which no fix waits for: a thread makes it while as many
+/// arrivals come as it is made of, and only then it is looked at. So what a stream is told, and when, hangs
+/// on the stream alone, not on who was faster.
 class LiveSpeed {
  public:
-  explicit LiveSpeed(Deployment calibrated);
+  explicit LiveSpeed(const Deployment& calibrated);
 
   void hear(const Arrival& arrival);
   void move(const OdometryStep& step);
-  /// Whether so many arrivals were kept that an estimate may be made of them.
-  [[nodiscard]] bool ready() const { return kept_.arrivals.size() >= wanted_; }
-  /// Of the arrivals kept, some tenths of a second; none where the temperature is known or they do not tell
-  /// it yet. Then more are waited for, up to a limit; else all begins anew.
-  [[nodiscard]] std::optional<RunSpeed> estimate();
-  [[nodiscard]] const Deployment& calibrated() const { return calibrated_; }
+  /// Between two poses: begins an estimate, or looks at one, if it is time for that.
+  /// @return an estimate that tells the speed, once
+  [[nodiscard]] std::optional<RunSpeed> told();
+  [[nodiscard]] const Deployment& calibrated() const { return *calibrated_; }
 
  private:
-  Deployment calibrated_;
+  void begin();
+  void forget(std::size_t arrivals);
+
+  std::shared_ptr<const Deployment> calibrated_;
   MeasurementLog kept_;
-  std::size_t wanted_;
+  std::size_t wanted_;     ///< arrivals, from which the next estimate is made
+  std::size_t asked_ = 0;  ///< of which the estimate that runs is made; 0: none runs
+  std::future<RunSpeed> estimate_;
 };
 
 }  // namespace octant

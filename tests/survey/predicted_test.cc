@@ -16,48 +16,16 @@
 #include "tests/support/statistics.h"
 #include "tests/support/worlds.h"
 #include "tests/survey/brute_force.h"
+#include "tests/survey/calibration_errors.h"
 
 namespace octant::survey {
 namespace {
 
+using test::add_covariance;
 using test::must;
+using test::with_errors;
 
 constexpr int kDraws = 400;  // of 2 degrees of freedom each: the RMSE's own standard deviation is 2.5 %
-
-/// A joint covariance with everything correlated: millimetres, microseconds, tenths of metres a second.
-void add_covariance(Deployment& d, Random& draw) {
-  auto& ids = d.covariance.parameters;
-  std::vector<double> sigma;
-  for (std::size_t b = 0; b < d.beacons.size(); ++b) {
-    for (std::size_t i = 0; i < 3; ++i)
-      ids.push_back(parameters::beacon_position(b, i)), sigma.push_back(3e-3);
-    ids.push_back(parameters::beacon_delay(b)), sigma.push_back(6e-6);
-  }
-  for (std::size_t r = 0; r < d.receivers.size(); ++r)
-    for (std::size_t i = 0; i < 3; ++i)
-      ids.push_back(parameters::receiver_position(r, i)), sigma.push_back(5e-4);
-  ids.push_back(parameters::speed()), sigma.push_back(0.1);
-  const auto n = static_cast<Eigen::Index>(ids.size());
-  Eigen::MatrixXd mix(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      mix(i, j) = draw.normal() / std::sqrt(2.0 * static_cast<double>(n)) + (i == j ? std::sqrt(0.5) : 0.0);
-  const Eigen::MatrixXd root = Eigen::Map<const Eigen::VectorXd>(sigma.data(), n).asDiagonal() * mix;
-  d.covariance.matrix = root * root.transpose();
-}
-
-/// The deployment as a calibration with these errors would have written it.
-Deployment with_errors(Deployment d, const Eigen::VectorXd& error) {
-  Eigen::Index at = 0;
-  for (auto& b : d.beacons) {
-    b.position_m += error.segment<3>(at);
-    b.delay_s += error[at + 3];
-    at += 4;
-  }
-  for (auto& r : d.receivers) r.position_m += error.segment<3>(at), at += 3;
-  d.speed_offset_mps += error[at];
-  return d;
-}
 
 std::vector<Arrival> arrivals_at(const Deployment& truth, const SurveyModel& model, const PoseAt& pose,
                                  double offset_s, Random& draw) {
@@ -87,6 +55,26 @@ struct Achieved {
   double square_m2 = 0.0, nees = 0.0, heading_rad2 = 0.0;
   int fixes = 0;
 };
+
+void expect_as_predicted(const Achieved& achieved, const GeometryFigures& map, const SystematicPart& part,
+                         std::size_t i, bool calibrated, bool has_heading) {
+  // NEES of both coordinates over all draws is chi-square; bounds of 1e-4 a side, as there are some dozens
+  // of places.
+  const int fixes = achieved.fixes;
+  ASSERT_GT(fixes, 0.98 * kDraws);
+  EXPECT_GT(achieved.nees, test::chi2_quantile(1e-4, 2 * fixes)) << i;
+  EXPECT_LT(achieved.nees, test::chi2_quantile(1 - 1e-4, 2 * fixes)) << i;
+  const double predicted = std::sqrt(map.sigma_m[i] * map.sigma_m[i] + part.xx_m2 + part.yy_m2);
+  EXPECT_NEAR(std::sqrt(achieved.square_m2 / fixes) / predicted, 1.0, 0.1) << i;
+  if (calibrated)
+    EXPECT_GT(part.xx_m2 + part.yy_m2, 0.2 * map.sigma_m[i] * map.sigma_m[i])
+        << "the part that is tested counts";
+  if (!calibrated && has_heading) {
+    const double chi2 = achieved.heading_rad2 / std::pow(map.sigma_heading_rad[i], 2);
+    EXPECT_GT(chi2, test::chi2_quantile(1e-4, fixes));
+    EXPECT_LT(chi2, test::chi2_quantile(1 - 1e-4, fixes));
+  }
+}
 
 void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& places, bool calibrated,
              std::uint64_t seed) {
@@ -136,22 +124,8 @@ void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& pl
     }
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
-    // NEES of both coordinates over all draws is chi-square; bounds of 1e-4 a side, as there are some dozens
-    // of places.
-    const int fixes = achieved[i].fixes;
-    ASSERT_GT(fixes, 0.98 * kDraws);
-    EXPECT_GT(achieved[i].nees, test::chi2_quantile(1e-4, 2 * fixes)) << i << ", seed " << seed;
-    EXPECT_LT(achieved[i].nees, test::chi2_quantile(1 - 1e-4, 2 * fixes)) << i << ", seed " << seed;
-    const double predicted = std::sqrt(map.sigma_m[i] * map.sigma_m[i] + parts[i].xx_m2 + parts[i].yy_m2);
-    EXPECT_NEAR(std::sqrt(achieved[i].square_m2 / fixes) / predicted, 1.0, 0.1) << i << ", seed " << seed;
-    if (calibrated)
-      EXPECT_GT(parts[i].xx_m2 + parts[i].yy_m2, 0.2 * map.sigma_m[i] * map.sigma_m[i])
-          << "the part that is tested counts";
-    if (!calibrated && model.unknowns.rotation == 1) {
-      const double chi2 = achieved[i].heading_rad2 / std::pow(map.sigma_heading_rad[i], 2);
-      EXPECT_GT(chi2, test::chi2_quantile(1e-4, fixes));
-      EXPECT_LT(chi2, test::chi2_quantile(1 - 1e-4, fixes));
-    }
+    SCOPED_TRACE(seed);
+    expect_as_predicted(achieved[i], map, parts[i], i, calibrated, model.unknowns.rotation == 1);
   }
 }
 

@@ -190,8 +190,8 @@ class FollowLoop {
     const bool begins_pose =
         next.epoch != kNoEpoch ? next.epoch != last_.epoch : next.time_s > last_.time_s + kPause_s;
     last_ = next;
-    if (!speed_->ready() || !begins_pose) return;
-    const auto found = speed_->estimate();
+    if (!begins_pose) return;
+    const auto found = speed_->told();
     if (!found) return;
     const double wanted_mps = found->differs() ? found->offset_mps : 0.0;
     if (std::abs(wanted_mps - offset_mps_) <= found->sigma_mps) return;

@@ -95,7 +95,7 @@ class Streams(unittest.TestCase):
             with open(path, "w", encoding="utf-8") as file:
                 json.dump(colder, file)
             process = follow(deployment=path)
-            out, err = process.communicate(STREAM + b"".join(later(line, 1) for line in LINES), timeout=120)
+            out, err = process.communicate(b"".join(later(line, again) for again in range(3) for line in LINES), timeout=120)
         self.assertEqual(process.returncode, 0, err)
         self.assertIn("the temperature is not known; from here on the speed is that of", err.decode())
         fixes, expected = fixes_of(out.decode())[-len(offline()):], offline()

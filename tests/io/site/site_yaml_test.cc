@@ -183,9 +183,15 @@ struct BadSite {
   std::string words;
 };
 
+void expect_errors(const std::vector<BadSite>& cases) {
+  for (const BadSite& bad : cases) {
+    SCOPED_TRACE(bad.text.substr(0, 300));
+    expect_error(read(bad.text), bad.line, bad.words, "site.yaml");
+  }
+}
+
 TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
   const std::string medium = kHead + "medium:\n  sigma_mps: 1\n";  // the next line is 5
-  const std::string beacon = kHead + "vehicles: [{id: robot}]\nbeacons:\n";
   const std::vector<BadSite> cases = {
       {"", 0, "empty"},
       {"- 1\n", 1, "a mapping"},
@@ -217,6 +223,13 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {kHead + "noise: {tof_sigma_s: .nan}\n" + kTail, 3, "finite"},
       {kHead + "noise: {tof_sigma_s: 0}\n" + kTail, 3, "positive"},
       {kHead + "attenuation: {threshold_v: 0.1}\n" + kTail, 3, "amplitude_1m_v' is missing"},
+  };
+  expect_errors(cases);
+}
+
+TEST(SiteYaml, SaysWhatIsWrongWithBeaconsVehiclesAndText) {
+  const std::string beacon = kHead + "vehicles: [{id: robot}]\nbeacons:\n";
+  const std::vector<BadSite> cases = {
       {kHead + "vehicles: [{id: robot}]\n", 1, "'beacons' is missing"},
       {kHead + "beacons: []\n", 1, "'vehicles' is missing"},
       {beacon + "  - {id: B1}\n  - id: B1\n", 6, "'B1' is used twice (first in line 5)"},
@@ -257,10 +270,7 @@ TEST(SiteYaml, SaysWhatIsWrongAndWhere) {
       {kHead + "name: \xFF\n", 3, "0xFF"},
       {kHead + "name: " + std::string(100'000, '[') + "\n", 3, "levels deep"},
   };
-  for (const BadSite& bad : cases) {
-    SCOPED_TRACE(bad.text.substr(0, 300));
-    expect_error(read(bad.text), bad.line, bad.words, "site.yaml");
-  }
+  expect_errors(cases);
 }
 
 TEST(SiteYaml, ReceiversMayBeDirectional) {

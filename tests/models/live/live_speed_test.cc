@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/live/live_speed.h"
 
+#include <chrono>
+#include <memory>
+#include <thread>
+
 #include <gtest/gtest.h>
 
 #include "models/simulator/synthetic.h"
@@ -27,8 +31,7 @@ std::pair<std::optional<RunSpeed>, std::size_t> first_told(LiveSpeed& speed, con
   for (const Arrival& a : run.arrivals) {
     speed.hear(a);
     ++heard;
-    if (!speed.ready()) continue;
-    if (auto told = speed.estimate()) return {told, heard};
+    if (auto told = speed.told()) return {told, heard};
   }
   return {std::nullopt, heard};
 }
@@ -41,7 +44,40 @@ TEST(LiveSpeed, SomeHundredArrivalsTellTheSpeedOfAStream) {
   EXPECT_TRUE(told->differs());
   EXPECT_NEAR(told->offset_mps, 5.0, 5 * told->sigma_mps);
   EXPECT_LT(heard, world.run.arrivals.size());
-  EXPECT_FALSE(speed.ready()) << "all begins anew";
+}
+
+// What is told, and after which arrival, hangs on the stream alone, however long the estimate took meanwhile.
+TEST(LiveSpeed, IsToldAfterAsManyArrivalsMoreAsItIsMadeOf) {
+  const World world = faster_hall(5.0);
+  LiveSpeed slow(world.truth), fast(world.truth);
+  std::vector<std::pair<std::size_t, double>> at_leisure, at_once;
+  for (std::size_t i = 0; i < world.run.arrivals.size(); ++i) {
+    if (i % 100 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    slow.hear(world.run.arrivals[i]);
+    if (const auto told = slow.told()) at_leisure.emplace_back(i + 1, told->offset_mps);
+  }
+  for (std::size_t i = 0; i < world.run.arrivals.size(); ++i) {
+    fast.hear(world.run.arrivals[i]);
+    if (const auto told = fast.told()) at_once.emplace_back(i + 1, told->offset_mps);
+  }
+  EXPECT_EQ(at_leisure, at_once);
+  ASSERT_FALSE(at_once.empty());
+  // Made of the first 400 arrivals (or twice, four times as many) as of a recording that ends there.
+  const std::size_t made_of = at_once.front().first / 2;
+  EXPECT_EQ(made_of % 400, 0u);
+  MeasurementLog part = world.run;
+  part.arrivals.resize(made_of);
+  EXPECT_EQ(estimate_run_speed(world.truth, part).offset_mps, at_once.front().second);
+}
+
+TEST(LiveSpeed, AnEstimateThatRunsMayBeAbandoned) {
+  const World world = faster_hall(5.0);
+  auto speed = std::make_unique<LiveSpeed>(world.truth);
+  for (std::size_t i = 0; i < 420; ++i) {
+    speed->hear(world.run.arrivals[i]);
+    EXPECT_FALSE(speed->told());
+  }
+  speed.reset();  // waits for its thread
 }
 
 TEST(LiveSpeed, WhereTheTemperatureIsKnownNothingIsEstimated) {

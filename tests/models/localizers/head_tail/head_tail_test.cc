@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "models/localizers/common/counter_times.h"
 #include "tests/models/localizers/ranging_support.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/statistics.h"
@@ -58,81 +57,6 @@ void expect_pose(const Fix& fix, const Pose& truth) {
   ASSERT_TRUE(fix.ok()) << to_string(fix.status);
   EXPECT_LT((fix.T_map_vehicle.translation_m - truth.translation_m).norm(), kExact_m);
   EXPECT_LT(std::abs(wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad())), 1e-8);
-}
-
-TEST(CounterTimes, OneTickOf20MhzIs50Nanoseconds) {
-  EXPECT_DOUBLE_EQ(counter_time_s(1), 50e-9);  // eq. 1; the paper prints 0.000000005
-  EXPECT_DOUBLE_EQ(counter_time_s(400'000), 0.02);
-}
-
-TEST(CounterTimes, MeanOfFourLeavesTheOddOneOut) {
-  const std::array<double, 4> all = {10.0, 10.2, 9.9, 10.1};
-  EXPECT_DOUBLE_EQ(mean_of_agreeing(all, 1.0).mean, 10.05);  // eq. 2
-  const std::array<double, 4> echo = {10.0, 14.0, 9.9, 10.1};
-  const AgreeingMean three = mean_of_agreeing(echo, 1.0);
-  EXPECT_EQ(three.agreeing, 3u);
-  EXPECT_DOUBLE_EQ(three.mean, 10.0);
-  const std::array<double, 4> tie = {14.0, 10.0, 14.1, 10.1};
-  EXPECT_DOUBLE_EQ(mean_of_agreeing(tie, 1.0).mean, 10.05)
-      << "of two against two the earlier: echoes are late";
-  const std::array<double, 1> one = {3.0};
-  EXPECT_DOUBLE_EQ(mean_of_agreeing(one, 0.0).mean, 3.0);
-}
-
-TEST(TriangleVertex, IsExactInAllOrientations) {
-  // Apexes with acute, right and obtuse angles at B and C, beyond both ends and near the base line; figure 5
-  // turned all round.
-  const std::vector<Point> apexes = {{3, 4},     {0, 2},     {6, 1},    {-2, 1}, {9, 3},
-                                     {-5, 0.01}, {11, 0.01}, {3, 0.02}, {6, 7},  {2.5, 30}};
-  const Point B(1.3, -0.7);
-  double worst_m = 0;
-  for (int turn = 0; turn < 72; ++turn) {
-    const Eigen::Rotation2Dd R(turn * M_PI / 36);
-    const Point C = B + R * Point(6, 0);
-    for (const Point& apex : apexes) {
-      for (const BaseLineSide side : {BaseLineSide::kLeft, BaseLineSide::kRight}) {
-        const Point A = B + R * Point(apex.x(), side == BaseLineSide::kLeft ? apex.y() : -apex.y());
-        const auto found = triangle_vertex(B, C, (A - C).norm(), (A - B).norm(), side);
-        ASSERT_TRUE(found);
-        worst_m = std::max(worst_m, (*found - A).norm());
-      }
-    }
-  }
-  EXPECT_LT(worst_m, kExact_m);
-  RecordProperty("worst_pm", std::to_string(1e12 * worst_m));
-}
-
-TEST(TriangleVertex, TheLongestSideNeedNotFaceAnObtuseAngle) {
-  // c is the longest side, yet the angle at C is acute (82 degrees): the paper's step 5 would take its
-  // supplement.
-  const auto found = triangle_vertex({0, 0}, {8, 0}, 7.0, 9.9, BaseLineSide::kLeft);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->norm(), 9.9, 1e-12);
-  EXPECT_NEAR((*found - Point(8, 0)).norm(), 7.0, 1e-12);
-}
-
-TEST(TriangleVertex, SidesThatDoNotCloseGiveNothing) {
-  EXPECT_FALSE(triangle_vertex({0, 0}, {8, 0}, 3.0, 4.9, BaseLineSide::kLeft));
-  EXPECT_FALSE(triangle_vertex({0, 0}, {8, 0}, 1.0, 9.1, BaseLineSide::kLeft));
-  EXPECT_FALSE(triangle_vertex({1, 1}, {1, 1}, 3.0, 3.0, BaseLineSide::kLeft));
-  EXPECT_FALSE(triangle_vertex({0, 0}, {8, 0}, std::nan(""), 4.9, BaseLineSide::kLeft));
-}
-
-TEST(TriangleSolver, TwoStationsAgainstTwoAreAContradiction) {
-  const Point place(3, 2);
-  std::vector<StationRange> stations;
-  for (const Point& p : {Point(0, 0), Point(8, 0), Point(8, 6), Point(0, 6)})
-    stations.push_back({p, (p - place).norm(), 0.003});
-  TriangleSolver solver(4, 0.05, 4.0);
-  ASSERT_EQ(solver.solve(stations), TriangleStatus::kOk);
-  ASSERT_EQ(solver.places().size(), 1u);
-  EXPECT_LT((solver.places()[0].p_m - place).norm(), 1e-12);
-  stations[0].distance_m += 0.5;
-  ASSERT_EQ(solver.solve(stations), TriangleStatus::kOk);
-  EXPECT_EQ(solver.places()[0].left_out, 0);
-  stations[1].distance_m += 1.1;
-  EXPECT_EQ(solver.solve(stations), TriangleStatus::kContradiction);
-  EXPECT_EQ(solver.solve(std::span(stations).first(1)), TriangleStatus::kTooFew);
 }
 
 TEST(Orientation, FollowsTheSevenSteps) {

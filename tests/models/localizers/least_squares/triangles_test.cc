@@ -6,13 +6,23 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <random>
+#include <span>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
 namespace octant {
 namespace {
+
+using Point = Eigen::Vector2d;
+
+/// Rounding of a solution from lengths of some ten metres, magnified by distance over height near a base
+/// line: 1e-15 * 10 * 100.
+constexpr double kVertex_m = 1e-9;
 
 TEST(Triangles, VertexHasTheSidesAndTheSideAskedFor) {
   std::mt19937_64 random(1);
@@ -174,6 +184,62 @@ TEST(Triangles, GateIsChiSquaresQuantile) {
   EXPECT_NEAR(chi2_gate(3, 1.6448536) / 7.8147, 1.0, 0.006);
   EXPECT_NEAR(chi2_gate(20, 1.6448536) / 31.4104, 1.0, 0.006);
   EXPECT_EQ(chi2_gate(0, 3.0), 0.0);
+}
+
+TEST(TriangleVertex, IsExactInAllOrientations) {
+  // Apexes with acute, right and obtuse angles at B and C, beyond both ends and near the base line; figure 5
+  // turned all round.
+  const std::vector<Point> apexes = {{3, 4},     {0, 2},     {6, 1},    {-2, 1}, {9, 3},
+                                     {-5, 0.01}, {11, 0.01}, {3, 0.02}, {6, 7},  {2.5, 30}};
+  const Point B(1.3, -0.7);
+  double worst_m = 0;
+  for (int turn = 0; turn < 72; ++turn) {
+    const Eigen::Rotation2Dd R(turn * M_PI / 36);
+    const Point C = B + R * Point(6, 0);
+    for (const Point& apex : apexes) {
+      for (const BaseLineSide side : {BaseLineSide::kLeft, BaseLineSide::kRight}) {
+        const Point A = B + R * Point(apex.x(), side == BaseLineSide::kLeft ? apex.y() : -apex.y());
+        const auto found = triangle_vertex(B, C, (A - C).norm(), (A - B).norm(), side);
+        ASSERT_TRUE(found);
+        worst_m = std::max(worst_m, (*found - A).norm());
+      }
+    }
+  }
+  EXPECT_LT(worst_m, kVertex_m);
+  RecordProperty("worst_pm", std::to_string(1e12 * worst_m));
+}
+
+TEST(TriangleVertex, TheLongestSideNeedNotFaceAnObtuseAngle) {
+  // c is the longest side, yet the angle at C is acute (82 degrees): the paper's step 5 would take its
+  // supplement.
+  const auto found = triangle_vertex({0, 0}, {8, 0}, 7.0, 9.9, BaseLineSide::kLeft);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->norm(), 9.9, 1e-12);
+  EXPECT_NEAR((*found - Point(8, 0)).norm(), 7.0, 1e-12);
+}
+
+TEST(TriangleVertex, SidesThatDoNotCloseGiveNothing) {
+  EXPECT_FALSE(triangle_vertex({0, 0}, {8, 0}, 3.0, 4.9, BaseLineSide::kLeft));
+  EXPECT_FALSE(triangle_vertex({0, 0}, {8, 0}, 1.0, 9.1, BaseLineSide::kLeft));
+  EXPECT_FALSE(triangle_vertex({1, 1}, {1, 1}, 3.0, 3.0, BaseLineSide::kLeft));
+  EXPECT_FALSE(triangle_vertex({0, 0}, {8, 0}, std::nan(""), 4.9, BaseLineSide::kLeft));
+}
+
+TEST(TriangleSolver, TwoStationsAgainstTwoAreAContradiction) {
+  const Point place(3, 2);
+  std::vector<StationRange> stations;
+  for (const Point& p : {Point(0, 0), Point(8, 0), Point(8, 6), Point(0, 6)})
+    stations.push_back({p, (p - place).norm(), 0.003});
+  TriangleSolver solver(4, 0.05, 4.0);
+  ASSERT_EQ(solver.solve(stations), TriangleStatus::kOk);
+  ASSERT_EQ(solver.places().size(), 1u);
+  EXPECT_LT((solver.places()[0].p_m - place).norm(), 1e-12);
+  stations[0].distance_m += 0.5;
+  ASSERT_EQ(solver.solve(stations), TriangleStatus::kOk);
+  EXPECT_EQ(solver.places()[0].left_out, 0);
+  stations[1].distance_m += 1.1;
+  EXPECT_EQ(solver.solve(stations), TriangleStatus::kContradiction);
+  EXPECT_EQ(solver.solve(std::span(stations).first(1)), TriangleStatus::kTooFew);
 }
 
 }  // namespace

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// How Kleeman's localizer finds the speed of sound (kleeman_speed.cc).
+#include <cmath>
+#include <iostream>
+
+#include <gtest/gtest.h>
+
+#include "models/localizers/kleeman/kleeman.h"
+#include "tests/models/localizers/kleeman_room.h"
+#include "tests/support/statistics.h"
+
+namespace octant {
+namespace {
+
+using test::error_of;
+using test::hear;
+using test::Hearing;
+using test::kleeman_room;
+using test::kPrototypeSigma_s;
+using test::kPublished;
+using test::locate;
+
+constexpr std::uint64_t kSpeedSeed = 1995;
+
+/// "The speed of sound is resolved down to 0.25 %", from the redundancy of a few cycles, when it is up to 3 %
+/// off: with receivers that hear all round at once, and with his, whose weak pulses come late.
+TEST(KleemanSpeed, FollowsFromRedundancy) {
+  std::mt19937_64 random(kSpeedSeed);
+  std::cout << "seed " << kSpeedSeed << "\n";
+  double normalised = 0.0, worst = 0.0;
+  int count = 0;
+  const auto estimate_at = [&](const Deployment& d, double truth, const test::PublishedSpread& place) {
+    Deployment world = d;
+    world.medium.speed_mps = truth * 345.0;
+    Kleeman kleeman(d);
+    std::vector<Arrival> arrivals, first;
+    for (int epoch = 0; epoch < 4; ++epoch) {
+      Hearing hearing{.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.01 * epoch};
+      if (d.attenuation) hearing.half_angle_rad = M_PI, hearing.amplitude_sigma = 0.05;
+      const auto heard = hear(world, Pose::planar(place.x_m, place.y_m, 0.7 * epoch), hearing, random, epoch);
+      arrivals.insert(arrivals.end(), heard.begin(), heard.end());
+      if (epoch == 0) first = heard;
+    }
+    const SpeedEstimate speed = kleeman.estimate_speed(arrivals);
+    ASSERT_TRUE(speed.ok()) << to_string(speed.status);
+    EXPECT_EQ(speed.epochs, 4);
+    worst = std::max(worst, std::abs(speed.speed_mps / (truth * 345.0) - 1));
+    normalised += std::pow((speed.speed_mps - truth * 345.0) / speed.sigma_mps, 2);
+    ++count;
+    kleeman.use_speed_scale(speed.scale);
+    const Fix fix = locate(kleeman, first);
+    ASSERT_TRUE(fix.ok());
+    EXPECT_LT(error_of(fix, Pose::planar(place.x_m, place.y_m, 0.0)).head<2>().norm(), 0.05);
+  };
+  for (const Deployment& d : {kleeman_room(), test::directional_room()})
+    for (const double truth : {0.97, 0.99, 1.0, 1.013, 1.03})
+      for (const auto& place : kPublished) estimate_at(d, truth, place);
+  std::cout << "worst " << 100 * worst << " %\n";
+  EXPECT_LT(worst, 0.0025);
+  EXPECT_GT(normalised, test::chi2_quantile(1e-4, count));
+  EXPECT_LT(normalised, test::chi2_quantile(1 - 1e-4, count));
+}
+
+/// From the middle of a ring all distances are alike, whatever the speed: said, not guessed.
+TEST(KleemanSpeed, IsNotDeterminedFromTheMiddleOfARing) {
+  std::mt19937_64 random(kSpeedSeed);
+  Deployment d = kleeman_room();
+  for (std::size_t b = 0; b < 6; ++b)
+    d.beacons[b].position_m.head<2>() =
+        Eigen::Vector2d(5 + 5 * std::cos(b * M_PI / 3), 5 + 5 * std::sin(b * M_PI / 3));
+  Kleeman kleeman(d);
+  const Hearing hearing{.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02};
+  EXPECT_EQ(kleeman.estimate_speed(hear(d, Pose::planar(5, 5, 0.1), hearing, random)).status,
+            FixStatus::kPoorGeometry);
+  EXPECT_EQ(kleeman.estimate_speed({}).status, FixStatus::kTooFewArrivals);
+}
+
+}  // namespace
+}  // namespace octant
