@@ -19,7 +19,8 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kSampledRows = 40'000;
-constexpr double kUntold = 1e-9;  ///< of the information beside that of the prior
+constexpr double kAboutAsLarge = 0.5;  ///< logarithms of variances, from one model alone to the other alone
+constexpr double kUntold = 1e-9;       ///< of the information beside that of the prior
 
 /// Errors of a pair that hang together as exp(-t / time_s), and those that it keeps for good; variances as
 /// shares of the whole.
@@ -89,9 +90,12 @@ Eigen::MatrixXd correlated_covariance(const Fit& fit, const Eigen::MatrixXd& whi
   const ErrorModel shown = error_model_of(sample, threads);
   const Eigen::MatrixXd stated = covariance_under(stated_errors(noise), sample);
   if (!shown.correlated) return stated;
-  // A short visit tells its errors badly: they are not less than those of the first one.
+  // A short visit tells its errors badly: they are not less than those of the first one. Where both are about
+  // as large it goes from one to the other by degrees, so that the draws behind the model tip no balance.
   const Eigen::VectorXd scale = white.diagonal().cwiseInverse();
-  return shown.covariance.diagonal().dot(scale) > stated.diagonal().dot(scale) ? shown.covariance : stated;
+  const double larger = std::log(shown.covariance.diagonal().dot(scale) / stated.diagonal().dot(scale));
+  const double share = std::clamp(0.5 + larger / kAboutAsLarge, 0.0, 1.0);
+  return share * shown.covariance + (1.0 - share) * stated;
 }
 
 /// Columns of the known parameters that are free, and of all others.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "models/watch/cusum.h"
 
@@ -76,6 +77,36 @@ double limit_of(TrendQuantity quantity, double limit_m, const CalibrationRecord&
   }
 }
 
+/// Where the last step of a chart begins; the first of all times where there is none.
+double begins_s(const ControlChart& chart) {
+  double begins = -INFINITY;
+  for (const Shift& shift : chart.shifts)
+    if (!shift.by_drift) begins = std::max(begins, chart.points[shift.since].measured.time_s);
+  return begins;
+}
+
+/// A beacon that moved stands elsewhere in all its coordinates, also in those in which that is within chance:
+/// no drift goes across the move.
+void begin_anew_together(const std::vector<std::vector<TrendValue>>& series, const TrendOptions& options,
+                         SiteTrend& trend) {
+  const auto is_place = [](const QuantityTrend& q) {
+    return q.quantity == TrendQuantity::kX || q.quantity == TrendQuantity::kY ||
+           q.quantity == TrendQuantity::kZ;
+  };
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    QuantityTrend& q = trend.quantities[i];
+    double moved_s = -INFINITY;
+    for (const QuantityTrend& other : trend.quantities)
+      if (is_place(q) && is_place(other) && other.subject == q.subject)
+        moved_s = std::max(moved_s, begins_s(other.chart));
+    if (!(moved_s > begins_s(q.chart))) continue;
+    std::vector<TrendValue> since;
+    std::copy_if(series[i].begin(), series[i].end(), std::back_inserter(since),
+                 [moved_s](const TrendValue& v) { return v.time_s >= moved_s; });
+    q.chart.drift = control_chart(since, options.cusum_k, trend.cusum_h, smallest_sigma(q.quantity)).drift;
+  }
+}
+
 void find_next(SiteTrend& trend) {
   for (std::size_t i = 0; i < trend.quantities.size(); ++i) {
     const auto& forecast = trend.quantities[i].forecast;
@@ -123,8 +154,10 @@ SiteTrend site_trend(const std::vector<CalibrationRecord>& records, const TrendO
   for (std::size_t i = 0; i < series.size(); ++i) {
     QuantityTrend& q = trend.quantities[i];
     q.chart = control_chart(series[i], options.cusum_k, trend.cusum_h, smallest_sigma(q.quantity));
-    if (q.chart.drift) q.forecast = forecast(*q.chart.drift, q.limit);
   }
+  begin_anew_together(series, options, trend);
+  for (QuantityTrend& q : trend.quantities)
+    if (q.chart.drift) q.forecast = forecast(*q.chart.drift, q.limit);
   find_next(trend);
   return trend;
 }

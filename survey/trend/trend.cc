@@ -13,6 +13,8 @@ namespace {
 /// A drift is told from zero beyond this: of some twenty quantities without one, one in twenty sites then
 /// shows some.
 constexpr double kTold_sigmas = 3.0;
+/// Values of one week are one visit as far as drift goes.
+constexpr double kShortestSpan_s = 7 * 86400.0;
 
 /// Weighted mean of independent values.
 struct WeightedMean {
@@ -139,7 +141,8 @@ bool is_drift(const std::vector<ChartPoint>& points, std::size_t first, const Sh
 std::optional<Drift> drift_of(const std::vector<ChartPoint>& points, std::size_t first,
                               double smallest_sigma) {
   const LineFit fit = fit_line(points, first, points.size() - 1, smallest_sigma);
-  if (!(fit.slope_weight > 0.0)) return std::nullopt;
+  const double span_s = points.back().measured.time_s - points[first].measured.time_s;
+  if (!(fit.slope_weight > 0.0) || span_s < kShortestSpan_s) return std::nullopt;
   const double count = static_cast<double>(points.size() - first);
   const double factor = count > 2.0 ? std::max(1.0, fit.chi2 / (count - 2.0)) : 1.0;
   return Drift{fit.slope, std::sqrt(factor / fit.slope_weight), points.back().measured.time_s};

@@ -43,7 +43,7 @@ struct Drift {
 struct ControlChart {
   std::vector<ChartPoint> points;
   std::vector<Shift> shifts;
-  std::optional<Drift> drift;  ///< two values at different times since the last step, or more
+  std::optional<Drift> drift;  ///< by two values since the last step or more, a week apart or more
 };
 
 /// A control chart of recursive residuals: each value against the weighted mean of those before it. While

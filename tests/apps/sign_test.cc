@@ -21,6 +21,8 @@ TEST_F(HallFolder, SignedDeploymentsAreTrustedAndOthersAreNot) {
   EXPECT_EQ(verified.exit, 0) << verified.err;
   EXPECT_EQ(verified.json().at("genuine"), true);
   EXPECT_EQ(octant({"verify-signature", out("d.json"), "--key", out("site.key.pub")}).exit, 3);
+  EXPECT_EQ(octant({"verify-signature", out("signed.json"), "--trusted-key", out("site.key.pub")}).exit, 0)
+      << "the option's name in localize and verify";
 
   const auto localize = [&](const std::string& deployment, std::vector<std::string> more,
                             const RunOptions& options = {}) {

@@ -54,7 +54,7 @@ class Server {
                                "' -c listen_addresses='' -c fsync=off -c max_connections=40\" start");
   }
   ~Server() {
-    if (runs_) call("pg_ctl", "-D '" + folder_.path("data") + "' -m immediate stop");
+    if (runs_) static_cast<void>(call("pg_ctl", "-D '" + folder_.path("data") + "' -m immediate stop"));
   }
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;

@@ -55,7 +55,7 @@ survey::CalibrationRecord record_of(const io::Visit& v) {
 
 /// Millimetres, microseconds (or what fits), millimetres a second.
 Unit unit_of(const QuantityTrend& q) {
-  if (q.quantity == TrendQuantity::kDelay) return time_unit(10.0 * q.limit);
+  if (q.quantity == TrendQuantity::kDelay) return time_unit(q.limit);
   return q.quantity == TrendQuantity::kSpeedOffset ? Unit{1e3, "mm/s", "mm/s"} : Unit{1e3, "mm", "mm"};
 }
 
@@ -94,7 +94,8 @@ std::string alarms_text(const QuantityTrend& q) {
 }
 
 std::string forecast_text(const survey::SiteTrend& trend, double last_s) {
-  if (!trend.earliest) return fmt::format("{:<17}none yet: it takes two calibrations\n", "forecast");
+  if (!trend.earliest)
+    return fmt::format("{:<17}none yet: it takes two calibrations, a week apart or more\n", "forecast");
   const auto whose = [&](std::size_t i) {
     return trend.quantities[i].subject + " " + plain_name(trend.quantities[i].quantity);
   };

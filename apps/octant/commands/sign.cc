@@ -89,7 +89,9 @@ void add_verify_signature(CLI::App& app, CommonOptions& common, Action& action) 
   command->add_option("deployment", words->deployment, "Signed deployment")
       ->required()
       ->type_name("DEPLOYMENT.json");
-  command->add_option("--key", words->key, "Public Ed25519 key, PEM")->required()->type_name("PUB");
+  command->add_option("--key,--trusted-key", words->key, "Public Ed25519 key, PEM")
+      ->required()
+      ->type_name("PUB");
   command->callback(
       [words, &action] { action = [words](Session& session) { return verify_signature(*words, session); }; });
 }

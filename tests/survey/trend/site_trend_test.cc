@@ -96,6 +96,25 @@ TEST(SiteTrend, TheDriftThatComesFirstSetsTheDate) {
             trend.quantities[*trend.due].forecast->earliest_s);
 }
 
+// Six millimetres with a sigma of one are no alarm, and were taken for a drift of that beacon.
+TEST(SiteTrend, ABeaconThatMovedDriftsInNoCoordinate) {
+  Random draws(6);
+  auto records = years(draws, 1);
+  records.push_back(records.front());
+  records[1].time_s += kMonth;
+  records[1].beacons[5].position_m += Eigen::Vector3d(0.0, 0.05, 0.006);
+  records[1].beacons[6].position_m.z() += 0.006;
+  const SiteTrend trend = site_trend(records, {.limit_m = 0.05});
+  EXPECT_EQ(alarms(trend), 1u);
+  for (const QuantityTrend& q : trend.quantities) {
+    if (q.subject == "B5" && q.quantity != TrendQuantity::kDelay)
+      EXPECT_FALSE(q.chart.drift || q.forecast) << to_string(q.quantity);
+    if (q.subject == "B6") EXPECT_TRUE(q.forecast) << to_string(q.quantity);
+  }
+  ASSERT_TRUE(trend.due);
+  EXPECT_EQ(trend.quantities[*trend.due].subject, "B6") << "which did not move in any other coordinate";
+}
+
 TEST(SiteTrend, NothingAndOneVisit) {
   EXPECT_TRUE(site_trend({}).quantities.empty());
   Random draws(5);

@@ -143,6 +143,14 @@ TEST(Forecast, WithoutADriftThereIsOnlyAnEarliestDate) {
   EXPECT_NEAR(f.earliest_s, 1e9 + 0.01 / 5e-12, 1.0);
 }
 
+TEST(ControlChart, VisitsOfOneWeekTellNoDrift) {
+  constexpr double kDay = 86400.0;
+  EXPECT_FALSE(control_chart({{0, 1, 0.1}, {6 * kDay, 1.2, 0.1}}, 0.5, 5, 1e-5).drift);
+  const ControlChart later = control_chart({{0, 1, 0.1}, {8 * kDay, 1.2, 0.1}}, 0.5, 5, 1e-5);
+  ASSERT_TRUE(later.drift);
+  EXPECT_NEAR(later.drift->per_s, 0.2 / (8 * kDay), 1e-12);
+}
+
 TEST(ControlChart, OneVisitOrNoneIsNoTrend) {
   EXPECT_TRUE(control_chart({}, 0.5, 5, 1e-5).points.empty());
   const ControlChart one = control_chart({{0, 1, 0.1}}, 0.5, 5, 1e-5);
