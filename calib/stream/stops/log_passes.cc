@@ -1,18 +1,19 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/log_passes.h"
+#include "calib/stream/stops/log_passes.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <tuple>
 
-#include <fmt/format.h>
-
+#include "calib/adjust/reject.h"
+#include "calib/problem/flips.h"
 #include "calib/problem/gates.h"
-#include "calib/problem/ranges.h"
-#include "calib/problem/thin.h"
 #include "calib/stream/long_log.h"
+#include "calib/stream/over_ranks.h"
 #include "calib/stream/side_by_side.h"
+#include "calib/stream/stops/pass_summer.h"
+#include "models/trajectory/stretches.h"
 
 namespace octant::calib {
 namespace {
@@ -38,27 +39,16 @@ StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
   return plan;
 }
 
-LogPasses::LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index,
-                     const SolveOptions& options, int workers, Course& course)
-    : frame_(frame),
-      source_(source),
-      index_(index),
-      options_(options),
-      course_(course),
-      model_(trajectory_model(frame.site)),
-      stops_(index.chunks().size()) {
-  const std::size_t chunks = index.chunks().size();
-  const auto count = static_cast<std::size_t>(options.ranks != nullptr ? options.ranks->count() : 1);
-  const auto rank = static_cast<std::size_t>(options.ranks != nullptr ? options.ranks->index() : 0);
-  first_ = rank * chunks / count;
-  last_ = (rank + 1) * chunks / count;
-  for (int i = 0; i < workers; ++i) workers_.push_back(std::make_unique<ChunkWork>());
+LogPasses::LogPasses(const ReadingTask& task, const LogIndex& index)
+    : task_(task), index_(index), model_(trajectory_model(task.frame.site)), stops_(index.chunks().size()) {
+  std::tie(first_, last_) = parts_of(task.options.ranks, index.chunks().size());
+  for (int i = 0; i < task.workers; ++i) workers_.push_back(std::make_unique<ChunkWork>());
 }
 
 /// work(chunk, ChunkWork&), with the chunk loaded.
 template <class Do>
 Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
-  return for_each_side_by_side(first_, last_, workers_.size(), course_,
+  return for_each_side_by_side(first_, last_, workers_.size(), task_.course,
                                [&](std::size_t k, std::size_t worker) -> Result<void> {
                                  if (auto ok = load(k, *workers_[worker]); !ok) return ok;
                                  work(k, *workers_[worker]);
@@ -68,11 +58,9 @@ Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
 
 Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
   const LogChunk& c = index_.chunks()[chunk];
-  if (w.chunk == nullptr || w.chunk->run != c.run) {
-    begin_run(source_.log(c.run), w.log);
-  }
+  if (w.chunk == nullptr || w.chunk->run != c.run) begin_run(task_.source.log(c.run), w.log);
   w.chunk = &c;
-  if (auto ok = index_.read(source_, c.run, c.first_block, c.last_block, w.log.arrivals); !ok) return ok;
+  if (auto ok = index_.read(task_.source, c.run, c.first_block, c.last_block, w.log.arrivals); !ok) return ok;
   w.trajectories.clear();
   for (std::size_t v = 0; v < c.arrivals.size(); ++v) {
     if (c.arrivals[v] == 0) continue;
@@ -85,61 +73,37 @@ Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
   return {};
 }
 
-void LogPasses::restore(const ChunkStops& stops, double sigma_s, ChunkWork& w) const {
-  std::size_t node = 0, arrival = 0;
-  for (Trajectory& t : w.trajectories) {
-    for (Node& n : t.nodes) put_state(stops.pose[node++], n);
-    for (ArrivalObservation& a : t.arrivals) {
-      a.rejection = stops.marks[arrival++];
-      a.sigma_s = sigma_s;
-    }
+void LogPasses::restore(const ChunkStops& stops, const Estimate& estimate, ChunkWork& w) const {
+  const double stated_s = task_.frame.site.noise.tof_sigma_s;
+  rescale_noise(w.trajectories, stated_s, stated_s * estimate.noise_factor);
+  std::size_t arrival = 0;
+  for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
+    Trajectory& t = w.trajectories[i];
+    for (std::size_t k = 0; k < t.nodes.size(); ++k) stops.states[i].put(t, k, t.nodes[k]);
+    for (ArrivalObservation& a : t.arrivals) a.rejection = stops.marks[arrival++];
   }
 }
 
 void LogPasses::keep(const ChunkWork& w, ChunkStops& stops) const {
-  stops.pose.clear();
+  stops.states.resize(w.trajectories.size());
   stops.marks.clear();
-  for (const Trajectory& t : w.trajectories) {
-    for (const Node& n : t.nodes) stops.pose.push_back(kept_state(n));
+  for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
+    const Trajectory& t = w.trajectories[i];
+    stops.states[i].clear();
+    stops.states[i].reserve(t, t.nodes.size());
+    for (const Node& n : t.nodes) stops.states[i].add(t, n);
     for (const ArrivalObservation& a : t.arrivals) stops.marks.push_back(a.rejection);
   }
 }
 
-/// Over the ranks.
-void LogPasses::add_up(std::vector<double>& numbers) const {
-  if (options_.ranks != nullptr) options_.ranks->sum(numbers);
-}
-
-/// Lists of all chunks of all ranks, one behind the other in the order of the chunks.
-std::vector<double> LogPasses::in_order(std::vector<std::vector<double>> of_chunks) const {
-  std::vector<double> mine;
-  for (std::vector<double>& list : of_chunks) {
-    mine.insert(mine.end(), list.begin(), list.end());
-    list = {};
-  }
-  if (options_.ranks == nullptr) return mine;
-  std::vector<double> sizes(static_cast<std::size_t>(options_.ranks->count()), 0.0);
-  const auto rank = static_cast<std::size_t>(options_.ranks->index());
-  sizes[rank] = static_cast<double>(mine.size());
-  add_up(sizes);
-  const auto sum_until = [&](std::size_t i) {
-    return static_cast<std::size_t>(
-        std::accumulate(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(i), 0.0));
-  };
-  std::vector<double> all(sum_until(sizes.size()), 0.0);
-  std::copy(mine.begin(), mine.end(), all.begin() + static_cast<std::ptrdiff_t>(sum_until(rank)));
-  add_up(all);
-  return all;
-}
-
 Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
   const SharedState state = estimate.state();
-  const SpreadArrivals spread(index_.arrivals(), state, prior_state(frame_.site));
+  const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
   std::vector<std::vector<double>> residuals(stops_.size()), ranges(stops_.size());
   PassSummer summer(first_, stops_.size(), estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
-    apply_gates(frame_.site, w.trajectories, 1);
-    place_all_stops(frame_, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
+    apply_gates(task_.frame.site, w.trajectories, 1);
+    place_all_stops(task_.frame, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
                     w.trajectories);
     stops_[k].start_heading_rad.clear();
     for (const Trajectory& t : w.trajectories) {
@@ -151,47 +115,62 @@ Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double su
         spread.look_at(before + i, t, t.arrivals[i], residuals[k], ranges[k]);
     }
     if (mark)
-      summer.take(k, w.trajectories, estimate.layout, state, options_.rejection_sigmas, MarkPolicy::kFirst,
-                  w.system);
+      summer.take(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas,
+                  MarkPolicy::kFirst, w.system);
     keep(w, stops_[k]);
   });
   if (!done) return fail(done.error());
   Placed placed;
-  placed.residuals = in_order(std::move(residuals));
-  placed.ranges_m = in_order(std::move(ranges));
+  placed.residuals = in_order(task_.options.ranks, std::move(residuals));
+  placed.ranges_m = in_order(task_.options.ranks, std::move(ranges));
   if (!mark) return placed;
   std::vector<double> numbers = std::move(summer).numbers();
-  add_up(numbers);
+  sum_over(task_.options.ranks, numbers);
   placed.sum = PassSummer::sum_of(numbers, estimate.layout.size());
   return placed;
 }
 
 Result<PassSum> LogPasses::pass(const Estimate& estimate, MarkPolicy marks) {
   const SharedState state = estimate.state();
-  const double sigma_s = frame_.site.noise.tof_sigma_s * estimate.noise_factor;
   PassSummer summer(first_, stops_.size(), estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
-    restore(stops_[k], sigma_s, w);
-    summer.take(k, w.trajectories, estimate.layout, state, options_.rejection_sigmas, marks, w.system);
+    restore(stops_[k], estimate, w);
+    summer.take(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas, marks, w.system);
     keep(w, stops_[k]);
   });
   if (!done) return fail(done.error());
   std::vector<double> numbers = std::move(summer).numbers();
-  add_up(numbers);
+  sum_over(task_.options.ranks, numbers);
   return PassSummer::sum_of(numbers, estimate.layout.size());
 }
 
-Result<LogFindings> LogPasses::findings(const Estimate& estimate) {
-  FindingsGatherer gatherer(frame_, source_, index_, model_, estimate);
+Result<void> LogPasses::tell(const Estimate& estimate, FindingsGatherer& gatherer) {
   std::vector<std::vector<double>> tapes(stops_.size());
-  const double sigma_s = frame_.site.noise.tof_sigma_s * estimate.noise_factor;
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
-    restore(stops_[k], sigma_s, w);
-    gatherer.write(w, stops_[k], k, tapes[k]);
+    restore(stops_[k], estimate, w);
+    const float* start_heading_rad = stops_[k].start_heading_rad.data();
+    for (const Trajectory& t : w.trajectories) {
+      tell_trajectory(w, t, start_heading_rad, gatherer, tapes[k]);
+      start_heading_rad += t.nodes.size();
+    }
   });
-  if (!done) return fail(done.error());
-  gatherer.read(in_order(std::move(tapes)));
-  return std::move(gatherer).findings(estimate);
+  if (!done) return done;
+  gatherer.read(in_order(task_.options.ranks, std::move(tapes)));
+  return {};
+}
+
+/// @param start_heading_rad  of each of its states
+void LogPasses::tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
+                                const FindingsGatherer& gatherer, std::vector<double>& tape) const {
+  const std::size_t before = w.chunk->epochs_before[t.vehicle.index()], every = gatherer.every();
+  std::vector<Segment> some;
+  for (std::size_t k = (every - before % every) % every; k < t.segments.size(); k += every)
+    some.push_back(t.segments[k]);
+  PartFindings part{t, w.log, pick_segments(t, some)};
+  for (std::size_t k = 0; k < t.nodes.size(); ++k)
+    if (is_flipped(t.nodes[k], static_cast<double>(start_heading_rad[k])))
+      part.flipped.push_back(t.nodes[k].epoch);
+  gatherer.write(part, tape);
 }
 
 }  // namespace octant::calib
