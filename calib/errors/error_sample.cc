@@ -49,6 +49,7 @@ class SampleBuilder {
       : trajectories_(trajectories), state_(state), sweep_(layout, C), most_(most) {}
 
   ErrorSample build() {
+    sample_.L = sweep_.root();
     std::size_t all = 0;
     for (const Trajectory& t : trajectories_) all += t.arrivals.size() + t.bearings.size();
     for (const Trajectory& t : trajectories_) {
@@ -56,11 +57,10 @@ class SampleBuilder {
       take(t, std::min(1.0, static_cast<double>(most_) / static_cast<double>(std::max<std::size_t>(all, 1))),
            mine);
     }
-    sample_.L = sweep_.root();
     const auto n = static_cast<Eigen::Index>(sample_.rows.size());
     sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), n);
     const Eigen::Index rank = sample_.L.cols();
-    sample_.F = Eigen::Map<const ByRow>(influence_.data(), n, rank);
+    sample_.F.conservativeResize(n, rank);
     const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(rank, rank) - sample_.F.transpose() * sample_.F;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest);
     sample_.prior_root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
@@ -100,6 +100,7 @@ class SampleBuilder {
   }
 
   void take(const Trajectory& t, std::size_t first, std::size_t last) {
+    make_room(t, first, last);
     for (std::size_t s = first; s < last; ++s) {
       const Segment& segment = t.segments[s];
       seen_ += segment.last_arrival - segment.first_arrival + segment.last_bearing - segment.first_bearing;
@@ -110,6 +111,20 @@ class SampleBuilder {
       chain.last_row = sample_.rows.size();
       sample_.chains.push_back(std::move(chain));
     }
+  }
+
+  /// For as many rows as these segments may have, at once: they are most of what a sample takes.
+  void make_room(const Trajectory& t, std::size_t first, std::size_t last) {
+    constexpr std::size_t kMostOfPose = 6;
+    std::size_t rows = sample_.rows.size();
+    for (std::size_t s = first; s < last; ++s) {
+      const Segment& g = t.segments[s];
+      rows += 2 * (g.last_arrival - g.first_arrival) + g.last_bearing - g.first_bearing +
+              kMostOfPose * (g.last_pose - g.first_pose + g.last_odometry - g.first_odometry + g.last_motion -
+                             g.first_motion);
+    }
+    sample_.rows.reserve(rows);
+    sample_.F.conservativeResize(static_cast<Eigen::Index>(rows), sample_.L.cols());
   }
 
   void add(const Trajectory& t, const Segment& segment, const RowLeverage& l) {
@@ -143,7 +158,7 @@ class SampleBuilder {
       row.range_m = v.norm();
     }
     residual_.push_back(l.row.residual);
-    influence_.insert(influence_.end(), l.f.data(), l.f.data() + l.f.size());
+    sample_.F.row(static_cast<Eigen::Index>(sample_.rows.size())) = l.f;
     sample_.rows.push_back(std::move(row));
   }
 
@@ -152,7 +167,7 @@ class SampleBuilder {
   LeverageSweep sweep_;
   std::size_t most_, seen_ = 0;
   ErrorSample sample_;
-  std::vector<double> residual_, influence_;
+  std::vector<double> residual_;
 };
 
 /// x <- (L L')^-1 x, a few rows of many columns.

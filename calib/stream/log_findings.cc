@@ -60,7 +60,8 @@ LogFindings FindingsGatherer::findings(const Estimate& estimate) && {
   std::vector<std::vector<PairSeries>> series;
   for (auto& [key, of] : of_trajectory_) {
     series.push_back(std::move(of.series));
-    if (!has_heading(frame_.site, VehicleId(key.second), false)) of.flipped.clear();
+    const bool measured = !frame_.runs[key.first].poses.empty();
+    if (!has_heading(frame_.site, VehicleId(key.second), measured)) of.flipped.clear();
     for (std::string& words : flips_in_words(frame_.runs[key.first], of.flipped))
       f.flips.push_back(std::move(words));
     if (!of.some.nodes.empty()) findings_.trajectories.push_back(std::move(of.some));

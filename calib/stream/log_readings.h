@@ -28,10 +28,13 @@ class SpreadArrivals {
         state_(std::move(at_estimate)),
         prior_(std::move(prior)) {}
 
-  /// @param number  of the arrival in the log
-  void look_at(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
-               std::vector<double>& residuals, std::vector<double>& ranges_m) const {
+  /// Of a state that has no place yet. @param number  of the arrival in the log
+  void look_at_range(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
+                     std::vector<double>& ranges_m) const {
     if (number % every_range_ == 0) ranges_m.push_back(prior_range_m(t, a, prior_));
+  }
+  void look_at_residual(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
+                        std::vector<double>& residuals) const {
     if (number % every_residual_ == 0 && a.rejection == Rejection::kUsed && t.nodes[a.node].placed)
       residuals.push_back(std::abs(arrival_residual(t, a, state_)));
   }

@@ -172,6 +172,9 @@ Result<MeasurementLog> part_of_stops(std::size_t run, std::size_t beacons, const
     return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
   };
   std::stable_sort(few.arrivals.begin(), few.arrivals.end(), sooner);
+  std::vector<std::pair<double, double>> spans;
+  for (const Arrival& a : few.arrivals) spans.emplace_back(a.time_s, a.time_s);
+  few.poses = poses_near(source.log(run).poses, spans);
   // All of these epochs, but not more of one pair within one than is good for anything.
   ThinOptions all = kPartOfLongLog;
   all.instants = index.epochs(run);
@@ -186,7 +189,7 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
   for (Trajectory& t : trajectories)
     for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads,
                    [&](std::size_t, std::size_t first, std::size_t last) {
-                     for (std::size_t s = first; s < last; ++s)
+                     for (std::size_t s = first; s < last && is_planar(t); ++s)
                        t.nodes[t.segments[s].first_node].placed =
                            place_by_linear_ranges(t, t.segments[s], state, usable);
                    });
@@ -204,6 +207,7 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
                      for (std::size_t k = first; k < last; ++k) {
                        const Segment& s = t.segments[k];
                        Node& node = t.nodes[s.first_node];
+                       if (s.first_pose < s.last_pose) continue;  // which no search places
                        for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
                          if (t.arrivals[i].rejection == Rejection::kUsed &&
                              std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas)

@@ -15,6 +15,7 @@
 #include "calib/adjust/priors.h"
 #include "calib/adjust/quadratic_sum.h"
 #include "calib/adjust/reject.h"
+#include "calib/problem/flips.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/thin.h"
 #include "calib/start/approach.h"
@@ -261,6 +262,9 @@ namespace {
 
 /// Why a drive cannot be.
 std::optional<std::string> why_no_streamed_drive(const Site& site, const MeasurementLog& run) {
+  if (site.motion != Motion::kPlanar) return fmt::format("{} is a drive in space", run.path);
+  if (site.timing.clock != Clock::kSynchronised)
+    return fmt::format("{} is a drive, and each state has a clock offset of its own", run.path);
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
     const auto rows = std::count_if(run.odometry.begin(), run.odometry.end(),
                                     [v](const OdometryStep& s) { return s.vehicle.index() == v; });
@@ -269,24 +273,27 @@ std::optional<std::string> why_no_streamed_drive(const Site& site, const Measure
   return {};
 }
 
+/// Why stops cannot be.
+std::optional<std::string> why_no_streamed_stops(const Site& site, const MeasurementLog& run) {
+  if (!run.has_epochs) return fmt::format("{} has neither epochs nor odometry", run.path);
+  if (!run.odometry.empty()) return fmt::format("{} has stops with odometry between them", run.path);
+  const bool tells_heading = run.pose_accuracy.heading_known && run.pose_accuracy.heading_sigma_rad < 1.0;
+  for (std::size_t v = 0; v < site.vehicles.size() && !run.poses.empty() && !tells_heading; ++v)
+    if (!has_heading(site, VehicleId(v), true))
+      return fmt::format("{} has measured positions of a vehicle whose heading nothing tells", run.path);
+  return {};
+}
+
 }  // namespace
 
 std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs,
                                             int dense_limit) {
-  if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
-  if (site.timing.clock != Clock::kSynchronised) return "each epoch has a clock offset of its own";
   if (site.timing.ranging != Ranging::kOneWay) return "ranges are two-way";
   Problem frame;
   frame.site = site;
   for (const MeasurementLog* run : runs) {
-    if (!run->has_epochs && run->odometry.empty())
-      return fmt::format("{} has neither epochs nor odometry", run->path);
-    if (run->has_epochs && !run->odometry.empty())
-      return fmt::format("{} has stops with odometry between them", run->path);
-    if (is_drive(*run))
-      if (auto why = why_no_streamed_drive(site, *run)) return why;
-    if (!run->poses.empty() && run->has_epochs)
-      return fmt::format("{} has measured poses of stops", run->path);
+    if (auto why = is_drive(*run) ? why_no_streamed_drive(site, *run) : why_no_streamed_stops(site, *run))
+      return why;
     if (!run->bearings.empty()) return fmt::format("{} has bearings", run->path);
     frame.runs.push_back(without_lists(*run));
   }

@@ -171,8 +171,11 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
         std::partition_point(t.arrivals.begin(), t.arrivals.end(),
                              [&](const ArrivalObservation& a) { return a.node < first_node; }) -
         t.arrivals.begin());
-    for (std::size_t i = 0; i < w.piece->arrivals; ++i)
-      spread.look_at(w.piece->arrivals_before + i, t, t.arrivals[first_arrival + i], residuals[k], ranges[k]);
+    for (std::size_t i = 0; i < w.piece->arrivals; ++i) {
+      const ArrivalObservation& a = t.arrivals[first_arrival + i];
+      spread.look_at_range(w.piece->arrivals_before + i, t, a, ranges[k]);
+      spread.look_at_residual(w.piece->arrivals_before + i, t, a, residuals[k]);
+    }
     keep(k, w, first_node, first_arrival);
     double* const its_ends = ends.data() + k * std::tuple_size_v<EndNumbers>;
     put_numbers(t.nodes[first_node], its_ends);

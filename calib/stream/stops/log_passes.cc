@@ -25,6 +25,15 @@ constexpr std::size_t kMostInChunk = std::size_t{1} << 18;
 
 constexpr std::size_t kBesideChunks = std::size_t{200} << 20;
 
+/// visit(number, trajectory, arrival), numbered within the vehicle's run.
+template <class Visit>
+void for_each_arrival(const ChunkWork& w, Visit&& visit) {
+  for (const Trajectory& t : w.trajectories) {
+    std::size_t number = w.chunk->arrivals_before[t.vehicle.index()];
+    for (const ArrivalObservation& a : t.arrivals) visit(number++, t, a);
+  }
+}
+
 }  // namespace
 
 StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
@@ -58,7 +67,10 @@ Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
 
 Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
   const LogChunk& c = index_.chunks()[chunk];
-  if (w.chunk == nullptr || w.chunk->run != c.run) begin_run(task_.source.log(c.run), w.log);
+  if (w.chunk == nullptr || w.chunk->run != c.run) {
+    begin_run(task_.source.log(c.run), w.log);
+    w.log.poses = task_.source.log(c.run).poses;
+  }
   w.chunk = &c;
   if (auto ok = index_.read(task_.source, c.run, c.first_block, c.last_block, w.log.arrivals); !ok) return ok;
   w.trajectories.clear();
@@ -102,6 +114,9 @@ Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double su
   std::vector<std::vector<double>> residuals(stops_.size()), ranges(stops_.size());
   PassSummer summer(first_, stops_.size(), estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
+    for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
+      spread.look_at_range(number, t, a, ranges[k]);
+    });
     apply_gates(task_.frame.site, w.trajectories, 1);
     place_all_stops(task_.frame, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
                     w.trajectories);
@@ -110,10 +125,10 @@ Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double su
       for (const Node& n : t.nodes)
         stops_[k].start_heading_rad.push_back(n.placed ? static_cast<float>(n.T_map_vehicle.heading_rad())
                                                        : NAN);
-      const std::size_t before = w.chunk->arrivals_before[t.vehicle.index()];
-      for (std::size_t i = 0; i < t.arrivals.size(); ++i)
-        spread.look_at(before + i, t, t.arrivals[i], residuals[k], ranges[k]);
     }
+    for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
+      spread.look_at_residual(number, t, a, residuals[k]);
+    });
     if (mark)
       summer.take(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas,
                   MarkPolicy::kFirst, w.system);
@@ -168,7 +183,7 @@ void LogPasses::tell_trajectory(const ChunkWork& w, const Trajectory& t, const f
     some.push_back(t.segments[k]);
   PartFindings part{t, w.log, pick_segments(t, some)};
   for (std::size_t k = 0; k < t.nodes.size(); ++k)
-    if (is_flipped(t.nodes[k], static_cast<double>(start_heading_rad[k])))
+    if (t.motion == Motion::kPlanar && is_flipped(t.nodes[k], static_cast<double>(start_heading_rad[k])))
       part.flipped.push_back(t.nodes[k].epoch);
   gatherer.write(part, tape);
 }
