@@ -15,7 +15,6 @@
 #include "calib/adjust/priors.h"
 #include "calib/adjust/quadratic_sum.h"
 #include "calib/adjust/reject.h"
-#include "calib/problem/flips.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/thin.h"
 #include "calib/start/approach.h"
@@ -277,10 +276,10 @@ std::optional<std::string> why_no_streamed_drive(const Site& site, const Measure
 std::optional<std::string> why_no_streamed_stops(const Site& site, const MeasurementLog& run) {
   if (!run.has_epochs) return fmt::format("{} has neither epochs nor odometry", run.path);
   if (!run.odometry.empty()) return fmt::format("{} has stops with odometry between them", run.path);
-  const bool tells_heading = run.pose_accuracy.heading_known && run.pose_accuracy.heading_sigma_rad < 1.0;
-  for (std::size_t v = 0; v < site.vehicles.size() && !run.poses.empty() && !tells_heading; ++v)
-    if (!has_heading(site, VehicleId(v), true))
-      return fmt::format("{} has measured positions of a vehicle whose heading nothing tells", run.path);
+  // A start from a part of these marks a few arrivals and epochs in other ways than one from all of them.
+  if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
+  if (site.timing.clock != Clock::kSynchronised) return "each epoch has a clock offset of its own";
+  if (!run.poses.empty()) return fmt::format("{} has measured poses of stops", run.path);
   return {};
 }
 
