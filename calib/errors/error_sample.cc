@@ -57,15 +57,13 @@ class SampleBuilder {
       take(t, std::min(1.0, static_cast<double>(most_) / static_cast<double>(std::max<std::size_t>(all, 1))),
            mine);
     }
-    const auto n = static_cast<Eigen::Index>(sample_.rows.size());
-    sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), n);
+    sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), std::ssize(residual_));
     const Eigen::Index rank = sample_.L.cols();
-    sample_.F.conservativeResize(n, rank);
+    sample_.F.conservativeResize(sample_.residual.size(), rank);
     const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(rank, rank) - sample_.F.transpose() * sample_.F;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest);
     sample_.prior_root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-    sample_.share =
-        seen_ > 0 ? static_cast<double>(seen_) / static_cast<double>(std::max<std::size_t>(all, 1)) : 1.0;
+    sample_.share = seen_ > 0 ? static_cast<double>(seen_) / static_cast<double>(all) : 1.0;
     return std::move(sample_);
   }
 
@@ -87,8 +85,7 @@ class SampleBuilder {
     for (std::size_t i = 0; i < kStretches; ++i) take(t, i * pitch, i * pitch + length);
   }
 
-  /// Stretches of a long drive, each settled for itself: residuals of one that hangs together with its
-  /// neighbours are not those that its own states leave.
+  /// Stretches of a long drive, each settled for itself: neighbours have a part in residuals within a chain.
   void take_stretches(const Trajectory& t, double share) {
     const Segment& whole = t.segments[0];
     const double nodes = share * static_cast<double>(whole.last_node - whole.first_node) / kStretches;
@@ -100,7 +97,9 @@ class SampleBuilder {
   }
 
   void take(const Trajectory& t, std::size_t first, std::size_t last) {
-    make_room(t, first, last);
+    const std::size_t rows = sample_.rows.size() + most_rows(t, first, last);  // the most of a sample
+    sample_.rows.reserve(rows);
+    sample_.F.conservativeResize(static_cast<Eigen::Index>(rows), sample_.L.cols());
     for (std::size_t s = first; s < last; ++s) {
       const Segment& segment = t.segments[s];
       seen_ += segment.last_arrival - segment.first_arrival + segment.last_bearing - segment.first_bearing;
@@ -111,20 +110,6 @@ class SampleBuilder {
       chain.last_row = sample_.rows.size();
       sample_.chains.push_back(std::move(chain));
     }
-  }
-
-  /// For as many rows as these segments may have, at once: they are most of what a sample takes.
-  void make_room(const Trajectory& t, std::size_t first, std::size_t last) {
-    constexpr std::size_t kMostOfPose = 6;
-    std::size_t rows = sample_.rows.size();
-    for (std::size_t s = first; s < last; ++s) {
-      const Segment& g = t.segments[s];
-      rows += 2 * (g.last_arrival - g.first_arrival) + g.last_bearing - g.first_bearing +
-              kMostOfPose * (g.last_pose - g.first_pose + g.last_odometry - g.first_odometry + g.last_motion -
-                             g.first_motion);
-    }
-    sample_.rows.reserve(rows);
-    sample_.F.conservativeResize(static_cast<Eigen::Index>(rows), sample_.L.cols());
   }
 
   void add(const Trajectory& t, const Segment& segment, const RowLeverage& l) {
