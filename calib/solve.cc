@@ -72,8 +72,7 @@ class Calibrator {
   /// The same for a long log by way of an evenly spread part of it: the shared parameters then are good to a
   /// fraction of the noise, and each state follows from them alone.
   bool approach_by_part() {
-    const bool drives = is_long_drive(problem_);
-    if (!drives && !is_long(problem_)) return false;
+    if (!is_long(problem_)) return false;
     const Result<Problem> part = part_of(problem_, options_.threads);
     if (!part) return false;
     Approach of_part = approach(*part, options_, course_);
@@ -85,13 +84,9 @@ class Calibrator {
       trajectories_ = problem_.trajectories;
     }
     const SharedState state = it_.state();
-    if (drives) {
-      place_all_drives(problem_, state, it_.beacon_usable, options_.threads, trajectories_);
-    } else {
-      const double noise = std::max(1.0, agreeing_sigma(of_part.trajectories, state));
-      place_all_stops(problem_, it_.layout, state, it_.beacon_usable, options_.rejection_sigmas * noise,
-                      options_.workers(), trajectories_);
-    }
+    const double noise = std::max(1.0, agreeing_sigma(of_part.trajectories, state));
+    place_all(problem_, it_.layout, state, it_.beacon_usable, options_.rejection_sigmas * noise,
+              options_.workers(), trajectories_);
     start_headings_rad_ = epoch_headings_rad(trajectories_);
     return true;
   }

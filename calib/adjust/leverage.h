@@ -16,6 +16,18 @@
 
 namespace octant::calib {
 
+/// Rows that the observations of segments [first, last) give at most (see for_each_row).
+[[nodiscard]] inline std::size_t most_rows(const Trajectory& t, std::size_t first, std::size_t last) {
+  std::size_t rows = 0;
+  for (std::size_t i = first; i < last; ++i) {
+    const Segment& s = t.segments[i];
+    rows += 2 * (s.last_arrival - s.first_arrival) + s.last_bearing - s.first_bearing +
+            6 * (s.last_pose - s.first_pose + s.last_odometry - s.first_odometry + s.last_motion -
+                 s.first_motion);
+  }
+  return rows;
+}
+
 /// One observation of a settled adjustment and its pull on the result.
 struct RowLeverage {
   const Trajectory& trajectory;

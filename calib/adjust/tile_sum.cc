@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "calib/adjust/node_numbers.h"
 #include "models/support/parallel.h"
 
 namespace octant::calib {
@@ -11,23 +12,6 @@ namespace {
 
 /// Shares of the tiles: enough for the ranks and threads of one problem, few enough for a system each.
 constexpr std::size_t kShares = 16;
-constexpr std::size_t kDoublesPerNode = 11;
-
-void put(const Node& node, double* to) {
-  const auto& T = node.T_map_vehicle;
-  const double values[kDoublesPerNode] = {T.translation_m.x(), T.translation_m.y(), T.translation_m.z(),
-                                          T.rotation.x(),      T.rotation.y(),      T.rotation.z(),
-                                          T.rotation.w(),      node.cycle_offset_s, node.velocity.x(),
-                                          node.velocity.y(),   node.velocity.z()};
-  std::copy(values, values + kDoublesPerNode, to);
-}
-
-void take(const double* from, Node& node) {
-  node.T_map_vehicle.translation_m = {from[0], from[1], from[2]};
-  node.T_map_vehicle.rotation = Eigen::Quaterniond(from[6], from[3], from[4], from[5]);
-  node.cycle_offset_s = from[7];
-  node.velocity = {from[8], from[9], from[10]};
-}
 
 }  // namespace
 
@@ -141,7 +125,7 @@ void TileSum::share_states() {
   std::size_t nodes = 0;
   for (const Trajectory& t : trajectories_) nodes += t.nodes.size();
   // Of each node one rank tells what it is, all others nothing.
-  std::vector<double> values(nodes * kDoublesPerNode, 0.0);
+  std::vector<double> values(nodes * kNumbersOfNode, 0.0);
   std::vector<char> told(nodes, 0);
   std::vector<std::size_t> first(trajectories_.size(), 0);
   for (std::size_t i = 1; i < first.size(); ++i) first[i] = first[i - 1] + trajectories_[i - 1].nodes.size();
@@ -152,7 +136,7 @@ void TileSum::share_states() {
       tiles_[i].for_each_segment([&](std::size_t s) {
         for (std::size_t k = t.segments[s].first_node; k < t.segments[s].last_node; ++k) {
           told[base + k] = 1;
-          if (is_mine(share)) put(t.nodes[k], values.data() + (base + k) * kDoublesPerNode);
+          if (is_mine(share)) put_numbers(t.nodes[k], values.data() + (base + k) * kNumbersOfNode);
         }
       });
     }
@@ -160,7 +144,7 @@ void TileSum::share_states() {
   for (std::size_t i = 0; i < trajectories_.size(); ++i)
     for (std::size_t k = 0; k < trajectories_[i].nodes.size(); ++k)
       if (told[first[i] + k] != 0)
-        take(values.data() + (first[i] + k) * kDoublesPerNode, trajectories_[i].nodes[k]);
+        take_numbers(values.data() + (first[i] + k) * kNumbersOfNode, trajectories_[i].nodes[k]);
 }
 
 }  // namespace octant::calib

@@ -66,6 +66,7 @@ class SampleBuilder {
 
   ErrorSample build() {
     sample_.J.first = {0};
+    sample_.L = sweep_.root();
     std::size_t all = 0;
     for (const Trajectory& t : trajectories_) all += t.arrivals.size() + t.bearings.size();
     for (const Trajectory& t : trajectories_) {
@@ -73,17 +74,13 @@ class SampleBuilder {
       take(t, std::min(1.0, static_cast<double>(most_) / static_cast<double>(std::max<std::size_t>(all, 1))),
            mine);
     }
-    sample_.L = sweep_.root();
-    const auto n = static_cast<Eigen::Index>(sample_.rows.size());
-    sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), n);
+    sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), std::ssize(residual_));
     const Eigen::Index rank = sample_.L.cols();
-    sample_.F = Eigen::Map<const ByRow>(influence_.data(), n, rank);
-    influence_ = {};
+    sample_.F.conservativeResize(sample_.residual.size(), rank);
     const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(rank, rank) - sample_.F.transpose() * sample_.F;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest);
     sample_.prior_root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-    sample_.share =
-        seen_ > 0 ? static_cast<double>(seen_) / static_cast<double>(std::max<std::size_t>(all, 1)) : 1.0;
+    sample_.share = seen_ > 0 ? static_cast<double>(seen_) / static_cast<double>(all) : 1.0;
     return std::move(sample_);
   }
 
@@ -105,8 +102,7 @@ class SampleBuilder {
     for (std::size_t i = 0; i < kStretches; ++i) take(t, i * pitch, i * pitch + length);
   }
 
-  /// Stretches of a long drive, each settled for itself: residuals of one that hangs together with its
-  /// neighbours are not those that its own states leave.
+  /// Stretches of a long drive, each settled for itself: neighbours have a part in residuals within a chain.
   void take_stretches(const Trajectory& t, double share) {
     const Segment& whole = t.segments[0];
     const double nodes = share * static_cast<double>(whole.last_node - whole.first_node) / kStretches;
@@ -118,6 +114,12 @@ class SampleBuilder {
   }
 
   void take(const Trajectory& t, std::size_t first, std::size_t last) {
+    const std::size_t rows = sample_.rows.size() + most_rows(t, first, last);  // the most of a sample
+    if (rows > static_cast<std::size_t>(sample_.F.rows())) {  // many small stretches: few times
+      const std::size_t room = std::max(rows, sample_.rows.size() * 3 / 2);
+      sample_.rows.reserve(room);
+      sample_.F.conservativeResize(static_cast<Eigen::Index>(room), sample_.L.cols());
+    }
     for (std::size_t s = first; s < last; ++s) {
       const Segment& segment = t.segments[s];
       seen_ += segment.last_arrival - segment.first_arrival + segment.last_bearing - segment.first_bearing;
@@ -163,7 +165,7 @@ class SampleBuilder {
       row.range_m = v.norm();
     }
     residual_.push_back(l.row.residual);
-    influence_.insert(influence_.end(), l.f.data(), l.f.data() + l.f.size());
+    sample_.F.row(static_cast<Eigen::Index>(sample_.rows.size())) = l.f;
     sample_.rows.push_back(row);
     sample_.J.first.push_back(static_cast<std::uint32_t>(sample_.J.taps.size()));
   }
@@ -173,7 +175,7 @@ class SampleBuilder {
   LeverageSweep sweep_;
   std::size_t most_, seen_ = 0;
   ErrorSample sample_;
-  std::vector<double> residual_, influence_;
+  std::vector<double> residual_;
 };
 
 /// Numbers keys from 0 in the order in which they come. @param keys  mixed

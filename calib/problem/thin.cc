@@ -140,7 +140,7 @@ class Thinner {
     for (const std::size_t a : arrivals) few.arrivals.push_back(run_.arrivals[a]);
     for (const std::size_t b : bearings) few.bearings.push_back(run_.bearings[b]);
     std::sort(spans.begin(), spans.end());
-    few.poses = near_spans(run_.poses, spans);
+    few.poses = poses_near(run_.poses, spans);
     if (drive_) few.odometry = thinned_odometry(run_.odometry, spans);
     return few;
   }
@@ -152,31 +152,6 @@ class Thinner {
       const std::size_t count = std::min(options_.per_pair, all.size());
       for (std::size_t i = 0; i < count; ++i) to.push_back(all[i * all.size() / count]);
     }
-  }
-
-  /// Rows within the spans and the next ones on either side.
-  template <class Row>
-  static std::vector<Row> near_spans(const std::vector<Row>& rows,
-                                     const std::vector<std::pair<double, double>>& spans) {
-    const std::vector<bool> near = marked(rows, spans);
-    std::vector<Row> few;
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      if (near[i]) few.push_back(rows[i]);
-    return few;
-  }
-  template <class Row>
-  static std::vector<bool> marked(const std::vector<Row>& rows,
-                                  const std::vector<std::pair<double, double>>& spans) {
-    std::vector<bool> near(rows.size(), false);
-    const auto before = [](double t, const Row& row) { return t < row.time_s; };
-    for (const auto& [first_s, last_s] : spans) {
-      const auto after = std::upper_bound(rows.begin(), rows.end(), first_s, before) - rows.begin();
-      for (auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0)); i < rows.size(); ++i) {
-        near[i] = true;
-        if (rows[i].time_s > last_s) break;
-      }
-    }
-    return near;
   }
 
   const MeasurementLog& run_;
@@ -233,6 +208,23 @@ std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odom
   for (const VehicleId vehicle : vehicles) add_thinned(odometry, vehicle, spans, few);
   std::stable_sort(few.begin(), few.end(),
                    [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
+  return few;
+}
+
+std::vector<TimedPose> poses_near(const std::vector<TimedPose>& poses,
+                                  const std::vector<std::pair<double, double>>& spans) {
+  std::vector<bool> near(poses.size(), false);
+  const auto before = [](double t, const TimedPose& pose) { return t < pose.time_s; };
+  for (const auto& [first_s, last_s] : spans) {
+    const auto after = std::upper_bound(poses.begin(), poses.end(), first_s, before) - poses.begin();
+    for (auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0)); i < poses.size(); ++i) {
+      near[i] = true;
+      if (poses[i].time_s > last_s) break;
+    }
+  }
+  std::vector<TimedPose> few;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    if (near[i]) few.push_back(poses[i]);
   return few;
 }
 

@@ -33,6 +33,10 @@ struct ThinOptions {
 [[nodiscard]] std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odometry,
                                                          const std::vector<std::pair<double, double>>& spans);
 
+/// Measured poses within such spans, and the next ones on either side.
+[[nodiscard]] std::vector<TimedPose> poses_near(const std::vector<TimedPose>& poses,
+                                                const std::vector<std::pair<double, double>>& spans);
+
 /// The choice of groups (epochs, instants, stretches) that thin() makes, by their numbers in the order of
 /// time. Evenly spread ones first:
 [[nodiscard]] std::vector<bool> evenly_chosen(std::size_t groups, std::size_t budget);

@@ -63,7 +63,7 @@ class SecondVisit {
                                 std::move(runs), options_.solve.threads);
     if (!problem) return fail(problem.error());
     problem_ = std::move(*problem);
-    if (is_long(problem_))
+    if (is_long(problem_) && has_stops_alone(problem_))
       if (Result<Problem> part = part_of(problem_, options_.solve.threads)) problem_ = std::move(*part);
     out_.warnings = problem_.warnings;
     std::optional<Problem> part;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -14,26 +12,45 @@
 #include "calib/problem/log_tape.h"
 #include "calib/problem/whole_log.h"
 #include "calib/start/approach.h"
-#include "calib/stream/chunk_work.h"
-#include "calib/stream/log_index.h"
-#include "calib/stream/log_readings.h"
-#include "models/arrival_source.h"
+#include "calib/verdict/conclude.h"
 
 namespace octant::calib {
 
-/// Gathers the findings of a log chunk by chunk: what a chunk has to say is written as numbers, those of all
-/// chunks and ranks stand one behind the other, and are read back from there in the order of the chunks.
+/// What is to be said of all arrivals of a log, and some of its states.
+struct LogFindings {
+  Findings findings;
+  std::vector<std::vector<Arrival>> arrivals;  ///< of each run, those of the states at hand
+  std::vector<Trajectory> trajectories;        ///< of these
+};
+
+/// What a reading of a part of a log has to say of one of its trajectories.
+struct PartFindings {
+  const Trajectory& trajectory;  ///< settled and marked
+  const MeasurementLog& log;     ///< with the part's arrivals
+  Trajectory looked_at;          ///< the states that are looked at one by one
+  std::vector<std::int64_t> flipped = {};
+  std::size_t told_before = 0;  ///< unknowns of states that another part counts
+};
+
+/// Gathers the findings of a log part by part, stops and drives alike: what a part has to say is written as
+/// numbers, those of all parts and ranks stand one behind the other, and are read back from there in the
+/// order of the parts.
 class FindingsGatherer {
  public:
-  /// All but the estimate must outlive it.
-  FindingsGatherer(const Problem& frame, const ArrivalSource& source, const LogIndex& index,
-                   const TrajectoryModel& model, const Estimate& estimate);
+  /// @param frame   outlives it
+  /// @param states  of the whole log
+  FindingsGatherer(const Problem& frame, const Estimate& estimate, std::size_t states);
 
-  /// Appends a chunk's numbers; several threads may write side by side.
-  void write(const ChunkWork& w, const ChunkStops& stops, std::size_t chunk,
-             std::vector<double>& numbers) const;
-  /// Reads the numbers of all chunks.
+  [[nodiscard]] const SharedState& state() const { return state_; }
+  /// Every so many-th stop, or stretch of a drive, is looked at.
+  [[nodiscard]] std::size_t every() const { return whole_.every; }
+
+  /// Appends a part's numbers; several threads may write side by side.
+  void write(const PartFindings& part, std::vector<double>& numbers) const;
+  /// Reads the numbers of all parts.
   void read(const std::vector<double>& numbers);
+  /// Arrivals of a beacon that no state carries.
+  void count_stateless(std::size_t beacon, std::size_t arrivals);
   [[nodiscard]] LogFindings findings(const Estimate& estimate) &&;
 
  private:
@@ -41,26 +58,19 @@ class FindingsGatherer {
   struct OfTrajectory {
     std::vector<PairSeries> series;
     std::vector<std::int64_t> flipped;
-    std::vector<Arrival> arrivals;  ///< of the epochs at hand
-    std::vector<Rejection> marks;
-    std::vector<std::array<double, 3>> pose;
+    Trajectory some;
   };
 
-  void write_counts(const Trajectory& t, TapeWriter& tape) const;
+  void write_counts(const PartFindings& part, TapeWriter& tape) const;
   void write_series(const Trajectory& t, TapeWriter& tape) const;
-  void write_some_epochs(const ChunkWork& w, const Trajectory& t, TapeWriter& tape) const;
-  void read_trajectory(std::size_t run, std::size_t vehicle, TapeReader& tape);
-  static void read_epoch(std::size_t vehicle, OfTrajectory& of, TapeReader& tape);
-  /// The epochs at hand as a trajectory, as the whole would be one.
-  Trajectory trajectory_of(std::size_t run, std::size_t vehicle, OfTrajectory& of);
+  void write_extent(const PartFindings& part, TapeWriter& tape) const;
+  void read_counts(TapeReader& tape);
+  static void read_series(std::vector<PairSeries>& series, TapeReader& tape);
+  void read_extent(TapeReader& tape);
 
   const Problem& frame_;
-  const ArrivalSource& source_;
-  const LogIndex& index_;
-  const TrajectoryModel& model_;
-  const Site& site_;
+  TrajectoryModel model_;
   SharedState state_;
-  double sigma_s_;
   WholeLog whole_;
   ObservationCounts counts_;
   std::map<std::pair<std::size_t, std::size_t>, OfTrajectory> of_trajectory_;

@@ -10,19 +10,14 @@
 
 #include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"
+#include "calib/problem/thin.h"
 #include "calib/start/approach.h"
+#include "calib/stream/log_findings.h"
 #include "calib/stream/pass_sum.h"
-#include "calib/verdict/conclude.h"
+#include "models/arrival_source.h"
 #include "models/support/result.h"
 
 namespace octant::calib {
-
-/// What is to be said of all arrivals of a log, and some of its states.
-struct LogFindings {
-  Findings findings;
-  std::vector<std::vector<Arrival>> arrivals;  ///< of each run, those of the states at hand
-  std::vector<Trajectory> trajectories;        ///< of these
-};
 
 /// Evenly spread arrivals of a log, as many as agreeing_sigma() and typical_range_m() look at.
 class SpreadArrivals {
@@ -33,10 +28,13 @@ class SpreadArrivals {
         state_(std::move(at_estimate)),
         prior_(std::move(prior)) {}
 
-  /// @param number  of the arrival in the log
-  void look_at(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
-               std::vector<double>& residuals, std::vector<double>& ranges_m) const {
+  /// Of a state that has no place yet. @param number  of the arrival in the log
+  void look_at_range(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
+                     std::vector<double>& ranges_m) const {
     if (number % every_range_ == 0) ranges_m.push_back(prior_range_m(t, a, prior_));
+  }
+  void look_at_residual(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
+                        std::vector<double>& residuals) const {
     if (number % every_residual_ == 0 && a.rejection == Rejection::kUsed && t.nodes[a.node].placed)
       residuals.push_back(std::abs(arrival_residual(t, a, state_)));
   }
@@ -67,13 +65,37 @@ class LogReadings {
   /// The last pass was a step forward: the next one may be told from there.
   virtual void accept() {}
 
-  /// What is to be said of all arrivals at the end, and some of the states to look at.
-  [[nodiscard]] virtual Result<LogFindings> findings(const Estimate& estimate) = 0;
+  /// Tells the gatherer all that is to be said of the arrivals at the end.
+  [[nodiscard]] virtual Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) = 0;
 
  protected:
   LogReadings() = default;
   LogReadings(const LogReadings&) = default;
   LogReadings& operator=(const LogReadings&) = default;
+};
+
+/// Makes a worker's log one of another run. The room of its arrivals stays.
+inline void begin_run(const MeasurementLog& run, MeasurementLog& log) {
+  std::vector<Arrival> room = std::move(log.arrivals);
+  log = without_lists(run);
+  log.arrivals = std::move(room);
+}
+
+[[nodiscard]] inline Error changed_while_read(const MeasurementLog& log) {
+  return {.file = log.path + "/tof.csv",
+          .found = "the file has changed while it was read",
+          .expected = "the same rows each time, as a log of this size is read several times",
+          .advice = "calibrate with a copy, or when the recording is over"};
+}
+
+/// What readings need to know; all of it outlives them.
+struct ReadingTask {
+  const Problem& frame;  ///< site and runs without arrivals
+  const ArrivalSource& source;
+  const SolveOptions& options;
+  Course& course;
+  int workers = 1;
+  std::size_t arrivals = 0;  ///< of the whole log, stops and drives, that a state carries
 };
 
 }  // namespace octant::calib

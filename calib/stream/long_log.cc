@@ -21,28 +21,32 @@ namespace {
 constexpr std::size_t kLongEpochs = 4000;
 constexpr std::size_t kLongDrive = 20'000;  ///< arrivals
 
+bool is_planar(const Trajectory& t) {
+  return t.motion == Motion::kPlanar && !t.has_cycle_offset && t.poses.empty();
+}
+bool has_stops(const Trajectory& t) { return is_planar(t) && !t.moving && t.odometry.empty(); }
+bool is_drive(const Trajectory& t) {
+  return is_planar(t) && t.moving && !t.odometry.empty() && t.bearings.empty();
+}
+
 }  // namespace
 
 bool is_long(const Problem& problem) {
-  std::size_t epochs = 0;
+  std::size_t epochs = 0, of_drives = 0;
   for (const Trajectory& t : problem.trajectories) {
-    if (t.moving || t.motion != Motion::kPlanar || t.has_cycle_offset || !t.odometry.empty() ||
-        !t.poses.empty())
+    if (has_stops(t)) {
+      epochs += t.nodes.size();
+    } else if (is_drive(t)) {
+      of_drives += t.arrivals.size();
+    } else {
       return false;
-    epochs += t.nodes.size();
+    }
   }
-  return epochs > kLongEpochs && problem.site.timing.ranging == Ranging::kOneWay;
+  return (epochs > kLongEpochs || of_drives > kLongDrive) && problem.site.timing.ranging == Ranging::kOneWay;
 }
 
-bool is_long_drive(const Problem& problem) {
-  std::size_t arrivals = 0;
-  for (const Trajectory& t : problem.trajectories) {
-    if (!t.moving || t.motion != Motion::kPlanar || t.has_cycle_offset || t.odometry.empty() ||
-        !t.poses.empty() || !t.bearings.empty())
-      return false;
-    arrivals += t.arrivals.size();
-  }
-  return arrivals > kLongDrive && problem.site.timing.ranging == Ranging::kOneWay;
+bool has_stops_alone(const Problem& problem) {
+  return std::all_of(problem.trajectories.begin(), problem.trajectories.end(), has_stops);
 }
 
 Result<Problem> part_of(const Problem& problem, int threads) {
@@ -150,33 +154,32 @@ Result<void> read_epochs(const ArrivalSource& source, const LogIndex& index, std
 
 }  // namespace
 
-Result<Problem> part_of(const Site& site, const ArrivalSource& source, const LogIndex& index, int threads) {
-  std::vector<MeasurementLog> runs;
-  for (std::size_t run = 0; run < source.runs(); ++run) {
-    MeasurementLog few = without_lists(source.log(run));
-    few.rejected = source.log(run).rejected;
-    std::vector<bool> chosen = evenly_chosen(index.epochs(run), kPartOfLongLog.instants);
-    if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok)
-      return fail(ok.error());
-    GroupsHearing hearing;
-    hearing.kept.assign(site.beacons.size(), 0);
-    for (const Arrival& a : few.arrivals) ++hearing.kept[a.beacon.index()];
-    std::vector<bool> more = chosen;
-    if (auto ok = choose_for_rare_beacons(source, index, run, threads, hearing, more); !ok)
-      return fail(ok.error());
-    for (std::size_t e = 0; e < more.size(); ++e) more[e] = more[e] && !chosen[e];
-    if (auto ok = read_epochs(source, index, run, more, threads, few.arrivals); !ok) return fail(ok.error());
-    const auto sooner = [](const Arrival& a, const Arrival& b) {
-      return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
-    };
-    std::stable_sort(few.arrivals.begin(), few.arrivals.end(), sooner);
-    // All of these epochs, but not more of one pair within one than is good for anything.
-    ThinOptions all = kPartOfLongLog;
-    all.instants = index.epochs(run);
-    all.per_beacon = 0;
-    runs.push_back(thin(few, site.beacons.size(), all));
-  }
-  return make_problem(site, std::move(runs), threads);
+Result<MeasurementLog> part_of_stops(std::size_t run, std::size_t beacons, const ArrivalSource& source,
+                                     const LogIndex& index, int threads) {
+  MeasurementLog few = without_lists(source.log(run));
+  few.rejected = source.log(run).rejected;
+  std::vector<bool> chosen = evenly_chosen(index.epochs(run), kPartOfLongLog.instants);
+  if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok) return fail(ok.error());
+  GroupsHearing hearing;
+  hearing.kept.assign(beacons, 0);
+  for (const Arrival& a : few.arrivals) ++hearing.kept[a.beacon.index()];
+  std::vector<bool> more = chosen;
+  if (auto ok = choose_for_rare_beacons(source, index, run, threads, hearing, more); !ok)
+    return fail(ok.error());
+  for (std::size_t e = 0; e < more.size(); ++e) more[e] = more[e] && !chosen[e];
+  if (auto ok = read_epochs(source, index, run, more, threads, few.arrivals); !ok) return fail(ok.error());
+  const auto sooner = [](const Arrival& a, const Arrival& b) {
+    return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
+  };
+  std::stable_sort(few.arrivals.begin(), few.arrivals.end(), sooner);
+  std::vector<std::pair<double, double>> spans;
+  for (const Arrival& a : few.arrivals) spans.emplace_back(a.time_s, a.time_s);
+  few.poses = poses_near(source.log(run).poses, spans);
+  // All of these epochs, but not more of one pair within one than is good for anything.
+  ThinOptions all = kPartOfLongLog;
+  all.instants = index.epochs(run);
+  all.per_beacon = 0;
+  return thin(few, beacons, all);
 }
 
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
@@ -186,7 +189,7 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
   for (Trajectory& t : trajectories)
     for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads,
                    [&](std::size_t, std::size_t first, std::size_t last) {
-                     for (std::size_t s = first; s < last; ++s)
+                     for (std::size_t s = first; s < last && is_planar(t); ++s)
                        t.nodes[t.segments[s].first_node].placed =
                            place_by_linear_ranges(t, t.segments[s], state, usable);
                    });
@@ -204,6 +207,7 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
                      for (std::size_t k = first; k < last; ++k) {
                        const Segment& s = t.segments[k];
                        Node& node = t.nodes[s.first_node];
+                       if (s.first_pose < s.last_pose) continue;  // which no search places
                        for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
                          if (t.arrivals[i].rejection == Rejection::kUsed &&
                              std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas)
@@ -220,6 +224,22 @@ void place_all_drives(const Problem& problem, const SharedState& state, const st
   const EpochFixModel model = search_model(problem, state, usable);
   for (Trajectory& t : trajectories) place_states(t, model, 0.0, false, 0.0, threads);
   readmit_all(trajectories, usable);
+}
+
+void place_all(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+               const std::vector<bool>& usable, double suspect_sigmas, const Workers& workers,
+               std::vector<Trajectory>& trajectories) {
+  std::vector<Trajectory> stops, drives;
+  std::vector<bool> drove;
+  for (Trajectory& t : trajectories) {
+    drove.push_back(t.moving);
+    (t.moving ? drives : stops).push_back(std::move(t));
+  }
+  if (!stops.empty()) place_all_stops(problem, layout, state, usable, suspect_sigmas, workers, stops);
+  if (!drives.empty()) place_all_drives(problem, state, usable, workers.threads, drives);
+  auto stop = stops.begin(), drive = drives.begin();
+  for (std::size_t i = 0; i < trajectories.size(); ++i)
+    trajectories[i] = std::move(drove[i] ? *drive++ : *stop++);
 }
 
 }  // namespace octant::calib

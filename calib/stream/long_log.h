@@ -8,25 +8,31 @@
 #include "calib/problem/parameters.h"
 #include "calib/problem/problem.h"
 #include "calib/problem/thin.h"
-#include "calib/stream/log_index.h"
+#include "calib/stream/stops/log_index.h"
 
 namespace octant::calib {
 
-/// Whether a log is so long that a part of it tells all that a start needs: many thousands of planar stops.
+/// Whether a log is so long that a part of it tells all that a start needs: many thousands of planar stops,
+/// or of arrivals on chains of odometry in the plane, or both; no measured poses.
 [[nodiscard]] bool is_long(const Problem& problem);
-
-/// The same of drives: many thousands of arrivals on chains of odometry in the plane, no measured poses.
-[[nodiscard]] bool is_long_drive(const Problem& problem);
+/// Whether there are stops among its trajectories alone.
+[[nodiscard]] bool has_stops_alone(const Problem& problem);
 
 /// How much of a long log that part is.
 inline constexpr ThinOptions kPartOfLongLog = {.instants = 600, .per_beacon = 200};
 
 /// A problem with evenly spread epochs of a long log, enough of each beacon (see thin).
 [[nodiscard]] Result<Problem> part_of(const Problem& problem, int threads = 1);
-/// The same of a log that is not at hand. Reads the blocks in which those epochs lie; all blocks once more
-/// where a beacon is heard so seldom that they are not enough of it.
-[[nodiscard]] Result<Problem> part_of(const Site& site, const ArrivalSource& source, const LogIndex& index,
-                                      int threads = 1);
+/// The same of the stops of a run that is not at hand. Reads the blocks in which those epochs lie; all blocks
+/// once more where a beacon is heard so seldom that they are not enough of it.
+[[nodiscard]] Result<MeasurementLog> part_of_stops(std::size_t run, std::size_t beacons,
+                                                   const ArrivalSource& source, const LogIndex& index,
+                                                   int threads = 1);
+
+/// Places all states of a long log whose shared parameters are known but for the noise, stops and drives.
+void place_all(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+               const std::vector<bool>& beacon_usable, double suspect_sigmas, const Workers& workers,
+               std::vector<Trajectory>& trajectories);
 
 /// Places all states of a long log whose shared parameters are known but for the noise: linear ranges,
 /// settled in lanes; epochs in which an arrival then disagrees by more than `suspect_sigmas` are searched as

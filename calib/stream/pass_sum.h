@@ -6,7 +6,6 @@
 #include <map>
 #include <mutex>
 #include <utility>
-#include <vector>
 
 #include "calib/adjust/tile.h"
 #include "calib/errors/statistics.h"
@@ -19,6 +18,15 @@ struct PassSum {
   double cost_before = 0.0;  ///< with the marks as they were before the pass
   std::size_t changed = 0;   ///< marks
   ObservationCounts counts;  ///< without residuals
+
+  void add(const PassSum& other) {
+    system.cost += other.system.cost;
+    system.H += other.system.H;
+    system.gradient += other.system.gradient;
+    cost_before += other.cost_before;
+    changed += other.changed;
+    counts.add(other.counts);
+  }
 };
 
 /// Which arrivals a pass rejects anew.
@@ -28,64 +36,31 @@ enum class MarkPolicy {
   kSettled  ///< rejected at settled states, which are settled again where marks changed
 };
 
-/// Systems of chunks, added up in their order, whoever is first.
-class OrderedSum {
+/// Takes what the parts of a log give in the order of the parts, whichever is ready first, so that no sum
+/// depends on the number of threads.
+template <class Value>
+class OrderedParts {
  public:
-  OrderedSum(std::size_t first, int size) : next_(first) {
-    sum_.H.setZero(size, size);
-    sum_.gradient.setZero(size);
-  }
-  void add(std::size_t chunk, const ReducedSystem& system) {
+  explicit OrderedParts(std::size_t first) : next_(first) {}
+  /// Calls take(part, value) as soon as it is a part's turn.
+  template <class Take>
+  void add(std::size_t part, const Value& value, Take&& take) {
     const std::lock_guard lock(mutex_);
-    if (chunk != next_) {
-      waiting_.emplace(chunk, system);
+    if (part != next_) {
+      waiting_.emplace(part, value);
       return;
     }
-    take(system);
+    take(next_++, value);
     for (auto at = waiting_.find(next_); at != waiting_.end(); at = waiting_.find(next_)) {
-      take(at->second);
+      take(next_++, at->second);
       waiting_.erase(at);
     }
   }
-  ReducedSystem sum() && { return std::move(sum_); }
 
  private:
-  void take(const ReducedSystem& system) {
-    sum_.cost += system.cost;
-    sum_.H += system.H;
-    sum_.gradient += system.gradient;
-    ++next_;
-  }
   std::mutex mutex_;
   std::size_t next_;
-  ReducedSystem sum_;
-  std::map<std::size_t, ReducedSystem> waiting_;
-};
-
-/// Adds up what the chunks of a log give: systems in the order of the chunks, whichever is ready first, so
-/// that no sum depends on the number of threads.
-class PassSummer {
- public:
-  /// @param first  first chunk of this rank  @param chunks  of all ranks
-  PassSummer(std::size_t first, std::size_t chunks, int parameters)
-      : systems_(first, parameters), numbers_(chunks) {}
-
-  /// Settles the trajectories of a chunk with plain squares, marks them as asked, and reduces them.
-  /// @param limit  sigmas beyond which an arrival is rejected  @param system  scratch
-  void take(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout,
-            const SharedState& state, double limit, MarkPolicy marks, ReducedSystem& system);
-
-  /// All numbers one behind the other, to be added up over the ranks, and back.
-  [[nodiscard]] std::vector<double> numbers() &&;
-  [[nodiscard]] static PassSum sum_of(const std::vector<double>& numbers, Eigen::Index parameters);
-
- private:
-  struct Numbers {
-    double cost = 0.0, cost_before = 0.0, changed = 0.0;
-    ObservationCounts counts;
-  };
-  OrderedSum systems_;
-  std::vector<Numbers> numbers_;
+  std::map<std::size_t, Value> waiting_;
 };
 
 }  // namespace octant::calib

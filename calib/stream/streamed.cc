@@ -18,10 +18,7 @@
 #include "calib/problem/ranges.h"
 #include "calib/problem/thin.h"
 #include "calib/start/approach.h"
-#include "calib/stream/drive_part.h"
-#include "calib/stream/drive_passes.h"
-#include "calib/stream/log_passes.h"
-#include "calib/stream/long_log.h"
+#include "calib/stream/streamed_log.h"
 #include "calib/verdict/conclude.h"
 
 namespace octant::calib {
@@ -35,47 +32,6 @@ constexpr double kSameCost = 1e-11;
 /// A step that would change the cost by a smaller share is none.
 constexpr double kNoStep = 1e-12;
 constexpr double kFirstDamping = 1e-3;
-
-bool is_drive(const MeasurementLog& run) { return !run.has_epochs && !run.odometry.empty(); }
-
-/// The log of a source, which is read several times.
-struct StreamedLog {
-  std::optional<LogIndex> stops;
-  std::optional<DriveIndex> drives;
-
-  Result<void> scan(const Site& site, ArrivalSource& source, const StreamPlan& plan) {
-    const std::size_t vehicles = site.vehicles.size(), beacons = site.beacons.size();
-    if (is_drive(source.log(0))) {
-      auto index = DriveIndex::scan(source, vehicles, beacons, plan.piece_bytes);
-      if (!index) return fail(index.error());
-      drives = std::move(*index);
-    } else {
-      auto index = LogIndex::scan(source, vehicles, beacons, plan.chunk_arrivals);
-      if (!index) return fail(index.error());
-      stops = std::move(*index);
-    }
-    return {};
-  }
-  [[nodiscard]] Result<Problem> part(const Site& site, const ArrivalSource& source, int threads) const {
-    return drives ? part_of(site, source, *drives, threads) : part_of(site, source, *stops, threads);
-  }
-  [[nodiscard]] std::unique_ptr<LogReadings> readings(const Problem& frame, const ArrivalSource& source,
-                                                      const SolveOptions& options, int workers,
-                                                      Course& course) const {
-    if (drives) return std::make_unique<DrivePasses>(frame, source, *drives, options, workers, course);
-    return std::make_unique<LogPasses>(frame, source, *stops, options, workers, course);
-  }
-  /// What make_problem() would say of all of it. @param part  of it
-  [[nodiscard]] std::vector<std::string> warnings(const Problem& part, const ArrivalSource& source) const {
-    if (!drives) return part.warnings;
-    std::vector<std::string> words;
-    for (const DriveChain& chain : drives->chains())
-      if (chain.stateless_count > 0)
-        words.push_back(
-            stateless_in_words(source.log(chain.run), chain.stateless_line, chain.stateless_count));
-    return words;
-  }
-};
 
 class StreamedCalibrator {
  public:
@@ -92,13 +48,13 @@ class StreamedCalibrator {
 
   Result<StreamedCalibration> run() {
     if (!course_.report("first reading of the log", 0.01)) return finished(interrupted_solution());
-    StreamedLog of_source;
-    if (auto ok = of_source.scan(site_, source_, plan_); !ok) return fail(ok.error());
-    auto part = of_source.part(site_, source_, options_.threads);
+    StreamedLog log(site_, source_, plan_);
+    if (auto ok = log.scan(); !ok) return fail(ok.error());
+    auto part = log.part(options_.threads);
     if (!part) return fail(part.error());
     // So small that each rank is sooner done with it than it would hear of the others.
     Approach found = approach(*part, alone_, course_);
-    warnings_ = of_source.warnings(*part, source_);
+    warnings_ = log.warnings(*part);
     warnings_.insert(warnings_.end(), found.warnings.begin(), found.warnings.end());
     it_ = std::move(found.estimate);
     part_sigma_ = found.ok ? agreeing_sigma(found.trajectories, it_.state()) : 1.0;
@@ -112,20 +68,20 @@ class StreamedCalibrator {
     for (MeasurementLog& run : frame_.runs) run.arrivals = {};
     found = {};
 
-    const auto readings = of_source.readings(frame_, source_, options_, plan_.workers, course_);
-    LogReadings& log = *readings;
+    log.begin(frame_, options_, plan_.workers, course_);
     const auto settled = settle_noise(log);
     if (!settled) return stopped(settled.error());
     if (!course_.report("covariance and verdict", 0.92)) return finished(interrupted_solution());
-    auto gathered = log.findings(it_);
-    if (!gathered) return stopped(gathered.error());
+    FindingsGatherer gatherer(frame_, it_, log.states());
+    if (auto told = log.tell(it_, gatherer); !told) return stopped(told.error());
+    LogFindings gathered = std::move(gatherer).findings(it_);
     for (std::size_t run = 0; run < frame_.runs.size(); ++run)
-      frame_.runs[run].arrivals = std::move(gathered->arrivals[run]);
+      frame_.runs[run].arrivals = std::move(gathered.arrivals[run]);
     Solution solution;
     solution.warnings = warnings_;
     solution.contradictions = frame_.contradictions;
-    conclude(frame_, options_, it_, std::move(gathered->findings), gathered->trajectories, solution);
-    solution.trajectories = std::move(gathered->trajectories);
+    conclude(frame_, options_, it_, std::move(gathered.findings), gathered.trajectories, solution);
+    solution.trajectories = std::move(gathered.trajectories);
     return finished(std::move(solution));
   }
 
@@ -305,8 +261,9 @@ namespace {
 
 /// Why a drive cannot be.
 std::optional<std::string> why_no_streamed_drive(const Site& site, const MeasurementLog& run) {
-  if (site.gates.min_range_m > 0 || std::isfinite(site.gates.max_range_m))
-    return fmt::format("{} is a drive, whose range gates look at neighbours", run.path);
+  if (site.motion != Motion::kPlanar) return fmt::format("{} is a drive in space", run.path);
+  if (site.timing.clock != Clock::kSynchronised)
+    return fmt::format("{} is a drive, and each state has a clock offset of its own", run.path);
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
     const auto rows = std::count_if(run.odometry.begin(), run.odometry.end(),
                                     [v](const OdometryStep& s) { return s.vehicle.index() == v; });
@@ -315,26 +272,27 @@ std::optional<std::string> why_no_streamed_drive(const Site& site, const Measure
   return {};
 }
 
+/// Why stops cannot be.
+std::optional<std::string> why_no_streamed_stops(const Site& site, const MeasurementLog& run) {
+  if (!run.has_epochs) return fmt::format("{} has neither epochs nor odometry", run.path);
+  if (!run.odometry.empty()) return fmt::format("{} has stops with odometry between them", run.path);
+  // A start from a part of these marks a few arrivals and epochs in other ways than one from all of them.
+  if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
+  if (site.timing.clock != Clock::kSynchronised) return "each epoch has a clock offset of its own";
+  if (!run.poses.empty()) return fmt::format("{} has measured poses of stops", run.path);
+  return {};
+}
+
 }  // namespace
 
 std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs,
                                             int dense_limit) {
-  if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
-  if (site.timing.clock != Clock::kSynchronised) return "each epoch has a clock offset of its own";
   if (site.timing.ranging != Ranging::kOneWay) return "ranges are two-way";
-  if (site.attenuation && site.attenuation->half_power_angle_rad.value > 0)
-    return "receivers are directional: each arrival has a noise of its own";
   Problem frame;
   frame.site = site;
   for (const MeasurementLog* run : runs) {
-    if (!run->has_epochs && run->odometry.empty())
-      return fmt::format("{} has neither epochs nor odometry", run->path);
-    if (run->has_epochs && !run->odometry.empty())
-      return fmt::format("{} has stops with odometry between them", run->path);
-    if (is_drive(*run) != is_drive(*runs.front())) return "some runs have stops, others are drives";
-    if (is_drive(*run))
-      if (auto why = why_no_streamed_drive(site, *run)) return why;
-    if (!run->poses.empty()) return fmt::format("{} has measured poses", run->path);
+    if (auto why = is_drive(*run) ? why_no_streamed_drive(site, *run) : why_no_streamed_stops(site, *run))
+      return why;
     if (!run->bearings.empty()) return fmt::format("{} has bearings", run->path);
     frame.runs.push_back(without_lists(*run));
   }

@@ -11,7 +11,7 @@
 
 #include "calib/adjust/tile.h"
 #include "calib/problem/shared_entries.h"
-#include "calib/stream/end_chain.h"
+#include "calib/stream/drives/end_chain.h"
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/settle.h"
 #include "models/trajectory/stretches.h"

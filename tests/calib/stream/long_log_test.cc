@@ -121,7 +121,7 @@ TEST(LongDrive, IsCalibratedByWayOfAPart) {
   s.echo_fraction = 0.02;
   const World world = must(simulate(s, 1));
   const calib::Problem problem = problem_of(world);
-  ASSERT_TRUE(calib::is_long_drive(problem));
+  ASSERT_TRUE(calib::is_long(problem));
   const calib::Solution solution = calib::solve(problem, {});
   ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
   const BeaconErrors errors = beacon_errors(world, solution);

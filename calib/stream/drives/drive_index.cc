@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/drive_index.h"
+#include "calib/stream/drives/drive_index.h"
 
 #include <algorithm>
 #include <cmath>
@@ -54,31 +54,20 @@ std::int64_t DriveGroups::key_at(double time_s) const {
   return static_cast<std::int64_t>(std::floor((time_s - begin_s) / kPartOfLongLog.stretch_s));
 }
 
-Result<DriveIndex> DriveIndex::scan(ArrivalSource& source, std::size_t vehicles, std::size_t beacons,
-                                    std::size_t piece_bytes) {
-  DriveIndex index;
-  index.vehicles_ = vehicles;
-  index.beacons_ = beacons;
+DriveIndex::DriveIndex(const ArrivalSource& source, std::size_t vehicles, std::size_t beacons)
+    : vehicles_(vehicles),
+      beacons_(beacons),
+      groups_(source.runs()),
+      blocks_(source.runs(), 0),
+      unit_of_chain_(source.runs() * vehicles, 0) {
   for (std::size_t run = 0; run < source.runs(); ++run)
     for (std::size_t v = 0; v < vehicles; ++v)
-      index.chains_.push_back(chain_of(source.log(run), run, VehicleId(v), beacons));
-  std::vector<std::size_t> unit_of_chain(index.chains_.size(), 0);
-  index.groups_.resize(source.runs());
-  for (DriveGroups& of_run : index.groups_) of_run.latest.assign(vehicles, SIZE_MAX);
-  std::size_t last_run = source.runs(), block = 0;
-  const auto read = source.scan([&](std::size_t run, const std::vector<Arrival>& rows) {
-    block = run == last_run ? block + 1 : 0;
-    last_run = run;
-    index.take(run, block, rows, unit_of_chain);
-    return true;
-  });
-  if (!read) return fail(read.error());
-  index.cut(piece_bytes);
-  return index;
+      chains_.push_back(chain_of(source.log(run), run, VehicleId(v), beacons));
+  for (DriveGroups& of_run : groups_) of_run.latest.assign(vehicles, SIZE_MAX);
 }
 
-void DriveIndex::take(std::size_t run, std::size_t block, const std::vector<Arrival>& rows,
-                      std::vector<std::size_t>& unit_of_chain) {
+void DriveIndex::take(std::size_t run, const std::vector<Arrival>& rows) {
+  const std::size_t block = blocks_[run]++;
   for (const Arrival& a : rows) {
     group(groups_[run], block, a);
     const std::size_t c = run * vehicles_ + a.vehicle.index();
@@ -88,7 +77,7 @@ void DriveIndex::take(std::size_t run, std::size_t block, const std::vector<Arri
       ++chain.stateless[a.beacon.index()];
       continue;
     }
-    const std::size_t u = unit_of_chain[c] = unit_at(chain, a.time_s, unit_of_chain[c]);
+    const std::size_t u = unit_of_chain_[c] = unit_at(chain, a.time_s, unit_of_chain_[c]);
     DriveUnit& unit = chain.units[u];
     if (unit.arrivals++ == 0) unit.first_block = block;
     unit.last_block = block + 1;
@@ -128,7 +117,7 @@ DrivePiece DriveIndex::widened(const DrivePiece& piece) const {
   return wide;
 }
 
-void DriveIndex::cut(std::size_t piece_bytes) {
+void DriveIndex::end(std::size_t piece_bytes) {
   for (std::size_t c = 0; c < chains_.size(); ++c) {
     const DriveChain& chain = chains_[c];
     if (chain.arrivals == 0 && chain.stateless_count == 0) continue;  // took no part
@@ -196,6 +185,12 @@ Result<void> DriveIndex::read(const ArrivalSource& source, const DrivePiece& pie
   for (std::size_t row = chain.units[piece.first_unit].first_row;
        row < rows.size() && log.odometry.size() < piece.nodes; ++row)
     if (rows[row].vehicle == chain.vehicle) log.odometry.push_back(rows[row]);
+  const double from_s = chain.units[piece.first_unit].from_s, until_s = chain.end_of(piece.last_unit - 1);
+  const std::vector<TimedPose>& poses = source.log(chain.run).poses;
+  const auto sooner = [](const TimedPose& pose, double time_s) { return pose.time_s < time_s; };
+  const auto first = std::lower_bound(poses.begin(), poses.end(), from_s, sooner);
+  log.poses.assign(first,
+                   std::lower_bound(first, poses.end(), piece.open_right ? until_s : INFINITY, sooner));
   return {};
 }
 

@@ -6,13 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "calib/start/approach.h"
-#include "calib/stream/chunk_work.h"
-#include "calib/stream/log_findings.h"
-#include "calib/stream/log_index.h"
 #include "calib/stream/log_readings.h"
-#include "calib/stream/pass_sum.h"
-#include "models/arrival_source.h"
+#include "calib/stream/stops/chunk_work.h"
+#include "calib/stream/stops/log_index.h"
 
 namespace octant::calib {
 
@@ -25,35 +21,30 @@ struct StreamPlan {
 };
 [[nodiscard]] StreamPlan stream_plan(std::size_t memory_bytes, int threads);
 
-/// A log of stops that is read again for each look at it, chunk by chunk on several threads. Between the
-/// readings there remains where each stop is (28 bytes) and what became of each arrival (one byte); ranks
-/// keep those of their own chunks and read no others.
+/// The stops of a log, read again for each look at them, chunk by chunk on several threads. Between the
+/// readings there remains where each stop is (28 bytes in the plane) and what became of each arrival (one
+/// byte); ranks keep those of their own chunks and read no others.
 class LogPasses : public LogReadings {
  public:
-  /// All must outlive it. @param frame  site and runs without arrivals
-  LogPasses(const Problem& frame, const ArrivalSource& source, const LogIndex& index,
-            const SolveOptions& options, int workers, Course& course);
+  LogPasses(const ReadingTask& task, const LogIndex& index);
 
   /// See place_all_stops.
   [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
   [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
-  /// Every so many-th epoch to look at.
-  [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
+  /// Of every so many-th epoch all.
+  [[nodiscard]] Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
   template <class Do>
   Result<void> for_each_chunk_of_mine(Do&& work);
   Result<void> load(std::size_t chunk, ChunkWork& w) const;
-  void restore(const ChunkStops& stops, double sigma_s, ChunkWork& w) const;
+  void restore(const ChunkStops& stops, const Estimate& estimate, ChunkWork& w) const;
   void keep(const ChunkWork& w, ChunkStops& stops) const;
-  void add_up(std::vector<double>& numbers) const;
-  [[nodiscard]] std::vector<double> in_order(std::vector<std::vector<double>> of_chunks) const;
+  void tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
+                       const FindingsGatherer& gatherer, std::vector<double>& tape) const;
 
-  const Problem& frame_;
-  const ArrivalSource& source_;
+  ReadingTask task_;
   const LogIndex& index_;
-  const SolveOptions& options_;
-  Course& course_;
   TrajectoryModel model_;
   std::size_t first_, last_;  ///< chunks of this rank
   std::vector<std::unique_ptr<ChunkWork>> workers_;

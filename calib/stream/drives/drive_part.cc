@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/drive_part.h"
+#include "calib/stream/drives/drive_part.h"
 
 #include <algorithm>
 #include <map>
@@ -52,7 +52,9 @@ std::size_t budget_of(const DriveGroups& of_run) {
       std::max(30.0, static_cast<double>(kPartOfLongLog.drive_arrivals) / std::max(each, 1e-3)));
 }
 
-Result<MeasurementLog> part_of_run(std::size_t run, const ArrivalSource& source, const DriveIndex& index) {
+}  // namespace
+
+Result<MeasurementLog> part_of_drives(std::size_t run, const ArrivalSource& source, const DriveIndex& index) {
   const MeasurementLog& log = source.log(run);
   const DriveGroups& of_run = index.groups(run);
   MeasurementLog few = without_lists(log);
@@ -74,23 +76,13 @@ Result<MeasurementLog> part_of_run(std::size_t run, const ArrivalSource& source,
   });
   if (of_run.groups.size() <= budget && !crowded) {  // all of it
     few.odometry = log.odometry;
+    few.poses = log.poses;
     return few;
   }
   std::sort(spans.begin(), spans.end());
   few.odometry = thinned_odometry(log.odometry, spans);
+  few.poses = poses_near(log.poses, spans);
   return few;
-}
-
-}  // namespace
-
-Result<Problem> part_of(const Site& site, const ArrivalSource& source, const DriveIndex& index, int threads) {
-  std::vector<MeasurementLog> runs;
-  for (std::size_t run = 0; run < source.runs(); ++run) {
-    auto few = part_of_run(run, source, index);
-    if (!few) return fail(few.error());
-    runs.push_back(std::move(*few));
-  }
-  return make_problem(site, std::move(runs), threads);
 }
 
 }  // namespace octant::calib

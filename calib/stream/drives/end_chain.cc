@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/end_chain.h"
+#include "calib/stream/drives/end_chain.h"
 
 #include <Eigen/Cholesky>
 

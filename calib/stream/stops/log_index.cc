@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/log_index.h"
+#include "calib/stream/stops/log_index.h"
 
 #include <algorithm>
 #include <numeric>
@@ -15,22 +15,22 @@ std::size_t LogChunk::all_arrivals() const {
 /// Follows the rows in the order of the files.
 class LogIndex::Scanner {
  public:
-  Scanner(LogIndex& index, std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals)
-      : index_(index), vehicles_(vehicles), beacons_(beacons), chunk_arrivals_(chunk_arrivals) {}
+  Scanner(std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals)
+      : vehicles_(vehicles), beacons_(beacons), chunk_arrivals_(chunk_arrivals) {}
 
-  void take(std::size_t run, const std::vector<Arrival>& block) {
-    while (index_.runs_.size() <= run) begin_run();
-    Run& r = index_.runs_.back();
+  void take(LogIndex& index, std::size_t run, const std::vector<Arrival>& block) {
+    while (index.runs_.size() <= run) begin_run(index);
+    Run& r = index.runs_.back();
     const std::size_t b = r.first_epoch.size();
     r.first_epoch.push_back(r.epochs);
-    if (chunk_size_ >= chunk_arrivals_) begin_chunk(b);
-    index_.chunks_.back().last_block = b + 1;
+    if (chunk_size_ >= chunk_arrivals_) begin_chunk(index, b);
+    index.chunks_.back().last_block = b + 1;
     for (const Arrival& a : block) {
       Open& open = open_[a.vehicle.index()];
       if (open.epoch != a.epoch || !open.any) {
-        open = {true, a.epoch, b, index_.chunks_.size() - 1, {}};
+        open = {true, a.epoch, b, index.chunks_.size() - 1, {}};
         ++r.epochs;
-        ++index_.chunks_.back().epochs[a.vehicle.index()];
+        ++index.chunks_.back().epochs[a.vehicle.index()];
       } else if (open.block < b) {
         if (!open.split) {
           open.split = r.splits.size();
@@ -38,18 +38,18 @@ class LogIndex::Scanner {
         }
         r.splits[*open.split].last_block = b;
       }
-      ++index_.chunks_[open.chunk].arrivals[a.vehicle.index()];
+      ++index.chunks_[open.chunk].arrivals[a.vehicle.index()];
       ++r.heard[a.beacon.index()];
     }
     chunk_size_ += block.size();
-    index_.arrivals_ += block.size();
+    index.arrivals_ += block.size();
   }
 
-  void end(std::size_t runs) {
-    while (index_.runs_.size() < runs) begin_run();
-    end_run();
+  void end(LogIndex& index, std::size_t runs) {
+    while (index.runs_.size() < runs) begin_run(index);
+    end_run(index);
     std::vector<std::size_t> epochs, arrivals;
-    for (LogChunk& chunk : index_.chunks_) {
+    for (LogChunk& chunk : index.chunks_) {
       if (chunk.first_block == 0) {
         epochs.assign(vehicles_, 0);
         arrivals.assign(vehicles_, 0);
@@ -61,7 +61,7 @@ class LogIndex::Scanner {
         arrivals[v] += chunk.arrivals[v];
       }
     }
-    std::erase_if(index_.chunks_, [](const LogChunk& chunk) { return chunk.all_arrivals() == 0; });
+    std::erase_if(index.chunks_, [](const LogChunk& chunk) { return chunk.all_arrivals() == 0; });
   }
 
  private:
@@ -73,22 +73,22 @@ class LogIndex::Scanner {
     std::optional<std::size_t> split;
   };
 
-  void begin_run() {
-    end_run();
-    index_.runs_.emplace_back().heard.assign(beacons_, 0);
+  void begin_run(LogIndex& index) {
+    end_run(index);
+    index.runs_.emplace_back().heard.assign(beacons_, 0);
     open_.assign(vehicles_, {});
-    begin_chunk(0);
+    begin_chunk(index, 0);
   }
 
-  void begin_chunk(std::size_t block) {
+  void begin_chunk(LogIndex& index, std::size_t block) {
     const std::vector<std::size_t> none(vehicles_, 0);
-    index_.chunks_.push_back({index_.runs_.size() - 1, block, block, none, none, {}, {}});
+    index.chunks_.push_back({index.runs_.size() - 1, block, block, none, none, {}, {}});
     chunk_size_ = 0;
   }
 
-  void end_run() {
-    if (index_.runs_.empty()) return;
-    Run& r = index_.runs_.back();
+  void end_run(LogIndex& index) {
+    if (index.runs_.empty()) return;
+    Run& r = index.runs_.back();
     const std::size_t blocks = r.first_epoch.size();
     r.first_epoch.push_back(r.epochs);
     std::vector<std::uint32_t> count(blocks + 1, 0);
@@ -103,23 +103,27 @@ class LogIndex::Scanner {
         r.open[next[b]++] = static_cast<std::uint32_t>(i);
   }
 
-  LogIndex& index_;
   std::size_t vehicles_, beacons_, chunk_arrivals_;
   std::size_t chunk_size_ = 0;
   std::vector<Open> open_;  ///< of each vehicle
 };
 
-Result<LogIndex> LogIndex::scan(ArrivalSource& source, std::size_t vehicles, std::size_t beacons,
-                                std::size_t chunk_arrivals) {
-  LogIndex index;
-  Scanner scanner(index, vehicles, beacons, chunk_arrivals);
-  const auto read = source.scan([&](std::size_t run, const std::vector<Arrival>& block) {
-    scanner.take(run, block);
-    return true;
-  });
-  if (!read) return fail(read.error());
-  scanner.end(source.runs());
-  return index;
+LogIndex::LogIndex(std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals)
+    : scanner_(std::make_unique<Scanner>(vehicles, beacons, chunk_arrivals)) {}
+LogIndex::LogIndex(LogIndex&&) noexcept = default;
+LogIndex::~LogIndex() = default;
+
+void LogIndex::take(std::size_t run, const std::vector<Arrival>& block) { scanner_->take(*this, run, block); }
+
+void LogIndex::end(std::size_t runs) {
+  scanner_->end(*this, runs);
+  scanner_.reset();
+}
+
+std::size_t LogIndex::all_epochs() const {
+  std::size_t sum = 0;
+  for (const Run& run : runs_) sum += run.epochs;
+  return sum;
 }
 
 Result<void> LogIndex::read(const ArrivalSource& source, std::size_t run, std::size_t first, std::size_t last,

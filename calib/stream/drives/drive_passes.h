@@ -3,62 +3,63 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
-#include "calib/stream/chunk_work.h"
-#include "calib/stream/drive_index.h"
-#include "calib/stream/end_chain.h"
-#include "calib/stream/log_passes.h"
+#include "calib/stream/drives/drive_index.h"
+#include "calib/stream/drives/end_chain.h"
+#include "calib/stream/kept_states.h"
 #include "calib/stream/log_readings.h"
-#include "models/arrival_source.h"
 
 namespace octant::calib {
 
-/// Long planar drives that are read again for each look at them, piece by piece on several threads. Pieces
+/// The planar drives of a log, read again for each look at them, piece by piece on several threads. Pieces
 /// share the states at which they are cut. Each reading holds these, settles the states between them and
 /// eliminates them onto their two ends and the parameters; then the ends go, one after the other, which is a
 /// Gauss-Newton step of states and parameters together. Between the readings there remains where each state
-/// is (24 bytes) and what became of each arrival (one byte). Every rank reads all.
+/// is (24 bytes) and what became of each arrival (one byte); ranks keep those of their own pieces and read no
+/// others, and tell each other of the ends.
 class DrivePasses : public LogReadings {
  public:
-  /// All must outlive it. @param frame  site and runs without arrivals
-  DrivePasses(const Problem& frame, const ArrivalSource& source, const DriveIndex& index,
-              const SolveOptions& options, int workers, Course& course);
+  DrivePasses(const ReadingTask& task, const DriveIndex& index);
 
   [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
   [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
   void accept() override { from_ = tried_; }
-  [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
+  /// Looked at one by one are evenly spread stretches, each settled for itself (as error_sample does): what
+  /// its neighbours told of its ends is no part of the sample.
+  [[nodiscard]] Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
   struct PieceStates {
-    std::vector<KeptState> state;
+    KeptStates states;
     std::vector<Rejection> marks;
   };
   /// The ends behind pieces and what they were linearised with.
   struct Ends {
-    std::vector<KeptState> state;  ///< behind each piece
+    std::vector<Node> state;       ///< behind each piece
     Eigen::VectorXd x;             ///< where that was done; empty: nowhere
     std::vector<EndChain> chains;  ///< of each chain
   };
   struct Numbers;
+  class JoinedEnds;
 
   template <class Do>
   Result<void> for_each_piece(bool widened, Do&& work);
-  void restore(std::size_t piece, double sigma_s, const std::vector<KeptState>& ends, DriveWork& w) const;
+  [[nodiscard]] bool is_mine(std::size_t piece) const { return piece >= first_ && piece < last_; }
+  void restore(std::size_t piece, const Estimate& estimate, const std::vector<Node>& ends,
+               DriveWork& w) const;
   void keep(std::size_t piece, const DriveWork& w, std::size_t first_node, std::size_t first_arrival);
-  void join_pieces();
-  void reach_by_odometry(std::size_t piece, bool forward);
-  [[nodiscard]] std::vector<KeptState> ends_at(const Eigen::VectorXd& x) const;
+  void join_pieces(std::vector<double> numbers_of_ends);
+  [[nodiscard]] std::pair<Node, Node> reach_by_odometry(std::size_t piece, bool forward, const Node& from);
+  [[nodiscard]] std::vector<Node> ends_at(const Eigen::VectorXd& x) const;
   void settle(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
               MarkPolicy marks, Numbers& numbers, DriveWork& w, OpenChain& out) const;
 
-  const Problem& frame_;
-  const ArrivalSource& source_;
+  ReadingTask task_;
   const DriveIndex& index_;
-  const SolveOptions& options_;
-  Course& course_;
   TrajectoryModel model_;
+  std::size_t first_, last_;  ///< pieces of this rank
   std::vector<DriveWork> workers_;
   std::vector<PieceStates> pieces_;
   Ends from_, tried_;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/pass_sum.h"
+#include "calib/stream/stops/pass_summer.h"
 
 #include <memory>
 
@@ -29,11 +29,14 @@ void PassSummer::take(std::size_t chunk, std::vector<Trajectory>& trajectories, 
   tiles->share_states();
   n.changed = static_cast<double>(changed);
   for (const Trajectory& t : trajectories) n.counts.add(count_observations(t, state, 1, false));
-  systems_.add(chunk, system);
+  systems_.add(chunk, system, [this](std::size_t, const ReducedSystem& next) {
+    sum_.cost += next.cost;
+    sum_.H += next.H;
+    sum_.gradient += next.gradient;
+  });
 }
 
 std::vector<double> PassSummer::numbers() && {
-  ReducedSystem system = std::move(systems_).sum();
   Numbers sum;
   for (const Numbers& n : numbers_) {
     sum.cost += n.cost;
@@ -48,8 +51,8 @@ std::vector<double> PassSummer::numbers() && {
                              static_cast<double>(sum.counts.rejected),
                              sum.counts.observations,
                              static_cast<double>(sum.counts.states)};
-  all.insert(all.end(), system.gradient.data(), system.gradient.data() + system.gradient.size());
-  all.insert(all.end(), system.H.data(), system.H.data() + system.H.size());
+  all.insert(all.end(), sum_.gradient.data(), sum_.gradient.data() + sum_.gradient.size());
+  all.insert(all.end(), sum_.H.data(), sum_.H.data() + sum_.H.size());
   return all;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "models/arrival_source.h"
@@ -23,13 +24,17 @@ struct LogChunk {
 /// whole epochs. What one reading of everything tells; a few numbers a block.
 class LogIndex {
  public:
-  /// Reads all of the source.
+  /// Follows the rows of a source: take() of each block, then end(). Runs may be left out.
   /// @param chunk_arrivals  a chunk ends with the block in which it has as many
-  [[nodiscard]] static Result<LogIndex> scan(ArrivalSource& source, std::size_t vehicles, std::size_t beacons,
-                                             std::size_t chunk_arrivals);
+  LogIndex(std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals);
+  LogIndex(LogIndex&&) noexcept;
+  ~LogIndex();
+  void take(std::size_t run, const std::vector<Arrival>& block);
+  void end(std::size_t runs);
 
   [[nodiscard]] const std::vector<LogChunk>& chunks() const { return chunks_; }
   [[nodiscard]] std::size_t epochs(std::size_t run) const { return runs_[run].epochs; }
+  [[nodiscard]] std::size_t all_epochs() const;
   [[nodiscard]] std::size_t arrivals() const { return arrivals_; }
   /// Arrivals of each beacon in a run.
   [[nodiscard]] const std::vector<std::size_t>& heard(std::size_t run) const { return runs_[run].heard; }
@@ -62,6 +67,7 @@ class LogIndex {
   };
   class Scanner;
 
+  std::unique_ptr<Scanner> scanner_;  ///< until the end
   std::vector<Run> runs_;
   std::vector<LogChunk> chunks_;
   std::size_t arrivals_ = 0;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/log_index.h"
+#include "calib/stream/stops/log_index.h"
 
 #include <map>
 #include <random>
@@ -42,6 +42,16 @@ MeasurementLog interleaved(int rows, unsigned seed) {
   return log;
 }
 
+calib::LogIndex scanned(MemorySource& source, std::size_t vehicles, std::size_t beacons, std::size_t chunk) {
+  calib::LogIndex index(vehicles, beacons, chunk);
+  static_cast<void>(source.scan([&](std::size_t run, const std::vector<Arrival>& block) {
+    index.take(run, block);
+    return true;
+  }));
+  index.end(source.runs());
+  return index;
+}
+
 TEST(LogIndex, EachEpochIsInOneStretchAndWhole) {
   for (const unsigned seed : {1U, 2U, 3U})
     for (const std::size_t block : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{5000}}) {
@@ -49,7 +59,7 @@ TEST(LogIndex, EachEpochIsInOneStretchAndWhole) {
       std::map<Key, std::vector<int>> lines;
       for (const Arrival& a : log.arrivals) lines[{a.vehicle.value, a.epoch}].push_back(a.line);
       MemorySource source({log, log}, block);
-      const calib::LogIndex index = must(calib::LogIndex::scan(source, 3, 5, 150));
+      const calib::LogIndex index = scanned(source, 3, 5, 150);
       EXPECT_EQ(index.arrivals(), 4000U);
       EXPECT_EQ(index.epochs(1), lines.size());
       std::size_t epochs = 0, arrivals = 0;
@@ -94,9 +104,9 @@ TEST(LogPart, IsThatOfTheWholeLog) {
   const calib::Problem whole = must(calib::make_problem(world.site, {run, world.heldout}));
   const calib::Problem expected = must(calib::part_of(whole));
   MemorySource source({run, world.heldout}, 100);
-  const calib::LogIndex index =
-      must(calib::LogIndex::scan(source, world.site.vehicles.size(), world.site.beacons.size(), 1000));
-  const calib::Problem part = must(calib::part_of(world.site, source, index, 2));
+  const calib::LogIndex index = scanned(source, world.site.vehicles.size(), world.site.beacons.size(), 1000);
+  const calib::Problem part = must(calib::make_problem(
+      world.site, {must(calib::part_of_stops(0, world.site.beacons.size(), source, index, 2))}));
   for (std::size_t r = 0; r < 2; ++r) {
     const auto &all = expected.runs[r].arrivals, &some = part.runs[r].arrivals;
     ASSERT_EQ(some.size(), all.size());

@@ -49,7 +49,7 @@ struct DriveGroup {
   std::size_t arrivals = 0;
   std::size_t first_block = 0, last_block = 0;  ///< of the source, [first, last)
 };
-/// All of a run, in the order in which they begin.
+/// All of a run that is a drive, in the order in which they begin.
 struct DriveGroups {
   double begin_s = 0.0;
   std::size_t arrivals = 0;
@@ -82,9 +82,10 @@ inline constexpr std::size_t kBytesOfStateInWork = 1200, kBytesOfDriveArrivalInW
 /// Where the arrivals of drives lie among the blocks of a source, and in which pieces they are worked on.
 class DriveIndex {
  public:
-  /// Reads all of the source. Every run is a drive: odometry, no epochs.
-  [[nodiscard]] static Result<DriveIndex> scan(ArrivalSource& source, std::size_t vehicles,
-                                               std::size_t beacons, std::size_t piece_bytes);
+  /// Follows the rows of a source: take() of each block, then end(). Runs with epochs are none of it.
+  DriveIndex(const ArrivalSource& source, std::size_t vehicles, std::size_t beacons);
+  void take(std::size_t run, const std::vector<Arrival>& block);
+  void end(std::size_t piece_bytes);
 
   [[nodiscard]] const std::vector<DriveChain>& chains() const { return chains_; }
   [[nodiscard]] const std::vector<DrivePiece>& pieces() const { return pieces_; }
@@ -98,16 +99,13 @@ class DriveIndex {
   /// Puts the arrivals of a group in place of what `arrivals` held. Any thread.
   [[nodiscard]] Result<void> read(const ArrivalSource& source, std::size_t run, const DriveGroup& group,
                                   std::vector<Arrival>& arrivals) const;
-  /// A piece as a log: its odometry rows, first state to last, and its arrivals; all else of the run stays as
-  /// it is.
+  /// A piece as a log: its odometry rows, first state to last, its arrivals and measured poses; all else of
+  /// the run stays as it is.
   [[nodiscard]] Result<void> read(const ArrivalSource& source, const DrivePiece& piece,
                                   MeasurementLog& log) const;
 
  private:
-  void take(std::size_t run, std::size_t block, const std::vector<Arrival>& rows,
-            std::vector<std::size_t>& unit_of_chain);
   void group(DriveGroups& of_run, std::size_t block, const Arrival& a) const;
-  void cut(std::size_t piece_bytes);
   [[nodiscard]] Result<void> read_arrivals(const ArrivalSource& source, const DrivePiece& piece,
                                            std::vector<Arrival>& arrivals) const;
 
@@ -115,6 +113,7 @@ class DriveIndex {
   std::vector<DriveChain> chains_;  ///< run-major
   std::vector<DriveGroups> groups_;
   std::vector<DrivePiece> pieces_;
+  std::vector<std::size_t> blocks_, unit_of_chain_;  ///< so far: of each run, of each chain
 };
 
 }  // namespace octant::calib

@@ -1,0 +1,354 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/stream/drives/drive_passes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "calib/adjust/node_numbers.h"
+#include "calib/adjust/reject.h"
+#include "calib/problem/gates.h"
+#include "calib/stream/long_log.h"
+#include "calib/stream/over_ranks.h"
+#include "calib/stream/side_by_side.h"
+#include "models/trajectory/settle.h"
+#include "models/trajectory/stretches.h"
+
+namespace octant::calib {
+namespace {
+
+/// A step of a piece's states that gains a smaller share of their cost is the last; the reduction takes the
+/// next one with it.
+constexpr double kPieceAtRest = 1e-9;
+
+/// One behind the other: an open chain as numbers.
+std::vector<double> numbers_of(const OpenChain& chain) {
+  std::vector<double> all = {1.0, chain.has_left ? 1.0 : 0.0, chain.has_right ? 1.0 : 0.0, chain.cost};
+  all.insert(all.end(), chain.gradient.begin(), chain.gradient.end());
+  all.insert(all.end(), chain.H.data(), chain.H.data() + chain.H.size());
+  return all;
+}
+OpenChain chain_of(const std::vector<double>& all, Eigen::Index size) {
+  OpenChain chain;
+  if (all[0] == 0.0) return chain;  // nothing placed it
+  chain.has_left = all[1] != 0.0;
+  chain.has_right = all[2] != 0.0;
+  chain.cost = all[3];
+  chain.gradient = Eigen::Map<const Eigen::VectorXd>(all.data() + 4, size);
+  chain.H = Eigen::Map<const Eigen::MatrixXd>(all.data() + 4 + size, size, size);
+  return chain;
+}
+
+/// A state at which a piece ends, as a first and a last one.
+using EndNumbers = std::array<double, 2 * kNumbersOfNode>;
+
+}  // namespace
+
+/// Pieces of chains, joined in their order, whoever is first. With ranks each waits for its own to be told.
+class DrivePasses::JoinedEnds {
+ public:
+  JoinedEnds(const DrivePasses& passes, Eigen::Index parameters)
+      : passes_(passes),
+        parameters_(parameters),
+        chains_(passes.index_.chains().size(), EndChain(parameters)),
+        in_order_(passes.first_),
+        waiting_(passes.task_.options.ranks != nullptr ? passes.pieces_.size() : 0) {}
+
+  void add(std::size_t piece, const OpenChain& system) {
+    in_order_.add(piece, system, [this](std::size_t k, const OpenChain& next) {
+      if (waiting_.empty())
+        append(k, next);
+      else
+        waiting_[k] = next;
+    });
+  }
+  std::vector<EndChain> chains() && {
+    for (std::size_t k = 0; k < waiting_.size(); ++k) {
+      const DrivePiece& piece = passes_.index_.pieces()[k];
+      const Eigen::Index size = parameters_ + (piece.open_left ? 3 : 0) + (piece.open_right ? 3 : 0);
+      std::vector<double> numbers(static_cast<std::size_t>(4 + size + size * size), 0.0);
+      if (waiting_[k].H.size() > 0) numbers = numbers_of(waiting_[k]);
+      waiting_[k] = {};
+      sum_over(passes_.task_.options.ranks, numbers);
+      append(k, chain_of(numbers, size));
+    }
+    return std::move(chains_);
+  }
+
+ private:
+  /// A piece that nothing places gives nothing, and has no ends then.
+  void append(std::size_t piece, const OpenChain& system) {
+    if (system.H.size() > 0) chains_[passes_.index_.pieces()[piece].chain].append(system);
+  }
+  const DrivePasses& passes_;
+  Eigen::Index parameters_;
+  std::vector<EndChain> chains_;
+  OrderedParts<OpenChain> in_order_;
+  std::vector<OpenChain> waiting_;
+};
+
+/// Of a piece in a pass.
+struct DrivePasses::Numbers {
+  double cost_before = 0.0;
+  std::size_t changed = 0;
+  ObservationCounts counts;
+};
+
+DrivePasses::DrivePasses(const ReadingTask& task, const DriveIndex& index)
+    : task_(task),
+      index_(index),
+      model_(trajectory_model(task.frame.site)),
+      workers_(static_cast<std::size_t>(std::max(task.workers, 1))),
+      pieces_(index.pieces().size()) {
+  std::tie(first_, last_) = parts_of(task.options.ranks, pieces_.size());
+}
+
+/// work(piece, DriveWork&) for those of this rank, with the piece loaded, or widened to its neighbours.
+template <class Do>
+Result<void> DrivePasses::for_each_piece(bool widened, Do&& work) {
+  const auto load = [&](std::size_t k, std::size_t worker) -> Result<void> {
+    DriveWork& w = workers_[worker];
+    const std::size_t run_before = w.piece == nullptr ? SIZE_MAX : index_.chains()[w.piece->chain].run;
+    w.piece = &index_.pieces()[k];
+    const DrivePiece piece = widened ? index_.widened(*w.piece) : *w.piece;
+    const DriveChain& chain = index_.chains()[piece.chain];
+    if (run_before != chain.run) begin_run(task_.source.log(chain.run), w.log);
+    if (auto ok = index_.read(task_.source, piece, w.log); !ok) return ok;
+    w.trajectory.clear();
+    w.trajectory.push_back(make_trajectory(w.log, chain.run, chain.vehicle, model_));
+    if (w.t().arrivals.size() != piece.arrivals || w.t().nodes.size() != piece.nodes)
+      return fail(changed_while_read(w.log));
+    work(k, w);
+    return {};
+  };
+  return for_each_side_by_side(first_, last_, workers_.size(), task_.course, load);
+}
+
+void DrivePasses::restore(std::size_t piece, const Estimate& estimate, const std::vector<Node>& ends,
+                          DriveWork& w) const {
+  Trajectory& t = w.t();
+  const double stated_s = task_.frame.site.noise.tof_sigma_s;
+  rescale_noise(w.trajectory, stated_s, stated_s * estimate.noise_factor);
+  for (std::size_t k = 0; k < t.nodes.size(); ++k) pieces_[piece].states.put(t, k, t.nodes[k]);
+  const auto put_end = [](const Node& end, Node& node) {
+    node.placed = end.placed;
+    if (end.placed) node.T_map_vehicle = end.T_map_vehicle;
+  };
+  if (w.piece->open_left) put_end(ends[piece - 1], t.nodes.front());
+  if (w.piece->open_right) put_end(ends[piece], t.nodes.back());
+  for (std::size_t i = 0; i < t.arrivals.size(); ++i) t.arrivals[i].rejection = pieces_[piece].marks[i];
+}
+
+/// The piece's own, from these on.
+void DrivePasses::keep(std::size_t piece, const DriveWork& w, std::size_t first_node,
+                       std::size_t first_arrival) {
+  PieceStates& kept = pieces_[piece];
+  kept.states.clear();
+  kept.marks.clear();
+  kept.states.reserve(w.t(), w.piece->nodes);
+  kept.marks.reserve(w.piece->arrivals);
+  for (std::size_t k = 0; k < w.piece->nodes; ++k) kept.states.add(w.t(), w.t().nodes[first_node + k]);
+  for (std::size_t i = 0; i < w.piece->arrivals; ++i)
+    kept.marks.push_back(w.t().arrivals[first_arrival + i].rejection);
+}
+
+Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double /*suspect_sigmas*/,
+                                               bool /*mark*/) {
+  const SharedState state = estimate.state();
+  const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
+  std::vector<std::vector<double>> residuals(pieces_.size()), ranges(pieces_.size());
+  std::vector<double> ends(pieces_.size() * std::tuple_size_v<EndNumbers>, 0.0);
+  // What is heard before and behind a piece tells its ends as well.
+  const auto done = for_each_piece(true, [&](std::size_t k, DriveWork& w) {
+    apply_gates(task_.frame.site, w.trajectory, 1);
+    place_all_drives(task_.frame, state, estimate.beacon_usable, 1, w.trajectory);
+    const Trajectory& t = w.t();
+    const std::size_t first_node = w.piece->open_left ? kUnitNodes : 0;
+    const auto first_arrival = static_cast<std::size_t>(
+        std::partition_point(t.arrivals.begin(), t.arrivals.end(),
+                             [&](const ArrivalObservation& a) { return a.node < first_node; }) -
+        t.arrivals.begin());
+    for (std::size_t i = 0; i < w.piece->arrivals; ++i) {
+      const ArrivalObservation& a = t.arrivals[first_arrival + i];
+      spread.look_at_range(w.piece->arrivals_before + i, t, a, ranges[k]);
+      spread.look_at_residual(w.piece->arrivals_before + i, t, a, residuals[k]);
+    }
+    keep(k, w, first_node, first_arrival);
+    double* const its_ends = ends.data() + k * std::tuple_size_v<EndNumbers>;
+    put_numbers(t.nodes[first_node], its_ends);
+    put_numbers(t.nodes[first_node + w.piece->nodes - 1], its_ends + kNumbersOfNode);
+  });
+  if (!done) return fail(done.error());
+  sum_over(task_.options.ranks, ends);
+  join_pieces(std::move(ends));
+  Placed placed;
+  placed.residuals = in_order(task_.options.ranks, std::move(residuals));
+  placed.ranges_m = in_order(task_.options.ranks, std::move(ranges));
+  return placed;
+}
+
+/// What no arrivals could place odometry reaches from a neighbour; neighbours then agree about the state that
+/// they share.
+/// @param numbers  of the first and the last state of each piece
+void DrivePasses::join_pieces(std::vector<double> numbers) {
+  const std::vector<DrivePiece>& pieces = index_.pieces();
+  std::vector<std::pair<Node, Node>> ends(pieces.size());
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const double* const its_ends = numbers.data() + k * std::tuple_size_v<EndNumbers>;
+    take_numbers(its_ends, ends[k].first);
+    take_numbers(its_ends + kNumbersOfNode, ends[k].second);
+  }
+  const auto none = [&](std::size_t k) { return !ends[k].first.placed; };
+  for (std::size_t k = 1; k < pieces.size(); ++k)
+    if (pieces[k].open_left && none(k) && !none(k - 1))
+      ends[k] = reach_by_odometry(k, true, ends[k - 1].second);
+  for (std::size_t k = pieces.size(); k-- > 0;)
+    if (pieces[k].open_right && none(k) && !none(k + 1))
+      ends[k] = reach_by_odometry(k, false, ends[k + 1].first);
+  tried_ = {};
+  tried_.state.resize(pieces.size());
+  for (std::size_t k = 0; k + 1 < pieces.size(); ++k) {
+    if (!pieces[k].open_right || none(k)) continue;
+    const Pose &here = ends[k].second.T_map_vehicle, &there = ends[k + 1].first.T_map_vehicle;
+    tried_.state[k].T_map_vehicle = interpolate(here, there, 0.5);
+    tried_.state[k].placed = true;
+  }
+  from_ = tried_;
+}
+
+/// @param from  the neighbour's last or first state
+/// @return the piece's first and last
+std::pair<Node, Node> DrivePasses::reach_by_odometry(std::size_t piece, bool forward, const Node& from) {
+  const DrivePiece& p = index_.pieces()[piece];
+  const DriveChain& chain = index_.chains()[p.chain];
+  const std::vector<OdometryStep>& rows = task_.source.log(chain.run).odometry;
+  std::vector<Pose> path = {Pose()};
+  for (std::size_t row = chain.units[p.first_unit].first_row + 1; row < rows.size() && path.size() < p.nodes;
+       ++row)
+    if (rows[row].vehicle == chain.vehicle)
+      path.push_back(path.back() * Pose::planar(rows[row].dx_m, rows[row].dy_m, rows[row].dheading_rad));
+  const Pose T_map_path = forward ? from.T_map_vehicle : from.T_map_vehicle * path.back().inverse();
+  const Trajectory planar;
+  std::pair<Node, Node> ends;
+  PieceStates& kept = pieces_[piece];
+  kept.states.clear();
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    Node node;
+    node.T_map_vehicle = T_map_path * path[k];
+    node.placed = true;
+    if (k == 0) ends.first = node;
+    ends.second = node;
+    if (is_mine(piece)) kept.states.add(planar, node);
+  }
+  for (Rejection& mark : kept.marks)
+    if (mark == Rejection::kNoPose) mark = Rejection::kUsed;
+  return ends;
+}
+
+/// The ends when the parameters go to x.
+std::vector<Node> DrivePasses::ends_at(const Eigen::VectorXd& x) const {
+  std::vector<Node> ends = from_.state;
+  if (from_.chains.empty()) return ends;
+  std::vector<std::vector<Eigen::Vector3d>> steps;
+  for (const EndChain& chain : from_.chains) steps.push_back(chain.steps(x - from_.x));
+  std::vector<std::size_t> next(steps.size(), 0);
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const std::size_t c = index_.pieces()[k].chain;
+    if (!index_.pieces()[k].open_right || next[c] >= steps[c].size()) continue;
+    ends[k].T_map_vehicle = retract(ends[k].T_map_vehicle, steps[c][next[c]++], Motion::kPlanar);
+  }
+  return ends;
+}
+
+/// Settles the states of a piece with plain squares, its ends held, marks arrivals as asked, and reduces it.
+void DrivePasses::settle(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
+                         MarkPolicy marks, Numbers& numbers, DriveWork& w, OpenChain& out) const {
+  Trajectory& t = w.t();
+  const Segment& segment = t.segments.front();
+  const SettleOptions held{
+      .tolerance = kPieceAtRest, .hold_first = piece.open_left, .hold_last = piece.open_right};
+  const auto mark = [&] { return mark_rejected(w.trajectory, state, task_.options.rejection_sigmas); };
+  if (marks == MarkPolicy::kFirst) numbers.changed = mark();
+  numbers.cost_before = octant::settle(t, segment, state, {}, held).cost;
+  if (marks == MarkPolicy::kSettled) {
+    numbers.changed = mark();
+    if (numbers.changed > 0) static_cast<void>(octant::settle(t, segment, state, {}, held));
+  }
+  std::vector<int> columns(static_cast<std::size_t>(layout.size()));
+  std::iota(columns.begin(), columns.end(), 0);
+  out.has_left = piece.open_left;
+  out.has_right = piece.open_right;
+  ChainReduction(t, layout, {0}).reduce_open(segment, state, {}, columns, columns.size(), out);
+}
+
+Result<PassSum> DrivePasses::pass(const Estimate& estimate, MarkPolicy marks) {
+  const SharedState state = estimate.state();
+  tried_.state = ends_at(estimate.x);
+  JoinedEnds joined(*this, estimate.layout.size());
+  std::vector<Numbers> numbers(pieces_.size());
+  const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
+    restore(k, estimate, tried_.state, w);
+    OpenChain system;
+    if (w.t().nodes.front().placed) settle(*w.piece, estimate.layout, state, marks, numbers[k], w, system);
+    numbers[k].counts = count_observations(w.t(), state, 1, false);
+    if (w.piece->open_left && w.t().nodes.front().placed) numbers[k].counts.states -= 3;  // told before
+    joined.add(k, system);
+    keep(k, w, 0, 0);
+  });
+  if (!done) return fail(done.error());
+  tried_.x = estimate.x;
+  tried_.chains = std::move(joined).chains();
+  PassSum sum;
+  sum.system.H.setZero(estimate.layout.size(), estimate.layout.size());
+  sum.system.gradient.setZero(estimate.layout.size());
+  for (const EndChain& chain : tried_.chains) chain.add_to(sum.system);
+  std::vector<double> counted(6, 0.0);
+  for (const Numbers& n : numbers) {
+    const ObservationCounts& c = n.counts;
+    const double its[6] = {n.cost_before,
+                           static_cast<double>(n.changed),
+                           static_cast<double>(c.used),
+                           static_cast<double>(c.rejected),
+                           c.observations,
+                           static_cast<double>(c.states)};
+    for (std::size_t i = 0; i < counted.size(); ++i) counted[i] += its[i];
+  }
+  sum_over(task_.options.ranks, counted);
+  sum.cost_before = counted[0];
+  sum.changed = static_cast<std::size_t>(counted[1]);
+  sum.counts.used = static_cast<std::size_t>(counted[2]);
+  sum.counts.rejected = static_cast<std::size_t>(counted[3]);
+  sum.counts.observations = counted[4];
+  sum.counts.states = static_cast<std::size_t>(counted[5]);
+  for (const DriveChain& chain : index_.chains()) sum.counts.rejected += chain.stateless_count;
+  return sum;
+}
+
+Result<void> DrivePasses::tell(const Estimate& estimate, FindingsGatherer& gatherer) {
+  std::vector<std::vector<double>> tapes(pieces_.size());
+  const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
+    restore(k, estimate, from_.state, w);
+    const Trajectory& t = w.t();
+    std::vector<Segment> some;
+    for (std::size_t u = w.piece->first_unit; u < w.piece->last_unit; ++u) {
+      if (u % gatherer.every() != 0) continue;
+      const std::size_t first = (u - w.piece->first_unit) * kUnitNodes;
+      some.push_back(stretch_of(t, t.segments.front(), first, std::min(first + kUnitNodes, t.nodes.size())));
+    }
+    PartFindings part{t, w.log, pick_segments(t, some)};
+    for (const Segment& s : part.looked_at.segments)
+      if (part.looked_at.nodes[s.first_node].placed) octant::settle(part.looked_at, s, gatherer.state(), {});
+    if (w.piece->open_left && t.nodes.front().placed) part.told_before = 3;
+    gatherer.write(part, tapes[k]);
+  });
+  if (!done) return done;
+  gatherer.read(in_order(task_.options.ranks, std::move(tapes)));
+  for (const DriveChain& chain : index_.chains())
+    for (std::size_t b = 0; b < chain.stateless.size(); ++b) gatherer.count_stateless(b, chain.stateless[b]);
+  return {};
+}
+
+}  // namespace octant::calib

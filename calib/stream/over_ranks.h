@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "calib/adjust/ranks.h"
+
+namespace octant::calib {
+
+/// The parts of a log that a rank reads, [first, last): as many each, one behind the other.
+inline std::pair<std::size_t, std::size_t> parts_of(const Ranks* ranks, std::size_t parts) {
+  if (ranks == nullptr) return {0, parts};
+  const auto count = static_cast<std::size_t>(ranks->count()),
+             index = static_cast<std::size_t>(ranks->index());
+  return {index * parts / count, (index + 1) * parts / count};
+}
+
+inline void sum_over(const Ranks* ranks, std::vector<double>& numbers) {
+  if (ranks != nullptr) ranks->sum(numbers);
+}
+
+/// Lists of all parts of all ranks, one behind the other in the order of the parts.
+inline std::vector<double> in_order(const Ranks* ranks, std::vector<std::vector<double>> of_parts) {
+  std::vector<double> mine;
+  for (std::vector<double>& list : of_parts) {
+    mine.insert(mine.end(), list.begin(), list.end());
+    list = {};
+  }
+  if (ranks == nullptr) return mine;
+  std::vector<double> sizes(static_cast<std::size_t>(ranks->count()), 0.0);
+  const auto rank = static_cast<std::size_t>(ranks->index());
+  sizes[rank] = static_cast<double>(mine.size());
+  sum_over(ranks, sizes);
+  const auto sum_until = [&](std::size_t i) {
+    return static_cast<std::size_t>(
+        std::accumulate(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(i), 0.0));
+  };
+  std::vector<double> all(sum_until(sizes.size()), 0.0);
+  std::copy(mine.begin(), mine.end(), all.begin() + static_cast<std::ptrdiff_t>(sum_until(rank)));
+  sum_over(ranks, all);
+  return all;
+}
+
+}  // namespace octant::calib

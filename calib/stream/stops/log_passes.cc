@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/stream/stops/log_passes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "calib/adjust/reject.h"
+#include "calib/problem/flips.h"
+#include "calib/problem/gates.h"
+#include "calib/stream/long_log.h"
+#include "calib/stream/over_ranks.h"
+#include "calib/stream/side_by_side.h"
+#include "calib/stream/stops/pass_summer.h"
+#include "models/trajectory/stretches.h"
+
+namespace octant::calib {
+namespace {
+
+/// An arrival in work: its row, its observation, its place in a tile and what comes and goes.
+constexpr std::size_t kBytesInWork = 240;
+/// More than these at once are no faster.
+constexpr std::size_t kMostInChunk = std::size_t{1} << 18;
+
+constexpr std::size_t kBesideChunks = std::size_t{200} << 20;
+
+/// visit(number, trajectory, arrival), numbered within the vehicle's run.
+template <class Visit>
+void for_each_arrival(const ChunkWork& w, Visit&& visit) {
+  for (const Trajectory& t : w.trajectories) {
+    std::size_t number = w.chunk->arrivals_before[t.vehicle.index()];
+    for (const ArrivalObservation& a : t.arrivals) visit(number++, t, a);
+  }
+}
+
+}  // namespace
+
+StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
+  // Something is left for what remains of the readings, and for the epochs that are looked at one by one.
+  memory_bytes -= std::min(memory_bytes / 2, kBesideChunks);
+  StreamPlan plan;
+  plan.chunk_arrivals = std::clamp<std::size_t>(memory_bytes / 8 / kBytesInWork, 1, kMostInChunk);
+  plan.piece_bytes = plan.chunk_arrivals * kBytesInWork;
+  plan.workers =
+      static_cast<int>(std::clamp<std::size_t>(memory_bytes / 2 / (plan.chunk_arrivals * kBytesInWork), 1,
+                                               static_cast<std::size_t>(std::max(threads, 1))));
+  return plan;
+}
+
+LogPasses::LogPasses(const ReadingTask& task, const LogIndex& index)
+    : task_(task), index_(index), model_(trajectory_model(task.frame.site)), stops_(index.chunks().size()) {
+  std::tie(first_, last_) = parts_of(task.options.ranks, index.chunks().size());
+  for (int i = 0; i < task.workers; ++i) workers_.push_back(std::make_unique<ChunkWork>());
+}
+
+/// work(chunk, ChunkWork&), with the chunk loaded.
+template <class Do>
+Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
+  return for_each_side_by_side(first_, last_, workers_.size(), task_.course,
+                               [&](std::size_t k, std::size_t worker) -> Result<void> {
+                                 if (auto ok = load(k, *workers_[worker]); !ok) return ok;
+                                 work(k, *workers_[worker]);
+                                 return {};
+                               });
+}
+
+Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
+  const LogChunk& c = index_.chunks()[chunk];
+  if (w.chunk == nullptr || w.chunk->run != c.run) {
+    begin_run(task_.source.log(c.run), w.log);
+    w.log.poses = task_.source.log(c.run).poses;
+  }
+  w.chunk = &c;
+  if (auto ok = index_.read(task_.source, c.run, c.first_block, c.last_block, w.log.arrivals); !ok) return ok;
+  w.trajectories.clear();
+  for (std::size_t v = 0; v < c.arrivals.size(); ++v) {
+    if (c.arrivals[v] == 0) continue;
+    w.trajectories.push_back(make_trajectory(w.log, c.run, VehicleId(v), model_));
+    if (w.trajectories.back().arrivals.size() == c.arrivals[v] &&
+        w.trajectories.back().nodes.size() == c.epochs[v])
+      continue;
+    return fail(changed_while_read(w.log));
+  }
+  return {};
+}
+
+void LogPasses::restore(const ChunkStops& stops, const Estimate& estimate, ChunkWork& w) const {
+  const double stated_s = task_.frame.site.noise.tof_sigma_s;
+  rescale_noise(w.trajectories, stated_s, stated_s * estimate.noise_factor);
+  std::size_t arrival = 0;
+  for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
+    Trajectory& t = w.trajectories[i];
+    for (std::size_t k = 0; k < t.nodes.size(); ++k) stops.states[i].put(t, k, t.nodes[k]);
+    for (ArrivalObservation& a : t.arrivals) a.rejection = stops.marks[arrival++];
+  }
+}
+
+void LogPasses::keep(const ChunkWork& w, ChunkStops& stops) const {
+  stops.states.resize(w.trajectories.size());
+  stops.marks.clear();
+  for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
+    const Trajectory& t = w.trajectories[i];
+    stops.states[i].clear();
+    stops.states[i].reserve(t, t.nodes.size());
+    for (const Node& n : t.nodes) stops.states[i].add(t, n);
+    for (const ArrivalObservation& a : t.arrivals) stops.marks.push_back(a.rejection);
+  }
+}
+
+Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
+  const SharedState state = estimate.state();
+  const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
+  std::vector<std::vector<double>> residuals(stops_.size()), ranges(stops_.size());
+  PassSummer summer(first_, stops_.size(), estimate.layout.size());
+  const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
+    for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
+      spread.look_at_range(number, t, a, ranges[k]);
+    });
+    apply_gates(task_.frame.site, w.trajectories, 1);
+    place_all_stops(task_.frame, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
+                    w.trajectories);
+    stops_[k].start_heading_rad.clear();
+    for (const Trajectory& t : w.trajectories) {
+      for (const Node& n : t.nodes)
+        stops_[k].start_heading_rad.push_back(n.placed ? static_cast<float>(n.T_map_vehicle.heading_rad())
+                                                       : NAN);
+    }
+    for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
+      spread.look_at_residual(number, t, a, residuals[k]);
+    });
+    if (mark)
+      summer.take(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas,
+                  MarkPolicy::kFirst, w.system);
+    keep(w, stops_[k]);
+  });
+  if (!done) return fail(done.error());
+  Placed placed;
+  placed.residuals = in_order(task_.options.ranks, std::move(residuals));
+  placed.ranges_m = in_order(task_.options.ranks, std::move(ranges));
+  if (!mark) return placed;
+  std::vector<double> numbers = std::move(summer).numbers();
+  sum_over(task_.options.ranks, numbers);
+  placed.sum = PassSummer::sum_of(numbers, estimate.layout.size());
+  return placed;
+}
+
+Result<PassSum> LogPasses::pass(const Estimate& estimate, MarkPolicy marks) {
+  const SharedState state = estimate.state();
+  PassSummer summer(first_, stops_.size(), estimate.layout.size());
+  const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
+    restore(stops_[k], estimate, w);
+    summer.take(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas, marks, w.system);
+    keep(w, stops_[k]);
+  });
+  if (!done) return fail(done.error());
+  std::vector<double> numbers = std::move(summer).numbers();
+  sum_over(task_.options.ranks, numbers);
+  return PassSummer::sum_of(numbers, estimate.layout.size());
+}
+
+Result<void> LogPasses::tell(const Estimate& estimate, FindingsGatherer& gatherer) {
+  std::vector<std::vector<double>> tapes(stops_.size());
+  const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
+    restore(stops_[k], estimate, w);
+    const float* start_heading_rad = stops_[k].start_heading_rad.data();
+    for (const Trajectory& t : w.trajectories) {
+      tell_trajectory(w, t, start_heading_rad, gatherer, tapes[k]);
+      start_heading_rad += t.nodes.size();
+    }
+  });
+  if (!done) return done;
+  gatherer.read(in_order(task_.options.ranks, std::move(tapes)));
+  return {};
+}
+
+/// @param start_heading_rad  of each of its states
+void LogPasses::tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
+                                const FindingsGatherer& gatherer, std::vector<double>& tape) const {
+  const std::size_t before = w.chunk->epochs_before[t.vehicle.index()], every = gatherer.every();
+  std::vector<Segment> some;
+  for (std::size_t k = (every - before % every) % every; k < t.segments.size(); k += every)
+    some.push_back(t.segments[k]);
+  PartFindings part{t, w.log, pick_segments(t, some)};
+  for (std::size_t k = 0; k < t.nodes.size(); ++k)
+    if (t.motion == Motion::kPlanar && is_flipped(t.nodes[k], static_cast<double>(start_heading_rad[k])))
+      part.flipped.push_back(t.nodes[k].epoch);
+  gatherer.write(part, tape);
+}
+
+}  // namespace octant::calib

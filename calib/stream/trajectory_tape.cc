@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/stream/trajectory_tape.h"
+
+#include "calib/adjust/node_numbers.h"
+
+namespace octant::calib {
+namespace {
+
+void put_node(const Node& node, TapeWriter& tape) {
+  double numbers[kNumbersOfNode];
+  put_numbers(node, numbers);
+  for (const double number : numbers) tape.put(number);
+  tape.put(node.time_s);
+  tape.put_integer(node.epoch);
+}
+Node get_node(TapeReader& tape) {
+  double numbers[kNumbersOfNode];
+  for (double& number : numbers) number = tape.get();
+  Node node;
+  take_numbers(numbers, node);
+  node.time_s = tape.get();
+  node.epoch = tape.integer();
+  return node;
+}
+
+void put_pose(const Pose& T, TapeWriter& tape) {
+  for (Eigen::Index i = 0; i < 3; ++i) tape.put(T.translation_m[i]);
+  for (Eigen::Index i = 0; i < 4; ++i) tape.put(T.rotation.coeffs()[i]);
+}
+Pose get_pose(TapeReader& tape) {
+  Pose T;
+  for (Eigen::Index i = 0; i < 3; ++i) T.translation_m[i] = tape.get();
+  for (Eigen::Index i = 0; i < 4; ++i) T.rotation.coeffs()[i] = tape.get();
+  return T;
+}
+
+void put_arrival(const ArrivalObservation& o, const Arrival& a, TapeWriter& tape) {
+  tape.put_count(o.node);
+  tape.put_count(static_cast<std::size_t>(o.rejection));
+  for (const double number :
+       {o.alpha, o.model_speed_mps, o.sigma_s, a.time_s, a.tof_s, a.amplitude_v, a.temperature_degC})
+    tape.put(number);
+  tape.put_count(a.beacon.index());
+  tape.put_count(a.receiver.index());
+  tape.put_integer(a.epoch);
+  tape.put_integer(a.line);
+}
+ArrivalObservation get_arrival(const TrajectoryModel& model, VehicleId vehicle, TapeReader& tape,
+                               Arrival& a) {
+  const std::size_t node = tape.count();
+  const auto rejection = static_cast<Rejection>(tape.count());
+  const double alpha = tape.get(), speed_mps = tape.get(), sigma_s = tape.get();
+  for (double* number : {&a.time_s, &a.tof_s, &a.amplitude_v, &a.temperature_degC}) *number = tape.get();
+  a.beacon = BeaconId(tape.count());
+  a.receiver = ReceiverId(tape.count());
+  a.vehicle = vehicle;
+  a.epoch = tape.integer();
+  a.line = static_cast<int>(tape.integer());
+  ArrivalObservation o = observe(a, model, speed_mps);
+  o.node = static_cast<std::uint32_t>(node);
+  o.alpha = alpha;
+  o.sigma_s = sigma_s;
+  o.rejection = rejection;
+  return o;
+}
+
+/// Moves the ranges of a segment behind what the lists hold.
+void move_behind(const Trajectory& to, Segment& s) {
+  s.first_node += to.nodes.size(), s.last_node += to.nodes.size();
+  s.first_arrival += to.arrivals.size(), s.last_arrival += to.arrivals.size();
+  s.first_bearing = s.last_bearing = 0;
+  s.first_pose += to.poses.size(), s.last_pose += to.poses.size();
+  s.first_odometry += to.odometry.size(), s.last_odometry += to.odometry.size();
+  s.first_motion += to.motion_steps.size(), s.last_motion += to.motion_steps.size();
+}
+
+}  // namespace
+
+void write_trajectory(const Trajectory& t, const std::vector<Arrival>& rows, TapeWriter& tape) {
+  tape.put_count(t.moving ? 1 : 0);
+  tape.put_count(t.motion_prior ? 1 : 0);
+  tape.put(t.nominal_speed_mps);
+  tape.put_count(t.segments.size());
+  for (const Segment& s : t.segments)
+    for (const std::size_t count :
+         {s.first_node, s.last_node, s.first_arrival, s.last_arrival, s.first_pose, s.last_pose,
+          s.first_odometry, s.last_odometry, s.first_motion, s.last_motion})
+      tape.put_count(count);
+  for (const std::size_t count :
+       {t.arrivals.size(), t.poses.size(), t.odometry.size(), t.motion_steps.size(), t.nodes.size()})
+    tape.put_count(count);
+  for (const ArrivalObservation& o : t.arrivals) put_arrival(o, rows[o.arrival], tape);
+  for (const PoseObservation& o : t.poses) {
+    tape.put_count(o.node);
+    put_pose(o.T_map_vehicle, tape);
+    for (const double number : {o.alpha, o.position_sigma_m, o.heading_sigma_rad, o.attitude_sigma_rad})
+      tape.put(number);
+  }
+  for (const OdometryObservation& o : t.odometry) {
+    tape.put_count(o.node);
+    put_pose(o.T_before_after, tape);
+    for (const double number : {o.distance_sigma_m, o.heading_sigma_rad}) tape.put(number);
+  }
+  for (const MotionObservation& o : t.motion_steps) {
+    tape.put_count(o.node);
+    tape.put(o.step_s);
+  }
+  for (const Node& node : t.nodes) put_node(node, tape);
+}
+
+void read_trajectory(const TrajectoryModel& model, TapeReader& tape, Trajectory& to,
+                     std::vector<Arrival>& rows) {
+  to.motion = model.motion;
+  to.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
+  to.turnaround_s = model.timing.turnaround_s;
+  to.moving = tape.count() != 0;
+  if (tape.count() != 0) to.motion_prior = model.motion_priors[to.vehicle.index()];
+  to.nominal_speed_mps = tape.get();
+  const std::size_t nodes = to.nodes.size();
+  for (std::size_t n = tape.count(); n > 0; --n) {
+    Segment s;
+    for (std::size_t* count :
+         {&s.first_node, &s.last_node, &s.first_arrival, &s.last_arrival, &s.first_pose, &s.last_pose,
+          &s.first_odometry, &s.last_odometry, &s.first_motion, &s.last_motion})
+      *count = tape.count();
+    move_behind(to, s);
+    to.segments.push_back(s);
+  }
+  std::size_t counts[5];
+  for (std::size_t& count : counts) count = tape.count();
+  for (; counts[0] > 0; --counts[0]) {
+    Arrival a;
+    ArrivalObservation o = get_arrival(model, to.vehicle, tape, a);
+    o.node += static_cast<std::uint32_t>(nodes);
+    o.arrival = static_cast<std::uint32_t>(rows.size());
+    to.arrivals.push_back(o);
+    rows.push_back(a);
+  }
+  for (; counts[1] > 0; --counts[1]) {
+    PoseObservation o;
+    o.node = tape.count() + nodes;
+    o.T_map_vehicle = get_pose(tape);
+    for (double* number : {&o.alpha, &o.position_sigma_m, &o.heading_sigma_rad, &o.attitude_sigma_rad})
+      *number = tape.get();
+    to.poses.push_back(o);
+  }
+  for (; counts[2] > 0; --counts[2]) {
+    OdometryObservation o;
+    o.node = tape.count() + nodes;
+    o.T_before_after = get_pose(tape);
+    for (double* number : {&o.distance_sigma_m, &o.heading_sigma_rad}) *number = tape.get();
+    to.odometry.push_back(o);
+  }
+  for (; counts[3] > 0; --counts[3]) {
+    MotionObservation o;
+    o.node = tape.count() + nodes;
+    o.step_s = tape.get();
+    to.motion_steps.push_back(o);
+  }
+  for (; counts[4] > 0; --counts[4]) to.nodes.push_back(get_node(tape));
+}
+
+}  // namespace octant::calib

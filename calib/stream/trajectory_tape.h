@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "calib/problem/log_tape.h"
+#include "models/run.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant::calib {
+
+/// Writes a trajectory with its states and the rows of its arrivals. Bearings are none of it.
+/// @param rows  of the run, as far as they are at hand: what ArrivalObservation::arrival counts
+void write_trajectory(const Trajectory& trajectory, const std::vector<Arrival>& rows, TapeWriter& tape);
+
+/// Reads one behind what a trajectory and the rows hold already.
+/// @param model  of the site
+void read_trajectory(const TrajectoryModel& model, TapeReader& tape, Trajectory& to,
+                     std::vector<Arrival>& rows);
+
+}  // namespace octant::calib
