@@ -18,7 +18,7 @@ namespace {
 constexpr ThinOptions kHalf = {.instants = 40, .per_beacon = 30, .per_pair = 4};
 constexpr ThinOptions kAllStops = {.instants = 400, .per_beacon = 0, .per_pair = 4};
 /// Ranges from places that a half tells may be off by this where the other half stood elsewhere.
-constexpr double kSlackM = 0.1;
+constexpr double kOtherHalfSlackM = 0.1;
 /// Such a jump is told by its significance; whether it explains the recording is seen afterwards.
 constexpr double kSmallestJumpM = 0.01;
 /// Beside a jump, steps below this share of it are what a half that was bent by it leaves.
@@ -46,7 +46,7 @@ std::vector<Trajectory> stops_with_clocks(const Site& site, const MeasurementLog
   const SharedState state = adjusted.state();
   const EpochFixModel model = search_model(*problem, state, adjusted.beacon_usable);
   for (Trajectory& t : problem->trajectories) {
-    static_cast<void>(place_states(t, model, kSlackM, false, 0.0, threads));
+    static_cast<void>(place_states(t, model, kOtherHalfSlackM, false, 0.0, threads));
     t.has_cycle_offset = false;  // what is looked for is no offset of the site's clock
   }
   return std::move(problem->trajectories);

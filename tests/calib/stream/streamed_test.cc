@@ -10,6 +10,7 @@
 #include "calib/verdict/validity.h"
 #include "tests/calib/calib_support.h"
 #include "tests/calib/memory_source.h"
+#include "tests/calib/stream/changed_log.h"
 #include "tests/calib/thread_team.h"
 
 namespace octant::test {
@@ -218,16 +219,7 @@ TEST(Streamed, StopsWhereItIsAskedTo) {
 }
 
 TEST(Streamed, AFileThatChangesIsAnError) {
-  const World world = must(simulate(long_hall(4200), 11));
-  MemorySource source(std::vector<MeasurementLog>{world.run}, 300);
-  calib::SolveOptions options;
-  options.on_progress = [&](const calib::Progress& p) {
-    source.forgets = p.stage == "states of the whole log";
-    return true;
-  };
-  const auto answer = calib::solve_streamed(world.site, source, options, kTiny);
-  ASSERT_FALSE(answer);
-  EXPECT_NE(answer.error().message().find("changed"), std::string::npos) << answer.error().message();
+  expect_a_changed_log_to_be_an_error(must(simulate(long_hall(4200), 11)));
 }
 
 TEST(Streamed, RefusesWhatIsRefused) {

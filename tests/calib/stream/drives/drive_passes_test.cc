@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/calib/stream/changed_log.h"
 #include "tests/calib/stream/same_drive.h"
 #include "tests/calib/thread_team.h"
 
@@ -98,18 +99,7 @@ TEST(DrivePasses, StopWhereTheyAreAskedTo) {
   }
 }
 
-TEST(DrivePasses, AFileThatChangesIsAnError) {
-  const World world = long_drive(8);
-  MemorySource source(std::vector<MeasurementLog>{world.run}, 300);
-  calib::SolveOptions options;
-  options.on_progress = [&](const calib::Progress& p) {
-    source.forgets = p.stage == "states of the whole log";
-    return true;
-  };
-  const auto answer = calib::solve_streamed(world.site, source, options, kFewStates);
-  ASSERT_FALSE(answer);
-  EXPECT_NE(answer.error().message().find("changed"), std::string::npos) << answer.error().message();
-}
+TEST(DrivePasses, AFileThatChangesIsAnError) { expect_a_changed_log_to_be_an_error(long_drive(8)); }
 
 TEST(DrivePasses, KeepRangeGates) {
   const World world = long_drive(10, 0.05);
