@@ -65,6 +65,15 @@ class Groups {
     return value;
   }
 
+  /// Flags, units: 0 where it is none.
+  int integer(const Group& group) {
+    constexpr double kMost = 1e9;
+    const double value = number(group);
+    if (std::abs(value) <= kMost && value == std::floor(value)) return static_cast<int>(value);
+    fail(fmt::format("{} for group {}", in_quotes(group.value), group.code), "a whole number");
+    return 0;
+  }
+
   void fail(std::string found, std::string expected, std::string advice = "") {
     if (!error)
       error = Error{.file = file_,
@@ -155,8 +164,7 @@ class Reader {
         section = group.value;
       } else if (section == "HEADER") {
         if (group.code == 9) variable = group.value;
-        if (group.code == 70 && variable == "$INSUNITS")
-          header_unit_ = static_cast<int>(groups_.number(group));
+        if (group.code == 70 && variable == "$INSUNITS") header_unit_ = groups_.integer(group);
       } else if (section == "ENTITIES") {
         take(group);
       }
@@ -185,7 +193,7 @@ class Reader {
     auto& points = e.drawn.points_m;
     if (g.code == 8) e.drawn.layer = g.value;
     if (g.code == 70 || (g.code == 230 && trimmed(g.value).starts_with("-1")))
-      (g.code == 70 ? e.flags = static_cast<int>(groups_.number(g)) : e.mirrored = true);
+      (g.code == 70 ? e.flags = groups_.integer(g) : e.mirrored = true);
     if (entity_.type == "LINE") {
       if (g.code == 10) points[0].x() = value;
       if (g.code == 20) points[0].y() = value;

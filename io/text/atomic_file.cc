@@ -62,7 +62,7 @@ Result<void> write_in_place(const std::string& path, std::string_view content) {
 class StagedFile {
  public:
   StagedFile(std::string path, std::string target) : path_(std::move(path)), target_(std::move(target)) {
-    for (const StaleStaging& stale : stale_beside(target_)) (void)::unlink(stale.path.c_str());
+    remove_stale_beside(target_);
     temporary_ = staging_name(target_);
   }
   StagedFile(StagedFile&& other) noexcept

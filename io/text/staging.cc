@@ -12,9 +12,11 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "io/text/open_file.h"
 #include "io/text/text.h"
 
 namespace octant::io {
@@ -42,21 +44,31 @@ std::string staging_name(const std::string& target) {
   return fmt::format("{}.{}.{}.tmp", target, ::getpid(), count++);
 }
 
-std::vector<StaleStaging> stale_beside(const std::string& target) {
+void remove_stale_beside(const std::string& target) {
   namespace fs = std::filesystem;
   const fs::path path(target);
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::vector<StaleStaging> found;
   std::error_code error;
   for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error)) {
     const auto pid = stager_of(entry->path().filename().string(), path.filename().string());
     if (!pid || ::kill(*pid, 0) == 0 || errno != ESRCH) continue;
-    Descriptor lock(::open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+    const Descriptor lock(::open(entry->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+    std::error_code ignored;  // what cannot be removed stays, and hurts nobody
     if (lock.get() >= 0 && ::flock(lock.get(), LOCK_EX | LOCK_NB) == 0)
-      found.push_back({entry->path(), std::move(lock)});
+      fs::remove_all(entry->path(), ignored);
   }
-  return found;
+}
+
+StagedFolder::StagedFolder(std::filesystem::path path)
+    : path_(std::move(path)), lock_(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (lock_ >= 0) (void)::flock(lock_, LOCK_EX | LOCK_NB);
+}
+
+StagedFolder::~StagedFolder() {
+  std::error_code ignored;  // nothing better can be done in a destructor
+  if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 }  // namespace octant::io

@@ -114,7 +114,6 @@ std::optional<Failure> failure_of(const Calibration& calibration) {
       message += (&c == &s.contradictions.front() ? ": " : "; ") + in_words(c);
       if (advice.find(c.remedy) == std::string::npos) advice += (advice.empty() ? "" : "; ") + c.remedy;
     }
-    message.pop_back();  // the advice goes on
     if (calibration.deployment && !calibration.accepted)
       advice += "; --accept exports it all the same, marked";
     return Failure{"contradicted", "contradicted", kGateFailed, message, advice};

@@ -7,9 +7,7 @@
 #include <set>
 #include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 
 #include "apps/octant/interrupt.h"
@@ -17,7 +15,6 @@
 #include "io/deployment/deployment_json.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
-#include "io/text/open_file.h"
 #include "io/text/staging.h"
 
 namespace octant::app {
@@ -28,28 +25,6 @@ namespace fs = std::filesystem;
 Error output_error(const fs::path& path, const std::string& found, const std::string& advice = {}) {
   return {.code = Errc::kOutput, .file = path.string(), .found = found, .expected = {}, .advice = advice};
 }
-
-/// A folder of ours while it is being made; gone with its content unless it is kept.
-class Staging {
- public:
-  /// @param path  a folder that is there
-  explicit Staging(fs::path path)
-      : path_(std::move(path)), lock_(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    (void)::flock(lock_.get(), LOCK_EX | LOCK_NB);  // so that nobody takes it for one that was left behind
-  }
-  ~Staging() {
-    std::error_code ignored;  // nothing better can be done in a destructor
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  Staging(const Staging&) = delete;
-  Staging& operator=(const Staging&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-  void keep() { path_.clear(); }
-
- private:
-  fs::path path_;
-  io::Descriptor lock_;
-};
 
 /// The first thing in the folder that no world has, if any.
 std::optional<fs::path> stranger_in(const fs::path& folder, const std::vector<std::string>& may_replace) {
@@ -89,7 +64,7 @@ Result<fs::path> make_sibling(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(parent, error);
   if (error) return fail(output_error(parent, error.message()));
-  for (const io::StaleStaging& stale : io::stale_beside(folder.string())) fs::remove_all(stale.path, error);
+  io::remove_stale_beside(folder.string());
   for (int tries = 0; tries < kTries; ++tries) {
     fs::path sibling = io::staging_name(folder.string());
     if (::mkdir(sibling.c_str(), 0777) == 0) return sibling;
@@ -154,13 +129,13 @@ Result<void> write_world(const std::string& folder, const World& world, std::str
   if (auto fit = check_world_folder(target, may_replace); !fit) return fit;
   auto made = make_sibling(target);
   if (!made) return fail(made.error());
-  Staging fresh(*made);
+  io::StagedFolder fresh(*made);
   if (auto written = write_content(fresh.path(), world, scenario_text); !written) return written;
 
   if (fs::exists(target, error)) {
     auto aside = make_sibling(target);
     if (!aside) return fail(aside.error());
-    const Staging old(*aside);
+    const io::StagedFolder old(*aside);
     error = exchange_content(fresh.path(), target, old.path());
   } else {
     fs::rename(fresh.path(), target, error);
