@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <mutex>
@@ -12,19 +13,49 @@
 
 namespace octant::calib {
 
-/// What one reading of a log leaves of it at an estimate.
-struct PassSum {
-  ReducedSystem system;      ///< of all arrivals in use, plain squares; its cost is theirs
+/// What is counted in one reading of a log, by piece, by rank and in all.
+struct PassCounts {
   double cost_before = 0.0;  ///< with the marks as they were before the pass
   std::size_t changed = 0;   ///< marks
-  ObservationCounts counts;  ///< without residuals
+  ObservationCounts of_log;  ///< without residuals
+  static constexpr int kSize = 6;
+
+  void add(const PassCounts& other) {
+    cost_before += other.cost_before;
+    changed += other.changed;
+    of_log.add(other.of_log);
+  }
+  /// As ranks add them up.
+  [[nodiscard]] std::array<double, kSize> as_numbers() const {
+    return {cost_before,
+            static_cast<double>(changed),
+            static_cast<double>(of_log.used),
+            static_cast<double>(of_log.rejected),
+            of_log.observations,
+            static_cast<double>(of_log.states)};
+  }
+  /// @param numbers  kSize of them, as of as_numbers()
+  static PassCounts from_numbers(const double* numbers) {
+    PassCounts counts;
+    counts.cost_before = numbers[0];
+    counts.changed = static_cast<std::size_t>(numbers[1]);
+    counts.of_log.used = static_cast<std::size_t>(numbers[2]);
+    counts.of_log.rejected = static_cast<std::size_t>(numbers[3]);
+    counts.of_log.observations = numbers[4];
+    counts.of_log.states = static_cast<std::size_t>(numbers[5]);
+    return counts;
+  }
+};
+
+/// What one reading of a log leaves of it at an estimate.
+struct PassSum {
+  ReducedSystem system;  ///< of all arrivals in use, plain squares; its cost is theirs
+  PassCounts counts;
 
   void add(const PassSum& other) {
     system.cost += other.system.cost;
     system.H += other.system.H;
     system.gradient += other.system.gradient;
-    cost_before += other.cost_before;
-    changed += other.changed;
     counts.add(other.counts);
   }
 };

@@ -140,7 +140,7 @@ class StreamedCalibrator {
       const double prior = prior_cost(frame_, it_.layout, it_.x);
       const double off =
           noise_off_by(it_.last.cost - prior,
-                       statistics_of(frame_, it_.layout, settled->counts, it_.last.cost).redundancy);
+                       statistics_of(frame_, it_.layout, settled->counts.of_log, it_.last.cost).redundancy);
       if (off == 1.0) break;
       it_.noise_factor *= off;
       *it_.last.data_information /= off * off;
@@ -166,7 +166,7 @@ class StreamedCalibrator {
       first.reset();
       ++course_.iterations;
       const double prior = prior_cost(frame_, it_.layout, it_.x);
-      if (next->cost_before + prior > cost * (1 + kSameCost) && marks != MarkPolicy::kFirst &&
+      if (next->counts.cost_before + prior > cost * (1 + kSameCost) && marks != MarkPolicy::kFirst &&
           damping < 1e6) {
         if (careful) {  // from where it was, a shorter step
           damping = std::max(kFirstDamping, 10 * damping);
@@ -188,7 +188,7 @@ class StreamedCalibrator {
       const Step step = stepped(sum.system, x, damping);
       const double gain = damping > 0 ? stepped(sum.system, x, 0.0).gain : step.gain;
       const bool settled = gain <= kNoStep * cost;
-      if (settled && (sum.changed == 0 || marked >= kRejectionRounds) && marks != MarkPolicy::kKept)
+      if (settled && (sum.counts.changed == 0 || marked >= kRejectionRounds) && marks != MarkPolicy::kKept)
         return ended(std::move(sum), cost, true);
       const bool may_mark = marked < kRejectionRounds && (!careful || settled);
       if (settled && !may_mark) return ended(std::move(sum), cost, true);
@@ -276,7 +276,8 @@ std::optional<std::string> why_no_streamed_drive(const Site& site, const Measure
 std::optional<std::string> why_no_streamed_stops(const Site& site, const MeasurementLog& run) {
   if (!run.has_epochs) return fmt::format("{} has neither epochs nor odometry", run.path);
   if (!run.odometry.empty()) return fmt::format("{} has stops with odometry between them", run.path);
-  // A start from a part of these marks a few arrivals and epochs in other ways than one from all of them.
+  // Tried, and not the same as the whole log, for reasons not tracked down: with cycle offsets or measured
+  // poses some 20 of 21,000 arrivals are marked otherwise, and in space far fewer have a reliability.
   if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
   if (site.timing.clock != Clock::kSynchronised) return "each epoch has a clock offset of its own";
   if (!run.poses.empty()) return fmt::format("{} has measured poses of stops", run.path);

@@ -13,7 +13,6 @@
 
 namespace octant::test {
 
-/// How a process ended.
 /// What a process may take where it may take that much: the address sanitizer's shadow, and what it keeps of
 /// freed memory, come on top.
 constexpr double with_sanitizer_mb(double mb) {
@@ -24,6 +23,7 @@ constexpr double with_sanitizer_mb(double mb) {
 #endif
 }
 
+/// How a process ended.
 struct Outcome {
   int exit = -1;  ///< 128 + signal where one ended it
   std::string out, err;

@@ -2,102 +2,35 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reports in a real browser: report_test.py OCTANT [unittest's words]. Exit 77: there is no browser here."""
 import base64
-import csv
-import io
 import json
 import os
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from browser import Browser, pixels, skip_unless_possible  # noqa: E402
+from pages import HOSTILE, Pages  # noqa: E402
 
 OCTANT = ""
-SOURCES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SCREENS = ((1280, 900), (400, 800))  # a desk's, a phone's
-HOSTILE = ["<script>alert(1)</script>", '"];//', "</script><b>bold</b>", "]]>", "&lt;", "<img src=x onerror=\"document.title='taken'\">",
-           "<a href='javascript:alert(1)'>B6</a>", "var(--bad)"]
-
-
-def octant(*words, exit_code=0):
-    done = subprocess.run([OCTANT, *words, "--progress", "none"], capture_output=True, text=True)
-    assert done.returncode == exit_code, (words, done.returncode, done.stderr)
-    return done.stdout
 
 
 class Reports(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.box = tempfile.mkdtemp(prefix="octant-browser-")
-        cls.at = staticmethod(lambda name: os.path.join(cls.box, name))
-        at = cls.at
-        octant("demo", "-o", at("hall"), "-q")
-        cls.found = json.loads(octant("calibrate", at("hall/site.yaml"), at("hall/run"), "-o", at("d.json"), "--report", at("r.json"), "--json"))
-        octant("report", at("r.json"), at("hall/heldout"), "--since", at("hall/deployment.true.json"), "-o", at("good.html"))
-        octant("report", at("r.json"), at("hall/heldout"), "--since", at("hall/deployment.true.json"), "-o", at("still.html"), "--report-static")
-        octant("report", at("d.json"), "--site-sheet", at("sheet.html"))
-        cls.echoes()
-        cls.hostile_site()
-        octant("calibrate", at("hostile/site.yaml"), at("hostile/run"), "-o", at("h.json"), "--report", at("hostile.html"))
-        octant("report", at("h.json"), "--site-sheet", at("hostile-sheet.html"))
-        cls.hostile_hall()
-        octant("survey", at("hall.yaml"), "-o", at("survey.html"))
-        octant("survey", at("hall.yaml"), "-o", at("survey-still.html"), "--report-static")
+        cls.pages = Pages(OCTANT)
         cls.browser = Browser()
 
     @classmethod
     def tearDownClass(cls):
         cls.browser.close()
-        shutil.rmtree(cls.box, ignore_errors=True)
+        cls.pages.remove()
 
-    @classmethod
-    def echoes(cls):
-        """A hall in which one arrival in eight is an echo."""
-        with open(os.path.join(SOURCES, "datasets/hall/scenario.yaml")) as file:
-            scenario = file.read()
-        with open(cls.at("echoes.yaml"), "w") as file:
-            file.write(scenario + "\necho_fraction: 0.12\n")
-        octant("simulate", cls.at("echoes.yaml"), "-o", cls.at("echoes"))
-        cls.echoing = json.loads(octant("calibrate", cls.at("echoes/site.yaml"), cls.at("echoes/run"), "-o", cls.at("e.json"), "--report", cls.at("echoes.html"),
-                                        "--json"))
-
-    @classmethod
-    def hostile_site(cls):
-        """The hall with beacons whose names are meant to do harm."""
-        import yaml
-        shutil.copytree(cls.at("hall"), cls.at("hostile"))
-        with open(cls.at("hall/site.yaml")) as file:
-            site = yaml.safe_load(file)
-        new = {beacon["id"]: name for beacon, name in zip(site["beacons"], HOSTILE)}
-        for beacon in site["beacons"]:
-            beacon["id"] = new[beacon["id"]]
-        site["name"] = HOSTILE[0]
-        with open(cls.at("hostile/site.yaml"), "w") as file:
-            yaml.safe_dump(site, file)
-        with open(cls.at("hall/run/tof.csv")) as file:
-            rows = list(csv.reader(file))
-        column = rows[0].index("beacon")
-        for row in rows[1:]:
-            row[column] = new[row[column]]
-        with open(cls.at("hostile/run/tof.csv"), "w", newline="") as file:
-            csv.writer(file).writerows(rows)
-
-    @classmethod
-    def hostile_hall(cls):
-        """That site with walls and routes of such names, for a survey."""
-        import yaml
-        with open(cls.at("hostile/site.yaml")) as file:
-            site = yaml.safe_load(file)
-        site["scene"] = {"floor_m": [[0, 0], [20, 0], [20, 12], [0, 12]], "cell_m": 1.0, "acoustics": {"range_m": 15.0},
-                         "obstacles": [{"id": HOSTILE[0], "points_m": [[4, 4], [6, 4], [6, 6], [4, 6]], "top_m": 3.0}],
-                         "walls": [{"id": HOSTILE[1], "points_m": [[12, 5], [16, 5]], "top_m": 3.0}, {"id": HOSTILE[5], "points_m": [[9, 9], [9, 11]], "top_m": 2.0}],
-                         "routes": [{"id": HOSTILE[6], "points_m": [[1, 1], [18, 1], [18, 9]]}]}
-        with open(cls.at("hall.yaml"), "w") as file:
-            yaml.safe_dump(site, file)
+    def at(self, name):
+        return self.pages.at(name)
 
     def assert_quiet(self):
         self.assertEqual(self.browser.errors(), [])
@@ -149,8 +82,8 @@ class Reports(unittest.TestCase):
         table = b.run("return [...document.querySelectorAll('#beacon-table tr')].map(r => [...r.cells].map(c => c.textContent))")
         head, rows = table[0], table[1:]
         self.assertEqual(len(rows), 8)
-        reliability = {x["id"]: x for x in self.found["reliability"]["beacons"]}
-        for beacon, row in zip(self.found["beacons"], rows):
+        reliability = {x["id"]: x for x in self.pages.found["reliability"]["beacons"]}
+        for beacon, row in zip(self.pages.found["beacons"], rows):
             cell = dict(zip(head, row))
             self.assertEqual(cell["beacon"], beacon["id"])
             for i, axis in enumerate("xyz"):
@@ -281,7 +214,7 @@ class Reports(unittest.TestCase):
 
     def test_what_was_left_out_is_on_a_map(self):
         b = self.browser
-        left_out = self.echoing["left_out"]["arrivals"]
+        left_out = self.pages.echoing["left_out"]["arrivals"]
         self.assertGreater(left_out["total"], 100)
         for width, height in SCREENS:
             b.open(self.at("echoes.html"), width=width, height=height)
@@ -345,7 +278,7 @@ class Reports(unittest.TestCase):
             for title in titles:
                 self.assertIn(title, text)
             self.assertIn("drawn 100 times as large as they are", text)  # the still plan, not the other
-            last = self.found["beacons"][-1]
+            last = self.pages.found["beacons"][-1]
             row = [line for line in text.splitlines() if line.split()[:2] == [last["id"], f"{last['position_m'][0]:.4f}"]]
             self.assertEqual(len(row), 1)
             self.assertIn("calibrated", row[0])  # the last column is on the paper too

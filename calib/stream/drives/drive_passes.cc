@@ -90,13 +90,6 @@ class DrivePasses::JoinedEnds {
   std::vector<OpenChain> waiting_;
 };
 
-/// Of a piece in a pass.
-struct DrivePasses::Numbers {
-  double cost_before = 0.0;
-  std::size_t changed = 0;
-  ObservationCounts counts;
-};
-
 DrivePasses::DrivePasses(const ReadingTask& task, const DriveIndex& index)
     : task_(task),
       index_(index),
@@ -265,17 +258,17 @@ std::vector<Node> DrivePasses::ends_at(const Eigen::VectorXd& x) const {
 
 /// Settles the states of a piece with plain squares, its ends held, marks arrivals as asked, and reduces it.
 void DrivePasses::settle(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
-                         MarkPolicy marks, Numbers& numbers, DriveWork& w, OpenChain& out) const {
+                         MarkPolicy marks, PassCounts& counts, DriveWork& w, OpenChain& out) const {
   Trajectory& t = w.t();
   const Segment& segment = t.segments.front();
   const SettleOptions held{
       .tolerance = kPieceAtRest, .hold_first = piece.open_left, .hold_last = piece.open_right};
   const auto mark = [&] { return mark_rejected(w.trajectory, state, task_.options.rejection_sigmas); };
-  if (marks == MarkPolicy::kFirst) numbers.changed = mark();
-  numbers.cost_before = octant::settle(t, segment, state, {}, held).cost;
+  if (marks == MarkPolicy::kFirst) counts.changed = mark();
+  counts.cost_before = octant::settle(t, segment, state, {}, held).cost;
   if (marks == MarkPolicy::kSettled) {
-    numbers.changed = mark();
-    if (numbers.changed > 0) static_cast<void>(octant::settle(t, segment, state, {}, held));
+    counts.changed = mark();
+    if (counts.changed > 0) static_cast<void>(octant::settle(t, segment, state, {}, held));
   }
   std::vector<int> columns(static_cast<std::size_t>(layout.size()));
   std::iota(columns.begin(), columns.end(), 0);
@@ -288,13 +281,13 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, MarkPolicy marks) {
   const SharedState state = estimate.state();
   tried_.state = ends_at(estimate.x);
   JoinedEnds joined(*this, estimate.layout.size());
-  std::vector<Numbers> numbers(pieces_.size());
+  std::vector<PassCounts> counts(pieces_.size());
   const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
     restore(k, estimate, tried_.state, w);
     OpenChain system;
-    if (w.t().nodes.front().placed) settle(*w.piece, estimate.layout, state, marks, numbers[k], w, system);
-    numbers[k].counts = count_observations(w.t(), state, 1, false);
-    if (w.piece->open_left && w.t().nodes.front().placed) numbers[k].counts.states -= 3;  // told before
+    if (w.t().nodes.front().placed) settle(*w.piece, estimate.layout, state, marks, counts[k], w, system);
+    counts[k].of_log = count_observations(w.t(), state, 1, false);
+    if (w.piece->open_left && w.t().nodes.front().placed) counts[k].of_log.states -= 3;  // told before
     joined.add(k, system);
     keep(k, w, 0, 0);
   });
@@ -305,25 +298,12 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, MarkPolicy marks) {
   sum.system.H.setZero(estimate.layout.size(), estimate.layout.size());
   sum.system.gradient.setZero(estimate.layout.size());
   for (const EndChain& chain : tried_.chains) chain.add_to(sum.system);
-  std::vector<double> counted(6, 0.0);
-  for (const Numbers& n : numbers) {
-    const ObservationCounts& c = n.counts;
-    const double its[6] = {n.cost_before,
-                           static_cast<double>(n.changed),
-                           static_cast<double>(c.used),
-                           static_cast<double>(c.rejected),
-                           c.observations,
-                           static_cast<double>(c.states)};
-    for (std::size_t i = 0; i < counted.size(); ++i) counted[i] += its[i];
-  }
+  for (const PassCounts& c : counts) sum.counts.add(c);
+  const auto its = sum.counts.as_numbers();
+  std::vector<double> counted(its.begin(), its.end());
   sum_over(task_.options.ranks, counted);
-  sum.cost_before = counted[0];
-  sum.changed = static_cast<std::size_t>(counted[1]);
-  sum.counts.used = static_cast<std::size_t>(counted[2]);
-  sum.counts.rejected = static_cast<std::size_t>(counted[3]);
-  sum.counts.observations = counted[4];
-  sum.counts.states = static_cast<std::size_t>(counted[5]);
-  for (const DriveChain& chain : index_.chains()) sum.counts.rejected += chain.stateless_count;
+  sum.counts = PassCounts::from_numbers(counted.data());
+  for (const DriveChain& chain : index_.chains()) sum.counts.of_log.rejected += chain.stateless_count;
   return sum;
 }
 

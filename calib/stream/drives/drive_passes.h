@@ -41,7 +41,6 @@ class DrivePasses : public LogReadings {
     Eigen::VectorXd x;             ///< where that was done; empty: nowhere
     std::vector<EndChain> chains;  ///< of each chain
   };
-  struct Numbers;
   class JoinedEnds;
 
   template <class Do>
@@ -54,7 +53,7 @@ class DrivePasses : public LogReadings {
   [[nodiscard]] std::pair<Node, Node> reach_by_odometry(std::size_t piece, bool forward, const Node& from);
   [[nodiscard]] std::vector<Node> ends_at(const Eigen::VectorXd& x) const;
   void settle(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
-              MarkPolicy marks, Numbers& numbers, DriveWork& w, OpenChain& out) const;
+              MarkPolicy marks, PassCounts& counts, DriveWork& w, OpenChain& out) const;
 
   ReadingTask task_;
   const DriveIndex& index_;

@@ -11,11 +11,11 @@ namespace octant::calib {
 
 void PassSummer::take(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout,
                       const SharedState& state, double limit, MarkPolicy marks, ReducedSystem& system) {
-  Numbers& n = numbers_[chunk];
+  Chunk& n = chunks_[chunk];
   std::size_t changed = 0;
   if (marks == MarkPolicy::kFirst) changed = mark_rejected(trajectories, state, limit);
   auto tiles = std::make_unique<TileSum>(trajectories, layout, Workers{});
-  n.cost_before = n.cost = tiles->settle(state, {});
+  n.counts.cost_before = n.cost = tiles->settle(state, {});
   if (marks == MarkPolicy::kSettled) {
     tiles->commit();
     tiles->share_states();
@@ -27,8 +27,8 @@ void PassSummer::take(std::size_t chunk, std::vector<Trajectory>& trajectories, 
   }
   tiles->reduce(state, {}, system);
   tiles->share_states();
-  n.changed = static_cast<double>(changed);
-  for (const Trajectory& t : trajectories) n.counts.add(count_observations(t, state, 1, false));
+  n.counts.changed = changed;
+  for (const Trajectory& t : trajectories) n.counts.of_log.add(count_observations(t, state, 1, false));
   systems_.add(chunk, system, [this](std::size_t, const ReducedSystem& next) {
     sum_.cost += next.cost;
     sum_.H += next.H;
@@ -37,20 +37,15 @@ void PassSummer::take(std::size_t chunk, std::vector<Trajectory>& trajectories, 
 }
 
 std::vector<double> PassSummer::numbers() && {
-  Numbers sum;
-  for (const Numbers& n : numbers_) {
-    sum.cost += n.cost;
-    sum.cost_before += n.cost_before;
-    sum.changed += n.changed;
-    sum.counts.add(n.counts);
+  double cost = 0.0;
+  PassCounts counts;
+  for (const Chunk& n : chunks_) {
+    cost += n.cost;
+    counts.add(n.counts);
   }
-  std::vector<double> all = {sum.cost,
-                             sum.cost_before,
-                             sum.changed,
-                             static_cast<double>(sum.counts.used),
-                             static_cast<double>(sum.counts.rejected),
-                             sum.counts.observations,
-                             static_cast<double>(sum.counts.states)};
+  std::vector<double> all = {cost};
+  const auto counted = counts.as_numbers();
+  all.insert(all.end(), counted.begin(), counted.end());
   all.insert(all.end(), sum_.gradient.data(), sum_.gradient.data() + sum_.gradient.size());
   all.insert(all.end(), sum_.H.data(), sum_.H.data() + sum_.H.size());
   return all;
@@ -58,15 +53,12 @@ std::vector<double> PassSummer::numbers() && {
 
 PassSum PassSummer::sum_of(const std::vector<double>& all, Eigen::Index n) {
   PassSum sum;
-  sum.system.cost = all[0];
-  sum.cost_before = all[1];
-  sum.changed = static_cast<std::size_t>(all[2]);
-  sum.counts.used = static_cast<std::size_t>(all[3]);
-  sum.counts.rejected = static_cast<std::size_t>(all[4]);
-  sum.counts.observations = all[5];
-  sum.counts.states = static_cast<std::size_t>(all[6]);
-  sum.system.gradient = Eigen::Map<const Eigen::VectorXd>(all.data() + 7, n);
-  sum.system.H = Eigen::Map<const Eigen::MatrixXd>(all.data() + 7 + n, n, n);
+  const double* at = all.data();
+  sum.system.cost = *at++;
+  sum.counts = PassCounts::from_numbers(at);
+  at += PassCounts::kSize;
+  sum.system.gradient = Eigen::Map<const Eigen::VectorXd>(at, n);
+  sum.system.H = Eigen::Map<const Eigen::MatrixXd>(at + n, n, n);
   return sum;
 }
 

@@ -15,7 +15,7 @@ namespace octant::calib {
 class PassSummer {
  public:
   /// @param first  first chunk of this rank  @param chunks  of all ranks
-  PassSummer(std::size_t first, std::size_t chunks, int parameters) : systems_(first), numbers_(chunks) {
+  PassSummer(std::size_t first, std::size_t chunks, int parameters) : systems_(first), chunks_(chunks) {
     sum_.H.setZero(parameters, parameters);
     sum_.gradient.setZero(parameters);
   }
@@ -30,13 +30,13 @@ class PassSummer {
   [[nodiscard]] static PassSum sum_of(const std::vector<double>& numbers, Eigen::Index parameters);
 
  private:
-  struct Numbers {
-    double cost = 0.0, cost_before = 0.0, changed = 0.0;
-    ObservationCounts counts;
+  struct Chunk {
+    double cost = 0.0;  ///< of settled states, as PassCounts know it with the marks as they were
+    PassCounts counts;
   };
   OrderedParts<ReducedSystem> systems_;
   ReducedSystem sum_;
-  std::vector<Numbers> numbers_;
+  std::vector<Chunk> chunks_;
 };
 
 }  // namespace octant::calib

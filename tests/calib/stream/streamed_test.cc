@@ -11,7 +11,7 @@
 #include "tests/calib/calib_support.h"
 #include "tests/calib/memory_source.h"
 #include "tests/calib/stream/changed_log.h"
-#include "tests/calib/thread_team.h"
+#include "tests/calib/stream/share_of_ranks.h"
 
 namespace octant::test {
 namespace {
@@ -165,40 +165,7 @@ TEST(Streamed, DependsNeitherOnThreadsNorOnBlocks) {
 
 TEST(Streamed, RanksReadTheirShareAndAgree) {
   const World world = must(simulate(long_hall(4200), 9));
-  // What is read several times, once the part is known.
-  const auto rows_of_passes = [&](calib::SolveOptions options, calib::StreamedCalibration& answer) {
-    MemorySource source(std::vector<MeasurementLog>{world.run}, 300);
-    std::size_t before = 0;
-    options.on_progress = [&](const calib::Progress& p) {
-      if (p.stage == "states of the whole log" && before == 0) before = source.rows_read;
-      return true;
-    };
-    answer = streamed(world.site, source, options);
-    return source.rows_read - before;
-  };
-  calib::StreamedCalibration alone;
-  const std::size_t all_rows = rows_of_passes({}, alone);
-  const calib::Solution& one = alone.solution;
-  for (const int count : {2, 4}) {
-    std::vector<calib::StreamedCalibration> answers(static_cast<std::size_t>(count));
-    std::vector<std::size_t> rows(static_cast<std::size_t>(count));
-    for_each_rank(count, [&](const calib::Ranks& rank) {
-      calib::SolveOptions options;
-      options.ranks = &rank;
-      const auto i = static_cast<std::size_t>(rank.index());
-      rows[i] = rows_of_passes(options, answers[i]);
-    });
-    for (const calib::StreamedCalibration& answer : answers) {
-      ASSERT_EQ(answer.solution.status, calib::SolveStatus::kConverged) << answer.solution.message;
-      EXPECT_LT(largest_shift_m(one, answer.solution), 1e-9);
-      EXPECT_NEAR(answer.solution.statistics.variance_factor, one.statistics.variance_factor, 1e-12);
-      EXPECT_EQ(answer.solution.statistics.rejected, one.statistics.rejected);
-      EXPECT_EQ(answer.solution.warnings, one.warnings);
-      EXPECT_EQ(answer.solution.reliability.arrivals.size(), one.reliability.arrivals.size());
-      EXPECT_EQ(largest_shift_m(answers[0].solution, answer.solution), 0.0) << "ranks must decide alike";
-    }
-    for (const std::size_t r : rows) EXPECT_LT(r, all_rows * 3 / 2 / static_cast<std::size_t>(count));
-  }
+  expect_ranks_to_share_and_agree(world, kTiny, {2, 4}, largest_shift_m, 1e-9);
 }
 
 TEST(Streamed, StopsWhereItIsAskedTo) {

@@ -104,6 +104,10 @@ std::vector<Arrival> hear(const Deployment& d, const Pose& T, const Hearing& h, 
   return out;
 }
 
+inline double position_error_m(const Pose& a, const Pose& b) {
+  return (a.translation_m - b.translation_m).norm();
+}
+
 template <class Random>
 Pose random_pose(Random& random) {
   std::uniform_real_distribution<double> x(2, 18), y(2, 10), h(-std::numbers::pi, std::numbers::pi);

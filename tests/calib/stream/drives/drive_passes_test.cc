@@ -9,7 +9,7 @@
 
 #include "tests/calib/stream/changed_log.h"
 #include "tests/calib/stream/same_drive.h"
-#include "tests/calib/thread_team.h"
+#include "tests/calib/stream/share_of_ranks.h"
 
 namespace octant::test {
 namespace {
@@ -125,39 +125,11 @@ TEST(DrivePasses, RanksReadTheirPiecesAndAgree) {
   World world = long_drive(12, 0.02, 540.0);
   // A stretch that only a neighbour's odometry reaches, which may be another rank's.
   std::erase_if(world.run.arrivals, [](const Arrival& a) { return a.time_s > 200.0 && a.time_s < 235.0; });
-  const auto rows_of_passes = [&](calib::SolveOptions options, calib::StreamedCalibration& answer) {
-    MemorySource source(std::vector<MeasurementLog>{world.run}, 300);
-    std::size_t before = 0;
-    options.on_progress = [&](const calib::Progress& p) {
-      if (p.stage == "states of the whole log" && before == 0) before = source.rows_read;
-      return true;
-    };
-    answer = must(calib::solve_streamed(world.site, source, options, kFewStates));
-    return source.rows_read - before;
-  };
-  calib::StreamedCalibration alone;
-  const std::size_t all_rows = rows_of_passes({}, alone);
   const calib::Problem problem = must(calib::make_problem(world.site, {world.run}));
-  for (const int count : {2, 3}) {
-    std::vector<calib::StreamedCalibration> answers(static_cast<std::size_t>(count));
-    std::vector<std::size_t> rows(static_cast<std::size_t>(count));
-    for_each_rank(count, [&](const calib::Ranks& rank) {
-      calib::SolveOptions options;
-      options.ranks = &rank;
-      const auto i = static_cast<std::size_t>(rank.index());
-      rows[i] = rows_of_passes(options, answers[i]);
-    });
-    for (const calib::StreamedCalibration& answer : answers) {
-      ASSERT_EQ(answer.solution.status, calib::SolveStatus::kConverged) << answer.solution.message;
-      EXPECT_LT(largest_in_sigmas(problem, alone.solution, answer.solution), 1e-6);
-      EXPECT_EQ(answer.solution.statistics.rejected, alone.solution.statistics.rejected);
-      EXPECT_EQ(answer.solution.statistics.unknowns, alone.solution.statistics.unknowns);
-      EXPECT_EQ(answer.solution.reliability.arrivals.size(), alone.solution.reliability.arrivals.size());
-      EXPECT_EQ(largest_in_sigmas(problem, answers[0].solution, answer.solution), 0.0)
-          << "ranks must decide alike";
-    }
-    for (const std::size_t r : rows) EXPECT_LT(r, all_rows * 3 / 2 / static_cast<std::size_t>(count));
-  }
+  const auto in_sigmas = [&](const calib::Solution& a, const calib::Solution& b) {
+    return largest_in_sigmas(problem, a, b);
+  };
+  expect_ranks_to_share_and_agree(world, kFewStates, {2, 3}, in_sigmas, 1e-6);
 }
 
 TEST(DrivePasses, WhatCannotBe) {

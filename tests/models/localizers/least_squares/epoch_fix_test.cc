@@ -18,13 +18,13 @@ namespace {
 using test::hall;
 using test::hear;
 using test::Hearing;
+using test::position_error_m;
 using test::random_pose;
 using test::with_octagon;
 using test::with_receiver;
 
 constexpr std::uint64_t kSeed = 20260;
 
-double position_error_m(const Pose& a, const Pose& b) { return (a.translation_m - b.translation_m).norm(); }
 double heading_error_rad(const Pose& a, const Pose& b) {
   return std::abs(wrap_angle(a.heading_rad() - b.heading_rad()));
 }

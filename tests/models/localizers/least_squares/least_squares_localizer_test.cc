@@ -17,13 +17,12 @@ namespace {
 using test::hall;
 using test::hear;
 using test::Hearing;
+using test::position_error_m;
 using test::random_pose;
 using test::with_octagon;
 using test::with_receiver;
 
 constexpr std::uint64_t kSeed = 20260;
-
-double position_error_m(const Pose& a, const Pose& b) { return (a.translation_m - b.translation_m).norm(); }
 
 /// Fixes of a second epoch, after a first one of as many rows, take no memory.
 void expect_no_allocation(Deployment d, const Hearing& how, const std::vector<Bearing>& bearings,
