@@ -55,6 +55,14 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/octant-config-version.cma
 install(FILES ${PROJECT_BINARY_DIR}/octant-config.cmake ${PROJECT_BINARY_DIR}/octant-config-version.cmake
   DESTINATION ${OCTANT_CMAKE_DIR} COMPONENT dev)
 
+# The licence where Debian looks for it, in each package.
+foreach(package tools=octant dev=liboctant-dev python=python3-octant)
+  string(REPLACE "=" ";" package ${package})
+  list(GET package 0 component)
+  list(GET package 1 name)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} RENAME copyright COMPONENT ${component})
+endforeach()
+
 if(PROJECT_IS_TOP_LEVEL)
   set(CPACK_GENERATOR DEB)
   set(CPACK_PACKAGE_CONTACT "Octant developers <octant@localhost>")

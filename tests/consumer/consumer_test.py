@@ -172,6 +172,13 @@ def debian_packages():
     assert "libcholmod" in run("dpkg-deb", "-f", names["octant"], "Depends").stdout
     assert "libeigen3-dev" in run("dpkg-deb", "-f", names["liboctant-dev"], "Depends").stdout
     assert run(os.path.join(root, "usr", "bin", "octant"), "--version").stdout.startswith("octant ")
+    share = os.path.join(root, "usr", "share")
+    for shell, script in (("bash", "bash-completion/completions/octant"), ("zsh", "zsh/site-functions/_octant"), ("fish", "fish/vendor_completions.d/octant.fish")):
+        with open(os.path.join(share, script), encoding="utf-8") as file:
+            assert file.read() == run(os.path.join(root, "usr", "bin", "octant"), "completion", shell).stdout, script
+    with open(os.path.join(share, "man", "man1", "octant.1"), encoding="utf-8") as file:
+        assert file.readline().startswith(".TH OCTANT 1")
+    assert {name for name in wanted if os.path.isfile(os.path.join(share, "doc", name, "copyright"))} == wanted
     if "python3-octant" in wanted:
         package = os.path.join(root, "usr", "lib", "python3", "dist-packages")
         run("/usr/bin/python3", "-c", "import octant; octant.simulate()", env=dict(os.environ, PYTHONPATH=package), cwd=box)
