@@ -276,9 +276,12 @@ class Approacher {
       for (std::size_t i = 0; i < 3; ++i)
         if (columns[i] >= 0) it_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
       if (!adjust_with(kCauchyScale, 1e-8)) return false;
+      // Bearings may have led it back to where it was: that is no second place.
+      const double apart_m =
+          (it_.layout.state_of(it_.x).beacon_p_map_m[b] - here.layout.state_of(here.x).beacon_p_map_m[b])
+              .norm();
       Preference preferred;
       compare(here, preferred);
-      const double apart_m = (*image - here.layout.state_of(here.x).beacon_p_map_m[b]).norm();
       it_.beacon_mirrored[b] = preferred == Preference::kNeither && apart_m > tolerance_m(problem_);
     }
     const Kept here = keep();

@@ -49,6 +49,19 @@ TEST(MirrorImages, BearingsTellTheSidesOfALine) {
   }
 }
 
+// Ranges too loose to hold an image against bearings, as of a camera: from there the beacon comes back.
+TEST(MirrorImages, AnImageThatBearingsLeadBackIsNoSecondPlace) {
+  Scenario s = straight_line(true);
+  s.site.noise.tof_sigma_s = 1e-3;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const World world = must(simulate(s, seed));
+    const calib::Solution solution = solution_of(world);
+    EXPECT_THAT(solution.beacon_mirrored, testing::Not(Contains(true)))
+        << "seed " << seed << ": " << solution.message;
+    EXPECT_LT(worst_beacon_m(world, solution), 1.0) << "seed " << seed;
+  }
+}
+
 TEST(MirrorImages, WithoutBearingsNoSideIsGuessed) {
   const World world = must(simulate(straight_line(false), 1));
   const calib::Solution solution = solution_of(world);
