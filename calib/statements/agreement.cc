@@ -3,8 +3,10 @@
 #include "calib/statements/agreement.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,6 +26,10 @@ constexpr double kManyEarly = 0.10;
 /// A beacon is held to have moved at so many sigmas, and by this share of the tolerance.
 constexpr double kMovedSigmas = 6.0, kMovedMatters = 0.3;
 constexpr std::size_t kMostSplit = 3;
+/// Within this share of the typical range errors are one and the same (reflections, cameras, bodies): all
+/// that is left out there is one event, and as few events are no contradiction.
+constexpr double kOnePlace = 0.05;
+constexpr std::size_t kFewestPlaces = 5;
 
 struct BeaconCounts {
   std::size_t placed = 0, late = 0, early = 0, bearings = 0, bearings_out = 0;
@@ -33,13 +39,16 @@ struct BeaconCounts {
   }
 };
 
+bool is_counted(const Trajectory& t, const ArrivalObservation& a) {
+  return t.nodes[a.node].placed && a.rejection != Rejection::kBeaconUnusable &&
+         a.rejection != Rejection::kNoPose;
+}
+
 std::vector<BeaconCounts> count(const Fit& fit) {
   std::vector<BeaconCounts> counts(fit.problem.site.beacons.size());
   for (const Trajectory& t : fit.trajectories) {
     for (const ArrivalObservation& a : t.arrivals) {
-      if (!t.nodes[a.node].placed || a.rejection == Rejection::kBeaconUnusable ||
-          a.rejection == Rejection::kNoPose)
-        continue;
+      if (!is_counted(t, a)) continue;
       BeaconCounts& c = counts[a.beacon.index()];
       ++c.placed;
       c.late += a.rejection == Rejection::kLate;
@@ -52,6 +61,26 @@ std::vector<BeaconCounts> count(const Fit& fit) {
     }
   }
   return counts;
+}
+
+/// Places of the vehicle at which a beacon was heard, was left out, and was early.
+struct Places {
+  std::size_t heard = 0, left_out = 0, early = 0;
+};
+
+Places places_of(const Fit& fit, std::size_t beacon) {
+  const double size_m = kOnePlace * fit.problem.typical_range_m;
+  std::set<std::array<double, 3>> heard, left_out, early;
+  for (const Trajectory& t : fit.trajectories)
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (a.beacon.index() != beacon || !is_counted(t, a)) continue;
+      const Eigen::Vector3d cell = (t.nodes[a.node].T_map_vehicle.translation_m / size_m).array().floor();
+      const std::array<double, 3> place = {cell.x(), cell.y(), cell.z()};
+      heard.insert(place);
+      if (is_left_out(a.rejection)) left_out.insert(place);
+      if (a.rejection == Rejection::kEarly) early.insert(place);
+    }
+  return {heard.size(), left_out.size(), early.size()};
 }
 
 std::string length(double m) {
@@ -98,8 +127,9 @@ class Checker {
     std::sort(suspects.begin(), suspects.end(),
               [this](std::size_t a, std::size_t b) { return counts_[a].out() > counts_[b].out(); });
     for (std::size_t k = 0; k < suspects.size(); ++k) {
-      if (k < kMostSplit && moved(suspects[k])) continue;
-      much_left_out(suspects[k]);
+      const Places places = places_of(fit_, suspects[k]);
+      if (k < kMostSplit && places.left_out >= kFewestPlaces && moved(suspects[k])) continue;
+      much_left_out(suspects[k], places);
     }
   }
 
@@ -132,16 +162,17 @@ class Checker {
     return true;
   }
 
-  void much_left_out(std::size_t b) {
+  void much_left_out(std::size_t b, const Places& places) {
     const BeaconCounts& c = counts_[b];
     const std::string& name = problem_.site.beacons[b].name;
-    if (c.early >= kFewestLeftOut &&
+    if (c.early >= kFewestLeftOut && places.early >= kFewestPlaces &&
+        static_cast<double>(places.early) > kManyEarly * static_cast<double>(places.heard) &&
         static_cast<double>(c.early) > kManyEarly * static_cast<double>(c.placed) && c.early > c.late) {
-      const double expected = std::max(1.0, 0.01 * static_cast<double>(c.placed));
+      const double expected = std::max(1.0, 0.01 * static_cast<double>(places.heard));
       out_.contradictions.push_back(
           {ContradictionKind::kBeacon, name, "to be heard along the straight path",
            fmt::format("early at {} of {} arrivals, as no echo can be", c.early, c.placed),
-           (static_cast<double>(c.early) - expected) / std::sqrt(expected),
+           (static_cast<double>(places.early) - expected) / std::sqrt(expected),
            fmt::format(
                "look whether beacon {} stood still, whether another sends under its name, and at its channel",
                name)});

@@ -197,6 +197,41 @@ TEST(Agreement, ABeaconThatIsLateBehindAnObstacleIsNamedAndHarmsNothing) {
   EXPECT_LT(worst_beacon_m(world, solution), 0.02);
 }
 
+/// Stops all over the hall, and as many again beside each other.
+World with_stops_beside_each_other(std::uint64_t seed) {
+  Scenario s = hall_scenario();
+  s.hearing_half_angle_rad = 3.2;
+  s.path.kind = PathKind::kStations;
+  s.path.epochs = 60;
+  for (int k = 0; k < 30; ++k)
+    s.path.stations.emplace_back(3.0 + 0.45 * k, 6.0 + 4.0 * std::sin(0.7 * k), 0.5 * k);
+  for (int k = 0; k < 30; ++k) s.path.stations.emplace_back(5.0 + 0.001 * k, 5.0, 1.0);
+  return must(simulate(s, seed));
+}
+
+TEST(Agreement, EarlyArrivalsAllOverTheHallContradict) {
+  World world = with_stops_beside_each_other(17);
+  const std::int64_t first = world.run.arrivals.front().epoch;
+  for (Arrival& a : world.run.arrivals)
+    if (a.beacon.index() == 5 && (a.epoch - first) % 3 == 0) a.tof_s -= 0.3 / 343;
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.subject, "B5");
+  EXPECT_THAT(c.found, HasSubstr("early"));
+}
+
+// What one place does to the errors there (a reflection, a camera's view) is one event, however often it is
+// recorded.
+TEST(Agreement, EarlyArrivalsOfOnePlaceAreNamedAndContradictNothing) {
+  World world = with_stops_beside_each_other(18);
+  const std::int64_t first = world.run.arrivals.front().epoch;
+  for (Arrival& a : world.run.arrivals)
+    if (a.beacon.index() == 5 && a.epoch - first >= 48) a.tof_s -= 0.3 / 343;
+  const calib::Solution solution = solution_of(world);
+  EXPECT_THAT(all_in_words(solution), IsEmpty());
+  EXPECT_THAT(solution.warnings, Contains(HasSubstr("beacon B5")));
+  EXPECT_LT(worst_beacon_m(world, solution), 0.02);
+}
+
 void expect_a_moved_stop_to_be_named(Ranging ranging) {
   Scenario s = hall_scenario();
   s.site.timing.ranging = ranging;
