@@ -287,7 +287,7 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   result.cost = summary.final_cost;
   result.message =
       point.at_rest ? "converged: the predicted decrease is below the tolerance" : summary.message;
-  if (point.dense && point.reduced_at.size() == layout.size())
+  if (point.dense && point.reduced_at.size() == layout.size() && point.rays_are_the_same())
     result.data_information = std::move(point.sum.H);
   return result;
 }

@@ -81,8 +81,7 @@ bool EvaluationPoint::nothing_left_to_gain() const {
   const Eigen::VectorXd step = *x - reduced_at;
   const double gain = 0.5 * step.dot(sum.H * step);
   const double off = std::abs(cost - sum.cost - step.dot(sum.gradient) - gain);
-  return off < kAlike * gain && rays_are_the_same() &&
-         kLeftBehind * gain < options->function_tolerance * cost;
+  return off < kAlike * gain && kLeftBehind * gain < options->function_tolerance * cost;
 }
 
 bool EvaluationPoint::rays_are_the_same() const {

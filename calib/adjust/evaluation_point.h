@@ -47,18 +47,19 @@ struct EvaluationPoint : ceres::EvaluationCallback {
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
 
+  /// Whether rays of some metres and lever arms of some centimetres point where they did when the system was
+  /// formed, to a thousandth: then its matrix is good for a covariance here.
+  [[nodiscard]] bool rays_are_the_same() const;
+
  private:
   /// The system here, which is not even needed where nothing worth while is left to gain.
   void look();
 
   /// A step gains half of its square in the matrix. Steps of Gauss and Newton leave a few hundredths of the
   /// way behind where lever arms are as short as an octagon's, a tenth at most, and the square of that of the
-  /// gain. The matrix changes by some times what the foretold gain was off, and as rays turn: both have to
-  /// stay below what anybody reads in a covariance.
+  /// gain. The matrix changes by some times what the foretold gain was off, which has to stay below what
+  /// anybody reads in a covariance.
   [[nodiscard]] bool nothing_left_to_gain() const;
-
-  /// Whether rays of some metres and lever arms of some centimetres point where they did, to a thousandth.
-  [[nodiscard]] bool rays_are_the_same() const;
 
   /// The last system as it looks from here.
   void look_from_last();

@@ -24,6 +24,9 @@ constexpr std::size_t kNodesOfLongChain = 1024;
 /// hundredth of that at most, and the reduction takes its first order with it. Weights of a robust loss bend
 /// the cost more than that order tells.
 constexpr double kChainAtRest = 1e-3, kRobustChainAtRest = 1e-5;
+/// With plain squares a step of a few centimetres is the last too: this share of the cost at most is left to
+/// the reduction.
+constexpr double kLeftToReduction = 0.01;
 /// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the
 /// columns it touches.
 constexpr std::size_t kBeaconsPerSparseTile = 24;
@@ -110,6 +113,8 @@ void Tile::find_columns() {
 
 void Tile::commit() {
   if (stops_) stops_->commit();
+  if (!has_moved_) return;
+  has_moved_ = false;
   committed_.clear();
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
@@ -125,6 +130,8 @@ void Tile::rewind() {
 }
 
 void Tile::rewind_general() {
+  if (!has_moved_) return;
+  has_moved_ = false;
   auto from = committed_.begin();
   for (const std::size_t s : general_) {
     const Segment& segment = trajectory_->segments[s];
@@ -137,19 +144,19 @@ void Tile::rewind_general() {
 
 double Tile::settle(const SharedState& state, const RobustLoss& loss, int threads) {
   rewind_general();
+  has_moved_ = true;
   double cost = stops_ ? stops_->settle(state, loss) : 0.0;
   settled_.assign(general_.size(), 0.0);
-  const bool is_plain = loss.late_scale == 0.0 && loss.early_scale == 0.0;
-  const double chain_at_rest = is_plain ? kChainAtRest : kRobustChainAtRest;
+  const SettleOptions single{.threads = threads},
+      chain{.tolerance = is_plain(loss) ? kChainAtRest : kRobustChainAtRest,
+            .left_behind = kLeftToReduction,
+            .threads = threads};
   for (std::size_t i = 0; i < general_.size(); ++i) {
     const Segment& segment = trajectory_->segments[general_[i]];
     if (!trajectory_->nodes[segment.first_node].placed)
       continue;  // a segment that no start could place says nothing
     const bool is_chain = segment.last_node - segment.first_node > 1;
-    settled_[i] =
-        octant::settle(*trajectory_, segment, state, loss,
-                       {.tolerance = is_chain ? chain_at_rest : kSettledToRounding, .threads = threads})
-            .cost;
+    settled_[i] = octant::settle(*trajectory_, segment, state, loss, is_chain ? chain : single).cost;
     cost += settled_[i];
   }
   return cost;

@@ -89,6 +89,7 @@ class Tile {
   std::vector<std::size_t> stop_segments_, general_;  ///< those that the vector kernel takes, all others
   std::vector<double> settled_;                       ///< cost of each of the latter
   bool is_long_ = false;
+  bool has_moved_ = true;  ///< nodes of the general segments may not be where they were committed
   std::unique_ptr<StopBlock> stops_;
   std::unique_ptr<ChainReduction> chains_;  ///< of the general segments
   std::vector<Node> committed_;             ///< nodes of the general segments

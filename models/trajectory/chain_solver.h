@@ -19,18 +19,25 @@ struct SmallCholesky {
   /// False where the block is not positive definite. Always inlined, so that vector kernels compile it for
   /// their instruction set.
   [[gnu::always_inline]] bool factor(const Eigen::Matrix<double, N, N>& A) {
-    for (int i = 0; i < N; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        double sum = A(i, j);
-        for (int k = 0; k < j; ++k) sum -= L[i][k] * L[j][k];
-        if (j < i) {
-          L[i][j] = sum * L[j][j];
-        } else if (sum > 0) {
-          L[i][i] = 1.0 / std::sqrt(sum);
-        } else {
-          return false;
-        }
+    // A = C D^-1 C' first: each pivot waits for the reciprocal of the one before, none for a root.
+    double inverse[N];  // of the pivots
+    for (int j = 0; j < N; ++j) {
+      double scaled[N];
+      double pivot = A(j, j);
+      for (int k = 0; k < j; ++k) {
+        scaled[k] = L[j][k] * inverse[k];
+        pivot -= L[j][k] * scaled[k];
       }
+      if (!(pivot > 0)) return false;
+      inverse[j] = 1.0 / pivot;
+      for (int i = j + 1; i < N; ++i) {
+        L[i][j] = A(i, j);
+        for (int k = 0; k < j; ++k) L[i][j] -= L[i][k] * scaled[k];
+      }
+    }
+    for (int j = 0; j < N; ++j) {
+      L[j][j] = std::sqrt(inverse[j]);
+      for (int i = j + 1; i < N; ++i) L[i][j] *= L[j][j];
     }
     return true;
   }

@@ -32,8 +32,8 @@ struct PlanarTurn {
     constexpr double kSeriesRad = 0.05;  // where the terms left out are below 1e-17
     const double d = angle_rad, d2 = d * d;
     if (d2 < kSeriesRad * kSeriesRad) {
-      cosine = 1.0 - d2 / 2 * (1.0 - d2 / 12 * (1.0 - d2 / 30 * (1.0 - d2 / 56)));
-      sine = d * (1.0 - d2 / 6 * (1.0 - d2 / 20 * (1.0 - d2 / 42)));
+      cosine = 1.0 - d2 * (1.0 / 2 - d2 * (1.0 / 24 - d2 * (1.0 / 720 - d2 * (1.0 / 40320))));
+      sine = d * (1.0 - d2 * (1.0 / 6 - d2 * (1.0 / 120 - d2 * (1.0 / 5040))));
     } else {
       cosine = std::cos(d);
       sine = std::sin(d);

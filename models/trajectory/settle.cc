@@ -199,6 +199,7 @@ class PlanarChain {
     PlanarWhitening whitening(state.speed_offset(t_.run));
     std::size_t a = first_at(t_.arrivals, segment_.first_arrival, segment_.last_arrival, base + first),
                 o = first_at(t_.odometry, segment_.first_odometry, segment_.last_odometry, base + first);
+    const bool plain = is_plain(loss);
     double cost = 0.0;
     for (std::size_t k = first; k < last; ++k) {
       const bool at_end = k + 1 == now_.size();
@@ -209,8 +210,8 @@ class PlanarChain {
         if (heard.rejection != Rejection::kUsed) continue;
         whitening.take(heard);
         const PlanarArrival row(heard, interval.at(heard.alpha), state, whitening);
-        double rho = 0.0, w = 1.0;
-        loss.evaluate(row.residual, rho, w);
+        double rho = row.residual * row.residual, w = 1.0;
+        if (!plain) loss.evaluate(row.residual, rho, w);
         cost += 0.5 * rho;
         sums.add(row, w, heard.alpha);
       }
@@ -261,6 +262,20 @@ void hold_ends(const SettleOptions& options, FixedChainSystem<N>& system) {
   if (options.hold_last) hold(last);
 }
 
+/// Whether a step is the last. One of b metres or radians leaves residuals off by b / 2 of what it changed
+/// them, and derivatives by b, where beacons are a metre away or more. The next would gain the squares of
+/// these.
+template <class Vector>
+bool is_last(const std::pmr::vector<Vector>& step, double gain, double cost, const RobustLoss& loss,
+             const SettleOptions& options) {
+  if (gain < options.tolerance * (1.0 + cost)) return true;
+  if (options.left_behind <= 0.0 || !is_plain(loss)) return false;
+  double b = 0.0;
+  for (const Vector& v : step) b = std::max(b, v.template lpNorm<Eigen::Infinity>());
+  const double rest = cost - gain;
+  return b * b * (gain / 4 + rest) < options.left_behind * rest;
+}
+
 /// Levenberg-Marquardt: a point is built at once with its system, which the next step takes.
 template <class Chain>
 SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLoss& loss,
@@ -285,8 +300,8 @@ SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLos
       gain = work.gain(system);
       if (!(gain > kSettledToRounding * (1.0 + system.cost))) break;
       chain.move(work.step());
-      if (lambda < 1e-3 && gain < options.tolerance * (1.0 + system.cost)) {
-        system.cost -= gain;  // so little that the quadratic cost is as good as the cost
+      if (lambda < 1e-3 && is_last(work.step(), gain, system.cost, loss, options)) {
+        system.cost -= gain;  // so near that the quadratic cost is as good as the cost
         gain = 0.0;
         break;
       }

@@ -93,5 +93,41 @@ TEST(PlanarChain, LastStepTakenOnTrustCostsNothing) {
   EXPECT_NEAR(system.cost, a.cost, 1e-6 * a.cost);
 }
 
+/// The drive at rest, then its beacons moved: where its states rest now, and where one step leads.
+struct Moved {
+  Drive drive;
+  SettleResult at_rest, one_step;
+  double cost = 0.0;  ///< where the one step leads
+};
+Moved move_beacons(double by_m, const RobustLoss& loss) {
+  Moved out{long_plain_drive(3000), {}, {}};
+  Drive& drive = out.drive;
+  settle(drive.t, drive.t.segments[0], drive.state, loss);
+  for (std::size_t b = 0; b < drive.state.beacon_p_map_m.size(); ++b)
+    drive.state.beacon_p_map_m[b] +=
+        by_m * Eigen::Vector3d(std::sin(1.0 + static_cast<double>(b)), std::cos(static_cast<double>(b)), 0.5);
+  Drive whole = drive;
+  out.at_rest = settle(whole.t, whole.t.segments[0], whole.state, loss);
+  out.one_step = settle(drive.t, drive.t.segments[0], drive.state, loss, {.left_behind = 0.01});
+  out.cost = chain_cost(drive.t, drive.t.segments[0], drive.state, loss);
+  return out;
+}
+
+TEST(PlanarChain, AShortStepIsTheLast) {
+  const Moved near = move_beacons(0.01, {});
+  EXPECT_GT(near.at_rest.iterations, 1);
+  EXPECT_EQ(near.one_step.iterations, 0);
+  EXPECT_LT(near.cost - near.at_rest.cost, 0.01 * near.at_rest.cost);
+  EXPECT_NEAR(near.one_step.cost, near.at_rest.cost, 1e-3 * near.at_rest.cost);
+}
+
+TEST(PlanarChain, ALongStepIsNotTheLastNorIsOneWithARobustLoss) {
+  const Moved far = move_beacons(0.5, {});
+  EXPECT_GT(far.one_step.iterations, 0);
+  EXPECT_LT(far.cost - far.at_rest.cost, 0.01 * far.at_rest.cost);
+  const Moved robust = move_beacons(0.01, {2.0, 3.0});
+  EXPECT_EQ(robust.one_step.iterations, robust.at_rest.iterations);
+}
+
 }  // namespace
 }  // namespace octant
