@@ -62,36 +62,6 @@ std::pmr::vector<std::array<std::size_t, 2>> representatives(const SearchProblem
   return out;
 }
 
-/// Pairs of ranges, spread over the pairs of beacons: first all earliest with earliest, then middle with
-/// middle, then mixed.
-std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& problem,
-                                                          std::size_t max_pairs) {
-  std::pmr::vector<std::array<std::size_t, 2>> pairs(scratch());
-  pairs.reserve(max_pairs);
-  if (!problem.common_bias) {
-    // Along a drive each arrival has its own place: pairs of all beacons at all distances in time.
-    const std::size_t n = problem.ranges.size();
-    for (std::size_t stride = std::max<std::size_t>(n / 2, 1); pairs.size() < max_pairs && stride > 0;
-         stride = stride * 2 / 3)
-      for (std::size_t i = 0; i + stride < n && pairs.size() < max_pairs;
-           i += std::max<std::size_t>(n / 8, 1))
-        pairs.push_back({i, i + stride});
-    return pairs;
-  }
-  const auto stand_for = representatives(problem);
-  constexpr std::array<std::array<std::size_t, 2>, 4> kMix = {{{0, 0}, {1, 1}, {0, 1}, {1, 0}}};
-  const std::size_t n = stand_for.size();
-  for (const auto& mix : kMix)
-    for (std::size_t step = 1; step < n;
-         ++step)  // neighbours in the list first, so that each beacon has its turn
-      for (std::size_t a = 0; a + step < n; ++a) {
-        const std::array<std::size_t, 2> pair = {stand_for[a][mix[0]], stand_for[a + step][mix[1]]};
-        if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
-        if (pairs.size() >= max_pairs) return pairs;
-      }
-  return pairs;
-}
-
 /// Offers a position with the given heading.
 void offer(Consensus& consensus, const PlanarState& state, TopList& top) {
   top.offer(state, consensus.score(state, top.worst()));
@@ -144,6 +114,34 @@ Box search_box(const SearchProblem& problem) {
 
 }  // namespace
 
+std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& problem,
+                                                          std::size_t max_pairs) {
+  std::pmr::vector<std::array<std::size_t, 2>> pairs(scratch());
+  pairs.reserve(max_pairs);
+  if (!problem.common_bias) {
+    // Along a drive each arrival has its own place: pairs of all beacons at all distances in time.
+    const std::size_t n = problem.ranges.size();
+    for (std::size_t stride = std::max<std::size_t>(n / 2, 1); pairs.size() < max_pairs && stride > 0;
+         stride = stride * 2 / 3)
+      for (std::size_t i = 0; i + stride < n && pairs.size() < max_pairs;
+           i += std::max<std::size_t>(n / 8, 1))
+        pairs.push_back({i, i + stride});
+    return pairs;
+  }
+  const auto stand_for = representatives(problem);
+  constexpr std::array<std::array<std::size_t, 2>, 4> kMix = {{{0, 0}, {1, 1}, {0, 1}, {1, 0}}};
+  const std::size_t n = stand_for.size();
+  for (const auto& mix : kMix)
+    for (std::size_t step = 1; step < n;
+         ++step)  // neighbours in the list first, so that each beacon has its turn
+      for (std::size_t a = 0; a + step < n; ++a) {
+        const std::array<std::size_t, 2> pair = {stand_for[a][mix[0]], stand_for[a + step][mix[1]]};
+        if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
+        if (pairs.size() >= max_pairs) return pairs;
+      }
+  return pairs;
+}
+
 double TopList::worst() const {
   return list_.size() < size_ ? std::numeric_limits<double>::infinity() : list_.back().score;
 }
@@ -167,8 +165,13 @@ void TopList::offer(const PlanarState& state, double score) {
 
 void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
                         TopList& top) {
-  const int headings = problem.lever_m > 1e-6 ? options.headings : 1;
-  const auto pairs = choose_pairs(problem, static_cast<std::size_t>(options.max_pairs));
+  propose_from_pairs(problem, choose_pairs(problem, static_cast<std::size_t>(options.max_pairs)),
+                     options.headings, consensus, top);
+}
+
+void propose_from_pairs(const SearchProblem& problem, std::span<const std::array<std::size_t, 2>> pairs,
+                        int coarse_headings, Consensus& consensus, TopList& top) {
+  const int headings = problem.lever_m > 1e-6 ? coarse_headings : 1;
   std::array<PlanarState, 2> meet;
   for (int k = 0; k < headings; ++k) {
     const double heading = wrap_angle(2 * std::numbers::pi * k / headings);

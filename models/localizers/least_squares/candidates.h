@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "models/localizers/least_squares/consensus.h"
@@ -38,12 +41,25 @@ struct SearchOptions {
   int max_pairs = 40;     ///< pairs of arrivals whose circles are cut
   int max_cells = 400;    ///< of the grid, where pairs do not do
   std::size_t keep = 10;  ///< candidates that are refined
+  /// Where the pose may well be. What it leads to bounds the search: nothing else is looked for but poses
+  /// whose score is within the margin of it, or below. For ranges of beacons that are known (no slack), of
+  /// one epoch.
+  std::optional<PlanarState> start{};
+  double margin = 2.0;
 };
+
+/// Pairs of ranges, spread over the pairs of beacons: first all earliest with earliest, then middle with
+/// middle, then mixed.
+[[nodiscard]] std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& problem,
+                                                                        std::size_t max_pairs);
 
 /// Poses that pairs of arrivals of different beacons allow: for each coarse heading the circles about beacon
 /// less lever arm are cut; circles that do not quite meet give their closest points.
 void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
                         TopList& top);
+/// The same with given pairs.
+void propose_from_pairs(const SearchProblem& problem, std::span<const std::array<std::size_t, 2>> pairs,
+                        int headings, Consensus& consensus, TopList& top);
 
 /// Poses on a grid over the area that the heard beacons' ranges allow; the cycle offset is a median. For
 /// cycle offsets, of which pairs of arrivals tell nothing, and for what is mostly bearings.
@@ -56,7 +72,7 @@ struct SearchResult {
   std::pmr::vector<Eigen::Matrix4d> information{scratch()};  ///< of each
 };
 
-/// The whole search for a planar pose from nothing.
+/// The whole search for a planar pose, from nothing or from a start.
 [[nodiscard]] SearchResult search_pose(const SearchProblem& problem, const SearchOptions& options = {});
 
 }  // namespace octant

@@ -82,6 +82,13 @@ double Consensus::arrival_cost(std::size_t i, double residual) const {
 }
 
 double Consensus::middle_residual(std::size_t group) {
+  const double* r = residual_.data() + problem_.group_first[group];
+  switch (problem_.group_first[group + 1] - problem_.group_first[group]) {  // mostly of few
+    case 1: return r[0];
+    case 2: return std::min(r[0], r[1]);
+    case 3: return std::max(std::min(r[0], r[1]), std::min(std::max(r[0], r[1]), r[2]));
+    default: break;
+  }
   sorted_.assign(residual_.begin() + static_cast<std::ptrdiff_t>(problem_.group_first[group]),
                  residual_.begin() + static_cast<std::ptrdiff_t>(problem_.group_first[group + 1]));
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>((sorted_.size() - 1) / 2);
@@ -213,6 +220,63 @@ void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, double
   const Eigen::Vector4d row(by_x, by_y, -by_x * ly + by_y * lx - 1.0, 0.0);
   H.noalias() += w * row * row.transpose();
   g.noalias() += w * off * row;
+}
+
+double Consensus::least_cap() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Caps& c : caps_) least = std::min(least, c.late);
+  for (const Caps& c : group_caps_) least = std::min(least, c.late);
+  return least;
+}
+
+std::size_t Consensus::agreement(const PlanarState& s, std::size_t group, double sigmas,
+                                 Eigen::Matrix3d& information) {
+  const double cosine = std::cos(s.heading_rad), sine = std::sin(s.heading_rad);
+  residuals_of_group(s, cosine, sine, group);
+  const std::size_t first = problem_.group_first[group];
+  std::size_t receivers = 0;
+  for (std::size_t i = first; i < problem_.group_first[group + 1]; ++i) {
+    const SearchRange& r = problem_.ranges[i];
+    const double variance = 1.0 / inverse_variance_[i] + bias_variance_[group];
+    if (residual_[i] * residual_[i] > sigmas * sigmas * variance) continue;
+    const double lx = cosine * r.p_lever_m.x() - sine * r.p_lever_m.y(),
+                 ly = sine * r.p_lever_m.x() + cosine * r.p_lever_m.y();
+    const double distance = std::max(r.range_m - s.offset_m - residual_[i], 1e-6);
+    const double ux = (s.x_m + lx - r.p_beacon_map_m.x()) / distance,
+                 uy = (s.y_m + ly - r.p_beacon_map_m.y()) / distance;
+    const Eigen::Vector3d row(ux, uy, uy * lx - ux * ly);
+    information.noalias() += row * row.transpose() / variance;
+    bool known = false;
+    for (std::size_t j = first; j < i && !known; ++j)
+      known = problem_.ranges[j].p_lever_m == r.p_lever_m &&
+              residual_[j] * residual_[j] <=
+                  sigmas * sigmas * (1.0 / inverse_variance_[j] + bias_variance_[group]);
+    receivers += known ? 0 : 1;
+  }
+  return receivers;
+}
+
+bool Consensus::has_residual_between(const PlanarState& s, double low, double high) {
+  const double cosine = std::cos(s.heading_rad), sine = std::sin(s.heading_rad);
+  for (std::size_t group = 0; group < problem_.groups(); ++group) {
+    residuals_of_group(s, cosine, sine, group);
+    for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
+      const double squares =
+          residual_[i] * residual_[i] / (1.0 / inverse_variance_[i] + bias_variance_[group]);
+      if (squares > low * low && squares < high * high) return true;
+    }
+  }
+  return false;
+}
+
+double Consensus::middle_misfit_m(const PlanarState& s) {
+  const double cosine = std::cos(s.heading_rad), sine = std::sin(s.heading_rad);
+  for (std::size_t group = 0; group < problem_.groups(); ++group) residuals_of_group(s, cosine, sine, group);
+  sorted_.clear();
+  for (const double r : residual_) sorted_.push_back(std::abs(r));
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  return sorted_.empty() ? 0.0 : *middle;
 }
 
 Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t without_group) {

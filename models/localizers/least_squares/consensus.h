@@ -46,6 +46,20 @@ class Consensus {
   /// far.
   [[nodiscard]] double best_offset(const PlanarState& state);
 
+  /// What an outlier costs at the present width at least, be it an arrival or a beacon in a shadow.
+  [[nodiscard]] double least_cap() const;
+
+  /// Adds up what those of a beacon's arrivals tell of x, y and heading that agree with the state.
+  /// @return receivers that they came to
+  std::size_t agreement(const PlanarState& state, std::size_t group, double sigmas,
+                        Eigen::Matrix3d& information);
+
+  /// Whether an arrival is off by more than `low` sigmas and less than `high`.
+  [[nodiscard]] bool has_residual_between(const PlanarState& state, double low, double high);
+
+  /// Middle size of the residuals at a state [m].
+  [[nodiscard]] double middle_misfit_m(const PlanarState& state);
+
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
  private:
@@ -76,5 +90,15 @@ class Consensus {
   double extra_m_ = 0.0;
   bool judge_shadows_ = true;
 };
+
+/// What is left of the heading's information when the position is open (Schur complement). @param A  x, y,
+/// heading first among its rows
+template <class Derived>
+[[nodiscard]] double heading_information(const Eigen::MatrixBase<Derived>& A) {
+  const double det = A(0, 0) * A(1, 1) - A(0, 1) * A(0, 1);
+  if (!(det > 0)) return 0.0;
+  return A(2, 2) -
+         (A(1, 1) * A(0, 2) * A(0, 2) - 2 * A(0, 1) * A(0, 2) * A(1, 2) + A(0, 0) * A(1, 2) * A(1, 2)) / det;
+}
 
 }  // namespace octant

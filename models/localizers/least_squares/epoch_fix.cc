@@ -16,6 +16,7 @@
 #include "models/localizers/least_squares/direct_fix.h"
 #include "models/localizers/least_squares/linear_ranges.h"
 #include "models/localizers/least_squares/node_adjustment.h"
+#include "models/localizers/least_squares/rivals.h"
 #include "models/localizers/least_squares/spatial_start.h"
 #include "models/trajectory/decompositions.h"
 #include "models/trajectory/planar.h"
@@ -166,8 +167,6 @@ bool may_begin_closed(const Trajectory& t, const Segment& segment, const EpochFi
          segment.first_pose == segment.last_pose;
 }
 
-constexpr std::size_t kFewestPaths = 7;  ///< a pose and four to spare
-
 /// Whether arrivals in use came over so many paths (beacon, receiver): pings over one repeat one equation.
 bool are_over_enough_paths(const Trajectory& t, const Segment& segment) {
   std::array<std::pair<BeaconId, ReceiverId>, kFewestPaths> paths;
@@ -196,22 +195,15 @@ bool are_a_few_echoes(const Trajectory& t, const Segment& segment, const Count& 
 /// tell the heading. Few enough wrong arrivals to fit into that do not exist; four paths have two poses.
 bool is_beyond_doubt(const Trajectory& t, const Segment& segment, const Count& c,
                      const NodeAdjustment& adjustment) {
-  constexpr double kHeadingSigmaRad = 0.3;
   if (!adjustment.converged || !are_a_few_echoes(t, segment, c) || c.bearings != c.bearings_seen ||
       c.beacons_used < 3 || !are_over_enough_paths(t, segment))
     return false;
-  const NodeBlock& A = adjustment.information;
-  // What is left of the heading's information when the position is open (Schur complement).
-  const double det = A(0, 0) * A(1, 1) - A(0, 1) * A(0, 1);
-  if (!(det > 0)) return false;
-  const double taken =
-      (A(1, 1) * A(0, 2) * A(0, 2) - 2 * A(0, 1) * A(0, 2) * A(1, 2) + A(0, 0) * A(1, 2) * A(1, 2)) / det;
-  return A(2, 2) - taken > 1.0 / (kHeadingSigmaRad * kHeadingSigmaRad);
+  return heading_information(adjustment.information) > 1.0 / (kHeadingSigmaRad * kHeadingSigmaRad);
 }
 
 /// Sets the node to the best pose of a planar search; returns whether another pose is as good.
 bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                  const EpochFixOptions& options, bool& found) {
+                  const EpochFixOptions& options, const std::optional<PlanarState>& start, bool& found) {
   const SearchProblem problem = make_search_problem(t, segment, model, options.range_slack_m);
   Node& node = t.nodes[segment.first_node];
   found = true;
@@ -229,6 +221,8 @@ bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& mo
   }
   search.max_pairs = std::max(options.max_candidates / (2 * search.headings), 4);
   search.max_cells = options.max_candidates;
+  search.start = start;
+  search.margin = options.ambiguity_margin;
   const SearchResult result = search_pose(problem, search);
   found = !result.poses.empty();
   if (!found) return false;
@@ -275,15 +269,19 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
 namespace {
 
 /// Linear ranges, adjusted: of all arrivals or, where they do not agree, without those that came over a
-/// detour. Returns whether no search could do better; else all arrivals are in use again.
+/// detour. Returns whether no search could do better; else all arrivals are in use again, and a search may
+/// start where the last linear ranges placed the node.
 bool fix_in_closed_form(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                         const EpochFixOptions& options, CorrelatedArrivals& sigmas,
-                        NodeAdjustment& adjustment, Count& c) {
+                        NodeAdjustment& adjustment, Count& c, std::optional<PlanarState>& start) {
   if (!may_begin_closed(t, segment, options)) return false;
   for (const bool without_detours : {false, true}) {
     if (without_detours && !mark_detours(t, segment, model.state, options.rejection_sigmas)) return false;
     if (place_by_linear_ranges(t, segment, model.state, model.beacon_usable)) {
-      t.nodes[segment.first_node].placed = false;
+      Node& node = t.nodes[segment.first_node];
+      node.placed = false;
+      start = PlanarState{node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(),
+                          node.T_map_vehicle.heading_rad(), 0.0};
       adjustment = adjust_and_mark(t, segment, model, options, sigmas);
       c = count(t, segment, model);
       if (is_beyond_doubt(t, segment, c, adjustment)) return true;
@@ -311,12 +309,13 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
   const bool enough = c.poses > 0 || (c.heard + c.bearings >= least && c.beacons_heard + c.bearings >= 2);
   bool found = false, ambiguous = false;
   NodeAdjustment adjustment;
+  std::optional<PlanarState> start;
   CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kSame);
   if (closed_form_first && enough)
-    found = fix_in_closed_form(t, segment, model, options, sigmas, adjustment, c);
+    found = fix_in_closed_form(t, segment, model, options, sigmas, adjustment, c, start);
   const bool search = !found;
   if (enough && search)
-    ambiguous = t.motion == Motion::kPlanar ? start_planar(t, segment, model, options, found)
+    ambiguous = t.motion == Motion::kPlanar ? start_planar(t, segment, model, options, start, found)
                                             : start_spatial(t, segment, model, options, found);
   if (!found) {
     fix.status = FixStatus::kTooFewArrivals;
