@@ -90,12 +90,7 @@ Eigen::MatrixXd correlated_covariance(const Fit& fit, const Eigen::MatrixXd& whi
   const ErrorModel shown = error_model_of(sample, threads);
   const Eigen::MatrixXd stated = covariance_under(stated_errors(noise), sample);
   if (!shown.correlated) return stated;
-  // A short visit tells its errors badly: they are not less than those of the first one. Where both are about
-  // as large it goes from one to the other by degrees, so that the draws behind the model tip no balance.
-  const Eigen::VectorXd scale = white.diagonal().cwiseInverse();
-  const double larger = std::log(shown.covariance.diagonal().dot(scale) / stated.diagonal().dot(scale));
-  const double share = std::clamp(0.5 + larger / kAboutAsLarge, 0.0, 1.0);
-  return share * shown.covariance + (1.0 - share) * stated;
+  return between_error_models(white, stated, shown.covariance);
 }
 
 /// Columns of the known parameters that are free, and of all others.
@@ -160,6 +155,14 @@ void discount(const Eigen::MatrixXd& honest, Eigen::MatrixXd& N, Eigen::VectorXd
 }
 
 }  // namespace
+
+Eigen::MatrixXd between_error_models(const Eigen::MatrixXd& white, const Eigen::MatrixXd& stated,
+                                     const Eigen::MatrixXd& shown) {
+  const Eigen::VectorXd scale = white.diagonal().cwiseInverse();
+  const double larger = std::log(shown.diagonal().dot(scale) / stated.diagonal().dot(scale));
+  const double share = std::clamp(0.5 + larger / kAboutAsLarge, 0.0, 1.0);
+  return share * shown + (1.0 - share) * stated;
+}
 
 VisitInformation visit_information(Fit& fit, const KnownParameters& known, const Eigen::MatrixXd& P_si,
                                    const Deployment& noise, int threads, bool known_white) {

@@ -31,6 +31,16 @@ struct VisitInformation {
                                                  const Eigen::MatrixXd& P, const Deployment& noise,
                                                  int threads, bool known_white = false);
 
+/// Covariance of a visit's estimates between the one under the errors that the first calibration stated and
+/// the one under those that the visit's residuals show. A short visit tells its errors badly, so that they
+/// are not taken to be less than stated: the larger one counts, by the mean of its variances over the white
+/// ones. Where these are about equal, within exp(+-1/4), the logarithm of their ratio mixes both, so that the
+/// draws behind the model tip no balance.
+/// @param white  under white errors; positive diagonal, same size as the others
+[[nodiscard]] Eigen::MatrixXd between_error_models(const Eigen::MatrixXd& white,
+                                                   const Eigen::MatrixXd& stated,
+                                                   const Eigen::MatrixXd& shown);
+
 /// What a Gaussian prior of mean theta_1 becomes by a visit.
 struct Updated {
   Eigen::VectorXd step;  ///< from theta_1

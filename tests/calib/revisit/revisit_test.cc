@@ -3,7 +3,11 @@
 #include "calib/revisit/revisit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -235,6 +239,35 @@ TEST(Revisit, TheDifferenceOfBothDeploymentsSaysTheSame) {
   EXPECT_EQ(difference.changes[0].subject, "B4");
   EXPECT_NEAR(difference.changes[0].size, found.comparison.changes[0].size,
               found.comparison.changes[0].sigma);
+}
+
+/// Each pair keeps an error of so many sigmas for some ten stops.
+void keep_errors(MeasurementLog& run, double sigma_s) {
+  Random draws(31, 2);
+  const double keep = std::exp(-0.1), fresh = std::sqrt(1 - keep * keep);
+  std::map<std::pair<int, int>, std::pair<std::int64_t, double>> kept;  // stop and value
+  for (Arrival& a : run.arrivals) {
+    auto [at, is_new] = kept.try_emplace({a.beacon.value, a.receiver.value}, a.epoch, draws.normal());
+    for (; at->second.first < a.epoch; ++at->second.first)
+      at->second.second = keep * at->second.second + fresh * draws.normal();
+    a.tof_s += sigma_s * at->second.second;
+  }
+}
+
+/// What a visit is worth: by the errors that it shows where they are the larger, else by those stated.
+TEST(Revisit, TheLargerErrorModelOfBothVisitsCounts) {
+  TwoVisits visits = two_visits([](Scenario&) {}, 60);
+  const double noise_s = visits.before.noise.tof_sigma_s;
+  const auto left = [&](double stated_s) {
+    visits.before.correlated_noise = {stated_s, 50.0, 0.0};
+    return revisited(visits).as_left.beacons[kFree].covariance_m2.trace();
+  };
+  const double white = left(0.0);
+  keep_errors(visits.second, noise_s);
+  const double shown = left(0.0), little = left(0.05 * noise_s), much = left(4 * noise_s);
+  EXPECT_GT(shown, 1.2 * white);  // by a third, and much by 3 % more: the visit then tells next to nothing
+  EXPECT_NEAR(little / shown, 1.0, 0.02);
+  EXPECT_GT(much, 1.015 * shown);
 }
 
 /// Second visits only add: what neither moved nor drifted is known better than before.
