@@ -180,7 +180,7 @@ TEST_F(Check, BeaconsThatLackTheSameAreTheWordsOfOneLine) {
   EXPECT_THAT(refused.err,
               ::testing::ContainsRegex("beacons B0, B1, .*their positions are known to [0-9]+ mm( "
                                        "to [0-9]+ mm)? only, the tolerance is 30 mm"));
-  EXPECT_THAT(refused.out, HasSubstr("weak             beacon B0, beacon B1, "));
+  EXPECT_THAT(refused.out, HasSubstr("weak             beacons B0, B1, "));
 }
 
 TEST_F(Check, UndeterminedIsExit5WithCalibratesWords) {

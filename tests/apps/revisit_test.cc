@@ -114,7 +114,7 @@ TEST_F(SecondVisit, LocalizeAndVerifyNameWhoseArrivalsTheyDoWithout) {
   EXPECT_THAT(localize("-q").out, ::testing::ContainsRegex("Look at whose arrivals were left out: [0-9]+ of "
                                                            "[0-9]+ of B4"));
   EXPECT_GT(localize("--json").json()["left_out"]["arrivals"]["by_beacon"]["B4"].get<int>(), 4);
-  EXPECT_THAT(octant({"verify", out("d.json"), visit()}).out, HasSubstr(" of B4. octant monitor"));
+  EXPECT_THAT(octant({"verify", out("d.json"), visit()}).out, HasSubstr(" of B4. octant"));
 }
 
 TEST_F(SecondVisit, TextOfAllThreeFitsATerminal) {

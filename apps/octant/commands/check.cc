@@ -219,9 +219,12 @@ std::string lone_beacons_text(const calib::Solution& s) {
   }
   std::string text;
   for (auto& [remedy, beacons] : by_remedy) {
-    if (beacons.size() > 1)
-      for (std::string& b : beacons) b = b.substr(0, b.find(" ("));
-    add_line(text, "weak", fmt::format("{}; settled by: {}", fmt::join(beacons, ", "), remedy));
+    constexpr std::size_t kWord = std::string_view("beacon ").size();
+    const bool many = beacons.size() > 1;
+    if (many)
+      for (std::string& b : beacons) b = b.substr(kWord, b.find(" (") - kWord);
+    add_line(text, "weak",
+             fmt::format("{}{}; settled by: {}", many ? "beacons " : "", fmt::join(beacons, ", "), remedy));
   }
   return text;
 }
