@@ -3,6 +3,7 @@
 #include "calib/verdict/undetermined_words.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,6 +39,9 @@ std::vector<BeaconGroup> groups_of(const std::vector<UndeterminedBeacon>& beacon
 }
 
 std::string reason_of(const BeaconGroup& group, double limit_m) {
+  constexpr std::string_view kIt = "it was ";
+  if (group.names.size() > 1 && group.why.starts_with(kIt))
+    return "they were " + group.why.substr(kIt.size());
   if (group.names.size() == 1 || group.most_m == 0.0) return group.why;
   const std::string least = length_in_words(group.least_m), most = length_in_words(group.most_m);
   return fmt::format("their positions are known to {} only, the tolerance is {}",
