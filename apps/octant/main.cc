@@ -61,6 +61,17 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
         "{0} is a folder, so a recording, and the site file before it is missing (octant init {0} -o "
         "site.yaml begins one)",
         site->as<std::string>());
+  // CLI11 writes the largest double out.
+  constexpr std::string_view kNotInRange = " not in range ";
+  if (const auto at = message.find(kNotInRange);
+      at != std::string::npos && message.find(" to 17976931348623157", at) != std::string::npos)
+    message =
+        message.substr(0, at) + (message.substr(0, at).ends_with(" 0") ? " is not above 0" : " is below 0");
+  constexpr std::string_view kRequired = " is required";
+  if (const auto at = message.rfind(kRequired);
+      at != std::string::npos && at + kRequired.size() == message.size())
+    if (const auto* word = command.get_option_no_throw(message.substr(0, at)); word && word->get_positional())
+      message = fmt::format("{} is required ({})", word->get_type_name(), word->get_description());
   const auto strange = app.remaining(true);
   if (chosen.empty())
     message = strange.empty()

@@ -117,6 +117,8 @@ class Session {
 [[nodiscard]] Json lost_input_object();
 /// One line, with bytes that are not UTF-8 replaced and numbers that are not finite as null.
 [[nodiscard]] std::string dump(const Json& object);
+/// A word as a shell would need it typed: in quotes where it has blanks or the like.
+[[nodiscard]] std::string quote_word(const std::string& word);
 /// Joins words as a shell would need them typed.
 [[nodiscard]] std::string quote_command(int argc, const char* const* argv);
 /// Now, or SOURCE_DATE_EPOCH, as ISO 8601 in UTC.

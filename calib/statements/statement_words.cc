@@ -89,10 +89,22 @@ class StatementWords {
            stated_.site().receivers[r].name;
   }
 
+  /// In planar motion a place below the receivers explains arrivals as well as its image above them: told is
+  /// the one on the stated side.
+  [[nodiscard]] Eigen::Vector3d on_the_side_of(const Eigen::Vector3d& stated, Eigen::Vector3d found) const {
+    const auto& receivers = stated_.site().receivers;
+    if (stated_.site().motion != Motion::kPlanar || receivers.empty()) return found;
+    double height_m = 0.0;
+    for (const SiteReceiver& r : receivers)
+      height_m += r.position_m.z() / static_cast<double>(receivers.size());
+    if ((stated.z() - height_m) * (found.z() - height_m) < 0) found.z() = 2 * height_m - found.z();
+    return found;
+  }
+
   void describe_control_point(const Statement& s, const SharedState& state, Contradiction& c) const {
     const SiteBeacon& b = stated_.site().beacons[s.index];
     const Eigen::Vector3d stated(*b.position_m[0], *b.position_m[1], *b.position_m[2]),
-        found = state.beacon_p_map_m[s.index];
+        found = on_the_side_of(stated, state.beacon_p_map_m[s.index]);
     c.kind = ContradictionKind::kControlPoint;
     c.subject = b.name;
     c.stated = fmt::format("at {}, held fixed", point(stated));

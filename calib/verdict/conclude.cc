@@ -49,12 +49,14 @@ void warn_of_correlation(const Findings& findings, Solution& solution) {
   const ErrorModel& errors = solution.errors;
   const Whiteness& w = findings.whiteness;
   if (errors.correlated) {
+    constexpr double kAsGood = 1.05;  // what two digits write as 1
+    const double growth = growth_of_sigmas(solution);
     std::string warning = fmt::format(
         "errors are correlated: residuals of a beacon-receiver pair keep a common part, as reflections, "
         "antennas and bodies cause, "
-        "which does not average out as white noise does; stated sigmas allow for it and are {:.2g} times "
-        "those of white noise",
-        growth_of_sigmas(solution));
+        "which does not average out as white noise does; stated sigmas allow for it and are {} those of "
+        "white noise",
+        growth < kAsGood ? "as good as" : fmt::format("{:.2g} times", growth));
     if (errors.freedoms < kFewFreedoms)
       warning += fmt::format(
           "; the log is too short to tell them well (some {:.0f} independent stretches): record longer, over "

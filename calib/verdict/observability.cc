@@ -14,6 +14,7 @@
 #include "calib/problem/ranges.h"
 #include "calib/verdict/datum.h"
 #include "calib/verdict/fix_shift.h"
+#include "calib/verdict/undetermined_words.h"
 #include "calib/verdict/weak_directions.h"
 #include "models/trajectory/decompositions.h"
 
@@ -80,9 +81,10 @@ class Judge {
         } else if (sigma_m > limit_m_) {
           status = undetermined(b,
                                 fmt::format("its position is {}, the tolerance is {}",
-                                            sigma_m < kNothingM ? "known to " + length(sigma_m) + " only"
-                                                                : "hardly known at all",
-                                            length(limit_m_)),
+                                            length_in_words(sigma_m) == "nothing"
+                                                ? "hardly known at all"
+                                                : "known to " + length_in_words(sigma_m) + " only",
+                                            length_in_words(limit_m_)),
                                 "hear it from places spread around it in all directions, or tape its "
                                 "distance to a control point",
                                 sigma_m);
@@ -94,7 +96,8 @@ class Judge {
       }
       solution_.beacon_status.push_back(status);
     }
-    warn_of_undetermined();
+    for (std::string& warning : warnings_of(undetermined_, limit_m_))
+      solution_.warnings.push_back(std::move(warning));
   }
 
   void common_parameters() {
@@ -129,9 +132,10 @@ class Judge {
     if (!blocked_ && !too_many && !(strict && count > 0)) return;  // status stays: converged or not
     solution_.status = SolveStatus::kUndetermined;
     std::vector<std::string> what, remedies;
+    if (too_many || strict) what = in_groups(undetermined_, limit_m_);
     for (const WeakDirection& w : solution_.weak) {
       if (!w.blocking && !(w.lone_beacon && (too_many || strict))) continue;
-      what.push_back(w.description);
+      if (!w.lone_beacon) what.push_back(w.description);
       if (std::find(remedies.begin(), remedies.end(), w.remedy) == remedies.end())
         remedies.push_back(w.remedy);
     }
@@ -140,12 +144,6 @@ class Judge {
   }
 
  private:
-  static constexpr double kNothingM = 1e4;  ///< a sigma that is none
-  static std::string length(double m) {
-    return m < 1.0         ? fmt::format("{:.0f} mm", 1000 * m)
-           : m < kNothingM ? fmt::format("{:.2f} m", m)
-                           : "nothing";
-  }
   [[nodiscard]] std::string name_of(int column) const {
     return parameter_name(layout_.parameters[static_cast<std::size_t>(column)].id, names_of(site_));
   }
@@ -155,28 +153,11 @@ class Judge {
     const std::string name = owner_name(parameters::beacon_delay(b), names_of(site_));
     const std::string& beacon = site_.beacons[b].name;
     solution_.undetermined.push_back(name);
-    undetermined_.push_back({beacon, why, remedy});
+    undetermined_.push_back(
+        {beacon, why, remedy, std::isfinite(sigma_m) && sigma_m > limit_m_ ? sigma_m : 0.0});
     solution_.weak.push_back(
         {fmt::format("beacon {} ({})", beacon, why), {name}, sigma_m, 0.0, remedy, false, true});
     return BeaconStatus::kUndetermined;
-  }
-
-  /// One warning for each remedy: a site without control points has them all in common.
-  void warn_of_undetermined() {
-    for (std::size_t i = 0; i < undetermined_.size(); ++i) {
-      std::vector<std::string> alike;
-      for (std::size_t k = 0; k < undetermined_.size(); ++k)
-        if (undetermined_[k].remedy == undetermined_[i].remedy) {
-          if (k < i) break;  // told already
-          alike.push_back(undetermined_[k].beacon + " (" + undetermined_[k].why + ")");
-        }
-      if (alike.size() == 1)
-        solution_.warnings.push_back(fmt::format("beacon {} is undetermined: {}; {}", undetermined_[i].beacon,
-                                                 undetermined_[i].why, undetermined_[i].remedy));
-      else if (alike.size() > 1)
-        solution_.warnings.push_back(fmt::format("{} beacons are undetermined: {}; {}", alike.size(),
-                                                 fmt::join(alike, ", "), undetermined_[i].remedy));
-    }
   }
 
   void block(WeakDirection direction) {
@@ -258,10 +239,7 @@ class Judge {
   Solution& solution_;
   double limit_m_, fix_limit_m_;
   std::size_t asked_ = 0;
-  struct Undetermined {
-    std::string beacon, why, remedy;
-  };
-  std::vector<Undetermined> undetermined_;
+  std::vector<UndeterminedBeacon> undetermined_;
   bool blocked_ = false;
 };
 

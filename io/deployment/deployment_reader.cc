@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <filesystem>
 #include <unordered_set>
 
 #include <fmt/format.h>
@@ -360,6 +361,11 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
 }
 
 Result<Deployment> read_deployment(const std::string& path) {
+  if (std::error_code ignored; std::filesystem::is_directory(path, ignored))
+    return fail({.file = path,
+                 .found = "this is a folder",
+                 .expected = "a deployment file, which stands before the run folders",
+                 .advice = "octant calibrate makes one"});
   const Result<std::string> text = read_document(path);
   if (!text) return fail(text.error());
   return deployment_from_json(*text, path);

@@ -31,6 +31,8 @@ constexpr std::array<std::pair<std::string_view, double>, 8> kUnitSuffixes = {{{
                                                                                {"_ft", 0.3048},
                                                                                {"_mv", 1e-3}}};
 
+constexpr std::size_t kHeaderBytes = 4096;  // longer lines are no header that people wrote
+
 const TofColumn* tof_column(std::string_view name) {
   for (const TofColumn& c : kTofColumns)
     if (name == c.name || name == c.short_name) return &c;
@@ -268,6 +270,26 @@ Result<TableMapping> mapping_from_words(std::string_view words) {
   }
   if (auto whole = check_mapping(mapping); !whole) return fail(whole.error());
   return mapping;
+}
+
+std::optional<TableMapping> mapping_of_header(const std::string& path) {
+  const auto map = MappedFile::open(path);
+  if (!map) return std::nullopt;
+  std::string_view text = without_bom(map->text());
+  std::string_view header;
+  while (!text.empty() && (header.empty() || header.front() == '#')) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    header = without_blanks(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  TableMapping all;
+  for (const TofColumn& c : kTofColumns) all.columns.push_back({std::string(c.name), std::string(c.name)});
+  const auto cells =
+      cells_of(header.substr(0, kHeaderBytes), delimiter_of(header.substr(0, kHeaderBytes), all));
+  TableMapping own;
+  for (const ColumnRule& rule : all.columns)
+    if (std::count(cells.begin(), cells.end(), rule.source) == 1) own.columns.push_back(rule);
+  return check_mapping(own) ? std::optional(own) : std::nullopt;
 }
 
 Result<TableMapping> read_mapping(const std::string& path) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +33,8 @@ struct TableMapping {
 [[nodiscard]] Result<TableMapping> mapping_from_words(std::string_view words);
 /// The same as a file: octant_columns: 1, columns: {time_s: ..., ...}, ignore: [...].
 [[nodiscard]] Result<TableMapping> read_mapping(const std::string& path);
+/// The mapping of a table whose header has the names of tof.csv; none: it has not, or cannot be read.
+[[nodiscard]] std::optional<TableMapping> mapping_of_header(const std::string& path);
 [[nodiscard]] std::string mapping_to_yaml(const TableMapping& mapping);
 
 /// What a table became.

@@ -129,16 +129,16 @@ std::string separator_advice(const std::string& file, std::string_view header, c
   constexpr std::string_view kTof = "tof.csv",
                              kAgain = "export it again as comma-separated values in English notation";
   if (!file.ends_with(kTof)) return std::string(kAgain);
-  std::string columns;
+  std::size_t own = 0;
   while (!header.empty()) {
     const std::size_t end = std::min(header.find(separator), header.size());
-    for (const TofColumn& known : kTofColumns)
-      if (header.substr(0, end) == known.name)
-        columns += fmt::format("{}{}={}", columns.empty() ? "" : ",", known.name, known.name);
+    own += static_cast<std::size_t>(
+        std::any_of(kTofColumns.begin(), kTofColumns.end(),
+                    [&](const TofColumn& known) { return header.substr(0, end) == known.name; }));
     header.remove_prefix(std::min(end + 1, header.size()));
   }
-  return fmt::format("octant convert {} --columns {} -o RUN reads it as it is; or {}", file,
-                     columns.empty() ? "time=COLUMN,beacon=COLUMN,tof=COLUMN" : columns, kAgain);
+  return fmt::format("octant convert {} {}-o RUN reads it as it is; or {}", file,
+                     own >= 3 ? "" : "--columns time=COLUMN,beacon=COLUMN,tof=COLUMN ", kAgain);
 }
 
 }  // namespace

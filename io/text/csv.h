@@ -32,6 +32,8 @@ class CsvReader {
   /// Reads the header row. Refuses what is not UTF-8, empty files, other separators than the comma, columns
   /// given twice.
   void read_header();
+  /// As messages name it.
+  [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] const std::vector<std::string>& header() const { return header_; }
   /// Index of a column, -1 if there is none; marks it as known.
   int find(std::string_view name);

@@ -38,8 +38,9 @@ bool NameLookup::beacon(CsvReader& csv, int column, BeaconId& id) const {
           (hint.empty()          ? ""
            : hint.ends_with('?') ? " Or "
                                  : "; or ") +
-          fmt::format("add it to the site's beacons; octant convert --ignore {} leaves a neighbour's out",
-                      in_quotes(name)));
+          fmt::format("add it to the site's beacons; octant convert {} --ignore {} -o RUN leaves a "
+                      "neighbour's out",
+                      csv.file(), in_quotes(name)));
 }
 
 /// The other names of the column that the site does not have, so that all can be mended at once.

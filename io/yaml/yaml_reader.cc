@@ -287,8 +287,11 @@ void check_version(YamlMap& root, std::string_view version_key, YamlLog& log) {
   const YamlNode node = root.get(version_key);
   const std::string expected = fmt::format("{}: 1", version_key);
   if (!node.is_defined()) {
-    log.fail(root.node(), fmt::format("{} is missing", in_quotes(version_key)), expected,
-             "write it in the first line");
+    const bool site = version_key != "octant_site" && root.get("octant_site").is_defined();
+    log.fail(root.node(), site ? "a site file" : fmt::format("{} is missing", in_quotes(version_key)),
+             expected,
+             site ? fmt::format("octant schema {} says what belongs in it", version_key.substr(7))
+                  : "write it in the first line");
   } else if (!node.is_scalar() || node.scalar() != "1") {
     log.fail(node, fmt::format("version {} of the format", yaml_kind_of(node)), expected,
              "a newer version needs a newer octant; see octant schema");

@@ -168,6 +168,19 @@ TEST_F(Check, WithoutEpochsCalibrateSaysSo) {
   EXPECT_THAT(refused.json()["error"]["message"].get<std::string>(),
               ::testing::Not(HasSubstr("approximate positions")));
   EXPECT_THAT(check().err, HasSubstr("column epoch"));
+  EXPECT_EQ(check().exit, 5);
+  EXPECT_THAT(check().out, HasSubstr("calibrate would refuse (exit 5)"));
+}
+
+TEST_F(Check, BeaconsThatLackTheSameAreTheWordsOfOneLine) {
+  spit(hall("site.yaml"),
+       std::regex_replace(slurp(hall("site.yaml")), std::regex("sigma_m: 0\\}"), "sigma_m: 0.3}"));
+  const Outcome refused = check();
+  ASSERT_EQ(refused.exit, 5) << refused.out << refused.err;
+  EXPECT_THAT(refused.err,
+              ::testing::ContainsRegex("beacons B0, B1, .*their positions are known to [0-9]+ mm( "
+                                       "to [0-9]+ mm)? only, the tolerance is 30 mm"));
+  EXPECT_THAT(refused.out, HasSubstr("weak             beacons B0, B1, "));
 }
 
 TEST_F(Check, UndeterminedIsExit5WithCalibratesWords) {

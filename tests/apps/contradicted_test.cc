@@ -54,6 +54,13 @@ TEST_F(Contradicted, AcceptExportsItMarkedAndLocalizersSaySo) {
   EXPECT_THAT(octant({"verify", out("d.json"), hall("heldout")}).err, HasSubstr("B3"));
 }
 
+TEST_F(Contradicted, AComparisonWithAnEarlierDeploymentHangsOnIt) {
+  ASSERT_EQ(calibrate({"--accept"}).exit, 6);
+  const Outcome told = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", out("e.json"), "--since",
+                               out("d.json"), "--progress", "none"});
+  EXPECT_THAT(told.out, HasSubstr("this comparison hangs on what is contradicted;"));
+}
+
 TEST_F(Contradicted, CheckDoesNotSayThatAllIsWell) {
   const Outcome looked = octant({"check", hall("site.yaml"), hall("run"), "--progress", "none"});
   EXPECT_TRUE(looked.out.starts_with("verdict          the data contradict what was stated")) << looked.out;

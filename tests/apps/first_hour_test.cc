@@ -180,7 +180,22 @@ TEST_F(FirstMistakes, AreAnsweredWithTheWayOut) {
   EXPECT_THAT(said({"init", out("none")}, 3),
               HasSubstr("No such file or directory; expected a folder with tof.csv"));
   EXPECT_THAT(said({"init", out("")}, 3), HasSubstr("is this the run folder?"));
-  EXPECT_THAT(said({"convert", hall("run/tof.csv"), "-o", out("c")}, 3), HasSubstr("--columns time=COLUMN"));
+  spit(out("kit.csv"), "timestamp_ms,anchor,distance_cm\n1220,A3,1583.9\n");
+  EXPECT_THAT(said({"convert", out("kit.csv"), "-o", out("c")}, 3), HasSubstr("--columns time=COLUMN"));
+  // A recording where the deployment belongs, and a word that is missing.
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"localize", "-o", out("f")},
+                                                {"verify"},
+                                                {"monitor"},
+                                                {"recalibrate", "-o", out("f")}}) {
+    std::vector<std::string> line = words;
+    line.insert(line.end(), {hall("run"), out("d.json")});
+    EXPECT_THAT(said(line, 3), HasSubstr("a deployment file, which stands before the run folders"));
+  }
+  EXPECT_THAT(said({"simulate", hall("site.yaml"), "-o", out("w")}, 3),
+              HasSubstr("a site file; expected octant_scenario: 1"));
+  EXPECT_THAT(said({"monitor", out("d.json"), hall("run"), "--drift-beacon-m", "0"}, 2),
+              HasSubstr("--drift-beacon-m: Value 0 is not above 0;"));
+  EXPECT_THAT(said({"diff", out("d.json")}, 2), HasSubstr("B.json is required (The later deployment)"));
   EXPECT_THAT(said({"schema", "cell.csv"}, 2), HasSubstr("did you mean 'cells.csv'?"));
 }
 
@@ -192,13 +207,35 @@ TEST_F(FirstMistakes, AGermanTableIsReadByTheCommandThatTheMessageNames) {
   spit(out("german/tof.csv"), text);
   const std::string told = said({"check", hall("site.yaml"), out("german")}, 3);
   std::smatch command;
-  ASSERT_TRUE(std::regex_search(told, command, std::regex("octant convert (\\S+) --columns (\\S+) -o RUN")))
-      << told;
-  const Outcome converted = octant({"convert", command[1], "--columns", command[2], "-o", out("run")});
+  ASSERT_TRUE(std::regex_search(told, command, std::regex("octant convert (\\S+) -o RUN"))) << told;
+  const Outcome converted = octant({"convert", command[1], "-o", out("run")});
   ASSERT_EQ(converted.exit, 0) << converted.err;
   const Outcome a = octant({"check", hall("site.yaml"), out("run"), "--json"}),
                 b = octant({"check", hall("site.yaml"), hall("run"), "--json"});
   EXPECT_EQ(a.json()["beacons"], b.json()["beacons"]);
+}
+
+TEST_F(FirstMistakes, ANeighboursBeaconIsLeftOutByTheCommandThatTheMessageNames) {
+  spit(out("site.yaml"), std::regex_replace(slurp(hall("site.yaml")), std::regex("id: B7"), "id: B77"));
+  const std::string told = said({"check", out("site.yaml"), hall("run")}, 3);
+  std::smatch command;
+  ASSERT_TRUE(
+      std::regex_search(told, command, std::regex("octant convert (\\S+) --ignore '(\\S+)' -o RUN leaves")))
+      << told;
+  const Outcome converted = octant({"convert", command[1], "--ignore", command[2], "-o", out("run")});
+  ASSERT_EQ(converted.exit, 0) << converted.err;
+  const std::string before = slurp(hall("run/tof.csv")), after = slurp(out("run/tof.csv"));
+  EXPECT_EQ(before.substr(0, before.find('\n')).size(), after.substr(0, after.find('\n')).size())
+      << "the same columns";
+  EXPECT_THAT(after, Not(HasSubstr(",B7,")));
+  EXPECT_EQ(octant({"check", out("site.yaml"), out("run")}).exit, 0);
+}
+
+TEST_F(FirstMistakes, CommandsToCopyAreQuoted) {
+  const std::string run = out("run one");
+  std::filesystem::copy(hall("run"), run);
+  EXPECT_THAT(octant({"init", run, "-o", out("my site.yaml")}).out,
+              HasSubstr("octant check '" + out("my site.yaml") + "' '" + run + "'"));
 }
 
 TEST(Defaults, StandBehindWhatIsTyped) {

@@ -104,6 +104,30 @@ TEST_F(SecondVisit, AReplacedBeaconIsAnAlarmARecalibrationAndADifference) {
   EXPECT_EQ(octant({"verify", out("n.json"), visit()}).exit, 0);
 }
 
+TEST_F(SecondVisit, LocalizeAndVerifyNameWhoseArrivalsTheyDoWithout) {
+  const auto localize = [&](const char* more) {
+    return octant({"localize", out("d.json"), visit(), "-o", out("f.tum"), "--csv", out("f.csv"), more});
+  };
+  EXPECT_THAT(localize("-q").out, ::testing::Not(HasSubstr("octant monitor")));
+  EXPECT_THAT(localize("-q").out, HasSubstr("written          " + out("f.csv")));
+  delay("B4", 400e-6);
+  EXPECT_THAT(localize("-q").out, ::testing::ContainsRegex("Look at whose arrivals were left out: [0-9]+ of "
+                                                           "[0-9]+ of B4"));
+  EXPECT_GT(localize("--json").json()["left_out"]["arrivals"]["by_beacon"]["B4"].get<int>(), 4);
+  EXPECT_THAT(octant({"verify", out("d.json"), visit()}).out, HasSubstr(" of B4. octant"));
+}
+
+TEST_F(SecondVisit, TextOfAllThreeFitsATerminal) {
+  delay("B4", 120e-6);
+  ASSERT_EQ(octant({"recalibrate", out("d.json"), visit(), "-o", out("n.json")}).exit, 0);
+  for (const Outcome& told : {monitor(), octant({"diff", out("d.json"), out("n.json")}),
+                              octant({"recalibrate", out("d.json"), visit(), "-o", out("m.json")})}) {
+    std::istringstream in(told.out);
+    for (std::string line; std::getline(in, line);) EXPECT_LE(line.size(), 80U) << line;
+    EXPECT_FALSE(told.out.starts_with("\n"));
+  }
+}
+
 TEST_F(SecondVisit, HistoryTakesWhatMonitorAndRecalibrateSay) {
   spit(out("m.json"), monitor({"--json"}).out);
   ASSERT_EQ(octant({"recalibrate", out("d.json"), visit(), "-o", out("n.json")}).exit, 0);

@@ -55,6 +55,7 @@ TEST(SurveyCommand, VerdictFirstInTenLinesTheRestWithV) {
                 all = octant({"survey", folder / "site.yaml", "-v"});
   EXPECT_TRUE(brief.out.starts_with("verdict          Not good enough: ")) << brief.out;
   EXPECT_THAT(brief.out, HasSubstr("\nnext "));
+  EXPECT_THAT(brief.out, HasSubstr("\ndilution         HDOP median "));
   std::size_t lines = 0;
   std::istringstream in(brief.out);
   for (std::string line; std::getline(in, line); ++lines) EXPECT_LE(line.size(), 80U) << line;

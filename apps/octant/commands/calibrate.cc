@@ -13,6 +13,7 @@
 #include "apps/octant/ranks.h"
 #include "apps/octant/steps/reporting.h"
 #include "apps/octant/text/changes_text.h"
+#include "apps/octant/text/paragraph.h"
 #include "calib/errors/variances.h"
 #include "io/deployment/deployment_json.h"
 #include "io/text/atomic_file.h"
@@ -138,6 +139,17 @@ Json calibration_json(const Calibration& calibration, const Session& session) {
 
 namespace {
 
+/// What changed since an earlier deployment: of a result that is contradicted, a shift may be the
+/// contradiction's.
+std::string comparison_text(const Calibration& calibration, const survey::ReportInput& input) {
+  std::string text = changes_text(input);
+  if (!text.empty() && !calibration.solution.contradictions.empty())
+    text += named_line("",
+                       "this comparison hangs on what is contradicted; octant recalibrate OLD.json RUN "
+                       "tells what moved");
+  return text;
+}
+
 int run(const CalibrateArgs& words, Session& session) {
   const int files_on_stdout = (words.output == "-") + on_stdout(words.report);
   if (files_on_stdout + session.options.json > 1)
@@ -170,7 +182,7 @@ int run(const CalibrateArgs& words, Session& session) {
     session.result(report_lines(words.report));
     return session.fail(*failure, object);
   }
-  session.result(calibration_summary(*calibration, *input) + changes_text(*input));
+  session.result(calibration_summary(*calibration, *input) + comparison_text(*calibration, *input));
   if (calibration->exported() && words.output != "-")
     session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
   session.result(report_lines(words.report));

@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/plan/check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
@@ -203,29 +207,56 @@ std::string check_beacon_table(const calib::Forecast& f) {
   return table.text();
 }
 
+/// Beacons that do not block the others, a line for each remedy: how badly they are known is in the table.
+std::string lone_beacons_text(const calib::Solution& s) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> by_remedy;
+  for (const auto& w : s.weak) {
+    if (!w.lone_beacon) continue;
+    auto at =
+        std::find_if(by_remedy.begin(), by_remedy.end(), [&](const auto& r) { return r.first == w.remedy; });
+    if (at == by_remedy.end()) at = by_remedy.insert(at, {w.remedy, {}});
+    at->second.push_back(w.description);
+  }
+  std::string text;
+  for (auto& [remedy, beacons] : by_remedy) {
+    constexpr std::size_t kWord = std::string_view("beacon ").size();
+    const bool many = beacons.size() > 1;
+    if (many)
+      for (std::string& b : beacons) b = b.substr(kWord, b.find(" (") - kWord);
+    add_line(text, "weak",
+             fmt::format("{}{}; settled by: {}", many ? "beacons " : "", fmt::join(beacons, ", "), remedy));
+  }
+  return text;
+}
+
 /// What a reader came for: can these data do it, and if not, what would settle it.
 std::string forecast_verdict_text(const calib::Forecast& f) {
   const calib::Solution& s = f.solution;
   const bool converged = s.status == calib::SolveStatus::kConverged;
-  const char* verdict = !s.contradictions.empty()
+  const bool refused = s.status == calib::SolveStatus::kUndetermined;
+  const char* verdict = !s.contradictions.empty() && refused
+                            ? "the data do not fit what was stated, as the warnings say: calibrate would "
+                              "refuse (exit 5)"
+                        : !s.contradictions.empty()
                             ? "the data contradict what was stated, as the warnings say: calibrate would "
                               "end with exit 6"
                         : converged && !s.undetermined.empty()
                             ? "these data can determine the rest, but not what is listed as weak"
                         : converged ? "these data can determine what the site asks for"
-                        : s.status == calib::SolveStatus::kUndetermined
+                        : refused
                             ? "these data cannot determine what the site asks for: calibrate would refuse"
                             : "the adjustment did not converge: calibrate may not either";
   std::string text;
   add_line(text, "verdict", verdict);
   for (const auto& w : s.weak) {
+    if (w.lone_beacon) continue;
     const std::string at_robot = w.consequence_m > 0 && std::isfinite(w.consequence_m)
                                      ? fmt::format(": up to {} at the robot", length_text(w.consequence_m))
                                      : "";
     add_line(text, w.blocking ? "undetermined" : "weak",
              fmt::format("{}{}; settled by: {}", w.description, at_robot, w.remedy));
   }
-  return text;
+  return text + lone_beacons_text(s);
 }
 
 std::string forecast_tables(const calib::Forecast& f, const std::string& site) {
@@ -265,7 +296,7 @@ calib::Forecast forecast(const calib::Problem& problem, const CheckWords& words,
 std::vector<calib::Finding> findings_of(const calib::Forecast& f, Logs& logs) {
   std::vector<calib::Finding> findings;
   for (const Contradiction& c : f.solution.contradictions)
-    findings.push_back({to_string(c.kind), in_words(c) + ". " + c.remedy});
+    findings.push_back({to_string(c.kind), in_words(c) + "; " + c.remedy});
   return findings.empty() ? calib::suspicions(f, logs.runs) : findings;
 }
 

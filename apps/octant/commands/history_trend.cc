@@ -286,8 +286,9 @@ int history_trend(const HistoryWords& words, Session& session) {
               .advice = "octant history trend lists them"});
 
   const double last_s = records.back().time_s;
-  std::string text = fmt::format("{}: {} calibrations, {} to {}\n", *site, records.size(),
-                                 day_at(records.front().time_s), day_at(last_s)),
+  std::string text =
+                  fmt::format("{}: {} calibration{}, {} to {}\n", *site, records.size(),
+                              records.size() == 1 ? "" : "s", day_at(records.front().time_s), day_at(last_s)),
               alarms;
   Json list = Json::array();
   for (const QuantityTrend* q : charts) {

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -37,8 +38,12 @@ Result<void> write_outputs(const LocalizeArgs& words, const Deployment& deployme
   return written;
 }
 
-void warn_of_fixes(const Localization& found, const std::vector<Fix>& fixes, Session& session) {
+void warn_of_fixes(const LocalizeArgs& words, const Localization& found, const std::vector<Fix>& fixes,
+                   Session& session) {
   if (found.ok == 0) session.warn("there is not a single fix; is this the right deployment for the run?");
+  const auto another = [&](const Fix& fix) { return fix.vehicle != fixes.front().vehicle; };
+  if (words.output != "-" && std::any_of(fixes.begin(), fixes.end(), another))
+    session.warn("TUM names no vehicle, and there are fixes of several: tell them apart by --csv");
   for (std::size_t i = 1; i < fixes.size(); ++i) {
     if (fixes[i].ok() && fixes[i - 1].ok() && fixes[i].time_s < fixes[i - 1].time_s) {
       session.warn(
@@ -71,9 +76,10 @@ int run_live(const LocalizeArgs& words, Session& session) {
 int run(const LocalizeArgs& words, Session& session) {
   if (words.live.follow) return run_live(words, session);
   if (words.runs.empty() || words.output.empty())
-    return session.fail({"error", "usage", kUsage,
-                         words.runs.empty() ? "run is required" : "--output is required",
-                         "octant localize --help explains; --follow localizes as the data come"});
+    return session.fail(
+        {"error", "usage", kUsage,
+         words.runs.empty() ? "RUN is required (run folders: the recordings)" : "--output is required",
+         "octant localize --help explains; --follow localizes as the data come"});
   const int on_stdout = (words.output == "-") + (words.csv == "-") + session.options.json;
   if (on_stdout > 1)
     return session.fail(
@@ -101,12 +107,14 @@ int run(const LocalizeArgs& words, Session& session) {
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
   const std::vector<Fix> fixes = found.all();
-  warn_of_fixes(found, fixes, session);
+  warn_of_fixes(words, found, fixes, session);
   warn_outside_validity(*deployment, *runs, found, session);
   if (auto written = write_outputs(words, *deployment, fixes); !written) return session.fail(written.error());
 
-  session.result(fixes_text(found) + integrity_text(found));
-  if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "written", words.output));
+  const auto left_out = left_out_by_beacon(*deployment, *runs, found);
+  session.result(fixes_text(found) + integrity_text(found) + left_out_text(left_out));
+  for (const std::string& file : {words.output, words.csv})
+    if (!file.empty() && file != "-") session.result(fmt::format("{:<17}{}\n", "written", file));
   return session.finish({{"status", found.ok > 0 ? "ok" : "no_fix"},
                          {"method", found.method},
                          {"why", found.why},
@@ -115,6 +123,7 @@ int run(const LocalizeArgs& words, Session& session) {
                          {"seconds", session.seconds()},
                          {"arrivals", found.arrivals},
                          {"rejected", found.rejected},
+                         {"left_out", left_out_json(left_out)},
                          {"no_fix_reasons", no_fix_json(found)},
                          {"integrity", integrity_json(found)},
                          {"assumed_temperature_degC", assumed_temperature_json(*deployment, found, *runs)},

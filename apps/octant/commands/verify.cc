@@ -79,6 +79,14 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
   return session.finish({{"status", "ok"}, {"methods", rows}});
 }
 
+Json located_json(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
+                  const Localization& found, const std::vector<LeftOutOfBeacon>& left_out) {
+  return {{"no_fix_reasons", no_fix_json(found)},
+          {"left_out", left_out_json(left_out)},
+          {"speeds", speeds_json(found, runs)},
+          {"calibration", calibration_age_json(deployment)}};
+}
+
 int run(const VerifyArgs& words, Session& session) {
   if (on_stdout(words.report) + session.options.json > 1)
     return session.fail(
@@ -126,13 +134,12 @@ int run(const VerifyArgs& words, Session& session) {
   if (!words.report.paths.empty()) survey::add_geometry(report, session.threads());
   if (auto written = io::write_files(report_files(words.report, report)); !written)
     return session.fail(written.error());
-  session.result(evaluation_text(*evaluation, found) + due_line(*deployment) + changes_text(report) +
-                 report_lines(words.report));
+  const auto left_out = left_out_by_beacon(*deployment, *runs, found);
+  session.result(evaluation_text(*evaluation, found) + left_out_text(left_out) + due_line(*deployment) +
+                 changes_text(report) + report_lines(words.report));
   Json object = result_head("verification", words.deployment, *deployment, *runs);
   object.update(evaluation_json(*evaluation));
-  object["no_fix_reasons"] = no_fix_json(found);
-  object["speeds"] = speeds_json(found, *runs);
-  object["calibration"] = calibration_age_json(*deployment);
+  object.update(located_json(*deployment, *runs, found, left_out));
   add_changes_json(report, object);
   if (!evaluation->pass())
     return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation, found), ""},

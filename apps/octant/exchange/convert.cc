@@ -71,15 +71,18 @@ std::string format_of(const ConvertArgs& words) {
   return words.site.empty() ? "carmen" : "counters";
 }
 
-/// Any table, by --columns.
-int convert_by_columns(const ConvertArgs& words, Session& session) {
-  const bool is_file = words.columns.find('=') == std::string::npos;
+/// Any table, by --columns or, where its header has the names of tof.csv, by these.
+int convert_by_columns(const ConvertArgs& words, const std::optional<io::TableMapping>& own,
+                       Session& session) {
+  const bool is_file = !own && words.columns.find('=') == std::string::npos;
   if (auto fit = check_no_overwriting({.inputs = {words.input, is_file ? words.columns : ""},
                                        .outputs = {words.save_columns},
                                        .run_outputs = {words.output}});
       !fit)
     return session.fail(fit.error());
-  auto mapping = is_file ? io::read_mapping(words.columns) : io::mapping_from_words(words.columns);
+  auto mapping = own       ? Result<io::TableMapping>(*own)
+                 : is_file ? io::read_mapping(words.columns)
+                           : io::mapping_from_words(words.columns);
   if (!mapping) return session.fail(mapping.error());
   mapping->ignore.insert(mapping->ignore.end(), words.ignore.begin(), words.ignore.end());
   const auto table = io::convert_table(words.input, *mapping);
@@ -155,8 +158,10 @@ int convert_vendor(const ConvertArgs& words, const std::string& format, Session&
 }
 
 int run(const ConvertArgs& words, Session& session) {
-  if (!words.columns.empty()) return convert_by_columns(words, session);
+  if (!words.columns.empty()) return convert_by_columns(words, std::nullopt, session);
   const std::string format = format_of(words);
+  if (words.format == "auto" && format == "carmen")
+    if (const auto own = io::mapping_of_header(words.input)) return convert_by_columns(words, own, session);
   if (format == "bag") return convert_bag(words, session);
   if (format == "marvelmind" || format == "crazyflie" || format == "dwm1001")
     return convert_vendor(words, format, session);

@@ -37,6 +37,12 @@ const char* heading(GlossaryKind kind) {
 }
 
 constexpr GlossaryTerm kGlossary[] = {
+    {kTerm, "alarm", "alarms, cusum, trend, forecast, false alarm",
+     "History draws each number over the visits, less what the earlier ones foretell; sums of what is left "
+     "(CUSUM) that pass their limit are an alarm. One that is false comes once in a hundred visits."},
+    {kTerm, "amplitude", "amplitude_v, level_dbm",
+     "How loud an arrival was. It tells how late a weak pulse crosses the threshold, and whether a beacon is "
+     "dirty."},
     {kTerm, "arrival", "arrivals, used, left out, rejected",
      "One time of flight between one beacon and one receiver: a row of tof.csv. An arrival is used, or "
      "left out with "
@@ -45,6 +51,9 @@ constexpr GlossaryTerm kGlossary[] = {
      "stands elsewhere, or is seen through echoes."},
     {kTerm, "beacon", "anchor, transmitter, node",
      "A device that is fixed to the building. It may send or receive: the equations are the same."},
+    {kTerm, "change", "changes, changed, beacon_moved, moved",
+     "What differs from an earlier deployment beyond chance and drift: a place, a delay, a receiver, the "
+     "speed, labels."},
     {kTerm, "clock jump", "clock jumps, resolution",
      "A step in the times of flight of all beacons at once, as of a clock that was set; the smallest step in "
      "which "
@@ -66,7 +75,7 @@ constexpr GlossaryTerm kGlossary[] = {
      "Who sends when, so that no pulse meets the echo of another: beacons of one slot fire together, and "
      "after "
      "a cycle it begins anew. octant plan --schedule makes it."},
-    {kTerm, "datum", "frame",
+    {kTerm, "datum", "frame, scale, orientation, shift: see the datum",
      "What ties the map to the building: which points fix its position, its orientation and its scale. "
      "Without three "
      "control points (or other ties) the beacons' shape is known, but not where it lies; two calibrations "
@@ -76,13 +85,20 @@ constexpr GlossaryTerm kGlossary[] = {
      "Time that electronics add to each arrival: measured time less true time of flight. 100 us are 34 mm "
      "in air. "
      "Calibration finds one for each beacon, receiver or site, as timing.delay_per says."},
+    {kTerm, "degraded", "not_protected, beacon_fault",
+     "A fix whose error nothing bounds (not_protected), or from which a beacon that contradicts all others "
+     "was "
+     "left out (beacon_fault)."},
     {kTerm, "deployment", "deployment file, deployment.json",
      "What calibrate writes and a robot reads: places, delays, speed, receivers, and how well each is "
      "known."},
-    {kTerm, "dilution of precision", "dop, hdop, pdop, gdop, vdop, tdop",
+    {kTerm, "dilution of precision", "dop, dilution, hdop, pdop, gdop, vdop, tdop",
      "How many times larger the error of a fix is than that of one range, by the geometry alone. HDOP is "
      "that of the "
      "position in the plane: 1 is good, above 4 the beacons stand too much to one side."},
+    {kTerm, "drift", "drift/year, beacon_drift_m_per_month",
+     "What a number may have changed since the calibration without anything having happened: walls work, "
+     "electronics age."},
     {kTerm, "echo", "echoes, reflection, nlos",
      "A pulse that came by way of a wall: it is late, never early. Octant leaves echoes out by their "
      "residual."},
@@ -131,7 +147,7 @@ constexpr GlossaryTerm kGlossary[] = {
      "How long a beacon was not heard, and how often it was heard on average. A long silence is a shadow, or "
      "a "
      "beacon that stopped sending."},
-    {kTerm, "mdb", "minimal detectable bias, mdb_s",
+    {kTerm, "mdb", "minimal detectable bias, mdb_s, detectable_bias_m",
      "The smallest error of one arrival that the test would find in 80 of 100 cases (Baarda). Small is "
      "good. It is "
      "large where few other arrivals check this one."},
@@ -139,6 +155,9 @@ constexpr GlossaryTerm kGlossary[] = {
      "What the signal runs through, and how fast. In air 343 m/s at 20 degC, and 0.6 m/s more for each "
      "degree: a "
      "range of 10 m changes by 18 mm for each degree that nobody accounts for."},
+    {kTerm, "misfit", "heard, misfit_s",
+     "By how much the arrivals of a beacon or receiver come later (+) or earlier (-) than the deployment "
+     "foretells."},
     {kTerm, "moved from the site file", "how wrong was my tape, moved most, moved from site, dx, dy, dz",
      "How far each beacon was found from where the site file has it. Within two or three of the sigma that "
      "you "
@@ -151,7 +170,7 @@ constexpr GlossaryTerm kGlossary[] = {
      "How the vehicle moved from row to row, by wheels or an inertial unit: each row is a pose in the "
      "frame of the "
      "row before."},
-    {kTerm, "p", "chi2_p, p value, p =",
+    {kTerm, "p", "chi2_p, p value, p =, chance",
      "How likely chance alone makes a figure as odd as this one. Below 0.001 it is not chance. With very "
      "many "
      "arrivals small, harmless misfits become certain too: then look at the variance factor's size, not at "
@@ -165,7 +184,7 @@ constexpr GlossaryTerm kGlossary[] = {
      "three lie "
      "within it, 95 in 100 within two). Say what is true, not what you wish: a sigma too small makes a "
      "contradiction (exit 6), one that is too large only costs arrivals."},
-    {kTerm, "protection level", "protection_level_m, integrity",
+    {kTerm, "protection level", "protection_level_m, protection_m, integrity",
      "A bound that the error of a fix exceeds only once in very many times, undetected echoes included. A "
      "robot "
      "stops where it is larger than its safety margin."},
@@ -202,6 +221,8 @@ constexpr GlossaryTerm kGlossary[] = {
      "Of a beacon: calibrated, control point (held where the site file has it) or undetermined. Of a fix: "
      "ok, or "
      "why there is none."},
+    {kTerm, "time of flight", "tof, tof_s",
+     "How long a pulse took from beacon to receiver, in seconds: 10 ms are 3.4 m of air."},
     {kTerm, "time walk", "time-walk, rise time, threshold",
      "A weak pulse crosses the receiver's threshold later than a strong one. Octant calibrates it where "
      "the site "

@@ -44,7 +44,8 @@ int init(const InitWords& words, Session& session) {
       "{:<17}{}\n{:<17}{} beacons, {} vehicle{}\n{:<17}fill in what is marked <--, then: octant check {} "
       "{}\n",
       "site", words.output, "names", ids.beacons.size(), ids.vehicles.size(),
-      ids.vehicles.size() == 1 ? "" : "s", "next", words.output, words.run.empty() ? "RUN" : words.run));
+      ids.vehicles.size() == 1 ? "" : "s", "next", quote_word(words.output),
+      words.run.empty() ? "RUN" : quote_word(words.run)));
   return session.finish({{"site", words.output}, {"beacons", ids.beacons}});
 }
 

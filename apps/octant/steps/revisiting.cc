@@ -11,6 +11,7 @@
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/changes_text.h"
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/table.h"
 #include "apps/octant/text/validity_words.h"
 #include "io/deployment/deployment_json.h"
@@ -52,24 +53,24 @@ std::vector<std::string> heard_row(const calib::Heard& h, const LeastLikely& tes
 std::string medium_text(const SecondVisitFiles& visit) {
   const calib::MediumFound& m = visit.revisit.medium;
   constexpr double kPerDegree_mps = 0.606;
-  std::string text;
   if (!m.temperature_known) {
     const double warmer = m.speed_change_mps / kPerDegree_mps,
                  sigma = m.speed_change_sigma_mps / kPerDegree_mps;
-    text += fmt::format(
-        "{:<17}no thermometer; by its speed the air is {:.1f} degC {} than {:.1f} degC (sigma {:.1f} degC)\n",
-        "medium", std::abs(warmer), warmer > 0 ? "warmer" : "colder", m.temperature_degC, sigma);
-    return text;
+    return named_line(
+        "medium", fmt::format("no thermometer; by its speed the air is {:.1f} degC {} than {:.1f} degC "
+                              "(sigma {:.1f} degC)",
+                              std::abs(warmer), warmer > 0 ? "warmer" : "colder", m.temperature_degC, sigma));
   }
-  text += fmt::format("{:<17}speed {:+.2f} m/s (sigma {:.2f} m/s) against the calibration, at {:.1f} degC",
-                      "medium", m.speed_change_mps, m.speed_change_sigma_mps, m.temperature_degC);
+  std::string text =
+      fmt::format("speed {:+.2f} m/s (sigma {:.2f} m/s) against the calibration, at {:.1f} degC",
+                  m.speed_change_mps, m.speed_change_sigma_mps, m.temperature_degC);
   if (const auto& range = visit.before.validity_temperature_degC) {
     const double above = m.temperature_degC - (*range)[1], below = (*range)[0] - m.temperature_degC;
     if (std::max(above, below) >= 1.0)
       text += fmt::format(": the air is {:.0f} degC {} than the calibration knew", std::max(above, below),
                           above > below ? "warmer" : "colder");
   }
-  return text + "\n";
+  return named_line("medium", text);
 }
 
 }  // namespace
@@ -184,11 +185,9 @@ std::string revisit_text(const SecondVisitFiles& visit) {
     table.rows.push_back(heard_row(r.receivers[k], least_likely(r, k, true)));
   std::string text = table.text() + "\n" + medium_text(visit);
   const auto& changes = r.comparison.changes;
-  for (const Change& c : changes)
-    text += fmt::format("{:<17}{} (p = {:.1g})\n", &c == changes.data() ? "changed" : "", in_words(c), c.p);
-  text += fmt::format("{:<17}{}\n", changes.empty() ? "changed" : "",
-                      changes.empty() ? "nothing beyond chance and drift" : "all else fits");
-  return text;
+  return text + found_lines(changes) +
+         (changes.empty() ? named_line("changed", "nothing beyond chance and drift")
+                          : named_line("", "all else fits"));
 }
 
 bool needs_action(const Change& change, const calib::MediumFound& medium) {

@@ -141,7 +141,9 @@ Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std:
            .file = runs[i].path + "/truth.tum",
            .found = "there is no reference trajectory",
            .expected = "a file truth.tum with at least one pose, or truth.csv with at least one point",
-           .advice = "verify needs a run whose true poses are known; localize does not"});
+           .advice =
+               "verify needs a run whose true poses are known; whether the calibration still holds, octant "
+               "monitor tells without them"});
     }
     survey::ReferencedRun run{{}, runs[i].truth, runs[i].truth_accuracy};
     // truth.tum follows one vehicle; the others of the run have no reference.

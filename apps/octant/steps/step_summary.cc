@@ -44,7 +44,7 @@ std::string moved_text(const std::vector<survey::MovedNote>& moved) {
   Table table{"lrrrrr",
               {{"moved from site", "dx" + in, "dy" + in, "dz" + in, "known to" + in, "stated within" + in}}};
   const auto length = [&](const std::optional<double>& metres) {
-    return metres ? fmt::format("{:.1f}", unit.per_si * *metres) : std::string("-");
+    return metres ? fmt::format("{:.{}f}", unit.per_si * *metres, unit.per_si > 1 ? 1 : 3) : std::string("-");
   };
   for (std::size_t i = 0; i < std::min(kMovedShown, moved.size()); ++i) {
     const survey::MovedNote& m = moved[i];

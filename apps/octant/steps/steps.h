@@ -112,6 +112,19 @@ struct Localization {
                                                  const std::vector<MeasurementLog>& runs, Method method,
                                                  const MethodInput& input = {});
 
+/// Arrivals of a beacon at stops that have a fix.
+struct LeftOutOfBeacon {
+  std::string name;
+  std::size_t heard = 0, left_out = 0;
+};
+/// In the deployment's order. Drives, and methods that take no arrivals one by one, count for nothing.
+[[nodiscard]] std::vector<LeftOutOfBeacon> left_out_by_beacon(const Deployment& deployment,
+                                                              const std::vector<MeasurementLog>& runs,
+                                                              const Localization& localization);
+/// A line that names those that lost most of theirs; empty: none did. {arrivals: {by_beacon: {id: count}}}.
+[[nodiscard]] std::string left_out_text(const std::vector<LeftOutOfBeacon>& beacons);
+[[nodiscard]] Json left_out_json(const std::vector<LeftOutOfBeacon>& beacons);
+
 /// --method and what some methods take beside deployment and run.
 struct MethodWords {
   Method method = Method::kAuto;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/table.h"
 #include "survey/changes.h"
 
@@ -20,22 +21,20 @@ std::string verdict_of(const survey::BeaconChange& c) {
   return verdict.empty() ? "as before" : verdict;
 }
 
-std::string chance(const std::optional<double>& p) { return p ? fmt::format("{:.2g}", *p) : "-"; }
-
 std::string shift_in_words(const Change& c) {
   const Unit unit = length_unit(c.size);
   return fmt::format("x {:+.1f}, y {:+.1f}, z {:+.1f} {}", unit.per_si * c.shift_m.x(),
                      unit.per_si * c.shift_m.y(), unit.per_si * c.shift_m.z(), unit.name);
 }
 
+}  // namespace
+
 std::string found_lines(const std::vector<Change>& found) {
   std::string text;
   for (const Change& c : found)
-    text += fmt::format("{:<17}{} (p = {:.1g})\n", &c == found.data() ? "changed" : "", in_words(c), c.p);
+    text += named_line(&c == found.data() ? "changed" : "", fmt::format("{} (p = {:.1g})", in_words(c), c.p));
   return text;
 }
-
-}  // namespace
 
 Json changes_json(const std::vector<Change>& changes) {
   Json list = Json::array();
@@ -93,7 +92,7 @@ std::string remedy_of(const Change& c) {
 }
 
 std::string changes_text(const survey::ReportInput& input) {
-  return input.changes ? changes_text(*input.changes) : std::string();
+  return input.changes ? "\n" + changes_text(*input.changes) : std::string();
 }
 
 std::string changes_text(const survey::Changes& changes) {
@@ -103,26 +102,23 @@ std::string changes_text(const survey::Changes& changes) {
     time_s = std::max({time_s, std::abs(c.delay_change_s), c.delay_sigma_s});
   }
   const Unit length = length_unit(length_m), time = time_unit(time_s);
-  Table table{"lrrrrrrrrrrl",
-              {{"changes", fmt::format("dx [{}]", length.symbol), "s", "dy", "s", "dz", "s", "p",
-                fmt::format("delay [{}]", time.symbol), "s", "p", ""}}};
-  for (const auto& c : changes.beacons) {
-    std::vector<std::string> row = {c.name};
-    for (int i = 0; i < 3; ++i) {
-      row.push_back(fmt::format("{:.2f}", length.per_si * c.shift_m[i]));
-      row.push_back(fmt::format("{:.2f}", length.per_si * c.sigma_m[i]));
-    }
-    row.insert(row.end(),
-               {chance(c.p), fmt::format("{:.2f}", time.per_si * c.delay_change_s),
-                fmt::format("{:.2f}", time.per_si * c.delay_sigma_s), chance(c.delay_p), verdict_of(c)});
-    table.rows.push_back(std::move(row));
-  }
-  std::string text = "\n" + table.text() +
-                     fmt::format("\n{:<17}{}\n", "changes", survey::changes_sentence(changes)) +
+  Table table{"lrrrrrrl",
+              {{"changes", fmt::format("dx [{}]", length.name), "dy", "dz", "s",
+                fmt::format("delay [{}]", time.name), "s", ""}}};
+  const auto metres = [&](double value) {
+    return fmt::format("{:.{}f}", length.per_si * value, length.per_si > 1 ? 1 : 3);
+  };
+  const auto seconds = [&](double value) {
+    return fmt::format("{:.{}f}", time.per_si * value, time.per_si >= 1e6 ? 1 : 3);
+  };
+  for (const auto& c : changes.beacons)
+    table.rows.push_back({c.name, metres(c.shift_m.x()), metres(c.shift_m.y()), metres(c.shift_m.z()),
+                          metres(c.sigma_m.maxCoeff()), seconds(c.delay_change_s), seconds(c.delay_sigma_s),
+                          verdict_of(c)});
+  std::string text = table.text() + "\n" + named_line("changes", survey::changes_sentence(changes)) +
                      found_lines(changes.found);
   if (!changes.same_datum)
-    text +=
-        fmt::format("{:<17}the datum is another one: a part of the differences is that of the frame\n", "");
+    text += named_line("", "the datum is another one: a part of the differences is that of the frame");
   return text;
 }
 

@@ -19,6 +19,9 @@ namespace octant::app {
 /// What to do about it.
 [[nodiscard]] std::string remedy_of(const Change& change);
 
+/// "changed" and each of them with its p: lines of a result.
+[[nodiscard]] std::string found_lines(const std::vector<Change>& found);
+
 /// Table of both deployments' beacons and what changed, for people.
 [[nodiscard]] std::string changes_text(const survey::Changes& changes);
 /// The same of a report; empty where no earlier deployment was given.

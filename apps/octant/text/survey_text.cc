@@ -183,6 +183,9 @@ std::string survey_summary(const Survey& survey, const std::optional<survey::Flo
     line("expected error", fmt::format("median {}, 95 % {}, largest {}", survey::figure_text(s.median, "m"),
                                        survey::figure_text(s.p95, "m"), survey::figure_text(s.max, "m")));
   }
+  if (const FloorMap* hdop = survey.find("hdop"); hdop != nullptr && hdop->spread.count > 0)
+    line("dilution", fmt::format("HDOP median {:.2f}, 95 % {:.2f}, largest {:.3g}", hdop->spread.median,
+                                 hdop->spread.p95, hdop->spread.max));
   std::string coverage =
       fmt::format("{} hear {} beacons or more", percent(survey.k_covered_fraction), survey.coverage);
   if (survey.find("mirror") != nullptr)

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace octant::calib {
+
+/// A beacon that the data do not determine.
+struct UndeterminedBeacon {
+  std::string beacon, why, remedy;
+  double sigma_m = 0.0;  ///< of its position, where that it is too large is the reason; else 0
+};
+
+/// A length in words; beyond 10 km a sigma says nothing: "nothing".
+[[nodiscard]] std::string length_in_words(double length_m);
+
+/// "beacon A4 (it was not heard)", and all whose places are known too badly as one: "beacons A1, A2, A3
+/// (their positions are known to 34 to 49 mm only, the tolerance is 30 mm)".
+/// @param limit_m  the tolerance
+[[nodiscard]] std::vector<std::string> in_groups(const std::vector<UndeterminedBeacon>& beacons,
+                                                 double limit_m);
+
+/// A warning for each group, with its remedy.
+[[nodiscard]] std::vector<std::string> warnings_of(const std::vector<UndeterminedBeacon>& beacons,
+                                                   double limit_m);
+
+}  // namespace octant::calib
