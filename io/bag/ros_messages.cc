@@ -163,7 +163,9 @@ std::int64_t nanoseconds_of(double time_s) {
 }
 
 double seconds_of(std::int64_t time_ns) {
-  return static_cast<double>(static_cast<long double>(time_ns) / 1e9L);
+  // Whole seconds apart, as not every machine has a longer double.
+  const std::int64_t whole = time_ns / kSecond_ns;
+  return static_cast<double>(whole) + static_cast<double>(time_ns - whole * kSecond_ns) / 1e9;
 }
 
 }  // namespace octant::io

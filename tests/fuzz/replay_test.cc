@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 #include <random>
 #include <sstream>
 
@@ -14,6 +15,10 @@
 #include "tests/fuzz/targets.h"
 
 namespace octant::fuzz {
+
+/// As ctest names it.
+void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // Scenarios that contradict themselves.
+#include <ostream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -18,6 +19,9 @@ struct Contradiction {
   void (*make)(Scenario&);
   const char* named;
 };
+
+/// As ctest names it.
+void PrintTo(const Contradiction& one, std::ostream* out) { *out << one.name; }
 
 class SyntheticContradiction : public testing::TestWithParam<Contradiction> {};
 

@@ -4,9 +4,10 @@
 // finds, is that of the search from nothing: simulated epochs by both, with echoes and shadows.
 //   octant_fix_search [EPOCHS of each world = 100000] [SEED = 1] [WORLD]
 // OCTANT_STUDY_VERBOSE=1 in the environment: each epoch that differs.
-// Exit 1 where more than one epoch in ten thousand of a world differs by more than chance: in its status or
-// by more than a centimetre. An arrival right at its gate may be in here and out there, then both are minima,
-// millimetres apart: `marks`. `wrong`: a fix that is ok and off the truth by more than ten sigmas.
+// Exit 1 where by more than chance more than one epoch in ten thousand of a world is worse than by the search
+// from nothing (another status, or more than a centimetre apart, and not within 5 cm of the truth), or more
+// fixes are wrong (ok, and off the truth by more than ten sigmas). An arrival right at its gate may be in
+// here and out there, then both are minima, millimetres apart: `marks`.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -146,7 +147,9 @@ bool compare(const EchoWorld& world, long epochs, std::uint64_t seed) {
                   start.fix.arrivals_used);
   }
   const double expected = kDiffering * static_cast<double>(epochs);
-  const bool alike = static_cast<double>(status + place) <= expected + 2.33 * std::sqrt(expected);
+  const double wrong = static_cast<double>(search.wrong);
+  const bool alike = static_cast<double>(status + place - better) <= expected + 2.33 * std::sqrt(expected) &&
+                     static_cast<double>(start.wrong) <= wrong + 2.33 * std::sqrt(wrong + 1.0);
   std::printf(
       "%-20s %7ld epochs, ok %.3f %%: other status %ld, other place %ld (%ld of them no worse), other marks "
       "%ld; wrong %ld, "

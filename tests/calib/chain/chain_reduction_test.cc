@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <ostream>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -160,6 +161,9 @@ calib::ReducedSystem by_chain(const Chain& chain, const RobustLoss& loss, int th
   out.H = out.H.selfadjointView<Eigen::Lower>();
   return out;
 }
+
+/// As ctest names it.
+void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 
 class ChainReductionOf : public testing::TestWithParam<Kind> {};
 

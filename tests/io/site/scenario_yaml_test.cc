@@ -3,6 +3,7 @@
 #include "io/site/scenario_yaml.h"
 
 #include <fstream>
+#include <ostream>
 #include <sstream>
 #include <string>
 
@@ -119,6 +120,9 @@ struct Bad {
   const char* where;  ///< how the message begins
   const char* named;  ///< and what it names
 };
+
+/// As ctest names it.
+void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.name; }
 
 class ScenarioYamlBad : public testing::TestWithParam<Bad> {};
 

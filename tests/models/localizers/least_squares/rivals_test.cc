@@ -153,9 +153,10 @@ TEST(Rivals, WhicheverBeaconsTheOutliersAreOfAPairIsWithout) {
       const auto pairs = covering_pairs(problem, outliers);
       for (std::size_t bad = 0; bad < (1U << beacons); ++bad) {
         if (static_cast<std::size_t>(std::popcount(bad)) != outliers) continue;
-        EXPECT_TRUE(std::any_of(pairs.begin(), pairs.end(), [&](const auto& pair) {
-          return (bad >> pair[0] / 3 & 1) == 0 && (bad >> pair[1] / 3 & 1) == 0;
-        })) << beacons << " " << outliers;
+        EXPECT_TRUE(std::any_of(
+            pairs.begin(), pairs.end(),
+            [&](const auto& pair) { return (bad >> pair[0] / 3 & 1) == 0 && (bad >> pair[1] / 3 & 1) == 0; }))
+            << beacons << " " << outliers;
       }
       for (const auto& [i, j] : pairs) {
         EXPECT_EQ(i % 3, 1U);
