@@ -31,6 +31,7 @@ constexpr std::array<std::pair<std::string_view, double>, 8> kUnitSuffixes = {{{
                                                                                {"_ft", 0.3048},
                                                                                {"_mv", 1e-3}}};
 
+constexpr std::size_t kHeadBytes = 65536;   // a header and what is commented above it stand within
 constexpr std::size_t kHeaderBytes = 4096;  // longer lines are no header that people wrote
 
 const TofColumn* tof_column(std::string_view name) {
@@ -275,7 +276,7 @@ Result<TableMapping> mapping_from_words(std::string_view words) {
 std::optional<TableMapping> mapping_of_header(const std::string& path) {
   const auto map = MappedFile::open(path);
   if (!map) return std::nullopt;
-  std::string_view text = without_bom(map->text());
+  std::string_view text = without_bom(map->text().substr(0, kHeadBytes));
   std::string_view header;
   while (!text.empty() && (header.empty() || header.front() == '#')) {
     const std::size_t end = std::min(text.find('\n'), text.size());

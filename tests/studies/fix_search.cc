@@ -22,7 +22,6 @@
 
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/least_squares/direct_fix.h"
-#include "models/localizers/reflectors/reflectors.h"
 #include "tests/models/localizers/hall.h"
 
 namespace octant::study {
@@ -163,79 +162,6 @@ bool compare(const EchoWorld& world, long epochs, std::uint64_t seed) {
   return alike;
 }
 
-/// Reflectors in the hall of datasets/reflectors, some bearings without a name, some to nothing on the map.
-struct BearingWorld {
-  const char* name;
-  double unnamed, stray, speed_mps;
-};
-constexpr BearingWorld kBearingWorlds[] = {
-    {"reflectors", 0.33, 0.0, 0.0}, {"reflectors_stray", 0.33, 0.1, 0.0}, {"reflectors_few", 0.6, 0.02, 0.0}};
-
-std::vector<Bearing> bearings_of(const BearingWorld& world, const Deployment& d, const Pose& T,
-                                 std::mt19937_64& random) {
-  std::uniform_real_distribution<double> uniform;
-  std::normal_distribution<double> normal;
-  std::vector<Bearing> out;
-  for (std::size_t b = 0; b < d.beacons.size(); ++b) {
-    const Eigen::Vector3d v = T.inverse() * d.beacons[b].position_m;
-    Bearing& bearing = out.emplace_back();
-    bearing.bearing_rad = wrap_angle(std::atan2(v.y(), v.x()) + d.noise.bearing_sigma_rad * normal(random));
-    if (uniform(random) < world.stray) bearing.bearing_rad = 2 * M_PI * (uniform(random) - 0.5);
-    if (uniform(random) >= world.unnamed) bearing.reflector = BeaconId(b);
-    bearing.vehicle = VehicleId(0);
-    bearing.epoch = 0;
-  }
-  return out;
-}
-
-bool compare(const BearingWorld& world, long epochs, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  Deployment d;
-  d.noise.bearing_sigma_rad = 0.002;
-  for (const Eigen::Vector2d& p : std::initializer_list<Eigen::Vector2d>{
-           {0, 40}, {35, 40}, {35, 0}, {12.3, 0.2}, {34.8, 17.1}, {21.4, 39.9}, {0.1, 27.6}, {0.2, 8.9}}) {
-    d.beacons.emplace_back().position_m = {p.x(), p.y(), 0.0};
-    d.beacons.back().name = "L" + std::to_string(d.beacons.size());
-  }
-  d.vehicles.push_back({"agv", 0, 0});
-  Reflectors all(d, {.all_triples = true, .speed_mps = 0.0}), few(d, {.speed_mps = 0.0});
-  std::vector<float> us[2];
-  long status = 0, place = 0, wrong[2] = {};
-  std::uniform_real_distribution<double> x(2, 33), y(2, 38), turn(-M_PI, M_PI);
-  for (long k = 0; k < epochs; ++k) {
-    const Pose T = Pose::planar(x(random), y(random), turn(random));
-    const auto bearings = bearings_of(world, d, T, random);
-    Fix fix[2];
-    for (int way = 0; way < 2; ++way) {
-      const double began = processor_us();
-      (way == 0 ? few : all).locate(Observations{{}, bearings}, fix[way]);
-      us[way].push_back(static_cast<float>(processor_us() - began));
-      if (!fix[way].ok()) continue;
-      const Eigen::Vector2d off = (fix[way].T_map_vehicle.translation_m - T.translation_m).head<2>();
-      wrong[way] += off.dot(fix[way].covariance.topLeftCorner<2, 2>().inverse() * off) > 100.0;
-    }
-    const bool other_status = fix[0].status != fix[1].status;
-    status += other_status;
-    place += !other_status && fix[0].ok() &&
-             (fix[0].T_map_vehicle.translation_m - fix[1].T_map_vehicle.translation_m).norm() > kSame_m;
-    if (other_status && std::getenv("OCTANT_STUDY_VERBOSE") != nullptr)
-      std::printf("  epoch %ld: all %d, disjoint %d\n", k, static_cast<int>(fix[1].status),
-                  static_cast<int>(fix[0].status));
-  }
-  std::printf("%-20s %7ld epochs: other status %ld, other place %ld; wrong %ld, of all triples %ld\n",
-              world.name, epochs, status, place, wrong[0], wrong[1]);
-  for (int way = 0; way < 2; ++way) {
-    std::sort(us[way].begin(), us[way].end());
-    const auto at = [&](double share) {
-      return us[way][static_cast<std::size_t>(share * static_cast<double>(us[way].size() - 1))];
-    };
-    std::printf("    %-17s us of the processor: 50 %% %.1f, 90 %% %.1f, 99 %% %.1f, 99.9 %% %.1f\n",
-                way == 0 ? "disjoint triples" : "all triples", at(0.5), at(0.9), at(0.99), at(0.999));
-  }
-  const double expected = kDiffering * static_cast<double>(epochs);
-  return static_cast<double>(status + place) <= expected + 2.33 * std::sqrt(expected);
-}
-
 }  // namespace
 }  // namespace octant::study
 
@@ -244,9 +170,6 @@ int main(int argc, char** argv) {
   const std::uint64_t seed = argc > 2 ? static_cast<std::uint64_t>(std::atoll(argv[2])) : 1;
   bool alike = true;
   for (const octant::study::EchoWorld& world : octant::study::kWorlds)
-    if (argc <= 3 || std::strcmp(argv[3], world.name) == 0)
-      alike = octant::study::compare(world, epochs, seed) && alike;
-  for (const octant::study::BearingWorld& world : octant::study::kBearingWorlds)
     if (argc <= 3 || std::strcmp(argv[3], world.name) == 0)
       alike = octant::study::compare(world, epochs, seed) && alike;
   return alike ? 0 : 1;

@@ -161,33 +161,29 @@ double Reflectors::variance(const Reflector& reflector, const Eigen::Vector2d& s
 }
 
 /// Matches every bearing to the reflector that explains it best, none twice; an unexplained bearing costs as
-/// much as one at the gate. Ends where the cost passes the test's.
-double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> bearings,
-                           const Test& test) noexcept {
-  const auto sight_of = [&](std::size_t k) { return Eigen::Vector2d(reflectors_[k].p_map_m - pose.p_map_m); };
-  for (std::size_t k = 0; k < reflectors_.size(); ++k)
-    used_[k] = sight_of(k).squaredNorm() > square(options_.range_m);
+/// much as one at the gate.
+double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> bearings) noexcept {
+  const double outlier = 0.5 * square(options_.gate_sigmas);
+  for (std::size_t k = 0; k < reflectors_.size(); ++k) {
+    const Eigen::Vector2d sight = reflectors_[k].p_map_m - pose.p_map_m;
+    direction_[k] = std::atan2(sight.y(), sight.x()) - pose.heading_rad;
+    used_[k] = sight.squaredNorm() > square(options_.range_m);
+  }
   double cost = prediction_ ? prediction_->cost(pose, options_.gate_sigmas) : 0.0;
   for (const bool labelled : {true, false}) {
-    bool directed = labelled;
-    for (std::size_t i = 0; i < bearings.size() && cost <= test.give_up; ++i) {
+    for (std::size_t i = 0; i < bearings.size(); ++i) {
       if (match_[i] == -2 || bearings[i].reflector.valid() != labelled) continue;
       const std::size_t first =
           labelled ? static_cast<std::size_t>(index_[bearings[i].reflector.index()]) : 0;
       const std::size_t last = labelled ? first + 1 : reflectors_.size();
-      // The directions of those that are still free, once for all bearings without a name.
-      for (std::size_t k = first; k < last && (labelled || !directed); ++k)
-        if (used_[k] == 0) direction_[k] = std::atan2(sight_of(k).y(), sight_of(k).x()) - pose.heading_rad;
-      directed = true;
-      double nearest = outlier_cost();
+      double nearest = outlier;
       match_[i] = -1;
       for (std::size_t k = first; k < last; ++k) {
         if (used_[k] != 0) continue;
         const double off = wrap_angle(direction_[k] - bearings[i].bearing_rad);
-        const Eigen::Vector2d sight = sight_of(k);
-        double squared = variance(reflectors_[k], sight);
-        if (test.covariance != nullptr) squared += by_pose(sight).dot(*test.covariance * by_pose(sight));
-        const double off_cost = 0.5 * off * off / squared;
+        // Cheap test first: the reflectors' own uncertainty seldom doubles the sigma.
+        const double off_cost =
+            0.5 * off * off / variance(reflectors_[k], reflectors_[k].p_map_m - pose.p_map_m);
         if (off_cost >= nearest) continue;
         nearest = off_cost;
         match_[i] = static_cast<int>(k);
@@ -216,63 +212,32 @@ void Reflectors::keep(const Hypothesis& hypothesis) noexcept {
             [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
 }
 
-/// The pose that the last fix or odometry foretells; whether it explains all, so that no search is needed.
-bool Reflectors::try_prediction(std::span<const Bearing> bearings) noexcept {
-  if (!prediction_ || !(prediction_->sigma_m < kTight_m && prediction_->sigma_rad < kTight_rad)) return false;
-  Hypothesis seed{prediction_->pose, 0.0};
-  Eigen::Matrix3d information;
-  // The gate would lose bearings at a pose that is only predicted: widen it for the start.
-  const double sigma = sigma_rad_;
-  sigma_rad_ = std::hypot(sigma, prediction_->sigma_rad);
-  explain(seed.pose, bearings);
-  sigma_rad_ = sigma;
-  if (!refine(seed, bearings, information)) return false;
-  keep(seed);
-  for (std::size_t i = 0; i < bearings.size(); ++i)
-    if (match_[i] == -1) return false;
-  return prediction_->cost(seed.pose, options_.gate_sigmas) < 0.5 * square(3.0);
-}
-
-/// Whether the best pose so far leaves room for another as good, which explains all but so many bearings.
-bool Reflectors::has_rivals(std::span<const Bearing> bearings, std::size_t most_outliers) noexcept {
-  Hypothesis best = best_.front();
-  Eigen::Matrix3d information;
-  if (!std::isfinite(best.cost)) return true;
-  explain(best.pose, bearings);
-  if (!refine(best, bearings, information)) return true;
-  return best.cost + options_.ambiguity_margin >= static_cast<double>(most_outliers + 1) * outlier_cost();
-}
-
-/// Triples without a bearing in common, in two families, as one triple of a family may be near its danger
-/// circle. Returns whether there can be no pose but those found.
-bool Reflectors::try_disjoint_triples(std::span<const Bearing> bearings,
-                                      std::span<const std::size_t> order) noexcept {
-  const std::size_t n = order.size() / 3;
-  if (order.size() < 5) return false;
-  for (std::size_t k = 0; k < n; ++k) {
-    try_triple(bearings, {order[k], order[k + n], order[k + 2 * n]});
-    if (n == 1) {
-      try_triple(bearings, {order[0], order[2], order[4]});
-    } else {
-      try_triple(bearings, {order[k], order[n + (k + 1) % n], order[2 * n + (k + 1) % n]});
-    }
-    if (!has_rivals(bearings, k)) return true;
-  }
-  return false;
-}
-
 /// Fills `best_` with the poses that explain the bearings best.
 void Reflectors::search(std::span<const Bearing> bearings) noexcept {
   best_.fill({});
   tried_ = 0;
-  if (try_prediction(bearings)) return;
   std::array<std::size_t, kSearched> order{};
   std::size_t count = 0;
+  bool all_explained = false;
+  if (prediction_ && prediction_->sigma_m < kTight_m && prediction_->sigma_rad < kTight_rad) {
+    Hypothesis seed{prediction_->pose, 0.0};
+    Eigen::Matrix3d information;
+    // The gate would lose bearings at a pose that is only predicted: widen it for the start.
+    const double sigma = sigma_rad_;
+    sigma_rad_ = std::hypot(sigma, prediction_->sigma_rad);
+    explain(seed.pose, bearings);
+    sigma_rad_ = sigma;
+    if (refine(seed, bearings, information)) {
+      keep(seed);
+      all_explained = true;
+      for (std::size_t i = 0; i < bearings.size(); ++i) all_explained = all_explained && match_[i] != -1;
+      all_explained = all_explained && prediction_->cost(seed.pose, options_.gate_sigmas) < 0.5 * square(3.0);
+    }
+  }
+  if (all_explained) return;
   for (const bool labelled : {true, false})
     for (std::size_t i = 0; i < bearings.size() && count < kSearched; ++i)
       if (match_[i] != -2 && bearings[i].reflector.valid() == labelled) order[count++] = i;
-  if (!options_.all_triples && try_disjoint_triples(bearings, std::span(order).first(count))) return;
-  tried_ = 0;
   // Labelled bearings come first, and with them the triples that cost one hypothesis instead of many.
   for (std::size_t k = 2; k < count; ++k)
     for (std::size_t j = 1; j < k; ++j)
@@ -296,29 +261,14 @@ void Reflectors::try_triple(std::span<const Bearing> bearings,
         if (tried_++ >= options_.max_hypotheses) return;
         const auto pose =
             resect({reflectors_[a].p_map_m, reflectors_[b].p_map_m, reflectors_[c].p_map_m}, angle);
-        if (pose) keep({*pose, explain(*pose, bearings, {.give_up = best_.back().cost})});
+        if (pose) keep({*pose, explain(*pose, bearings)});
       }
 }
 
-/// A bearing that the pose was made without is off by the pose's error too: matches those that are beyond the
-/// gate for that alone. Returns whether there are any.
-bool Reflectors::readmit(const ResectedPose& pose, std::span<const Bearing> bearings,
-                         const Eigen::Matrix3d& information) noexcept {
-  const auto matched = [&] {
-    return std::count_if(match_.begin(), match_.begin() + static_cast<std::ptrdiff_t>(bearings.size()),
-                         [](int match) { return match >= 0; });
-  };
-  const auto before = matched();
-  if (before == static_cast<std::ptrdiff_t>(bearings.size())) return false;
-  const Eigen::Matrix3d covariance = information.ldlt().solve(Eigen::Matrix3d::Identity());
-  explain(pose, bearings, {.covariance = &covariance});
-  return matched() > before;
-}
-
-/// Gauss-Newton on the bearings matched, matching anew in between, unless the cost is beyond give_up. False
-/// where the geometry does not determine the pose.
+/// Gauss-Newton on the bearings matched, matching anew in between. False where the geometry does not
+/// determine the pose.
 bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearings,
-                        Eigen::Matrix3d& information, double give_up) noexcept {
+                        Eigen::Matrix3d& information) noexcept {
   ResectedPose& pose = hypothesis.pose;
   for (int round = 0; round < kRematches; ++round) {
     bool converged = false;
@@ -348,8 +298,7 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
     if (!converged) return false;
     const double before = hypothesis.cost;
     hypothesis.cost = explain(pose, bearings);
-    if (round == 0 && readmit(pose, bearings, information)) continue;
-    if ((round > 0 && hypothesis.cost == before) || hypothesis.cost > give_up) break;
+    if (round > 0 && hypothesis.cost == before) break;
   }
   return true;
 }
@@ -362,10 +311,7 @@ FixStatus Reflectors::judge(std::span<const Bearing> bearings, Hypothesis& best,
   for (std::size_t h = 0; h < kBest; ++h) {
     if (!std::isfinite(best_[h].cost)) continue;
     explain(best_[h].pose, bearings);
-    // What matching anew may still gain: more than one bearing is not expected.
-    const double give_up = winner == kBest ? std::numeric_limits<double>::infinity()
-                                           : best_[winner].cost + options_.ambiguity_margin + outlier_cost();
-    if (!refine(best_[h], bearings, informations[h], give_up)) {
+    if (!refine(best_[h], bearings, informations[h])) {
       best_[h].cost = std::numeric_limits<double>::infinity();
     } else if (winner == kBest || best_[h].cost < best_[winner].cost) {
       winner = h;

@@ -27,9 +27,6 @@ struct ReflectorsOptions {
   /// seven to one).
   double ambiguity_margin = 2.0;
   int max_hypotheses = 20000;  ///< poses tried in a search; bounds its time
-  /// Tries all triples, even where no other pose can explain the bearings as well: to hold the search
-  /// against.
-  bool all_triples = false;
   /// What the last fix says of the next: how fast the vehicle moves and turns. 0: nothing.
   double speed_mps = 1.0;
   double turn_rate_radps = 1.0;
@@ -43,13 +40,10 @@ struct ReflectorsOptions {
 /// bearings are taken at the vehicle frame's origin; a bearing without a reflector's name may be of any.
 ///
 /// Triples of bearings give poses in closed form (`resect`), for unlabelled bearings under every assignment,
-/// until max_hypotheses are tried. A pose of cost s has no rival within the margin that leaves more bearings
-/// unexplained than (s + margin) / (price of an outlier); so many triples and one more, none with a bearing
-/// in common, hold one that such a rival explains, and when they are tried the search ends. The poses that
-/// explain all bearings best, each bearing by its nearest reflector and at most at the price of an outlier,
-/// are adjusted by least squares; the best is the fix. The last fix, or `predict`, is one more pose to try
-/// and weighs in with what is known of the motion, so that it decides between poses that the bearings cannot
-/// tell apart.
+/// until max_hypotheses are tried. The poses that explain all bearings best, each bearing by its nearest
+/// reflector and at most at the price of an outlier, are adjusted by least squares; the best is the fix. The
+/// last fix, or `predict`, is one more pose to try and weighs in with what is known of the motion, so that it
+/// decides between poses that the bearings cannot tell apart.
 ///
 /// No fix: kTooFewArrivals under three bearings; kPoorGeometry on the danger circle or with a sigma beyond
 /// max_sigma_m; kAmbiguous where another pose explains the bearings as well; kNoConsensus where fewer than
@@ -86,26 +80,11 @@ class Reflectors : public Localizer {
 
   void begin(const Observations& observations, Fix& fix) noexcept;
   void search(std::span<const Bearing> bearings) noexcept;
-  [[nodiscard]] bool try_prediction(std::span<const Bearing> bearings) noexcept;
-  [[nodiscard]] bool try_disjoint_triples(std::span<const Bearing> bearings,
-                                          std::span<const std::size_t> order) noexcept;
-  [[nodiscard]] bool has_rivals(std::span<const Bearing> bearings, std::size_t most_outliers) noexcept;
   void try_triple(std::span<const Bearing> bearings, const std::array<std::size_t, 3>& triple) noexcept;
   void keep(const Hypothesis& hypothesis) noexcept;
-  /// How a pose is held against the bearings.
-  struct Test {
-    double give_up = std::numeric_limits<double>::infinity();  ///< a cost beyond it is not added up
-    const Eigen::Matrix3d* covariance = nullptr;               ///< of the pose: widens the gate
-  };
-  double explain(const ResectedPose& pose, std::span<const Bearing> bearings, const Test& test) noexcept;
-  double explain(const ResectedPose& pose, std::span<const Bearing> bearings) noexcept {
-    return explain(pose, bearings, Test());
-  }
-  bool readmit(const ResectedPose& pose, std::span<const Bearing> bearings,
-               const Eigen::Matrix3d& information) noexcept;
-  [[nodiscard]] double outlier_cost() const { return 0.5 * options_.gate_sigmas * options_.gate_sigmas; }
-  bool refine(Hypothesis& hypothesis, std::span<const Bearing> bearings, Eigen::Matrix3d& information,
-              double give_up = std::numeric_limits<double>::infinity()) noexcept;
+  double explain(const ResectedPose& pose, std::span<const Bearing> bearings) noexcept;
+  bool refine(Hypothesis& hypothesis, std::span<const Bearing> bearings,
+              Eigen::Matrix3d& information) noexcept;
   FixStatus judge(std::span<const Bearing> bearings, Hypothesis& best, Eigen::Matrix3d& information) noexcept;
   [[nodiscard]] double variance(const Reflector& reflector, const Eigen::Vector2d& sight_m) const noexcept;
   void protect(const ResectedPose& pose, std::span<const Bearing> bearings, Fix& fix) noexcept;
