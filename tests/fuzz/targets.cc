@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <system_error>
 
 #include "io/bag/bag_log.h"
 #include "io/bag/ros_messages.h"
@@ -42,15 +43,22 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// Gone with the process.
+struct Folder {
+  fs::path path = (::access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path()) /
+                  ("octant_fuzz." + std::to_string(::getpid()));
+  Folder() { fs::create_directories(path / "run"); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
+
 const fs::path& folder() {
-  static const fs::path path = [] {
-    const fs::path base = ::access("/dev/shm", W_OK) == 0 ? fs::path("/dev/shm") : fs::temp_directory_path();
-    fs::path made = base / ("octant_fuzz." + std::to_string(::getpid()));
-    fs::create_directories(made / "run");
-    std::atexit([] { fs::remove_all(folder()); });
-    return made;
-  }();
-  return path;
+  static const Folder made;
+  return made.path;
 }
 
 }  // namespace
