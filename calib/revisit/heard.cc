@@ -77,6 +77,21 @@ std::vector<std::size_t> doubtful_beacons(const Deployment& before,
   return doubtful;
 }
 
+bool turn_to_known_side(const Deployment& before, const ParameterLayout& layout, Eigen::VectorXd& x) {
+  if (before.motion != Motion::kPlanar || before.receivers.empty()) return false;
+  double receivers_m = 0.0;
+  for (const DeploymentReceiver& r : before.receivers)
+    receivers_m += r.position_m.z() / static_cast<double>(before.receivers.size());
+  bool any = false;
+  for (std::size_t b = 0; b < before.beacons.size(); ++b) {
+    const int c = layout.beacon[b][2];
+    if (c < 0 || (before.beacons[b].position_m.z() - receivers_m) * (x[c] - receivers_m) >= 0) continue;
+    x[c] = 2 * receivers_m - x[c];
+    any = true;
+  }
+  return any;
+}
+
 std::vector<Heard> heard_of_beacons(const Deployment& before, const std::vector<Trajectory>& trajectories,
                                     const SharedState& now) {
   const SharedState then = shared_state(before);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/problem/parameters.h"
 #include "models/deployment.h"
 #include "models/trajectory/shared_state.h"
 #include "models/trajectory/trajectory.h"
@@ -30,6 +31,11 @@ struct Agreeing {
 /// Beacons that lost many of their arrivals, so that their places are in doubt; most doubtful first.
 [[nodiscard]] std::vector<std::size_t> doubtful_beacons(const Deployment& before,
                                                         const std::vector<Trajectory>& trajectories);
+
+/// Beacons that a visit of a planar vehicle found below its receivers and that hung above them, or the other
+/// way round, are put to their image, which no arrival tells from there. @return whether there were any
+[[nodiscard]] bool turn_to_known_side(const Deployment& before, const ParameterLayout& layout,
+                                      Eigen::VectorXd& x);
 
 /// Of each beacon of the earlier deployment. @param state  as a visit found it
 [[nodiscard]] std::vector<Heard> heard_of_beacons(const Deployment& before,

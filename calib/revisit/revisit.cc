@@ -260,6 +260,7 @@ class SecondVisit {
         room = room_around(usual_room).asDiagonal();
         if (!adjust_under(prior + room)) return false;
       }
+      if (turn_to_known_side(before_, layout_, fit_.x) && !adjust_under(prior + room)) return false;
       if (round == 0) room = reconsidered(std::move(room));
       visit_ = visit_information(fit_, known_, prior + room, before_, options_.solve.threads);
       out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
