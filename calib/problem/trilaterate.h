@@ -51,6 +51,16 @@ struct Trilateration {
                                         const TrilaterationOptions& options,
                                         const std::vector<RayFrom>& rays = {});
 
+/// In planar motion a place below the receivers explains arrivals as well as its image above them: of the
+/// height that was found and its image, the one on the side of the receivers where the beacon is known to be.
+/// @param receivers  all of the vehicles, with their positions; at least one
+template <class Receivers>
+[[nodiscard]] double height_on_known_side_m(const Receivers& receivers, double known_m, double found_m) {
+  double receivers_m = 0.0;
+  for (const auto& r : receivers) receivers_m += r.position_m.z() / static_cast<double>(receivers.size());
+  return (known_m - receivers_m) * (found_m - receivers_m) < 0 ? 2 * receivers_m - found_m : found_m;
+}
+
 /// The mirror image of a place that the ranges leave: in the plane, or in the vertical plane, in which the
 /// places of the ranges lie, where it explains them nearly as well. None where they tell the two apart, or
 /// both are within two scales.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "calib/problem/ranges.h"
+#include "calib/problem/trilaterate.h"
 
 namespace octant::calib {
 namespace {
@@ -79,15 +80,13 @@ std::vector<std::size_t> doubtful_beacons(const Deployment& before,
 
 bool turn_to_known_side(const Deployment& before, const ParameterLayout& layout, Eigen::VectorXd& x) {
   if (before.motion != Motion::kPlanar || before.receivers.empty()) return false;
-  double receivers_m = 0.0;
-  for (const DeploymentReceiver& r : before.receivers)
-    receivers_m += r.position_m.z() / static_cast<double>(before.receivers.size());
   bool any = false;
   for (std::size_t b = 0; b < before.beacons.size(); ++b) {
     const int c = layout.beacon[b][2];
-    if (c < 0 || (before.beacons[b].position_m.z() - receivers_m) * (x[c] - receivers_m) >= 0) continue;
-    x[c] = 2 * receivers_m - x[c];
-    any = true;
+    if (c < 0) continue;
+    const double found_m = x[c];
+    x[c] = height_on_known_side_m(before.receivers, before.beacons[b].position_m.z(), found_m);
+    any = any || x[c] != found_m;
   }
   return any;
 }

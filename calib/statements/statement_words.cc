@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "calib/problem/trilaterate.h"
 #include "calib/verdict/validity.h"
 
 namespace octant::calib {
@@ -89,22 +90,17 @@ class StatementWords {
            stated_.site().receivers[r].name;
   }
 
-  /// In planar motion a place below the receivers explains arrivals as well as its image above them: told is
-  /// the one on the stated side.
-  [[nodiscard]] Eigen::Vector3d on_the_side_of(const Eigen::Vector3d& stated, Eigen::Vector3d found) const {
-    const auto& receivers = stated_.site().receivers;
-    if (stated_.site().motion != Motion::kPlanar || receivers.empty()) return found;
-    double height_m = 0.0;
-    for (const SiteReceiver& r : receivers)
-      height_m += r.position_m.z() / static_cast<double>(receivers.size());
-    if ((stated.z() - height_m) * (found.z() - height_m) < 0) found.z() = 2 * height_m - found.z();
+  [[nodiscard]] Eigen::Vector3d on_stated_side(const Eigen::Vector3d& stated, Eigen::Vector3d found) const {
+    const Site& site = stated_.site();
+    if (site.motion == Motion::kPlanar && !site.receivers.empty())
+      found.z() = height_on_known_side_m(site.receivers, stated.z(), found.z());
     return found;
   }
 
   void describe_control_point(const Statement& s, const SharedState& state, Contradiction& c) const {
     const SiteBeacon& b = stated_.site().beacons[s.index];
     const Eigen::Vector3d stated(*b.position_m[0], *b.position_m[1], *b.position_m[2]),
-        found = on_the_side_of(stated, state.beacon_p_map_m[s.index]);
+        found = on_stated_side(stated, state.beacon_p_map_m[s.index]);
     c.kind = ContradictionKind::kControlPoint;
     c.subject = b.name;
     c.stated = fmt::format("at {}, held fixed", point(stated));

@@ -79,15 +79,15 @@ class Judge {
           status = undetermined(b, "too few arrivals agree on a place for it",
                                 "hear it from more places, or give its approximate position", INFINITY);
         } else if (sigma_m > limit_m_) {
-          status = undetermined(b,
-                                fmt::format("its position is {}, the tolerance is {}",
-                                            length_in_words(sigma_m) == "nothing"
-                                                ? "hardly known at all"
-                                                : "known to " + length_in_words(sigma_m) + " only",
-                                            length_in_words(limit_m_)),
-                                "hear it from places spread around it in all directions, or tape its "
-                                "distance to a control point",
-                                sigma_m);
+          status =
+              undetermined(b,
+                           fmt::format("its position is {}, the tolerance is {}",
+                                       sigma_m < kNothingM ? "known to " + length_in_words(sigma_m) + " only"
+                                                           : "hardly known at all",
+                                       length_in_words(limit_m_)),
+                           "hear it from places spread around it in all directions, or tape its "
+                           "distance to a control point",
+                           sigma_m);
         } else if (mirrored[b]) {
           status = undetermined(
               b, "a mirror image explains the arrivals as well",

@@ -11,8 +11,6 @@
 namespace octant::calib {
 namespace {
 
-constexpr double kNothingM = 1e4;  ///< a sigma that is none
-
 /// Beacons of which one sentence holds.
 struct BeaconGroup {
   std::vector<std::string> names;

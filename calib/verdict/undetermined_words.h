@@ -13,6 +13,9 @@ struct UndeterminedBeacon {
   double sigma_m = 0.0;  ///< of its position, where that it is too large is the reason; else 0
 };
 
+/// A sigma from here on says nothing.
+inline constexpr double kNothingM = 1e4;
+
 /// A length in words; beyond 10 km a sigma says nothing: "nothing".
 [[nodiscard]] std::string length_in_words(double length_m);
 

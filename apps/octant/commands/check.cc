@@ -209,22 +209,24 @@ std::string check_beacon_table(const calib::Forecast& f) {
 
 /// Beacons that do not block the others, a line for each remedy: how badly they are known is in the table.
 std::string lone_beacons_text(const calib::Solution& s) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> by_remedy;
+  std::vector<std::pair<std::string, std::vector<const calib::WeakDirection*>>> by_remedy;
   for (const auto& w : s.weak) {
     if (!w.lone_beacon) continue;
     auto at =
         std::find_if(by_remedy.begin(), by_remedy.end(), [&](const auto& r) { return r.first == w.remedy; });
     if (at == by_remedy.end()) at = by_remedy.insert(at, {w.remedy, {}});
-    at->second.push_back(w.description);
+    at->second.push_back(&w);
   }
   std::string text;
-  for (auto& [remedy, beacons] : by_remedy) {
-    constexpr std::size_t kWord = std::string_view("beacon ").size();
-    const bool many = beacons.size() > 1;
-    if (many)
-      for (std::string& b : beacons) b = b.substr(kWord, b.find(" (") - kWord);
-    add_line(text, "weak",
-             fmt::format("{}{}; settled by: {}", many ? "beacons " : "", fmt::join(beacons, ", "), remedy));
+  for (const auto& [remedy, beacons] : by_remedy) {
+    std::string who = beacons.front()->description;
+    if (beacons.size() > 1) {
+      std::vector<std::string> names;
+      for (const auto* w : beacons)
+        names.push_back(w->parameters.front().substr(std::string_view("beacon/").size()));
+      who = fmt::format("beacons {}", fmt::join(names, ", "));
+    }
+    add_line(text, "weak", fmt::format("{}; settled by: {}", who, remedy));
   }
   return text;
 }

@@ -17,6 +17,17 @@ constexpr double kBehindCost = 4.0;  ///< against: one in fifty direct arrivals
 constexpr double kBearingCap = 6.0;
 constexpr double kLateScale = 2.5, kEarlyScale = 3.5;  ///< of the Cauchy weights, in sigmas
 
+/// d predicted / d (x, y, heading), of a range with its residual at the state.
+Eigen::Vector3d direction_row(const SearchRange& r, const PlanarState& s, double cosine, double sine,
+                              double residual) {
+  const double lx = cosine * r.p_lever_m.x() - sine * r.p_lever_m.y(),
+               ly = sine * r.p_lever_m.x() + cosine * r.p_lever_m.y();
+  const double distance = std::max(r.range_m - s.offset_m - residual, 1e-6);
+  const double ux = (s.x_m + lx - r.p_beacon_map_m.x()) / distance,
+               uy = (s.y_m + ly - r.p_beacon_map_m.y()) / distance;
+  return {ux, uy, uy * lx - ux * ly};
+}
+
 }  // namespace
 
 Consensus::Consensus(const SearchProblem& problem) : problem_(problem) {
@@ -184,13 +195,8 @@ void Consensus::add_group(const PlanarState& s, double cosine, double sine, std:
   double bias_information = biased ? 1.0 / bias_variance_[group] : 1.0, bias_gradient = 0.0;
   for (std::size_t i = first; i < last; ++i) {
     const SearchRange& r = problem_.ranges[i];
-    const double lx = cosine * r.p_lever_m.x() - sine * r.p_lever_m.y(),
-                 ly = sine * r.p_lever_m.x() + cosine * r.p_lever_m.y();
-    const double distance = std::max(r.range_m - s.offset_m - residual_[i], 1e-6);
-    const double ux = (s.x_m + lx - r.p_beacon_map_m.x()) / distance,
-                 uy = (s.y_m + ly - r.p_beacon_map_m.y()) / distance;
-    const Eigen::Vector4d row(ux, uy, uy * lx - ux * ly,
-                              problem_.has_offset ? 1.0 : 0.0);  // d predicted / d state
+    const Eigen::Vector3d by_pose = direction_row(r, s, cosine, sine, residual_[i]);
+    const Eigen::Vector4d row(by_pose.x(), by_pose.y(), by_pose.z(), problem_.has_offset ? 1.0 : 0.0);
     const double off = residual_[i] - centre;
     const double scale = off > 0 ? kLateScale : kEarlyScale;
     const double w = inverse_variance_[i] / (1.0 + off * off * inverse_variance_[i] / (scale * scale));
@@ -239,12 +245,7 @@ std::size_t Consensus::agreement(const PlanarState& s, std::size_t group, double
     const SearchRange& r = problem_.ranges[i];
     const double variance = 1.0 / inverse_variance_[i] + bias_variance_[group];
     if (residual_[i] * residual_[i] > sigmas * sigmas * variance) continue;
-    const double lx = cosine * r.p_lever_m.x() - sine * r.p_lever_m.y(),
-                 ly = sine * r.p_lever_m.x() + cosine * r.p_lever_m.y();
-    const double distance = std::max(r.range_m - s.offset_m - residual_[i], 1e-6);
-    const double ux = (s.x_m + lx - r.p_beacon_map_m.x()) / distance,
-                 uy = (s.y_m + ly - r.p_beacon_map_m.y()) / distance;
-    const Eigen::Vector3d row(ux, uy, uy * lx - ux * ly);
+    const Eigen::Vector3d row = direction_row(r, s, cosine, sine, residual_[i]);
     information.noalias() += row * row.transpose() / variance;
     bool known = false;
     for (std::size_t j = first; j < i && !known; ++j)

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "models/physics/pose.h"
+#include "tests/models/localizers/least_squares/search_world.h"
 
 namespace octant {
 namespace {
@@ -49,30 +50,19 @@ TEST(Candidates, OfNeighboursOnlyTheBestStays) {
 SearchProblem problem_at(const PlanarState& truth, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
-  SearchProblem problem;
   const Eigen::Vector3d beacons[] = {{0, 0.5, 2.5}, {7, 0, 2.4},   {12, 3, 2.7},
                                      {11, 9, 2.5},  {4, 9.5, 2.3}, {-0.5, 6, 2.6}};
-  const Pose T = Pose::planar(truth.x_m, truth.y_m, truth.heading_rad);
-  for (std::size_t b = 0; b < 6; ++b) {
-    problem.group_first.push_back(problem.ranges.size());
-    problem.group_bias_m.push_back(0.0);
-    for (int k = 0; k < 4; ++k) {
-      SearchRange r;
-      r.p_beacon_map_m = beacons[b];
-      r.p_lever_m = {0.25 * std::cos(k * std::numbers::pi / 2 + 0.2),
-                     0.25 * std::sin(k * std::numbers::pi / 2 + 0.2), 0.3};
-      r.range_m = (T * r.p_lever_m - beacons[b]).norm() + truth.offset_m + 0.004 * normal(random);
-      if (uniform(random) < 0.15) r.range_m += 3 * uniform(random);  // an echo
-      r.sigma_m = 0.004;
-      r.beacon = BeaconId(b);
-      r.observation = problem.ranges.size();
-      problem.ranges.push_back(r);
-      problem.span_m = std::max(problem.span_m, r.range_m);
-    }
+  Eigen::Vector3d levers[4];
+  for (int k = 0; k < 4; ++k)
+    levers[k] = {0.25 * std::cos(k * std::numbers::pi / 2 + 0.2),
+                 0.25 * std::sin(k * std::numbers::pi / 2 + 0.2), 0.3};
+  SearchProblem problem = test::search_problem_at(truth, beacons, levers, 0.004);
+  problem.span_m = 0.0;
+  for (SearchRange& r : problem.ranges) {
+    r.range_m += truth.offset_m + 0.004 * normal(random);
+    if (uniform(random) < 0.15) r.range_m += 3 * uniform(random);  // an echo
+    problem.span_m = std::max(problem.span_m, r.range_m);
   }
-  problem.group_first.push_back(problem.ranges.size());
-  problem.lever_m = 0.25;
-  problem.median_sigma_m = 0.004;
   problem.speed_mps = 343.0;
   return problem;
 }

@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 
 #include "models/physics/pose.h"
+#include "tests/models/localizers/least_squares/search_world.h"
 
 namespace octant {
 namespace {
@@ -20,28 +21,8 @@ constexpr double kSigmaM = 0.004;
 /// Three receivers hear each of the beacons without noise.
 SearchProblem problem_at(const PlanarState& truth, const std::vector<Eigen::Vector3d>& beacons,
                          std::size_t receivers = 3) {
-  SearchProblem problem;
   const Eigen::Vector3d levers[] = {{0.2, 0, 0.3}, {-0.1, 0.15, 0.3}, {-0.1, -0.15, 0.3}};
-  const Pose T = Pose::planar(truth.x_m, truth.y_m, truth.heading_rad);
-  for (std::size_t b = 0; b < beacons.size(); ++b) {
-    problem.group_first.push_back(problem.ranges.size());
-    problem.group_bias_m.push_back(0.0);
-    for (std::size_t k = 0; k < receivers; ++k) {
-      SearchRange r;
-      r.p_beacon_map_m = beacons[b];
-      r.p_lever_m = levers[k];
-      r.range_m = (T * r.p_lever_m - beacons[b]).norm();
-      r.sigma_m = kSigmaM;
-      r.beacon = BeaconId(b);
-      r.observation = problem.ranges.size();
-      problem.ranges.push_back(r);
-      problem.span_m = std::max(problem.span_m, r.range_m);
-    }
-  }
-  problem.group_first.push_back(problem.ranges.size());
-  problem.lever_m = 0.2;
-  problem.median_sigma_m = kSigmaM;
-  return problem;
+  return test::search_problem_at(truth, beacons, std::span(levers).first(receivers), kSigmaM);
 }
 
 const std::vector<Eigen::Vector3d> kAround = {{0, 1, 2.5},  {6, 0, 2.4},    {12, 2, 2.6},
