@@ -24,7 +24,7 @@ struct SolveOptions {
   int threads = 1;
   const Ranks* ranks =
       nullptr;               ///< processes that solve this together, all given the same problem; not owned
-  int max_iterations = 100;  ///< of each stage
+  int max_iterations = 100;  ///< of each stage; the last, which comes to rest, may take four times as many
   double rejection_sigmas = 4.0;  ///< arrivals beyond this many sigmas are left out in the end
   int dense_limit = kDenseLimit;  ///< beyond so many shared parameters matrices are sparse
   bool strict = false;            ///< a single undetermined beacon refuses the whole

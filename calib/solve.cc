@@ -30,6 +30,10 @@ const char* to_string(SolveStatus status) {
 
 namespace {
 
+/// Where a beacon is hardly known the last adjustment creeps along a bent valley, and comes to rest all the
+/// same.
+constexpr int kIterationsToRest = 4;
+
 /// The course of one calibration, stage by stage.
 class Calibrator {
  public:
@@ -97,7 +101,9 @@ class Calibrator {
   }
 
   bool adjust_again() {
-    it_.last = adjust(problem_, it_.layout, trajectories_, it_.x, course_.adjust_options(0.0, 1e-12));
+    AdjustOptions to_rest = course_.adjust_options(0.0, 1e-12);
+    to_rest.max_iterations *= kIterationsToRest;
+    it_.last = adjust(problem_, it_.layout, trajectories_, it_.x, to_rest);
     return !it_.last.interrupted;
   }
 

@@ -259,11 +259,12 @@ class Approacher {
   bool compare_images() {
     if (!course_.report("mirror images", 0.67)) return false;
     const auto compare = [this](const Kept& here, Preference& preferred) {
-      const Consensus there = consensus();
+      const ArrivalWeights weights = weights_by_place(problem_, here.trajectories);
       const double noise = agreeing_sigma(here.trajectories, here.layout.state_of(here.x));
-      preferred =
-          prefer(consensus_of(problem_, here.layout, here.x, here.trajectories, options_.rejection_sigmas),
-                 there, noise);
+      preferred = prefer(
+          consensus_of(problem_, here.layout, here.x, here.trajectories, options_.rejection_sigmas, weights),
+          consensus_of(problem_, it_.layout, it_.x, out_.trajectories, options_.rejection_sigmas, weights),
+          noise);
       if (preferred != Preference::kSecond) restore(here);
     };
     for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) {

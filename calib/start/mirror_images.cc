@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <tuple>
 
 #include <Eigen/Eigenvalues>
 
 #include "calib/adjust/priors.h"
+#include "calib/problem/places.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -24,6 +27,8 @@ constexpr double kDecidedByRanges = 144.0;
 constexpr double kOffLineSigmas = 5.0;
 constexpr double kVaguePlace = 0.25;
 constexpr double kLeastSigmaM = 1e-3;  ///< of a known place: what a tape is good for
+/// Arrivals of a pair at one place that count in full.
+constexpr double kMostOfOnePlace = 4.0;
 
 /// A place in the plane that is known to sigma_m.
 struct KnownPlace {
@@ -103,25 +108,43 @@ bool tells_left_from_right(const Problem& problem, const std::vector<Trajectory>
 }  // namespace
 
 Consensus consensus_of(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
-                       const std::vector<Trajectory>& trajectories, double rejection_sigmas) {
+                       const std::vector<Trajectory>& trajectories, double rejection_sigmas,
+                       const ArrivalWeights& weights) {
   const SharedState state = layout.state_of(x);
   const double cap = 0.5 * rejection_sigmas * rejection_sigmas;
   const auto counts = [](Rejection r) { return r != Rejection::kBeaconUnusable && r != Rejection::kNoPose; };
   Consensus cost;
   cost.others = prior_cost(problem, layout, x);
   ObservationRow rows[6];
-  for (const Trajectory& t : trajectories) {
-    for (const ArrivalObservation& a : t.arrivals)
-      if (counts(a.rejection))
-        cost.arrivals += std::min(cap, 0.5 * std::pow(arrival_residual(t, a, state), 2));
+  for (std::size_t k = 0; k < trajectories.size(); ++k) {
+    const Trajectory& t = trajectories[k];
+    for (std::size_t i = 0; i < t.arrivals.size(); ++i)
+      if (counts(t.arrivals[i].rejection))
+        cost.arrivals += (weights.empty() ? 1.0 : weights[k][i]) *
+                         std::min(cap, 0.5 * std::pow(arrival_residual(t, t.arrivals[i], state), 2));
     for (std::size_t i = 0; i < t.bearings.size(); ++i)
       if (counts(t.bearings[i].rejection) && bearing_rows(t, i, state, rows) > 0)
         cost.others += std::min(cap, 0.5 * std::pow(rows[0].residual, 2));
     for (std::size_t i = 0; i < t.poses.size(); ++i)
-      for (int k = pose_rows(t, i, rows); k-- > 0;)
-        cost.others += std::min(cap, 0.5 * std::pow(rows[k].residual, 2));
+      for (int r = pose_rows(t, i, rows); r-- > 0;)
+        cost.others += std::min(cap, 0.5 * std::pow(rows[r].residual, 2));
   }
   return cost;
+}
+
+ArrivalWeights weights_by_place(const Problem& problem, const std::vector<Trajectory>& trajectories) {
+  std::map<std::tuple<BeaconId, ReceiverId, Place>, double> counts;
+  const auto count_of = [&](const Trajectory& t, const ArrivalObservation& a) -> double& {
+    return counts[{a.beacon, a.receiver,
+                   place_at(t.nodes[a.node].T_map_vehicle.translation_m, problem.typical_range_m)}];
+  };
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals) count_of(t, a) += 1.0;
+  ArrivalWeights weights;
+  for (const Trajectory& t : trajectories)
+    for (std::vector<double>& of = weights.emplace_back(); const ArrivalObservation& a : t.arrivals)
+      of.push_back(std::min(1.0, kMostOfOnePlace / count_of(t, a)));
+  return weights;
 }
 
 Preference prefer(const Consensus& first, const Consensus& second, double noise) {

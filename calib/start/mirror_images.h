@@ -18,9 +18,18 @@ struct Consensus {
   double others = 0.0;  ///< bearings, measured poses, priors
   [[nodiscard]] double total() const { return arrivals + others; }
 };
+/// What arrivals count for, trajectory by trajectory.
+using ArrivalWeights = std::vector<std::vector<double>>;
+
+/// @param weights  of the arrivals' squares; none: each counts in full
 [[nodiscard]] Consensus consensus_of(const Problem& problem, const ParameterLayout& layout,
                                      const Eigen::VectorXd& x, const std::vector<Trajectory>& trajectories,
-                                     double rejection_sigmas);
+                                     double rejection_sigmas, const ArrivalWeights& weights = {});
+
+/// All arrivals of a pair at one place count as a few at most: a hundred echoes that one stand recorded are
+/// no more than one.
+[[nodiscard]] ArrivalWeights weights_by_place(const Problem& problem,
+                                              const std::vector<Trajectory>& trajectories);
 
 /// Which of two solutions the observations prefer.
 enum class Preference { kFirst, kSecond, kNeither };

@@ -3,7 +3,6 @@
 #include "calib/statements/agreement.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calib/problem/places.h"
 #include "calib/problem/ranges.h"
 #include "calib/statements/motions.h"
 #include "calib/verdict/observability.h"
@@ -26,9 +26,7 @@ constexpr double kManyEarly = 0.10;
 /// A beacon is held to have moved at so many sigmas, and by this share of the tolerance.
 constexpr double kMovedSigmas = 6.0, kMovedMatters = 0.3;
 constexpr std::size_t kMostSplit = 3;
-/// Within this share of the typical range errors are one and the same (reflections, cameras, bodies): all
-/// that is left out there is one event, and as few events are no contradiction.
-constexpr double kOnePlace = 0.05;
+/// All that is left out at one place is one event, and as few events are no contradiction.
 constexpr std::size_t kFewestPlaces = 5;
 
 struct BeaconCounts {
@@ -69,13 +67,11 @@ struct Places {
 };
 
 Places places_of(const Fit& fit, std::size_t beacon) {
-  const double size_m = kOnePlace * fit.problem.typical_range_m;
-  std::set<std::array<double, 3>> heard, left_out, early;
+  std::set<Place> heard, left_out, early;
   for (const Trajectory& t : fit.trajectories)
     for (const ArrivalObservation& a : t.arrivals) {
       if (a.beacon.index() != beacon || !is_counted(t, a)) continue;
-      const Eigen::Vector3d cell = (t.nodes[a.node].T_map_vehicle.translation_m / size_m).array().floor();
-      const std::array<double, 3> place = {cell.x(), cell.y(), cell.z()};
+      const Place place = place_at(t.nodes[a.node].T_map_vehicle.translation_m, fit.problem.typical_range_m);
       heard.insert(place);
       if (is_left_out(a.rejection)) left_out.insert(place);
       if (a.rejection == Rejection::kEarly) early.insert(place);

@@ -276,6 +276,14 @@ TEST(Solve, ADelayThatTheDataDoNotSupportLeavesTheBeacons) {
     EXPECT_LT((with.state.beacon_p_map_m[b] - without.state.beacon_p_map_m[b]).norm(), 0.01);
 }
 
+TEST(Solve, TheLastStageComesToRestWithFourTimesTheIterations) {
+  const World world = must(simulate(hall_scenario(), 1));
+  calib::SolveOptions options;
+  options.max_iterations = 2;  // of the stages on the way; the last one needs six
+  const calib::Solution solution = solution_of(world, options);
+  EXPECT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
+}
+
 TEST(Solve, StopsWhenToldTo) {
   const World world = must(simulate(hall_scenario(), 13));
   int calls = 0;

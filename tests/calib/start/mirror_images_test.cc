@@ -148,6 +148,68 @@ TEST(MirrorImages, BearingsThatDoNotFitAreListedAndTold) {
   EXPECT_THAT(solution.warnings, Contains(HasSubstr("beacon B2: ")));
 }
 
+/// A vehicle with measured poses stops along a bent line; at one stop it heard a beacon a hundred times from
+/// where its image is.
+struct EchoedStop {
+  BeaconId beacon{1};
+  std::int64_t epoch = 5;
+  calib::Problem problem;
+  SharedState here, there;  ///< true, and with the beacon at its image
+  std::vector<Trajectory> trajectories;
+
+  EchoedStop() {
+    Scenario s = straight_line(true);
+    s.path.waypoints_m = {{4.0, 5.5}, {10.0, 6.0}, {16.0, 5.5}};
+    s.path.epochs = 10;
+    s.log_poses = true;
+    World world = must(simulate(s, 1));
+    const calib::Solution clean = solution_of(world);  // by bearings, which tell the side
+    world.run.bearings.clear();
+    problem = problem_of(world);
+    trajectories = problem.trajectories;
+    Trajectory& t = trajectories[0];
+    t.nodes = clean.trajectories[0].nodes;
+    here = there = clean.state;
+    there.beacon_p_map_m[beacon.index()].y() = 11.5 - here.beacon_p_map_m[beacon.index()].y();
+    const auto heard = std::find_if(t.arrivals.begin(), t.arrivals.end(), [&](const ArrivalObservation& a) {
+      return a.beacon == beacon && t.nodes[a.node].epoch == epoch;
+    });
+    ArrivalObservation echo = *heard;
+    echo.tof_s -= echo.sigma_s * arrival_residual(t, echo, there);
+    t.arrivals.insert(heard, 100, echo);
+  }
+  [[nodiscard]] calib::Preference preferred(const calib::ArrivalWeights& weights) const {
+    const calib::ParameterLayout layout = calib::make_layout(problem, here, std::vector<bool>(8, false));
+    const auto consensus = [&](const SharedState& state) {
+      return calib::consensus_of(problem, layout, layout.vector_of(state), trajectories, 4.0, weights);
+    };
+    return calib::prefer(consensus(here), consensus(there), 1.0);
+  }
+};
+
+TEST(MirrorImages, AHundredEchoesOfOneStopDoNotDecide) {
+  const EchoedStop echoed;
+  EXPECT_EQ(echoed.preferred({}), calib::Preference::kSecond) << "counted one by one they do";
+  EXPECT_EQ(echoed.preferred(calib::weights_by_place(echoed.problem, echoed.trajectories)),
+            calib::Preference::kNeither);
+}
+
+TEST(MirrorImages, ArrivalsOfAPairAtOnePlaceCountAsFourAtMost) {
+  const EchoedStop echoed;
+  const calib::ArrivalWeights weights = calib::weights_by_place(echoed.problem, echoed.trajectories);
+  ASSERT_EQ(weights.size(), 1U);
+  const Trajectory& t = echoed.trajectories[0];
+  ASSERT_EQ(weights[0].size(), t.arrivals.size());
+  double of_the_pair = 0.0;
+  for (std::size_t i = 0; i < t.arrivals.size(); ++i)
+    if (t.nodes[t.arrivals[i].node].epoch == echoed.epoch && t.arrivals[i].beacon == echoed.beacon) {
+      of_the_pair += weights[0][i];
+    } else {
+      EXPECT_EQ(weights[0][i], 1.0) << "arrival " << i;
+    }
+  EXPECT_NEAR(of_the_pair, 4.0, 1e-12);
+}
+
 TEST(MirrorImages, WhatIsPreferred) {
   using calib::prefer;
   using calib::Preference;
