@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/live/live_speed.h"
 
-#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -26,17 +25,19 @@ void LiveSpeed::move(const OdometryStep& step) {
 }
 
 std::optional<RunSpeed> LiveSpeed::told() {
-  if (asked_ == 0) {
+  if (asked_ == nullptr) {
     if (kept_.arrivals.size() >= wanted_) begin();
     return std::nullopt;
   }
-  if (kept_.arrivals.size() < 2 * asked_) return std::nullopt;
+  if (kept_.arrivals.size() < asked_->arrivals.size()) return std::nullopt;
   const RunSpeed found = estimate_.get();
-  const std::size_t of = std::exchange(asked_, 0);
+  const auto of = std::exchange(asked_, nullptr);
   if (!found.determined && wanted_ < kMostKept) {
     wanted_ *= 2;
+    kept_.arrivals.insert(kept_.arrivals.begin(), of->arrivals.begin(), of->arrivals.end());
+    kept_.odometry.insert(kept_.odometry.begin(), of->odometry.begin(), of->odometry.end());
+    kept_.has_epochs = kept_.has_epochs || of->has_epochs;
   } else {
-    forget(of);
     wanted_ = kMostKept;
   }
   if (kept_.arrivals.size() >= wanted_) begin();
@@ -44,29 +45,18 @@ std::optional<RunSpeed> LiveSpeed::told() {
 }
 
 void LiveSpeed::begin() {
-  if (!speed_is_unknown(*calibrated_, kept_)) {
-    forget(kept_.arrivals.size());
+  const auto rows = std::make_shared<const MeasurementLog>(std::exchange(kept_, {}));
+  if (!speed_is_unknown(*calibrated_, *rows)) {
     wanted_ = kMostKept;
     return;
   }
-  asked_ = kept_.arrivals.size();
-  const auto make = [of = calibrated_, rows = kept_] { return estimate_run_speed(*of, rows); };
+  asked_ = rows;
+  const auto make = [of = calibrated_, rows] { return estimate_run_speed(*of, *rows); };
   try {
     estimate_ = std::async(std::launch::async, make);
   } catch (const std::system_error&) {  // no thread is to be had: when it is looked at
     estimate_ = std::async(std::launch::deferred, make);
   }
-}
-
-/// The first ones, and the odometry before the others.
-void LiveSpeed::forget(std::size_t arrivals) {
-  kept_.arrivals.erase(kept_.arrivals.begin(),
-                       kept_.arrivals.begin() + static_cast<std::ptrdiff_t>(arrivals));
-  kept_.has_epochs = std::any_of(kept_.arrivals.begin(), kept_.arrivals.end(),
-                                 [](const Arrival& a) { return a.epoch != kNoEpoch; });
-  if (kept_.arrivals.empty()) return kept_.odometry.clear();
-  const double from_s = kept_.arrivals.front().time_s;
-  std::erase_if(kept_.odometry, [from_s](const OdometryStep& row) { return row.time_s < from_s; });
 }
 
 }  // namespace octant

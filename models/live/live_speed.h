@@ -33,12 +33,11 @@ class LiveSpeed {
 
  private:
   void begin();
-  void forget(std::size_t arrivals);
 
   std::shared_ptr<const Deployment> calibrated_;
-  MeasurementLog kept_;
-  std::size_t wanted_;     ///< arrivals, from which the next estimate is made
-  std::size_t asked_ = 0;  ///< of which the estimate that runs is made; 0: none runs
+  MeasurementLog kept_;                          ///< since the estimate that runs was begun
+  std::size_t wanted_;                           ///< arrivals, from which the next estimate is made
+  std::shared_ptr<const MeasurementLog> asked_;  ///< of which the estimate that runs is made; none runs
   std::future<RunSpeed> estimate_;
 };
 
