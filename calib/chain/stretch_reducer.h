@@ -22,10 +22,12 @@ struct LocalPath {
   std::array<PathColumns::Entry, 20> entry;
 };
 
-/// Where each column of the system stands in a stretch, kept by each thread.
+/// Where each column of the system stands in a stretch, kept by each thread. Between two stretches no column
+/// and no path is met: clearing all of them would cost more than a stretch of one state does.
 struct StretchMemory {
   std::vector<int> of_system;
   std::vector<LocalPath> paths;
+  std::vector<std::size_t> met;  ///< of the paths
   std::vector<PlanarNode> states;
   WindowMemory window;
 };
@@ -45,7 +47,8 @@ class StretchReducer {
         place_(place),
         whitening_(state.speed_offset(t_.run)),
         is_planar_(N == 3 && has_planar_arrivals(t_, segment, state)) {
-    memory_.of_system.assign(columns, -1);
+    if (memory_.of_system.size() < columns) memory_.of_system.resize(columns, -1);
+    if (memory_.paths.size() < chain.paths().size()) memory_.paths.resize(chain.paths().size());
   }
 
   void reduce(const Stretch& stretch, Remains& out) {
@@ -55,7 +58,7 @@ class StretchReducer {
     find_cursors();
     find_columns();
     if (is_planar_) take_states();
-    StretchWindow<N> window(memory_.window, stretch.has_left, out);
+    StretchWindow<N> window(memory_.window, stretch, out);
     window_ = &window;
     if (stretch.has_left) {
       window.begin_left();
@@ -69,6 +72,8 @@ class StretchReducer {
     // chain odometry observes all, and a floor there would act as a measured pose at every state.
     window.finish(stretch.has_right, stretch.has_right ? 0.0 : kUnobservedFloor);
     for (const int column : out.columns) memory_.of_system[static_cast<std::size_t>(column)] = -1;
+    for (const std::size_t path : memory_.met) memory_.paths[path].count = -1;
+    memory_.met.clear();
   }
 
  private:
@@ -107,12 +112,12 @@ class StretchReducer {
       columns.push_back(column);
     };
     const std::size_t end = segment_.first_node + stretch_->last;
-    l.paths.assign(chain_.paths().size(), LocalPath{});
     for (std::size_t i = arrival_; i < segment_.last_arrival && t_.arrivals[i].node < end; ++i) {
       if (t_.arrivals[i].rejection != Rejection::kUsed) continue;
       const std::size_t at = chain_.path_of(t_.arrivals[i]);
       if (l.paths[at].count >= 0) continue;
       l.paths[at].count = 0;
+      l.met.push_back(at);
       const PathColumns& path = chain_.paths()[at];
       for (int e = 0; e < path.count; ++e) see(path.entry[static_cast<std::size_t>(e)].column);
     }
@@ -122,8 +127,7 @@ class StretchReducer {
     std::sort(columns.begin(), columns.end());
     for (std::size_t i = 0; i < columns.size(); ++i)
       l.of_system[static_cast<std::size_t>(columns[i])] = static_cast<int>(i);
-    for (std::size_t p = 0; p < l.paths.size(); ++p)
-      if (l.paths[p].count == 0) find_entries(chain_.paths()[p], l.paths[p]);
+    for (const std::size_t p : l.met) find_entries(chain_.paths()[p], l.paths[p]);
   }
   void find_entries(const PathColumns& path, LocalPath& out) const {
     for (std::size_t e = 0; e < static_cast<std::size_t>(path.count); ++e) {

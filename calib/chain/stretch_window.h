@@ -77,12 +77,13 @@ class StretchWindow {
  public:
   static constexpr std::size_t n = N;
 
-  StretchWindow(WindowMemory& memory, bool has_left, Remains& out)
+  StretchWindow(WindowMemory& memory, const Stretch& stretch, Remains& out)
       : memory_(memory),
         out_(out),
-        gradient_(out.gradient(has_left ? n : 0)),
+        gradient_(out.gradient(stretch.has_left ? n : 0)),
         width_((gradient_ + kBorderPad) / kBorderPad * kBorderPad),
-        slots_(std::clamp<std::size_t>(kDoublesPerWindow / (n * width_), 4, 64)) {
+        slots_(std::min(std::clamp<std::size_t>(kDoublesPerWindow / (n * width_), 4, 64),
+                        stretch.last - stretch.first)) {
     out.width = width_;
     out.H.assign_zero(width_ * width_);
     memory_.D.assign_zero((slots_ + 1) * n * n);

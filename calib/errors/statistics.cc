@@ -39,10 +39,20 @@ constexpr double kBlindRad = 2 * std::numbers::pi;
 /// Relative to the scaled diagonal: below it a direction of a state is observed by nothing.
 constexpr double kUnobservedShare = 1e-9;
 
+/// A measured pose, angles and all.
+bool is_whole(const Trajectory& t, const PoseObservation& p) {
+  return std::isfinite(p.position_sigma_m) && p.heading_sigma_rad < kBlindRad &&
+         (t.motion == Motion::kPlanar || p.attitude_sigma_rad < kBlindRad);
+}
+
 /// Whether a state may have directions that nothing observes: it stands alone, hears with one receiver or
 /// little, and sees nothing.
 bool may_be_blind(const Trajectory& t, const Segment& s) {
   if (s.last_node - s.first_node != 1 || t.motion_prior) return false;
+  if (!t.has_cycle_offset && std::any_of(t.poses.begin() + static_cast<std::ptrdiff_t>(s.first_pose),
+                                         t.poses.begin() + static_cast<std::ptrdiff_t>(s.last_pose),
+                                         [&t](const PoseObservation& p) { return is_whole(t, p); }))
+    return false;
   std::size_t used = 0;
   ReceiverId first;
   bool several = false;

@@ -19,12 +19,16 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kLongEpochs = 4000;
-constexpr std::size_t kLongDrive = 20'000;  ///< arrivals
+constexpr std::size_t kLongDrive = 20'000;  ///< arrivals, or states whose pose was measured
 
 bool is_planar(const Trajectory& t) {
   return t.motion == Motion::kPlanar && !t.has_cycle_offset && t.poses.empty();
 }
 bool has_stops(const Trajectory& t) { return is_planar(t) && !t.moving && t.odometry.empty(); }
+/// States of which each stands alone at a measured pose, in the plane or in space.
+bool has_posed_states(const Trajectory& t) {
+  return !t.poses.empty() && t.odometry.empty() && t.motion_steps.empty() && !t.has_cycle_offset;
+}
 bool is_drive(const Trajectory& t) {
   return is_planar(t) && t.moving && !t.odometry.empty() && t.bearings.empty();
 }
@@ -38,6 +42,8 @@ bool is_long(const Problem& problem) {
       epochs += t.nodes.size();
     } else if (is_drive(t)) {
       of_drives += t.arrivals.size();
+    } else if (has_posed_states(t)) {
+      of_drives += t.nodes.size();
     } else {
       return false;
     }

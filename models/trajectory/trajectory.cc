@@ -12,6 +12,10 @@
 namespace octant {
 namespace {
 
+/// A moment, in which a sound passes the vehicle, is no longer than this, and the vehicle moves by less than
+/// this share of what its measured pose is good to, and of the noise of a range.
+constexpr double kMoment_s = 0.01, kStandsStill = 0.1;
+
 PoseObservation pose_observation(std::size_t node, double alpha, const Pose& T,
                                  const PoseAccuracy& accuracy) {
   PoseObservation p;
@@ -291,18 +295,43 @@ class Builder {
     }
   }
 
-  /// No epochs, no odometry: each distinct time is a state of its own, carried by the measured pose of that
-  /// time.
+  /// Where the vehicle was measured to be.
+  [[nodiscard]] bool measured_at(double time_s, Pose& T) const {
+    return log_.vehicle == t_.vehicle &&
+           interpolate_poses(log_.poses, time_s, log_.pose_accuracy.max_gap_s, T);
+  }
+
+  /// Behind the arrivals of the moment at which one was heard: until the vehicle, at the measured pose T, had
+  /// moved.
+  [[nodiscard]] std::size_t end_of_moment(std::size_t first, const Pose* T) {
+    const double time_s = log_.arrivals[arrivals_[first]].time_s,
+                 noise_m = model_.noise.tof_sigma_s * speed_at(run_temperature_degC());
+    const double still_m = kStandsStill * std::min(log_.pose_accuracy.position_sigma_m, noise_m),
+                 still_rad = kStandsStill * log_.pose_accuracy.attitude_sigma_rad;
+    const auto belongs = [&](double other_s) {
+      if (other_s == time_s) return true;
+      Pose other;
+      return T != nullptr && other_s - time_s <= kMoment_s && measured_at(other_s, other) &&
+             (other.translation_m - T->translation_m).norm() <= still_m &&
+             other.rotation.angularDistance(T->rotation) <= still_rad;
+    };
+    std::size_t last = first + 1;
+    while (last < arrivals_.size() && belongs(log_.arrivals[arrivals_[last]].time_s)) ++last;
+    return last;
+  }
+
+  /// No epochs, no odometry: each moment is a state of its own, carried by the measured pose of that time.
+  /// Receivers that hear one sound one after the other hear it at one state: the one error of the pose is not
+  /// as many.
   void build_instants() {
     t_.moving = true;
     std::size_t next_bearing = 0;
     for (std::size_t first = 0; first < arrivals_.size();) {
       const double time_s = log_.arrivals[arrivals_[first]].time_s;
-      std::size_t last = first;
-      while (last < arrivals_.size() && log_.arrivals[arrivals_[last]].time_s == time_s) ++last;
       Pose T;
-      const bool measured = log_.vehicle == t_.vehicle &&
-                            interpolate_poses(log_.poses, time_s, log_.pose_accuracy.max_gap_s, T);
+      const bool measured = measured_at(time_s, T);
+      const std::size_t last = end_of_moment(first, measured ? &T : nullptr);
+      const double last_s = log_.arrivals[arrivals_[last - 1]].time_s;
       if (!measured && !log_.poses.empty()) {
         for (std::size_t i = first; i < last; ++i) t_.stateless_arrivals.push_back(arrivals_[i]);
       } else {
@@ -316,7 +345,7 @@ class Builder {
         for (std::size_t i = first; i < last; ++i) add_arrival(arrivals_[i], k, 0.0);
         while (next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s < time_s)
           ++next_bearing;
-        for (; next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s == time_s;
+        for (; next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s <= last_s;
              ++next_bearing)
           add_bearing(bearings_[next_bearing], k, 0.0);
         if (measured) t_.poses.push_back(pose_observation(k, 0.0, T, log_.pose_accuracy));

@@ -115,6 +115,28 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
   }
 }
 
+// The same in space, where each moment stands alone at its measured pose; three receivers that hear one sound
+// share the error of that pose, and sigmas say so.
+TEST(LongLog, OfMeasuredPosesInSpaceIsCalibratedByWayOfAPart) {
+  Scenario s = drive_scenario(1500.0);
+  s.site.motion = Motion::kSpatial;
+  s.log_poses = true;
+  s.pose_accuracy = {.position_sigma_m = 0.05, .heading_sigma_rad = 0.02, .attitude_sigma_rad = 0.02};
+  const World world = must(simulate(s, 1));
+  const calib::Problem problem = problem_of(world);
+  ASSERT_TRUE(calib::is_long(problem));
+  EXPECT_LT(problem.trajectories[0].nodes.size(), world.run.arrivals.size() / 2);
+  calib::SolveOptions options;
+  options.threads = 2;
+  const calib::Solution solution = calib::solve(problem, options);
+  ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+  EXPECT_LT(worst_beacon_m(world, solution), 0.05);
+  const BeaconErrors errors = beacon_errors(world, solution);
+  const auto dof = static_cast<double>(errors.error.size());
+  EXPECT_LT(errors.nees(), chi2_quantile(1 - 1e-4, dof));
+  EXPECT_LT(solution.statistics.rejected, world.run.arrivals.size() / 1000);
+}
+
 // A part of a long drive finds the shared parameters, the whole of it ends at its own optimum.
 TEST(LongDrive, IsCalibratedByWayOfAPart) {
   Scenario s = drive_scenario(500.0);

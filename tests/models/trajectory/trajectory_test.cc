@@ -216,6 +216,59 @@ TEST(MakeTrajectory, ArrivalsOutsideTheOdometryAreStateless) {
   EXPECT_DOUBLE_EQ(t.arrivals[2].alpha, 1.0);
 }
 
+/// Three receivers hear a sound within 0.2 ms, a fourth one 5 ms later, the first one again after 50 ms; the
+/// vehicle's pose is measured once a second.
+MeasurementLog posed_log(double speed_mps, double turn_rate_rad_per_s = 0.0) {
+  MeasurementLog log;
+  log.vehicle = VehicleId(0);
+  for (int k = 0; k < 3; ++k)
+    log.poses.push_back({1.0 * k, Pose::planar(speed_mps * k, 0.0, turn_rate_rad_per_s * k)});
+  const double times_s[] = {0.5, 0.5001, 0.5002, 0.505, 0.55};
+  for (int i = 0; i < 5; ++i) {
+    Arrival a;
+    a.time_s = times_s[i];
+    a.tof_s = 0.01;
+    a.beacon = BeaconId(0);
+    a.receiver = ReceiverId(i % 4);
+    a.vehicle = VehicleId(0);
+    log.arrivals.push_back(a);
+  }
+  return log;
+}
+
+/// Of each arrival.
+std::vector<std::size_t> states_of(const MeasurementLog& log) {
+  TrajectoryModel model;
+  model.noise.tof_sigma_s = 1e-5;  // 3.4 mm
+  const Trajectory t = make_trajectory(log, 0, VehicleId(0), model);
+  std::vector<std::size_t> states;
+  for (const ArrivalObservation& a : t.arrivals) states.push_back(a.node);
+  EXPECT_EQ(t.poses.size(), t.nodes.size());
+  EXPECT_EQ(t.segments.size(), t.nodes.size());
+  return states;
+}
+
+// The error of a measured pose is one, however many receivers hear there.
+TEST(MakeTrajectory, AMomentAtAMeasuredPoseIsOneState) {
+  EXPECT_EQ(states_of(posed_log(0.0)), (std::vector<std::size_t>{0, 0, 0, 0, 1}));
+  EXPECT_EQ(states_of(posed_log(1.0)),
+            (std::vector<std::size_t>{0, 0, 0, 1, 2}));  // 5 mm are a tenth of nothing
+  EXPECT_EQ(states_of(posed_log(20.0)), (std::vector<std::size_t>{0, 1, 2, 3, 4}));  // 2 mm in 0.1 ms
+  EXPECT_EQ(states_of(posed_log(0.0, 3.0)), (std::vector<std::size_t>{0, 0, 0, 1, 2}));
+}
+
+TEST(MakeTrajectory, WithoutMeasuredPosesEachInstantIsAState) {
+  MeasurementLog log = posed_log(0.0);
+  log.poses.clear();
+  TrajectoryModel model;
+  model.motion = Motion::kSpatial;
+  model.noise.tof_sigma_s = 1e-5;
+  std::vector<std::size_t> states;
+  for (const ArrivalObservation& a : make_trajectory(log, 0, VehicleId(0), model).arrivals)
+    states.push_back(a.node);
+  EXPECT_EQ(states, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+}
+
 TEST(InterpolatePoses, NeverBeyondTheEndsNorOverLongGaps) {
   const std::vector<TimedPose> poses = {
       {0.0, Pose::planar(0, 0, 0)}, {1.0, Pose::planar(2, 0, 1.0)}, {5.0, Pose::planar(2, 4, 1.0)}};
