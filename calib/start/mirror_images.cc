@@ -11,7 +11,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "calib/adjust/priors.h"
-#include "calib/problem/places.h"
+#include "calib/problem/ranges.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {

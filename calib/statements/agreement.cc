@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calib/problem/places.h"
 #include "calib/problem/ranges.h"
 #include "calib/statements/motions.h"
 #include "calib/verdict/observability.h"

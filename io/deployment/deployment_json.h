@@ -16,6 +16,8 @@ namespace octant::io {
 /// take.
 [[nodiscard]] Result<std::string> checked_deployment_json(const std::string& path,
                                                           const Deployment& deployment);
+/// Refuses a site file, by that name, where people give it in place of its deployment.
+[[nodiscard]] Result<void> check_no_site_file(const std::string& text, const std::string& file);
 /// Reads it back: read(write(x)) == x. Refuses an unknown version, a truncated or altered file, non-finite
 /// numbers.
 [[nodiscard]] Result<Deployment> deployment_from_json(const std::string& text, const std::string& file);

@@ -309,12 +309,15 @@ void check_digest(const JsonValue& root, const nlohmann::json& json, std::vector
 
 }  // namespace
 
+Result<void> check_no_site_file(const std::string& text, const std::string& file) {
+  if (without_bom(text).find("octant_site:") == std::string_view::npos || text.starts_with('{')) return {};
+  return fail({.file = file,
+               .found = "a site file",
+               .expected = "a deployment file, which octant calibrate makes of a site file and a recording"});
+}
+
 Result<Deployment> deployment_from_json(const std::string& text, const std::string& file) {
-  if (without_bom(text).find("octant_site:") != std::string_view::npos && !text.starts_with('{'))
-    return fail(
-        {.file = file,
-         .found = "a site file",
-         .expected = "a deployment file, which octant calibrate makes of a site file and a recording"});
+  if (auto ok = check_no_site_file(text, file); !ok) return fail(ok.error());
   const Result<nlohmann::json> json = parse_json(text, file);
   if (!json) return fail(json.error());
   JsonLog log{file, text, std::nullopt};

@@ -72,6 +72,7 @@ Result<Visit> visit_of_result(const nlohmann::json& json, const std::string& tex
 }  // namespace
 
 Result<Visit> visit_of(const std::string& text, const std::string& file) {
+  if (auto ok = check_no_site_file(text, file); !ok) return fail(ok.error());
   const auto json = parse_json(text, file);
   if (!json) return fail(json.error());
   const bool is_deployment = json->is_object() && json->contains("type");

@@ -134,7 +134,14 @@ void describe_columns(WordsJson& files, const std::map<std::string, KeyWords>& w
 
 constexpr std::string_view kInScene = "scene.";  // of a site file
 
-WordsJson described(std::string_view format) {
+/// Of x-files one file alone, and none of the keys, which are of another; all where it is none of them.
+void keep_file(WordsJson& root, std::string_view file) {
+  if (!root.contains("x-files") || !root["x-files"].contains(file)) return;
+  const WordsJson kept = {{file, root["x-files"][std::string(file)]}};
+  root = {{"title", fmt::format("{}: {}", file, root["title"].get<std::string>())}, {"x-files", kept}};
+}
+
+WordsJson described(std::string_view format, std::string_view file) {
   WordsJson root = WordsJson::parse(schema(format));
   const auto words = words_of(format), scene_words = words_of("scene");
   SchemaWalk([&](const std::string& path, WordsJson& key, bool) {
@@ -151,6 +158,7 @@ WordsJson described(std::string_view format) {
     if (!found->second.example.empty()) key["examples"] = {example_of(found->second.example)};
   }).walk(root, "");
   if (root.contains("x-files")) describe_columns(root["x-files"], words);
+  keep_file(root, file);
   return root;
 }
 
@@ -204,22 +212,26 @@ std::string_view unit_of_key(std::string_view key) {
   return "";
 }
 
-std::string schema_with_words(std::string_view format) { return pretty(described(format)); }
+std::string schema_with_words(std::string_view format, std::string_view file) {
+  return pretty(described(format, file));
+}
 
-std::string schema_page(std::string_view format) {
-  WordsJson root = described(format);
-  std::string page = fmt::format("# {}\n\n{}\n\n", cell(root, "title"), cell(root, "description"));
-  page += fmt::format(kHeading, "key");
-  SchemaWalk([&page](const std::string& path, WordsJson& key, bool required) {
-    page += row(path, key, required);
-  }).walk(root, "");
+std::string schema_page(std::string_view format, std::string_view file) {
+  WordsJson root = described(format, file);
+  std::string page = fmt::format("# {}\n", cell(root, "title"));
+  if (root.contains("properties")) {
+    page += fmt::format("\n{}\n\n", cell(root, "description")) + fmt::format(kHeading, "key");
+    SchemaWalk([&page](const std::string& path, WordsJson& key, bool required) {
+      page += row(path, key, required);
+    }).walk(root, "");
+  }
   if (!root.contains("x-files")) return page;
-  for (auto& [file, about] : root["x-files"].items()) {
-    page += fmt::format("\n## {}\n\n{}\n", file, cell(about, "description"));
+  for (auto& [name, about] : root["x-files"].items()) {
+    page += fmt::format("\n## {}\n\n{}\n", name, cell(about, "description"));
     if (!about.contains("columns")) continue;
     page += "\n" + fmt::format(kHeading, "column");
-    for (auto& [name, column] : about["columns"].items())
-      page += row(name, column, column["required"].get<bool>());
+    for (auto& [of, column] : about["columns"].items())
+      page += row(of, column, column["required"].get<bool>());
   }
   return page;
 }

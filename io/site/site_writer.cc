@@ -49,8 +49,10 @@ std::string delay_per_text(const DelayPer& per) {
 void write_medium(const Site& site, SiteOut out) {
   const Medium& m = site.medium;
   fmt::format_to(out, "medium:\n  model: {}\n", to_string(m.model));
-  fmt::format_to(out, "  speed_mps: {}\n  temperature_degC: {}\n", exact(m.speed_mps),
-                 exact(m.temperature_degC));
+  // Beside a model of the air or the sea it is a number that nothing takes; what was stated stays.
+  if (m.model == MediumModel::kConstant || m.speed_mps != Medium{}.speed_mps)
+    fmt::format_to(out, "  speed_mps: {}\n", exact(m.speed_mps));
+  fmt::format_to(out, "  temperature_degC: {}\n", exact(m.temperature_degC));
   fmt::format_to(out, "  relative_humidity: {}\n  pressure_pa: {}\n", exact(m.relative_humidity),
                  exact(m.pressure_pa));
   fmt::format_to(out, "  sigma_mps: {}\n  offset_per: {}\n", exact(site.speed_sigma_mps),

@@ -7,14 +7,11 @@
 #include <map>
 #include <numeric>
 
+#include "models/trajectory/moment.h"
 #include "models/trajectory/odometry_path.h"
 
 namespace octant {
 namespace {
-
-/// A moment, in which a sound passes the vehicle, is no longer than this, and the vehicle moves by less than
-/// this share of what its measured pose is good to, and of the noise of a range.
-constexpr double kMoment_s = 0.01, kStandsStill = 0.1;
 
 PoseObservation pose_observation(std::size_t node, double alpha, const Pose& T,
                                  const PoseAccuracy& accuracy) {
@@ -295,31 +292,6 @@ class Builder {
     }
   }
 
-  /// Where the vehicle was measured to be.
-  [[nodiscard]] bool measured_at(double time_s, Pose& T) const {
-    return log_.vehicle == t_.vehicle &&
-           interpolate_poses(log_.poses, time_s, log_.pose_accuracy.max_gap_s, T);
-  }
-
-  /// Behind the arrivals of the moment at which one was heard: until the vehicle, at the measured pose T, had
-  /// moved.
-  [[nodiscard]] std::size_t end_of_moment(std::size_t first, const Pose* T) {
-    const double time_s = log_.arrivals[arrivals_[first]].time_s,
-                 noise_m = model_.noise.tof_sigma_s * speed_at(run_temperature_degC());
-    const double still_m = kStandsStill * std::min(log_.pose_accuracy.position_sigma_m, noise_m),
-                 still_rad = kStandsStill * log_.pose_accuracy.attitude_sigma_rad;
-    const auto belongs = [&](double other_s) {
-      if (other_s == time_s) return true;
-      Pose other;
-      return T != nullptr && other_s - time_s <= kMoment_s && measured_at(other_s, other) &&
-             (other.translation_m - T->translation_m).norm() <= still_m &&
-             other.rotation.angularDistance(T->rotation) <= still_rad;
-    };
-    std::size_t last = first + 1;
-    while (last < arrivals_.size() && belongs(log_.arrivals[arrivals_[last]].time_s)) ++last;
-    return last;
-  }
-
   /// No epochs, no odometry: each moment is a state of its own, carried by the measured pose of that time.
   /// Receivers that hear one sound one after the other hear it at one state: the one error of the pose is not
   /// as many.
@@ -329,8 +301,10 @@ class Builder {
     for (std::size_t first = 0; first < arrivals_.size();) {
       const double time_s = log_.arrivals[arrivals_[first]].time_s;
       Pose T;
-      const bool measured = measured_at(time_s, T);
-      const std::size_t last = end_of_moment(first, measured ? &T : nullptr);
+      const bool measured = log_.vehicle == t_.vehicle &&
+                            interpolate_poses(log_.poses, time_s, log_.pose_accuracy.max_gap_s, T);
+      const std::size_t last = end_of_moment(log_, arrivals_, first, measured ? &T : nullptr,
+                                             model_.noise.tof_sigma_s * speed_at(run_temperature_degC()));
       const double last_s = log_.arrivals[arrivals_[last - 1]].time_s;
       if (!measured && !log_.poses.empty()) {
         for (std::size_t i = first; i < last; ++i) t_.stateless_arrivals.push_back(arrivals_[i]);

@@ -104,5 +104,17 @@ TEST(Convert, CountersNeedASite) {
   EXPECT_THAT(slurp((box / "run") + "/tof.csv"), HasSubstr("0.0100001"));
 }
 
+TEST(Convert, OfIgnoredBeaconsOnlyWhereThereAreSome) {
+  const TemporaryFolder box;
+  spit(box / "kit.csv", "t,b,d\n0,A,1.5\n0,B,2.5\n1,A,1.6\n");
+  const std::vector<std::string> words = {"convert", box / "kit.csv", "--columns",
+                                          "time=t,beacon=b,distance=d"};
+  auto all = words, some = words;
+  all.insert(all.end(), {"-o", box / "all"});
+  some.insert(some.end(), {"-o", box / "some", "--ignore", "B"});
+  EXPECT_THAT(octant(all).out, AllOf(HasSubstr("3 arrivals\n"), Not(HasSubstr("ignored"))));
+  EXPECT_THAT(octant(some).out, HasSubstr("2 arrivals, 1 of ignored beacons\n"));
+}
+
 }  // namespace
 }  // namespace octant::test

@@ -117,6 +117,9 @@ TEST_F(HistoryFolder, OneBadFileAddsNothing) {
   const Outcome bad = history({"add", file(1), box / "bad.json"});
   EXPECT_EQ(bad.exit, 3);
   EXPECT_THAT(bad.err, HasSubstr("neither a deployment nor"));
+  spit(box / "site.yaml", "octant_site: 1\n");
+  EXPECT_THAT(history({"add", box / "site.yaml"}).err,
+              HasSubstr("a site file; expected a deployment file, which octant calibrate makes"));
   EXPECT_FALSE(std::filesystem::exists(db));
 }
 

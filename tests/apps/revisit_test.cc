@@ -126,6 +126,8 @@ TEST_F(SecondVisit, TextOfAllThreeFitsATerminal) {
     for (std::string line; std::getline(in, line);) EXPECT_LE(line.size(), 80U) << line;
     EXPECT_FALSE(told.out.starts_with("\n"));
   }
+  EXPECT_TRUE(
+      octant({"recalibrate", out("d.json"), visit(), "-o", out("m.json")}).out.starts_with("verdict   "));
 }
 
 TEST_F(SecondVisit, HistoryTakesWhatMonitorAndRecalibrateSay) {

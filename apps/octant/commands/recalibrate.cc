@@ -69,7 +69,7 @@ int run(const RecalibrateArgs& words, Session& session) {
   add_deployment_json(now, object);
   object["verdict"] = verdict_json(input);
   if (auto written = write_recalibration(words, now, input); !written) return session.fail(written.error());
-  session.result(revisit_text(*visit) + "\n" + verdict_text(input));
+  session.result(verdict_text(input) + "\n" + revisit_text(*visit));
   if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
   session.result(report_lines(words.report));
   return session.finish(object);

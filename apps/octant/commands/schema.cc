@@ -72,9 +72,9 @@ int print_schema(const std::string& name, bool page, Session& session) {
   if (page && session.options.json)
     return session.fail(
         {"error", "usage", kUsage, "--page is no JSON", "leave out one of --page and --json"});
-  if (page) return session.finish_document(io::schema_page(format));
+  if (page) return session.finish_document(io::schema_page(format, name));
   // It is one JSON object already, so --json changes nothing.
-  return session.finish_document(io::schema_with_words(format));
+  return session.finish_document(io::schema_with_words(format, name));
 }
 
 }  // namespace

@@ -72,6 +72,11 @@ std::string format_of(const ConvertArgs& words) {
 }
 
 /// Any table, by --columns or, where its header has the names of tof.csv, by these.
+/// ", 12 of ignored beacons"; nothing where there are none.
+std::string ignored_words(std::size_t rows) {
+  return rows > 0 ? fmt::format(", {} of ignored beacons", rows) : "";
+}
+
 int convert_by_columns(const ConvertArgs& words, const std::optional<io::TableMapping>& own,
                        Session& session) {
   const bool is_file = !own && words.columns.find('=') == std::string::npos;
@@ -93,8 +98,8 @@ int convert_by_columns(const ConvertArgs& words, const std::optional<io::TableMa
   std::vector<io::FileContent> files = {{words.output + "/tof.csv", table->csv}};
   if (!words.save_columns.empty()) files.push_back({words.save_columns, io::mapping_to_yaml(*mapping)});
   if (auto written = io::write_files(files); !written) return session.fail(written.error());
-  session.result(fmt::format("{:<17}{}: {} arrivals, {} of ignored beacons\n", "run", words.output,
-                             table->rows, table->ignored));
+  session.result(fmt::format("{:<17}{}: {} arrivals{}\n", "run", words.output, table->rows,
+                             ignored_words(table->ignored)));
   return session.finish(
       {{"format", "table"}, {"run", words.output}, {"arrivals", table->rows}, {"ignored", table->ignored}});
 }
@@ -110,9 +115,9 @@ int finish_import(const ConvertArgs& words, io::ImportedLog& log, std::vector<io
   for (io::FileContent& other : others) files->push_back(std::move(other));
   if (auto written = io::write_files(*files); !written) return session.fail(written.error());
   const bool distances = !log.arrivals.empty() && log.arrivals.front().is_distance && !words.speed_mps;
-  session.result(fmt::format("{:<17}{}: {} arrivals{}, {} odometry rows, {} poses, {} of ignored beacons\n",
-                             "run", words.output, log.arrivals.size(), distances ? " (distance_m)" : "",
-                             log.odometry.size(), log.poses.size(), log.ignored_rows()));
+  session.result(fmt::format("{:<17}{}: {} arrivals{}, {} odometry rows, {} poses{}\n", "run", words.output,
+                             log.arrivals.size(), distances ? " (distance_m)" : "", log.odometry.size(),
+                             log.poses.size(), ignored_words(log.ignored_rows())));
   return session.finish({{"format", format},
                          {"run", words.output},
                          {"arrivals", log.arrivals.size()},

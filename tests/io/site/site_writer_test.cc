@@ -150,6 +150,16 @@ TEST(SiteYaml, ReadsBackWhatItWrote) {
   }));
 }
 
+TEST(SiteYaml, WritesNoSpeedThatNothingTakes) {
+  Site site;
+  site.medium.model = MediumModel::kCramer1993;
+  EXPECT_EQ(site_to_yaml(site).find("  speed_mps:"), std::string::npos);
+  site.medium.speed_mps = 345.0;  // stated, and kept
+  EXPECT_NE(site_to_yaml(site).find("  speed_mps: 345\n"), std::string::npos);
+  site.medium = {.model = MediumModel::kConstant};
+  EXPECT_NE(site_to_yaml(site).find("  speed_mps: 343\n"), std::string::npos);
+}
+
 TEST(SiteYaml, SaysWhatIsWrongWithItsValidity) {
   const std::string head = "octant_site: 1\nmotion: planar\n",
                     tail = "beacons: []\nvehicles:\n  - id: robot\n";
