@@ -37,11 +37,23 @@ Result<void> read_scene_of(const std::string& path, const std::string& scene_pat
   return {};
 }
 
+Result<void> take_model(Result<survey::SurveyModel> model, const std::string& path, SurveyInput& input,
+                        Session& session) {
+  if (!model) {
+    Error error = model.error();
+    if (error.file.empty()) error.file = path;
+    return fail(error);
+  }
+  session.warn(model->warnings);
+  input.model = std::move(*model);
+  return {};
+}
+
 }  // namespace
 
 Result<SurveyInput> read_survey_input(const std::string& path, const std::string& scene_path,
                                       const std::string& vehicle, std::optional<double> cell_m,
-                                      Session& session, bool without_beacons) {
+                                      Session& session, BeaconPlaces places) {
   const auto text = io::read_document(path);
   if (!text) return fail(text.error());
   SurveyInput input;
@@ -63,17 +75,24 @@ Result<SurveyInput> read_survey_input(const std::string& path, const std::string
   const auto index =
       vehicle_index(input.site ? input.site->vehicles : input.deployment->vehicles, vehicle, path);
   if (!index) return fail(index.error());
-  auto model = !input.site       ? survey::make_survey_model(*input.deployment, input.scene, *index)
-               : without_beacons ? survey::make_empty_survey_model(*input.site, input.scene, *index)
-                                 : survey::make_survey_model(*input.site, input.scene, *index);
-  if (!model) {
-    Error error = model.error();
-    if (error.file.empty()) error.file = path;
-    return fail(error);
-  }
-  session.warn(model->warnings);
-  input.model = std::move(*model);
+  input.model.vehicle = *index;
+  if (places == BeaconPlaces::kRecorded && input.site) return input;
+  auto model = !input.site ? survey::make_survey_model(*input.deployment, input.scene, *index)
+               : places == BeaconPlaces::kNone
+                   ? survey::make_empty_survey_model(*input.site, input.scene, *index)
+                   : survey::make_survey_model(*input.site, input.scene, *index);
+  if (auto taken = take_model(std::move(model), path, input, session); !taken) return fail(taken.error());
   return input;
+}
+
+Result<void> place_recorded(const std::vector<bool>& placed, const std::vector<Eigen::Vector3d>& p_map_m,
+                            SurveyInput& input, Session& session) {
+  Site site = *input.site;
+  for (std::size_t b = 0; b < site.beacons.size(); ++b)
+    for (std::size_t i = 0; i < 3 && placed[b]; ++i)
+      site.beacons[b].position_m[i] = p_map_m[b][static_cast<Eigen::Index>(i)];
+  return take_model(survey::make_survey_model(site, input.scene, input.model.vehicle), input.scene.path,
+                    input, session);
 }
 
 }  // namespace octant::app

@@ -4,6 +4,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "apps/octant/session.h"
 #include "models/deployment.h"
@@ -21,15 +24,27 @@ struct SurveyInput {
   survey::SurveyModel model;
 };
 
+/// Where the model's beacons stand.
+enum class BeaconPlaces {
+  kStated,   ///< where the file has them
+  kNone,     ///< it has none, whatever the site has: for whoever looks for their places (site files only)
+  kRecorded  ///< where recordings will find them: the model is not made yet (site files only)
+};
+
 /// Reads a site file or a deployment (told apart by their first character) and the scene; warnings go to the
 /// session.
 /// @param scene_path  file with a scene alone; empty: the site's own
 /// @param vehicle  name; empty: the first one
 /// @param cell_m  goes before the scene's
-/// @param without_beacons  the model has none, whatever the site has: for whoever looks for their places
-/// (site files only)
 [[nodiscard]] Result<SurveyInput> read_survey_input(const std::string& path, const std::string& scene_path,
                                                     const std::string& vehicle, std::optional<double> cell_m,
-                                                    Session& session, bool without_beacons = false);
+                                                    Session& session,
+                                                    BeaconPlaces places = BeaconPlaces::kStated);
+
+/// The model of a site whose beacons recordings have found. Warnings go to the session.
+/// @param placed  which of them, each at its entry of p_map_m
+[[nodiscard]] Result<void> place_recorded(const std::vector<bool>& placed,
+                                          const std::vector<Eigen::Vector3d>& p_map_m, SurveyInput& input,
+                                          Session& session);
 
 }  // namespace octant::app

@@ -88,6 +88,20 @@ TEST_F(Plan, StopsAfterARecordingAndAfterADeployment) {
   EXPECT_EQ(octant({"plan", box / "d.json", box / "hall/run", "--stations", "2", "--json"}).exit, 2);
 }
 
+TEST_F(Plan, BeaconsThatARecordingFindsAreNotSaidToBeLeftOut) {
+  std::string text = slurp(site);
+  const std::size_t at = text.find("id: B5"), end = text.find('}', at);
+  ASSERT_NE(end, std::string::npos);
+  text.replace(at, end - at, "id: B5");
+  spit(box / "cold.yaml", text);
+  const Outcome planned = octant(
+      {"plan", box / "cold.yaml", box / "hall/run", "--stations", "1", "--grid", "3", "--progress", "none"});
+  ASSERT_EQ(planned.exit, 0) << planned.err;
+  EXPECT_THAT(planned.err, Not(HasSubstr("left out")));
+  EXPECT_THAT(octant({"plan", box / "cold.yaml", "--stations", "1", "--grid", "3", "--progress", "none"}).err,
+              HasSubstr("beacon 'B5' has no known place and is left out"));
+}
+
 TEST_F(Plan, BeaconsIntoANewSiteThatCanBeSurveyed) {
   const std::vector<std::string> cheap = {"--evaluations", "40", "--algorithm", "none", "--restarts", "0"};
   auto words = cheap;

@@ -196,7 +196,7 @@ int plan_beacons(const PlanWords& words, Session& session) {
   for (const auto& path : {words.output, words.report})
     if (auto fit = check_output(path); !path.empty() && !fit) return session.fail(fit.error());
   const auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session,
-                                       /*without_beacons=*/!words.keep);
+                                       words.keep ? BeaconPlaces::kStated : BeaconPlaces::kNone);
   if (!input) return session.fail(input.error());
   if (auto fit = check_no_overwriting(
           {.inputs = input->scene.imported, .outputs = {words.output, words.report}, .run_outputs = {}});

@@ -204,11 +204,17 @@ int plan_stations(const PlanWords& words, Session& session) {
   files.inputs.insert(files.inputs.end(), {words.input, words.scene});
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   if (auto fit = check_output(words.csv); !words.csv.empty() && !fit) return session.fail(fit.error());
-  auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session);
+  auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session,
+                                 words.runs.empty() ? BeaconPlaces::kStated : BeaconPlaces::kRecorded);
   if (!input) return session.fail(input.error());
   auto ground = ground_of(words, *input, session);
   if (!ground && ground.error().code == Errc::kInterrupted) return session.interrupted();
   if (!ground) return session.fail(ground.error());
+  if (!words.runs.empty()) {
+    const calib::Knowledge& known = ground->knowledge;
+    if (auto ok = place_recorded(known.placed, known.state.beacon_p_map_m, *input, session); !ok)
+      return session.fail(ok.error());
+  }
   session.warn(ground->knowledge.warnings);
   complete_hearing(words, *input, input->model, *ground);
   const auto places =
