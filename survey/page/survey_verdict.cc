@@ -27,16 +27,18 @@ std::string parts_of(const Survey& s) {
   return text + ".";
 }
 
+bool reach_is_known(const Survey& s) { return std::isfinite(reach_m(s.model.hearing)); }
+
 std::vector<std::string> steps_of(const Survey& s, Grade grade) {
   std::vector<std::string> steps;
-  if (grade == Grade::kUnjudged)
+  if (!s.model.tolerance.fix_m)
     steps.emplace_back("State tolerance.fix_m in the site file: what a fix must reach.");
   if (grade == Grade::kPoor)
     steps.push_back(
         fmt::format("Look at the map for where; octant plan SITE.yaml --tolerance {:g} says which "
                     "beacons would do.",
                     *s.model.tolerance.fix_m));
-  if (!std::isfinite(reach_m(s.model.hearing)))
+  if (!reach_is_known(s))
     steps.emplace_back(
         "State how far a beacon is heard (acoustics.range_m in the scene, --scene): until then every beacon "
         "counts everywhere.");
@@ -63,8 +65,11 @@ std::vector<std::string> steps_of(const Survey& s, Grade grade) {
 SurveyVerdict survey_verdict(const Survey& s) {
   SurveyVerdict v;
   if (s.model.tolerance.fix_m) {
-    v.grade = s.covered_fraction >= kNearlyAll ? Grade::kGood : Grade::kPoor;
-    v.sentence = parts_of(s);
+    // Beacons that count everywhere make any floor look well covered; what fails even so is no good.
+    v.grade = s.covered_fraction < kNearlyAll ? Grade::kPoor
+              : reach_is_known(s)             ? Grade::kGood
+                                              : Grade::kUnjudged;
+    v.sentence = (reach_is_known(s) ? "" : "if every beacon is heard everywhere, ") + parts_of(s);
   } else {
     v.sentence = fmt::format(
         "{} of the floor has a fix. The site states no tolerance (tolerance.fix_m) to hold that against.",

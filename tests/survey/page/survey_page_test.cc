@@ -51,6 +51,13 @@ TEST(SurveyPage, TheBannersColourSaysWhatItsWordsSay) {
     return page.tone;
   };
   survey.fix_fraction = 1.0;
+  EXPECT_EQ(tone_with(0.05, 1.0), Tone::kAttention) << "nothing says how far a beacon is heard";
+  EXPECT_EQ(survey_verdict(survey).grade, Grade::kUnjudged);
+  EXPECT_EQ(survey_verdict(survey).sentence,
+            "if every beacon is heard everywhere, 100.0 % of the floor is within the tolerance of 50 mm.");
+  EXPECT_THAT(survey_verdict(survey).next, testing::Contains(HasSubstr("State how far a beacon is heard")));
+  EXPECT_EQ(tone_with(0.05, 0.9), Tone::kBad) << "even so";
+  survey.model.hearing.range_m = 20.0;
   EXPECT_EQ(tone_with(0.05, 1.0), Tone::kGood);
   EXPECT_EQ(survey_verdict(survey).sentence, "100.0 % of the floor is within the tolerance of 50 mm.");
   EXPECT_EQ(tone_with(0.05, 0.9), Tone::kBad);
