@@ -13,9 +13,8 @@
 namespace octant::app {
 namespace {
 
-volatile std::sig_atomic_t signalled = 0;
-// Lock-free, which a handler needs: several threads compute at a time.
-std::atomic<int> may_exit_at_once{0}, must_not_exit{0};
+// Lock-free, which a handler needs: several threads compute, and look at them, at a time.
+std::atomic<int> signalled{0}, may_exit_at_once{0}, must_not_exit{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 // A handler may not allocate: the text is laid down beforehand.
 struct LastWords {
