@@ -85,14 +85,14 @@ Result<SurveyInput> read_survey_input(const std::string& path, const std::string
   return input;
 }
 
-Result<void> place_recorded(const std::vector<bool>& placed, const std::vector<Eigen::Vector3d>& p_map_m,
-                            SurveyInput& input, Session& session) {
+Result<void> place_recorded(const std::string& path, const std::vector<bool>& placed,
+                            const std::vector<Eigen::Vector3d>& p_map_m, SurveyInput& input,
+                            Session& session) {
   Site site = *input.site;
   for (std::size_t b = 0; b < site.beacons.size(); ++b)
     for (std::size_t i = 0; i < 3 && placed[b]; ++i)
       site.beacons[b].position_m[i] = p_map_m[b][static_cast<Eigen::Index>(i)];
-  return take_model(survey::make_survey_model(site, input.scene, input.model.vehicle), input.scene.path,
-                    input, session);
+  return take_model(survey::make_survey_model(site, input.scene, input.model.vehicle), path, input, session);
 }
 
 }  // namespace octant::app

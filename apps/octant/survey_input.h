@@ -42,8 +42,8 @@ enum class BeaconPlaces {
                                                     BeaconPlaces places = BeaconPlaces::kStated);
 
 /// The model of a site whose beacons recordings have found. Warnings go to the session.
-/// @param placed  which of them, each at its entry of p_map_m
-[[nodiscard]] Result<void> place_recorded(const std::vector<bool>& placed,
+/// @param path  of the site file  @param placed  which beacons, each at its entry of p_map_m
+[[nodiscard]] Result<void> place_recorded(const std::string& path, const std::vector<bool>& placed,
                                           const std::vector<Eigen::Vector3d>& p_map_m, SurveyInput& input,
                                           Session& session);
 

@@ -258,8 +258,9 @@ class Approacher {
   /// one by all observations is kept. Where both are equally good a beacon is undetermined.
   bool compare_images() {
     if (!course_.report("mirror images", 0.67)) return false;
-    const auto compare = [this](const Kept& here, Preference& preferred) {
-      const ArrivalWeights weights = weights_by_place(problem_, here.trajectories);
+    ArrivalWeights weights;  // made where there is an image, of which most sites have none
+    const auto compare = [this, &weights](const Kept& here, Preference& preferred) {
+      if (weights.empty()) weights = weights_by_place(problem_, here.trajectories);
       const double noise = agreeing_sigma(here.trajectories, here.layout.state_of(here.x));
       preferred = prefer(
           consensus_of(problem_, here.layout, here.x, here.trajectories, options_.rejection_sigmas, weights),

@@ -37,7 +37,7 @@ class LiveSpeed {
   std::shared_ptr<const Deployment> calibrated_;
   MeasurementLog kept_;                          ///< since the estimate that runs was begun
   std::size_t wanted_;                           ///< arrivals, from which the next estimate is made
-  std::shared_ptr<const MeasurementLog> asked_;  ///< of which the estimate that runs is made; none runs
+  std::shared_ptr<const MeasurementLog> asked_;  ///< of which the estimate that runs is made; null: none runs
   std::future<RunSpeed> estimate_;
 };
 

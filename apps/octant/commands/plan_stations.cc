@@ -74,7 +74,7 @@ Result<Ground> ground_of(const PlanWords& words, const SurveyInput& input, Sessi
 }
 
 /// Range and angle by the words, else by the recordings; walls and beams by the scene, with the beacons where
-/// they are known now.
+/// the model has them.
 void complete_hearing(const PlanWords& words, const SurveyInput& input, survey::SurveyModel& model,
                       Ground& ground) {
   calib::HearingModel& hearing = ground.hearing;
@@ -85,10 +85,7 @@ void complete_hearing(const PlanWords& words, const SurveyInput& input, survey::
   std::vector<std::size_t> of_model(names.beacons.size(), model.beacons.size());
   for (std::size_t b = 0; b < names.beacons.size(); ++b)
     for (std::size_t m = 0; m < model.beacons.size(); ++m)
-      if (model.beacons[m].name == names.beacons[b]) {
-        of_model[b] = m;
-        model.beacons[m].p_map_m = ground.knowledge.state.beacon_p_map_m[b];
-      }
+      if (model.beacons[m].name == names.beacons[b]) of_model[b] = m;
   const auto& vehicles = input.site ? input.site->vehicles : input.deployment->vehicles;
   const std::size_t first_receiver = vehicles[model.vehicle].first_receiver;
   hearing.also = [&model, of_model, first_receiver](BeaconId beacon, ReceiverId receiver,
@@ -212,7 +209,7 @@ int plan_stations(const PlanWords& words, Session& session) {
   if (!ground) return session.fail(ground.error());
   if (!words.runs.empty()) {
     const calib::Knowledge& known = ground->knowledge;
-    if (auto ok = place_recorded(known.placed, known.state.beacon_p_map_m, *input, session); !ok)
+    if (auto ok = place_recorded(words.input, known.placed, known.state.beacon_p_map_m, *input, session); !ok)
       return session.fail(ok.error());
   }
   session.warn(ground->knowledge.warnings);

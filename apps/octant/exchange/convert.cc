@@ -71,12 +71,12 @@ std::string format_of(const ConvertArgs& words) {
   return words.site.empty() ? "carmen" : "counters";
 }
 
-/// Any table, by --columns or, where its header has the names of tof.csv, by these.
 /// ", 12 of ignored beacons"; nothing where there are none.
 std::string ignored_words(std::size_t rows) {
   return rows > 0 ? fmt::format(", {} of ignored beacons", rows) : "";
 }
 
+/// Any table, by --columns or, where its header has the names of tof.csv, by these.
 int convert_by_columns(const ConvertArgs& words, const std::optional<io::TableMapping>& own,
                        Session& session) {
   const bool is_file = !own && words.columns.find('=') == std::string::npos;

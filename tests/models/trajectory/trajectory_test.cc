@@ -251,8 +251,7 @@ std::vector<std::size_t> states_of(const MeasurementLog& log) {
 // The error of a measured pose is one, however many receivers hear there.
 TEST(MakeTrajectory, AMomentAtAMeasuredPoseIsOneState) {
   EXPECT_EQ(states_of(posed_log(0.0)), (std::vector<std::size_t>{0, 0, 0, 0, 1}));
-  EXPECT_EQ(states_of(posed_log(1.0)),
-            (std::vector<std::size_t>{0, 0, 0, 1, 2}));  // 5 mm are a tenth of nothing
+  EXPECT_EQ(states_of(posed_log(1.0)), (std::vector<std::size_t>{0, 0, 0, 1, 2}));   // 5 mm in 5 ms
   EXPECT_EQ(states_of(posed_log(20.0)), (std::vector<std::size_t>{0, 1, 2, 3, 4}));  // 2 mm in 0.1 ms
   EXPECT_EQ(states_of(posed_log(0.0, 3.0)), (std::vector<std::size_t>{0, 0, 0, 1, 2}));
 }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "models/physics/pose.h"
+#include "tests/models/localizers/least_squares/search_world.h"
 
 namespace octant {
 namespace {
@@ -17,28 +18,12 @@ constexpr double kSigmaM = 0.01, kSpanM = 15.0;
 /// Four beacons, three receivers each, no axes, no bias.
 SearchProblem problem_at(const PlanarState& truth, double noise_sigmas, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  SearchProblem problem;
   const Eigen::Vector3d beacons[] = {{0, 0, 2.5}, {10, 1, 2.4}, {9, 8, 2.6}, {-1, 7, 2.5}};
   const Eigen::Vector3d levers[] = {{0.3, 0, 0.2}, {-0.2, 0.25, 0.2}, {-0.1, -0.3, 0.3}};
-  const Pose T = Pose::planar(truth.x_m, truth.y_m, truth.heading_rad);
-  for (std::size_t b = 0; b < 4; ++b) {
-    problem.group_first.push_back(problem.ranges.size());
-    problem.group_bias_m.push_back(0.0);
-    for (const Eigen::Vector3d& lever : levers) {
-      SearchRange r;
-      r.p_beacon_map_m = beacons[b];
-      r.p_lever_m = lever;
-      r.range_m = (T * lever - beacons[b]).norm() + truth.offset_m + noise_sigmas * kSigmaM * normal(random);
-      r.sigma_m = kSigmaM;
-      r.beacon = BeaconId(b);
-      r.observation = problem.ranges.size();
-      problem.ranges.push_back(r);
-    }
-  }
-  problem.group_first.push_back(problem.ranges.size());
+  SearchProblem problem = test::search_problem_at(truth, beacons, levers, kSigmaM);
+  for (SearchRange& r : problem.ranges) r.range_m += truth.offset_m + noise_sigmas * kSigmaM * normal(random);
   problem.span_m = kSpanM;
   problem.lever_m = 0.4;
-  problem.median_sigma_m = kSigmaM;
   return problem;
 }
 
