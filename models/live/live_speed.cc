@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/live/live_speed.h"
 
+#include <algorithm>
+#include <cmath>
 #include <system_error>
 #include <utility>
 
@@ -9,6 +11,9 @@ namespace octant {
 namespace {
 
 constexpr std::size_t kFirstLook = 400, kMostKept = 3'200;  ///< arrivals
+constexpr double kThought_s = 2.0;                          ///< that an estimate is given at least
+constexpr double kBetween_s = 10.0;          ///< from one estimate's beginning to the next's rows
+constexpr std::size_t kMostHeard = 100'000;  ///< arrivals, after which a clock that stands is not waited for
 
 }  // namespace
 
@@ -16,12 +21,17 @@ LiveSpeed::LiveSpeed(const Deployment& calibrated)
     : calibrated_(std::make_shared<const Deployment>(calibrated)), wanted_(kFirstLook) {}
 
 void LiveSpeed::hear(const Arrival& arrival) {
+  now_s_ = arrival.time_s;
+  ++heard_;
+  rests_ = rests_ && !passed(kBetween_s);
+  if (rests_ || kept_.arrivals.size() >= kMostKept) return;
   kept_.arrivals.push_back(arrival);
   kept_.has_epochs = kept_.has_epochs || arrival.epoch != kNoEpoch;
 }
 
 void LiveSpeed::move(const OdometryStep& step) {
-  if (kept_.odometry.size() < 32 * kMostKept) kept_.odometry.push_back(step);
+  if (rests_ || kept_.arrivals.size() >= kMostKept || kept_.odometry.size() >= 32 * kMostKept) return;
+  kept_.odometry.push_back(step);
 }
 
 std::optional<RunSpeed> LiveSpeed::told() {
@@ -29,7 +39,8 @@ std::optional<RunSpeed> LiveSpeed::told() {
     if (kept_.arrivals.size() >= wanted_) begin();
     return std::nullopt;
   }
-  if (kept_.arrivals.size() < asked_->arrivals.size()) return std::nullopt;
+  const std::size_t as_many = std::min(asked_->arrivals.size(), kMostKept);
+  if (kept_.arrivals.size() < as_many || !passed(kThought_s)) return std::nullopt;
   const RunSpeed found = estimate_.get();
   const auto of = std::exchange(asked_, nullptr);
   if (!found.determined && wanted_ < kMostKept) {
@@ -39,12 +50,21 @@ std::optional<RunSpeed> LiveSpeed::told() {
     kept_.has_epochs = kept_.has_epochs || of->has_epochs;
   } else {
     wanted_ = kMostKept;
+    rests_ = !passed(kBetween_s);
+    if (rests_) kept_ = {};
   }
   if (kept_.arrivals.size() >= wanted_) begin();
   return found.determined ? std::optional(found) : std::nullopt;
 }
 
+/// A clock that is set back passes at once.
+bool LiveSpeed::passed(double span_s) const {
+  return std::abs(now_s_ - begun_s_) >= span_s || heard_ >= kMostHeard;
+}
+
 void LiveSpeed::begin() {
+  begun_s_ = now_s_;
+  heard_ = 0;
   const auto rows = std::make_shared<const MeasurementLog>(std::exchange(kept_, {}));
   if (!speed_is_unknown(*calibrated_, *rows)) {
     wanted_ = kMostKept;

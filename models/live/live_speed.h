@@ -18,8 +18,9 @@ namespace octant {
 /// state temperatures at which the deployment is valid cost nothing but their memory.
 ///
 /// An estimate takes some tenths of a second, which no fix waits for: a thread makes it while as many
-/// arrivals come as it is made of, and only then it is looked at. So what a stream is told, and when, hangs
-/// on the stream alone, not on who was faster.
+/// arrivals come as it is made of and seconds pass by the stream's own clock, and only then it is looked at.
+/// So what a stream is told, and when, hangs on the stream alone, not on who was faster. Air changes over
+/// minutes: a stream of thousands of arrivals a second rests in between, and its rows are not kept then.
 class LiveSpeed {
  public:
   explicit LiveSpeed(const Deployment& calibrated);
@@ -33,12 +34,17 @@ class LiveSpeed {
 
  private:
   void begin();
+  [[nodiscard]] bool passed(double span_s) const;
 
   std::shared_ptr<const Deployment> calibrated_;
   MeasurementLog kept_;                          ///< since the estimate that runs was begun
   std::size_t wanted_;                           ///< arrivals, from which the next estimate is made
   std::shared_ptr<const MeasurementLog> asked_;  ///< of which the estimate that runs is made; null: none runs
   std::future<RunSpeed> estimate_;
+  bool rests_ = false;     ///< told a short time ago
+  double now_s_ = 0.0;     ///< by the stream's clock
+  double begun_s_ = 0.0;   ///< the last estimate
+  std::size_t heard_ = 0;  ///< arrivals since then
 };
 
 }  // namespace octant

@@ -1,7 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // Runs and fixes for other programs, and back.
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -63,6 +68,35 @@ TEST_F(Export, MapsAndTrajectories) {
   EXPECT_EQ(octant({"export", out("d.json"), "-o", out("none.tum")}).exit, 2);
   EXPECT_EQ(octant({"export", box / "no_such_run", "-o", out("x.mcap")}).exit, 3);
   EXPECT_FALSE(std::filesystem::exists(out("x.mcap")));
+}
+
+// evo and others that read the format are strict: eight numbers with one blank between, no blank at the end,
+// comments whole lines alone, times that ascend, quaternions of length one.
+TEST_F(Export, FixesAreATrackForReadersThatAreStrict) {
+  ASSERT_EQ(octant({"export", hall("heldout"), "-o", out("truth.tum")}).exit, 0);
+  for (const std::string& file : {out("fixes.tum"), out("truth.tum")}) {
+    std::istringstream text(slurp(file));
+    double last_s = -HUGE_VAL;
+    std::size_t rows = 0;
+    for (std::string line; std::getline(text, line);) {
+      if (line.starts_with('#')) continue;
+      ASSERT_EQ(std::count(line.begin(), line.end(), ' '), 7) << file << ": " << line;
+      std::array<double, 8> values{};
+      const char* at = line.data();
+      const char* const end = line.data() + line.size();
+      for (double& value : values) {
+        const auto [stop, wrong] = std::from_chars(at, end, value);
+        ASSERT_TRUE(wrong == std::errc{} && (stop == end) == (&value == &values.back()))
+            << file << ": " << line;
+        at = stop + 1;
+      }
+      EXPECT_GT(values[0], last_s) << file;
+      EXPECT_NEAR(std::hypot(std::hypot(values[4], values[5]), std::hypot(values[6], values[7])), 1.0, 1e-9);
+      last_s = values[0];
+      ++rows;
+    }
+    EXPECT_GT(rows, 20u) << file;
+  }
 }
 
 TEST_F(Export, AKitsLogBecomesARun) {

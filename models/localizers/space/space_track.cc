@@ -9,6 +9,7 @@
 #include <span>
 
 #include "models/localizers/common/separation.h"
+#include "models/localizers/space/plane_sides.h"
 #include "models/localizers/space/space_filter.h"
 #include "models/localizers/space/space_ranges.h"
 #include "models/physics/plane.h"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::size_t kPoseArrivals = 7;  ///< of an instant, with which six degrees of freedom are checked
 constexpr int kRelinearisations = 2;
+constexpr int kMostSides = 4;              ///< rounds in which a track's sides are looked at
 constexpr std::size_t kFewestBeacons = 3;  ///< that place a vehicle in space
 /// Densities of the white-noise acceleration that are tried [m^2/s^3]: from a tripod that is carried to a
 /// racing drone.
@@ -62,6 +64,7 @@ class SpaceTracker {
       track.filter(end);
     }
     track.smooth();
+    take_sides(track, k, density, end);
     std::size_t kept = track.steps().size();
     while (lost && kept > 0 && !is_heard(k + kept - 1)) --kept;
     const std::vector<SpaceStep>& steps = track.steps();
@@ -71,6 +74,29 @@ class SpaceTracker {
     if (setting_.options.protect && kept > 0)
       protect(steps, k, start, density, std::span(fixes).subspan(before));
     return k + kept;
+  }
+
+  /// Sides of the beacons' plane, as long as others are likelier over the whole track.
+  void take_sides(SpaceFilter& track, std::size_t k, double density, std::size_t end) {
+    if (!setting_.plane.coplanar) return;
+    for (int round = 0; round < kMostSides; ++round) {
+      const std::vector<SpaceStep> was = track.steps();
+      const double before = track.likelihood();
+      const std::vector<SpaceStep> about = likeliest_sides(ranges_, setting_, k, was, density);
+      if (!about.empty() && settle(track, about, end) > before) continue;
+      settle(track, was, end);  // marks the arrivals again
+      return;
+    }
+  }
+
+  /// @return the log likelihood of the track next to those steps
+  static double settle(SpaceFilter& track, const std::vector<SpaceStep>& about, std::size_t end) {
+    track.linearise_at(about);
+    for (int round = 0; round <= kRelinearisations; ++round) {
+      if (track.filter(end) < end) return -INFINITY;
+      track.smooth();
+    }
+    return track.likelihood();
   }
 
   /// Levels of fixes along a track: each is held against the track without one of the beacons, filtered and

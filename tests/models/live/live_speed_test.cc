@@ -70,6 +70,42 @@ TEST(LiveSpeed, IsToldAfterAsManyArrivalsMoreAsItIsMadeOf) {
   EXPECT_EQ(estimate_run_speed(world.truth, part).offset_mps, at_once.front().second);
 }
 
+// At thousands of arrivals a second, as many as an estimate is made of come before it can be done: whoever
+// looked at it then would wait, and the fixes with it.
+TEST(LiveSpeed, OfAFastStreamAnEstimateHasSecondsAndTheNextOneRests) {
+  const World world = faster_hall(5.0);
+  constexpr double kRate_per_s = 1'000.0;
+  LiveSpeed speed(world.truth);
+  std::vector<double> told_s;
+  const std::size_t n = world.run.arrivals.size();
+  for (std::size_t i = 0; i < 40'000; ++i) {
+    Arrival a = world.run.arrivals[i % n];
+    a.epoch = static_cast<decltype(a.epoch)>(i / n) * 1'000'000 + a.epoch;
+    a.time_s = static_cast<double>(i) / kRate_per_s;
+    speed.hear(a);
+    if (const auto told = speed.told()) {
+      EXPECT_NEAR(told->offset_mps, 5.0, 5 * told->sigma_mps);
+      told_s.push_back(a.time_s);
+    }
+  }
+  ASSERT_GE(told_s.size(), 2u);
+  EXPECT_GE(told_s.front(), 2.39);  // of the first 400 arrivals, two seconds later
+  for (std::size_t k = 1; k < told_s.size(); ++k) EXPECT_GE(told_s[k] - told_s[k - 1], 10.0);
+}
+
+TEST(LiveSpeed, AClockThatStandsIsNotWaitedFor) {
+  const World world = faster_hall(5.0);
+  LiveSpeed speed(world.truth);
+  bool told = false;
+  for (std::size_t i = 0; i < 110'000 && !told; ++i) {
+    Arrival a = world.run.arrivals[i % world.run.arrivals.size()];
+    a.time_s = 0.0;
+    speed.hear(a);
+    told = speed.told().has_value();
+  }
+  EXPECT_TRUE(told);
+}
+
 TEST(LiveSpeed, AnEstimateThatRunsMayBeAbandoned) {
   const World world = faster_hall(5.0);
   auto speed = std::make_unique<LiveSpeed>(world.truth);

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/space/plane_sides.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "models/physics/plane.h"
+
+namespace octant {
+namespace {
+
+constexpr int kRounds = 3;      ///< of linearisation, of a part that was reflected
+constexpr double kClear = 0.5;  ///< of the log likelihood, by which sides are likelier
+
+double off_plane_m(const BeaconPlane& plane, const Eigen::VectorXd& x) {
+  return plane.normal.dot(Eigen::Vector3d(x.head<3>()) - plane.centre_m);
+}
+
+/// Steps at which the track may go through the plane, nearest to it of their surroundings; the first step and
+/// the end stand before and behind them.
+std::vector<std::size_t> pieces_of(const std::vector<SpaceStep>& steps, const BeaconPlane& plane,
+                                   double gate_sigmas) {
+  std::vector<std::size_t> at = {0};
+  const auto off_m = [&](std::size_t j) { return std::abs(off_plane_m(plane, steps[j].smoothed.x)); };
+  for (std::size_t j = 1; j + 1 < steps.size(); ++j) {
+    const Eigen::Matrix3d P = steps[j].smoothed.P.topLeftCorner<3, 3>();
+    const double sigma_m = std::sqrt(std::max(0.0, plane.normal.dot(P * plane.normal)));
+    if (off_m(j) < gate_sigmas * sigma_m && off_m(j) <= off_m(j - 1) && off_m(j) < off_m(j + 1))
+      at.push_back(j);
+  }
+  at.push_back(steps.size());
+  return at;
+}
+
+class Sides {
+ public:
+  Sides(SpaceRanges& ranges, const SpaceSetting& setting, std::size_t first,
+        const std::vector<SpaceStep>& steps, double density)
+      : ranges_(ranges),
+        setting_(setting),
+        first_(first),
+        density_(density),
+        steps_(steps),
+        at_(pieces_of(steps, setting.plane, setting.options.rejection_sigmas)) {}
+
+  std::vector<SpaceStep> likeliest() {
+    const std::size_t pieces = at_.size() - 1;
+    // most[s]: of the pieces so far, the last one as it is or reflected; from: what the one before is then.
+    std::array<double, 2> most{};
+    std::vector<std::array<int, 2>> from;
+    if (pieces == 1)
+      most = {likelihood(0, steps_.size(), 0, {0, 0}), likelihood(0, steps_.size(), 0, {1, 1})};
+    double as_it_is = most[0];
+    for (std::size_t p = 1; p < pieces; ++p) {
+      const std::size_t begin = p == 1 ? 0 : (at_[p - 1] + at_[p]) / 2;
+      const std::size_t end = p + 1 == pieces ? steps_.size() : (at_[p] + at_[p + 1]) / 2;
+      std::array<double, 2> next{-INFINITY, -INFINITY};
+      from.push_back({0, 0});
+      for (int before = 0; before < 2; ++before)
+        for (int after = 0; after < 2; ++after) {
+          const double told = likelihood(begin, end, at_[p], {before, after});
+          if (before == 0 && after == 0) as_it_is += told;
+          const double all = most[static_cast<std::size_t>(before)] + told;
+          if (!(all > next[static_cast<std::size_t>(after)])) continue;
+          next[static_cast<std::size_t>(after)] = all;
+          from.back()[static_cast<std::size_t>(after)] = before;
+        }
+      most = next;
+    }
+    int side = most[1] > most[0] ? 1 : 0;
+    if (!(std::max(most[0], most[1]) > as_it_is + kClear)) return {};
+    std::vector<SpaceStep> out = steps_;
+    for (std::size_t p = pieces; p-- > 0;) {
+      if (side == 1) reflect(std::span(out).subspan(at_[p], at_[p + 1] - at_[p]));
+      if (p > 0) side = from[p - 1][static_cast<std::size_t>(side)];
+    }
+    return out;
+  }
+
+ private:
+  void reflect(std::span<SpaceStep> steps) const {
+    for (SpaceStep& s : steps)
+      s.smoothed.x.head<3>() -= 2 * off_plane_m(setting_.plane, s.smoothed.x) * setting_.plane.normal;
+  }
+
+  /// Of the arrivals of steps [begin, end), those before and from `passage` on reflected or not.
+  double likelihood(std::size_t begin, std::size_t end, std::size_t passage, std::array<int, 2> reflected) {
+    std::vector<SpaceStep> about(steps_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 steps_.begin() + static_cast<std::ptrdiff_t>(end));
+    const std::size_t before = passage > begin ? passage - begin : 0;
+    if (reflected[0] == 1) reflect(std::span(about).first(before));
+    if (reflected[1] == 1) reflect(std::span(about).subspan(before));
+    // It begins in the plane, so that neither side is nearer.
+    const Eigen::Vector3d place = steps_[begin].smoothed.x.head<3>();
+    const Eigen::Vector3d start =
+        place - off_plane_m(setting_.plane, steps_[begin].smoothed.x) * setting_.plane.normal;
+    SpaceFilter part(ranges_, setting_, first_ + begin, start, density_);
+    part.linearise_at(about);
+    for (int round = 0; round < kRounds; ++round) {
+      if (part.filter(first_ + end) < first_ + end) return -INFINITY;
+      part.smooth();
+    }
+    return part.likelihood();
+  }
+
+  SpaceRanges& ranges_;
+  const SpaceSetting& setting_;
+  std::size_t first_;
+  double density_;
+  const std::vector<SpaceStep>& steps_;
+  std::vector<std::size_t> at_;  ///< where pieces begin, and the end
+};
+
+}  // namespace
+
+std::vector<SpaceStep> likeliest_sides(SpaceRanges& ranges, const SpaceSetting& setting, std::size_t first,
+                                       const std::vector<SpaceStep>& steps, double density) {
+  return Sides(ranges, setting, first, steps, density).likeliest();
+}
+
+}  // namespace octant

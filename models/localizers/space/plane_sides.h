@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to the track of a vehicle in space.
+
+#include <vector>
+
+#include "models/localizers/space/space_filter.h"
+
+namespace octant {
+
+/// Beacons in one plane leave a mirror image of every place. Along a track motion tells the sides, and how
+/// far the beacons lie off their plane: a filter keeps the side that it comes upon first and goes through the
+/// plane, or is thrown back from it, as its noise has it. Here each piece between two passages is held
+/// against its mirror image together with its neighbours, four likelihoods a passage, and of all sequences
+/// of sides the likeliest is taken (Viterbi 1967). Linear in the length of the track.
+/// @param first  instant where the track begins
+/// @param steps  of the track, smoothed
+/// @return steps to linearise at, pieces reflected; empty where nothing is likelier than what is
+[[nodiscard]] std::vector<SpaceStep> likeliest_sides(SpaceRanges& ranges, const SpaceSetting& setting,
+                                                     std::size_t first, const std::vector<SpaceStep>& steps,
+                                                     double density);
+
+}  // namespace octant
