@@ -80,7 +80,7 @@ class Collector {
         beacons_(problem.site.beacons.size()) {
     std::size_t epochs = 0;
     for (const Trajectory& t : trajectories) {
-      if (!t.moving && t.segments.size() == t.nodes.size()) epochs += t.segments.size();
+      if (t.segments.size() == t.nodes.size()) epochs += t.segments.size();
       if (has_long_chain(t)) epochs += t.nodes.size();
     }
     step_ = looked_at_every(epochs, all_epochs);

@@ -17,8 +17,9 @@ namespace octant {
 namespace {
 
 /// Smallest relative pivot of a node's block: whether its state is determined at all.
-bool is_singular(const NodeBlock& A) {
-  Eigen::LDLT<NodeBlock> ldlt(A);
+template <class Block>
+bool is_singular(const Block& A) {
+  const Eigen::LDLT<Block> ldlt(A);
   const auto d = ldlt.vectorD();
   return d.minCoeff() <= 1e-10 * d.maxCoeff();
 }
