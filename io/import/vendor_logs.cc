@@ -143,8 +143,8 @@ std::optional<double> written_time_s(std::string_view text) {
   if (auto s = time_of_day_s(text)) return s;
   double year = 0.0, month = 0.0, day = 0.0;
   if (text.size() < 19 || !logged_number(text.substr(0, 4), year) ||
-      !logged_number(text.substr(5, 2), month) || !logged_number(text.substr(8, 2), day) || month < 1 ||
-      day < 1 || year < 1970)
+      !logged_number(text.substr(5, 2), month) || !logged_number(text.substr(8, 2), day) ||
+      !(year >= 1970 && year <= 9999 && month >= 1 && month <= 12 && day >= 1 && day <= 31))
     return std::nullopt;
   const auto date =
       logged_day_s(static_cast<int>(year), static_cast<unsigned>(month), static_cast<unsigned>(day));
