@@ -111,13 +111,14 @@ class Calibrator {
   bool settle_noise() {
     const double factor = agreeing_sigma(trajectories_, it_.state());
     if (is_far_off(factor)) scale_noise(factor);  // small departures wait for the chi-square test
+    NoiseSearch noise;
     for (int round = 0; round < kNoiseRounds; ++round) {
       if (!reject_and_adjust()) return false;
       statistics_ =
           statistics_of(problem_, it_.layout, trajectories_, it_.state(), it_.last.cost, options_.threads);
       // A prior that is contradicted is no noise of the arrivals: only what the recordings say counts.
       const double off =
-          noise_off_by(it_.last.cost - prior_cost(problem_, it_.layout, it_.x), statistics_->redundancy);
+          noise.step(it_.last.cost - prior_cost(problem_, it_.layout, it_.x), statistics_->redundancy);
       if (off == 1.0) break;
       scale_noise(off);
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -162,6 +163,28 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
   ObservationCounts counts;
   for (const Trajectory& t : trajectories) counts.add(count_observations(t, state, threads));
   return statistics_of(problem, layout, counts, cost);
+}
+
+double NoiseSearch::step(double data_cost, double redundancy) {
+  constexpr double kNoiseMatters = 0.02;  // less is seen by the test, but of no consequence for any sigma
+  constexpr double kApart = 0.05, kLongest = 6.0;
+  const double variance = 2 * data_cost / redundancy;
+  if (!(redundancy >= 30) || !(data_cost > 0) || chi_square_p(2 * data_cost, redundancy) > 0.01) return 1.0;
+  const double plain = std::sqrt(variance);
+  if (std::abs(plain - 1) < kNoiseMatters) return 1.0;
+  double multiply = plain;
+  const double weight = 1 / (factor_ * factor_), weight_before = 1 / (before_ * before_);
+  if (variance_before_ && std::abs(weight - weight_before) > kApart * weight) {
+    const double b = (variance - *variance_before_) / (weight - weight_before), a = variance - b * weight;
+    // Never less than the plain step, as a is positive, and not far beyond the two points.
+    const double farthest = std::pow(plain, kLongest);
+    if (b > 0 && a < 1)
+      multiply =
+          std::clamp(std::sqrt(b * weight / (1 - a)), std::min(plain, farthest), std::max(plain, farthest));
+  }
+  variance_before_ = variance;
+  before_ = std::exchange(factor_, factor_ * multiply);
+  return multiply;
 }
 
 }  // namespace octant::calib

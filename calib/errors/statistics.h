@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "calib/adjust/adjust.h"
 #include "calib/problem/parameters.h"
 #include "models/deployment.h"
@@ -32,5 +34,21 @@ struct ObservationCounts {
 
 /// Two-sided p value of a sum of squares against chi-square with the given degrees of freedom.
 [[nodiscard]] double chi_square_p(double sum_of_squares, double degrees_of_freedom);
+
+/// The noise of the arrivals by the squares: it is multiplied until these agree with their redundancy, an
+/// adjustment for each step. Where arrivals are all that is observed, the variance factor falls as 1 / f^2
+/// with the noise, and one step does. Measured poses and odometry, whose noise stays as stated, keep a part
+/// of it whatever f is: steps then follow a + b / f^2 through the last two adjustments.
+class NoiseSearch {
+ public:
+  /// @param data_cost  1/2 the squares of what the recordings say, with the noise as it is now
+  /// @return by what to multiply it; 1 where squares and redundancy agree, or where that is of no consequence
+  [[nodiscard]] double step(double data_cost, double redundancy);
+
+ private:
+  double factor_ = 1.0;                    ///< of all steps so far
+  double before_ = 1.0;                    ///< factor_ a step ago
+  std::optional<double> variance_before_;  ///< variance factor then
+};
 
 }  // namespace octant::calib

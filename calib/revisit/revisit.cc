@@ -233,6 +233,7 @@ class SecondVisit {
   bool adjust_under(const Eigen::MatrixXd& P) {
     fit_.layout = layout_;
     set_joint_prior(fit_.layout, known_, P);
+    NoiseSearch noise;
     for (int round = 0; round < kNoiseRounds; ++round) {
       adjust_anew(options_.solve, fit_);
       if (!fit_.ok || !fit_.x.allFinite()) {
@@ -241,8 +242,8 @@ class SecondVisit {
       }
       statistics_ = statistics_of(fit_.problem, fit_.layout, fit_.trajectories, fit_.state(), fit_.last.cost,
                                   options_.solve.threads);
-      const double off = noise_off_by(fit_.last.cost - prior_cost(fit_.problem, fit_.layout, fit_.x),
-                                      statistics_.redundancy);
+      const double off =
+          noise.step(fit_.last.cost - prior_cost(fit_.problem, fit_.layout, fit_.x), statistics_.redundancy);
       if (off == 1.0) break;
       scale_noise(off);
     }

@@ -227,9 +227,19 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
 
 void place_all_drives(const Problem& problem, const SharedState& state, const std::vector<bool>& usable,
                       int threads, std::vector<Trajectory>& trajectories) {
+  constexpr std::size_t kSegmentsAtOnce = 1024;
   const EpochFixModel model = search_model(problem, state, usable);
   for (Trajectory& t : trajectories) place_states(t, model, 0.0, false, 0.0, threads);
   readmit_all(trajectories, usable);
+  for (Trajectory& t : trajectories) {
+    if (t.poses.empty()) continue;
+    // A state that a measured pose placed is off by the error of that, not by the noise of its arrivals.
+    for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                     for (std::size_t s = first; s < last; ++s)
+                       settle(t, t.segments[s], state, {kCauchyScale, kCauchyScale});
+                   });
+  }
 }
 
 void place_all(const Problem& problem, const ParameterLayout& layout, const SharedState& state,

@@ -134,13 +134,14 @@ class StreamedCalibrator {
     }
     std::optional<PassSum> first;
     if (marked) first = std::move(placed->sum);  // if there is one
+    NoiseSearch noise;
     for (int round = 0; round < kNoiseRounds; ++round) {
       const auto settled = reject_and_adjust(log, std::exchange(first, std::nullopt));
       if (!settled) return fail(settled.error());
       const double prior = prior_cost(frame_, it_.layout, it_.x);
       const double off =
-          noise_off_by(it_.last.cost - prior,
-                       statistics_of(frame_, it_.layout, settled->counts.of_log, it_.last.cost).redundancy);
+          noise.step(it_.last.cost - prior,
+                     statistics_of(frame_, it_.layout, settled->counts.of_log, it_.last.cost).redundancy);
       if (off == 1.0) break;
       it_.noise_factor *= off;
       *it_.last.data_information /= off * off;

@@ -21,7 +21,6 @@ namespace {
 
 /// Fewer degrees of freedom behind the variances than this are said.
 constexpr double kFewFreedoms = 12.0;
-constexpr double kNoiseMatters = 0.02;
 
 /// Amplitudes that are taken to be alike all round receivers that have axes.
 bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& trajectories) {
@@ -116,14 +115,6 @@ void contradict(const Problem& problem, const SolveOptions& options, const Estim
 }
 
 }  // namespace
-
-double noise_off_by(double data_cost, double redundancy) {
-  const double squares = 2 * data_cost;
-  if (!(redundancy >= 30) || !(squares > 0) || chi_square_p(squares, redundancy) > 0.01) return 1.0;
-  const double off = std::sqrt(squares / redundancy);
-  return std::abs(off - 1) < kNoiseMatters ? 1.0
-                                           : off;  // seen by the test, but of no consequence for any sigma
-}
 
 void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
               Findings findings, std::vector<Trajectory>& trajectories, Solution& solution) {

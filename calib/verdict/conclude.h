@@ -28,12 +28,8 @@ struct Findings {
 void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
               Findings findings, std::vector<Trajectory>& trajectories, Solution& solution);
 
-/// Whether a sum of squares against its redundancy says that the noise is not what was assumed, and by what
-/// factor: 1 where it does not, or where that would be of no consequence.
-/// @param data_cost  1/2 the squares of what the recordings say
-[[nodiscard]] double noise_off_by(double data_cost, double redundancy);
-/// The same by the residuals of arrivals that agree (reject.h): only a gross departure counts before the
-/// rejection.
+/// Whether the residuals of arrivals that agree (reject.h) say that the noise is not what was assumed: only a
+/// gross departure counts before the rejection. What is left is for NoiseSearch (statistics.h).
 [[nodiscard]] inline bool is_far_off(double agreeing_sigma) {
   return agreeing_sigma < 0.5 || agreeing_sigma > 1.5;
 }

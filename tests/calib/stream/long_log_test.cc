@@ -135,6 +135,7 @@ TEST(LongLog, OfMeasuredPosesInSpaceIsCalibratedByWayOfAPart) {
   const auto dof = static_cast<double>(errors.error.size());
   EXPECT_LT(errors.nees(), chi2_quantile(1 - 1e-4, dof));
   EXPECT_LT(solution.statistics.rejected, world.run.arrivals.size() / 1000);
+  EXPECT_NEAR(solution.tof_sigma_s, s.site.noise.tof_sigma_s, 0.2 * s.site.noise.tof_sigma_s);
   EXPECT_GT(solution.reliability.every, 1u);  // thousands of states tell the redundancy as well as all do
 }
 

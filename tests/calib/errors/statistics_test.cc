@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/errors/statistics.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace octant::calib {
+namespace {
+
+constexpr double kRedundancy = 10'000.0;
+
+/// The noise that three steps end at, from one that is off by `factor`, where a part of the squares is of
+/// observations whose noise is as stated.
+double searched(double factor, double part_of_others) {
+  NoiseSearch search;
+  for (int round = 0; round < 3; ++round)
+    factor *= search.step(0.5 * kRedundancy * (part_of_others + (1 - part_of_others) / (factor * factor)),
+                          kRedundancy);
+  return factor;
+}
+
+TEST(NoiseSearch, OfArrivalsAloneIsDoneInOneStep) {
+  NoiseSearch search;
+  const double step = search.step(0.5 * kRedundancy * 9.0, kRedundancy);
+  EXPECT_DOUBLE_EQ(step, 3.0);
+  EXPECT_EQ(search.step(0.5 * kRedundancy * 1.01, kRedundancy), 1.0);
+}
+
+// The roots of the squares alone would end at 1.3 to 1.5 for noise ten times too large, at 0.6 for a third.
+TEST(NoiseSearch, BesideObservationsWhoseNoiseIsAsStatedEndsAtTheNoiseToo) {
+  for (const double factor : {0.1, 0.3, 3.0, 10.0})
+    for (const double others : {0.0, 0.2, 0.4, 0.6})
+      EXPECT_NEAR(std::log(searched(factor, others)), 0.0, std::log(1.1)) << factor << ", " << others;
+}
+
+TEST(NoiseSearch, FewOrNoSquaresTellNothing) {
+  NoiseSearch search;
+  EXPECT_EQ(search.step(0.5 * 9.0 * 20.0, 20.0), 1.0);
+  EXPECT_EQ(search.step(0.0, kRedundancy), 1.0);
+}
+
+// Where the squares do not fall with the noise, as of a fault that is no noise, a step stays near the root.
+TEST(NoiseSearch, SquaresThatDoNotFallAreNotChasedWithoutEnd) {
+  NoiseSearch search;
+  double factor = 1.0;
+  for (int round = 0; round < 3; ++round) factor *= search.step(0.5 * kRedundancy * 1.5, kRedundancy);
+  EXPECT_LT(factor, std::pow(std::sqrt(1.5), 13.0));
+}
+
+}  // namespace
+}  // namespace octant::calib
