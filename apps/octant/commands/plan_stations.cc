@@ -103,8 +103,7 @@ Json known_json(const calib::BeaconKnowledge& k, const std::vector<std::string>&
 }
 
 std::string why(const calib::Station& s, const std::vector<std::string>& names) {
-  return fmt::format("{} {} to {}", names[s.most_improved], length_text(s.improved_from_m),
-                     length_text(s.improved_to_m));
+  return fmt::format("{} {}", names[s.most_improved], length_text(s.improved_to_m));
 }
 
 std::string heard_words(const calib::Station& s, const std::vector<std::string>& names) {
@@ -167,18 +166,19 @@ std::string plan_csv(const calib::StationPlan& plan, const std::vector<std::stri
 std::string stations_plan_text(const calib::StationPlan& plan, const std::vector<std::string>& names,
                                double random_mean_m, const std::string& site) {
   std::string text = fmt::format("{}: {} stops, the best first\n\n", site, plan.stations.size());
-  Table table{"rrrrrlrrl",
-              {{"stop", "x [m]", "y [m]", "heading [deg]", "arrivals", "hears", "mean sigma", "worst",
-                "does most for"}}};
+  Table table{"rrrrrrrrl",
+              {{"stop", "x", "y", "heading", "heard", "", "mean", "worst", "most for,"},
+               {"", "[m]", "[m]", "[deg]", "arrivals", "beacons", "sigma", "sigma", "known to"}}};
   table.rows.push_back(
-      {"", "", "", "", "", "(now)", length_text(plan.before.mean_m), length_text(plan.before.worst_m), ""});
+      {"", "", "", "", "", "now", length_text(plan.before.mean_m), length_text(plan.before.worst_m), ""});
   for (std::size_t i = 0; i < plan.stations.size(); ++i) {
     const calib::Station& s = plan.stations[i];
+    const auto heard = std::count_if(s.arrivals.begin(), s.arrivals.end(), [](auto n) { return n > 0; });
     table.rows.push_back({fmt::format("{}", i + 1), fmt::format("{:.2f}", s.position_m.x()),
                           fmt::format("{:.2f}", s.position_m.y()),
                           fmt::format("{:.0f}", s.heading_rad * kDegrees), fmt::format("{}", s.arrival_count),
-                          heard_words(s, names), length_text(s.after.mean_m), length_text(s.after.worst_m),
-                          why(s, names)});
+                          fmt::format("{} of {}", heard, names.size()), length_text(s.after.mean_m),
+                          length_text(s.after.worst_m), why(s, names)});
   }
   text += table.text() + "\n";
   text += fmt::format("{:<17}mean {} -> {}, worst {} -> {} ({})\n", "predicted sigma",
@@ -188,9 +188,9 @@ std::string stations_plan_text(const calib::StationPlan& plan, const std::vector
   text += fmt::format("{:<17}mean {} (median of 25 plans with as many stops)\n", "random stops",
                       length_text(random_mean_m));
   return text + fmt::format(
-                    "{:<17}sigmas are the root of the sum of a beacon's three variances, as the calibration "
-                    "would state them\n",
-                    "");
+                    "{:<17}sigmas are the root of the sum of a beacon's three variances,\n"
+                    "{:<17}as the calibration would state them\n",
+                    "", "");
 }
 
 }  // namespace
