@@ -12,11 +12,17 @@
 namespace octant {
 namespace {
 
-constexpr int kRounds = 3;      ///< of linearisation, of a part that was reflected
-constexpr double kClear = 0.5;  ///< of the log likelihood, by which sides are likelier
+constexpr int kRounds = 3;  ///< of linearisation, of a part that was reflected
+/// Of the log likelihood, by which sides are likelier; more where the whole track would change its side,
+/// which was presumed and of which only the beacons' heights tell, as well as these are known.
+constexpr double kClear = 0.5, kWholeTrack = 6.0;
 
 double off_plane_m(const BeaconPlane& plane, const Eigen::VectorXd& x) {
   return plane.normal.dot(Eigen::Vector3d(x.head<3>()) - plane.centre_m);
+}
+
+bool goes_below_zero(const std::vector<SpaceStep>& steps) {
+  return std::any_of(steps.begin(), steps.end(), [](const SpaceStep& s) { return s.smoothed.x[2] < 0.0; });
 }
 
 /// Steps at which the track may go through the plane, nearest to it of their surroundings; the first step and
@@ -71,16 +77,35 @@ class Sides {
       most = next;
     }
     int side = most[1] > most[0] ? 1 : 0;
-    if (!(std::max(most[0], most[1]) > as_it_is + kClear)) return {};
-    std::vector<SpaceStep> out = steps_;
+    const double gain = std::max(most[0], most[1]) - as_it_is;
+    if (!(gain > kClear)) return {};
+    std::vector<bool> turned(pieces);
+    std::size_t count = 0;
     for (std::size_t p = pieces; p-- > 0;) {
-      if (side == 1) reflect(std::span(out).subspan(at_[p], at_[p + 1] - at_[p]));
+      turned[p] = side == 1;
+      if (turned[p]) count += at_[p + 1] - at_[p];
       if (p > 0) side = from[p - 1][static_cast<std::size_t>(side)];
     }
+    if (count == steps_.size() && !(gain > kWholeTrack)) return {};
+    // Motion tells which pieces are on one side, the beacons' heights alone which side that is.
+    if (!heights_tell() && 2 * count > steps_.size()) turned.flip();
+    std::vector<SpaceStep> out = steps_;
+    for (std::size_t p = 0; p < pieces; ++p)
+      if (turned[p]) reflect(std::span(out).subspan(at_[p], at_[p + 1] - at_[p]));
+    if (goes_below_zero(out) && !goes_below_zero(steps_)) return {};
     return out;
   }
 
  private:
+  /// Whether the beacons are farther off their plane than that is known.
+  [[nodiscard]] bool heights_tell() const {
+    constexpr double kSigmas = 3.0;
+    double sum_m2 = 0.0;
+    for (const double variance_m2 : setting_.off_plane_m2) sum_m2 += variance_m2;
+    return setting_.plane.off_m >
+           kSigmas * std::sqrt(sum_m2 / static_cast<double>(setting_.off_plane_m2.size()));
+  }
+
   void reflect(std::span<SpaceStep> steps) const {
     for (SpaceStep& s : steps)
       s.smoothed.x.head<3>() -= 2 * off_plane_m(setting_.plane, s.smoothed.x) * setting_.plane.normal;

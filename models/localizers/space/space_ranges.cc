@@ -91,11 +91,14 @@ class PlaceSearch {
       // out.
       const double moved = 0.1 * setting_.options.speed_sigma_mps *
                            (ranges_.all[last_ - 1].arrival.time_s - ranges_.all[first_].arrival.time_s);
-      const double variance = r.variance_m2 + square(setting_.bias_sigma_m) + square(moved);
+      const Eigen::Vector3d u = d / length;
+      // How far a beacon lies off the plane tells the mirror images apart, as well as that is known.
+      const double off_plane =
+          square(u.dot(setting_.plane.normal)) * setting_.off_plane_m2[r.arrival.beacon.index()];
+      const double variance = r.variance_m2 + square(setting_.bias_sigma_m) + square(moved) + off_plane;
       const double s = square(residual) / variance, weight = 1 / (1 + s / 5.7);
       cost += 0.5 * 5.7 * std::log1p(s / 5.7);
       if (H == nullptr) continue;
-      const Eigen::Vector3d u = d / length;
       *H += weight / variance * u * u.transpose();
       *g += weight / variance * residual * u;
     }
@@ -130,6 +133,18 @@ SpaceSetting::SpaceSetting(const Deployment& d, const SpaceTrackOptions& o)
   }
   if (usable > 1) extent_m = std::max(1e-3, (high - low).norm());
   plane = beacon_plane(d, extent_m);
+  for (std::size_t b = 0; b < d.beacons.size(); ++b) {
+    ObservationRow row;
+    row.has_shared = true;
+    row.beacon = BeaconId(b);
+    row.by_beacon = plane.normal.transpose();
+    std::vector<std::pair<int, double>> coupled;
+    calibration.for_each_coupling(row, [&](int at, double by) { coupled.emplace_back(at, by); });
+    double variance_m2 = 0.0;
+    for (const auto& [i, by_i] : coupled)
+      for (const auto& [j, by_j] : coupled) variance_m2 += by_i * by_j * calibration.covariance()(i, j);
+    off_plane_m2.push_back(variance_m2);
+  }
 }
 
 BeaconPlane beacon_plane(const Deployment& deployment, double extent_m, BeaconId without) {

@@ -49,6 +49,7 @@ struct SpaceSetting {
   double lever_m2 = 0.0;  ///< variance of the origin's place in each axis about the receivers' centre
   double extent_m = 1.0;  ///< of the beacons
   BeaconPlane plane;      ///< of the beacons
+  std::vector<double> off_plane_m2;  ///< variance of each beacon's distance from the plane by the calibration
 
   SpaceSetting(const Deployment& d, const SpaceTrackOptions& o);
 };

@@ -203,6 +203,24 @@ TEST(SpaceTrack, ThroughThePlaneOfItsBeaconsATrackTakesTheLikelierSides) {
   EXPECT_LT(nees / kFlights, 1.3);
 }
 
+// Heights of beacons that are wrong by centimetres may say as loudly as you like that the mirror image fits
+// better.
+TEST(SpaceTrack, BelowACeilingWhoseHeightsAreOffATrackStaysBelow) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Random random(seed, 3);
+    std::vector<Eigen::Vector3d> ceiling = kHall, stated = kHall;
+    for (std::size_t b = 0; b < ceiling.size(); ++b) {
+      stated[b].z() = 3.0 + 0.05 * random.normal();
+      ceiling[b].z() = stated[b].z() + 0.1 * random.normal();
+    }
+    const Flight f = fly(ceiling, Eigen::Vector3d::Zero(), 0.0, 200, 2.2, random);
+    Deployment deployment = deployment_of(stated, Eigen::Vector3d::Zero());
+    know_beacons_to(0.1, deployment);
+    for (const Fix& fix : track_in_space(f.log, deployment))
+      EXPECT_LT(fix.T_map_vehicle.translation_m.z(), 3.2) << "seed " << seed;
+  }
+}
+
 TEST(SpaceTrack, APauseOfTheRadioBeginsAnew) {
   Random random(8, 1);
   Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 300, 1.5, random);
