@@ -53,10 +53,23 @@ class Sides {
         at_(pieces_of(steps, setting.plane, setting.options.rejection_sigmas)) {}
 
   std::vector<SpaceStep> likeliest() {
+    std::vector<bool> turned = likeliest_turns();
+    if (turned.empty()) return {};
+    std::vector<SpaceStep> out = steps_;
+    for (std::size_t p = 0; p < turned.size(); ++p)
+      if (turned[p]) reflect(std::span(out).subspan(at_[p], at_[p + 1] - at_[p]));
+    if (goes_below_zero(out) && !goes_below_zero(steps_)) return {};
+    return out;
+  }
+
+ private:
+  /// Which pieces are to be reflected; empty: none.
+  std::vector<bool> likeliest_turns() {
     const std::size_t pieces = at_.size() - 1;
-    // most[s]: of the pieces so far, the last one as it is or reflected; from: what the one before is then.
+    // most[s]: of the pieces so far, the last one as it is (0) or reflected (1); from: what the one before it
+    // is then.
     std::array<double, 2> most{};
-    std::vector<std::array<int, 2>> from;
+    std::vector<std::array<std::size_t, 2>> from;
     if (pieces == 1)
       most = {likelihood(0, steps_.size(), 0, {0, 0}), likelihood(0, steps_.size(), 0, {1, 1})};
     double as_it_is = most[0];
@@ -65,38 +78,32 @@ class Sides {
       const std::size_t end = p + 1 == pieces ? steps_.size() : (at_[p] + at_[p + 1]) / 2;
       std::array<double, 2> next{-INFINITY, -INFINITY};
       from.push_back({0, 0});
-      for (int before = 0; before < 2; ++before)
-        for (int after = 0; after < 2; ++after) {
+      for (std::size_t before = 0; before < 2; ++before)
+        for (std::size_t after = 0; after < 2; ++after) {
           const double told = likelihood(begin, end, at_[p], {before, after});
           if (before == 0 && after == 0) as_it_is += told;
-          const double all = most[static_cast<std::size_t>(before)] + told;
-          if (!(all > next[static_cast<std::size_t>(after)])) continue;
-          next[static_cast<std::size_t>(after)] = all;
-          from.back()[static_cast<std::size_t>(after)] = before;
+          if (!(most[before] + told > next[after])) continue;
+          next[after] = most[before] + told;
+          from.back()[after] = before;
         }
       most = next;
     }
-    int side = most[1] > most[0] ? 1 : 0;
-    const double gain = std::max(most[0], most[1]) - as_it_is;
+    std::size_t side = most[1] > most[0] ? 1 : 0;
+    const double gain = most[side] - as_it_is;
     if (!(gain > kClear)) return {};
     std::vector<bool> turned(pieces);
     std::size_t count = 0;
     for (std::size_t p = pieces; p-- > 0;) {
       turned[p] = side == 1;
       if (turned[p]) count += at_[p + 1] - at_[p];
-      if (p > 0) side = from[p - 1][static_cast<std::size_t>(side)];
+      if (p > 0) side = from[p - 1][side];
     }
-    if (count == steps_.size() && !(gain > kWholeTrack)) return {};
+    if (count == steps_.size() && !(heights_tell() && gain > kWholeTrack)) return {};
     // Motion tells which pieces are on one side, the beacons' heights alone which side that is.
     if (!heights_tell() && 2 * count > steps_.size()) turned.flip();
-    std::vector<SpaceStep> out = steps_;
-    for (std::size_t p = 0; p < pieces; ++p)
-      if (turned[p]) reflect(std::span(out).subspan(at_[p], at_[p + 1] - at_[p]));
-    if (goes_below_zero(out) && !goes_below_zero(steps_)) return {};
-    return out;
+    return turned;
   }
 
- private:
   /// Whether the beacons are farther off their plane than that is known.
   [[nodiscard]] bool heights_tell() const {
     constexpr double kSigmas = 3.0;
@@ -112,7 +119,8 @@ class Sides {
   }
 
   /// Of the arrivals of steps [begin, end), those before and from `passage` on reflected or not.
-  double likelihood(std::size_t begin, std::size_t end, std::size_t passage, std::array<int, 2> reflected) {
+  double likelihood(std::size_t begin, std::size_t end, std::size_t passage,
+                    std::array<std::size_t, 2> reflected) {
     std::vector<SpaceStep> about(steps_.begin() + static_cast<std::ptrdiff_t>(begin),
                                  steps_.begin() + static_cast<std::ptrdiff_t>(end));
     const std::size_t before = passage > begin ? passage - begin : 0;

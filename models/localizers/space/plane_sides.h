@@ -9,11 +9,12 @@
 
 namespace octant {
 
-/// Beacons in one plane leave a mirror image of every place. Along a track motion tells the sides, and how
-/// far the beacons lie off their plane: a filter keeps the side that it comes upon first and goes through the
-/// plane, or is thrown back from it, as its noise has it. Here each piece between two passages is held
-/// against its mirror image together with its neighbours, four likelihoods a passage, and of all sequences
-/// of sides the likeliest is taken (Viterbi 1967). Linear in the length of the track.
+/// Beacons in one plane leave a mirror image of every place. A filter keeps the side that it comes upon first
+/// and goes through the plane, or is thrown back from it, as its noise has it. Here each piece of a track
+/// between two passages is held against its mirror image together with its neighbours, four likelihoods a
+/// passage, and of all sequences of sides the likeliest is taken (Viterbi 1967); linear in the length of the
+/// track. Motion tells which pieces are on one side. Which side that is, beacons off the plane tell where the
+/// calibration knows by how much; else most of the track stays where it is.
 /// @param first  instant where the track begins
 /// @param steps  of the track, smoothed
 /// @return steps to linearise at, pieces reflected; empty where nothing is likelier than what is
