@@ -366,15 +366,21 @@ bool has_spelling(const std::string& words, std::string_view spelling) {
 
 }  // namespace
 
-bool uses_term(std::string_view text, const GlossaryTerm& term) {
+std::vector<const GlossaryTerm*> terms_used(std::string_view text) {
   const std::string words = only_words(text);
-  if (has_spelling(words, term.name)) return true;
-  for (std::string_view others = term.others; !others.empty();) {
-    const std::size_t end = std::min(others.find(','), others.size());
-    if (has_spelling(words, others.substr(0, end))) return true;
-    others.remove_prefix(std::min(end + 1, others.size()));
-  }
-  return false;
+  const auto is_used = [&words](const GlossaryTerm& term) {
+    if (has_spelling(words, term.name)) return true;
+    for (std::string_view others = term.others; !others.empty();) {
+      const std::size_t end = std::min(others.find(','), others.size());
+      if (has_spelling(words, others.substr(0, end))) return true;
+      others.remove_prefix(std::min(end + 1, others.size()));
+    }
+    return false;
+  };
+  std::vector<const GlossaryTerm*> used;
+  for (const GlossaryTerm& term : glossary())
+    if (is_used(term)) used.push_back(&term);
+  return used;
 }
 
 std::string glossary_page() {

@@ -26,9 +26,9 @@ struct GlossaryTerm {
 /// none.
 [[nodiscard]] const GlossaryTerm* find_term(std::string_view word);
 
-/// Whether a text has the term or one of its spellings as words of their own; spellings of one or two letters
-/// count as the heading of a column alone ("| r |").
-[[nodiscard]] bool uses_term(std::string_view text, const GlossaryTerm& term);
+/// Terms that a text has, or one of their spellings, as words of their own, in the glossary's order;
+/// spellings of one or two letters count as the heading of a column alone ("| r |").
+[[nodiscard]] std::vector<const GlossaryTerm*> terms_used(std::string_view text);
 
 /// As a page of Markdown.
 [[nodiscard]] std::string glossary_page();

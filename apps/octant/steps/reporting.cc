@@ -83,13 +83,12 @@ void add_verification(survey::ReportInput& input, const Localization& localizati
 
 void add_words(survey::ReportInput& input) {
   input.words.clear();
-  const std::string text = survey::report_markdown(input);
-  for (const GlossaryTerm& term : glossary())
-    if (term.kind != GlossaryKind::kExit && uses_term(text, term))
-      input.words.emplace_back(term.name, term.text);
+  for (const GlossaryTerm* term : terms_used(survey::report_markdown(input)))
+    if (term->kind != GlossaryKind::kExit) input.words.emplace_back(term->name, term->text);
 }
 
 std::vector<io::FileContent> report_files(const ReportWords& words, const survey::ReportInput& content) {
+  if (words.paths.empty()) return {};
   std::vector<io::FileContent> files;
   survey::ReportInput input = content;
   add_words(input);
