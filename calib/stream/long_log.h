@@ -41,8 +41,8 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
                      const std::vector<bool>& beacon_usable, double suspect_sigmas, const Workers& workers,
                      std::vector<Trajectory>& trajectories);
 
-/// Places all states of long drives whose shared parameters are known but for the noise, as `localize` does.
-/// Marks all arrivals used.
+/// Places all states of long drives whose shared parameters are known but for the noise, as `localize` does;
+/// those of measured poses are settled. Marks all arrivals used.
 void place_all_drives(const Problem& problem, const SharedState& state,
                       const std::vector<bool>& beacon_usable, int threads,
                       std::vector<Trajectory>& trajectories);

@@ -24,14 +24,13 @@ void LiveSpeed::hear(const Arrival& arrival) {
   now_s_ = arrival.time_s;
   ++heard_;
   rests_ = rests_ && !passed(kBetween_s);
-  if (rests_ || kept_.arrivals.size() >= kMostKept) return;
+  if (!keeps_rows()) return;
   kept_.arrivals.push_back(arrival);
   kept_.has_epochs = kept_.has_epochs || arrival.epoch != kNoEpoch;
 }
 
 void LiveSpeed::move(const OdometryStep& step) {
-  if (rests_ || kept_.arrivals.size() >= kMostKept || kept_.odometry.size() >= 32 * kMostKept) return;
-  kept_.odometry.push_back(step);
+  if (keeps_rows() && kept_.odometry.size() < 32 * kMostKept) kept_.odometry.push_back(step);
 }
 
 std::optional<RunSpeed> LiveSpeed::told() {
@@ -61,6 +60,8 @@ std::optional<RunSpeed> LiveSpeed::told() {
 bool LiveSpeed::passed(double span_s) const {
   return std::abs(now_s_ - begun_s_) >= span_s || heard_ >= kMostHeard;
 }
+
+bool LiveSpeed::keeps_rows() const { return !rests_ && kept_.arrivals.size() < kMostKept; }
 
 void LiveSpeed::begin() {
   begun_s_ = now_s_;

@@ -35,6 +35,7 @@ class LiveSpeed {
  private:
   void begin();
   [[nodiscard]] bool passed(double span_s) const;
+  [[nodiscard]] bool keeps_rows() const;
 
   std::shared_ptr<const Deployment> calibrated_;
   MeasurementLog kept_;                          ///< since the estimate that runs was begun

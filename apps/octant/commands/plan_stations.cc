@@ -102,10 +102,6 @@ Json known_json(const calib::BeaconKnowledge& k, const std::vector<std::string>&
           {"worst_beacon", names.empty() ? Json(nullptr) : Json(names[k.worst_beacon])}};
 }
 
-std::string why(const calib::Station& s, const std::vector<std::string>& names) {
-  return fmt::format("{} {}", names[s.most_improved], length_text(s.improved_to_m));
-}
-
 std::string heard_words(const calib::Station& s, const std::vector<std::string>& names) {
   std::string words;
   for (std::size_t b = 0; b < names.size(); ++b)
@@ -178,7 +174,8 @@ std::string stations_plan_text(const calib::StationPlan& plan, const std::vector
                           fmt::format("{:.2f}", s.position_m.y()),
                           fmt::format("{:.0f}", s.heading_rad * kDegrees), fmt::format("{}", s.arrival_count),
                           fmt::format("{} of {}", heard, names.size()), length_text(s.after.mean_m),
-                          length_text(s.after.worst_m), why(s, names)});
+                          length_text(s.after.worst_m),
+                          names[s.most_improved] + " " + length_text(s.improved_to_m)});
   }
   text += table.text() + "\n";
   text += fmt::format("{:<17}mean {} -> {}, worst {} -> {} ({})\n", "predicted sigma",

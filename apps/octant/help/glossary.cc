@@ -330,20 +330,19 @@ const std::vector<GlossaryTerm>& glossary() {
   return terms;
 }
 
-const GlossaryTerm* find_term(std::string_view word) {
-  const std::string wanted = plain(word);
-  for (const GlossaryTerm& term : glossary()) {
-    if (plain(term.name) == wanted) return &term;
-    for (std::string_view others = term.others; !others.empty();) {
-      const std::size_t end = std::min(others.find(','), others.size());
-      if (plain(others.substr(0, end)) == wanted) return &term;
-      others.remove_prefix(std::min(end + 1, others.size()));
-    }
-  }
-  return nullptr;
-}
-
 namespace {
+
+/// Whether a test holds of a term's name or of one of its other spellings.
+template <class Test>
+bool any_spelling(const GlossaryTerm& term, const Test& holds) {
+  if (holds(std::string_view(term.name))) return true;
+  for (std::string_view others = term.others; !others.empty();) {
+    const std::size_t end = std::min(others.find(','), others.size());
+    if (holds(others.substr(0, end))) return true;
+    others.remove_prefix(std::min(end + 1, others.size()));
+  }
+  return false;
+}
 
 /// Lower case, blanks for all but letters, digits and what stands between columns.
 std::string only_words(std::string_view text) {
@@ -366,20 +365,20 @@ bool has_spelling(const std::string& words, std::string_view spelling) {
 
 }  // namespace
 
+const GlossaryTerm* find_term(std::string_view word) {
+  const std::string wanted = plain(word);
+  for (const GlossaryTerm& term : glossary())
+    if (any_spelling(term, [&](std::string_view spelling) { return plain(spelling) == wanted; }))
+      return &term;
+  return nullptr;
+}
+
 std::vector<const GlossaryTerm*> terms_used(std::string_view text) {
   const std::string words = only_words(text);
-  const auto is_used = [&words](const GlossaryTerm& term) {
-    if (has_spelling(words, term.name)) return true;
-    for (std::string_view others = term.others; !others.empty();) {
-      const std::size_t end = std::min(others.find(','), others.size());
-      if (has_spelling(words, others.substr(0, end))) return true;
-      others.remove_prefix(std::min(end + 1, others.size()));
-    }
-    return false;
-  };
   std::vector<const GlossaryTerm*> used;
   for (const GlossaryTerm& term : glossary())
-    if (is_used(term)) used.push_back(&term);
+    if (any_spelling(term, [&](std::string_view spelling) { return has_spelling(words, spelling); }))
+      used.push_back(&term);
   return used;
 }
 

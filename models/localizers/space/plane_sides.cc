@@ -12,14 +12,9 @@
 namespace octant {
 namespace {
 
-constexpr int kRounds = 3;  ///< of linearisation, of a part that was reflected
 /// Of the log likelihood, by which sides are likelier; more where the whole track would change its side,
 /// which was presumed and of which only the beacons' heights tell, as well as these are known.
 constexpr double kClear = 0.5, kWholeTrack = 6.0;
-
-double off_plane_m(const BeaconPlane& plane, const Eigen::VectorXd& x) {
-  return plane.normal.dot(Eigen::Vector3d(x.head<3>()) - plane.centre_m);
-}
 
 bool goes_below_zero(const std::vector<SpaceStep>& steps) {
   return std::any_of(steps.begin(), steps.end(), [](const SpaceStep& s) { return s.smoothed.x[2] < 0.0; });
@@ -30,13 +25,10 @@ bool goes_below_zero(const std::vector<SpaceStep>& steps) {
 std::vector<std::size_t> pieces_of(const std::vector<SpaceStep>& steps, const BeaconPlane& plane,
                                    double gate_sigmas) {
   std::vector<std::size_t> at = {0};
-  const auto off_m = [&](std::size_t j) { return std::abs(off_plane_m(plane, steps[j].smoothed.x)); };
-  for (std::size_t j = 1; j + 1 < steps.size(); ++j) {
-    const Eigen::Matrix3d P = steps[j].smoothed.P.topLeftCorner<3, 3>();
-    const double sigma_m = std::sqrt(std::max(0.0, plane.normal.dot(P * plane.normal)));
-    if (off_m(j) < gate_sigmas * sigma_m && off_m(j) <= off_m(j - 1) && off_m(j) < off_m(j + 1))
+  const auto off_m = [&](std::size_t j) { return std::abs(plane.height_m(steps[j].smoothed.x.head<3>())); };
+  for (std::size_t j = 1; j + 1 < steps.size(); ++j)
+    if (is_near(plane, steps[j].smoothed, gate_sigmas) && off_m(j) <= off_m(j - 1) && off_m(j) < off_m(j + 1))
       at.push_back(j);
-  }
   at.push_back(steps.size());
   return at;
 }
@@ -98,9 +90,10 @@ class Sides {
       if (turned[p]) count += at_[p + 1] - at_[p];
       if (p > 0) side = from[p - 1][side];
     }
-    if (count == steps_.size() && !(heights_tell() && gain > kWholeTrack)) return {};
     // Motion tells which pieces are on one side, the beacons' heights alone which side that is.
-    if (!heights_tell() && 2 * count > steps_.size()) turned.flip();
+    const bool tells = heights_tell();
+    if (count == steps_.size() && !(tells && gain > kWholeTrack)) return {};
+    if (!tells && 2 * count > steps_.size()) turned.flip();
     return turned;
   }
 
@@ -115,7 +108,7 @@ class Sides {
 
   void reflect(std::span<SpaceStep> steps) const {
     for (SpaceStep& s : steps)
-      s.smoothed.x.head<3>() -= 2 * off_plane_m(setting_.plane, s.smoothed.x) * setting_.plane.normal;
+      s.smoothed.x.head<3>() -= 2 * setting_.plane.height_m(s.smoothed.x.head<3>()) * setting_.plane.normal;
   }
 
   /// Of the arrivals of steps [begin, end), those before and from `passage` on reflected or not.
@@ -128,15 +121,10 @@ class Sides {
     if (reflected[1] == 1) reflect(std::span(about).subspan(before));
     // It begins in the plane, so that neither side is nearer.
     const Eigen::Vector3d place = steps_[begin].smoothed.x.head<3>();
-    const Eigen::Vector3d start =
-        place - off_plane_m(setting_.plane, steps_[begin].smoothed.x) * setting_.plane.normal;
+    const Eigen::Vector3d start = place - setting_.plane.height_m(place) * setting_.plane.normal;
     SpaceFilter part(ranges_, setting_, first_ + begin, start, density_);
     part.linearise_at(about);
-    for (int round = 0; round < kRounds; ++round) {
-      if (part.filter(first_ + end) < first_ + end) return -INFINITY;
-      part.smooth();
-    }
-    return part.likelihood();
+    return part.settle(first_ + end);
   }
 
   SpaceRanges& ranges_;
@@ -148,6 +136,12 @@ class Sides {
 };
 
 }  // namespace
+
+bool is_near(const BeaconPlane& plane, const SpaceBelief& belief, double sigmas) {
+  const Eigen::Matrix3d P = belief.P.topLeftCorner<3, 3>();
+  const double sigma_m = std::sqrt(std::max(0.0, plane.normal.dot(P * plane.normal)));
+  return std::abs(plane.height_m(belief.x.head<3>())) < sigmas * sigma_m;
+}
 
 std::vector<SpaceStep> likeliest_sides(SpaceRanges& ranges, const SpaceSetting& setting, std::size_t first,
                                        const std::vector<SpaceStep>& steps, double density) {

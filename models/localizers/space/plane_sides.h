@@ -9,6 +9,9 @@
 
 namespace octant {
 
+/// Whether a place may as well be in the plane, or beyond it.
+[[nodiscard]] bool is_near(const BeaconPlane& plane, const SpaceBelief& belief, double sigmas);
+
 /// Beacons in one plane leave a mirror image of every place. A filter keeps the side that it comes upon first
 /// and goes through the plane, or is thrown back from it, as its noise has it. Here each piece of a track
 /// between two passages is held against its mirror image together with its neighbours, four likelihoods a

@@ -77,6 +77,16 @@ void SpaceFilter::smooth() {
   linearise_at(steps_);
 }
 
+double SpaceFilter::settle(std::size_t end) {
+  constexpr int kRounds = 3;
+  bool whole = true;
+  for (int round = 0; round < kRounds; ++round) {
+    whole = filter(end) == end && whole;
+    smooth();
+  }
+  return whole ? likelihood_ : -INFINITY;
+}
+
 void SpaceFilter::linearise_at(const std::vector<SpaceStep>& steps) {
   about_.clear();
   for (const SpaceStep& s : steps) about_.push_back(s.smoothed.x);

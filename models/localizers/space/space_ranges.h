@@ -34,6 +34,8 @@ struct BeaconPlane {
   bool coplanar = false;  ///< so that it leaves a mirror image
   double off_m = 0.0;     ///< of the beacons from it, root of the mean square
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
+
+  [[nodiscard]] double height_m(const Eigen::Vector3d& p) const { return normal.dot(p - centre_m); }
 };
 /// Of the usable beacons of a deployment but one. @param extent_m  of all of them
 [[nodiscard]] BeaconPlane beacon_plane(const Deployment& deployment, double extent_m, BeaconId without = {});

@@ -17,8 +17,7 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kPoseArrivals = 7;  ///< of an instant, with which six degrees of freedom are checked
-constexpr int kRelinearisations = 2;
+constexpr std::size_t kPoseArrivals = 7;   ///< of an instant, with which six degrees of freedom are checked
 constexpr int kMostSides = 4;              ///< rounds in which a track's sides are looked at
 constexpr std::size_t kFewestBeacons = 3;  ///< that place a vehicle in space
 /// Densities of the white-noise acceleration that are tried [m^2/s^3]: from a tripod that is carried to a
@@ -58,12 +57,7 @@ class SpaceTracker {
     const bool lost = end < ranges_.instants.size();
     if (end <= k + 1) return k;
     SpaceFilter track(ranges_, setting_, k, start, density);
-    track.filter(end);
-    for (int round = 0; round < kRelinearisations; ++round) {
-      track.smooth();
-      track.filter(end);
-    }
-    track.smooth();
+    track.settle(end);
     take_sides(track, k, density, end);
     std::size_t kept = track.steps().size();
     while (lost && kept > 0 && !is_heard(k + kept - 1)) --kept;
@@ -83,20 +77,14 @@ class SpaceTracker {
       const std::vector<SpaceStep> was = track.steps();
       const double before = track.likelihood();
       const std::vector<SpaceStep> about = likeliest_sides(ranges_, setting_, k, was, density);
-      if (!about.empty() && settle(track, about, end) > before) continue;
-      settle(track, was, end);  // marks the arrivals again
+      if (!about.empty()) {
+        track.linearise_at(about);
+        if (track.settle(end) > before) continue;
+      }
+      track.linearise_at(was);
+      track.settle(end);  // marks the arrivals again
       return;
     }
-  }
-
-  /// @return the log likelihood of the track next to those steps
-  static double settle(SpaceFilter& track, const std::vector<SpaceStep>& about, std::size_t end) {
-    track.linearise_at(about);
-    for (int round = 0; round <= kRelinearisations; ++round) {
-      if (track.filter(end) < end) return -INFINITY;
-      track.smooth();
-    }
-    return track.likelihood();
   }
 
   /// Levels of fixes along a track: each is held against the track without one of the beacons, filtered and
@@ -150,12 +138,8 @@ class SpaceTracker {
     const double sigma_m = std::sqrt(widened * horizontal_variance(without.P));
     if (!(shift_m <= kAtFaultSigmas * sigma_m)) level_m = INFINITY;
     if (plane.coplanar && !setting_.plane.coplanar)
-      shift_m += 2 * std::abs(plane.normal.dot(p - plane.centre_m)) * plane.normal.head<2>().norm();
+      shift_m += 2 * std::abs(plane.height_m(p)) * plane.normal.head<2>().norm();
     level_m = std::max(level_m, shift_m + kFaultySigmas * sigma_m);
-  }
-
-  [[nodiscard]] double height_over_plane_m(const SpaceBelief& belief) const {
-    return setting_.plane.normal.dot(Eigen::Vector3d(belief.x.head<3>()) - setting_.plane.centre_m);
   }
 
   /// A track that stays clear of the plane of the beacons keeps its side; one that may have gone through it
@@ -163,9 +147,7 @@ class SpaceTracker {
   [[nodiscard]] bool comes_near_the_plane(const std::vector<SpaceStep>& steps) const {
     if (!setting_.plane.coplanar) return false;
     return std::any_of(steps.begin(), steps.end(), [this](const SpaceStep& step) {
-      const Eigen::Matrix3d P = step.smoothed.P.topLeftCorner<3, 3>();
-      const double sigma = std::sqrt(std::max(0.0, setting_.plane.normal.dot(P * setting_.plane.normal)));
-      return std::abs(height_over_plane_m(step.smoothed)) < setting_.options.rejection_sigmas * sigma;
+      return is_near(setting_.plane, step.smoothed, setting_.options.rejection_sigmas);
     });
   }
 
@@ -198,8 +180,8 @@ class SpaceTracker {
     if (M.cols() > 0) P += M * setting_.calibration.covariance() * M.transpose();
     P.diagonal().array() += setting_.lever_m2;
     if (side_is_open)
-      P +=
-          2 * square(height_over_plane_m(belief)) * setting_.plane.normal * setting_.plane.normal.transpose();
+      P += 2 * square(setting_.plane.height_m(belief.x.head<3>())) * setting_.plane.normal *
+           setting_.plane.normal.transpose();
     fix.covariance = Eigen::MatrixXd::Zero(6, 6);
     fix.covariance.topLeftCorner<3, 3>() = 0.5 * (P + P.transpose());
     fix.covariance.diagonal().tail<3>().setConstant(kUnknownRotationVariance);
