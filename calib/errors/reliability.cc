@@ -55,8 +55,7 @@ struct Part {
 };
 
 std::optional<double> median_of(const std::vector<double>& values) {
-  if (values.empty()) return {};
-  return median(values);
+  return values.empty() ? std::nullopt : std::optional(median(values));
 }
 std::optional<double> largest_of(const std::vector<double>& values) {
   if (values.empty()) return {};
@@ -89,12 +88,12 @@ class Collector {
 
   Reliability run() {
     for (const Trajectory& t : trajectories_) {
-      if (out_.every > 1 && t.segments.size() == t.nodes.size()) {
-        for (const SweptRow& row : sweep_spread_stops(sweep_, t, state_, step_, threads_))
-          observation(t, row);
-      } else if (out_.every > 1 && has_long_chain(t)) {
-        for (const SweptRow& row : sweep_spread_stretches(sweep_, t, state_, step_, threads_))
-          observation(t, row);
+      const bool stops = t.segments.size() == t.nodes.size();
+      if (out_.every > 1 && (stops || has_long_chain(t))) {
+        const auto rows = stops ? sweep_spread_stops(sweep_, t, state_, step_, threads_)
+                                : sweep_spread_stretches(sweep_, t, state_, step_, threads_);
+        make_room(rows.size());
+        for (const SweptRow& row : rows) observation(t, row);
       } else {
         sweep_.sweep(t, state_, 0, t.segments.size(), 1,
                      [&](const RowLeverage& l) { observation(t, swept_row(l)); });
@@ -128,6 +127,13 @@ class Collector {
     std::size_t uncontrolled = 0;
     std::vector<double> mdb_s, influence_m;
   };
+
+  /// A vector that doubles holds three times its content for a moment, and these are a long log's largest.
+  void make_room(std::size_t rows) {
+    for (auto* all : {&by_beacon_, &by_receiver_, &by_distance_, &by_incidence_, &by_time_})
+      all->reserve(all->size() + rows);
+    out_.arrivals.reserve(out_.arrivals.size() + rows);
+  }
 
   void observation(const Trajectory& t, const SweptRow& l) {
     const double r = 1.0 - l.leverage;

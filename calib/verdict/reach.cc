@@ -8,17 +8,14 @@
 namespace octant::calib {
 namespace {
 
-/// A state of the vehicle and a beacon: how far apart, and whether an arrival was used between them.
-struct HeardPair {
-  double distance_m;
-  bool heard;
-};
-
 /// Evenly spread pairs of a long log tell as much as all of them.
 constexpr std::size_t kMostPairs = 2'000'000;
 
-void add_pairs(const Trajectory& t, const std::vector<DeploymentBeacon>& beacons, std::size_t stride,
-               std::vector<HeardPair>& pairs) {
+/// Goes through the pairs of a state of the vehicle, every `stride`-th, and a beacon.
+/// @param take  how far apart they are [m], and whether an arrival was used between them
+template <class Take>
+void for_each_pair(const Trajectory& t, const std::vector<DeploymentBeacon>& beacons, std::size_t stride,
+                   const Take& take) {
   std::vector<bool> heard(beacons.size());
   std::size_t a = 0;
   for (std::size_t n = 0; n < t.nodes.size(); ++n) {
@@ -31,7 +28,7 @@ void add_pairs(const Trajectory& t, const std::vector<DeploymentBeacon>& beacons
     if (!any) continue;  // nothing was recorded there
     for (std::size_t b = 0; b < beacons.size(); ++b)
       if (beacons[b].status != BeaconStatus::kUndetermined && beacons[b].position_m.allFinite())
-        pairs.push_back({(beacons[b].position_m - t.nodes[n].T_map_vehicle.translation_m).norm(), heard[b]});
+        take((beacons[b].position_m - t.nodes[n].T_map_vehicle.translation_m).norm(), heard[b]);
   }
 }
 
@@ -43,21 +40,23 @@ std::optional<double> heard_reach_m(const std::vector<Trajectory>& trajectories,
   constexpr double kStrays = 0.005, kMissed = 20.0, kNextToNothing = 0.05;
   std::size_t all = 0;
   for (const Trajectory& t : trajectories) all += t.nodes.size() * beacons.size();
-  std::vector<HeardPair> pairs;
-  for (const Trajectory& t : trajectories) add_pairs(t, beacons, all / kMostPairs + 1, pairs);
+  const auto for_all_pairs = [&](const auto& take) {
+    for (const Trajectory& t : trajectories) for_each_pair(t, beacons, all / kMostPairs + 1, take);
+  };
   std::vector<double> heard_m;
-  for (const HeardPair& pair : pairs)
-    if (pair.heard) heard_m.push_back(pair.distance_m);
+  for_all_pairs([&](double distance_m, bool heard) {
+    if (heard) heard_m.push_back(distance_m);
+  });
   if (heard_m.size() < kEnoughHeard) return {};
   const auto at =
       heard_m.end() - 1 - static_cast<std::ptrdiff_t>(kStrays * static_cast<double>(heard_m.size()));
   std::nth_element(heard_m.begin(), at, heard_m.end());
   const double reach_m = *at;
   double within = 0, within_heard = 0, beyond = 0, beyond_heard = 0;
-  for (const HeardPair& pair : pairs) {
-    (pair.distance_m <= reach_m ? within : beyond) += 1;
-    if (pair.heard) (pair.distance_m <= reach_m ? within_heard : beyond_heard) += 1;
-  }
+  for_all_pairs([&](double distance_m, bool heard) {
+    (distance_m <= reach_m ? within : beyond) += 1;
+    if (heard) (distance_m <= reach_m ? within_heard : beyond_heard) += 1;
+  });
   const double expected = beyond * within_heard / within;
   if (expected - beyond_heard < kMissed || beyond_heard > kNextToNothing * expected) return {};
   return reach_m;

@@ -55,6 +55,7 @@ def measure(command, stops, seconds, rate):
     reader = multiprocessing.get_context("fork").Process(target=read, args=(process, result))
     reader.start()
     process.stdout.close()
+    time.sleep(1.0)  # until it has read its deployment: what waits for a start is not of the stream
     sent, memory, arrivals = array.array("d"), [], 0
     began = time.monotonic()
     while (now := time.monotonic() - began) < seconds:

@@ -161,15 +161,15 @@ void take_tof(std::string_view input) {
   }
 }
 
-/// A run folder with one file from outside.
+/// A run folder with one file from outside; the rest of it is written once.
 void take_in_run(const std::string& name, std::string_view input) {
-  const fs::path run = folder() / "run";
-  for (const auto& entry : fs::directory_iterator(run)) fs::remove(entry.path());
-  (void)written("run/tof.csv", "time_s,beacon,tof_s,epoch,receiver\n1,B0,0.01,1,r0\n2,B1,0.02,2,r0\n");
-  (void)written("run/" + name, input);
-  const auto log = io::read_run(run.string(), names(), {}, {.read_truth = true, .read_poses = true});
+  const std::string run = "run_of_" + name + "/", tof = run + "tof.csv";
+  if (!fs::exists(scratch(tof)))
+    (void)written(tof, "time_s,beacon,tof_s,epoch,receiver\n1,B0,0.01,1,r0\n2,B1,0.02,2,r0\n");
+  (void)written(run + name, input);
+  const auto log = io::read_run(scratch(run), names(), {}, {.read_truth = true, .read_poses = true});
   must_explain(log);
-  must_explain(io::read_run_ids(run.string()));
+  must_explain(io::read_run_ids(scratch(run)));
 }
 
 /// Whether names can be told of a run folder of one file.
