@@ -57,44 +57,28 @@ Tile::~Tile() = default;
 void Tile::find_columns() {
   const ParameterLayout& layout = *layout_;
   const Trajectory& t = *trajectory_;
-  std::vector<char> touched(static_cast<std::size_t>(layout.size()), 0), beacon(layout.beacon.size(), 0),
-      receiver(layout.receiver.size(), 0);
-  const auto touch = [&](int column) {
-    if (column >= 0) touched[static_cast<std::size_t>(column)] = 1;
+  std::vector<char> touched(static_cast<std::size_t>(layout.size()), 0);
+  const auto touch = [&](BeaconId beacon, ReceiverId receiver) {
+    for (const PathColumns::Entry& of : path_columns(layout, beacon, receiver, t.run))
+      touched[static_cast<std::size_t>(of.column)] = 1;
   };
-  bool arrivals = stops_ != nullptr;
-  if (stops_) stops_->mark_heard(beacon, receiver);
+  const std::size_t receivers = layout.receiver.size();
+  std::vector<char> heard(layout.beacon.size() * receivers, 0);
+  if (stops_) {
+    std::vector<char> beacon(layout.beacon.size(), 0), receiver(receivers, 0);
+    stops_->mark_heard(beacon, receiver);
+    for (std::size_t path = 0; path < heard.size(); ++path)
+      heard[path] = static_cast<char>(beacon[path / receivers] & receiver[path % receivers]);
+  }
   for (const std::size_t s : general_) {
     const Segment& segment = t.segments[s];
-    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
-      const ArrivalObservation& a = t.arrivals[i];
-      beacon[a.beacon.index()] = receiver[a.receiver.index()] = 1;
-      arrivals = true;
-      if (!layout.pair_bias.empty())
-        touch(layout.pair_bias[a.beacon.index() * layout.receiver.size() + a.receiver.index()]);
-    }
+    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
+      heard[t.arrivals[i].beacon.index() * receivers + t.arrivals[i].receiver.index()] = 1;
     for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
-      if (t.bearings[i].reflector.valid())
-        for (const int c : layout.beacon[t.bearings[i].reflector.index()]) touch(c);
+      if (t.bearings[i].reflector.valid()) touch(t.bearings[i].reflector, ReceiverId());
   }
-  for (std::size_t b = 0; b < beacon.size(); ++b) {
-    if (beacon[b] == 0) continue;
-    for (const int c : layout.beacon[b]) touch(c);
-    touch(layout.beacon_delay[b]);
-    if (!layout.beacon_gain.empty()) touch(layout.beacon_gain[b]);
-  }
-  for (std::size_t r = 0; r < receiver.size(); ++r) {
-    if (receiver[r] == 0) continue;
-    for (const int c : layout.receiver[r]) touch(c);
-    touch(layout.receiver_delay[r]);
-  }
-  if (arrivals) {
-    touch(layout.clock_drift[t.vehicle.index()]);
-    for (const int c : layout.array[t.vehicle.index()]) touch(c);
-  }
-  touch(layout.site_delay);
-  touch(layout.speed_column(t.run));
-  for (const int c : layout.attenuation) touch(c);
+  for (std::size_t path = 0; path < heard.size(); ++path)
+    if (heard[path] != 0) touch(BeaconId(path / receivers), ReceiverId(path % receivers));
 
   local_of_.assign(touched.size(), -1);
   for (std::size_t k = 0; k < layout.blocks.size(); ++k) {

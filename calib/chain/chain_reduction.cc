@@ -179,42 +179,12 @@ ChainReduction::ChainReduction(const Trajectory& trajectory, const ParameterLayo
       std::int32_t& path = path_of_[b * receivers_ + r];
       if (path >= 0) continue;
       path = static_cast<std::int32_t>(paths_.size());
-      paths_.push_back(make_columns(b, r));
+      PathColumns& columns =
+          paths_.emplace_back(path_columns(layout, BeaconId(b), ReceiverId(r), trajectory.run));
+      std::sort(columns.entry.begin(), columns.entry.begin() + static_cast<std::ptrdiff_t>(columns.count),
+                [](const auto& x, const auto& y) { return x.column < y.column; });
     }
   }
-}
-
-/// The same columns as row_entries, which says what each is.
-PathColumns ChainReduction::make_columns(std::size_t beacon, std::size_t receiver) const {
-  const ParameterLayout& layout = *layout_;
-  PathColumns out;
-  const auto add = [&](int column, int what, bool scaled) {
-    if (column < 0) return;
-    const double scale = scaled ? layout.parameters[static_cast<std::size_t>(column)].si_per_unit : 1.0;
-    out.entry[static_cast<std::size_t>(out.count++)] = {column, static_cast<PathColumns::What>(what), scale};
-  };
-  const VehicleId vehicle = layout.vehicle_of_receiver[receiver];
-  for (int i = 0; i < 3; ++i)
-    add(layout.beacon[beacon][static_cast<std::size_t>(i)], PathColumns::kBeacon + i, false);
-  if (layout.has_array(vehicle)) {
-    add(layout.array[vehicle.index()][0], PathColumns::kRadius, false);
-    add(layout.array[vehicle.index()][1], PathColumns::kTurn, true);
-  } else {
-    for (int i = 0; i < 3; ++i)
-      add(layout.receiver[receiver][static_cast<std::size_t>(i)], PathColumns::kReceiver + i, false);
-  }
-  for (const int column : layout.attenuation) add(column, PathColumns::kOther, true);
-  if (!layout.beacon_gain.empty()) add(layout.beacon_gain[beacon], PathColumns::kOther, false);
-  add(layout.beacon_delay[beacon], PathColumns::kDelay, true);
-  add(layout.receiver_delay[receiver], PathColumns::kDelay, true);
-  add(layout.site_delay, PathColumns::kDelay, true);
-  if (!layout.pair_bias.empty())
-    add(layout.pair_bias[beacon * receivers_ + receiver], PathColumns::kDelay, true);
-  add(layout.clock_drift[vehicle.index()], PathColumns::kOther, true);
-  add(layout.speed_column(trajectory_->run), PathColumns::kSpeed, true);
-  std::sort(out.entry.begin(), out.entry.begin() + out.count,
-            [](const auto& a, const auto& b) { return a.column < b.column; });
-  return out;
 }
 
 double ChainReduction::reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,

@@ -6,25 +6,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "calib/problem/parameters.h"
+#include "calib/problem/shared_entries.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
 
 struct ReducedSystem;
-
-/// Columns of the shared parameters that an arrival over one path (beacon, receiver) touches, ascending.
-struct PathColumns {
-  /// What an arrival's residual is derived by.
-  enum What : std::uint8_t { kBeacon, kReceiver = 3, kRadius = 6, kTurn, kDelay, kSpeed, kOther, kWhats };
-  struct Entry {
-    int column = 0;
-    What what = kOther;
-    double scale = 1.0;  ///< internal unit of the parameter
-  };
-  int count = 0;
-  std::array<Entry, 20> entry;
-};
 
 /// What is left of a part of a chain whose ends are those of its neighbours as well.
 struct OpenChain {
@@ -70,8 +57,6 @@ class ChainReduction {
   [[nodiscard]] const ParameterLayout& layout() const { return *layout_; }
 
  private:
-  [[nodiscard]] PathColumns make_columns(std::size_t beacon, std::size_t receiver) const;
-
   const Trajectory* trajectory_;
   const ParameterLayout* layout_;
   std::size_t receivers_;

@@ -19,7 +19,7 @@ namespace octant::calib::chain {
 /// A path's free parameters in a stretch.
 struct LocalPath {
   int count = -1;  ///< -1: not met
-  std::array<PathColumns::Entry, 20> entry;
+  std::array<PathColumns::Entry, PathColumns::kCapacity> entry;
 };
 
 /// Where each column of the system stands in a stretch, kept by each thread. Between two stretches no column
@@ -118,8 +118,7 @@ class StretchReducer {
       if (l.paths[at].count >= 0) continue;
       l.paths[at].count = 0;
       l.met.push_back(at);
-      const PathColumns& path = chain_.paths()[at];
-      for (int e = 0; e < path.count; ++e) see(path.entry[static_cast<std::size_t>(e)].column);
+      for (const PathColumns::Entry& e : chain_.paths()[at]) see(e.column);
     }
     for (std::size_t i = bearing_; i < segment_.last_bearing && t_.bearings[i].node < end; ++i)
       if (t_.bearings[i].rejection == Rejection::kUsed && t_.bearings[i].reflector.valid())
@@ -130,11 +129,11 @@ class StretchReducer {
     for (const std::size_t p : l.met) find_entries(chain_.paths()[p], l.paths[p]);
   }
   void find_entries(const PathColumns& path, LocalPath& out) const {
-    for (std::size_t e = 0; e < static_cast<std::size_t>(path.count); ++e) {
-      const int column = place_[static_cast<std::size_t>(path.entry[e].column)];
+    for (const PathColumns::Entry& of_system : path) {
+      const int column = place_[static_cast<std::size_t>(of_system.column)];
       if (column < 0) continue;
       PathColumns::Entry& entry = out.entry[static_cast<std::size_t>(out.count++)];
-      entry = path.entry[e];
+      entry = of_system;
       entry.column = memory_.of_system[static_cast<std::size_t>(column)];
     }
   }
@@ -185,7 +184,7 @@ class StretchReducer {
     whitening_.take(a);
     const PlanarArrival row(a, interval.at(a.alpha), state_, whitening_);
     const Eigen::Vector3d& o = state_.receiver_p_vehicle_m[a.receiver.index()];
-    double base[PathColumns::kWhats];
+    double base[PathColumns::kWhats] = {};  // by the rest: is_planar_ has none of it
     const double ux = row.direction[0], uy = row.direction[1], uz = row.direction[2];
     base[0] = -row.by_distance * ux;
     base[1] = -row.by_distance * uy;
@@ -198,7 +197,6 @@ class StretchReducer {
     base[PathColumns::kTurn] = ry * o.x() - rx * o.y();
     base[PathColumns::kDelay] = whitening_.by_tof;
     base[PathColumns::kSpeed] = -row.by_distance * row.distance_m * whitening_.slowness;
-    base[PathColumns::kOther] = 0.0;
     const LocalPath& path = memory_.paths[chain_.path_of(a)];
     RowBorder border;
     border.count = path.count;

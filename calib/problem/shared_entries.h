@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <cstdlib>
 
 #include "calib/problem/parameters.h"
@@ -10,21 +11,103 @@
 
 namespace octant::calib {
 
+/// The shared parameters that an observation over one path (beacon, receiver) touches, each with what its
+/// residual is derived by: the one list of them.
+struct PathColumns {
+  enum What : std::uint8_t {
+    kBeacon,        ///< and the two axes that follow
+    kReceiver = 3,  ///< likewise
+    kRadius = 6,    ///< of an array as a whole
+    kTurn,          ///< likewise
+    kAttenuation,   ///< in the order of AttenuationRow
+    kGain = kAttenuation + kAttenuationUnknowns,
+    kDelay,  ///< of beacon, receiver, site and pair
+    kDrift,
+    kSpeed,
+    kWhats
+  };
+  struct Entry {
+    int column = 0;
+    What what = kBeacon;
+    double scale = 1.0;  ///< internal unit of the parameter
+  };
+  /// All there are, with four delays and either of a receiver's place and an array's shape.
+  static constexpr std::size_t kCapacity = kWhats - 2 + 3;
+  std::size_t count = 0;
+  std::array<Entry, kCapacity> entry;
+
+  void add(int column, int what, double scale) {
+    if (column < 0) return;
+    if (count == kCapacity) std::abort();  // a new unknown that is not in the sum above
+    entry[count++] = {column, static_cast<What>(what), scale};
+  }
+  [[nodiscard]] auto begin() const { return entry.begin(); }
+  [[nodiscard]] auto end() const { return entry.begin() + static_cast<std::ptrdiff_t>(count); }
+};
+
+/// @param receiver  invalid: a reflector that is seen, which has its place alone
+/// @param run  of the trajectory that the observation belongs to
+[[nodiscard]] inline PathColumns path_columns(const ParameterLayout& layout, BeaconId beacon,
+                                              ReceiverId receiver, std::size_t run) {
+  PathColumns path;
+  const auto scaled = [&](int column, int what) {
+    if (column >= 0) path.add(column, what, layout.parameters[static_cast<std::size_t>(column)].si_per_unit);
+  };
+  const std::size_t b = beacon.index();
+  for (std::size_t i = 0; i < 3; ++i)
+    path.add(layout.beacon[b][i], PathColumns::kBeacon + static_cast<int>(i), 1.0);
+  if (!receiver.valid()) return path;
+  const std::size_t r = receiver.index();
+  const VehicleId vehicle = layout.vehicle_of_receiver[r];
+  if (layout.has_array(vehicle)) {
+    path.add(layout.array[vehicle.index()][0], PathColumns::kRadius, 1.0);
+    scaled(layout.array[vehicle.index()][1], PathColumns::kTurn);
+  } else {
+    for (std::size_t i = 0; i < 3; ++i)
+      path.add(layout.receiver[r][i], PathColumns::kReceiver + static_cast<int>(i), 1.0);
+  }
+  for (std::size_t i = 0; i < layout.attenuation.size(); ++i)
+    scaled(layout.attenuation[i], PathColumns::kAttenuation + static_cast<int>(i));
+  if (!layout.beacon_gain.empty()) path.add(layout.beacon_gain[b], PathColumns::kGain, 1.0);
+  scaled(layout.beacon_delay[b], PathColumns::kDelay);
+  scaled(layout.receiver_delay[r], PathColumns::kDelay);
+  scaled(layout.site_delay, PathColumns::kDelay);
+  if (!layout.pair_bias.empty())
+    scaled(layout.pair_bias[b * layout.receiver.size() + r], PathColumns::kDelay);
+  scaled(layout.clock_drift[vehicle.index()], PathColumns::kDrift);
+  scaled(layout.speed_column(run), PathColumns::kSpeed);
+  return path;
+}
+
 /// Derivatives of one whitened row by the free shared parameters that it touches (internal units), as
 /// (column, value) pairs.
 struct RowEntries {
-  /// Beacon and receiver (or the two of an array), attenuation, gain, three delays, pair, drift and speed.
-  static constexpr int kCapacity = 3 + 3 + static_cast<int>(kAttenuationUnknowns) + 1 + 3 + 1 + 1 + 1;
   int count = 0;
-  std::array<int, kCapacity> column;
-  std::array<double, kCapacity> value;
-  void add(int c, double v) {
-    if (c < 0) return;
-    if (count == kCapacity) std::abort();  // a new unknown that is not in the sum above
-    column[static_cast<std::size_t>(count)] = c;
-    value[static_cast<std::size_t>(count++)] = v;
-  }
+  std::array<int, PathColumns::kCapacity> column;
+  std::array<double, PathColumns::kCapacity> value;
 };
+
+/// A row's derivative by a shared parameter (SI units).
+/// @param state  at which the row was made
+[[nodiscard]] inline double derivative_of(const ObservationRow& row, PathColumns::What what,
+                                          const SharedState& state) {
+  if (what < PathColumns::kReceiver) return row.by_beacon[what - PathColumns::kBeacon];
+  if (what < PathColumns::kRadius) return row.by_receiver[what - PathColumns::kReceiver];
+  if (what >= PathColumns::kAttenuation && what < PathColumns::kGain)
+    return row.by_attenuation[what - PathColumns::kAttenuation];
+  switch (what) {
+    case PathColumns::kGain:  // it multiplies the amplitude: d/d ln g = A_1m d/d A_1m
+      return row.by_attenuation[0] * state.attenuation->amplitude_1m_v;
+    case PathColumns::kDelay: return row.by_delay;
+    case PathColumns::kDrift: return row.by_drift;
+    case PathColumns::kSpeed: return row.by_speed;
+    default: break;
+  }
+  // An octagon as a whole: along the receiver's radius, and across it by its turn.
+  const Eigen::Vector2d o = state.receiver_p_vehicle_m[row.receiver.index()].head<2>();
+  return what == PathColumns::kRadius ? row.by_receiver.head<2>().dot(o.normalized())
+                                      : row.by_receiver[1] * o.x() - row.by_receiver[0] * o.y();
+}
 
 /// @param run  of the trajectory the row belongs to
 /// @param state  at which the row was made
@@ -32,41 +115,11 @@ struct RowEntries {
                                             const ParameterLayout& layout, const SharedState& state) {
   RowEntries e;
   if (!row.has_shared) return e;
-  const auto scale = [&](int column) {
-    return column < 0 ? 0.0 : layout.parameters[static_cast<std::size_t>(column)].si_per_unit;
-  };
-  for (std::size_t i = 0; i < 3; ++i)
-    e.add(layout.beacon[row.beacon.index()][i], row.by_beacon[static_cast<int>(i)]);
-  if (!row.receiver.valid()) return e;
-  const VehicleId vehicle = layout.vehicle_of_receiver[row.receiver.index()];
-  if (layout.has_array(vehicle)) {
-    // An octagon as a whole: along the receiver's radius, and across it by its turn.
-    const Eigen::Vector2d o = state.receiver_p_vehicle_m[row.receiver.index()].head<2>(),
-                          outward = o.normalized();
-    const auto& columns = layout.array[vehicle.index()];
-    e.add(columns[0], row.by_receiver.head<2>() * outward);
-    e.add(columns[1], (row.by_receiver[1] * o.x() - row.by_receiver[0] * o.y()) * scale(columns[1]));
-  } else {
-    for (std::size_t i = 0; i < 3; ++i)
-      e.add(layout.receiver[row.receiver.index()][i], row.by_receiver[static_cast<int>(i)]);
+  for (const PathColumns::Entry& of : path_columns(layout, row.beacon, row.receiver, run)) {
+    if (of.what >= PathColumns::kDelay && row.kind != RowKind::kTof) break;  // what follows moves times alone
+    e.column[static_cast<std::size_t>(e.count)] = of.column;
+    e.value[static_cast<std::size_t>(e.count++)] = derivative_of(row, of.what, state) * of.scale;
   }
-  for (std::size_t i = 0; i < layout.attenuation.size(); ++i)
-    e.add(layout.attenuation[i], row.by_attenuation[static_cast<int>(i)] * scale(layout.attenuation[i]));
-  // The gain multiplies the amplitude: d/d ln g = A_1m d/d A_1m.
-  if (state.attenuation && !layout.beacon_gain.empty())
-    e.add(layout.beacon_gain[row.beacon.index()], row.by_attenuation[0] * state.attenuation->amplitude_1m_v);
-  if (row.kind != RowKind::kTof) return e;
-  for (const int column : {layout.beacon_delay[row.beacon.index()],
-                           layout.receiver_delay[row.receiver.index()], layout.site_delay})
-    e.add(column, row.by_delay * scale(column));
-  if (!layout.pair_bias.empty()) {
-    const int column = layout.pair_bias[row.beacon.index() * layout.receiver.size() + row.receiver.index()];
-    e.add(column, row.by_delay * scale(column));
-  }
-  const int drift = layout.clock_drift[vehicle.index()];
-  e.add(drift, row.by_drift * scale(drift));
-  const int column = layout.speed_column(run);
-  e.add(column, row.by_speed * scale(column));
   return e;
 }
 
