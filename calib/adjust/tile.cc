@@ -58,27 +58,24 @@ void Tile::find_columns() {
   const ParameterLayout& layout = *layout_;
   const Trajectory& t = *trajectory_;
   std::vector<char> touched(static_cast<std::size_t>(layout.size()), 0);
-  const auto touch = [&](BeaconId beacon, ReceiverId receiver) {
-    for (const PathColumns::Entry& of : path_columns(layout, beacon, receiver, t.run))
-      touched[static_cast<std::size_t>(of.column)] = 1;
+  const auto touch = [&](const PathColumns& path) {
+    for (const PathColumns::Entry& of : path) touched[static_cast<std::size_t>(of.column)] = 1;
   };
-  const std::size_t receivers = layout.receiver.size();
-  std::vector<char> heard(layout.beacon.size() * receivers, 0);
+  if (chains_)
+    for (const PathColumns& path : chains_->paths()) touch(path);
   if (stops_) {
-    std::vector<char> beacon(layout.beacon.size(), 0), receiver(receivers, 0);
+    std::vector<char> beacon(layout.beacon.size(), 0), receiver(layout.receiver.size(), 0);
     stops_->mark_heard(beacon, receiver);
-    for (std::size_t path = 0; path < heard.size(); ++path)
-      heard[path] = static_cast<char>(beacon[path / receivers] & receiver[path % receivers]);
+    for (std::size_t b = 0; b < beacon.size(); ++b)
+      for (std::size_t r = 0; beacon[b] != 0 && r < receiver.size(); ++r)
+        if (receiver[r] != 0) touch(path_columns(layout, BeaconId(b), ReceiverId(r), t.run));
   }
   for (const std::size_t s : general_) {
     const Segment& segment = t.segments[s];
-    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
-      heard[t.arrivals[i].beacon.index() * receivers + t.arrivals[i].receiver.index()] = 1;
     for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
-      if (t.bearings[i].reflector.valid()) touch(t.bearings[i].reflector, ReceiverId());
+      if (const BeaconId reflector = t.bearings[i].reflector; reflector.valid())
+        touch(path_columns(layout, reflector, ReceiverId(), t.run));
   }
-  for (std::size_t path = 0; path < heard.size(); ++path)
-    if (heard[path] != 0) touch(BeaconId(path / receivers), ReceiverId(path % receivers));
 
   local_of_.assign(touched.size(), -1);
   for (std::size_t k = 0; k < layout.blocks.size(); ++k) {

@@ -181,6 +181,7 @@ ChainReduction::ChainReduction(const Trajectory& trajectory, const ParameterLayo
       path = static_cast<std::int32_t>(paths_.size());
       PathColumns& columns =
           paths_.emplace_back(path_columns(layout, BeaconId(b), ReceiverId(r), trajectory.run));
+      // Ascending, as the columns of the system are.
       std::sort(columns.entry.begin(), columns.entry.begin() + static_cast<std::ptrdiff_t>(columns.count),
                 [](const auto& x, const auto& y) { return x.column < y.column; });
     }

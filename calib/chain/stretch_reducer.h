@@ -184,7 +184,7 @@ class StretchReducer {
     whitening_.take(a);
     const PlanarArrival row(a, interval.at(a.alpha), state_, whitening_);
     const Eigen::Vector3d& o = state_.receiver_p_vehicle_m[a.receiver.index()];
-    double base[PathColumns::kWhats] = {};  // by the rest: is_planar_ has none of it
+    double base[PathColumns::kWhats] = {};  // zero: what arrivals of is_planar_ do not hang on
     const double ux = row.direction[0], uy = row.direction[1], uz = row.direction[2];
     base[0] = -row.by_distance * ux;
     base[1] = -row.by_distance * uy;

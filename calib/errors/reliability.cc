@@ -58,8 +58,7 @@ std::optional<double> median_of(const std::vector<double>& values) {
   return values.empty() ? std::nullopt : std::optional(median(values));
 }
 std::optional<double> largest_of(const std::vector<double>& values) {
-  if (values.empty()) return {};
-  return *std::max_element(values.begin(), values.end());
+  return values.empty() ? std::nullopt : std::optional(*std::max_element(values.begin(), values.end()));
 }
 
 class Collector {
