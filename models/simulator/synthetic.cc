@@ -86,13 +86,10 @@ class Recorder {
 PathOutput Recorder::flight(const Shot& shot, ReceiverId receiver) const {
   const Timing& timing = scenario_.site.timing;
   const bool two_way = timing.ranging == Ranging::kTwoWay;
-  PathInput input;
-  input.p_beacon_map_m = truth_.beacon_p_map_m[shot.beacon.index()];
-  input.p_receiver_vehicle_m = truth_.receiver_p_vehicle_m[receiver.index()];
-  input.speed_mps = speed_mps(scenario_.site.medium, shot.temperature_degC) + truth_.speed_offset_mps[0];
-  input.delay_s = truth_.delay_s(shot.beacon, receiver) + (two_way ? timing.turnaround_s : 0.0);
-  input.attenuation = truth_.attenuation ? &*truth_.attenuation : nullptr;
-  input.axis_vehicle = truth_.axis_of(receiver);
+  PathInput input =
+      path_of(truth_, shot.beacon, receiver,
+              speed_mps(scenario_.site.medium, shot.temperature_degC) + truth_.speed_offset_mps[0]);
+  if (two_way) input.delay_s += timing.turnaround_s;
   const Pose sent = path_.at(shot.fired_s);
   PathOutput out;
   for (int i = 0; i < 20; ++i) {  // contracts by vehicle speed over signal speed

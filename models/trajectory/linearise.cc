@@ -79,22 +79,12 @@ class PoseSpread {
 
 namespace {
 
-PathInput path_input(const Trajectory& t, const ArrivalObservation& a, const SharedState& state,
-                     const Pose& T) {
-  PathInput in;
+PathInput path_at(const Trajectory& t, const ArrivalObservation& a, const SharedState& state, const Pose& T) {
+  PathInput in = path_of(t, a, state);
   in.T_map_vehicle = &T;
-  in.p_beacon_map_m = state.beacon_p_map_m[a.beacon.index()];
-  in.p_receiver_vehicle_m = state.receiver_p_vehicle_m[a.receiver.index()];
-  in.speed_mps = a.model_speed_mps + state.speed_offset(t.run);
-  in.delay_s = state.delay_s(a.beacon, a.receiver) + (a.two_way ? t.turnaround_s : 0.0);
   if (t.has_cycle_offset)
     in.delay_s +=
         t.nodes[a.node].cycle_offset_s + state.drift(t.vehicle) * (a.time_s - t.nodes[a.node].time_s);
-  in.attenuation = state.attenuation ? &*state.attenuation : nullptr;
-  in.axis_vehicle = state.axis_of(a.receiver);
-  in.log_gain = state.log_gain(a.beacon);
-  in.log_amplitude = walk_amplitude(a, state);
-  in.T_hear_send = a.two_way ? &t.T_hear_send[static_cast<std::size_t>(a.hear_send)] : nullptr;
   return in;
 }
 
@@ -103,7 +93,7 @@ PathInput path_input(const Trajectory& t, const ArrivalObservation& a, const Sha
 int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& state, ObservationRow* rows) {
   const ArrivalObservation& a = t.arrivals[index];
   const Pose T = pose_at(t, a.node, a.alpha);
-  const PathInput in = path_input(t, a, state, T);
+  const PathInput in = path_at(t, a, state, T);
   const PathOutput out = predict_arrival(in, t.motion);
   const PoseSpread spread(t, a.node, a.alpha);
 
@@ -337,7 +327,7 @@ void build_chain_system(const Trajectory& t, const Segment& segment, const Share
 int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const SharedState& state,
                       double* residuals) {
   const Pose interpolated = a.alpha == 0.0 ? Pose() : pose_at(t, a.node, a.alpha);
-  const PathInput in = path_input(t, a, state, a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated);
+  const PathInput in = path_at(t, a, state, a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated);
   if (in.attenuation == nullptr && in.T_hear_send == nullptr) {
     // One way and without time-walk, as nearly all arrivals are: the first term of the measurement equation,
     // in line.

@@ -9,6 +9,7 @@
 
 #include "models/deployment.h"
 #include "models/physics/attenuation.h"
+#include "models/physics/measurement.h"
 #include "models/site.h"
 
 namespace octant {
@@ -49,6 +50,22 @@ struct SharedState {
     return speed_offset_mps.size() > 1 ? speed_offset_mps[run] : speed_offset_mps[0];
   }
 };
+
+/// What a state knows of the path from a beacon to a receiver; the vehicle's pose, what two-way ranging and a
+/// cycle's clock add and a measured amplitude are the caller's. The attenuation and the axis are the state's.
+/// @param speed_mps  of the signal, its offset included
+[[nodiscard]] inline PathInput path_of(const SharedState& state, BeaconId beacon, ReceiverId receiver,
+                                       double speed_mps) {
+  PathInput path;
+  path.p_beacon_map_m = state.beacon_p_map_m[beacon.index()];
+  path.p_receiver_vehicle_m = state.receiver_p_vehicle_m[receiver.index()];
+  path.speed_mps = speed_mps;
+  path.delay_s = state.delay_s(beacon, receiver);
+  path.attenuation = state.attenuation ? &*state.attenuation : nullptr;
+  path.axis_vehicle = state.axis_of(receiver);
+  path.log_gain = state.log_gain(beacon);
+  return path;
+}
 
 /// Where a state holds a shared number; null where it holds none: what an array's circumradius and turn make
 /// of it stands on the receivers.

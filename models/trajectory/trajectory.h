@@ -132,6 +132,19 @@ struct Trajectory {
   return measured ? std::optional<double>(a.log_amplitude) : std::nullopt;
 }
 
+/// Of an arrival, but for the vehicle's pose and the offset of its cycle.
+[[nodiscard]] inline PathInput path_of(const Trajectory& trajectory, const ArrivalObservation& a,
+                                       const SharedState& state) {
+  PathInput path =
+      path_of(state, a.beacon, a.receiver, a.model_speed_mps + state.speed_offset(trajectory.run));
+  if (a.two_way) {
+    path.delay_s += trajectory.turnaround_s;
+    path.T_hear_send = &trajectory.T_hear_send[static_cast<std::size_t>(a.hear_send)];
+  }
+  path.log_amplitude = walk_amplitude(a, state);
+  return path;
+}
+
 /// What a trajectory needs to know of a site or a deployment.
 struct TrajectoryModel {
   Motion motion = Motion::kPlanar;

@@ -107,26 +107,18 @@ bool Watch::predict(const Arrival& a, const Pose& T_map_vehicle, bool used, Row&
     speed_at_degC_mps_ = speed_mps(medium_, degC) + state_.speed_offset_mps[0];
   }
   static const Pose kStanding;
-  PathInput in;
+  PathInput in = path_of(state_, a.beacon, a.receiver, speed_at_degC_mps_ + speed_offset_mps_);
   in.T_map_vehicle = &T_map_vehicle;
-  in.p_beacon_map_m = state_.beacon_p_map_m[a.beacon.index()];
-  in.p_receiver_vehicle_m = state_.receiver_p_vehicle_m[a.receiver.index()];
-  in.speed_mps = speed_at_degC_mps_ + speed_offset_mps_;
-  in.delay_s = state_.delay_s(a.beacon, a.receiver) +
-               state_.drift(a.vehicle) * (offset_column_ >= 0 ? a.time_s - epoch_s_ : 0.0);
+  in.delay_s += state_.drift(a.vehicle) * (offset_column_ >= 0 ? a.time_s - epoch_s_ : 0.0);
   if (timing_.ranging == Ranging::kTwoWay) {
     in.delay_s += timing_.turnaround_s;
     in.T_hear_send = &kStanding;
   }
   double walk_sigma_s = 0.0;
-  if (state_.attenuation) {
-    in.attenuation = &*state_.attenuation;
-    in.axis_vehicle = state_.axis_of(a.receiver);
-    if (state_.attenuation->measures(a.amplitude_v)) {
-      in.log_amplitude = std::log(a.amplitude_v);
-      walk_sigma_s =
-          noise_.amplitude_relative_sigma * walk_by_log_amplitude_s(a.amplitude_v, *state_.attenuation);
-    }
+  if (state_.attenuation && state_.attenuation->measures(a.amplitude_v)) {
+    in.log_amplitude = std::log(a.amplitude_v);
+    walk_sigma_s =
+        noise_.amplitude_relative_sigma * walk_by_log_amplitude_s(a.amplitude_v, *state_.attenuation);
   }
   const PathOutput out = predict_arrival(in, motion_);
   const double c = in.speed_mps,

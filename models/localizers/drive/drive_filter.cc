@@ -149,20 +149,6 @@ void DriveFilter::correct(const Eigen::Vector3d& gain, const Eigen::RowVector3d&
         model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * gain;
 }
 
-PathInput DriveFilter::path_input(const Trajectory& trajectory, const ArrivalObservation& a) const {
-  PathInput in;
-  in.p_beacon_map_m = model_.state.beacon_p_map_m[a.beacon.index()];
-  in.p_receiver_vehicle_m = model_.state.receiver_p_vehicle_m[a.receiver.index()];
-  in.speed_mps = a.model_speed_mps + model_.state.speed_offset(trajectory.run);
-  in.delay_s = model_.state.delay_s(a.beacon, a.receiver) + (a.two_way ? trajectory.turnaround_s : 0.0);
-  in.attenuation = model_.state.attenuation ? &*model_.state.attenuation : nullptr;
-  in.axis_vehicle = model_.state.axis_of(a.receiver);
-  in.log_gain = model_.state.log_gain(a.beacon);
-  in.log_amplitude = walk_amplitude(a, model_.state);
-  in.T_hear_send = a.two_way ? &trajectory.T_hear_send[static_cast<std::size_t>(a.hear_send)] : nullptr;
-  return in;
-}
-
 double DriveFilter::single_variance_s2(const ArrivalObservation& a, double speed_mps) const {
   const double slack_s = range_slack_m_ * (a.two_way ? 2.0 : 1.0) / speed_mps;
   // A pair's lasting bias is considered beside the noise where there is a calibration.
@@ -183,7 +169,7 @@ bool DriveFilter::within_gate(const ArrivalObservation& a, const PathOutput& pat
 
 bool DriveFilter::fits(const Trajectory& trajectory, const ArrivalObservation& a) {
   if (!model_.beacon_usable[a.beacon.index()]) return false;
-  PathInput in = path_input(trajectory, a);
+  PathInput in = path_of(trajectory, a, model_.state);
   in.T_map_vehicle = &T_map_vehicle_;
   Considered considered;
   double innovation = 0.0;
@@ -203,7 +189,7 @@ void DriveFilter::take_state(const DriveFilter& other) {
 
 Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObservation& a) {
   if (!model_.beacon_usable[a.beacon.index()]) return Rejection::kBeaconUnusable;
-  PathInput in = path_input(trajectory, a);
+  PathInput in = path_of(trajectory, a, model_.state);
   const double single2 = single_variance_s2(a, in.speed_mps);
   double noise2 = single2;
 

@@ -54,7 +54,6 @@ class DriveFilter {
   struct Considered;
   [[nodiscard]] Considered consider(const PathOutput& path, const ArrivalObservation& arrival);
   [[nodiscard]] double weight_variance_s2(const ArrivalObservation& arrival);
-  [[nodiscard]] PathInput path_input(const Trajectory& trajectory, const ArrivalObservation& arrival) const;
   [[nodiscard]] double single_variance_s2(const ArrivalObservation& arrival, double speed_mps) const;
   /// Whether an innovation is within the gate; fills what else the prediction follows.
   bool within_gate(const ArrivalObservation& arrival, const PathOutput& path, double single2,
