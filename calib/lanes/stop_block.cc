@@ -56,7 +56,7 @@ bool StopBlock::knows(const Trajectory& t, const ParameterLayout& layout) {
   const std::size_t vehicle = t.vehicle.index();
   const bool drifts = vehicle < layout.clock_drift.size() &&
                       (layout.clock_drift[vehicle] >= 0 || layout.fixed.drift(t.vehicle) != 0.0);
-  return t.motion == Motion::kPlanar && !t.motion_prior && !layout.fixed.attenuation &&
+  return t.motion == Motion::kPlanar && !t.motion_prior && layout.fixed.has_plain_paths() &&
          layout.fixed.pair_bias_s.empty() && !drifts &&
          layout.vehicle_of_receiver.size() <= StopArrivals::kMostReceivers &&
          layout.beacon.size() <= StopArrivals::kMostBeacons;

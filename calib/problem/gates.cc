@@ -8,6 +8,7 @@
 #include "calib/problem/ranges.h"
 #include "models/localizers/common/range_gates.h"
 #include "models/support/parallel.h"
+#include "models/trajectory/observed_range.h"
 
 namespace octant::calib {
 namespace {
@@ -53,7 +54,7 @@ class TriangleGate {
     thread_local std::vector<double> range_m;
     range_m.clear();
     for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
-      range_m.push_back(range_of(t, t.arrivals[i]));
+      range_m.push_back(observed_range_m(t, t.arrivals[i], prior_));
     for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
       ArrivalObservation& a = t.arrivals[i];
       for (std::size_t j = s.first_arrival; j < s.last_arrival && a.rejection == Rejection::kUsed; ++j)
@@ -77,12 +78,6 @@ class TriangleGate {
     return beyond_m > kSigmas * std::sqrt(2 * noise_m * noise_m + 2 * delay_m * delay_m + speed_m * speed_m +
                                           sa * sa + sb * sb);
   }
-  /// Differences are free of a cycle offset, so the range may be taken with it.
-  [[nodiscard]] double range_of(const Trajectory& t, const ArrivalObservation& a) const {
-    return (a.tof_s - prior_.delay_s(a.beacon, a.receiver)) *
-           (a.model_speed_mps + prior_.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
-  }
-
   const SharedState& prior_;
   std::vector<double> sigma_m_;  ///< of each beacon's place, worst coordinate; infinite: not known
   std::size_t placed_ = 0;

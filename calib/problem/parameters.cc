@@ -6,8 +6,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "models/parameter_visitor.h"
-
 namespace octant::calib {
 namespace {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "models/trajectory/linearise.h"
+#include "models/trajectory/observed_range.h"
 
 namespace octant::calib {
 
@@ -16,18 +17,9 @@ double median(std::vector<double> values) {
 }
 
 double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
-  const double legs = a.two_way ? 2.0 : 1.0;
-  double tof_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? t.turnaround_s : 0.0);
-  if (t.has_cycle_offset && t.nodes[a.node].placed) tof_s -= t.nodes[a.node].cycle_offset_s;
-  if (state.attenuation) {
-    // One step of the fixed point is plenty for a start: the walk changes slowly with distance.
-    const double d = std::max(0.1, tof_s * a.model_speed_mps);
-    const auto measured = walk_amplitude(a, state);
-    const auto walk =
-        time_walk_s(measured ? std::exp(*measured) : amplitude_v(d, *state.attenuation), *state.attenuation);
-    if (walk) tof_s -= *walk;
-  }
-  return std::max(0.0, tof_s * (a.model_speed_mps + state.speed_offset(t.run)) / legs);
+  const Node& node = t.nodes[a.node];
+  const auto offset_s = t.has_cycle_offset && node.placed ? std::optional(node.cycle_offset_s) : std::nullopt;
+  return std::max(0.0, observed_range_m(t, a, state, offset_s));
 }
 
 std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, const SharedState& state,

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "models/parameter_visitor.h"
+#include "models/parameter.h"
 
 namespace octant::calib {
 namespace {

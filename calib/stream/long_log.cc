@@ -24,7 +24,7 @@ constexpr std::size_t kLongDrive = 20'000;  ///< arrivals, or states whose pose 
 bool is_planar(const Trajectory& t) {
   return t.motion == Motion::kPlanar && !t.has_cycle_offset && t.poses.empty();
 }
-bool has_stops(const Trajectory& t) { return is_planar(t) && !t.moving && t.odometry.empty(); }
+bool has_stops(const Trajectory& t) { return t.motion == Motion::kPlanar && !t.moving && t.odometry.empty(); }
 /// States of which each stands alone at a measured pose, in the plane or in space.
 bool has_posed_states(const Trajectory& t) {
   return !t.poses.empty() && t.odometry.empty() && t.motion_steps.empty() && !t.has_cycle_offset;
@@ -48,7 +48,8 @@ bool is_long(const Problem& problem) {
       return false;
     }
   }
-  return (epochs > kLongEpochs || of_drives > kLongDrive) && problem.site.timing.ranging == Ranging::kOneWay;
+  const bool is_two_way = problem.site.timing.ranging == Ranging::kTwoWay;
+  return epochs > kLongEpochs || of_drives > kLongDrive ? !is_two_way || of_drives == 0 : false;
 }
 
 bool has_stops_alone(const Problem& problem) {

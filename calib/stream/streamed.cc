@@ -263,6 +263,8 @@ namespace {
 /// Why a drive cannot be.
 std::optional<std::string> why_no_streamed_drive(const Site& site, const MeasurementLog& run) {
   if (site.motion != Motion::kPlanar) return fmt::format("{} is a drive in space", run.path);
+  if (site.timing.ranging != Ranging::kOneWay)
+    return fmt::format("{} is a drive, and its ranges are two-way", run.path);
   if (site.timing.clock != Clock::kSynchronised)
     return fmt::format("{} is a drive, and each state has a clock offset of its own", run.path);
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
@@ -277,11 +279,7 @@ std::optional<std::string> why_no_streamed_drive(const Site& site, const Measure
 std::optional<std::string> why_no_streamed_stops(const Site& site, const MeasurementLog& run) {
   if (!run.has_epochs) return fmt::format("{} has neither epochs nor odometry", run.path);
   if (!run.odometry.empty()) return fmt::format("{} has stops with odometry between them", run.path);
-  // Tried, and not the same as the whole log, for reasons not tracked down: with cycle offsets or measured
-  // poses some 20 of 21,000 arrivals are marked otherwise, and in space far fewer have a reliability.
   if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
-  if (site.timing.clock != Clock::kSynchronised) return "each epoch has a clock offset of its own";
-  if (!run.poses.empty()) return fmt::format("{} has measured poses of stops", run.path);
   return {};
 }
 
@@ -289,7 +287,6 @@ std::optional<std::string> why_no_streamed_stops(const Site& site, const Measure
 
 std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs,
                                             int dense_limit) {
-  if (site.timing.ranging != Ranging::kOneWay) return "ranges are two-way";
   Problem frame;
   frame.site = site;
   for (const MeasurementLog* run : runs) {

@@ -90,7 +90,10 @@ void write_trajectory(const Trajectory& t, const std::vector<Arrival>& rows, Tap
   for (const std::size_t count :
        {t.arrivals.size(), t.poses.size(), t.odometry.size(), t.motion_steps.size(), t.nodes.size()})
     tape.put_count(count);
-  for (const ArrivalObservation& o : t.arrivals) put_arrival(o, rows[o.arrival], tape);
+  for (const ArrivalObservation& o : t.arrivals) {
+    put_arrival(o, rows[o.arrival], tape);
+    if (o.two_way) put_pose(t.T_hear_send[static_cast<std::size_t>(o.hear_send)], tape);
+  }
   for (const PoseObservation& o : t.poses) {
     tape.put_count(o.node);
     put_pose(o.T_map_vehicle, tape);
@@ -134,6 +137,10 @@ void read_trajectory(const TrajectoryModel& model, TapeReader& tape, Trajectory&
     ArrivalObservation o = get_arrival(model, to.vehicle, tape, a);
     o.node += static_cast<std::uint32_t>(nodes);
     o.arrival = static_cast<std::uint32_t>(rows.size());
+    if (o.two_way) {
+      o.hear_send = static_cast<std::int32_t>(to.T_hear_send.size());
+      to.T_hear_send.push_back(get_pose(tape));
+    }
     to.arrivals.push_back(o);
     rows.push_back(a);
   }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "models/parameter_visitor.h"
+#include "models/parameter.h"
 #include "models/physics/attenuation.h"
 
 namespace octant {

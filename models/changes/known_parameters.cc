@@ -7,7 +7,6 @@
 #include <unordered_map>
 
 #include "models/changes/deployment_number.h"
-#include "models/parameter_visitor.h"
 
 namespace octant {
 namespace {

@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/physics/range.h"
+
 namespace octant {
 namespace {
 
-/// Beyond this share of threshold in amplitude the logarithm of the walk is held: a state under test may lie
-/// where nothing would be heard, and the cost must stay finite there.
-constexpr double kMaxThresholdShare = 0.995;
 /// Keeps directions finite when a receiver sits on the beacon.
 constexpr double kMinDistanceM = 1e-6;
 
@@ -99,7 +98,7 @@ Walk walk_at(double distance_m, double log_gain, const AttenuationModel& a,
   double share = a.threshold_v * std::exp(-out.log_amplitude);
   out.heard = share < 1.0;
   share = measured ? std::min(a.threshold_v * std::exp(-*measured), kMostMeasuredShare)
-                   : std::min(share, kMaxThresholdShare);
+                   : std::min(share, kMostPredictedShare);
   out.by_log_amplitude = measured ? 0.0 : -a.rise_time_s * share / (1.0 - share);
   out.by_rise_time = -std::log1p(-share);
   out.walk_s = a.rise_time_s * out.by_rise_time;

@@ -328,8 +328,8 @@ int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const Sh
                       double* residuals) {
   const Pose interpolated = a.alpha == 0.0 ? Pose() : pose_at(t, a.node, a.alpha);
   const PathInput in = path_at(t, a, state, a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated);
-  if (in.attenuation == nullptr && in.T_hear_send == nullptr) {
-    // One way and without time-walk, as nearly all arrivals are: the first term of the measurement equation,
+  if (state.has_plain_paths() && in.T_hear_send == nullptr) {
+    // One way, as nearly all arrivals are: the first term of the measurement equation,
     // in line.
     const double distance_m = (*in.T_map_vehicle * in.p_receiver_vehicle_m - in.p_beacon_map_m).norm();
     residuals[0] = (a.tof_s - (distance_m / in.speed_mps + in.delay_s)) / a.sigma_s;
@@ -367,13 +367,13 @@ double chain_cost(const Trajectory& t, const Segment& segment, const SharedState
 
 double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
   if (a.alpha != 0.0 && t.motion == Motion::kPlanar && !a.two_way && !t.has_cycle_offset &&
-      !state.attenuation) {
+      state.has_plain_paths()) {
     PlanarWhitening whitening(state.speed_offset(t.run));
     whitening.take(a);
     const PlanarNode from(t.nodes[a.node].T_map_vehicle), to(t.nodes[a.node + 1].T_map_vehicle);
     return PlanarArrival(a, PlanarInterval(from, to).at(a.alpha), state, whitening).residual;
   }
-  if (a.alpha == 0.0 && !a.two_way && !t.has_cycle_offset && !state.attenuation) {
+  if (a.alpha == 0.0 && !a.two_way && !t.has_cycle_offset && state.has_plain_paths()) {
     // What most arrivals are, of which long logs have many.
     const Eigen::Vector3d path_m =
         t.nodes[a.node].T_map_vehicle * state.receiver_p_vehicle_m[a.receiver.index()] -

@@ -103,7 +103,7 @@ struct PlanarInterval {
 /// vehicle's own clock: what PlanarArrival takes.
 [[nodiscard]] inline bool has_planar_arrivals(const Trajectory& t, const Segment& segment,
                                               const SharedState& state) {
-  return t.motion == Motion::kPlanar && !t.has_cycle_offset && !state.attenuation &&
+  return t.motion == Motion::kPlanar && !t.has_cycle_offset && state.has_plain_paths() &&
          (segment.first_arrival == segment.last_arrival || !t.arrivals[segment.first_arrival].two_way);
 }
 

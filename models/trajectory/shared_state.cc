@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "models/parameter_visitor.h"
+#include "models/parameter.h"
 
 namespace octant {
 namespace {

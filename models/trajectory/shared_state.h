@@ -46,6 +46,9 @@ struct SharedState {
   [[nodiscard]] double drift(VehicleId vehicle) const {
     return vehicle.index() < clock_drift.size() ? clock_drift[vehicle.index()] : 0.0;
   }
+  /// Whether times of flight are distance over one speed, and a delay: what the ways take that are made for
+  /// many arrivals. Whatever else makes a path longer or later is named here.
+  [[nodiscard]] bool has_plain_paths() const { return !attenuation; }
   [[nodiscard]] double speed_offset(std::size_t run) const {
     return speed_offset_mps.size() > 1 ? speed_offset_mps[run] : speed_offset_mps[0];
   }

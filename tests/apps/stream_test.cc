@@ -101,10 +101,10 @@ TEST_F(Stream, SaysWhereARowIsWrong) {
 }
 
 TEST_F(Stream, SaysWhatCannotBeStreamed) {
-  spit(hall("run/poses.tum"), "0 1 1 0 0 0 0 1\n");
+  spit(hall("run/bearings.csv"), "time_s,reflector,bearing_rad,epoch\n10.01,B1,0.3,0\n");
   const Outcome done = calibrate({"--memory-mb", "1"});
   EXPECT_EQ(done.exit, 0) << done.err;
-  EXPECT_THAT(done.err, HasSubstr("cannot be streamed: " + hall("run") + " has measured poses"));
+  EXPECT_THAT(done.err, HasSubstr("cannot be streamed: " + hall("run") + " has bearings"));
 }
 
 TEST_F(Stream, SmallLogsAreNot) {

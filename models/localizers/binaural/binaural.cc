@@ -8,12 +8,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "models/localizers/common/arrival_range.h"
+
 namespace octant {
 namespace {
 
-constexpr double kLoudestShare = 0.995;  // of threshold to amplitude, for what the model does not hear
-constexpr double kRounding_m = 1e-9;     // of the geometry; stands in where the deployment states no noise
-constexpr int kWalkSteps = 20, kSteps = 20;
+constexpr double kRounding_m = 1e-9;  // of the geometry; stands in where the deployment states no noise
+constexpr int kSteps = 20;
 
 double bearing(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
 
@@ -21,10 +22,6 @@ Eigen::Matrix2d rotation(double angle_rad) {
   return (Eigen::Matrix2d() << std::cos(angle_rad), -std::sin(angle_rad), std::sin(angle_rad),
           std::cos(angle_rad))
       .finished();
-}
-
-double walk_of_amplitude_s(double amplitude, const AttenuationModel& model) {
-  return -model.rise_time_s * std::log1p(-std::clamp(model.threshold_v / amplitude, 0.0, kLoudestShare));
 }
 
 }  // namespace
@@ -120,34 +117,17 @@ void Binaural::collect(const Observations& observations, Fix& fix) noexcept {
       fix.rejections[i] = Rejection::kBeaconUnusable;
     for (Link& link : links_) {
       if (arrival.beacon != link.beacon || arrival.receiver != link.receiver) continue;
-      double speed = 0.0;
-      const double range = range_m(arrival, speed);
-      if (!(range > 0) || !std::isfinite(range)) {
+      const ArrivalRange range = arrival_range(arrival, deployment_);
+      if (!(range.range_m > 0) || !std::isfinite(range.range_m)) {
         fix.rejections[i] = Rejection::kOutOfRange;
         continue;
       }
       ++link.arrivals;
-      link.range_m += (range - link.range_m) / link.arrivals;
-      link.speed_mps += (speed - link.speed_mps) / link.arrivals;
+      link.range_m += (range.range_m - link.range_m) / link.arrivals;
+      link.speed_mps += (range.speed_mps - link.speed_mps) / link.arrivals;
       fix.rejections[i] = Rejection::kUsed;
     }
   }
-}
-
-double Binaural::range_m(const Arrival& arrival, double& speed_mps) const noexcept {
-  const double temperature = std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC
-                                                                     : deployment_.medium.temperature_degC;
-  speed_mps = deployment_.speed_mps(temperature);
-  const double time_s = arrival.tof_s - deployment_.beacons[arrival.beacon.index()].delay_s -
-                        deployment_.receivers[arrival.receiver.index()].delay_s;
-  double range = speed_mps * time_s;
-  if (!deployment_.attenuation || !(range > 0)) return range;
-  const AttenuationModel& model = *deployment_.attenuation;
-  if (model.measures(arrival.amplitude_v))
-    return speed_mps * (time_s - walk_of_amplitude_s(arrival.amplitude_v, model));
-  for (int i = 0; i < kWalkSteps; ++i)
-    range = speed_mps * (time_s - walk_of_amplitude_s(amplitude_v(std::max(range, 1e-3), model), model));
-  return range;
 }
 
 FixStatus Binaural::closed_form(PlanarPose& pose) const noexcept {

@@ -102,7 +102,6 @@ class Binaural : public Localizer {
   using Covariance4 = Eigen::Matrix4d;
 
   void collect(const Observations& observations, Fix& fix) noexcept;
-  [[nodiscard]] double range_m(const Arrival& arrival, double& speed_mps) const noexcept;
   [[nodiscard]] FixStatus closed_form(PlanarPose& pose) const noexcept;
   [[nodiscard]] bool within_beam(const PlanarPose& pose) const noexcept;
   [[nodiscard]] FixStatus adjust(PlanarPose& pose, Fix& fix) const noexcept;

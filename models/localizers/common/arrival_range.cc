@@ -4,53 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "models/physics/range.h"
 
 namespace octant {
-namespace {
-
-constexpr double kMaxImplicitShare = 0.995;  // as in the measurement equation: the logarithm is held beyond
-constexpr double kMinImplicitDistance_m = 1e-6;
-
-double walk_of_share_s(double share, const AttenuationModel& a) {
-  return -a.rise_time_s * std::log1p(-share);
-}
-
-struct ImplicitWalk {
-  double walk_s = 0.0;
-  double by_distance = 0.0;  ///< s/m
-};
-
-ImplicitWalk predicted_walk(double distance_m, const AttenuationModel& a) {
-  const double share = a.threshold_v / amplitude_v(distance_m, a);
-  if (!(share < kMaxImplicitShare)) return {walk_of_share_s(kMaxImplicitShare, a), 0.0};
-  const double steepness_s = a.rise_time_s * share / (1 - share);  // d walk / d ln(1/A)
-  return {walk_of_share_s(share, a), steepness_s * (1 / distance_m + a.absorption_np_per_m)};
-}
-
-/// legs d + c walk(d) = path: the left side rises with d, so Newton's step is kept within a bracket.
-void solve_with_predicted_walk(double path_m, double legs, double tof_sigma_s, const AttenuationModel& a,
-                               ArrivalRange& out) {
-  double low_m = kMinImplicitDistance_m, high_m = std::max(path_m / legs, kMinImplicitDistance_m),
-         d_m = high_m;
-  double slope = legs;
-  for (int i = 0; i < 80; ++i) {
-    const ImplicitWalk walk = predicted_walk(d_m, a);
-    const double excess_m = legs * d_m + out.speed_mps * walk.walk_s - path_m;
-    slope = legs + out.speed_mps * walk.by_distance;
-    (excess_m > 0 ? high_m : low_m) = d_m;
-    double next_m = d_m - excess_m / slope;
-    if (!(next_m > low_m && next_m < high_m)) next_m = 0.5 * (low_m + high_m);
-    const bool settled = std::abs(next_m - d_m) < 1e-15 * high_m;
-    d_m = next_m;
-    if (settled) break;
-  }
-  out.range_m = d_m;
-  out.gain_mps = out.speed_mps / slope;
-  out.sigma_m = out.gain_mps * tof_sigma_s;
-}
-
-}  // namespace
 
 ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment) noexcept {
   ArrivalRange out;
@@ -71,23 +28,22 @@ ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment)
   out.sigma_m = out.gain_mps * tof_sigma_s;
   out.range_m = path_m / legs;
   if (!deployment.attenuation) return out;
-  AttenuationModel a = *deployment.attenuation;
-  a.amplitude_1m_v *= deployment.beacons[arrival.beacon.index()].gain;
+  const AttenuationModel& a = *deployment.attenuation;
+  const double log_gain = std::log(deployment.beacons[arrival.beacon.index()].gain);
   const double share = a.threshold_v / arrival.amplitude_v;
-  if (!a.measures(arrival.amplitude_v) ||
-      !(share < kMaxImplicitShare)) {  // not logged, or (noise) not above the threshold
-    solve_with_predicted_walk(path_m, legs, tof_sigma_s, a, out);
-    if (a.directional() && deployment.receivers[arrival.receiver.index()].axis) {
-      // From where it hears is not known here: as much later as off the axis by the half-power angle.
-      AttenuationModel off_axis = a;
-      off_axis.amplitude_1m_v /= std::numbers::sqrt2;
-      out.sigma_m = std::hypot(out.sigma_m, out.gain_mps * (predicted_walk(out.range_m, off_axis).walk_s -
-                                                            predicted_walk(out.range_m, a).walk_s));
-    }
+  if (!a.measures(arrival.amplitude_v) || !(share < 1.0)) {  // not logged, or (noise) not above the threshold
+    const TimedRange range = range_with_walk({flight_s, out.speed_mps, legs}, a, log_gain);
+    out.range_m = range.range_m;
+    out.gain_mps = range.by_time_mps;
+    out.sigma_m = out.gain_mps * tof_sigma_s;
+    if (a.directional() &&
+        deployment.receivers[arrival.receiver.index()].axis)  // from where is not known here
+      out.sigma_m = std::hypot(out.sigma_m, out.gain_mps * off_axis_walk_sigma_s(out.range_m, a, log_gain));
     return out;
   }
-  out.range_m = (path_m - out.speed_mps * walk_of_share_s(share, a)) / legs;
-  const double walk_sigma_s = a.rise_time_s * share / (1 - share) * deployment.noise.amplitude_relative_sigma;
+  out.range_m = (path_m - out.speed_mps * walk_of_share_s(std::min(share, kMostMeasuredShare), a)) / legs;
+  const double walk_sigma_s =
+      walk_by_log_amplitude_s(arrival.amplitude_v, a) * deployment.noise.amplitude_relative_sigma;
   out.sigma_m = out.gain_mps * std::hypot(tof_sigma_s, walk_sigma_s);
   if (!(out.range_m > 0)) out.range_m = std::numeric_limits<double>::quiet_NaN();
   return out;

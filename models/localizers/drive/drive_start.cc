@@ -10,6 +10,7 @@
 
 #include "models/localizers/least_squares/candidates.h"
 #include "models/localizers/least_squares/search_problem.h"
+#include "models/trajectory/observed_range.h"
 
 namespace octant {
 namespace {
@@ -128,7 +129,7 @@ double independent_slack_m(const Trajectory& t, const Segment& segment, const Ep
   std::pmr::vector<char> heard(model.beacon_usable.size(), 0, scratch());
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     heard[t.arrivals[i].beacon.index()] = 1;
-    range_m += range_of(t.arrivals[i], t, model.state);
+    range_m += observed_range_m(t, t.arrivals[i], model.state);
   }
   const double arrivals = static_cast<double>(segment.last_arrival - segment.first_arrival);
   const double share = std::min(1.0, 0.5 * (range_m / arrivals) / std::max(path_m, 1e-9));

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "models/localizers/least_squares/search_problem.h"
+#include "models/trajectory/observed_range.h"
 
 namespace octant {
 namespace {
@@ -37,7 +38,7 @@ bool mark_detours(Trajectory& t, const Segment& s, const SharedState& state, dou
   for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
     ArrivalObservation& a = t.arrivals[i];
     if (a.rejection != Rejection::kUsed) continue;
-    const double range_m = range_of(a, t, state);
+    const double range_m = observed_range_m(t, a, state);
     for (std::size_t j = s.first_arrival; j < s.last_arrival && a.rejection == Rejection::kUsed; ++j) {
       const ArrivalObservation& b = t.arrivals[j];
       if (b.beacon != a.beacon || j == i) continue;
@@ -45,7 +46,8 @@ bool mark_detours(Trajectory& t, const Segment& s, const SharedState& state, dou
           (state.receiver_p_vehicle_m[a.receiver.index()] - state.receiver_p_vehicle_m[b.receiver.index()])
               .norm();
       const double noise_m = a.model_speed_mps * std::hypot(a.sigma_s, b.sigma_s);
-      if (range_m > range_of(b, t, state) + apart_m + sigmas * noise_m) a.rejection = Rejection::kTriangle;
+      if (range_m > observed_range_m(t, b, state) + apart_m + sigmas * noise_m)
+        a.rejection = Rejection::kTriangle;
     }
     any = any || a.rejection == Rejection::kTriangle;
   }
@@ -64,7 +66,7 @@ bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& 
     while (at < beacons && heard[at].beacon != a.beacon) ++at;
     if (at == kMaxHeard) continue;
     if (at == beacons) heard[beacons++] = {state.beacon_p_map_m[a.beacon.index()], 0.0, 0, a.beacon};
-    heard[at].range_m += range_of(a, t, state);
+    heard[at].range_m += observed_range_m(t, a, state);
     ++heard[at].count;
     receiver_z_m = state.receiver_p_vehicle_m[a.receiver.index()].z();
   }
@@ -99,7 +101,7 @@ bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& 
     const Eigen::Vector2d u = v.head<2>() / distance;
     const Eigen::Vector4d row(u.x(), u.y(), u.x() * o.x() + u.y() * o.y(), u.y() * o.x() - u.x() * o.y());
     M.noalias() += row * row.transpose();
-    m += (range_of(a, t, state) - distance) * row;
+    m += (observed_range_m(t, a, state) - distance) * row;
   }
   M.diagonal().array() += 1e-9;
   const Eigen::Vector4d fine = M.ldlt().solve(m);

@@ -4,18 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "models/physics/attenuation.h"
+#include "models/physics/range.h"
+#include "models/trajectory/observed_range.h"
 
 namespace octant {
 namespace {
-
-/// Walk of a pulse that just passes the threshold where the model hears none.
-double walk_s(double distance_m, const AttenuationModel& model) {
-  const double share = std::min(model.threshold_v / amplitude_v(std::max(distance_m, 1e-3), model), 0.995);
-  return -model.rise_time_s * std::log1p(-share);
-}
 
 Pose relative_pose(const RigidPath& path, std::size_t node, double alpha) {
   if (path.T_anchor_node.empty()) return {};
@@ -48,15 +42,13 @@ void add_ranges(const Trajectory& trajectory, const Segment& segment, const Epoc
       if (a.receiver.index() < model.hearing_cosine.size())
         r.hearing_cosine = model.hearing_cosine[a.receiver.index()];
     }
-    r.range_m = range_of(a, trajectory, model.state);
+    r.range_m = observed_range_m(trajectory, a, model.state);
     const double speed = a.model_speed_mps + model.state.speed_offset(trajectory.run);
     r.sigma_m = std::hypot(a.sigma_s * speed / (a.two_way ? 2.0 : 1.0), drift(path, a.node));
     if (model.state.attenuation && model.state.attenuation->directional() && !(a.log_amplitude_sigma > 0)) {
-      // From how far off the axis is not known here: as much later as at the half-power angle.
-      AttenuationModel off_axis = *model.state.attenuation;
-      off_axis.amplitude_1m_v /= std::numbers::sqrt2;
-      r.sigma_m = std::hypot(
-          r.sigma_m, speed * (walk_s(r.range_m, off_axis) - walk_s(r.range_m, *model.state.attenuation)));
+      // From how far off the axis is not known here.
+      r.sigma_m = std::hypot(r.sigma_m, speed * off_axis_walk_sigma_s(r.range_m, *model.state.attenuation,
+                                                                      model.state.log_gain(a.beacon)));
     }
     r.beacon = a.beacon;
     r.observation = i;
@@ -90,23 +82,6 @@ void add_bearings(const Trajectory& trajectory, const Segment& segment, const Ep
 }
 
 }  // namespace
-
-double range_of(const ArrivalObservation& a, const Trajectory& trajectory, const SharedState& state) {
-  const double speed = (a.model_speed_mps + state.speed_offset(trajectory.run)) / (a.two_way ? 2.0 : 1.0);
-  double time_s = a.tof_s - state.delay_s(a.beacon, a.receiver) - (a.two_way ? trajectory.turnaround_s : 0.0);
-  if (trajectory.has_cycle_offset)
-    time_s -= state.drift(trajectory.vehicle) * (a.time_s - trajectory.nodes[a.node].time_s);
-  if (const auto log_amplitude = walk_amplitude(a, state)) {
-    const double share =
-        std::min(state.attenuation->threshold_v / std::exp(*log_amplitude), kMostMeasuredShare);
-    return speed * (time_s + state.attenuation->rise_time_s * std::log1p(-share));
-  }
-  double range_m = speed * time_s;
-  if (!state.attenuation || trajectory.has_cycle_offset) return range_m;
-  // The walk grows slowly with distance (c d walk/d distance << 1 short of the threshold), so this contracts.
-  for (int i = 0; i < 8; ++i) range_m = speed * (time_s - walk_s(range_m, *state.attenuation));
-  return range_m;
-}
 
 SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& segment,
                                   const EpochFixModel& model, double range_slack_m, const RigidPath& path) {

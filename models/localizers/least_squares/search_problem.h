@@ -79,9 +79,4 @@ struct RigidPath {
                                                 const EpochFixModel& model, double range_slack_m,
                                                 const RigidPath& path = {});
 
-/// Distance at which an arrival's time of flight is explained, time-walk included (a fixed point of d = c
-/// (tof - delay - walk(d))).
-[[nodiscard]] double range_of(const ArrivalObservation& arrival, const Trajectory& trajectory,
-                              const SharedState& state);
-
 }  // namespace octant

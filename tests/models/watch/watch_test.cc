@@ -123,7 +123,7 @@ TEST(Watch, LoudnessThatTheCalibrationKnowsAccusesNobody) {
   Rounds rounds(4);
   for (Deployment* d : {&rounds.deployment, &rounds.truth}) {
     d->attenuation = AttenuationModel{
-        .amplitude_1m_v = 1.0, .absorption_np_per_m = 0.05, .threshold_v = 0.01, .rise_time_s = 300e-6};
+        .amplitude_1m_v = 1.0, .absorption_np_per_m = 0.05, .threshold_v = 0.01, .rise_time_s = 800e-6};
     d->beacons[2].gain = 0.4;
   }
   EXPECT_LE(false_alarms(rounds, 4'000), 13);  // of 4 expected at most; beyond 13 is one in ten thousand
