@@ -14,6 +14,11 @@ namespace octant {
   return a.x() * b.y() - a.y() * b.x();
 }
 
+/// Cosine and sine of the angle from a to b, times the lengths of both.
+[[nodiscard]] inline Eigen::Vector2d turn_from(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return {a.dot(b), cross(a, b)};
+}
+
 [[nodiscard]] inline double square(double x) { return x * x; }
 
 }  // namespace octant

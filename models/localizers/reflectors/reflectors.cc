@@ -19,6 +19,7 @@ constexpr double kSmallestSigma_rad = 1e-9;  // stands in where no noise is stat
 constexpr double kSmallestSight_m = 1e-6;
 constexpr int kResectionSteps = 20, kRematches = 4;
 constexpr double kSameSigmas = 5.0;                 // hypotheses closer than this are one pose
+constexpr double kNear_m = 0.3, kNear_rad = 0.1;    // nearly one pose, to be adjusted once
 constexpr double kTight_m = 0.5, kTight_rad = 0.3;  // a prediction that may stand in for a search
 
 /// Derivative of a bearing by x, y, heading.
@@ -27,9 +28,12 @@ Eigen::Vector3d by_pose(const Eigen::Vector2d& sight) {
   return {sight.y() / squared, -sight.x() / squared, -1.0};
 }
 
+Eigen::Vector2d direction(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
+double angle_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
+
 Eigen::Vector3d difference(const ResectedPose& a, const ResectedPose& b) {
   return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(),
-          wrap_angle(a.heading_rad - b.heading_rad)};
+          angle_of(turn_from(b.ahead, a.ahead))};
 }
 
 }  // namespace
@@ -60,13 +64,14 @@ Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& op
         {beacon.position_m.head<2>(), beacon.covariance_m2.topLeftCorner<2, 2>(), BeaconId(b)});
   }
   match_.resize(kMaxBearings);
-  direction_.resize(reflectors_.size());
-  used_.resize(reflectors_.size());
+  sights_.resize(kMaxBearings);
+  seen_.resize(reflectors_.size());
+  named_.resize(reflectors_.size());
 }
 
 void Reflectors::predict(const Pose& T_map_vehicle, double sigma_m, double sigma_rad) noexcept {
-  told_ =
-      Prediction{{T_map_vehicle.translation_m.head<2>(), T_map_vehicle.heading_rad()}, sigma_m, sigma_rad};
+  told_ = Prediction{
+      {T_map_vehicle.translation_m.head<2>(), direction(T_map_vehicle.heading_rad())}, sigma_m, sigma_rad};
 }
 
 void Reflectors::locate_known(const Observations& observations, Fix& fix) noexcept {
@@ -82,7 +87,7 @@ void Reflectors::locate_known(const Observations& observations, Fix& fix) noexce
   told_.reset();
   if (!fix.ok()) return;
   fix.covariance = information.ldlt().solve(Eigen::Matrix3d::Identity());
-  fix.T_map_vehicle = Pose::planar(best.pose.p_map_m.x(), best.pose.p_map_m.y(), best.pose.heading_rad);
+  fix.T_map_vehicle = Pose::planar(best.pose.p_map_m.x(), best.pose.p_map_m.y(), best.pose.heading_rad());
   for (std::size_t i = 0; i < bearings.size(); ++i) {
     if (fix.rejections[i] != Rejection::kUsed) continue;
     if (match_[i] < 0) {
@@ -91,9 +96,7 @@ void Reflectors::locate_known(const Observations& observations, Fix& fix) noexce
     }
     const Reflector& reflector = reflectors_[static_cast<std::size_t>(match_[i])];
     const Eigen::Vector2d sight = reflector.p_map_m - best.pose.p_map_m;
-    const double off =
-        wrap_angle(std::atan2(sight.y(), sight.x()) - best.pose.heading_rad - bearings[i].bearing_rad);
-    fix.cost += 0.5 * off * off / variance(reflector, sight);
+    fix.cost += 0.5 * square(off_rad(best.pose, i, sight)) / variance(reflector, sight);
   }
   for (const Rejection r : fix.rejections)
     ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
@@ -111,8 +114,7 @@ void Reflectors::protect(const ResectedPose& pose, std::span<const Bearing> bear
     const Reflector& reflector = reflectors_[static_cast<std::size_t>(match_[i])];
     const Eigen::Vector2d sight = reflector.p_map_m - pose.p_map_m;
     const double sigma = std::sqrt(variance(reflector, sight));
-    const double off =
-        wrap_angle(bearings[i].bearing_rad - std::atan2(sight.y(), sight.x()) + pose.heading_rad);
+    const double off = off_rad(pose, i, sight);
     sums_.add(reflector.beacon, Eigen::RowVector3d(by_pose(sight).transpose() / sigma), off / sigma, 0.0);
   }
   fix.protection_level_m = sums_.level_m(horizontal_variance(fix.covariance));
@@ -139,6 +141,7 @@ void Reflectors::begin(const Observations& observations, Fix& fix) noexcept {
       fix.rejections[i] = Rejection::kBeaconUnusable;
     if (i < kMaxBearings)
       match_[i] = fix.rejections[i] == Rejection::kUsed ? -1 : -2;  // -2: never to be matched
+    if (i < kMaxBearings) sights_[i] = direction(bearings[i].bearing_rad);
   }
   prediction_ = told_;
   if (!prediction_ && last_fix_s_ && options_.speed_mps > 0) {
@@ -149,29 +152,41 @@ void Reflectors::begin(const Observations& observations, Fix& fix) noexcept {
 }
 
 double Reflectors::Prediction::cost(const ResectedPose& at, double gate_sigmas) const {
-  const double distance = (at.p_map_m - pose.p_map_m).norm() / std::max(sigma_m, kSmallestSight_m);
-  const double turn = wrap_angle(at.heading_rad - pose.heading_rad) / std::max(sigma_rad, kSmallestSigma_rad);
-  return 0.5 * std::min(square(distance) + square(turn), square(gate_sigmas));
+  const double most = square(gate_sigmas);
+  const double distance =
+      (at.p_map_m - pose.p_map_m).squaredNorm() / square(std::max(sigma_m, kSmallestSight_m));
+  if (distance >= most) return 0.5 * most;
+  const double turn = angle_of(turn_from(pose.ahead, at.ahead)) / std::max(sigma_rad, kSmallestSigma_rad);
+  return 0.5 * std::min(distance + square(turn), most);
+}
+
+/// How far a bearing is to the left of where a reflector is seen.
+/// @param sight_m  from the pose to the reflector, on the map
+double Reflectors::off_rad(const ResectedPose& pose, std::size_t bearing,
+                           const Eigen::Vector2d& sight_m) const noexcept {
+  return angle_of(turn_from(turn_from(pose.ahead, sight_m), sights_[bearing]));
+}
+
+void Reflectors::look_at(std::size_t reflector, const ResectedPose& from) noexcept {
+  const Eigen::Vector2d sight = reflectors_[reflector].p_map_m - from.p_map_m;
+  seen_[reflector] = {turn_from(from.ahead, sight), variance(reflectors_[reflector], sight),
+                      sight.squaredNorm() > square(options_.range_m)};
 }
 
 double Reflectors::variance(const Reflector& reflector, const Eigen::Vector2d& sight_m) const noexcept {
-  const double distance = std::max(sight_m.norm(), kSmallestSight_m);
-  const Eigen::Vector2d across = Eigen::Vector2d(-sight_m.y(), sight_m.x()) / square(distance);
+  const Eigen::Vector2d across = left_of(sight_m) / std::max(sight_m.squaredNorm(), square(kSmallestSight_m));
   return square(sigma_rad_) + across.dot(reflector.covariance_m2 * across);
 }
 
 /// Matches every bearing to the reflector that explains it best, none twice; an unexplained bearing costs as
-/// much as one at the gate.
-double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> bearings) noexcept {
+/// much as one at the gate. A pose that costs no less than the bound may be left half matched.
+double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> bearings,
+                           double bound) noexcept {
   const double outlier = 0.5 * square(options_.gate_sigmas);
-  for (std::size_t k = 0; k < reflectors_.size(); ++k) {
-    const Eigen::Vector2d sight = reflectors_[k].p_map_m - pose.p_map_m;
-    direction_[k] = std::atan2(sight.y(), sight.x()) - pose.heading_rad;
-    used_[k] = sight.squaredNorm() > square(options_.range_m);
-  }
+  for (Seen& seen : seen_) seen.variance = 0.0;
   double cost = prediction_ ? prediction_->cost(pose, options_.gate_sigmas) : 0.0;
   for (const bool labelled : {true, false}) {
-    for (std::size_t i = 0; i < bearings.size(); ++i) {
+    for (std::size_t i = 0; i < bearings.size() && cost < bound; ++i) {
       if (match_[i] == -2 || bearings[i].reflector.valid() != labelled) continue;
       const std::size_t first =
           labelled ? static_cast<std::size_t>(index_[bearings[i].reflector.index()]) : 0;
@@ -179,35 +194,43 @@ double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> be
       double nearest = outlier;
       match_[i] = -1;
       for (std::size_t k = first; k < last; ++k) {
-        if (used_[k] != 0) continue;
-        const double off = wrap_angle(direction_[k] - bearings[i].bearing_rad);
-        // Cheap test first: the reflectors' own uncertainty seldom doubles the sigma.
-        const double off_cost =
-            0.5 * off * off / variance(reflectors_[k], reflectors_[k].p_map_m - pose.p_map_m);
+        const Seen& seen = seen_[k];
+        if (seen.variance == 0.0) look_at(k, pose);
+        if (seen.used) continue;
+        // An angle is no less than its sine, and beyond a quarter turn where the cosine is negative: few
+        // reflectors are so near that the angle itself is asked for.
+        const Eigen::Vector2d off = turn_from(sights_[i], seen.sight_m);
+        const double widest = 2 * nearest * seen.variance;
+        if (off.x() > 0 ? square(off.y()) >= widest * seen.sight_m.squaredNorm()
+                        : square(std::numbers::pi / 2) >= widest)
+          continue;
+        const double off_cost = 0.5 * square(angle_of(off)) / seen.variance;
         if (off_cost >= nearest) continue;
         nearest = off_cost;
         match_[i] = static_cast<int>(k);
       }
       cost += nearest;
-      if (match_[i] >= 0) used_[static_cast<std::size_t>(match_[i])] = 1;
+      if (match_[i] >= 0) seen_[static_cast<std::size_t>(match_[i])].used = true;
     }
   }
   return cost;
 }
 
-void Reflectors::keep(const Hypothesis& hypothesis) noexcept {
-  if (!(hypothesis.cost < best_.back().cost)) return;
-  // Triples of one set of bearings give nearly one pose: keep the better of the two, and so room for others.
+/// What a hypothesis must beat to be kept: the first that is nearly the same pose, as triples of one set of
+/// bearings are, so that there is room for others; else the worst.
+Reflectors::Hypothesis& Reflectors::rival_of(const ResectedPose& pose) noexcept {
   for (Hypothesis& other : best_) {
     if (!std::isfinite(other.cost)) break;
-    const Eigen::Vector3d d = difference(hypothesis.pose, other.pose);
-    if (d.head<2>().norm() > 0.3 || std::abs(d.z()) > 0.1) continue;
-    if (hypothesis.cost < other.cost) other = hypothesis;
-    std::sort(best_.begin(), best_.end(),
-              [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
-    return;
+    if ((pose.p_map_m - other.pose.p_map_m).squaredNorm() > square(kNear_m)) continue;
+    const Eigen::Vector2d turn = turn_from(other.pose.ahead, pose.ahead);
+    if (turn.x() > 0 && std::abs(turn.y()) <= kNear_rad) return other;
   }
-  best_.back() = hypothesis;
+  return best_.back();
+}
+
+void Reflectors::keep(const Hypothesis& hypothesis, Hypothesis& rival) noexcept {
+  if (!(hypothesis.cost < rival.cost)) return;
+  rival = hypothesis;
   std::sort(best_.begin(), best_.end(),
             [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
 }
@@ -228,40 +251,70 @@ void Reflectors::search(std::span<const Bearing> bearings) noexcept {
     explain(seed.pose, bearings);
     sigma_rad_ = sigma;
     if (refine(seed, bearings, information)) {
-      keep(seed);
+      keep(seed, rival_of(seed.pose));
       all_explained = true;
       for (std::size_t i = 0; i < bearings.size(); ++i) all_explained = all_explained && match_[i] != -1;
       all_explained = all_explained && prediction_->cost(seed.pose, options_.gate_sigmas) < 0.5 * square(3.0);
     }
   }
   if (all_explained) return;
-  for (const bool labelled : {true, false})
-    for (std::size_t i = 0; i < bearings.size() && count < kSearched; ++i)
-      if (match_[i] != -2 && bearings[i].reflector.valid() == labelled) order[count++] = i;
   // Labelled bearings come first, and with them the triples that cost one hypothesis instead of many.
-  for (std::size_t k = 2; k < count; ++k)
-    for (std::size_t j = 1; j < k; ++j)
-      for (std::size_t i = 0; i < j; ++i) try_triple(bearings, {order[i], order[j], order[k]});
+  std::fill(named_.begin(), named_.end(), 0);
+  for (const bool labelled : {true, false})
+    for (std::size_t i = 0; i < bearings.size(); ++i) {
+      if (match_[i] == -2 || bearings[i].reflector.valid() != labelled) continue;
+      if (labelled) named_[static_cast<std::size_t>(index_[bearings[i].reflector.index()])] = 1;
+      if (count < kSearched) order[count++] = i;
+    }
+  const std::span<const std::size_t> searched(order.data(), count);
+  try_triples(bearings, searched, false);
+  // A bearing that takes another's reflector leaves the other unexplained, or is itself: where nothing needs
+  // to be, no such pose can be as good.
+  if (!explains_all(bearings)) try_triples(bearings, searched, true);
 }
 
-void Reflectors::try_triple(std::span<const Bearing> bearings,
-                            const std::array<std::size_t, 3>& triple) noexcept {
+/// Whether the best pose so far, adjusted, is better than any pose that leaves a bearing unexplained.
+bool Reflectors::explains_all(std::span<const Bearing> bearings) noexcept {
+  Hypothesis best = best_.front();
+  if (!std::isfinite(best.cost)) return false;
+  explain(best.pose, bearings);
+  Eigen::Matrix3d information;
+  return refine(best, bearings, information) &&
+         best.cost + options_.ambiguity_margin < 0.5 * square(options_.gate_sigmas);
+}
+
+void Reflectors::try_triples(std::span<const Bearing> bearings, std::span<const std::size_t> order,
+                             bool of_others) noexcept {
+  for (std::size_t k = 2; k < order.size(); ++k)
+    for (std::size_t j = 1; j < k; ++j)
+      for (std::size_t i = 0; i < j; ++i) try_triple(bearings, {order[i], order[j], order[k]}, of_others);
+}
+
+/// @param of_others  some bearing without a name takes a reflector that another names; else none does
+void Reflectors::try_triple(std::span<const Bearing> bearings, const std::array<std::size_t, 3>& triple,
+                            bool of_others) noexcept {
   std::array<std::size_t, 3> first{}, last{};
-  std::array<double, 3> angle{};
+  std::array<Eigen::Vector2d, 3> sight;
+  std::array<bool, 3> labelled{};
   for (std::size_t i = 0; i < 3; ++i) {
     const Bearing& b = bearings[triple[i]];
-    first[i] = b.reflector.valid() ? static_cast<std::size_t>(index_[b.reflector.index()]) : 0;
-    last[i] = b.reflector.valid() ? first[i] + 1 : reflectors_.size();
-    angle[i] = b.bearing_rad;
+    labelled[i] = b.reflector.valid();
+    first[i] = labelled[i] ? static_cast<std::size_t>(index_[b.reflector.index()]) : 0;
+    last[i] = labelled[i] ? first[i] + 1 : reflectors_.size();
+    sight[i] = sights_[triple[i]];
   }
+  const auto of_another = [&](std::size_t i, std::size_t k) { return !labelled[i] && named_[k] != 0; };
   for (std::size_t a = first[0]; a < last[0]; ++a)
     for (std::size_t b = first[1]; b < last[1]; ++b)
       for (std::size_t c = first[2]; c < last[2]; ++c) {
         if (a == b || b == c || a == c) continue;
+        if (of_others != (of_another(0, a) || of_another(1, b) || of_another(2, c))) continue;
         if (tried_++ >= options_.max_hypotheses) return;
         const auto pose =
-            resect({reflectors_[a].p_map_m, reflectors_[b].p_map_m, reflectors_[c].p_map_m}, angle);
-        if (pose) keep({*pose, explain(*pose, bearings)});
+            resect({reflectors_[a].p_map_m, reflectors_[b].p_map_m, reflectors_[c].p_map_m}, sight);
+        if (!pose) continue;
+        Hypothesis& rival = rival_of(*pose);
+        keep({*pose, explain(*pose, bearings, rival.cost)}, rival);
       }
 }
 
@@ -280,8 +333,7 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
         const Reflector& reflector = reflectors_[static_cast<std::size_t>(match_[i])];
         const Eigen::Vector2d sight = reflector.p_map_m - pose.p_map_m;
         const Eigen::Vector3d J = by_pose(sight);
-        const double off =
-            wrap_angle(bearings[i].bearing_rad - std::atan2(sight.y(), sight.x()) + pose.heading_rad);
+        const double off = off_rad(pose, i, sight);
         const double weight = 1 / variance(reflector, sight);
         information += weight * J * J.transpose();
         gradient += weight * off * J;
@@ -292,7 +344,7 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
       const Eigen::Vector3d change = ldlt.solve(gradient);
       if (!change.allFinite()) return false;
       pose.p_map_m += change.head<2>();
-      pose.heading_rad = wrap_angle(pose.heading_rad + change.z());
+      pose.ahead = direction(pose.heading_rad() + change.z());
       converged = change.cwiseAbs().maxCoeff() < 1e-10;
     }
     if (!converged) return false;

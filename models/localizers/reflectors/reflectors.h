@@ -40,10 +40,11 @@ struct ReflectorsOptions {
 /// bearings are taken at the vehicle frame's origin; a bearing without a reflector's name may be of any.
 ///
 /// Triples of bearings give poses in closed form (`resect`), for unlabelled bearings under every assignment,
-/// until max_hypotheses are tried. The poses that explain all bearings best, each bearing by its nearest
-/// reflector and at most at the price of an outlier, are adjusted by least squares; the best is the fix. The
-/// last fix, or `predict`, is one more pose to try and weighs in with what is known of the motion, so that it
-/// decides between poses that the bearings cannot tell apart.
+/// until max_hypotheses are tried: first those that give no bearing a reflector which another names, then,
+/// unless a pose was found that explains all, the others. The poses that explain all bearings best, each
+/// bearing by its nearest reflector and at most at the price of an outlier, are adjusted by least squares;
+/// the best is the fix. The last fix, or `predict`, is one more pose to try and weighs in with what is known
+/// of the motion, so that it decides between poses that the bearings cannot tell apart.
 ///
 /// No fix: kTooFewArrivals under three bearings; kPoorGeometry on the danger circle or with a sigma beyond
 /// max_sigma_m; kAmbiguous where another pose explains the bearings as well; kNoConsensus where fewer than
@@ -80,12 +81,21 @@ class Reflectors : public Localizer {
 
   void begin(const Observations& observations, Fix& fix) noexcept;
   void search(std::span<const Bearing> bearings) noexcept;
-  void try_triple(std::span<const Bearing> bearings, const std::array<std::size_t, 3>& triple) noexcept;
-  void keep(const Hypothesis& hypothesis) noexcept;
-  double explain(const ResectedPose& pose, std::span<const Bearing> bearings) noexcept;
+  void try_triples(std::span<const Bearing> bearings, std::span<const std::size_t> order,
+                   bool of_others) noexcept;
+  void try_triple(std::span<const Bearing> bearings, const std::array<std::size_t, 3>& triple,
+                  bool of_others) noexcept;
+  bool explains_all(std::span<const Bearing> bearings) noexcept;
+  Hypothesis& rival_of(const ResectedPose& pose) noexcept;
+  void keep(const Hypothesis& hypothesis, Hypothesis& rival) noexcept;
+  double explain(const ResectedPose& pose, std::span<const Bearing> bearings,
+                 double bound = std::numeric_limits<double>::infinity()) noexcept;
   bool refine(Hypothesis& hypothesis, std::span<const Bearing> bearings,
               Eigen::Matrix3d& information) noexcept;
   FixStatus judge(std::span<const Bearing> bearings, Hypothesis& best, Eigen::Matrix3d& information) noexcept;
+  void look_at(std::size_t reflector, const ResectedPose& from) noexcept;
+  [[nodiscard]] double off_rad(const ResectedPose& pose, std::size_t bearing,
+                               const Eigen::Vector2d& sight_m) const noexcept;
   [[nodiscard]] double variance(const Reflector& reflector, const Eigen::Vector2d& sight_m) const noexcept;
   void protect(const ResectedPose& pose, std::span<const Bearing> bearings, Fix& fix) noexcept;
 
@@ -100,9 +110,16 @@ class Reflectors : public Localizer {
   // Room for a search.
   std::array<Hypothesis, kBest> best_;
   int tried_ = 0;
-  std::vector<int> match_;         ///< of each bearing: reflector, or -1
-  std::vector<double> direction_;  ///< of each reflector from the pose under test
-  std::vector<char> used_;
+  std::vector<int> match_;               ///< of each bearing: reflector, or -1
+  std::vector<Eigen::Vector2d> sights_;  ///< of each bearing: unit vector in the vehicle frame
+  /// A reflector from the pose under test.
+  struct Seen {
+    Eigen::Vector2d sight_m;  ///< in the vehicle frame
+    double variance = 0.0;    ///< of its bearing; 0: nobody looked yet
+    bool used = false;        ///< or out of range
+  };
+  std::vector<Seen> seen_;
+  std::vector<char> named_;  ///< of each reflector: by a bearing
   BeaconSums sums_;
 };
 

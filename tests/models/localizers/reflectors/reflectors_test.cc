@@ -81,6 +81,32 @@ TEST(Reflectors, IsExactWithoutNoise) {
   }
 }
 
+/// Two reflectors are named where they are not, and seen without a name where they are: only an assignment
+/// that takes a reflector from a bearing that names it leads to the pose.
+TEST(Reflectors, TakesBackWhatIsNamedWrongly) {
+  Random random(kSeed + 7);
+  const Deployment d = with_reflectors({{0, 40}, {35, 38}, {33, 0}, {2, 5}});
+  int count = 0;
+  for (int k = 0; k < 50; ++k) {
+    const Pose truth = somewhere(random);
+    auto bearings = see(d, truth, 0.1 * kSigma, random);
+    for (const std::size_t b : {2u, 3u}) {
+      Bearing wrong = bearings[b];
+      wrong.bearing_rad = wrap_angle(wrong.bearing_rad + random.uniform(0.3, 2.0));
+      bearings[b].reflector = BeaconId();
+      bearings.push_back(wrong);
+    }
+    Reflectors localizer(d);
+    const Fix fix = localizer.locate(of(bearings));
+    if (!fix.ok()) continue;
+    ++count;
+    EXPECT_LT(error(fix, truth).head<2>().norm(), 0.2) << k;
+    EXPECT_EQ(fix.arrivals_used, 4);
+    EXPECT_EQ(fix.rejections[4], Rejection::kOutvoted);
+  }
+  EXPECT_GE(count, 45);
+}
+
 TEST(Reflectors, CovarianceIsConsistent) {
   std::cout << "seed " << kSeed << "\n";
   Random random(kSeed);
