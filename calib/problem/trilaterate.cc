@@ -130,8 +130,7 @@ class Solver {
   }
 
   /// Levenberg-Marquardt under Cauchy's loss, the scale shrinking to options.scale_m.
-  Eigen::Vector3d refine(Eigen::Vector3d p, double start_scale_m,
-                         Eigen::Matrix3d* information = nullptr) const {
+  Eigen::Vector3d refine(Eigen::Vector3d p, double start_scale_m) const {
     for (double scale = start_scale_m;; scale = std::max(scale / 3, options_.scale_m)) {
       double lambda = 1e-4, cost = robust_cost(ranges_, rays_, p, scale);
       for (int iteration = 0; iteration < 30; ++iteration) {
@@ -144,8 +143,6 @@ class Solver {
           g += w * e * v / (d * scale);
         }
         for (const RayFrom& ray : rays_) add_ray(misfit_of(ray, p, scale), H, g);
-        if (information != nullptr)
-          *information = 4 * H * scale * scale / (options_.scale_m * options_.scale_m);
         H.diagonal() *= 1 + lambda;
         H.diagonal().array() += 1e-9 * (1.0 + H.trace());
         for (int i = 0; i < 3; ++i)
@@ -233,9 +230,8 @@ class Solver {
       }
     }
     if (!std::isfinite(best)) return;
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-    out.p_map_m = refine(out.p_map_m, options_.scale_m, &information);
-    finish(best, information, out);
+    out.p_map_m = refine(out.p_map_m, options_.scale_m);
+    finish(best, out);
   }
 
   /// Gauss-Newton's part of a ray under Cauchy's loss, its standard deviation held.
@@ -264,7 +260,7 @@ class Solver {
     return !options_.held[2] && std::abs(spread_.weakest.z()) > 0.99 && spread_.sigma[0] < options_.scale_m;
   }
 
-  void finish(double best, const Eigen::Matrix3d& information, Trilateration& out) const {
+  void finish(double best, Trilateration& out) const {
     if (is_flat() && options_.above && !ranges_.empty() && out.p_map_m.z() < spread_.mean.z())
       out.p_map_m.z() = 2 * spread_.mean.z() - out.p_map_m.z();
     for_each_image(out.p_map_m, best, 10.0, [&](const Eigen::Vector3d& image, double cost) {
@@ -279,14 +275,6 @@ class Solver {
       if (std::abs((r.p_map_m - out.p_map_m).norm() - r.range_m) < 3 * options_.scale_m) ++out.agreeing;
     for (const RayFrom& ray : rays_)
       if (std::abs(misfit_of(ray, out.p_map_m, options_.scale_m).e) < 3) ++out.agreeing;
-    const auto free_count = static_cast<Eigen::Index>(free_.size());
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> F(free_count, free_count);
-    for (std::size_t i = 0; i < free_.size(); ++i)
-      for (std::size_t j = 0; j < free_.size(); ++j)
-        F(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = information(free_[i], free_[j]);
-    const SymmetricEigen<NodeBlock> eigen(F);
-    const double weakest = free_.empty() ? 1.0 : eigen.eigenvalues()[0];
-    out.weakest_sigma_m = weakest > 0 ? 1 / std::sqrt(weakest) : INFINITY;
     out.ok = out.agreeing > static_cast<int>(free_.size());
   }
 

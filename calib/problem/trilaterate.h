@@ -33,9 +33,8 @@ struct TrilaterationOptions {
 struct Trilateration {
   bool ok = false;
   Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();
-  int agreeing = 0;              ///< ranges and rays within three scales
-  double cost = 0.0;             ///< robust, in squared scales
-  double weakest_sigma_m = 0.0;  ///< largest standard deviation of the position, from scale_m
+  int agreeing = 0;   ///< ranges and rays within three scales
+  double cost = 0.0;  ///< robust, in squared scales
   /// A second place, off by more than its uncertainty, that explains the ranges (and rays) nearly as well.
   bool has_mirror = false;
   Eigen::Vector3d mirror_map_m = Eigen::Vector3d::Zero();

@@ -50,6 +50,21 @@ TEST(Trilaterate, FromAPlaneTakesThePlaceAbove) {
   EXPECT_NEAR(t.p_map_m.z(), 2.5, 0.05);
 }
 
+/// Nothing is left to be found: whether the ranges agree is still said (found by fuzzing).
+TEST(Trilaterate, APlaceHeldAltogetherIsHeldAgainstItsRanges) {
+  const Eigen::Vector3d beacon(4, -3, 2.5);
+  const auto ranges = ranges_to(beacon, {5, 5, 0.5}, 20, 0.0, 0.0, 1);
+  TrilaterationOptions options{.held = {true, true, true}, .guess = beacon, .scale_m = 0.01};
+  const Trilateration there = trilaterate(ranges, options);
+  EXPECT_TRUE(there.ok);
+  EXPECT_EQ(there.p_map_m, beacon);
+  EXPECT_EQ(there.agreeing, 20);
+  options.guess.x() += 1.0;
+  const Trilateration elsewhere = trilaterate(ranges, options);
+  EXPECT_EQ(elsewhere.p_map_m, options.guess);
+  EXPECT_LT(elsewhere.agreeing, 5);
+}
+
 TEST(Trilaterate, AStraightTrackLeavesAMirrorImage) {
   TrilaterationOptions options{.held = {false, false, true}, .guess = {0, 0, 2.5}, .scale_m = 0.01};
   const Trilateration t = trilaterate(ranges_to({3, 4, 2.5}, {6, 0, 0}, 40, 0.003, 0.0, 3), options);
