@@ -21,6 +21,7 @@ constexpr double kAgreeing = 0.25;  ///< of the step, by which they may differ b
 constexpr std::size_t kSide = 8, kAtLeastSide = 5;  ///< stops before and after a step that are compared
 constexpr double kOnTheirSide = 0.8;                ///< of the stops
 constexpr double kStepSigmas = 8.0;
+constexpr std::size_t kOfMoment = 32, kBeaconsOfMoment = 4;  ///< arrivals of a drive
 
 /// Two arrivals in a row of one beacon at one receiver.
 struct Change {
@@ -179,8 +180,8 @@ bool difference_at(const std::vector<Offset>& o, std::size_t i, double usual_sca
 
 /// Medians hardly feel on which side a stop or two stand, so the split found by them is flat; the one that
 /// leaves the least absolute deviation from the medians on either side is sharp.
-std::size_t sharpened(const std::vector<Offset>& o, std::size_t i) {
-  const std::size_t first = i > kSide ? i - kSide : 0, last = std::min(o.size(), i + kSide);
+/// @return the first of [first, last) that is after it
+std::size_t sharpened(const std::vector<Offset>& o, std::size_t first, std::size_t last, std::size_t i) {
   std::vector<double> before, after;
   for (std::size_t k = first; k < i; ++k) before.push_back(o[k].offset_s);
   for (std::size_t k = i; k < last; ++k) after.push_back(o[k].offset_s);
@@ -195,6 +196,74 @@ std::size_t sharpened(const std::vector<Offset>& o, std::size_t i) {
     }
   }
   return std::clamp(best, first + 1, last - 1);
+}
+
+/// The steps that offsets in a row show, each at the first offset after it.
+std::vector<std::pair<std::size_t, double>> steps_among(const std::vector<Offset>& o, double smallest_s) {
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < o.size(); ++i) changes.push_back(std::abs(o[i].offset_s - o[i - 1].offset_s));
+  const double usual_s = 1.4826 * median(std::move(changes)) / std::sqrt(2.0);
+  std::vector<std::pair<double, std::size_t>> candidates;  // significance, index
+  for (std::size_t i = 1; i < o.size(); ++i) {
+    double difference = 0.0, sigma = 0.0;
+    if (!difference_at(o, i, usual_s, difference, sigma)) continue;
+    if (std::abs(difference) > kStepSigmas * sigma && std::abs(difference) > smallest_s)
+      candidates.emplace_back(std::abs(difference) / sigma, i);
+  }
+  std::sort(candidates.rbegin(), candidates.rend());
+  std::vector<std::size_t> taken;
+  std::vector<std::pair<std::size_t, double>> steps;
+  for (const auto& [significance, i] : candidates) {
+    const auto at = i;
+    if (std::any_of(taken.begin(), taken.end(),
+                    [at](std::size_t k) { return std::max(k, at) - std::min(k, at) < kSide; }))
+      continue;
+    taken.push_back(i);
+    const std::size_t sharp = sharpened(o, i > kSide ? i - kSide : 0, std::min(o.size(), i + kSide), i);
+    double difference = 0.0, sigma = 0.0;
+    if (!difference_at(o, sharp, usual_s, difference, sigma))
+      (void)difference_at(o, i, usual_s, difference, sigma);
+    steps.emplace_back(sharp, difference);
+  }
+  return steps;
+}
+
+/// What the arrivals of a drive are off by, in the order of time.
+std::vector<Offset> misfits_of(const Trajectory& t, const SharedState& state) {
+  std::vector<Offset> misfits;
+  for (const ArrivalObservation& a : t.arrivals)
+    if (a.rejection == Rejection::kUsed)
+      misfits.push_back({a.time_s, a.sigma_s * arrival_residual(t, a, state), a.sigma_s});
+  return misfits;
+}
+
+/// Misfits taken together, some dozens of a few beacons at a time.
+struct Moments {
+  std::vector<Offset> offsets;
+  std::vector<std::size_t> first;  ///< misfit of each, and one past the last
+};
+
+Moments moments_of(const Trajectory& t, const std::vector<Offset>& misfits) {
+  Moments m;
+  m.first.push_back(0);
+  std::set<BeaconId> beacons;
+  std::vector<double> values;
+  std::size_t i = 0;
+  for (const ArrivalObservation& a : t.arrivals) {
+    if (a.rejection != Rejection::kUsed) continue;
+    beacons.insert(a.beacon);
+    values.push_back(misfits[i++].offset_s);
+    if (values.size() < kOfMoment || beacons.size() < kBeaconsOfMoment) continue;
+    const double middle = median(values);
+    for (double& v : values) v = std::abs(v - middle);
+    const auto count = static_cast<double>(values.size());
+    m.offsets.push_back(
+        {misfits[m.first.back()].time_s, middle, 1.25 * 1.4826 * median(values) / std::sqrt(count)});
+    m.first.push_back(i);
+    beacons.clear();
+    values.clear();
+  }
+  return m;
 }
 
 }  // namespace
@@ -231,30 +300,27 @@ std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajec
   for (const Trajectory& t : trajectories) {
     if (t.run != run || t.moving || t.has_cycle_offset) continue;
     const std::vector<Offset> o = offsets_of(t, state);
-    std::vector<double> changes;
-    for (std::size_t i = 1; i < o.size(); ++i) changes.push_back(std::abs(o[i].offset_s - o[i - 1].offset_s));
-    const double usual_s = 1.4826 * median(std::move(changes)) / std::sqrt(2.0);
-    std::vector<std::pair<double, std::size_t>> candidates;  // significance, index
-    for (std::size_t i = 1; i < o.size(); ++i) {
-      double difference = 0.0, sigma = 0.0;
-      if (!difference_at(o, i, usual_s, difference, sigma)) continue;
-      if (std::abs(difference) > kStepSigmas * sigma &&
-          std::abs(difference) * t.nominal_speed_mps > smallest_m)
-        candidates.emplace_back(std::abs(difference) / sigma, i);
-    }
-    std::sort(candidates.rbegin(), candidates.rend());
-    std::vector<std::size_t> taken;
-    for (const auto& [significance, i] : candidates) {
-      const auto at = i;
-      if (std::any_of(taken.begin(), taken.end(),
-                      [at](std::size_t k) { return std::max(k, at) - std::min(k, at) < kSide; }))
-        continue;
-      taken.push_back(i);
-      const std::size_t sharp = sharpened(o, i);
-      double difference = 0.0, sigma = 0.0;
-      if (!difference_at(o, sharp, usual_s, difference, sigma))
-        (void)difference_at(o, i, usual_s, difference, sigma);
-      steps.push_back({o[sharp].time_s, difference, state.beacon_p_map_m.size()});
+    for (const auto& [at, step_s] : steps_among(o, smallest_m / t.nominal_speed_mps))
+      steps.push_back({o[at].time_s, step_s, state.beacon_p_map_m.size()});
+  }
+  std::sort(steps.begin(), steps.end(),
+            [](const ClockStep& a, const ClockStep& b) { return a.time_s < b.time_s; });
+  return steps;
+}
+
+std::vector<ClockStep> steps_along_drives(const std::vector<Trajectory>& trajectories,
+                                          const SharedState& state, double smallest_m) {
+  std::vector<ClockStep> steps;
+  for (const Trajectory& t : trajectories) {
+    if (!t.moving || t.has_cycle_offset) continue;
+    const std::vector<Offset> misfits = misfits_of(t, state);
+    const Moments m = moments_of(t, misfits);
+    for (const auto& [at, step_s] : steps_among(m.offsets, smallest_m / t.nominal_speed_mps)) {
+      // The moment that holds the jump is on neither side: among the arrivals of it and its neighbours.
+      const std::size_t first = m.first[at > 1 ? at - 2 : 0],
+                        last = m.first[std::min(at + 2, m.offsets.size())];
+      steps.push_back({misfits[sharpened(misfits, first, last, m.first[at])].time_s, step_s,
+                       state.beacon_p_map_m.size()});
     }
   }
   std::sort(steps.begin(), steps.end(),

@@ -26,4 +26,12 @@ inline constexpr double kSmallestStepM = 0.1;
                                                          std::size_t run, const SharedState& state,
                                                          double smallest_m = kSmallestStepM);
 
+/// Jumps along drives: what the ranges of a moment are off by together, of a few dozen arrivals of four
+/// beacons or more, is compared before and after, moment by moment.
+/// @param trajectories  with states that odometry and all ranges make together: under ranges that weigh
+/// little a clock that is off hardly moves them  @param smallest_m  of sound's way
+[[nodiscard]] std::vector<ClockStep> steps_along_drives(const std::vector<Trajectory>& trajectories,
+                                                        const SharedState& state,
+                                                        double smallest_m = kSmallestStepM);
+
 }  // namespace octant::calib

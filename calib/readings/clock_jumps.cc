@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/adjust/reject.h"
 #include "calib/problem/clock_check.h"
 #include "calib/problem/thin.h"
 #include "calib/start/approach.h"
@@ -17,6 +18,8 @@ namespace {
 /// Of a half, adjusted; and the stops that are held against it.
 constexpr ThinOptions kHalf = {.instants = 40, .per_beacon = 30, .per_pair = 4};
 constexpr ThinOptions kAllStops = {.instants = 400, .per_beacon = 0, .per_pair = 4};
+/// Along a drive ranges weigh as if they were known to this alone: odometry carries the states across a jump.
+constexpr double kLooseRangeM = 0.3;
 /// Ranges from places that a half tells may be off by this where the other half stood elsewhere.
 constexpr double kOtherHalfSlackM = 0.1;
 /// Such a jump is told by its significance; whether it explains the recording is seen afterwards.
@@ -52,7 +55,30 @@ std::vector<Trajectory> stops_with_clocks(const Site& site, const MeasurementLog
   return std::move(problem->trajectories);
 }
 
-/// What the stops show of the clock at the places that one half tells; nothing where it tells none.
+/// Drives of the run at the same places, by odometry and ranges that weigh little.
+std::vector<Trajectory> drives_by_loose_ranges(const Site& site, const MeasurementLog& run,
+                                               const Estimate& adjusted, int threads) {
+  auto problem = make_problem(site, {thin(run, site.beacons.size(), kAllStops)}, threads);
+  if (!problem) return {};
+  const SharedState state = adjusted.state();
+  const EpochFixModel model = search_model(*problem, state, adjusted.beacon_usable);
+  const double loose_s = kLooseRangeM / speed_mps(site.medium);
+  std::erase_if(problem->trajectories, [&](Trajectory& t) {
+    if (!t.moving) return true;
+    static_cast<void>(place_states(t, model, kLooseRangeM, false, 0.0, threads));
+    if (std::any_of(t.nodes.begin(), t.nodes.end(), [](const Node& node) { return !node.placed; }))
+      return true;
+    for (ArrivalObservation& a : t.arrivals) a.sigma_s = std::max(a.sigma_s, loose_s);
+    for (const Segment& segment : t.segments) {
+      reset_marks(t, segment, model);
+      static_cast<void>(settle(t, segment, state, RobustLoss{kCauchyScale, kCauchyScale}));
+    }
+    return false;
+  });
+  return std::move(problem->trajectories);
+}
+
+/// What the run shows of the clock at the places that one half tells; nothing where it tells none.
 std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, const MeasurementLog& run,
                                 const SolveOptions& options) {
   const auto problem = make_problem(site, {thin(half, site.beacons.size(), kHalf)}, options.threads);
@@ -60,6 +86,9 @@ std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, co
   Course course(options);
   const Approach found = approach(*problem, options, course, false);
   if (!found.ok) return {};
+  if (!run.has_epochs)
+    return steps_along_drives(drives_by_loose_ranges(site, run, found.estimate, options.threads),
+                              found.estimate.state(), kSmallestJumpM);
   return steps_between_stops(stops_with_clocks(site, run, found.estimate, options.threads), 0,
                              found.estimate.state(), kSmallestJumpM);
 }
@@ -68,7 +97,9 @@ std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, co
 
 std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, LogHalf half,
                                    const SolveOptions& options) {
-  if (!run.has_epochs || run.arrivals.empty() || site.timing.clock == Clock::kCycleOffset) return {};
+  const bool is_drive = !run.has_epochs && !run.odometry.empty();
+  if (!(run.has_epochs || is_drive) || run.arrivals.empty() || site.timing.clock == Clock::kCycleOffset)
+    return {};
   std::vector<ClockStep> jumps = jumps_by(site, half_of(run, half), run, options);
   double largest_s = 0.0;
   for (const ClockStep& jump : jumps) largest_s = std::max(largest_s, std::abs(jump.step_s));

@@ -11,10 +11,11 @@ namespace octant::calib {
 
 enum class LogHalf { kFirst, kLast };
 
-/// Jumps of a clock between the stops of a recording, as one half of it shows them: the half is adjusted by
-/// itself, and every stop then has a clock offset of its own (four beacons or more heard). An adjustment of
-/// the whole bends to a jump, so that its offsets no longer show it; of two halves one is without it. Evenly
-/// spread stops are looked at, some hundreds. None where each epoch has a clock of its own, or none is told.
+/// Jumps of a clock during a recording, as one half of it shows them: the half is adjusted by itself, and
+/// every stop then has a clock offset of its own (four beacons or more heard); along a drive, what its ranges
+/// of a moment are off by together is looked at. An adjustment of the whole bends to a jump, so that its
+/// offsets no longer show it; of two halves one is without it. Evenly spread stops are looked at, some
+/// hundreds, or stretches of a drive. None where each epoch has a clock of its own, or none is told.
 [[nodiscard]] std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, LogHalf half,
                                                  const SolveOptions& options = {});
 

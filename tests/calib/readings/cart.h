@@ -39,4 +39,12 @@ inline double jump_clock(World& world, double share, double jump_s) {
   return first_after_s;
 }
 
+/// The same along a drive. @return the first time after the jump
+inline double jump_clock_of_drive(World& world, double share, double jump_s) {
+  std::vector<Arrival>& arrivals = world.run.arrivals;
+  const double at_s = arrivals[static_cast<std::size_t>(share * static_cast<double>(arrivals.size()))].time_s;
+  for (Arrival& a : arrivals) a.tof_s += a.time_s >= at_s ? jump_s : 0.0;
+  return at_s;
+}
+
 }  // namespace octant::test

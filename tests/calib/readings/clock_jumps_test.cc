@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/readings/clock_jumps.h"
 
+#include <tuple>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,6 +26,20 @@ TEST(ClockJumps, AreToldByTheHalfWithoutThem) {
     ASSERT_EQ(found.size(), 1U) << share;
     EXPECT_EQ(found[0].time_s, at_s);
     EXPECT_NEAR(found[0].step_s, 4e-4, 0.2e-4);
+  }
+}
+
+TEST(ClockJumps, AlongADriveAreToldByTheHalfWithoutThem) {
+  for (const auto& [share, half, jump_s] :
+       {std::tuple{0.3, LogHalf::kLast, 2e-4}, {0.7, LogHalf::kFirst, -1e-3}, {0.5, LogHalf::kFirst, 1e-3}}) {
+    World world = must(simulate(drive_scenario(), 3));
+    EXPECT_THAT(calib::clock_jumps(world.site, world.run, half), IsEmpty()) << "before";
+    const double at_s = jump_clock_of_drive(world, share, jump_s);
+    const std::vector<ClockStep> found = calib::clock_jumps(world.site, world.run, half);
+    ASSERT_EQ(found.size(), 1U) << share;
+    EXPECT_NEAR(found[0].time_s, at_s, 0.5);
+    EXPECT_NEAR(found[0].step_s, jump_s,
+                0.2 * std::abs(jump_s));  // delays of a half bend to it
   }
 }
 

@@ -78,6 +78,18 @@ TEST(Readings, NameAClockThatJumped) {
   }
 }
 
+TEST(Readings, NameAClockThatJumpedDuringADrive) {
+  for (const auto& [share, jump_s] : {std::pair{0.66, -3e-3}, {0.3, 2e-4}}) {
+    World world = must(simulate(drive_scenario(), 5));
+    EXPECT_THAT(explained(world), IsEmpty()) << "before it jumped";
+    static_cast<void>(jump_clock_of_drive(world, share, jump_s));
+    const auto found = explained(world);
+    ASSERT_EQ(found.size(), 1U) << jump_s;
+    EXPECT_EQ(found[0].kind, ContradictionKind::kLog);
+    EXPECT_THAT(found[0].found, HasSubstr(jump_s > 0 ? "longer" : "shorter"));
+  }
+}
+
 // Each of the three can be blamed by itself, as it may move to where it agrees with the others.
 TEST(Readings, NameTwoOfThreeControlPointsThatAreExchanged) {
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
