@@ -228,38 +228,30 @@ std::vector<std::pair<std::size_t, double>> steps_among(const std::vector<Offset
   return steps;
 }
 
-/// What the arrivals of a drive are off by, in the order of time.
-std::vector<Offset> misfits_of(const Trajectory& t, const SharedState& state) {
-  std::vector<Offset> misfits;
-  for (const ArrivalObservation& a : t.arrivals)
-    if (a.rejection == Rejection::kUsed)
-      misfits.push_back({a.time_s, a.sigma_s * arrival_residual(t, a, state), a.sigma_s});
-  return misfits;
-}
-
-/// Misfits taken together, some dozens of a few beacons at a time.
-struct Moments {
-  std::vector<Offset> offsets;
-  std::vector<std::size_t> first;  ///< misfit of each, and one past the last
+/// What the arrivals of a drive are off by, in the order of time: one by one, and some dozens of a few
+/// beacons together.
+struct Misfits {
+  std::vector<Offset> arrivals, moments;
+  std::vector<std::size_t> first;  ///< arrival of each moment, and one past the last's
 };
 
-Moments moments_of(const Trajectory& t, const std::vector<Offset>& misfits) {
-  Moments m;
+Misfits misfits_of(const Trajectory& t, const SharedState& state) {
+  Misfits m;
   m.first.push_back(0);
   std::set<BeaconId> beacons;
   std::vector<double> values;
-  std::size_t i = 0;
   for (const ArrivalObservation& a : t.arrivals) {
     if (a.rejection != Rejection::kUsed) continue;
+    m.arrivals.push_back({a.time_s, a.sigma_s * arrival_residual(t, a, state), a.sigma_s});
     beacons.insert(a.beacon);
-    values.push_back(misfits[i++].offset_s);
+    values.push_back(m.arrivals.back().offset_s);
     if (values.size() < kOfMoment || beacons.size() < kBeaconsOfMoment) continue;
     const double middle = median(values);
     for (double& v : values) v = std::abs(v - middle);
     const auto count = static_cast<double>(values.size());
-    m.offsets.push_back(
-        {misfits[m.first.back()].time_s, middle, 1.25 * 1.4826 * median(values) / std::sqrt(count)});
-    m.first.push_back(i);
+    m.moments.push_back(
+        {m.arrivals[m.first.back()].time_s, middle, 1.25 * 1.4826 * median(values) / std::sqrt(count)});
+    m.first.push_back(m.arrivals.size());
     beacons.clear();
     values.clear();
   }
@@ -313,13 +305,12 @@ std::vector<ClockStep> steps_along_drives(const std::vector<Trajectory>& traject
   std::vector<ClockStep> steps;
   for (const Trajectory& t : trajectories) {
     if (!t.moving || t.has_cycle_offset) continue;
-    const std::vector<Offset> misfits = misfits_of(t, state);
-    const Moments m = moments_of(t, misfits);
-    for (const auto& [at, step_s] : steps_among(m.offsets, smallest_m / t.nominal_speed_mps)) {
+    const Misfits m = misfits_of(t, state);
+    for (const auto& [at, step_s] : steps_among(m.moments, smallest_m / t.nominal_speed_mps)) {
       // The moment that holds the jump is on neither side: among the arrivals of it and its neighbours.
       const std::size_t first = m.first[at > 1 ? at - 2 : 0],
-                        last = m.first[std::min(at + 2, m.offsets.size())];
-      steps.push_back({misfits[sharpened(misfits, first, last, m.first[at])].time_s, step_s,
+                        last = m.first[std::min(at + 2, m.moments.size())];
+      steps.push_back({m.arrivals[sharpened(m.arrivals, first, last, m.first[at])].time_s, step_s,
                        state.beacon_p_map_m.size()});
     }
   }

@@ -31,7 +31,6 @@ inline constexpr double kSmallestStepM = 0.1;
 /// @param trajectories  with states that odometry and all ranges make together: under ranges that weigh
 /// little a clock that is off hardly moves them  @param smallest_m  of sound's way
 [[nodiscard]] std::vector<ClockStep> steps_along_drives(const std::vector<Trajectory>& trajectories,
-                                                        const SharedState& state,
-                                                        double smallest_m = kSmallestStepM);
+                                                        const SharedState& state, double smallest_m);
 
 }  // namespace octant::calib

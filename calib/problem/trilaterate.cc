@@ -94,7 +94,7 @@ class Solver {
       b[k] = q.squaredNorm() - r.range_m * r.range_m;
     }
     b.array() -= b.mean();
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeFullV);
     Eigen::Vector3d y = Eigen::Vector3d::Zero();
     std::vector<Eigen::Vector3d> open;
     for (int i = 0; i < 3; ++i) {

@@ -39,43 +39,50 @@ MeasurementLog half_of(const MeasurementLog& run, LogHalf half) {
   return part;
 }
 
-/// Stops of the run at the places where the beacons of `adjusted` are, each with a clock of its own.
+/// Trajectories of the run where the beacons are that `adjusted` tells.
+/// @param settle  bool(Trajectory&, const EpochFixModel&, const SharedState&): false leaves it out
+template <class Settle>
+std::vector<Trajectory> settled(Site site, const MeasurementLog& run, const Estimate& adjusted, int threads,
+                                Settle settle) {
+  const std::size_t beacons = site.beacons.size();
+  auto problem = make_problem(std::move(site), {thin(run, beacons, kAllStops)}, threads);
+  if (!problem) return {};
+  const SharedState state = adjusted.state();
+  const EpochFixModel model = search_model(*problem, state, adjusted.beacon_usable);
+  std::erase_if(problem->trajectories, [&](Trajectory& t) { return !settle(t, model, state); });
+  return std::move(problem->trajectories);
+}
+
+/// Stops of the run, each with a clock of its own.
 std::vector<Trajectory> stops_with_clocks(const Site& site, const MeasurementLog& run,
                                           const Estimate& adjusted, int threads) {
   Site loose = site;
   loose.timing.clock = Clock::kCycleOffset;
-  auto problem = make_problem(std::move(loose), {thin(run, site.beacons.size(), kAllStops)}, threads);
-  if (!problem) return {};
-  const SharedState state = adjusted.state();
-  const EpochFixModel model = search_model(*problem, state, adjusted.beacon_usable);
-  for (Trajectory& t : problem->trajectories) {
-    static_cast<void>(place_states(t, model, kOtherHalfSlackM, false, 0.0, threads));
-    t.has_cycle_offset = false;  // what is looked for is no offset of the site's clock
-  }
-  return std::move(problem->trajectories);
+  return settled(std::move(loose), run, adjusted, threads,
+                 [&](Trajectory& t, const EpochFixModel& model, const SharedState&) {
+                   static_cast<void>(place_states(t, model, kOtherHalfSlackM, false, 0.0, threads));
+                   t.has_cycle_offset = false;  // what is looked for is no offset of the site's clock
+                   return true;
+                 });
 }
 
-/// Drives of the run at the same places, by odometry and ranges that weigh little.
+/// Drives of the run, by odometry and ranges that weigh little.
 std::vector<Trajectory> drives_by_loose_ranges(const Site& site, const MeasurementLog& run,
                                                const Estimate& adjusted, int threads) {
-  auto problem = make_problem(site, {thin(run, site.beacons.size(), kAllStops)}, threads);
-  if (!problem) return {};
-  const SharedState state = adjusted.state();
-  const EpochFixModel model = search_model(*problem, state, adjusted.beacon_usable);
   const double loose_s = kLooseRangeM / speed_mps(site.medium);
-  std::erase_if(problem->trajectories, [&](Trajectory& t) {
-    if (!t.moving) return true;
+  const auto by_odometry = [&](Trajectory& t, const EpochFixModel& model, const SharedState& state) {
+    if (!t.moving) return false;
     static_cast<void>(place_states(t, model, kLooseRangeM, false, 0.0, threads));
     if (std::any_of(t.nodes.begin(), t.nodes.end(), [](const Node& node) { return !node.placed; }))
-      return true;
+      return false;
     for (ArrivalObservation& a : t.arrivals) a.sigma_s = std::max(a.sigma_s, loose_s);
     for (const Segment& segment : t.segments) {
       reset_marks(t, segment, model);
       static_cast<void>(settle(t, segment, state, RobustLoss{kCauchyScale, kCauchyScale}));
     }
-    return false;
-  });
-  return std::move(problem->trajectories);
+    return true;
+  };
+  return settled(site, run, adjusted, threads, by_odometry);
 }
 
 /// What the run shows of the clock at the places that one half tells; nothing where it tells none.

@@ -116,22 +116,20 @@ class McapExport {
       const ExportJson pose = {{"position", place},
                                {"orientation", {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 1}}}};
       const ExportJson colour = {{"r", 0.1}, {"g", 0.4}, {"b", 0.8}, {"a", 1.0}};
-      entities.push_back(
-          {{"timestamp", {{"sec", 0}, {"nsec", 0}}},
-           {"frame_id", "map"},
-           {"id", b.id},
-           {"lifetime", {{"sec", 0}, {"nsec", 0}}},
-           {"frame_locked", false},
-           {"metadata", ExportJson::array()},
-           {"spheres",
-            {{{"pose", pose}, {"size", {{"x", 0.15}, {"y", 0.15}, {"z", 0.15}}}, {"color", colour}}}},
-           {"texts",
-            {{{"pose", pose},
-              {"billboard", true},
-              {"font_size", 14},
-              {"scale_invariant", true},
-              {"color", colour},
-              {"text", b.id}}}}});
+      // Lists of one are made by array(): compilers differ in what {x} is.
+      const ExportJson sphere = {
+          {"pose", pose}, {"size", {{"x", 0.15}, {"y", 0.15}, {"z", 0.15}}}, {"color", colour}};
+      const ExportJson text = {{"pose", pose},    {"billboard", true},
+                               {"font_size", 14}, {"scale_invariant", true},
+                               {"color", colour}, {"text", b.id}};
+      entities.push_back({{"timestamp", {{"sec", 0}, {"nsec", 0}}},
+                          {"frame_id", "map"},
+                          {"id", b.id},
+                          {"lifetime", {{"sec", 0}, {"nsec", 0}}},
+                          {"frame_locked", false},
+                          {"metadata", ExportJson::array()},
+                          {"spheres", ExportJson::array({sphere})},
+                          {"texts", ExportJson::array({text})}});
     }
     out_.message(out_.channel("/octant/beacons", scene_schema(), "json"),
                  at(std::isfinite(first_s_) ? first_s_ : 0.0),

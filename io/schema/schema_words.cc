@@ -52,6 +52,9 @@ WordsJson example_of(const std::string& text) {
   return value.is_discarded() ? WordsJson(text) : value;
 }
 
+/// As JSON Schema lists them. By array(): compilers differ in what {x} is.
+WordsJson examples_of(const KeyWords& words) { return WordsJson::array({example_of(words.example)}); }
+
 /// Walks over all keys of a schema. visit(path, key's schema, is it required)
 class SchemaWalk {
  public:
@@ -127,7 +130,7 @@ void describe_columns(WordsJson& files, const std::map<std::string, KeyWords>& w
       column = {{"description", text}, {"required", !optional}};
       const std::string first(name.substr(0, name.find(',')));
       if (const std::string_view unit = unit_of_key(first); !unit.empty()) column["x-unit"] = unit;
-      if (found != nullptr) column["examples"] = {example_of(found->example)};
+      if (found != nullptr) column["examples"] = examples_of(*found);
     }
   }
 }
@@ -155,7 +158,7 @@ WordsJson described(std::string_view format, std::string_view file) {
     const auto found = all.find(in_scene ? path.substr(kInScene.size()) : path);
     if (found == all.end()) return;
     key["description"] = joined(key.value("description", ""), found->second.description);
-    if (!found->second.example.empty()) key["examples"] = {example_of(found->second.example)};
+    if (!found->second.example.empty()) key["examples"] = examples_of(found->second);
   }).walk(root, "");
   if (root.contains("x-files")) describe_columns(root["x-files"], words);
   keep_file(root, file);

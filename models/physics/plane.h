@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 
 namespace octant {
@@ -15,9 +17,12 @@ namespace octant {
 }
 
 /// Cosine and sine of the angle from a to b, times the lengths of both.
-[[nodiscard]] inline Eigen::Vector2d turn_from(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+[[nodiscard]] inline Eigen::Vector2d turn_between(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return {a.dot(b), cross(a, b)};
 }
+
+/// From the x axis, counter-clockwise, in (-pi, pi].
+[[nodiscard]] inline double angle_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
 
 [[nodiscard]] inline double square(double x) { return x * x; }
 

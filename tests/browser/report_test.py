@@ -364,7 +364,7 @@ class Reports(unittest.TestCase):
             for i, beacon in enumerate(truth["beacons"]):
                 with open(self.at("code.png"), "wb") as file:
                     file.write(b.picture(f".tag:nth-child({i + 1}) svg"))
-                read = subprocess.run(["zbarimg", "--quiet", "--raw", self.at("code.png")], capture_output=True, text=True)
+                read = subprocess.run(["zbarimg", "--quiet", "--raw", "-Sdisable", "-Sqrcode.enable", self.at("code.png")], capture_output=True, text=True)
                 tag = json.loads(read.stdout)
                 self.assertEqual((tag["beacon"], tag["site"], tag["deployment"]), (names[i], truth["site"], truth["digest"]))
                 self.assertEqual(tag["position_m"], [round(x, 4) for x in beacon["position_m"]])

@@ -9,14 +9,13 @@
 #include <Eigen/LU>
 
 #include "models/localizers/common/arrival_range.h"
+#include "models/physics/plane.h"
 
 namespace octant {
 namespace {
 
 constexpr double kRounding_m = 1e-9;  // of the geometry; stands in where the deployment states no noise
 constexpr int kSteps = 20;
-
-double bearing(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
 
 Eigen::Matrix2d rotation(double angle_rad) {
   return (Eigen::Matrix2d() << std::cos(angle_rad), -std::sin(angle_rad), std::sin(angle_rad),
@@ -148,8 +147,8 @@ FixStatus Binaural::closed_form(PlanarPose& pose) const noexcept {
   // eq. 7, 8: the angles under which each transmitter sees the other. The paper takes one from the lateral
   // axis and the other from the forward one (its special cases contradict each other otherwise); here both
   // are bearings from x.
-  const double alpha1 = bearing(*p_t2_vehicle - links_[2].p_receiver_m.head<2>());
-  const double alpha2 = bearing(*p_t1_map - links_[0].p_beacon_m.head<2>());
+  const double alpha1 = angle_of(*p_t2_vehicle - links_[2].p_receiver_m.head<2>());
+  const double alpha2 = angle_of(*p_t1_map - links_[0].p_beacon_m.head<2>());
   // eq. 9: the same ray seen from its two ends differs by half a turn and by the orientation.
   pose.heading_rad = wrap_angle(alpha2 + std::numbers::pi - alpha1);
   pose.p_m = *p_t1_map - rotation(pose.heading_rad) * links_[2].p_receiver_m.head<2>();
@@ -160,8 +159,8 @@ bool Binaural::within_beam(const PlanarPose& pose) const noexcept {
   const Eigen::Matrix2d R = rotation(pose.heading_rad);
   const Eigen::Vector2d sight =
       pose.p_m + R * links_[2].p_receiver_m.head<2>() - links_[0].p_beacon_m.head<2>();
-  const double off2 = std::abs(wrap_angle(bearing(sight) - bearing(options_.facing_map)));
-  const double off1 = std::abs(wrap_angle(bearing(-sight) - bearing(R * roles_->facing1)));
+  const double off2 = std::abs(wrap_angle(angle_of(sight) - angle_of(options_.facing_map)));
+  const double off1 = std::abs(wrap_angle(angle_of(-sight) - angle_of(R * roles_->facing1)));
   return std::max(off1, off2) <= options_.beam.limit_rad && std::min(off1, off2) <= options_.beam.both_rad;
 }
 

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "models/localizers/kleeman/kleeman_validation.h"
+#include "models/physics/plane.h"
 #include "models/physics/pose.h"
 
 namespace octant {
@@ -110,13 +111,6 @@ HeardFrom heard_from(const HeadingInput& in, std::size_t beacon) {
   out.by_position = Eigen::RowVector2d(out.bearing.y(), -out.bearing.x()) / distance_m;
   return out;
 }
-
-/// The quotient of two unit vectors as complex numbers: the angle from `from` to `to`.
-Eigen::Vector2d turn_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  return {to.dot(from), to.y() * from.x() - to.x() * from.y()};
-}
-
-double angle_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
 
 /// Headings that one beacon allows.
 struct Sector {

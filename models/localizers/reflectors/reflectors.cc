@@ -29,11 +29,10 @@ Eigen::Vector3d by_pose(const Eigen::Vector2d& sight) {
 }
 
 Eigen::Vector2d direction(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
-double angle_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
 
 Eigen::Vector3d difference(const ResectedPose& a, const ResectedPose& b) {
   return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(),
-          angle_of(turn_from(b.ahead, a.ahead))};
+          angle_of(turn_between(b.ahead, a.ahead))};
 }
 
 }  // namespace
@@ -156,7 +155,7 @@ double Reflectors::Prediction::cost(const ResectedPose& at, double gate_sigmas) 
   const double distance =
       (at.p_map_m - pose.p_map_m).squaredNorm() / square(std::max(sigma_m, kSmallestSight_m));
   if (distance >= most) return 0.5 * most;
-  const double turn = angle_of(turn_from(pose.ahead, at.ahead)) / std::max(sigma_rad, kSmallestSigma_rad);
+  const double turn = angle_of(turn_between(pose.ahead, at.ahead)) / std::max(sigma_rad, kSmallestSigma_rad);
   return 0.5 * std::min(distance + square(turn), most);
 }
 
@@ -164,12 +163,12 @@ double Reflectors::Prediction::cost(const ResectedPose& at, double gate_sigmas) 
 /// @param sight_m  from the pose to the reflector, on the map
 double Reflectors::off_rad(const ResectedPose& pose, std::size_t bearing,
                            const Eigen::Vector2d& sight_m) const noexcept {
-  return angle_of(turn_from(turn_from(pose.ahead, sight_m), sights_[bearing]));
+  return angle_of(turn_between(turn_between(pose.ahead, sight_m), sights_[bearing]));
 }
 
 void Reflectors::look_at(std::size_t reflector, const ResectedPose& from) noexcept {
   const Eigen::Vector2d sight = reflectors_[reflector].p_map_m - from.p_map_m;
-  seen_[reflector] = {turn_from(from.ahead, sight), variance(reflectors_[reflector], sight),
+  seen_[reflector] = {turn_between(from.ahead, sight), variance(reflectors_[reflector], sight),
                       sight.squaredNorm() > square(options_.range_m)};
 }
 
@@ -199,7 +198,7 @@ double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> be
         if (seen.used) continue;
         // An angle is no less than its sine, and beyond a quarter turn where the cosine is negative: few
         // reflectors are so near that the angle itself is asked for.
-        const Eigen::Vector2d off = turn_from(sights_[i], seen.sight_m);
+        const Eigen::Vector2d off = turn_between(sights_[i], seen.sight_m);
         const double widest = 2 * nearest * seen.variance;
         if (off.x() > 0 ? square(off.y()) >= widest * seen.sight_m.squaredNorm()
                         : square(std::numbers::pi / 2) >= widest)
@@ -222,7 +221,7 @@ Reflectors::Hypothesis& Reflectors::rival_of(const ResectedPose& pose) noexcept 
   for (Hypothesis& other : best_) {
     if (!std::isfinite(other.cost)) break;
     if ((pose.p_map_m - other.pose.p_map_m).squaredNorm() > square(kNear_m)) continue;
-    const Eigen::Vector2d turn = turn_from(other.pose.ahead, pose.ahead);
+    const Eigen::Vector2d turn = turn_between(other.pose.ahead, pose.ahead);
     if (turn.x() > 0 && std::abs(turn.y()) <= kNear_rad) return other;
   }
   return best_.back();

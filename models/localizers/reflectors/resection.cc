@@ -45,10 +45,11 @@ std::optional<Eigen::Vector2d> intersect_sight_circles(const std::array<Eigen::V
 
 std::optional<ResectedPose> resect(const std::array<Eigen::Vector2d, 3>& p,
                                    const std::array<Eigen::Vector2d, 3>& sight) noexcept {
-  const auto found = intersect_sight_circles(p, turn_from(sight[0], sight[1]), turn_from(sight[1], sight[2]));
+  const auto found =
+      intersect_sight_circles(p, turn_between(sight[0], sight[1]), turn_between(sight[1], sight[2]));
   if (!found) return std::nullopt;
   std::array<Eigen::Vector2d, 3> heading;  // by each of the points, times its distance
-  for (std::size_t i = 0; i < 3; ++i) heading[i] = turn_from(sight[i], p[i] - *found);
+  for (std::size_t i = 0; i < 3; ++i) heading[i] = turn_between(sight[i], p[i] - *found);
   // Circles know angles up to half a turn.
   if (heading[0].dot(heading[1]) < 0 || heading[0].dot(heading[2]) < 0) return std::nullopt;
   return ResectedPose{*found, heading[0].normalized()};

@@ -3,10 +3,11 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <optional>
 
 #include <Eigen/Core>
+
+#include "models/physics/plane.h"
 
 namespace octant {
 
@@ -14,7 +15,7 @@ namespace octant {
 struct ResectedPose {
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d ahead = Eigen::Vector2d::UnitX();  ///< the vehicle's x axis on the map, a unit vector
-  [[nodiscard]] double heading_rad() const { return std::atan2(ahead.y(), ahead.x()); }
+  [[nodiscard]] double heading_rad() const { return angle_of(ahead); }
 };
 
 /// Where one stands on the circle that sees the first two of three points under an angle, and on that of the

@@ -65,6 +65,22 @@ TEST(Trilaterate, APlaceHeldAltogetherIsHeldAgainstItsRanges) {
   EXPECT_LT(elsewhere.agreeing, 5);
 }
 
+/// One range or two span no space: what they leave open is found from the range (found by fuzzing). One has
+/// two such places, above and below where it was measured.
+TEST(Trilaterate, OneRangeFindsTheOneCoordinateThatIsOpen) {
+  const Eigen::Vector3d beacon(4, -3, 2.5);
+  for (const int count : {1, 2}) {
+    const auto ranges = ranges_to(beacon, {5, 5, 0.5}, count, 0.0, 0.0, 1);
+    const TrilaterationOptions options{.held = {true, true, false}, .guess = {4, -3, 2.0}, .scale_m = 0.01};
+    const Trilateration t = trilaterate(ranges, options);
+    EXPECT_EQ(t.ok, count == 2);
+    EXPECT_EQ(t.agreeing, count);
+    const double from_m = ranges.front().p_map_m.z();
+    const double height_m = count == 1 ? from_m + std::abs(t.p_map_m.z() - from_m) : t.p_map_m.z();
+    EXPECT_NEAR(height_m, 2.5, 1e-3) << count;
+  }
+}
+
 TEST(Trilaterate, AStraightTrackLeavesAMirrorImage) {
   TrilaterationOptions options{.held = {false, false, true}, .guess = {0, 0, 2.5}, .scale_m = 0.01};
   const Trilateration t = trilaterate(ranges_to({3, 4, 2.5}, {6, 0, 0}, 40, 0.003, 0.0, 3), options);

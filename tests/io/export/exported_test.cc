@@ -154,6 +154,25 @@ TEST(Exported, McapHasTheFixesAsPosesAndAsRows) {
   expect_error(to_mcap(content), 0, "which MCAP counts in nanoseconds");
 }
 
+/// foxglove.SceneEntity wants lists, of one too.
+TEST(Exported, McapHasTheBeaconsAsAScene) {
+  ExportedContent content;
+  content.beacons = {{.id = "Süd 1", .position_m = {1.5, -2, 2.25}, .sigma_m = 0.01}};
+  const auto mcap = to_mcap(content);
+  ASSERT_TRUE(mcap);
+  const std::string tail = "\"Süd 1\"}]}]}";
+  const std::size_t end = mcap->find(tail), begin = mcap->rfind(R"({"deletions":)", end);
+  ASSERT_TRUE(begin != std::string::npos && end != std::string::npos);
+  const auto scene = nlohmann::json::parse(mcap->substr(begin, end + tail.size() - begin), nullptr, false);
+  ASSERT_FALSE(scene.is_discarded());
+  const auto& entity = scene.at("entities").at(0);
+  for (const char* list : {"spheres", "texts"}) {
+    ASSERT_TRUE(entity.at(list).is_array()) << list;
+    EXPECT_EQ(entity.at(list).at(0).at("pose").at("position").at("z"), 2.25);
+  }
+  EXPECT_EQ(entity.at("texts").at(0).at("text"), "Süd 1");
+}
+
 TEST(Exported, GeoJsonIsLongitudeFirst) {
   ExportedContent content;
   content.site = "hall";

@@ -121,9 +121,9 @@ TEST(SchemaKeys, OfASiteAreKnownToItsReader) {
 
 TEST(SchemaKeys, OfASceneAreKnownToItsReader) {
   const TemporaryFolder folder;
-  const KeysJson power = {{"patterns", {{{"id", "p"}, {"kind", "cosine_power"}, {"exponent", 1}}}}};
-  const KeysJson table = {
-      {"patterns", {{{"id", "p"}, {"kind", "table"}, {"angle_rad", {0, 1}}, {"gain", {1, 0.5}}}}}};
+  const auto power = KeysJson::parse(R"({"patterns": [{"id": "p", "kind": "cosine_power", "exponent": 1}]})");
+  const auto table = KeysJson::parse(
+      R"({"patterns": [{"id": "p", "kind": "table", "angle_rad": [0, 1], "gain": [1, 0.5]}]})");
   expect_known("scene", KeysJson::parse(R"({"octant_scene": 1})"),
                [&](const std::string& text) -> Warnings {
                  const auto read = read_scene(folder.write("scene.yaml", text));

@@ -111,7 +111,9 @@ inline double position_error_m(const Pose& a, const Pose& b) {
 template <class Random>
 Pose random_pose(Random& random) {
   std::uniform_real_distribution<double> x(2, 18), y(2, 10), h(-std::numbers::pi, std::numbers::pi);
-  return Pose::planar(x(random), y(random), h(random));
+  // Drawn one by one: compilers differ in the order in which they take a call's arguments.
+  const double heading_rad = h(random), y_m = y(random), x_m = x(random);
+  return Pose::planar(x_m, y_m, heading_rad);
 }
 
 }  // namespace octant::test
