@@ -93,28 +93,30 @@ std::vector<Change> changes_of(const Site& site, const MeasurementLog& run, Vehi
 }
 
 /// Do most pairs of beacon and receiver jump by the same, and stay there, across the instant before time_s?
-bool step_at(const std::vector<Change>& changes, double time_s, double sign, ClockStep& step) {
+/// @param by_m  about the jump; pairs between whose arrivals the vehicle can have moved as far say nothing
+bool step_at(const std::vector<Change>& changes, double time_s, double by_m, ClockStep& step) {
   std::set<BeaconId> beacons;
-  std::vector<double> by_m, moved_m;
+  std::vector<double> changed_m, moved_m;
   std::size_t across = 0;
   for (const Change& c : changes) {
     if (c.from_s >= time_s || c.to_s < time_s) continue;
+    if (!c.beyond() && c.moved_m > std::abs(by_m)) continue;
     ++across;
-    if (!c.beyond() || c.returns || c.range_m * sign < 0) continue;
+    if (!c.beyond() || c.returns || c.range_m * by_m < 0) continue;
     beacons.insert(c.beacon);
-    by_m.push_back(c.range_m);
+    changed_m.push_back(c.range_m);
     moved_m.push_back(c.moved_m);
   }
   if (beacons.size() < kAtLeastBeacons ||
-      static_cast<double>(by_m.size()) < kMost * static_cast<double>(across))
+      static_cast<double>(changed_m.size()) < kMost * static_cast<double>(across))
     return false;
   // One clock: the jumps agree.
-  const double step_m = median(by_m);
+  const double step_m = median(changed_m);
   std::size_t agree = 0;
-  for (std::size_t i = 0; i < by_m.size(); ++i)
-    agree += std::abs(by_m[i] - step_m) < moved_m[i] + kAgreeing * std::abs(step_m);
+  for (std::size_t i = 0; i < changed_m.size(); ++i)
+    agree += std::abs(changed_m[i] - step_m) < moved_m[i] + kAgreeing * std::abs(step_m);
   step = {time_s, step_m, beacons.size()};
-  return static_cast<double>(agree) >= kMost * static_cast<double>(by_m.size());
+  return static_cast<double>(agree) >= kMost * static_cast<double>(changed_m.size());
 }
 
 struct Offset {
@@ -277,7 +279,7 @@ std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& r
       for (std::size_t k = first; k < changes.size() && changes[k].to_s <= c.to_s + longest_s; ++k)
         near.push_back(changes[k]);
       ClockStep step;
-      if (!step_at(near, c.to_s, c.range_m > 0 ? 1.0 : -1.0, step)) continue;
+      if (!step_at(near, c.to_s, c.range_m, step)) continue;
       step.step_s /= speed_mps(site.medium) / (site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0);
       steps.push_back(step);
       done_s = c.to_s;

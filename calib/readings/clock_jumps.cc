@@ -24,6 +24,8 @@ constexpr double kLooseRangeM = 0.3;
 constexpr double kOtherHalfSlackM = 0.1;
 /// Such a jump is told by its significance; whether it explains the recording is seen afterwards.
 constexpr double kSmallestJumpM = 0.01;
+/// Arrivals between the times by which one jump is told twice, at most.
+constexpr std::ptrdiff_t kSameJump = 128;
 /// Beside a jump, steps below this share of it are what a half that was bent by it leaves.
 constexpr double kBesides = 0.25;
 
@@ -100,6 +102,23 @@ std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, co
                              found.estimate.state(), kSmallestJumpM);
 }
 
+/// Adds what is left of a jump to it, or a jump of its own.
+void add(const ClockStep& left, const MeasurementLog& run, std::vector<ClockStep>& jumps) {
+  const auto is_same = [&](const ClockStep& jump) {
+    const auto [first, last] = std::minmax(jump.time_s, left.time_s);
+    const auto between = std::count_if(run.arrivals.begin(), run.arrivals.end(), [&](const Arrival& a) {
+      return a.time_s >= first && a.time_s < last;
+    });
+    return between <= kSameJump;
+  };
+  const auto same = std::find_if(jumps.begin(), jumps.end(), is_same);
+  if (same == jumps.end()) {
+    jumps.push_back(left);
+  } else {
+    same->step_s += left.step_s;
+  }
+}
+
 }  // namespace
 
 std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, LogHalf half,
@@ -107,7 +126,16 @@ std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, 
   const bool is_drive = !run.has_epochs && !run.odometry.empty();
   if (!(run.has_epochs || is_drive) || run.arrivals.empty() || site.timing.clock == Clock::kCycleOffset)
     return {};
-  std::vector<ClockStep> jumps = jumps_by(site, half_of(run, half), run, options);
+  // A gross jump bends all by which it is measured: first it is taken back as well as the ranges alone tell
+  // it, and what is left of it is told then.
+  std::vector<ClockStep> jumps = steps_in_ranges(site, run);
+  if (jumps.empty()) {
+    jumps = jumps_by(site, half_of(run, half), run, options);
+  } else {
+    MeasurementLog rest = run;
+    without_jumps(jumps, rest);
+    for (const ClockStep& left : jumps_by(site, half_of(rest, half), rest, options)) add(left, run, jumps);
+  }
   double largest_s = 0.0;
   for (const ClockStep& jump : jumps) largest_s = std::max(largest_s, std::abs(jump.step_s));
   std::erase_if(jumps, [&](const ClockStep& jump) { return std::abs(jump.step_s) < kBesides * largest_s; });

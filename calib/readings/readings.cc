@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calib/problem/clock_check.h"
 #include "calib/readings/pauses.h"
 #include "calib/readings/reading.h"
 #include "calib/readings/reading_score.h"
@@ -60,11 +61,16 @@ class Search {
 
   std::vector<Contradiction> run() {
     look_as_stated();
+    const bool jumps = std::any_of(problem_.runs.begin(), problem_.runs.end(),
+                                   [&](const auto& run) { return !steps_in_ranges(site_, run).empty(); });
+    // What the ranges alone show has the first turn: beside such a jump every other look is long, and vain.
+    if (jumps) try_out(jumped_clocks(site_, problem_.runs, options_));
+    if (!found_.empty()) return best();
     try_numbered_stops();
     if (found_.empty()) try_exchanged_points();
     const bool scale_is_right =
         stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise && !is_blamed(ContradictionKind::kSpeed);
-    if (nothing_but_exchanges()) try_out(jumped_clocks(site_, problem_.runs, options_));
+    if (!jumps && nothing_but_exchanges()) try_out(jumped_clocks(site_, problem_.runs, options_));
     if (nothing_but_exchanges())
       try_out(scale_is_right ? other_units(site_, true) : scales(), is_blamed(ContradictionKind::kSpeed));
     // A wrong frame of short lever arms looks much like receivers in another unit: both have their turn.

@@ -9,6 +9,7 @@
 
 #include "calib/errors/reliability.h"
 #include "calib/errors/statistics.h"
+#include "calib/problem/clock_check.h"
 #include "calib/problem/ranges.h"
 #include "calib/start/label_check.h"
 #include "calib/statements/agreement.h"
@@ -101,6 +102,17 @@ void warn_of_noise(const Problem& problem, const Findings& findings, double nois
   warn_of_correlation(findings, solution);
 }
 
+/// Whether the ranges alone show that a clock jumped, and the adjustment is bent by it: a good part of the
+/// arrivals does not agree. No statement is to blame for that, whatever its release would explain.
+bool is_bent_by_a_clock(const Problem& problem, const Solution& solution) {
+  constexpr double kLeftOutShare = 0.2;
+  std::size_t rows = 0;
+  for (const MeasurementLog& run : problem.runs) rows += run.arrivals.size();
+  return static_cast<double>(solution.left_out.size()) > kLeftOutShare * static_cast<double>(rows) &&
+         std::any_of(problem.runs.begin(), problem.runs.end(),
+                     [&](const MeasurementLog& run) { return !steps_in_ranges(problem.site, run).empty(); });
+}
+
 /// What was stated, and the recording with itself, against what the data say.
 void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                 const std::vector<Trajectory>& trajectories, Solution& solution) {
@@ -149,7 +161,7 @@ void conclude(const Problem& problem, const SolveOptions& options, const Estimat
     solution.warnings.push_back(std::move(warning));
   solution.whole = std::move(findings.whole);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
-  if (solution.status == SolveStatus::kConverged)
+  if (solution.status == SolveStatus::kConverged && !is_bent_by_a_clock(problem, solution))
     contradict(problem, options, estimate, trajectories, solution);
   if (!solution.contradictions.empty())
     return;  // which tell the culprit; what follows would name the innocent

@@ -43,6 +43,20 @@ TEST(ClockJumps, AlongADriveAreToldByTheHalfWithoutThem) {
   }
 }
 
+/// By metres: all that it is measured by is bent, so it is taken back first as the ranges alone show it, and
+/// what is left of it is told then.
+TEST(ClockJumps, GrossOnesAreToldInTwoSteps) {
+  for (const auto& [share, half, jump_s] :
+       {std::tuple{0.4, LogHalf::kLast, 2e-2}, {0.6, LogHalf::kFirst, -5e-3}}) {
+    World world = must(simulate(drive_scenario(), 3));
+    const double at_s = jump_clock_of_drive(world, share, jump_s);
+    const std::vector<ClockStep> found = calib::clock_jumps(world.site, world.run, half);
+    ASSERT_EQ(found.size(), 1U) << share;
+    EXPECT_NEAR(found[0].time_s, at_s, 0.5);
+    EXPECT_NEAR(found[0].step_s, jump_s, 3e-5);
+  }
+}
+
 TEST(ClockJumps, WhereEachEpochHasItsOwnClockThereIsNothingToSay) {
   World world = cart(40, 2);
   static_cast<void>(jump_clock(world, 0.7, 1e-3));
