@@ -288,6 +288,11 @@ std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& r
   return steps;
 }
 
+bool ranges_show_a_jump(const Site& site, const std::vector<MeasurementLog>& runs) {
+  return std::any_of(runs.begin(), runs.end(),
+                     [&](const MeasurementLog& run) { return !steps_in_ranges(site, run).empty(); });
+}
+
 std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajectories, std::size_t run,
                                            const SharedState& state, double smallest_m) {
   std::vector<ClockStep> steps;

@@ -15,6 +15,9 @@ namespace octant::calib {
 /// between stops far apart in time are beyond it.
 [[nodiscard]] std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& run);
 
+/// Whether they show one in any of the runs.
+[[nodiscard]] bool ranges_show_a_jump(const Site& site, const std::vector<MeasurementLog>& runs);
+
 /// Where the fit of a stop is rough (echoes), steps below a tenth of a metre of sound's way say nothing.
 inline constexpr double kSmallestStepM = 0.1;
 

@@ -15,7 +15,8 @@ enum class LogHalf { kFirst, kLast };
 /// every stop then has a clock offset of its own (four beacons or more heard); along a drive, what its ranges
 /// of a moment are off by together is looked at. An adjustment of the whole bends to a jump, so that its
 /// offsets no longer show it; of two halves one is without it. Evenly spread stops are looked at, some
-/// hundreds, or stretches of a drive. None where each epoch has a clock of its own, or none is told.
+/// hundreds, or stretches of a drive. A gross jump is first taken back as the ranges alone show it. None
+/// where each epoch has a clock of its own, or none is told.
 [[nodiscard]] std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, LogHalf half,
                                                  const SolveOptions& options = {});
 

@@ -15,12 +15,13 @@
 #include "calib/readings/pauses.h"
 #include "calib/readings/reading.h"
 #include "calib/readings/reading_score.h"
+#include "calib/verdict/left_out.h"
 
 namespace octant::calib {
 namespace {
 
 /// How an outcome looks that is worth a search.
-constexpr double kEarlyShare = 0.05, kLeftOutShare = 0.35, kNoiseRatio = 3.0, kDraggedSigmas = 6.0;
+constexpr double kEarlyShare = 0.05, kNoiseRatio = 3.0, kDraggedSigmas = 6.0;
 constexpr std::size_t kEarlyAtLeast = 10;
 /// How much better a reading must be: by so much log likelihood an arrival, and by such a factor; and good by
 /// itself.
@@ -61,8 +62,7 @@ class Search {
 
   std::vector<Contradiction> run() {
     look_as_stated();
-    const bool jumps = std::any_of(problem_.runs.begin(), problem_.runs.end(),
-                                   [&](const auto& run) { return !steps_in_ranges(site_, run).empty(); });
+    const bool jumps = ranges_show_a_jump(site_, problem_.runs);
     // What the ranges alone show has the first turn: beside such a jump every other look is long, and vain.
     if (jumps) try_out(jumped_clocks(site_, problem_.runs, options_));
     if (!found_.empty()) return best();
@@ -274,7 +274,7 @@ bool seems_misread(const Problem& problem, const Solution& solution) {
   for (const LeftOut& l : solution.left_out) early += l.reason == Rejection::kEarly;
   const double all = static_cast<double>(rows);
   if (early >= kEarlyAtLeast && static_cast<double>(early) > kEarlyShare * all) return true;
-  if (static_cast<double>(solution.left_out.size()) > kLeftOutShare * all) return true;
+  if (are_many_left_out(problem, solution)) return true;
   if (problem.site.noise.tof_sigma_s > 0 &&
       solution.tof_sigma_s > kNoiseRatio * problem.site.noise.tof_sigma_s)
     return true;

@@ -102,15 +102,10 @@ void warn_of_noise(const Problem& problem, const Findings& findings, double nois
   warn_of_correlation(findings, solution);
 }
 
-/// Whether the ranges alone show that a clock jumped, and the adjustment is bent by it: a good part of the
-/// arrivals does not agree. No statement is to blame for that, whatever its release would explain.
+/// Whether the ranges alone show that a clock jumped, and the adjustment is bent by it. No statement is to
+/// blame for that, whatever its release would explain; what is, other readings (readings/) tell.
 bool is_bent_by_a_clock(const Problem& problem, const Solution& solution) {
-  constexpr double kLeftOutShare = 0.2;
-  std::size_t rows = 0;
-  for (const MeasurementLog& run : problem.runs) rows += run.arrivals.size();
-  return static_cast<double>(solution.left_out.size()) > kLeftOutShare * static_cast<double>(rows) &&
-         std::any_of(problem.runs.begin(), problem.runs.end(),
-                     [&](const MeasurementLog& run) { return !steps_in_ranges(problem.site, run).empty(); });
+  return are_many_left_out(problem, solution) && ranges_show_a_jump(problem.site, problem.runs);
 }
 
 /// What was stated, and the recording with itself, against what the data say.

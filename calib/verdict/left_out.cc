@@ -98,6 +98,13 @@ LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& 
   return out;
 }
 
+bool are_many_left_out(const Problem& problem, const Solution& solution) {
+  constexpr double kMany = 0.35;
+  std::size_t rows = 0;
+  for (const MeasurementLog& run : problem.runs) rows += run.arrivals.size();
+  return static_cast<double>(solution.left_out.size()) > kMany * static_cast<double>(rows);
+}
+
 std::vector<std::string> bearings_in_doubt(const Problem& problem,
                                            const std::vector<LeftOutBearing>& left_out) {
   std::vector<std::size_t> all(problem.site.beacons.size(), 0), out(all);

@@ -21,6 +21,9 @@ struct LeftOutOfAll {
 [[nodiscard]] LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories,
                                        const SharedState& state);
 
+/// More than a third of the arrivals: what was stated is misread, or the recording is not of one clock.
+[[nodiscard]] bool are_many_left_out(const Problem& problem, const Solution& solution);
+
 /// Warnings that name beacons of whose labelled bearings more than half do not fit all else.
 [[nodiscard]] std::vector<std::string> bearings_in_doubt(const Problem& problem,
                                                          const std::vector<LeftOutBearing>& left_out);

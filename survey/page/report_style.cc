@@ -9,7 +9,7 @@ std::string_view page_style() {
 --attention:#7a4a00;--bad:#b3261e;--link:#1660a8;--beacon:#1660a8;--control:#176b34;--track:#5d6b78;--fix:#b3470b}
 @media(prefers-color-scheme:dark){:root{--ink:#dfe6ec;--soft:#a3b0bb;--line:#3a4651;--paper:#12181e;--card:#1b242c;--good:#67c587;
 --attention:#e6b35c;--bad:#f2867e;--link:#6db3f2;--beacon:#6db3f2;--control:#67c587;--track:#9aa7b3;--fix:#f0945a}}
-*{box-sizing:border-box}html{scroll-behavior:smooth}
+*{box-sizing:border-box}
 body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:64rem;margin:0 auto;padding:1rem 1rem 4rem;overflow-wrap:break-word}
 h1{font-size:1.8rem;line-height:1.2;margin:0}h2{font-size:1.2rem;margin:1.1rem 0 .3rem;padding-top:.4rem;border-top:1px solid var(--line)}
 p{margin:.5rem 0}a{color:var(--link)}.soft{color:var(--soft)}
