@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -48,13 +49,35 @@ struct Bearing {
   int line = 0;
 };
 
-/// Pose of this row in the frame of the row before; the first row is the anchor.
+/// Pose of this row in the frame of the row before; the first row is the anchor. In space its rotation is
+/// the vector (turn_x_rad, turn_y_rad, dheading_rad), of which a vehicle in the plane has the last alone.
 struct OdometryStep {
   double time_s = 0.0;
   double dx_m = 0.0;
   double dy_m = 0.0;
   double dheading_rad = 0.0;
   VehicleId vehicle;
+  double dz_m = 0.0;
+  double turn_x_rad = 0.0, turn_y_rad = 0.0;
+
+  [[nodiscard]] bool is_planar() const { return dz_m == 0.0 && turn_x_rad == 0.0 && turn_y_rad == 0.0; }
+  [[nodiscard]] bool is_zero() const {
+    return dx_m == 0.0 && dy_m == 0.0 && dheading_rad == 0.0 && is_planar();
+  }
+  [[nodiscard]] bool is_finite() const {
+    return std::isfinite(dx_m) && std::isfinite(dy_m) && std::isfinite(dz_m) && turn_rad().allFinite();
+  }
+  [[nodiscard]] Eigen::Vector3d turn_rad() const { return {turn_x_rad, turn_y_rad, dheading_rad}; }
+  [[nodiscard]] Pose pose() const {
+    return is_planar() ? Pose::planar(dx_m, dy_m, dheading_rad)
+                       : Pose{{dx_m, dy_m, dz_m}, exp_rotation(turn_rad())};
+  }
+  void set_pose(const Pose& T_before_after) {
+    const Eigen::Vector3d& d = T_before_after.translation_m;
+    const Eigen::Vector3d turn = log_rotation(T_before_after.rotation);
+    dx_m = d.x(), dy_m = d.y(), dz_m = d.z();
+    turn_x_rad = turn.x(), turn_y_rad = turn.y(), dheading_rad = turn.z();
+  }
 };
 
 struct TimedPose {

@@ -43,7 +43,10 @@ struct Column {
                    {"dx_m", "f8", offsetof(OdometryStep, dx_m)},
                    {"dy_m", "f8", offsetof(OdometryStep, dy_m)},
                    {"dheading_rad", "f8", offsetof(OdometryStep, dheading_rad)},
-                   {"vehicle", "i4", offsetof(OdometryStep, vehicle)}},
+                   {"vehicle", "i4", offsetof(OdometryStep, vehicle)},
+                   {"dz_m", "f8", offsetof(OdometryStep, dz_m)},
+                   {"turn_x_rad", "f8", offsetof(OdometryStep, turn_x_rad)},
+                   {"turn_y_rad", "f8", offsetof(OdometryStep, turn_y_rad)}},
                   sizeof(OdometryStep));
 }
 [[nodiscard]] inline pybind11::dtype dtype_of(const Bearing*) {

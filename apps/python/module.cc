@@ -68,6 +68,31 @@ Run read_run(const std::string& folder, const py::object& of, bool truth) {
 template <class Value>
 using Array = py::array_t<Value, py::array::c_style | py::array::forcecast>;
 
+/// Rows of numbers as odometry: 4 columns in the plane, 8 in space.
+std::vector<OdometryStep> steps_of(const Array<double>& rows, VehicleId vehicle) {
+  const bool in_space = rows.ndim() == 2 && rows.shape(1) == 8;
+  if (rows.ndim() != 2 || (rows.shape(1) != 4 && !in_space))
+    throw py::value_error(
+        "odometry: rows of time_s, dx_m, dy_m, dheading_rad are expected, or in space of time_s, dx_m, dy_m, "
+        "dz_m, qx, qy, qz, qw");
+  std::vector<OdometryStep> steps;
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    OdometryStep step{
+        .time_s = rows.at(i, 0), .dx_m = rows.at(i, 1), .dy_m = rows.at(i, 2), .vehicle = vehicle};
+    if (!steps.empty() && !(step.time_s > steps.back().time_s))
+      throw py::value_error("odometry: time_s does not increase");
+    if (in_space) {
+      const Eigen::Quaterniond q(rows.at(i, 7), rows.at(i, 4), rows.at(i, 5), rows.at(i, 6));
+      if (!(q.norm() > 1e-3)) throw py::value_error("odometry: a quaternion of no length");
+      step.set_pose({{step.dx_m, step.dy_m, rows.at(i, 3)}, q.normalized()});
+    } else {
+      step.dheading_rad = rows.at(i, 3);
+    }
+    steps.push_back(step);
+  }
+  return steps;
+}
+
 Run make_run(const py::object& of, const Array<double>& time_s, const Array<std::int32_t>& beacon,
              const Array<double>& tof_s, const std::optional<Array<std::int32_t>>& receiver,
              const std::optional<Array<std::int64_t>>& epoch, const std::optional<Array<double>>& amplitude_v,
@@ -105,16 +130,7 @@ Run make_run(const py::object& of, const Array<double>& time_s, const Array<std:
     if (temperature_degC) a.temperature_degC = temperature_degC->at(i);
     if (i > 0 && time_s.at(i) < time_s.at(i - 1)) throw py::value_error("time_s decreases");
   }
-  if (odometry) {
-    if (odometry->ndim() != 2 || odometry->shape(1) != 4)
-      throw py::value_error("odometry: rows of time_s, dx_m, dy_m, dheading_rad are expected");
-    for (py::ssize_t i = 0; i < odometry->shape(0); ++i) {
-      if (i > 0 && !(odometry->at(i, 0) > odometry->at(i - 1, 0)))
-        throw py::value_error("odometry: time_s does not increase");
-      run.log.odometry.push_back({odometry->at(i, 0), odometry->at(i, 1), odometry->at(i, 2),
-                                  odometry->at(i, 3), VehicleId(vehicle)});
-    }
-  }
+  if (odometry) run.log.odometry = steps_of(*odometry, VehicleId(vehicle));
   run.log.rows = run.log.arrivals.size();
   return run;
 }

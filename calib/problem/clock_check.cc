@@ -39,7 +39,7 @@ class Travelled {
     double way = 0.0;
     for (const OdometryStep& s : run.odometry) {
       if (s.vehicle != vehicle) continue;
-      way += std::hypot(s.dx_m, s.dy_m);
+      way += std::hypot(s.dx_m, s.dy_m, s.dz_m);
       time_.push_back(s.time_s);
       way_.push_back(way);
     }

@@ -183,12 +183,12 @@ void add_thinned(const std::vector<OdometryStep>& odometry, VehicleId vehicle,
     if (few.size() == of_others) {
       few.push_back(step);
     } else {
-      sum = sum * Pose::planar(step.dx_m, step.dy_m, step.dheading_rad);
-      way_m += std::hypot(step.dx_m, step.dy_m);
-      turn_rad += std::abs(step.dheading_rad);
+      sum = sum * step.pose();
+      way_m += std::hypot(step.dx_m, step.dy_m, step.dz_m);
+      turn_rad += std::hypot(step.dheading_rad, step.turn_x_rad, step.turn_y_rad);
       if (near || is_last || way_m >= kStepM || turn_rad >= kStepRad) {
-        few.push_back(
-            {step.time_s, sum.translation_m.x(), sum.translation_m.y(), sum.heading_rad(), vehicle});
+        few.push_back({.time_s = step.time_s, .vehicle = vehicle});
+        few.back().set_pose(sum);
         sum = Pose();
         way_m = turn_rad = 0.0;
       }

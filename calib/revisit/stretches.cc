@@ -38,7 +38,7 @@ MeasurementLog stretch_of(const MeasurementLog& run, double from_s, double to_s)
   for (OdometryStep& step : out.odometry) {  // the first row of each vehicle has none before it
     if (std::find(anchored.begin(), anchored.end(), step.vehicle) != anchored.end()) continue;
     anchored.push_back(step.vehicle);
-    step.dx_m = step.dy_m = step.dheading_rad = 0.0;
+    step.set_pose({});
   }
   out.rows = out.arrivals.size();
   return out;

@@ -24,7 +24,7 @@ constexpr std::size_t kLongDrive = 20'000;  ///< arrivals, or states whose pose 
 bool is_planar(const Trajectory& t) {
   return t.motion == Motion::kPlanar && !t.has_cycle_offset && t.poses.empty();
 }
-bool has_stops(const Trajectory& t) { return t.motion == Motion::kPlanar && !t.moving && t.odometry.empty(); }
+bool has_stops(const Trajectory& t) { return !t.moving && t.odometry.empty(); }
 /// States of which each stands alone at a measured pose, in the plane or in space.
 bool has_posed_states(const Trajectory& t) {
   return !t.poses.empty() && t.odometry.empty() && t.motion_steps.empty() && !t.has_cycle_offset;

@@ -253,7 +253,7 @@ std::size_t memory_of_whole(std::size_t arrivals, std::size_t odometry_rows) {
 std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_rows) {
   constexpr std::size_t kMega = std::size_t{1} << 20, kProgram = 20 * kMega;
   constexpr std::size_t kLookedAt = 110'000, kBytesLookedAt = 1600;
-  constexpr std::size_t kOfDrives = 90 * kMega, kBytesOfStep = 90;  // rows, states, stretches looked at
+  constexpr std::size_t kOfDrives = 90 * kMega, kBytesOfStep = 115;  // rows, states, stretches looked at
   if (odometry_rows > 0) return kOfDrives + odometry_rows * kBytesOfStep;
   return kProgram + std::min(arrivals, kLookedAt) * kBytesLookedAt + 7 * arrivals / 2;
 }
@@ -276,10 +276,9 @@ std::optional<std::string> why_no_streamed_drive(const Site& site, const Measure
 }
 
 /// Why stops cannot be.
-std::optional<std::string> why_no_streamed_stops(const Site& site, const MeasurementLog& run) {
+std::optional<std::string> why_no_streamed_stops(const MeasurementLog& run) {
   if (!run.has_epochs) return fmt::format("{} has neither epochs nor odometry", run.path);
   if (!run.odometry.empty()) return fmt::format("{} has stops with odometry between them", run.path);
-  if (site.motion != Motion::kPlanar) return "the vehicle moves in space";
   return {};
 }
 
@@ -290,7 +289,7 @@ std::optional<std::string> why_not_streamed(const Site& site, const std::vector<
   Problem frame;
   frame.site = site;
   for (const MeasurementLog* run : runs) {
-    if (auto why = is_drive(*run) ? why_no_streamed_drive(site, *run) : why_no_streamed_stops(site, *run))
+    if (auto why = is_drive(*run) ? why_no_streamed_drive(site, *run) : why_no_streamed_stops(*run))
       return why;
     if (!run->bearings.empty()) return fmt::format("{} has bearings", run->path);
     frame.runs.push_back(without_lists(*run));

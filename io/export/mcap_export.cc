@@ -144,7 +144,7 @@ class McapExport {
     std::vector<Pose> added(run.names.vehicles.size() + 1);
     for (const OdometryStep& step : log.odometry) {
       Pose& T = added[step.vehicle.valid() ? step.vehicle.index() : run.names.vehicles.size()];
-      T = T * Pose::planar(step.dx_m, step.dy_m, step.dheading_rad);
+      T = T * step.pose();
       out_.message(
           out_.channel(topic_of(run.names, step.vehicle, "odometry"), ros_schema(kRosOdometry), "cdr"),
           at(step.time_s), ros_odometry(nanoseconds_of(step.time_s), "odom", "base_link", T));

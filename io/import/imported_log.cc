@@ -35,21 +35,14 @@ void one_an_instant(std::vector<TimedPose>& poses, const char* what, ImportedLog
                                        log.path, before - poses.size(), what));
 }
 
-/// Each pose in the plane of the one before.
+/// Each pose in the frame of the one before.
 MeasurementLog steps_of(const std::vector<TimedPose>& poses) {
   MeasurementLog steps;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     OdometryStep step;
     step.time_s = poses[i].time_s;
     step.vehicle = VehicleId(0);
-    if (i > 0) {
-      const Pose &a = poses[i - 1].T_map_vehicle, &b = poses[i].T_map_vehicle;
-      const double heading = a.heading_rad(), c = std::cos(heading), s = std::sin(heading);
-      const Eigen::Vector3d d = b.translation_m - a.translation_m;
-      step.dx_m = c * d.x() + s * d.y();
-      step.dy_m = -s * d.x() + c * d.y();
-      step.dheading_rad = wrap_angle(b.heading_rad() - heading);
-    }
+    if (i > 0) step.set_pose(poses[i - 1].T_map_vehicle.inverse() * poses[i].T_map_vehicle);
     steps.odometry.push_back(step);
   }
   return steps;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // bearings.csv, odometry.csv and scans.csv.
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -94,13 +95,56 @@ Result<void> parse_bearings(std::string_view text, const std::string& file, cons
   return finish(csv, log);
 }
 
+namespace {
+
+/// Columns of a row's motion: in the plane, or with dz_m and a quaternion in place of the heading in space.
+class OdometryColumns {
+ public:
+  explicit OdometryColumns(CsvReader& csv) : dx_(csv.require("dx_m")), dy_(csv.require("dy_m")) {
+    dz_ = csv.find("dz_m");
+    in_space_ = csv.find("qw") >= 0 || csv.find("qx") >= 0 || csv.find("qy") >= 0 || csv.find("qz") >= 0;
+    if (!in_space_) {
+      turn_ = csv.require("dheading_rad");
+      return;
+    }
+    for (std::size_t i = 0; i < 4; ++i) q_[i] = csv.require(kQuaternion[i]);
+    if (const int turn = csv.find("dheading_rad"); turn >= 0)
+      csv.fail_at(turn, "both a quaternion and dheading_rad", "one of them", "leave the other out");
+  }
+
+  bool read(CsvReader& csv, OdometryStep& row) const {
+    if (!csv.number(dx_, row.dx_m) || !csv.number(dy_, row.dy_m)) return false;
+    if (dz_ >= 0 && !csv.number(dz_, row.dz_m)) return false;
+    if (!in_space_)
+      return csv.number(turn_, row.dheading_rad) && check_angle(csv, turn_, "dheading_rad", row.dheading_rad);
+    Eigen::Quaterniond q;
+    for (std::size_t i = 0; i < 4; ++i)
+      if (!csv.number(q_[i], q.coeffs()[static_cast<Eigen::Index>(i)])) return false;
+    const double norm = q.norm();
+    if (!(norm > 1e-3))
+      return csv.fail_at(q_[3], "a quaternion of no length",
+                         "qx, qy, qz, qw of length 1 (0, 0, 0, 1: no turn)");
+    q.coeffs() /= norm;
+    row.set_pose({{row.dx_m, row.dy_m, row.dz_m}, q});
+    return true;
+  }
+
+ private:
+  static constexpr std::array<const char*, 4> kQuaternion = {"qx", "qy", "qz", "qw"};
+  int dx_, dy_, dz_ = -1, turn_ = -1;
+  std::array<int, 4> q_{};
+  bool in_space_ = false;
+};
+
+}  // namespace
+
 Result<void> parse_odometry(std::string_view text, const std::string& file, const NameLookup& names,
                             MeasurementLog& log) {
   CsvReader csv(text, file);
   csv.read_header();
   if (csv.error()) return fail(*csv.error());
-  const int time = csv.require("time_s"), dx = csv.require("dx_m"), dy = csv.require("dy_m"),
-            turn = csv.require("dheading_rad");
+  const int time = csv.require("time_s");
+  const OdometryColumns columns(csv);
   const int vehicle = csv.find("vehicle");
   // Each vehicle has a time of its own here: its rows are a chain of their own.
   std::vector<OrderWatch> order(names.names().vehicles.size(), OrderWatch(0, time, -1));
@@ -110,9 +154,8 @@ Result<void> parse_odometry(std::string_view text, const std::string& file, cons
     OdometryStep row;
     if (!csv.number(time, row.time_s) || !names.vehicle(csv, vehicle, row.vehicle)) break;
     if (!order[row.vehicle.index()].time(csv, row.time_s)) break;
-    if (!csv.number(dx, row.dx_m) || !csv.number(dy, row.dy_m) || !csv.number(turn, row.dheading_rad)) break;
-    if (!check_angle(csv, turn, "dheading_rad", row.dheading_rad)) break;
-    if (!begun[row.vehicle.index()] && (row.dx_m != 0.0 || row.dy_m != 0.0 || row.dheading_rad != 0.0)) {
+    if (!columns.read(csv, row)) break;
+    if (!begun[row.vehicle.index()] && !row.is_zero()) {
       log.warnings.push_back(fmt::format(
           "{}: the first row is the anchor, its motion is not used; expected zeros", csv.place()));
     }

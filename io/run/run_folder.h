@@ -13,9 +13,9 @@
 namespace octant::io {
 
 /// The files that a run folder gives meaning to.
-inline constexpr std::string_view kRunFiles[] = {"tof.csv",      "bearings.csv", "scans.csv",
-                                                 "odometry.csv", "poses.tum",    "points.csv",
-                                                 "truth.tum",    "truth.csv",    "run.yaml"};
+inline constexpr std::string_view kRunFiles[] = {"tof.csv",      "bearings.csv", "scans.csv",  "odometry.csv",
+                                                 "odometry.tum", "poses.tum",    "points.csv", "truth.tum",
+                                                 "truth.csv",    "run.yaml"};
 
 struct ReadRunOptions {
   bool read_truth = false;  ///< open truth.tum; only verify does

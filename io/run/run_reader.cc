@@ -200,7 +200,22 @@ Result<void> RunReader::read_scans() {
 Result<void> RunReader::read_odometry() {
   const auto text = load("odometry.csv");
   if (!text) return fail(text.error());
-  return *text ? parse_odometry((*text)->text(), path("odometry.csv"), lookup_, log_) : Result<void>{};
+  if (*text)
+    if (auto ok = parse_odometry((*text)->text(), path("odometry.csv"), lookup_, log_); !ok) return ok;
+  std::vector<TimedPose> track;
+  if (auto ok = read_track("odometry.tum", track); !ok || track.empty()) return ok;
+  if (!log_.odometry.empty())
+    return fail({.file = path("odometry.tum"),
+                 .found = "odometry.csv is there too",
+                 .expected = "one of them",
+                 .advice = "take the other away"});
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    OdometryStep& step = log_.odometry.emplace_back();
+    step.time_s = track[i].time_s;
+    step.vehicle = log_.vehicle.valid() ? log_.vehicle : VehicleId(0);
+    if (i > 0) step.set_pose(track[i - 1].T_map_vehicle.inverse() * track[i].T_map_vehicle);
+  }
+  return {};
 }
 
 Result<void> RunReader::read_track(const char* name, std::vector<TimedPose>& poses) {

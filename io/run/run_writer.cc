@@ -102,10 +102,18 @@ std::string bearings_to_csv(const MeasurementLog& log, const NameTable& names) {
 
 std::string odometry_to_csv(const MeasurementLog& log, const NameTable& names) {
   const bool vehicle = several_vehicles(names);
-  std::string text = vehicle ? "time_s,dx_m,dy_m,dheading_rad,vehicle\n" : "time_s,dx_m,dy_m,dheading_rad\n";
+  const bool in_space =
+      std::any_of(log.odometry.begin(), log.odometry.end(), [](const auto& o) { return !o.is_planar(); });
+  std::string text = in_space ? "time_s,dx_m,dy_m,dz_m,qx,qy,qz,qw" : "time_s,dx_m,dy_m,dheading_rad";
+  text += vehicle ? ",vehicle\n" : "\n";
   const Out out = std::back_inserter(text);
   for (const OdometryStep& o : log.odometry) {
-    fmt::format_to(out, "{},{},{},{}", o.time_s, o.dx_m, o.dy_m, o.dheading_rad);
+    const Eigen::Quaterniond q = o.pose().rotation;
+    if (in_space)
+      fmt::format_to(out, "{},{},{},{},{},{},{},{}", o.time_s, o.dx_m, o.dy_m, o.dz_m, q.x(), q.y(), q.z(),
+                     q.w());
+    else
+      fmt::format_to(out, "{},{},{},{}", o.time_s, o.dx_m, o.dy_m, o.dheading_rad);
     if (vehicle) fmt::format_to(out, ",{}", csv_field(names.vehicles[o.vehicle.index()]));
     text += '\n';
   }

@@ -194,6 +194,11 @@ odometry.csv:time_s | 12.5 |
 odometry.csv:dx_m | 0.031 | 
 odometry.csv:dy_m | 0.0 | 
 odometry.csv:dheading_rad | 0.002 | 
+odometry.csv:dz_m | 0.0 | up, of a vehicle in space; left out: 0
+odometry.csv:qx | 0.0 | with qy, qz, qw in place of dheading_rad, of a vehicle in space
+odometry.csv:qy | 0.0 | see qx
+odometry.csv:qz | 0.001 | see qx
+odometry.csv:qw | 1.0 | see qx
 odometry.csv:vehicle | robot | who moved; else run.yaml's, else robot
 bearings.csv:time_s | 12.5 | 
 bearings.csv:reflector | R4 | 
@@ -254,7 +259,7 @@ poses.heading_sigma_rad | 0.01 | standard deviation of a heading; left out: as i
 poses.heading | unknown | the word unknown where headings are not measured; left out: headings are measured
 poses.attitude_sigma_rad | 0.01 | standard deviation of roll and pitch; left out: as in run.yaml
 poses.max_gap_s | 1 | longest gap over which poses are interpolated; left out: as in run.yaml
-odometry | {"distance_sigma_m_per_sqrt_m": 0.02} | + left out: as in run.yaml
+odometry | {"distance_sigma_m_per_sqrt_m": 0.02} | + left out: as in run.yaml; of a drive in space none
 odometry.distance_sigma_m_per_sqrt_m | 0.02 | as in run.yaml; left out: as in run.yaml
 odometry.heading_sigma_rad_per_sqrt_m | 0.02 | as in run.yaml; left out: as in run.yaml
 odometry.heading_sigma_per_rad | 0.05 | as in run.yaml; left out: as in run.yaml

@@ -76,9 +76,10 @@ std::string_view run_schema() {
       }
     },
     "odometry.csv": {
-      "description": "how the vehicle moved: each row is its pose in the frame of the row before (x forward, y left, heading counter-clockwise); the first row is the anchor, all zero",
-      "columns": {"time_s": "increasing", "dx_m": "forward, in the frame of the row before", "dy_m": "left, in the frame of the row before", "dheading_rad": "turn, counter-clockwise", "vehicle": "optional"}
+      "description": "how the vehicle moved: each row is its pose in the frame of the row before (x forward, y left, heading counter-clockwise); the first row is the anchor, all zero. In space (inertial, visual odometry): dz_m, and qx, qy, qz, qw in place of dheading_rad",
+      "columns": {"time_s": "increasing", "dx_m": "forward, in the frame of the row before", "dy_m": "left, in the frame of the row before", "dheading_rad": "turn, counter-clockwise; in space a quaternion instead", "dz_m": "optional: up, in the frame of the row before", "qx": "in space, with qy, qz and qw: this row's axes in those of the row before", "qy": "see qx", "qz": "see qx", "qw": "see qx", "vehicle": "optional"}
     },
+    "odometry.tum": {"description": "in place of odometry.csv, in the format of poses.tum: where odometry has the vehicle, in a frame of its own"},
     "bearings.csv": {
       "description": "directions to reflectors, which stand among the site's beacons",
       "columns": {"time_s": "does not decrease", "reflector": "id of the site's; empty: an unlabelled one", "bearing_rad": "in the vehicle's frame, counter-clockwise from +x", "epoch": "optional; the same number in tof.csv is the same pose", "vehicle": "optional"}

@@ -80,7 +80,8 @@ void read_accuracies(YamlMap& root, YamlLog& log, Scenario& scenario) {
   }
   YamlMap odometry(root.block("odometry"), "odometry", log);
   OdometryAccuracy& odo = scenario.odometry_accuracy;
-  if (odometry.present()) {
+  scenario.log_odometry = odometry.present();
+  if (scenario.log_odometry) {
     odo.distance_sigma_m_per_sqrt_m =
         odometry.number("distance_sigma_m_per_sqrt_m", odo.distance_sigma_m_per_sqrt_m, kNotNegative);
     odo.heading_sigma_rad_per_sqrt_m =

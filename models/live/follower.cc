@@ -111,8 +111,7 @@ void Follower::begin_anew(Lane& lane) {
 
 bool Follower::move(const OdometryStep& step) {
   Lane* lane = lane_of(step.vehicle);
-  const bool is_number = std::isfinite(step.time_s) && std::isfinite(step.dx_m) && std::isfinite(step.dy_m) &&
-                         std::isfinite(step.dheading_rad);
+  const bool is_number = std::isfinite(step.time_s) && step.is_finite();
   if (lane == nullptr || !is_number ||
       (lane->row_s && step.time_s <= *lane->row_s &&
        !is_set_back(*lane, lane->odometry_behind, step.time_s))) {

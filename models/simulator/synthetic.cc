@@ -11,6 +11,7 @@
 #include "models/simulator/synthetic_path.h"
 #include "models/simulator/synthetic_sensors.h"
 #include "models/simulator/synthetic_truth.h"
+#include "models/trajectory/odometry_noise.h"
 
 namespace octant {
 namespace {
@@ -218,7 +219,6 @@ void Recorder::record_stops() {
 }
 
 void Recorder::record_odometry() {
-  const OdometryAccuracy& accuracy = scenario_.odometry_accuracy;
   const VehicleId vehicle(std::size_t{0});
   const auto rows =
       static_cast<std::size_t>(std::floor((path_.end_s() - path_.start_s) / spec_.odometry_period_s + 1e-9)) +
@@ -227,19 +227,24 @@ void Recorder::record_odometry() {
     const double time_s = to_microsecond(path_.start_s + spec_.odometry_period_s * static_cast<double>(i));
     const Pose pose = path_.at(time_s);
     const Eigen::Vector3d slip = draws_.normal3();
-    if (scenario_.site.motion == Motion::kPlanar) {
+    const bool in_space = scenario_.site.motion == Motion::kSpatial;
+    if (!in_space || scenario_.log_odometry) {
       OdometryStep step{.time_s = time_s, .vehicle = vehicle};
       if (i > 0) {
-        const Pose move = log_.truth.back().T_map_vehicle.inverse() * pose;
-        const double d = move.translation_m.norm();
-        const double turn = move.heading_rad();
-        const double sigma_m =
-            std::hypot(accuracy.distance_sigma_m_per_sqrt_m * std::sqrt(d), accuracy.floor_m);
-        const double sigma_rad = std::hypot(accuracy.heading_sigma_rad_per_sqrt_m * std::sqrt(d),
-                                            accuracy.heading_sigma_per_rad * turn, accuracy.floor_rad);
-        step.dx_m = move.translation_m.x() + sigma_m * slip.x();
-        step.dy_m = move.translation_m.y() + sigma_m * slip.y();
-        step.dheading_rad = turn + sigma_rad * slip.z();
+        step.set_pose(log_.truth.back().T_map_vehicle.inverse() * pose);
+        const OdometryVariance variance = variance_of(step, scenario_.odometry_accuracy);
+        const double sigma_m = std::sqrt(variance.distance_m2), sigma_rad = std::sqrt(variance.heading_rad2);
+        step.dx_m += sigma_m * slip.x();
+        step.dy_m += sigma_m * slip.y();
+        if (in_space) {
+          const Eigen::Vector3d twist = draws_.normal3();
+          step.dz_m += sigma_m * slip.z();
+          step.turn_x_rad += sigma_rad * twist.x();
+          step.turn_y_rad += sigma_rad * twist.y();
+          step.dheading_rad += sigma_rad * twist.z();
+        } else {
+          step.dheading_rad += sigma_rad * slip.z();
+        }
       }
       log_.odometry.push_back(step);
     }

@@ -41,7 +41,7 @@ struct Scenario {
     double duration_s = 120.0;  ///< of a drive
     double speed_mps = 0.6;
     double turn_rate_rad_per_s = 0.7;
-    double odometry_period_s = 0.05;  ///< of a drive's odometry (planar motion), truth and measured poses
+    double odometry_period_s = 0.05;  ///< of a drive's odometry, truth and measured poses
     std::vector<Eigen::Vector2d> waypoints_m;
     std::vector<Eigen::Vector3d> stations;  ///< x [m], y [m], heading [rad]
   } path, heldout_path;                     ///< of the calibration run and of the held-out run
@@ -65,6 +65,7 @@ struct Scenario {
   bool log_amplitude = false;    ///< write the amplitude column
   bool log_poses = false;        ///< write measured poses (poses.tum) with pose_accuracy
   PoseAccuracy pose_accuracy;
+  bool log_odometry = false;  ///< of a drive in space as well; of one in the plane it is always written
   OdometryAccuracy odometry_accuracy = {.distance_sigma_m_per_sqrt_m = 0.01,
                                         .heading_sigma_rad_per_sqrt_m = 0.0087};
   /// Bearings to the site's beacons, which then are reflectors; noise.bearing_sigma_rad. Once a stop, or

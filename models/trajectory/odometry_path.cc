@@ -15,7 +15,7 @@ OdometryPath odometry_path(const MeasurementLog& log, VehicleId vehicle) {
   bool first = true;
   for (const OdometryStep& step : log.odometry) {
     if (step.vehicle != vehicle) continue;
-    if (!first) T = T * Pose::planar(step.dx_m, step.dy_m, step.dheading_rad);
+    if (!first) T = T * step.pose();
     const OdometryVariance variance = variance_of(step, log.odometry_accuracy);
     path.time_s.push_back(step.time_s);
     path.T_anchor_vehicle.push_back(T);

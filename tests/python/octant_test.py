@@ -89,6 +89,18 @@ def test_the_same_as_the_command_line(calibrated):
     assert np.allclose(by_path.beacon_positions_m, calibrated[0].beacon_positions_m, atol=1e-7)
 
 
+def test_odometry_in_space(world):
+    half = np.sqrt(0.5)
+    rows = np.array([[0, 0, 0, 0, 0, 0, 0, 1], [1, 0.1, 0.2, 0.3, 0, half, 0, half]])
+    run = octant.make_run(world.truth, [0.5], [0], [0.01], receiver=[0], odometry=rows)
+    assert run.odometry["dz_m"].tolist() == [0.0, 0.3] and run.odometry["dx_m"][1] == 0.1
+    assert np.isclose(run.odometry["turn_y_rad"][1], np.pi / 2) and abs(run.odometry["dheading_rad"][1]) < 1e-12
+    with pytest.raises(ValueError, match="qx, qy, qz, qw"):
+        octant.make_run(world.truth, [0.5], [0], [0.01], receiver=[0], odometry=rows[:, :5])
+    with pytest.raises(ValueError, match="no length"):
+        octant.make_run(world.truth, [0.5], [0], [0.01], receiver=[0], odometry=0 * rows)
+
+
 def test_arrays_in(world):
     deployment, heldout = world.truth, world.heldout
     rows = heldout.arrivals

@@ -166,10 +166,10 @@ constexpr GlossaryTerm kGlossary[] = {
      "Squared errors against truth, each divided by its stated variance, over the number of coordinates. "
      "1: the "
      "stated sigmas are honest. 4: errors are twice as large as stated. Below 1: stated too carefully."},
-    {kTerm, "odometry", "odometry.csv",
-     "How the vehicle moved from row to row, by wheels or an inertial unit: each row is a pose in the "
-     "frame of the "
-     "row before."},
+    {kTerm, "odometry", "odometry.csv, odometry.tum",
+     "How the vehicle moved from row to row, by wheels, an inertial unit or a camera: each row is a pose in "
+     "the frame of the row before, of a drone or a hand-held rig in space. odometry.tum has the same as a "
+     "track in a frame of its own."},
     {kTerm, "p", "chi2_p, p value, p =, chance",
      "How likely chance alone makes a figure as odd as this one. Below 0.001 it is not chance. With very "
      "many "

@@ -221,8 +221,7 @@ std::pair<Node, Node> DrivePasses::reach_by_odometry(std::size_t piece, bool for
   std::vector<Pose> path = {Pose()};
   for (std::size_t row = chain.units[p.first_unit].first_row + 1; row < rows.size() && path.size() < p.nodes;
        ++row)
-    if (rows[row].vehicle == chain.vehicle)
-      path.push_back(path.back() * Pose::planar(rows[row].dx_m, rows[row].dy_m, rows[row].dheading_rad));
+    if (rows[row].vehicle == chain.vehicle) path.push_back(path.back() * rows[row].pose());
   const Pose T_map_path = forward ? from.T_map_vehicle : from.T_map_vehicle * path.back().inverse();
   const Trajectory planar;
   std::pair<Node, Node> ends;

@@ -87,19 +87,19 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& C, const std::vector<int>& touche
 void add_states(const std::pmr::vector<NodeVector>& x, const Segment& segment,
                 std::span<const DriveInstant> instants, std::vector<PoseCovariance>& covariances) {
   for (std::size_t i = 0; i < instants.size(); ++i) {
-    const Eigen::Vector3d at = at_instant(x, segment, instants[i]);
-    covariances[i].topLeftCorner<3, 3>() += at * at.transpose();
+    const NodeVector at = at_instant(x, segment, instants[i], static_cast<int>(covariances[i].rows()));
+    covariances[i] += at * at.transpose();
   }
 }
 
 }  // namespace
 
-Eigen::Vector3d at_instant(std::span<const NodeVector> x, const Segment& segment,
-                           const DriveInstant& instant) {
+NodeVector at_instant(std::span<const NodeVector> x, const Segment& segment, const DriveInstant& instant,
+                      int dof) {
   const std::size_t k = instant.node - segment.first_node;
   const double alpha = k + 1 < x.size() ? instant.alpha : 0.0;
-  Eigen::Vector3d at = (1.0 - alpha) * x[k].head<3>();
-  if (alpha > 0.0) at += alpha * x[k + 1].head<3>();
+  NodeVector at = (1.0 - alpha) * x[k].head(dof);
+  if (alpha > 0.0) at += alpha * x[k + 1].head(dof);
   return at;
 }
 

@@ -19,11 +19,12 @@ struct DriveInstant {
   double alpha = 0.0;
 };
 
-/// x, y, heading that the states of a segment's nodes amount to at an instant.
-[[nodiscard]] Eigen::Vector3d at_instant(std::span<const NodeVector> x, const Segment& segment,
-                                         const DriveInstant& instant);
+/// The pose's part, of so many degrees of freedom, that the states of a segment's nodes amount to at an
+/// instant.
+[[nodiscard]] NodeVector at_instant(std::span<const NodeVector> x, const Segment& segment,
+                                    const DriveInstant& instant, int dof);
 
-/// Adds to each covariance of a planar pose what does not average out along a drive: with H the information
+/// Adds to each covariance of a pose what does not average out along a drive: with H the information
 /// of all states, G their coupling to the calibrated parameters of joint covariance C, and g_p the coupling
 /// to a bias that a beacon-receiver pair keeps,
 ///   P = H^-1 + H^-1 G C G' H^-1 + pair_sigma_s^2 sum_p H^-1 g_p g_p' H^-1

@@ -2,17 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/drive/chain_covariance.h"
 
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Cholesky>
 
 namespace octant {
 
-Eigen::MatrixXd ChainCovariance::planar_pose(std::size_t node, double alpha) const {
-  if (alpha == 0.0 || node + 1 >= marginal.size()) return marginal[node].topLeftCorner(3, 3);
+NodeBlock ChainCovariance::pose(std::size_t node, double alpha, int dof) const {
+  if (alpha == 0.0 || node + 1 >= marginal.size()) return marginal[node].topLeftCorner(dof, dof);
   const NodeBlock P = (1 - alpha) * (1 - alpha) * marginal[node] + alpha * alpha * marginal[node + 1] +
                       alpha * (1 - alpha) * (cross[node] + cross[node].transpose());
-  return P.topLeftCorner(3, 3);
+  return P.topLeftCorner(dof, dof);
 }
 
 ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment, const SharedState& state) {
@@ -22,6 +23,9 @@ ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment, c
   const std::size_t count = system.D.size();
   const int n = trajectory.block_size();
   out.inverse.resize(count);
+  // What no arrival tells of the attitude (a single antenna's about a straight path) is any angle.
+  if (trajectory.motion == Motion::kSpatial)
+    system.D[0].diagonal().segment(3, 3).array() += 1.0 / (std::numbers::pi * std::numbers::pi);
   NodeBlock L;
   for (std::size_t k = 0; k < count; ++k) {
     L = system.D[k];

@@ -38,8 +38,9 @@ struct ChainCovariance {
   std::vector<NodeBlock> marginal;  ///< of each node
   std::vector<NodeBlock> cross;     ///< of node k (rows) and node k + 1 (columns)
 
-  /// Covariance of the pose between node and node + 1 of a planar segment, counted from the segment's first.
-  [[nodiscard]] Eigen::MatrixXd planar_pose(std::size_t node, double alpha) const;
+  /// Covariance of the pose, of so many degrees of freedom, between node and node + 1, counted from the
+  /// segment's first.
+  [[nodiscard]] NodeBlock pose(std::size_t node, double alpha, int dof) const;
 };
 
 /// With the factors of the information matrix, backwards:

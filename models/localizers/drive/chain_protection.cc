@@ -39,10 +39,11 @@ DriveWithout drive_without(Trajectory& t, const Segment& segment, const SharedSt
 std::vector<double> chain_protection(Trajectory& t, const Segment& segment, const SharedState& state,
                                      const ChainCovariance& noise, std::span<const DriveInstant> instants,
                                      std::span<const PoseCovariance> covariances) {
+  const int dof = pose_dof(t.motion);
   std::vector<double> worst_m(instants.size(), 0.0), widened(instants.size());
   std::vector<char> bounded(instants.size(), 1);
   for (std::size_t i = 0; i < instants.size(); ++i) {
-    const auto P = noise.planar_pose(instants[i].node - segment.first_node, instants[i].alpha);
+    const auto P = noise.pose(instants[i].node - segment.first_node, instants[i].alpha, dof);
     widened[i] = std::max(1.0, horizontal_variance(covariances[i]) / horizontal_variance(P));
   }
   std::set<BeaconId> beacons;
@@ -52,10 +53,10 @@ std::vector<double> chain_protection(Trajectory& t, const Segment& segment, cons
     const DriveWithout without = drive_without(t, segment, state, beacon);
     if (!without.determined) return std::vector<double>(instants.size(), 0.0);
     for (std::size_t i = 0; i < instants.size(); ++i) {
-      const double shift_m = at_instant(without.shift, segment, instants[i]).head<2>().norm();
+      const double shift_m = at_instant(without.shift, segment, instants[i], dof).head<2>().norm();
       const std::size_t k = instants[i].node - segment.first_node;
       const double sigma_m =
-          std::sqrt(widened[i] * horizontal_variance(without.covariance.planar_pose(k, instants[i].alpha)));
+          std::sqrt(widened[i] * horizontal_variance(without.covariance.pose(k, instants[i].alpha, dof)));
       if (!(shift_m <= kAtFaultSigmas * sigma_m)) bounded[i] = 0;
       worst_m[i] = std::max(worst_m[i], shift_m + kFaultySigmas * sigma_m);
     }

@@ -8,72 +8,21 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/localizers/drive/rigid_path.h"
 #include "models/localizers/least_squares/candidates.h"
 #include "models/localizers/least_squares/search_problem.h"
+#include "models/localizers/space/space_start.h"
 #include "models/trajectory/observed_range.h"
 
 namespace octant {
 namespace {
 
-constexpr std::size_t kMaxRanges = 80;  ///< arrivals of a window that are looked at
 constexpr std::size_t kMinRanges = 8;
 constexpr double kClearMargin = 8.0;  ///< of the log likelihood; a window that is not clear can always grow
 constexpr double kWindowGrowth = 1.4;
 constexpr double kMaxHeadingSigma = 0.25;  ///< rad: within it the filter linearises safely
 constexpr double kStartInflation = 4.0;    ///< of the covariance of a stretch that was settled robustly
 constexpr double kMaxMeanCost = 2.0;  ///< of an arrival: 0.5 where all is well, the caps where nothing fits
-
-/// Poses of the window's nodes in the frame of its middle one, and their drift away from it.
-RigidPath rigid_path(const Trajectory& t, const Segment& window, std::size_t anchor) {
-  RigidPath path;
-  path.first_node = window.first_node;
-  const std::size_t n = window.last_node - window.first_node, a = anchor - window.first_node;
-  path.T_anchor_node.resize(n);
-  path.drift_m.assign(n, 0.0);
-  const auto& steps = t.odometry;
-  const auto drift = [&](std::size_t k, double distance_variance, double heading_variance) {
-    // A heading error made half-way counts over what remains: a third of its square in the mean.
-    return std::sqrt(distance_variance +
-                     heading_variance * path.T_anchor_node[k].translation_m.squaredNorm() / 3);
-  };
-  double distance = 0.0, heading = 0.0;
-  for (std::size_t k = a + 1; k < n; ++k) {
-    const OdometryObservation& o = steps[window.first_odometry + k - 1];
-    path.T_anchor_node[k] = path.T_anchor_node[k - 1] * o.T_before_after;
-    distance += o.distance_sigma_m * o.distance_sigma_m;
-    heading += o.heading_sigma_rad * o.heading_sigma_rad;
-    path.drift_m[k] = drift(k, distance, heading);
-  }
-  distance = heading = 0.0;
-  for (std::size_t k = a; k-- > 0;) {
-    const OdometryObservation& o = steps[window.first_odometry + k];
-    path.T_anchor_node[k] = path.T_anchor_node[k + 1] * o.T_before_after.inverse();
-    distance += o.distance_sigma_m * o.distance_sigma_m;
-    heading += o.heading_sigma_rad * o.heading_sigma_rad;
-    path.drift_m[k] = drift(k, distance, heading);
-  }
-  return path;
-}
-
-/// Evenly fewer ranges; those of a window are independent, so groups are of no matter beyond the bookkeeping.
-void thin_out(SearchProblem& problem) {
-  const std::size_t n = problem.ranges.size();
-  if (n <= kMaxRanges) return;
-  for (std::size_t i = 0; i < kMaxRanges; ++i) problem.ranges[i] = problem.ranges[i * n / kMaxRanges];
-  problem.ranges.resize(kMaxRanges);
-  const std::pmr::vector<std::size_t> before(problem.group_first, scratch());
-  const std::pmr::vector<double> bias_m(problem.group_bias_m, scratch());
-  problem.group_first.clear();
-  problem.group_bias_m.clear();
-  for (std::size_t i = 0; i < kMaxRanges; ++i) {
-    if (i > 0 && problem.ranges[i].beacon == problem.ranges[i - 1].beacon) continue;
-    const auto group =
-        std::upper_bound(before.begin(), before.end(), i * n / kMaxRanges) - before.begin() - 1;
-    problem.group_first.push_back(i);
-    problem.group_bias_m.push_back(bias_m[static_cast<std::size_t>(group)]);
-  }
-  problem.group_first.push_back(kMaxRanges);
-}
 
 /// Whether the best pose of a search stands clear of the second, is tight, and explains the arrivals.
 bool is_clear(const SearchProblem& problem, const SearchResult& result, double max_sigma_m) {
@@ -94,6 +43,7 @@ bool is_clear(const SearchProblem& problem, const SearchResult& result, double m
 
 bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& model,
                    const TrackerOptions& options) {
+  if (t.motion == Motion::kSpatial) return place_stretch_in_space(t, window, model, options);
   const std::size_t anchor = window.first_node + (window.last_node - window.first_node) / 2;
   const RigidPath path = rigid_path(t, window, anchor);
   SearchProblem problem = make_search_problem(t, window, model, options.range_slack_m, path);
@@ -109,15 +59,17 @@ bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& mo
   const double scale_m = std::hypot(problem.median_sigma_m, options.range_slack_m);
   if (!is_clear(problem, result, std::max(0.05 * problem.span_m, 2 * scale_m))) return false;
   const PlanarState& best = result.poses.front().state;
-  const Pose T_map_anchor = Pose::planar(best.x_m, best.y_m, best.heading_rad);
-  for (std::size_t k = 0; k < path.T_anchor_node.size(); ++k) {
-    t.nodes[window.first_node + k].T_map_vehicle = T_map_anchor * path.T_anchor_node[k];
-    t.nodes[window.first_node + k].placed = true;
-  }
-  const WidenedArrivals widened(t, window, model, options.range_slack_m);
+  lay_stretch(t, window, model, options.range_slack_m, Pose::planar(best.x_m, best.y_m, best.heading_rad),
+              path);
+  return true;
+}
+
+void lay_stretch(Trajectory& t, const Segment& window, const EpochFixModel& model, double slack_m,
+                 const Pose& T_map_anchor, const RigidPath& path) {
+  lay_rigidly(t, window, T_map_anchor, path);
+  const WidenedArrivals widened(t, window, model, slack_m);
   settle(t, window, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 10);
   settle(t, window, model.state, {.late_scale = 2.5, .early_scale = 4.0}, 15);
-  return true;
 }
 
 double independent_slack_m(const Trajectory& t, const Segment& segment, const EpochFixModel& model,

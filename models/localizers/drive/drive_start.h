@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "models/localizers/drive/tracker.h"
+#include "models/localizers/least_squares/search_problem.h"
 #include "models/support/scratch.h"
 #include "models/trajectory/stretches.h"
 
@@ -45,6 +46,10 @@ class WidenedArrivals {
 /// nothing of it is clear.
 [[nodiscard]] bool place_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
                                  const TrackerOptions& options);
+
+/// Puts a stretch where its anchor's pose has it, and settles its states robustly.
+void lay_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
+                 double range_slack_m, const Pose& T_map_anchor, const RigidPath& path);
 
 /// Covariance (x, y, heading) with which a filter may begin at a node of a stretch that was placed: its
 /// marginal, inflated, because the stretch was settled robustly and its outliers are not marked.

@@ -18,7 +18,9 @@
 #include "models/localizers/drive/drive_tracker.h"
 #include "models/localizers/drive/motion_start.h"
 #include "models/localizers/drive/odometry_track.h"
+#include "models/localizers/drive/rigid_path.h"
 #include "models/localizers/least_squares/node_adjustment.h"
+#include "models/localizers/space/space_start.h"
 #include "models/localizers/space/space_track.h"
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/settle.h"
@@ -90,11 +92,29 @@ void run_backward(Trajectory& t, const Segment& segment, DriveFilter& filter, st
   }
 }
 
+/// As place_segment, in space.
+bool place_segment_in_space(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                            const TrackerOptions& options) {
+  std::size_t from = segment.first_node;
+  bool placed = false;
+  while (from + 2 <= segment.last_node) {
+    const DriveStart start = find_start(t, segment, model, options, from);
+    if (!start.found) break;
+    if (!placed) static_cast<void>(follow_in_space(t, segment, model, options, start.first_node, false));
+    placed = true;
+    from = follow_in_space(t, segment, model, options, start.last_node - 1, true);
+  }
+  // Whatever could not be placed follows the odometry, so that the adjustment has all states.
+  if (placed) static_cast<void>(follow_odometry(t, segment, from, true));
+  return placed;
+}
+
 /// Initial states of a whole segment: a stretch that the arrivals settle, the filter from there both ways;
 /// where it gets lost, the next stretch that can be settled.
 bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                    const TrackerOptions& options) {
   if (t.motion_prior) return place_by_motion(t, segment, model, options);
+  if (t.motion == Motion::kSpatial) return place_segment_in_space(t, segment, model, options);
   DriveFilter filter(model, options.rejection_sigmas,
                      independent_slack_m(t, segment, model, options.range_slack_m));
   std::size_t from = segment.first_node;
@@ -115,11 +135,7 @@ bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& m
     if (from + 1 >= segment.last_node) return true;
   }
   // Whatever could not be placed follows the odometry, so that the adjustment has all states.
-  for (std::size_t k = from; placed && k + 1 < segment.last_node; ++k) {
-    const OdometryObservation& step = t.odometry[segment.first_odometry + k - segment.first_node];
-    t.nodes[k + 1].T_map_vehicle = t.nodes[k].T_map_vehicle * step.T_before_after;
-    t.nodes[k + 1].placed = true;
-  }
+  if (placed) static_cast<void>(follow_odometry(t, segment, from, true));
   return placed;
 }
 
@@ -190,7 +206,8 @@ bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
     fix.T_map_vehicle = pose_at(t, a.node, a.alpha);
     fix.status = chain.ok ? FixStatus::kOk : FixStatus::kPoorGeometry;
     instants.push_back({a.node, a.alpha});
-    if (chain.ok) covariances.emplace_back(chain.planar_pose(a.node - segment.first_node, a.alpha));
+    if (chain.ok)
+      covariances.emplace_back(chain.pose(a.node - segment.first_node, a.alpha, pose_dof(t.motion)));
     fixes.push_back(fix);
   });
   if (!chain.ok) return true;
@@ -229,13 +246,26 @@ void track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment
 
 /// Whether odometry ties all states of a segment to their neighbours.
 bool is_chained(const Trajectory& t, const Segment& segment) {
-  return t.motion == Motion::kPlanar && !t.has_cycle_offset && segment.last_node - segment.first_node >= 2 &&
+  return !t.has_cycle_offset && segment.last_node - segment.first_node >= 2 &&
          segment.last_odometry - segment.first_odometry + 1 == segment.last_node - segment.first_node;
 }
 
 bool needs_tracking(const Trajectory& t, const Segment& segment) {
   if (t.motion_prior) return segment.last_node - segment.first_node >= 2;
   return t.moving && is_chained(t, segment);
+}
+
+/// A drive in space of which the attitude stays open (a single antenna on a straight path) has a place all
+/// the same. False where that is not what it is.
+bool follow_arrivals_alone(const MeasurementLog& log, const Trajectory& t, const Deployment& deployment,
+                           const SpaceTrackOptions& options, std::vector<Fix>& fixes) {
+  if (t.motion != Motion::kSpatial) return false;
+  MeasurementLog alone = log;
+  alone.odometry.clear();
+  std::erase_if(alone.arrivals, [&](const Arrival& a) { return a.vehicle != t.vehicle; });
+  if (!is_drive_in_space(deployment, alone)) return false;
+  for (Fix& fix : track_in_space(alone, deployment, options)) fixes.push_back(std::move(fix));
+  return true;
 }
 
 /// Each pose of a segment by what it hears alone.
@@ -268,17 +298,17 @@ std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deploym
                        const TrackerOptions& options) {
   MeasurementLog room;
   const MeasurementLog& log = known_rows(all_rows, deployment, room);
-  if (is_drive_in_space(deployment, log))
-    return track_in_space(log, deployment,
-                          {.rejection_sigmas = options.rejection_sigmas, .protect = options.protect});
+  const SpaceTrackOptions in_space{.rejection_sigmas = options.rejection_sigmas, .protect = options.protect};
+  if (is_drive_in_space(deployment, log)) return track_in_space(log, deployment, in_space);
   std::vector<Fix> fixes;
   const EpochFixModel model = epoch_fix_model(deployment);
   const CalibrationPart calibration(deployment);
   for (std::size_t v = 0; v < deployment.vehicles.size(); ++v) {
     Trajectory t = make_trajectory(log, 0, VehicleId(v), trajectory_model(deployment));
     for (const Segment& segment : t.segments) {
-      const bool drive = needs_tracking(t, segment), stops = !drive && is_chained(t, segment);
-      if (drive && !options.smooth && !t.motion_prior) {
+      const bool drive = needs_tracking(t, segment),
+                 stops = !drive && t.motion == Motion::kPlanar && is_chained(t, segment);
+      if (drive && !options.smooth && !t.motion_prior && t.motion == Motion::kPlanar) {
         track_causal(log, VehicleId(v), deployment, options, fixes);
         continue;
       }
@@ -290,7 +320,7 @@ std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deploym
                      t.nodes[segment.last_node - 1].time_s - t.nodes[segment.first_node].time_s);
       if ((drive || stops) && track_smooth(t, segment, model, calibration, search, fixes)) continue;
       if (drive) {
-        unlocated(t, segment, fixes);
+        if (!follow_arrivals_alone(log, t, deployment, in_space, fixes)) unlocated(t, segment, fixes);
       } else {
         fix_each_epoch(t, segment, model, calibration, options, fixes);
       }

@@ -34,7 +34,9 @@ struct TrackerOptions {
 /// Tracker of a moving vehicle: odometry predicts, arrivals correct one by one, robustly.
 /// One fix at every distinct arrival time; smoothed over the whole run unless options.smooth is off. A drive
 /// with a motion prior instead of odometry is always smoothed. Stops with odometry between them are smoothed
-/// the same way, a fix an epoch; those that it does not tie together are fixed one by one. A fix's covariance
+/// the same way, a fix an epoch; those that it does not tie together are fixed one by one. In space odometry
+/// of six degrees of freedom tells the attitude as well and is always smoothed; where the path leaves that
+/// open, the place follows from the arrivals alone (space_track.h). A fix's covariance
 /// holds the calibration's part, which does not average out along the drive (chain_calibration.h).
 [[nodiscard]] std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deployment,
                                      const TrackerOptions& options = {});

@@ -11,17 +11,7 @@
 #include "models/trajectory/decompositions.h"
 
 namespace octant {
-namespace {
 
-/// Positions to begin from; one, or one on either side of the beacons' plane.
-struct LinearPositions {
-  std::array<Eigen::Vector3d, 2> p_map_m;
-  std::size_t count = 0;
-};
-
-/// |p - b|^2 = (range - o)^2, one equation subtracted from the others: linear in p (and o). Beacons in a
-/// plane leave the distance from it open, which the minimum norm about their centre sets to zero; both sides
-/// are tried. By normal equations: a start needs half the digits.
 LinearPositions linear_positions(const SearchProblem& problem) {
   constexpr double kRankShare = 1e-6;  // of eigenvalues: a thousandth of the singular values
   const double n = static_cast<double>(problem.ranges.size());
@@ -63,11 +53,8 @@ LinearPositions linear_positions(const SearchProblem& problem) {
   return out;
 }
 
-constexpr std::size_t kRotations = 24;
-
-/// The rotations of the cube: none is further than 63 degrees away, most are within 45.
-std::array<Eigen::Quaterniond, kRotations> coarse_rotations() {
-  std::array<Eigen::Quaterniond, kRotations> out;
+std::array<Eigen::Quaterniond, kCoarseRotations> coarse_rotations() {
+  std::array<Eigen::Quaterniond, kCoarseRotations> out;
   using Axis = Eigen::AngleAxisd;
   const double quarter = std::numbers::pi / 2;
   for (std::size_t face = 0; face < 6; ++face) {
@@ -86,8 +73,6 @@ bool differs(const Pose& a, const Pose& b, double distance_m) {
          a.rotation.angularDistance(b.rotation) > 0.1;
 }
 
-}  // namespace
-
 bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                    const EpochFixOptions& options, bool& found) {
   Node& node = t.nodes[segment.first_node];
@@ -95,7 +80,7 @@ bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& m
   found = segment.first_pose != segment.last_pose || (problem.groups() >= 3 && problem.ranges.size() >= 6);
   if (!found) return false;
   std::pmr::vector<Pose> starts(scratch());
-  starts.reserve(2 * kRotations);
+  starts.reserve(2 * kCoarseRotations);
   if (segment.first_pose != segment.last_pose) {
     starts.push_back(t.poses[segment.first_pose].T_map_vehicle);
   } else {

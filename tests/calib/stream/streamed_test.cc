@@ -164,6 +164,14 @@ TEST(Streamed, PosesOfStopsMayBeMeasured) {
   expect_same(world, world.site);
 }
 
+TEST(Streamed, StopsMayBeInSpace) {
+  Scenario s = long_hall(4100);
+  s.site.motion = Motion::kSpatial;
+  s.log_poses = true;
+  const World world = must(simulate(s, 18));
+  expect_same(world, world.site);
+}
+
 TEST(Streamed, RunsKeepTheirSpeeds) {
   const World world = must(simulate(long_hall(4100), 6));
   Site site = world.site;
@@ -255,7 +263,7 @@ TEST(Streamed, SaysWhatCannotBe) {
   EXPECT_FALSE(calib::why_not_streamed(world.site, {&run}));
   site = world.site;
   site.motion = Motion::kSpatial;
-  EXPECT_TRUE(calib::why_not_streamed(site, {&world.run}));
+  EXPECT_FALSE(calib::why_not_streamed(site, {&world.run}));
   site = world.site;
   site.attenuation = AttenuationPrior{.amplitude_1m_v = {12.5, 1.0},
                                       .absorption_np_per_m = {},

@@ -196,6 +196,11 @@ TEST(RunFolder, SaysWhatIsWrongWithTheOtherFiles) {
       {{"odometry.csv", "time_s,dx_m,dy_m,dheading_rad\n1,0,0,0\n2,0.1,nan,0\n"}, 3, "dy_m is 'nan'"},
       {{"odometry.csv", "time_s,dx_m,dy_m,dheading_rad\n2,0,0,0\n1,0.1,0,0\n"}, 3, "time_s goes back"},
       {{"odometry.csv", "time_s,dx_m,dy_m\n"}, 1, "'dheading_rad' is missing"},
+      {{"odometry.csv", "time_s,dx_m,dy_m,dz_m,qx,qy,qz\n"}, 1, "'qw' is missing"},
+      {{"odometry.csv", "time_s,dx_m,dy_m,dheading_rad,qx,qy,qz,qw\n1,0,0,0,0,0,0,1\n"},
+       1,
+       "both a quaternion"},
+      {{"odometry.csv", "time_s,dx_m,dy_m,qx,qy,qz,qw\n1,0,0,0,0,0,0\n"}, 2, "a quaternion of no length"},
       {{"scans.csv", scans + ",range2_m\n"}, 1, "'range1_m' is missing"},
       {{"scans.csv", scans + "\n1,0,0,x\n"}, 2, "range0_m is 'x'"},
       {{"scans.csv", "time_s,angle_min_rad,angle_increment_rad\n"}, 1, "range0_m"},
@@ -289,7 +294,8 @@ MeasurementLog some_log() {
   log.vehicle = VehicleId(*rc::gen::element(0, 1));
   log.temperature_degC = test::maybe(test::some_fraction());
   log.relative_humidity = test::maybe(test::some_fraction());
-  const bool epochs = *rc::gen::arbitrary<bool>(), amplitude = *rc::gen::arbitrary<bool>();
+  const bool epochs = *rc::gen::arbitrary<bool>(), amplitude = *rc::gen::arbitrary<bool>(),
+             in_space = *rc::gen::arbitrary<bool>();
   double time_s = test::some_number();
   for (int i = 0, n = *rc::gen::inRange(1, 8); i < n; ++i) {
     time_s += test::some_positive();
@@ -309,6 +315,10 @@ MeasurementLog some_log() {
     log.bearings.push_back(b);
     log.odometry.push_back(
         {time_s, i ? test::some_number() : 0, 0, i ? test::some_fraction() : 0, VehicleId(1)});
+    if (i > 0 && in_space) {
+      log.odometry.back().dz_m = test::some_number();
+      log.odometry.back().turn_x_rad = test::some_fraction();
+    }
     log.poses.push_back({i + test::some_fraction() / 2,
                          {{test::some_number(), 1, 2}, exp_rotation({0, test::some_fraction(), 1})}});
     log.scans.push_back({time_s, test::some_fraction(), 0.01, {test::some_positive(), std::nan(""), 3}});
@@ -336,8 +346,11 @@ void assert_same(const MeasurementLog& a, const MeasurementLog& b) {
               p.vehicle == q.vehicle);
     RC_ASSERT(p.epoch == q.epoch);
     const OdometryStep &o = a.odometry[i], &r = b.odometry[i];
-    RC_ASSERT(o.time_s == r.time_s && o.dx_m == r.dx_m && o.dy_m == r.dy_m &&
-              o.dheading_rad == r.dheading_rad && o.vehicle == r.vehicle);
+    RC_ASSERT(o.time_s == r.time_s && o.dx_m == r.dx_m && o.dy_m == r.dy_m && o.dz_m == r.dz_m &&
+              o.vehicle == r.vehicle && o.is_planar() == r.is_planar());
+    // By way of a quaternion, which is not the same to the last digit.
+    const double off_rad = (o.turn_rad() - r.turn_rad()).norm();
+    RC_ASSERT(off_rad <= (o.is_planar() ? 0.0 : 1e-12));
     RC_ASSERT(a.poses[i].time_s == b.poses[i].time_s && b.truth[i].time_s == a.truth[i].time_s);
     RC_ASSERT(a.poses[i].T_map_vehicle.rotation.coeffs() == b.poses[i].T_map_vehicle.rotation.coeffs());
     RC_ASSERT(a.scans[i].angle_min_rad == b.scans[i].angle_min_rad && b.scans[i].range_m.size() == 3u);

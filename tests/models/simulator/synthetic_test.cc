@@ -183,6 +183,23 @@ TEST(Synthetic, TwoWayDriveAsksAndHearsFromDifferentPlaces) {
   }
 }
 
+TEST(Synthetic, OdometryInSpaceIntegratesToTruth) {
+  Scenario s = without_noise(drive_scenario(60.0));
+  s.site.motion = Motion::kSpatial;
+  s.log_odometry = true;
+  const World w = must(simulate(s, 6));
+  ASSERT_EQ(w.run.odometry.size(), w.run.truth.size());
+  Pose T = w.run.truth[0].T_map_vehicle;
+  bool leaves_the_plane = false;
+  for (std::size_t i = 1; i < w.run.odometry.size(); ++i) {
+    T = T * w.run.odometry[i].pose();
+    leaves_the_plane = leaves_the_plane || !w.run.odometry[i].is_planar();
+    EXPECT_NEAR((T.translation_m - w.run.truth[i].T_map_vehicle.translation_m).norm(), 0.0, 1e-11);
+    EXPECT_NEAR(T.rotation.angularDistance(w.run.truth[i].T_map_vehicle.rotation), 0.0, 1e-7);
+  }
+  EXPECT_TRUE(leaves_the_plane);
+}
+
 TEST(Synthetic, OdometryIntegratesToTruth) {
   const World w = must(simulate(without_noise(drive_scenario(120.0)), 5));
   ASSERT_EQ(w.run.odometry.size(), w.run.truth.size());
@@ -299,7 +316,7 @@ TEST(Synthetic, SpatialMotionTiltsAndStillFollowsTheEquation) {
     s.path.odometry_period_s = 0.005;
     s.log_poses = true;
     const World w = must(simulate(s, 12));
-    EXPECT_TRUE(w.run.odometry.empty());  // odometry is planar
+    EXPECT_TRUE(w.run.odometry.empty());  // of which nothing is said
     double tilt_rad = 0.0;
     for (std::size_t i = 0; i < w.run.arrivals.size(); i += 7) {
       const Arrival& a = w.run.arrivals[i];
