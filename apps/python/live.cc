@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/python/live.h"
 
+#include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <pybind11/stl.h>
@@ -86,10 +88,26 @@ void bind_live(py::module_& m) {
       .def(
           "move",
           [](Live& live, double time_s, double dx_m, double dy_m, double dheading_rad,
-             const std::string& vehicle) {
-            return live.follower->move({time_s, dx_m, dy_m, dheading_rad, live.names.find_vehicle(vehicle)});
+             const std::string& vehicle, double dz_m, const std::optional<std::array<double, 4>>& xyzw) {
+            OdometryStep step{.time_s = time_s,
+                              .dx_m = dx_m,
+                              .dy_m = dy_m,
+                              .dheading_rad = dheading_rad,
+                              .vehicle = live.names.find_vehicle(vehicle),
+                              .dz_m = dz_m};
+            if (xyzw) {
+              const Eigen::Quaterniond q((*xyzw)[3], (*xyzw)[0], (*xyzw)[1], (*xyzw)[2]);
+              if (!(q.norm() > 1e-3) || !std::isfinite(q.norm()))
+                throw py::value_error("quaternion_xyzw: a quaternion of no length");
+              if (dheading_rad != 0.0)
+                throw py::value_error("quaternion_xyzw is in place of dheading_rad: one of them");
+              step.set_pose({{dx_m, dy_m, dz_m}, q.normalized()});
+            }
+            return live.follower->move(step);
           },
-          "time_s"_a, "dx_m"_a, "dy_m"_a, "dheading_rad"_a, "vehicle"_a = "", "One row of odometry.")
+          "time_s"_a, "dx_m"_a, "dy_m"_a, "dheading_rad"_a = 0.0, "vehicle"_a = "", "dz_m"_a = 0.0,
+          "quaternion_xyzw"_a = py::none(),
+          "One row of odometry; in space with dz_m, and quaternion_xyzw in place of dheading_rad.")
       .def(
           "flush", [](Live& live) { live.follower->flush(); }, "Nothing more is coming of this pose.")
       .def(

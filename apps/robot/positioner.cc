@@ -94,8 +94,19 @@ bool Positioner::hear(const Heard& heard) {
 }
 
 bool Positioner::move(const Moved& moved) {
-  return *this && inside_->follower->move({moved.time_s, moved.dx_m, moved.dy_m, moved.dheading_rad,
-                                           inside_->names.find_vehicle(moved.vehicle)});
+  if (!*this) return false;
+  OdometryStep step{.time_s = moved.time_s,
+                    .dx_m = moved.dx_m,
+                    .dy_m = moved.dy_m,
+                    .dheading_rad = moved.dheading_rad,
+                    .vehicle = inside_->names.find_vehicle(moved.vehicle),
+                    .dz_m = moved.dz_m};
+  if (moved.qx != 0.0 || moved.qy != 0.0 || moved.qz != 0.0 || moved.qw != 1.0) {
+    const Eigen::Quaterniond q(moved.qw, moved.qx, moved.qy, moved.qz);
+    if (!(q.norm() > 1e-3) || !std::isfinite(q.norm()) || moved.dheading_rad != 0.0) return false;
+    step.set_pose({{moved.dx_m, moved.dy_m, moved.dz_m}, q.normalized()});
+  }
+  return inside_->follower->move(step);
 }
 
 void Positioner::flush() {

@@ -16,7 +16,8 @@ namespace octant::calib {
 /// last supernode first; Z_PP stands in the supernodes behind it.
 class SparseFactor {
  public:
-  /// @param matrix  symmetric, both triangles stored  @return null where it is not positive definite
+  /// @param matrix  symmetric, compressed, both triangles stored
+  /// @return null where it is not positive definite
   [[nodiscard]] static std::unique_ptr<SparseFactor> of(const Eigen::SparseMatrix<double>& matrix);
   ~SparseFactor();
   SparseFactor(const SparseFactor&) = delete;

@@ -163,9 +163,10 @@ class StretchReducer {
 
   /// Arrivals and odometry.
   void add_rows_between(std::size_t node) {
-    for (; arrival_ < segment_.last_arrival && t_.arrivals[arrival_].node == node; ++arrival_) {
-      if (t_.arrivals[arrival_].rejection == Rejection::kUsed) add(arrival_rows(t_, arrival_, state_, rows_));
-    }
+    InstantPose at;
+    for (; arrival_ < segment_.last_arrival && t_.arrivals[arrival_].node == node; ++arrival_)
+      if (t_.arrivals[arrival_].rejection == Rejection::kUsed)
+        add(arrival_rows(t_, arrival_, state_, at, rows_));
     for (; odometry_ < segment_.last_odometry && t_.odometry[odometry_].node == node; ++odometry_)
       add(odometry_rows(t_, odometry_, rows_));
   }

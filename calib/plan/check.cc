@@ -173,9 +173,10 @@ Forecast forecast(const Problem& whole, const SolveOptions& options, const ThinO
   std::size_t rows = 0;
   for (const MeasurementLog& run : whole.runs) rows += run.arrivals.size() + run.bearings.size();
   std::vector<MeasurementLog> few;
-  for (const MeasurementLog& run : whole.runs)
-    few.push_back(thin(run, whole.site.beacons.size(),
-                       share_of(thin_options, run.arrivals.size() + run.bearings.size(), rows)));
+  for (const MeasurementLog& run : whole.runs) {
+    const ThinOptions share = share_of(thin_options, run.arrivals.size() + run.bearings.size(), rows);
+    few.push_back(thin(run, whole.site, share));
+  }
   auto thinned = make_problem(whole.site, std::move(few));
   // The whole had observations and kept its unit; what is left of it may still have lost its states by bad
   // luck.

@@ -27,8 +27,9 @@ constexpr std::size_t kOfMoment = 32, kBeaconsOfMoment = 4;  ///< arrivals of a 
 struct Change {
   double from_s, to_s, range_m;  ///< by which the later range is longer
   BeaconId beacon;
-  double moved_m;        ///< the most that the vehicle can have moved, noise included
-  bool returns = false;  ///< the next change of the pair undoes this one: an echo, not a jump
+  double moved_m;  ///< the most that the vehicle can have moved, noise included
+  /// The next change of the pair undoes this one, or this one the change before: an echo, not a jump.
+  bool returns = false;
   [[nodiscard]] bool beyond() const { return std::abs(range_m) > moved_m; }
 };
 
@@ -78,10 +79,11 @@ std::vector<Change> changes_of(const Site& site, const MeasurementLog& run, Vehi
     if (before.arrival != nullptr && a.time_s > before.arrival->time_s) {
       const double from_s = before.arrival->time_s,
                    change_m = stated_range_m(site, run, a) - stated_range_m(site, run, *before.arrival);
-      const Change change{from_s, a.time_s, change_m, a.beacon, travelled.most_m(from_s, a.time_s) + noise_m};
+      Change change{from_s, a.time_s, change_m, a.beacon, travelled.most_m(from_s, a.time_s) + noise_m};
       if (before.has_change) {
         Change& earlier = changes[before.change];
-        earlier.returns = change.beyond() && change.range_m * earlier.range_m < 0;
+        if (change.beyond() && earlier.beyond() && change.range_m * earlier.range_m < 0)
+          earlier.returns = change.returns = true;
       }
       before.change = changes.size();
       before.has_change = true;

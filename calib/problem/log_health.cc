@@ -103,25 +103,28 @@ class Examiner {
     return l;
   }
 
-  /// Pauses between epochs, or between distinct times where there are none.
+  /// Pauses between epochs, or between distinct times where there are none. Of several vehicles, whose rows
+  /// may stand among each other's, each has its own epochs: what is usual is from one to its next.
   void order_and_gaps() {
     std::vector<double> spacing;
     std::vector<Gap> between;
-    h_.instants = run_.arrivals.empty() ? 0 : 1;
-    for (std::size_t i = 1; i < run_.arrivals.size(); ++i) {
-      const Arrival& before = run_.arrivals[i - 1];
+    std::vector<const Arrival*> latest(run_.has_epochs ? site_.vehicles.size() : 1, nullptr);
+    for (std::size_t i = 0; i < run_.arrivals.size(); ++i) {
       const Arrival& now = run_.arrivals[i];
-      h_.backwards += now.time_s < before.time_s;
-      const bool same = run_.has_epochs ? now.epoch == before.epoch && now.vehicle == before.vehicle
-                                        : now.time_s == before.time_s;
-      if (same) continue;
-      ++h_.instants;
-      spacing.push_back(now.time_s - before.time_s);
-      between.push_back({before.time_s, now.time_s});
+      const Arrival*& before = latest[run_.has_epochs ? now.vehicle.index() : 0];
+      const bool same =
+          before != nullptr && (run_.has_epochs ? now.epoch == before->epoch : now.time_s == before->time_s);
+      if (!same) ++h_.instants;
+      if (!same && before != nullptr) spacing.push_back(now.time_s - before->time_s);
+      before = &now;
+      if (i == 0) continue;
+      const double row_before_s = run_.arrivals[i - 1].time_s;
+      h_.backwards += now.time_s < row_before_s;
+      if (!same) between.push_back({row_before_s, now.time_s});
     }
     if (h_.backwards > 0)
       find("time_backwards", fmt::format("time_s runs backwards in {} rows", h_.backwards));
-    const double usual_s = median(spacing);
+    const double usual_s = spacing.empty() ? INFINITY : median(spacing);
     for (const Gap& g : between)
       if (g.to_s - g.from_s > std::max(kGapRatio * usual_s, usual_s + kGapAtLeastS)) h_.gaps.push_back(g);
     std::sort(h_.gaps.begin(), h_.gaps.end(),

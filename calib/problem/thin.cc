@@ -22,11 +22,13 @@ struct Group {
 
 class Thinner {
  public:
-  Thinner(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options)
+  Thinner(const MeasurementLog& run, const Site& site, const ThinOptions& options)
       : run_(run),
-        beacons_(beacons),
+        site_(site),
         options_(options),
-        drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())) {}
+        stretches_(stretches_of(site)),
+        drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())),
+        per_pair_(drive_ ? std::min(stretches_.per_pair, options.per_pair) : options.per_pair) {}
 
   MeasurementLog thin() {
     make_groups();
@@ -46,7 +48,7 @@ class Thinner {
     std::int64_t instant = 0;
     const auto group = [&](VehicleId vehicle, std::int64_t epoch, double time_s) -> Group& {
       std::int64_t key = epoch;
-      if (drive_) key = static_cast<std::int64_t>(std::floor((time_s - begin_s) / options_.stretch_s));
+      if (drive_) key = static_cast<std::int64_t>(std::floor((time_s - begin_s) / stretches_.length_s));
       if (!drive_ && !run_.has_epochs) {
         if (time_s != last_time_s) ++instant;
         last_time_s = time_s;
@@ -62,17 +64,19 @@ class Thinner {
       g.last_s = std::max(g.last_s, time_s);
       return g;
     };
-    // In the order of time, as without epochs the same time means the same instant.
+    // In the order of time, as without epochs the same time means the same instant: bearings between two
+    // arrivals before the second of them, those of an arrival's time behind it.
     std::size_t b = 0;
-    const auto take_bearings = [&](double until_s) {
-      for (; b < run_.bearings.size() && run_.bearings[b].time_s <= until_s; ++b)
+    const auto take_bearings = [&](double before_s) {
+      for (; b < run_.bearings.size() && run_.bearings[b].time_s < before_s; ++b)
         group(run_.bearings[b].vehicle, run_.bearings[b].epoch, run_.bearings[b].time_s)
             .bearings.push_back(b);
     };
     for (std::size_t a = 0; a < run_.arrivals.size(); ++a) {
+      take_bearings(run_.arrivals[a].time_s);
       group(run_.arrivals[a].vehicle, run_.arrivals[a].epoch, run_.arrivals[a].time_s).arrivals.push_back(a);
       if (a + 1 == run_.arrivals.size() || run_.arrivals[a + 1].time_s != run_.arrivals[a].time_s)
-        take_bearings(run_.arrivals[a].time_s);
+        take_bearings(std::nextafter(run_.arrivals[a].time_s, INFINITY));
     }
     take_bearings(INFINITY);
   }
@@ -81,7 +85,8 @@ class Thinner {
     if (!drive_ || groups_.empty()) return options_.instants;
     const double each = static_cast<double>(run_.arrivals.size()) / static_cast<double>(groups_.size());
     return static_cast<std::size_t>(
-        std::max(30.0, static_cast<double>(options_.drive_arrivals) / std::max(each, 1e-3)));
+        std::max(static_cast<double>(stretches_.fewest),
+                 static_cast<double>(options_.drive_arrivals) / std::max(each, 1e-3)));
   }
 
   [[nodiscard]] static std::uint64_t pair_of(const Arrival& a) {
@@ -92,11 +97,10 @@ class Thinner {
   /// A long stand: one epoch with more of the same than anybody needs.
   [[nodiscard]] bool crowded() const {
     return std::any_of(groups_.begin(), groups_.end(), [this](const Group& g) {
-      if (g.arrivals.size() <= options_.per_pair) return false;
+      if (g.arrivals.size() <= per_pair_) return false;
       std::map<std::uint64_t, std::size_t> count;
-      return std::any_of(g.arrivals.begin(), g.arrivals.end(), [&](std::size_t a) {
-        return ++count[pair_of(run_.arrivals[a])] > options_.per_pair;
-      });
+      return std::any_of(g.arrivals.begin(), g.arrivals.end(),
+                         [&](std::size_t a) { return ++count[pair_of(run_.arrivals[a])] > per_pair_; });
     });
   }
 
@@ -110,8 +114,8 @@ class Thinner {
 
   void complete_beacons() {
     GroupsHearing hearing;
-    hearing.kept.assign(beacons_, 0);
-    hearing.more.resize(beacons_);
+    hearing.kept.assign(site_.beacons.size(), 0);
+    hearing.more.resize(site_.beacons.size());
     hearing.for_each_heard = [this](std::size_t g, const auto& visit) { for_each_heard(groups_[g], visit); };
     for (std::size_t g = 0; g < groups_.size(); ++g)
       for_each_heard(groups_[g], [&](std::size_t beacon) {
@@ -133,7 +137,10 @@ class Thinner {
       if (!chosen_[g]) continue;
       take_some(groups_[g].arrivals, arrivals);
       bearings.insert(bearings.end(), groups_[g].bearings.begin(), groups_[g].bearings.end());
-      spans.emplace_back(groups_[g].first_s, groups_[g].last_s);
+      spans.emplace_back(
+          groups_[g].first_s -
+              (drive_ && site_.timing.ranging == Ranging::kTwoWay ? longest_tof_s(groups_[g]) : 0.0),
+          groups_[g].last_s);
     }
     std::sort(arrivals.begin(), arrivals.end());
     std::sort(bearings.begin(), bearings.end());
@@ -145,19 +152,27 @@ class Thinner {
     return few;
   }
 
+  [[nodiscard]] double longest_tof_s(const Group& g) const {
+    double longest_s = 0.0;
+    for (const std::size_t a : g.arrivals) longest_s = std::max(longest_s, run_.arrivals[a].tof_s);
+    return longest_s;
+  }
+
   void take_some(const std::vector<std::size_t>& from, std::vector<std::size_t>& to) const {
     std::map<std::uint64_t, std::vector<std::size_t>> by_pair;
     for (const std::size_t a : from) by_pair[pair_of(run_.arrivals[a])].push_back(a);
     for (const auto& [pair, all] : by_pair) {
-      const std::size_t count = std::min(options_.per_pair, all.size());
+      const std::size_t count = std::min(per_pair_, all.size());
       for (std::size_t i = 0; i < count; ++i) to.push_back(all[i * all.size() / count]);
     }
   }
 
   const MeasurementLog& run_;
-  std::size_t beacons_;
+  const Site& site_;
   const ThinOptions& options_;
+  DriveStretches stretches_;
   bool drive_;
+  std::size_t per_pair_;
   std::vector<Group> groups_;
   std::vector<bool> chosen_;
 };
@@ -267,8 +282,13 @@ MeasurementLog without_lists(const MeasurementLog& run) {
   return few;
 }
 
-MeasurementLog thin(const MeasurementLog& run, std::size_t beacons, const ThinOptions& options) {
-  return Thinner(run, beacons, options).thin();
+DriveStretches stretches_of(const Site& site) {
+  if (site.motion == Motion::kSpatial) return {.length_s = 10.0, .fewest = 20, .per_pair = 4};
+  return {};
+}
+
+MeasurementLog thin(const MeasurementLog& run, const Site& site, const ThinOptions& options) {
+  return Thinner(run, site, options).thin();
 }
 
 }  // namespace octant::calib

@@ -8,6 +8,7 @@
 
 #include "models/ids.h"
 #include "models/run.h"
+#include "models/site.h"
 
 namespace octant::calib {
 
@@ -17,14 +18,22 @@ struct ThinOptions {
   std::size_t per_beacon = 40;        ///< arrivals that each beacon keeps, if it has as many
   std::size_t per_pair = 16;          ///< arrivals of one beacon at one receiver within one epoch or stretch
   std::size_t drive_arrivals = 6000;  ///< of all stretches of a drive together, about
-  double stretch_s = 3.0;             ///< long against the time over which odometry ties states together
 };
+
+/// Of a drive: what is kept or left as a whole.
+struct DriveStretches {
+  double length_s = 3.0;      ///< long against the time over which odometry ties states together
+  std::size_t fewest = 30;    ///< that are kept
+  std::size_t per_pair = 16;  ///< arrivals of one beacon at one receiver within each, at most
+};
+/// In space a stretch is placed by its own shape among beacons that are known roughly: it has to be long, and
+/// there are few of them, of fewer arrivals a second.
+[[nodiscard]] DriveStretches stretches_of(const Site& site);
 
 /// A smaller recording that tells the same: evenly spread epochs (or stretches of a drive, with their
 /// odometry row for row and the odometry between them summed up), and more of them where a beacon would have
 /// too little. Measured poses stay where arrivals do. A recording that is small already comes back as it is.
-/// @param beacons  number of beacons of the site
-[[nodiscard]] MeasurementLog thin(const MeasurementLog& run, std::size_t beacons,
+[[nodiscard]] MeasurementLog thin(const MeasurementLog& run, const Site& site,
                                   const ThinOptions& options = {});
 
 /// Odometry of all vehicles, by time: rows of the spans of time as they are, what lies between summed up to

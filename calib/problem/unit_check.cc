@@ -33,9 +33,22 @@ double extent_m(const Site& site, const MeasurementLog& run) {
   return extent;
 }
 
+/// By which an arrival is later than its way alone: the prior mean of the delay, which stands once, whoever
+/// has it (prior_state), and the turnaround.
+double stated_lateness_s(const Site& site, const Arrival& a) {
+  const Timing& timing = site.timing;
+  const double delay_s =
+      timing.delay_per.beacon ? beacon_delay_prior(site, a.beacon.index()).value : timing.delay_s;
+  return delay_s + (timing.ranging == Ranging::kTwoWay ? timing.turnaround_s : 0.0);
+}
+
 std::optional<Finding> wrong_unit(const Site& site, const MeasurementLog& run, double extent) {
   std::vector<double> tof;
-  for (const Arrival& a : run.arrivals) tof.push_back(std::abs(a.tof_s));
+  for (const Arrival& a : run.arrivals) {
+    // Radio's delays may be many times its ways. One that is longer than the time is misstated itself.
+    const double late_s = stated_lateness_s(site, a), all_s = std::abs(a.tof_s);
+    tof.push_back(all_s > late_s ? all_s - late_s : all_s);
+  }
   const double c = speed_mps(site.medium), median_tof_s = median(std::move(tof));
   const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0,
                ratio = median_tof_s * c / legs / extent;
@@ -145,12 +158,8 @@ double stated_range_m(const Site& site, const MeasurementLog& run, const Arrival
                                  ? a.temperature_degC
                                  : run.temperature_degC.value_or(medium.temperature_degC);
   const bool two_way = site.timing.ranging == Ranging::kTwoWay;
-  const double others = static_cast<double>(site.timing.delay_per.receiver + site.timing.delay_per.site);
-  const double delay_s =
-      others * site.timing.delay_s +
-      (site.timing.delay_per.beacon ? beacon_delay_prior(site, a.beacon.index()).value : 0.0);
-  const double tof_s = a.tof_s - delay_s - (two_way ? site.timing.turnaround_s : 0.0);
-  return std::max(0.0, tof_s) * speed_mps(medium, temperature) / (two_way ? 2.0 : 1.0);
+  return std::max(0.0, a.tof_s - stated_lateness_s(site, a)) * speed_mps(medium, temperature) /
+         (two_way ? 2.0 : 1.0);
 }
 
 std::vector<Finding> check_units(const Site& site, const MeasurementLog& run) {

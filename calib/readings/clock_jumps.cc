@@ -46,8 +46,8 @@ MeasurementLog half_of(const MeasurementLog& run, LogHalf half) {
 template <class Settle>
 std::vector<Trajectory> settled(Site site, const MeasurementLog& run, const Estimate& adjusted, int threads,
                                 Settle settle) {
-  const std::size_t beacons = site.beacons.size();
-  auto problem = make_problem(std::move(site), {thin(run, beacons, kAllStops)}, threads);
+  MeasurementLog some = thin(run, site, kAllStops);
+  auto problem = make_problem(std::move(site), {std::move(some)}, threads);
   if (!problem) return {};
   const SharedState state = adjusted.state();
   const EpochFixModel model = search_model(*problem, state, adjusted.beacon_usable);
@@ -90,7 +90,7 @@ std::vector<Trajectory> drives_by_loose_ranges(const Site& site, const Measureme
 /// What the run shows of the clock at the places that one half tells; nothing where it tells none.
 std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, const MeasurementLog& run,
                                 const SolveOptions& options) {
-  const auto problem = make_problem(site, {thin(half, site.beacons.size(), kHalf)}, options.threads);
+  const auto problem = make_problem(site, {thin(half, site, kHalf)}, options.threads);
   if (!problem) return {};
   Course course(options);
   const Approach found = approach(*problem, options, course, false);

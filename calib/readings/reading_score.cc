@@ -15,7 +15,7 @@ namespace {
 
 /// Observations that tie the states beside the arrivals.
 double ties_of(const Trajectory& t) {
-  return 3.0 * static_cast<double>(t.odometry.size() + t.poses.size()) +
+  return pose_dof(t.motion) * static_cast<double>(t.odometry.size() + t.poses.size()) +
          static_cast<double>(t.bearings.size());
 }
 
@@ -47,7 +47,7 @@ constexpr std::size_t kInstantsAtLeast = 10, kDriveArrivalsAtLeast = 200;
 
 }  // namespace
 
-std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std::size_t beacons,
+std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, const Site& site,
                                    const LogShare& share) {
   ThinOptions thin_options;
   const std::size_t count = std::max<std::size_t>(1, runs.size());
@@ -56,7 +56,7 @@ std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std:
   thin_options.per_pair = 4;
   thin_options.drive_arrivals = std::max(kDriveArrivalsAtLeast, share.drive_arrivals / count);
   std::vector<MeasurementLog> few;
-  for (const MeasurementLog& run : runs) few.push_back(thin(run, beacons, thin_options));
+  for (const MeasurementLog& run : runs) few.push_back(thin(run, site, thin_options));
   return few;
 }
 

@@ -25,7 +25,7 @@ struct LogShare {
   std::size_t instants, per_beacon, drive_arrivals;
 };
 /// An evenly spread part of each run.
-[[nodiscard]] std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, std::size_t beacons,
+[[nodiscard]] std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, const Site& site,
                                                  const LogShare& share);
 
 /// A quick calibration: approach, rejection at four sigmas, plain squares. An arrival that does not agree

@@ -98,8 +98,8 @@ class Search {
   }
 
   void look_as_stated() {
-    first_ = few_of(problem_.runs, site_.beacons.size(), kFirstLook);
-    second_ = few_of(problem_.runs, site_.beacons.size(), kSecondLook);
+    first_ = few_of(problem_.runs, site_, kFirstLook);
+    second_ = few_of(problem_.runs, site_, kSecondLook);
     stated_first_ = score_of(site_, first_, options_, false);
     stated_ = score_of(site_, second_, options_, true);
   }
@@ -200,7 +200,7 @@ class Search {
                     stops),
         0.0,
         "add a column epoch that numbers the stops: rows with the same epoch share one pose of the vehicle"};
-    const ReadingScore s = score_of(site_, few_of(runs, site_.beacons.size(), kSecondLook), options_, true);
+    const ReadingScore s = score_of(site_, few_of(runs, site_, kSecondLook), options_, true);
     if (explains(s)) found_.push_back({what, s});
   }
 

@@ -11,6 +11,7 @@
 
 #include "calib/adjust/reject.h"
 #include "calib/problem/flips.h"
+#include "calib/start/held_states.h"
 #include "calib/start/label_check.h"
 #include "calib/start/mirror_images.h"
 #include "calib/start/start.h"
@@ -35,6 +36,13 @@ constexpr double kMuchBetter = 0.98;
 constexpr double kAsGoodAsStated = 8.0;
 /// States are searched again once the robust scale is down to this, and once more at its end.
 constexpr double kSearchAgainScale = 30.0;
+/// From one stage of the graduated adjustment to the next.
+constexpr double kFiner = 5.0;
+/// What held paths leave of the start's slack in the residuals, and beacons then of it.
+constexpr double kShareOfHeld = 1.0 / 3, kLeftOfSlack = 0.5;
+/// Sigmas to which the states of a path are held, of place [m] and attitude [rad], one after the other:
+/// beacons come first, then both together, before the states are free.
+constexpr double kHeldTo[] = {0.001, 0.01, 0.1};
 
 class Approacher {
  public:
@@ -129,6 +137,10 @@ class Approacher {
   bool graduated() {
     double scale = std::max(start_.slack_m / sigma_m(), kCauchyScale);
     bool searched_again = false;
+    if (scale > kRoughScale && std::any_of(out_.trajectories.begin(), out_.trajectories.end(), can_be_held)) {
+      if (!fitted_to_paths(scale)) return false;
+      scale = std::max(scale / kFiner, kCauchyScale);
+    }
     for (int stage = 0;; ++stage) {
       if (!course_.report(fmt::format("adjustment, robust scale {:.3g} sigma", scale),
                           std::min(0.6, 0.1 + 0.1 * stage)))
@@ -138,12 +150,24 @@ class Approacher {
       if (!adjust_with(scale, last ? 1e-10 : 1e-4)) return false;
       const bool lifted = keep_above();
       if (last && (!lifted || stage > kMaxStages)) return true;
-      scale = std::max(scale / 5, kCauchyScale);
+      scale = std::max(scale / kFiner, kCauchyScale);
       if (scale <= kSearchAgainScale && !searched_again) {
         place_again(scale, kSlackOfScale * scale);
         searched_again = true;
       }
     }
+  }
+
+  /// Drives in space: what all arrivals share is fitted to the paths as the search laid them; among beacons
+  /// that are better known these are laid again, and both are brought together.
+  bool fitted_to_paths(double scale) {
+    const auto fit = [&](double held_to) {
+      const HeldPaths held(out_.trajectories, held_to, held_to);
+      return adjust_with(kShareOfHeld * scale, 1e-4);
+    };
+    if (!course_.report("adjustment to the paths as found", 0.1) || !fit(0.01)) return false;
+    place_again(scale, kLeftOfSlack * scale);
+    return std::all_of(std::begin(kHeldTo), std::end(kHeldTo), fit);
   }
 
   /// Receivers in one plane cannot tell above from below: a beacon of unknown height that slipped below is
@@ -248,7 +272,7 @@ class Approacher {
         if (std::isfinite(prior_m)) off_m = std::max(off_m, prior_m);
       }
     place_again(kCauchyScale, off_m / sigma_m());
-    for (double scale = std::max(off_m / sigma_m(), kCauchyScale); scale > kCauchyScale; scale /= 5)
+    for (double scale = std::max(off_m / sigma_m(), kCauchyScale); scale > kCauchyScale; scale /= kFiner)
       if (!adjust_with(scale, 1e-4)) return false;
     place_again(kCauchyScale, 0.0);
     return adjust_with(kCauchyScale, 1e-10);

@@ -222,36 +222,6 @@ EpochFixModel search_model(const Problem& problem, const SharedState& state,
   return model;
 }
 
-HeldHeadings::HeldHeadings(std::vector<Trajectory>* trajectories) : trajectories_(trajectories) {
-  if (trajectories == nullptr) return;
-  constexpr double kHeldToRad = 0.1;  // what the search leaves with beacons off by a few decimetres
-  for (Trajectory& t : *trajectories) {
-    poses_.push_back(t.poses);
-    segments_.push_back(t.segments);
-    if (t.moving || t.motion != Motion::kPlanar) continue;
-    std::vector<PoseObservation> all;
-    for (Segment& segment : t.segments) {
-      const std::size_t first = all.size();
-      all.insert(all.end(), t.poses.begin() + static_cast<std::ptrdiff_t>(segment.first_pose),
-                 t.poses.begin() + static_cast<std::ptrdiff_t>(segment.last_pose));
-      for (std::size_t k = segment.first_node; k < segment.last_node && all.size() == first; ++k)
-        if (t.nodes[k].placed)
-          all.push_back({k, 0.0, t.nodes[k].T_map_vehicle, INFINITY, kHeldToRad, INFINITY});
-      segment.first_pose = first;
-      segment.last_pose = all.size();
-    }
-    t.poses = std::move(all);
-  }
-}
-
-HeldHeadings::~HeldHeadings() {
-  if (trajectories_ == nullptr) return;
-  for (std::size_t i = 0; i < trajectories_->size(); ++i) {
-    (*trajectories_)[i].poses = std::move(poses_[i]);
-    (*trajectories_)[i].segments = std::move(segments_[i]);
-  }
-}
-
 std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again,
                          double suspect_sigmas, int threads) {
   std::size_t placed = 0;
@@ -260,6 +230,7 @@ std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack
     if (all && (!again || !t.poses.empty())) return 0;
     TrackerOptions options;
     options.range_slack_m = slack_m;
+    options.threads = threads;
     if (!place_drive(t, model, options)) return 0;
     for (Node& node : t.nodes) placed += !node.placed, node.placed = true;
     return placed + again;

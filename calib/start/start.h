@@ -37,24 +37,6 @@ struct Start {
 [[nodiscard]] EpochFixModel search_model(const Problem& problem, const SharedState& state,
                                          const std::vector<bool>& usable);
 
-/// Holds the headings of stationary epochs near their present values by pseudo-observations, for as long as
-/// it lives. A receiver that faces its beacon is nearer to it than the vehicle's centre, so beacons that are
-/// all off by more than the array is large make a heading turned by half a circle explain the ranges better;
-/// the search tells headings from differences between receivers, which do not depend on the beacons.
-class HeldHeadings {
- public:
-  /// @param trajectories  null: holds nothing
-  explicit HeldHeadings(std::vector<Trajectory>* trajectories);
-  ~HeldHeadings();
-  HeldHeadings(const HeldHeadings&) = delete;
-  HeldHeadings& operator=(const HeldHeadings&) = delete;
-
- private:
-  std::vector<Trajectory>* trajectories_;
-  std::vector<std::vector<PoseObservation>> poses_;
-  std::vector<std::vector<Segment>> segments_;
-};
-
 /// Places the states of a trajectory that have no initial value; with `again` also those of epochs in which
 /// an arrival is off by more than `suspect_sigmas`. States with a measured pose are left. Returns how many
 /// segments were placed anew.

@@ -105,8 +105,12 @@ double StatedSite::value(const Statement& s, const ParameterLayout& layout, int 
     for (std::size_t i = 0; i < 3; ++i)
       if (layout.beacon[s.index][i] == column) return *site().beacons[s.index].position_m[i];
   }
-  if (s.what == What::kNoDelays && site().timing.delay_per.none()) return 0.0;
-  return layout.parameters[static_cast<std::size_t>(column)].prior_mean;
+  const Parameter& p = layout.parameters[static_cast<std::size_t>(column)];
+  // Where receivers or the site hold the delay, those of the beacons come on top of it.
+  if (s.what == What::kNoDelays)
+    return site().timing.delay_per.beacon ? beacon_delay_prior(site(), p.id.owner).value / p.si_per_unit
+                                          : 0.0;
+  return p.prior_mean;
 }
 
 double StatedSite::sigma(const Statement& s, const ParameterLayout& layout, int column) const {

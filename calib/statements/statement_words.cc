@@ -72,10 +72,6 @@ class StatementWords {
   }
 
  private:
-  [[nodiscard]] double stated_delay_s() const {
-    return stated_.site().timing.delay_per.none() ? 0.0 : stated_.site().timing.delay_s;
-  }
-
   static std::string point(const Eigen::Vector3d& p) {
     return fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x(), p.y(), p.z());
   }
@@ -127,19 +123,23 @@ class StatementWords {
   }
 
   void describe_delays(const SharedState& state, Contradiction& c) const {
+    // All of it: the site, or all receivers alike, may hold a part.
+    const double held_s =
+        state.site_delay_s + (state.receiver_delay_s.empty() ? 0.0 : state.receiver_delay_s.front());
     double least = INFINITY, most = -INFINITY;
     for (std::size_t b = 0; b < state.beacon_delay_s.size(); ++b) {
       if (!fit_.beacon_usable[b]) continue;
-      least = std::min(least, state.beacon_delay_s[b]);
-      most = std::max(most, state.beacon_delay_s[b]);
+      least = std::min(least, held_s + state.beacon_delay_s[b]);
+      most = std::max(most, held_s + state.beacon_delay_s[b]);
     }
+    const double stated_s = stated_.site().timing.delay_s;
     c.kind = ContradictionKind::kDelay;
     c.subject = "all beacons";
     const bool own = std::any_of(stated_.site().beacons.begin(), stated_.site().beacons.end(),
                                  [](const SiteBeacon& b) { return b.delay_s.has_value(); });
-    c.stated = own                       ? std::string("delays of the beacons, held fixed (delay_sigma_s: 0)")
-               : stated_delay_s() == 0.0 ? std::string("no delay (timing.delay_per: none)")
-                                         : "a delay of exactly " + time(stated_delay_s());
+    c.stated = own               ? std::string("delays of the beacons, held fixed (delay_sigma_s: 0)")
+               : stated_s == 0.0 ? std::string("no delay (timing.delay_per: none)")
+                                 : "a delay of exactly " + time(stated_s);
     c.found = fmt::format("delays from {} to {}", time(least), time(most));
     c.remedy = "state the delay in the site file: timing.delay_per: beacon, with delay_s and delay_sigma_s";
   }

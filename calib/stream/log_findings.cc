@@ -7,6 +7,8 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "calib/errors/reliability.h"
 #include "calib/problem/flips.h"
 #include "calib/stream/trajectory_tape.h"
@@ -20,6 +22,7 @@ FindingsGatherer::FindingsGatherer(const Problem& frame, const Estimate& estimat
   whole_.every = looked_at_every(states);
   whole_.of_beacon.assign(frame.site.beacons.size(), {});
   findings_.arrivals.resize(frame.runs.size());
+  for (const MeasurementLog& run : frame.runs) carried_.emplace_back(run.bearings.size(), false);
 }
 
 void FindingsGatherer::write(const PartFindings& part, std::vector<double>& numbers) const {
@@ -30,6 +33,7 @@ void FindingsGatherer::write(const PartFindings& part, std::vector<double>& numb
   write_series(part.trajectory, tape);
   tape.put_count(part.flipped.size());
   for (const std::int64_t epoch : part.flipped) tape.put_integer(epoch);
+  write_bearings(part.trajectory, tape);
   write_extent(part, tape);
   write_trajectory(part.looked_at, part.log.arrivals, tape);
 }
@@ -44,6 +48,7 @@ void FindingsGatherer::read(const std::vector<double>& numbers) {
     of.series.resize(state_.beacon_p_map_m.size() * state_.receiver_p_vehicle_m.size());
     read_series(of.series, tape);
     for (std::size_t n = tape.count(); n > 0; --n) of.flipped.push_back(tape.integer());
+    read_bearings(run, tape);
     read_extent(tape);
     read_trajectory(model_, tape, of.some, findings_.arrivals[run]);
   }
@@ -66,10 +71,26 @@ LogFindings FindingsGatherer::findings(const Estimate& estimate) && {
       f.flips.push_back(std::move(words));
     if (!of.some.nodes.empty()) findings_.trajectories.push_back(std::move(of.some));
   }
+  leave_out_bearings_of_no_state();
   f.whiteness = whiteness_of(series);
   whole_.area_m = convex_hull(std::move(whole_.area_m));
   f.whole = std::move(whole_);
   return std::move(findings_);
+}
+
+void FindingsGatherer::leave_out_bearings_of_no_state() {
+  for (std::size_t run = 0; run < carried_.size(); ++run) {
+    const auto count = std::count(carried_[run].begin(), carried_[run].end(), false);
+    for (std::size_t i = 0; i < carried_[run].size(); ++i)
+      if (!carried_[run][i])
+        findings_.findings.left_out.bearings.push_back({run, i, Rejection::kNoPose, 0.0});
+    // Held in memory such a stop is a state; a log that is read in chunks is known by its arrivals alone.
+    if (count > 0 && frame_.runs[run].has_epochs)
+      findings_.warnings.push_back(
+          fmt::format("{}: {} bearing{} left out, of stops at which nothing was heard, as the log is read in "
+                      "chunks; with more --memory-mb they take part",
+                      frame_.runs[run].path, count, count == 1 ? " is" : "s are"));
+  }
 }
 
 void FindingsGatherer::write_counts(const PartFindings& part, TapeWriter& tape) const {
@@ -109,6 +130,27 @@ void FindingsGatherer::read_series(std::vector<PairSeries>& series, TapeReader& 
     s.count = tape.count();
     for (double* number : {&s.sum, &s.squares, &s.products, &s.first, &s.last}) *number = tape.get();
     pair.append(s);
+  }
+}
+
+/// All bearings of a part, with what they are off by where they do not fit.
+void FindingsGatherer::write_bearings(const Trajectory& t, TapeWriter& tape) const {
+  tape.put_count(t.bearings.size());
+  for (std::size_t i = 0; i < t.bearings.size(); ++i) {
+    tape.put_count(t.bearings[i].bearing);
+    tape.put_count(static_cast<std::size_t>(t.bearings[i].rejection));
+    tape.put(misfit_rad(t, i, state_));
+  }
+}
+
+void FindingsGatherer::read_bearings(std::size_t run, TapeReader& tape) {
+  for (std::size_t n = tape.count(); n > 0; --n) {
+    const std::size_t bearing = tape.count();
+    const auto reason = static_cast<Rejection>(tape.count());
+    const double misfit_rad = tape.get();
+    carried_[run][bearing] = true;
+    if (reason != Rejection::kUsed)
+      findings_.findings.left_out.bearings.push_back({run, bearing, reason, misfit_rad});
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct LogFindings {
   Findings findings;
   std::vector<std::vector<Arrival>> arrivals;  ///< of each run, those of the states at hand
   std::vector<Trajectory> trajectories;        ///< of these
+  std::vector<std::string> warnings;
 };
 
 /// What a reading of a part of a log has to say of one of its trajectories.
@@ -37,7 +39,7 @@ struct PartFindings {
 /// order of the parts.
 class FindingsGatherer {
  public:
-  /// @param frame   outlives it
+  /// @param frame   outlives it; with all bearings
   /// @param states  of the whole log
   FindingsGatherer(const Problem& frame, const Estimate& estimate, std::size_t states);
 
@@ -63,9 +65,12 @@ class FindingsGatherer {
 
   void write_counts(const PartFindings& part, TapeWriter& tape) const;
   void write_series(const Trajectory& t, TapeWriter& tape) const;
+  void write_bearings(const Trajectory& t, TapeWriter& tape) const;
   void write_extent(const PartFindings& part, TapeWriter& tape) const;
+  void leave_out_bearings_of_no_state();
   void read_counts(TapeReader& tape);
   static void read_series(std::vector<PairSeries>& series, TapeReader& tape);
+  void read_bearings(std::size_t run, TapeReader& tape);
   void read_extent(TapeReader& tape);
 
   const Problem& frame_;
@@ -74,6 +79,7 @@ class FindingsGatherer {
   WholeLog whole_;
   ObservationCounts counts_;
   std::map<std::pair<std::size_t, std::size_t>, OfTrajectory> of_trajectory_;
+  std::vector<std::vector<bool>> carried_;  ///< of each run, its bearings that some state carries
   LogFindings findings_;
 };
 

@@ -12,6 +12,7 @@
 #include "calib/adjust/reject.h"
 #include "calib/adjust/tile_sum.h"
 #include "calib/start/start.h"
+#include "calib/stream/stops/epoch_bearings.h"
 #include "models/localizers/least_squares/linear_ranges.h"
 #include "models/support/parallel.h"
 
@@ -21,7 +22,7 @@ namespace {
 constexpr std::size_t kLongEpochs = 4000;
 constexpr std::size_t kLongDrive = 20'000;  ///< arrivals, or states whose pose was measured
 
-bool is_planar(const Trajectory& t) {
+bool is_placed_by_ranges(const Trajectory& t) {
   return t.motion == Motion::kPlanar && !t.has_cycle_offset && t.poses.empty();
 }
 bool has_stops(const Trajectory& t) { return !t.moving && t.odometry.empty(); }
@@ -29,9 +30,7 @@ bool has_stops(const Trajectory& t) { return !t.moving && t.odometry.empty(); }
 bool has_posed_states(const Trajectory& t) {
   return !t.poses.empty() && t.odometry.empty() && t.motion_steps.empty() && !t.has_cycle_offset;
 }
-bool is_drive(const Trajectory& t) {
-  return is_planar(t) && t.moving && !t.odometry.empty() && t.bearings.empty();
-}
+bool is_drive(const Trajectory& t) { return t.moving && !t.odometry.empty(); }
 
 }  // namespace
 
@@ -48,8 +47,7 @@ bool is_long(const Problem& problem) {
       return false;
     }
   }
-  const bool is_two_way = problem.site.timing.ranging == Ranging::kTwoWay;
-  return epochs > kLongEpochs || of_drives > kLongDrive ? !is_two_way || of_drives == 0 : false;
+  return epochs > kLongEpochs || of_drives > kLongDrive;
 }
 
 bool has_stops_alone(const Problem& problem) {
@@ -58,8 +56,7 @@ bool has_stops_alone(const Problem& problem) {
 
 Result<Problem> part_of(const Problem& problem, int threads) {
   std::vector<MeasurementLog> runs;
-  for (const MeasurementLog& run : problem.runs)
-    runs.push_back(thin(run, problem.site.beacons.size(), kPartOfLongLog));
+  for (const MeasurementLog& run : problem.runs) runs.push_back(thin(run, problem.site, kPartOfLongLog));
   return make_problem(problem.site, std::move(runs), threads);
 }
 
@@ -161,14 +158,14 @@ Result<void> read_epochs(const ArrivalSource& source, const LogIndex& index, std
 
 }  // namespace
 
-Result<MeasurementLog> part_of_stops(std::size_t run, std::size_t beacons, const ArrivalSource& source,
+Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site, const ArrivalSource& source,
                                      const LogIndex& index, int threads) {
   MeasurementLog few = without_lists(source.log(run));
   few.rejected = source.log(run).rejected;
   std::vector<bool> chosen = evenly_chosen(index.epochs(run), kPartOfLongLog.instants);
   if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok) return fail(ok.error());
   GroupsHearing hearing;
-  hearing.kept.assign(beacons, 0);
+  hearing.kept.assign(site.beacons.size(), 0);
   for (const Arrival& a : few.arrivals) ++hearing.kept[a.beacon.index()];
   std::vector<bool> more = chosen;
   if (auto ok = choose_for_rare_beacons(source, index, run, threads, hearing, more); !ok)
@@ -182,11 +179,14 @@ Result<MeasurementLog> part_of_stops(std::size_t run, std::size_t beacons, const
   std::vector<std::pair<double, double>> spans;
   for (const Arrival& a : few.arrivals) spans.emplace_back(a.time_s, a.time_s);
   few.poses = poses_near(source.log(run).poses, spans);
+  const std::vector<Bearing>& bearings = source.log(run).bearings;
+  for (const std::size_t b : EpochBearings(bearings).of_epochs_in(few.arrivals))
+    few.bearings.push_back(bearings[b]);
   // All of these epochs, but not more of one pair within one than is good for anything.
   ThinOptions all = kPartOfLongLog;
   all.instants = index.epochs(run);
   all.per_beacon = 0;
-  return thin(few, beacons, all);
+  return thin(few, site, all);
 }
 
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
@@ -196,7 +196,7 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
   for (Trajectory& t : trajectories)
     for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads,
                    [&](std::size_t, std::size_t first, std::size_t last) {
-                     for (std::size_t s = first; s < last && is_planar(t); ++s)
+                     for (std::size_t s = first; s < last && is_placed_by_ranges(t); ++s)
                        t.nodes[t.segments[s].first_node].placed =
                            place_by_linear_ranges(t, t.segments[s], state, usable);
                    });

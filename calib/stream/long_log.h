@@ -25,7 +25,7 @@ inline constexpr ThinOptions kPartOfLongLog = {.instants = 600, .per_beacon = 20
 [[nodiscard]] Result<Problem> part_of(const Problem& problem, int threads = 1);
 /// The same of the stops of a run that is not at hand. Reads the blocks in which those epochs lie; all blocks
 /// once more where a beacon is heard so seldom that they are not enough of it.
-[[nodiscard]] Result<MeasurementLog> part_of_stops(std::size_t run, std::size_t beacons,
+[[nodiscard]] Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site,
                                                    const ArrivalSource& source, const LogIndex& index,
                                                    int threads = 1);
 

@@ -65,7 +65,10 @@ class StreamedCalibrator {
       found.why_not.trajectories = std::move(found.trajectories);
       return finished(std::move(found.why_not));
     }
-    for (MeasurementLog& run : frame_.runs) run.arrivals = {};
+    for (std::size_t run = 0; run < frame_.runs.size(); ++run) {
+      frame_.runs[run].arrivals = {};
+      frame_.runs[run].bearings = source_.log(run).bearings;
+    }
     found = {};
 
     log.begin(frame_, options_, plan_.workers, course_);
@@ -79,6 +82,7 @@ class StreamedCalibrator {
       frame_.runs[run].arrivals = std::move(gathered.arrivals[run]);
     Solution solution;
     solution.warnings = warnings_;
+    solution.warnings.insert(solution.warnings.end(), gathered.warnings.begin(), gathered.warnings.end());
     solution.contradictions = frame_.contradictions;
     conclude(frame_, options_, it_, std::move(gathered.findings), gathered.trajectories, solution);
     solution.trajectories = std::move(gathered.trajectories);
@@ -262,11 +266,6 @@ namespace {
 
 /// Why a drive cannot be.
 std::optional<std::string> why_no_streamed_drive(const Site& site, const MeasurementLog& run) {
-  if (site.motion != Motion::kPlanar) return fmt::format("{} is a drive in space", run.path);
-  if (site.timing.ranging != Ranging::kOneWay)
-    return fmt::format("{} is a drive, and its ranges are two-way", run.path);
-  if (site.timing.clock != Clock::kSynchronised)
-    return fmt::format("{} is a drive, and each state has a clock offset of its own", run.path);
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
     const auto rows = std::count_if(run.odometry.begin(), run.odometry.end(),
                                     [v](const OdometryStep& s) { return s.vehicle.index() == v; });
@@ -291,7 +290,6 @@ std::optional<std::string> why_not_streamed(const Site& site, const std::vector<
   for (const MeasurementLog* run : runs) {
     if (auto why = is_drive(*run) ? why_no_streamed_drive(site, *run) : why_no_streamed_stops(*run))
       return why;
-    if (!run->bearings.empty()) return fmt::format("{} has bearings", run->path);
     frame.runs.push_back(without_lists(*run));
   }
   if (const int size =

@@ -16,7 +16,7 @@ StreamedLog::StreamedLog(const Site& site, ArrivalSource& source, const StreamPl
     : site_(site),
       source_(source),
       stops_(site.vehicles.size(), site.beacons.size(), plan.chunk_arrivals),
-      drives_(source, site.vehicles.size(), site.beacons.size()),
+      drives_(source, site),
       piece_bytes_(plan.piece_bytes) {}
 
 Result<void> StreamedLog::scan() {
@@ -37,9 +37,8 @@ Result<void> StreamedLog::scan() {
 Result<Problem> StreamedLog::part(int threads) const {
   std::vector<MeasurementLog> runs;
   for (std::size_t run = 0; run < source_.runs(); ++run) {
-    auto few = is_drive(source_.log(run))
-                   ? part_of_drives(run, source_, drives_)
-                   : part_of_stops(run, site_.beacons.size(), source_, stops_, threads);
+    auto few = is_drive(source_.log(run)) ? part_of_drives(run, site_, source_, drives_)
+                                          : part_of_stops(run, site_, source_, stops_, threads);
     if (!few) return fail(few.error());
     runs.push_back(std::move(*few));
   }

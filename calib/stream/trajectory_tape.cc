@@ -65,11 +65,70 @@ ArrivalObservation get_arrival(const TrajectoryModel& model, VehicleId vehicle, 
   return o;
 }
 
+void put_bearing(const BearingObservation& o, TapeWriter& tape) {
+  for (const std::size_t count : {o.node, o.bearing, static_cast<std::size_t>(o.rejection)})
+    tape.put_count(count);
+  tape.put_integer(o.reflector.value);
+  for (const double number : {o.alpha, o.bearing_rad, o.sigma_rad}) tape.put(number);
+}
+BearingObservation get_bearing(TapeReader& tape) {
+  BearingObservation o;
+  o.node = tape.count();
+  o.bearing = tape.count();
+  o.rejection = static_cast<Rejection>(tape.count());
+  o.reflector.value = static_cast<std::int32_t>(tape.integer());
+  for (double* number : {&o.alpha, &o.bearing_rad, &o.sigma_rad}) *number = tape.get();
+  return o;
+}
+
+void put_measured_pose(const PoseObservation& o, TapeWriter& tape) {
+  tape.put_count(o.node);
+  put_pose(o.T_map_vehicle, tape);
+  for (const double number : {o.alpha, o.position_sigma_m, o.heading_sigma_rad, o.attitude_sigma_rad})
+    tape.put(number);
+}
+PoseObservation get_measured_pose(TapeReader& tape) {
+  PoseObservation o;
+  o.node = tape.count();
+  o.T_map_vehicle = get_pose(tape);
+  for (double* number : {&o.alpha, &o.position_sigma_m, &o.heading_sigma_rad, &o.attitude_sigma_rad})
+    *number = tape.get();
+  return o;
+}
+
+void put_odometry(const OdometryObservation& o, TapeWriter& tape) {
+  tape.put_count(o.node);
+  put_pose(o.T_before_after, tape);
+  for (const double number : {o.distance_sigma_m, o.heading_sigma_rad}) tape.put(number);
+}
+OdometryObservation get_odometry(TapeReader& tape) {
+  OdometryObservation o;
+  o.node = tape.count();
+  o.T_before_after = get_pose(tape);
+  for (double* number : {&o.distance_sigma_m, &o.heading_sigma_rad}) *number = tape.get();
+  return o;
+}
+
+void put_segment(const Segment& s, TapeWriter& tape) {
+  for (const std::size_t count :
+       {s.first_node, s.last_node, s.first_arrival, s.last_arrival, s.first_bearing, s.last_bearing,
+        s.first_pose, s.last_pose, s.first_odometry, s.last_odometry, s.first_motion, s.last_motion})
+    tape.put_count(count);
+}
+Segment get_segment(TapeReader& tape) {
+  Segment s;
+  for (std::size_t* count :
+       {&s.first_node, &s.last_node, &s.first_arrival, &s.last_arrival, &s.first_bearing, &s.last_bearing,
+        &s.first_pose, &s.last_pose, &s.first_odometry, &s.last_odometry, &s.first_motion, &s.last_motion})
+    *count = tape.count();
+  return s;
+}
+
 /// Moves the ranges of a segment behind what the lists hold.
 void move_behind(const Trajectory& to, Segment& s) {
   s.first_node += to.nodes.size(), s.last_node += to.nodes.size();
   s.first_arrival += to.arrivals.size(), s.last_arrival += to.arrivals.size();
-  s.first_bearing = s.last_bearing = 0;
+  s.first_bearing += to.bearings.size(), s.last_bearing += to.bearings.size();
   s.first_pose += to.poses.size(), s.last_pose += to.poses.size();
   s.first_odometry += to.odometry.size(), s.last_odometry += to.odometry.size();
   s.first_motion += to.motion_steps.size(), s.last_motion += to.motion_steps.size();
@@ -82,29 +141,17 @@ void write_trajectory(const Trajectory& t, const std::vector<Arrival>& rows, Tap
   tape.put_count(t.motion_prior ? 1 : 0);
   tape.put(t.nominal_speed_mps);
   tape.put_count(t.segments.size());
-  for (const Segment& s : t.segments)
-    for (const std::size_t count :
-         {s.first_node, s.last_node, s.first_arrival, s.last_arrival, s.first_pose, s.last_pose,
-          s.first_odometry, s.last_odometry, s.first_motion, s.last_motion})
-      tape.put_count(count);
-  for (const std::size_t count :
-       {t.arrivals.size(), t.poses.size(), t.odometry.size(), t.motion_steps.size(), t.nodes.size()})
+  for (const Segment& s : t.segments) put_segment(s, tape);
+  for (const std::size_t count : {t.arrivals.size(), t.bearings.size(), t.poses.size(), t.odometry.size(),
+                                  t.motion_steps.size(), t.nodes.size()})
     tape.put_count(count);
   for (const ArrivalObservation& o : t.arrivals) {
     put_arrival(o, rows[o.arrival], tape);
     if (o.two_way) put_pose(t.T_hear_send[static_cast<std::size_t>(o.hear_send)], tape);
   }
-  for (const PoseObservation& o : t.poses) {
-    tape.put_count(o.node);
-    put_pose(o.T_map_vehicle, tape);
-    for (const double number : {o.alpha, o.position_sigma_m, o.heading_sigma_rad, o.attitude_sigma_rad})
-      tape.put(number);
-  }
-  for (const OdometryObservation& o : t.odometry) {
-    tape.put_count(o.node);
-    put_pose(o.T_before_after, tape);
-    for (const double number : {o.distance_sigma_m, o.heading_sigma_rad}) tape.put(number);
-  }
+  for (const BearingObservation& o : t.bearings) put_bearing(o, tape);
+  for (const PoseObservation& o : t.poses) put_measured_pose(o, tape);
+  for (const OdometryObservation& o : t.odometry) put_odometry(o, tape);
   for (const MotionObservation& o : t.motion_steps) {
     tape.put_count(o.node);
     tape.put(o.step_s);
@@ -122,15 +169,11 @@ void read_trajectory(const TrajectoryModel& model, TapeReader& tape, Trajectory&
   to.nominal_speed_mps = tape.get();
   const std::size_t nodes = to.nodes.size();
   for (std::size_t n = tape.count(); n > 0; --n) {
-    Segment s;
-    for (std::size_t* count :
-         {&s.first_node, &s.last_node, &s.first_arrival, &s.last_arrival, &s.first_pose, &s.last_pose,
-          &s.first_odometry, &s.last_odometry, &s.first_motion, &s.last_motion})
-      *count = tape.count();
+    Segment s = get_segment(tape);
     move_behind(to, s);
     to.segments.push_back(s);
   }
-  std::size_t counts[5];
+  std::size_t counts[6];
   for (std::size_t& count : counts) count = tape.count();
   for (; counts[0] > 0; --counts[0]) {
     Arrival a;
@@ -145,27 +188,24 @@ void read_trajectory(const TrajectoryModel& model, TapeReader& tape, Trajectory&
     rows.push_back(a);
   }
   for (; counts[1] > 0; --counts[1]) {
-    PoseObservation o;
-    o.node = tape.count() + nodes;
-    o.T_map_vehicle = get_pose(tape);
-    for (double* number : {&o.alpha, &o.position_sigma_m, &o.heading_sigma_rad, &o.attitude_sigma_rad})
-      *number = tape.get();
-    to.poses.push_back(o);
+    to.bearings.push_back(get_bearing(tape));
+    to.bearings.back().node += nodes;
   }
   for (; counts[2] > 0; --counts[2]) {
-    OdometryObservation o;
-    o.node = tape.count() + nodes;
-    o.T_before_after = get_pose(tape);
-    for (double* number : {&o.distance_sigma_m, &o.heading_sigma_rad}) *number = tape.get();
-    to.odometry.push_back(o);
+    to.poses.push_back(get_measured_pose(tape));
+    to.poses.back().node += nodes;
   }
   for (; counts[3] > 0; --counts[3]) {
+    to.odometry.push_back(get_odometry(tape));
+    to.odometry.back().node += nodes;
+  }
+  for (; counts[4] > 0; --counts[4]) {
     MotionObservation o;
     o.node = tape.count() + nodes;
     o.step_s = tape.get();
     to.motion_steps.push_back(o);
   }
-  for (; counts[4] > 0; --counts[4]) to.nodes.push_back(get_node(tape));
+  for (; counts[5] > 0; --counts[5]) to.nodes.push_back(get_node(tape));
 }
 
 }  // namespace octant::calib

@@ -10,7 +10,7 @@
 
 namespace octant::calib {
 
-/// Writes a trajectory with its states and the rows of its arrivals. Bearings are none of it.
+/// Writes a trajectory with its states and the rows of its arrivals.
 /// @param rows  of the run, as far as they are at hand: what ArrivalObservation::arrival counts
 void write_trajectory(const Trajectory& trajectory, const std::vector<Arrival>& rows, TapeWriter& tape);
 

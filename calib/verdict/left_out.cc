@@ -40,10 +40,7 @@ std::vector<LeftOutBearing> bearings_of(const MeasurementLog& log, std::size_t r
       const BearingObservation& b = t.bearings[i];
       carried[b.bearing] = 1;
       if (b.rejection == Rejection::kUsed) continue;
-      ObservationRow row;
-      const bool placed = b.rejection == Rejection::kLate || b.rejection == Rejection::kEarly;
-      out.push_back({run, b.bearing, b.rejection,
-                     placed && bearing_rows(t, i, state, &row) > 0 ? row.residual * b.sigma_rad : 0.0});
+      out.push_back({run, b.bearing, b.rejection, misfit_rad(t, i, state)});
     }
   }
   for (std::size_t i = 0; i < carried.size(); ++i)
@@ -86,6 +83,13 @@ void append(List& to, List&& from) {
 }
 
 }  // namespace
+
+double misfit_rad(const Trajectory& t, std::size_t bearing, const SharedState& state) {
+  const BearingObservation& b = t.bearings[bearing];
+  const bool placed = b.rejection == Rejection::kLate || b.rejection == Rejection::kEarly;
+  ObservationRow row;
+  return placed && bearing_rows(t, bearing, state, &row) > 0 ? row.residual * b.sigma_rad : 0.0;
+}
 
 LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories,
                          const SharedState& state) {

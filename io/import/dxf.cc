@@ -241,7 +241,8 @@ class Reader {
       else
         add_side(points[i - 1], points[i], e.bulges[i - 1], drawn.points_m);
     }
-    if (drawn.closed && points.size() > 2) {
+    // Two corners close to something where a side bulges: a circle is drawn as two halves.
+    if (drawn.closed && (points.size() > 2 || (points.size() == 2 && e.bulges.back() != 0.0))) {
       add_side(points.back(), points.front(), e.bulges.back(), drawn.points_m);
       drawn.points_m.pop_back();  // the first corner again
     }

@@ -44,6 +44,29 @@ std::string printable_name(std::string_view name) {
   return "'" + text + (name.size() > 40 ? "...'" : "'");
 }
 
+bool is_odometry(const LiveObject& object) {
+  return object.contains("dx_m") || object.contains("dheading_rad") || object.contains("qw");
+}
+
+/// In the plane, or with dz_m and a quaternion in place of the heading in space.
+Result<LiveRow> odometry_row(const LiveObject& object, double time_s, VehicleId vehicle) {
+  OdometryStep step{.time_s = time_s,
+                    .dx_m = live_number(object, "dx_m", 0.0),
+                    .dy_m = live_number(object, "dy_m", 0.0),
+                    .dheading_rad = live_number(object, "dheading_rad", 0.0),
+                    .vehicle = vehicle,
+                    .dz_m = live_number(object, "dz_m", 0.0)};
+  if (!step.is_finite()) return bad_line("dx_m, dy_m, dz_m or dheading_rad is no number");
+  if (!object.contains("qw")) return LiveRow{step};
+  if (object.contains("dheading_rad")) return bad_line("both a quaternion and dheading_rad", "one of them");
+  const auto part = [&](const char* key) { return live_number(object, key, std::nan("")); };
+  const Eigen::Quaterniond q(part("qw"), part("qx"), part("qy"), part("qz"));
+  if (!(q.norm() > 1e-3) || !std::isfinite(q.norm()))
+    return bad_line("no rotation", "numbers qx, qy, qz, qw of length 1 (0, 0, 0, 1: no turn)");
+  step.set_pose({{step.dx_m, step.dy_m, step.dz_m}, q.normalized()});
+  return LiveRow{step};
+}
+
 }  // namespace
 
 struct LiveReader::Names {
@@ -75,13 +98,7 @@ Result<LiveRow> LiveReader::row(std::string_view line) const {
     return bad_line(vehicle_name->empty() ? "vehicle is missing, and there are several"
                                           : "unknown vehicle " + printable_name(*vehicle_name));
 
-  if (object.contains("dx_m") || object.contains("dheading_rad")) {
-    const OdometryStep step{time_s, live_number(object, "dx_m", 0.0), live_number(object, "dy_m", 0.0),
-                            live_number(object, "dheading_rad", 0.0), vehicle};
-    if (!std::isfinite(step.dx_m) || !std::isfinite(step.dy_m) || !std::isfinite(step.dheading_rad))
-      return bad_line("dx_m, dy_m or dheading_rad is no number");
-    return LiveRow{step};
-  }
+  if (is_odometry(object)) return odometry_row(object, time_s, vehicle);
 
   Arrival a;
   a.time_s = time_s;

@@ -21,7 +21,8 @@ using LiveRow = std::variant<std::monostate, Arrival, OdometryStep, LiveFlush>;
 /// Lines of a live stream (schema `live`): a JSON object each, with the names of a run folder's columns:
 ///   {"time_s": 12.31, "beacon": "B1", "tof_s": 0.0123}         also epoch, vehicle, receiver, amplitude_v,
 ///   temperature_degC
-///   {"time_s": 12.30, "dx_m": 0.01, "dy_m": 0, "dheading_rad": 0.002}    also vehicle
+///   {"time_s": 12.30, "dx_m": 0.01, "dy_m": 0, "dheading_rad": 0.002}    also vehicle; in space dz_m,
+///   and qx, qy, qz, qw in place of dheading_rad
 /// Keys that are not known are ignored.
 class LiveReader {
  public:

@@ -34,12 +34,15 @@ std::string_view live_schema() {
       "description": "The vehicle's pose in the frame that it had at its row before; its first row is the anchor. How good it is says --odometry RUN.yaml, by the keys of a recording's odometry block (octant schema run), or what holds there where nothing is said.",
       "type": "object",
       "required": ["time_s"],
-      "anyOf": [{"required": ["dx_m"]}, {"required": ["dheading_rad"]}],
+      "anyOf": [{"required": ["dx_m"]}, {"required": ["dheading_rad"]}, {"required": ["qx", "qy", "qz", "qw"]}],
       "properties": {
         "time_s": {"type": "number"},
         "dx_m": {"type": "number", "default": 0},
         "dy_m": {"type": "number", "default": 0},
         "dheading_rad": {"type": "number", "default": 0},
+        "dz_m": {"type": "number", "default": 0, "description": "of a vehicle in space"},
+        "qx": {"type": "number", "description": "in space, with qy, qz and qw in place of dheading_rad: this row's axes in those of the row before"},
+        "qy": {"type": "number"}, "qz": {"type": "number"}, "qw": {"type": "number"},
         "vehicle": {"$ref": "#/$defs/name"}
       }
     },

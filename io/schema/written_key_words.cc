@@ -158,6 +158,11 @@ $odometry.time_s | 12.5 | on the clock of the arrivals
 $odometry.dx_m | 0.031 | forward, in the frame of the row before
 $odometry.dy_m | 0.0 | left, in the frame of the row before
 $odometry.dheading_rad | 0.002 | turn, counter-clockwise
+$odometry.dz_m | 0.0 | up, of a vehicle in space; left out: 0
+$odometry.qx | 0.0 | with qy, qz, qw in place of dheading_rad, of a vehicle in space; left out: dheading_rad says it
+$odometry.qy | 0.0 | see qx; left out: with qx
+$odometry.qz | 0.001 | see qx; left out: with qx
+$odometry.qw | 1.0 | see qx; left out: with qx
 $odometry.vehicle | robot | who moved; left out: the only one, or robot
 $fix.type | fix | tells it from an alarm
 $fix.time_s | 12.5 | instant of the fix, on the clock of the arrivals

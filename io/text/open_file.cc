@@ -83,7 +83,10 @@ Result<std::string> read_all(const OpenFile& file, const std::string& path) {
     content.resize(have);
     return content;
   } catch (const std::bad_alloc&) {
-    return fail({.file = path, .found = fmt::format("{} bytes do not fit into memory", file.size)});
+    return fail({.code = Errc::kNoMemory,
+                 .file = path,
+                 .found = fmt::format("out of memory for its {} bytes", file.size),
+                 .advice = "use a machine with more, or a smaller file"});
   }
 }
 

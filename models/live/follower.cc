@@ -20,8 +20,15 @@ bool of_one_pose(const Arrival& a, const Arrival& b) {
   return a.epoch != kNoEpoch || b.time_s - a.time_s <= kSamePing_s;
 }
 
-bool can_be_tracked(const Deployment& d) {
-  return d.motion == Motion::kPlanar && d.timing.clock == Clock::kSynchronised;
+bool can_be_tracked(const Deployment& d) { return d.timing.clock == Clock::kSynchronised; }
+
+/// By as much the place may be another one by another calibration: sigmas of 5 cm and 0.01 rad, squared.
+PoseCovariance between_calibrations(Motion motion) {
+  const int dof = pose_dof(motion), turns = motion == Motion::kPlanar ? 1 : 3;
+  PoseCovariance some = PoseCovariance::Zero(dof, dof);
+  some.diagonal().head(dof - turns).setConstant(2.5e-3);
+  some.diagonal().tail(turns).setConstant(1e-4);
+  return some;
 }
 
 }  // namespace
@@ -36,7 +43,7 @@ Result<void> follow_fits(const Deployment& deployment, Method method) {
     return can_be_tracked(deployment)
                ? Result<void>{}
                : Result<void>(fail({.code = Errc::kUsage,
-                                    .found = "the tracker follows planar motion by synchronised clocks",
+                                    .found = "the tracker follows by synchronised clocks",
                                     .advice = "leave the method to auto"}));
   MeasurementLog any;
   any.has_epochs = true;
@@ -155,10 +162,9 @@ void Follower::carry_on(const Follower& before) {
     lane.row_s = old.row_s;
     lane.now_s = old.now_s;
     if (!old.tracker->is_placed()) continue;
-    const Eigen::Matrix3d covariance = old.tracker->covariance();
-    // The place by the new calibration may be another one by as much as calibrations differ.
+    if (before.deployment_.motion != deployment_.motion) continue;
     lane.tracker->start(old.tracker->pose(),
-                        covariance + Eigen::Vector3d(2.5e-3, 2.5e-3, 1e-4).asDiagonal().toDenseMatrix());
+                        old.tracker->covariance() + between_calibrations(deployment_.motion));
   }
 }
 

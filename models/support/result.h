@@ -15,6 +15,7 @@ enum class Errc {
   kBadInput,    ///< a file or value that does not follow its format (exit 3)
   kOutput,      ///< an output could not be written (exit 3)
   kNotHeard,    ///< a signal too weak for the threshold
+  kNoMemory,    ///< the machine has no memory for it (exit 1)
   kInterrupted  ///< the user asked to stop (exit 130)
 };
 

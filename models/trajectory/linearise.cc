@@ -26,56 +26,53 @@ Pose pose_at(const Trajectory& t, std::size_t node, double alpha) {
                       : interpolate(t.nodes[node].T_map_vehicle, t.nodes[node + 1].T_map_vehicle, alpha);
 }
 
-InterpolationJacobian interpolation_jacobian(const Trajectory& t, std::size_t node, double alpha) {
-  InterpolationJacobian J;
-  J.by_node.setZero();
-  J.by_next.setZero();
-  const int dof = pose_dof(t.motion);
-  J.by_node.topLeftCorner(dof, dof).diagonal().setConstant(1.0 - alpha);
-  J.by_next.topLeftCorner(dof, dof).diagonal().setConstant(alpha);
-  if (t.motion == Motion::kPlanar || alpha == 0.0) return J;
-  // R(alpha) = Ra Exp(alpha phi), phi = Log(Ra' Rb); d phi = Jr^-1(phi) db - Jr^-1(-phi) da.
-  const Eigen::Vector3d phi = log_rotation(t.nodes[node].T_map_vehicle.rotation.conjugate() *
-                                           t.nodes[node + 1].T_map_vehicle.rotation);
-  const Eigen::Matrix3d part = alpha * right_jacobian(alpha * phi);
-  J.by_next.bottomRightCorner<3, 3>() = part * right_jacobian_inverse(phi);
-  J.by_node.bottomRightCorner<3, 3>() =
-      exp_rotation(-alpha * phi).toRotationMatrix() - part * right_jacobian_inverse(-phi);
-  return J;
-}
-
 namespace {
 
-/// Spreads a derivative by the interpolated pose over the two nodes.
-class PoseSpread {
- public:
-  PoseSpread(const Trajectory& t, std::size_t node, double alpha)
-      : dof_(pose_dof(t.motion)), block_(t.block_size()), alpha_(alpha) {
-    // Most arrivals are of stationary epochs, or of planar motion where interpolation is linear.
-    linear_ = t.motion == Motion::kPlanar || alpha == 0.0;
-    if (!linear_) J_ = interpolation_jacobian(t, node, alpha);
-  }
-  void set(const Eigen::Matrix<double, 1, 6>& by_pose, ObservationRow& row) const {
-    row.by_node.setZero(block_);
-    row.by_next.setZero(block_);
-    row.has_next = alpha_ != 0.0;
-    if (linear_) {
-      row.by_node.head(dof_) = (1.0 - alpha_) * by_pose.head(dof_);
-      if (row.has_next) row.by_next.head(dof_) = alpha_ * by_pose.head(dof_);
-    } else {
-      row.by_node.head(dof_) = (by_pose * J_.by_node).head(dof_);
-      row.by_next.head(dof_) = (by_pose * J_.by_next).head(dof_);
-    }
-  }
+/// Whether a pose between two nodes follows them in proportion.
+bool is_linear(const Trajectory& t, double alpha) { return t.motion == Motion::kPlanar || alpha == 0.0; }
 
- private:
-  int dof_, block_;
-  double alpha_;
-  bool linear_ = true;
-  InterpolationJacobian J_;
-};
+/// Spreads a derivative by the pose at an instant over the two nodes.
+void spread(const Trajectory& t, const InstantPose& at, const Eigen::Matrix<double, 1, 6>& by_pose,
+            ObservationRow& row) {
+  const int dof = pose_dof(t.motion), block = t.block_size();
+  const double alpha = at.alpha;
+  row.by_node.setZero(block);
+  row.by_next.setZero(block);
+  row.has_next = alpha != 0.0;
+  if (is_linear(t, alpha)) {
+    row.by_node.head(dof) = (1.0 - alpha) * by_pose.head(dof);
+    if (row.has_next) row.by_next.head(dof) = alpha * by_pose.head(dof);
+    return;
+  }
+  row.by_node.head<3>() = (1.0 - alpha) * by_pose.head<3>();
+  row.by_next.head<3>() = alpha * by_pose.head<3>();
+  row.by_node.segment<3>(3) = by_pose.tail<3>() * at.turn_by_node;
+  row.by_next.segment<3>(3) = by_pose.tail<3>() * at.turn_by_next;
+}
 
 }  // namespace
+
+void InstantPose::take(const Trajectory& t, std::size_t node, double new_alpha) {
+  const Pose& A = t.nodes[node].T_map_vehicle;
+  alpha = new_alpha;
+  if (is_linear(t, alpha)) {
+    T_map_vehicle = pose_at(t, node, alpha);
+    return;
+  }
+  const Pose& B = t.nodes[node + 1].T_map_vehicle;
+  if (node != node_) {
+    node_ = node;
+    phi_ = log_rotation(A.rotation.conjugate() * B.rotation);
+    by_b_ = right_jacobian_inverse(phi_);
+    by_a_ = right_jacobian_inverse(-phi_);
+  }
+  // R(alpha) = Ra Exp(alpha phi)
+  const Eigen::Quaterniond turn = exp_rotation(alpha * phi_);
+  T_map_vehicle = {(1 - alpha) * A.translation_m + alpha * B.translation_m, A.rotation * turn};
+  const Eigen::Matrix3d part = alpha * right_jacobian(alpha * phi_);
+  turn_by_next = part * by_b_;
+  turn_by_node = turn.conjugate().toRotationMatrix() - part * by_a_;
+}
 
 namespace {
 
@@ -90,12 +87,12 @@ PathInput path_at(const Trajectory& t, const ArrivalObservation& a, const Shared
 
 }  // namespace
 
-int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& state, ObservationRow* rows) {
+int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& state, InstantPose& at,
+                 ObservationRow* rows) {
   const ArrivalObservation& a = t.arrivals[index];
-  const Pose T = pose_at(t, a.node, a.alpha);
-  const PathInput in = path_at(t, a, state, T);
+  at.take(t, a.node, a.alpha);
+  const PathInput in = path_at(t, a, state, at.T_map_vehicle);
   const PathOutput out = predict_arrival(in, t.motion);
-  const PoseSpread spread(t, a.node, a.alpha);
 
   ObservationRow& tof = rows[0];
   const double k = -1.0 / a.sigma_s;
@@ -103,7 +100,7 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   tof.index = index;
   tof.node = a.node;
   tof.residual = (a.tof_s - out.tof_s) / a.sigma_s;
-  spread.set(k * out.tof_by_pose, tof);
+  spread(t, at, k * out.tof_by_pose, tof);
   if (t.has_cycle_offset) tof.by_node[pose_dof(t.motion)] = k / t.nominal_speed_mps;
   tof.has_shared = true;
   tof.beacon = a.beacon;
@@ -121,7 +118,7 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   amplitude = tof;
   amplitude.kind = RowKind::kAmplitude;
   amplitude.residual = (a.log_amplitude - out.log_amplitude) / a.log_amplitude_sigma;
-  spread.set(ka * out.log_amplitude_by_pose, amplitude);
+  spread(t, at, ka * out.log_amplitude_by_pose, amplitude);
   amplitude.by_beacon = ka * out.log_amplitude_by_beacon;
   amplitude.by_receiver = ka * out.log_amplitude_by_receiver;
   amplitude.by_attenuation = ka * out.log_amplitude_by_attenuation;
@@ -134,9 +131,10 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
 int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& state, ObservationRow* rows) {
   const BearingObservation& b = t.bearings[index];
   if (!b.reflector.valid() || t.motion != Motion::kPlanar) return 0;
-  const Pose T = pose_at(t, b.node, b.alpha);
+  InstantPose at;
+  at.take(t, b.node, b.alpha);
   const BearingOutput out =
-      predict_bearing(T, state.beacon_p_map_m[b.reflector.index()], Eigen::Vector3d::Zero());
+      predict_bearing(at.T_map_vehicle, state.beacon_p_map_m[b.reflector.index()], Eigen::Vector3d::Zero());
   const double k = -1.0 / b.sigma_rad;
   ObservationRow& row = rows[0];
   row.kind = RowKind::kBearing;
@@ -145,7 +143,7 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   row.residual = wrap_angle(b.bearing_rad - out.bearing_rad) / b.sigma_rad;
   Eigen::Matrix<double, 1, 6> by_pose = Eigen::Matrix<double, 1, 6>::Zero();
   by_pose.head<3>() = k * out.by_pose;
-  PoseSpread(t, b.node, b.alpha).set(by_pose, row);
+  spread(t, at, by_pose, row);
   row.has_shared = true;
   row.beacon = b.reflector;
   row.receiver = ReceiverId();
@@ -158,8 +156,9 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
 
 int pose_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
   const PoseObservation& p = t.poses[index];
-  const Pose T = pose_at(t, p.node, p.alpha);
-  const PoseSpread spread(t, p.node, p.alpha);
+  InstantPose at;
+  at.take(t, p.node, p.alpha);
+  const Pose& T = at.T_map_vehicle;
   int count = 0;
   auto add = [&](double misfit, double sigma, const Eigen::Matrix<double, 1, 6>& by_pose) {
     if (!std::isfinite(sigma)) return;
@@ -169,7 +168,7 @@ int pose_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
     row.node = p.node;
     row.has_shared = false;
     row.residual = misfit / sigma;
-    spread.set(by_pose / sigma, row);
+    spread(t, at, by_pose / sigma, row);
   };
   using Row6 = Eigen::Matrix<double, 1, 6>;
   const Eigen::Vector3d off = p.T_map_vehicle.translation_m - T.translation_m;

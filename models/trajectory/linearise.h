@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,18 +44,34 @@ struct ObservationRow {
 /// Pose at an observation between node and node + 1.
 [[nodiscard]] Pose pose_at(const Trajectory& trajectory, std::size_t node, double alpha);
 
-/// Derivative of the tangent of pose_at by the tangents of both nodes.
-struct InterpolationJacobian {
-  Eigen::Matrix<double, 6, 6> by_node, by_next;
+/// Where a vehicle is at an instant between two nodes, and how that follows them. Kept from one observation
+/// to the next while no node moves: those of one step of odometry share what that turns by.
+class InstantPose {
+ public:
+  void take(const Trajectory& trajectory, std::size_t node, double alpha);
+
+  double alpha = 0.0;
+  Pose T_map_vehicle;
+  /// Derivative of its turn by that of either node, in space; elsewhere the pose follows in proportion.
+  Eigen::Matrix3d turn_by_node, turn_by_next;
+
+ private:
+  std::size_t node_ = SIZE_MAX;
+  Eigen::Vector3d phi_;          ///< Log(Ra' Rb)
+  Eigen::Matrix3d by_a_, by_b_;  ///< Jr^-1(-phi), Jr^-1(phi): d phi = by_b db - by_a da
 };
-[[nodiscard]] InterpolationJacobian interpolation_jacobian(const Trajectory& trajectory, std::size_t node,
-                                                           double alpha);
 
 /// Rows of one observation each; a kind that gives several rows fills several.
 /// rows must have room for 2 (arrival), 1 (bearing), 6 (pose), 6 (odometry), 6 (motion); returns how many
 /// were filled.
-int arrival_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state,
+/// @param at  of the arrival before, or none
+int arrival_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state, InstantPose& at,
                  ObservationRow* rows);
+inline int arrival_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state,
+                        ObservationRow* rows) {
+  InstantPose at;
+  return arrival_rows(trajectory, index, state, at, rows);
+}
 int bearing_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state,
                  ObservationRow* rows);
 int pose_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* rows);
@@ -70,8 +87,10 @@ void for_each_row(const Trajectory& trajectory, const Segment& segment, const Sh
   auto emit = [&](int count) {
     for (int i = 0; i < count; ++i) visit(rows[i]);
   };
+  InstantPose at;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
-    if (trajectory.arrivals[i].rejection == Rejection::kUsed) emit(arrival_rows(trajectory, i, state, rows));
+    if (trajectory.arrivals[i].rejection == Rejection::kUsed)
+      emit(arrival_rows(trajectory, i, state, at, rows));
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
     if (trajectory.bearings[i].rejection == Rejection::kUsed) emit(bearing_rows(trajectory, i, state, rows));
   for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i) emit(pose_rows(trajectory, i, rows));

@@ -37,6 +37,12 @@ bool path_at(const OdometryPath& path, double time_s, Pose& T) {
   return true;
 }
 
+std::optional<Pose> hear_send_motion(const OdometryPath& path, const Arrival& arrival) {
+  Pose hear, send;
+  if (!path_at(path, arrival.time_s, hear) || !path_at(path, arrival.time_s - arrival.tof_s, send)) return {};
+  return hear.inverse() * send;
+}
+
 bool path_between(const OdometryPath& path, double from_s, double to_s, OdometryObservation& o) {
   Pose A, B;
   if (!path_at(path, from_s, A) || !path_at(path, to_s, B)) return false;

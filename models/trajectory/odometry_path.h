@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "models/physics/pose.h"
@@ -24,6 +25,10 @@ struct OdometryPath {
 
 /// Pose of the path at a time, in the anchor's frame; false outside.
 bool path_at(const OdometryPath& path, double time_s, Pose& T);
+
+/// Pose of asking in the frame of that of hearing, of two-way ranging; none where the path does not hold
+/// both.
+[[nodiscard]] std::optional<Pose> hear_send_motion(const OdometryPath& path, const Arrival& arrival);
 
 /// Odometry between two instants as one observation; false where the path does not hold both.
 bool path_between(const OdometryPath& path, double from_s, double to_s, OdometryObservation& o);

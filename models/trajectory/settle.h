@@ -18,7 +18,7 @@ struct SettleOptions {
   double tolerance = kSettledToRounding;  ///< a step that gains less than this share of the cost is the last
   /// With plain squares so is one whose length foretells that the next would gain less than this share.
   double left_behind = 0.0;
-  int threads = 1;                             ///< on stretches of a long planar chain
+  int threads = 1;                             ///< on stretches of a long chain
   bool hold_first = false, hold_last = false;  ///< these states of the segment stay where they are
 };
 

@@ -79,9 +79,8 @@ class Builder {
 
   /// Relative motion between asking and hearing, from odometry or measured poses; none: the vehicle stands.
   [[nodiscard]] Pose two_way_motion(const Arrival& a) const {
+    if (const auto T_hear_send = hear_send_motion(path_, a)) return *T_hear_send;
     Pose hear, send;
-    if (path_at(path_, a.time_s, hear) && path_at(path_, a.time_s - a.tof_s, send))
-      return hear.inverse() * send;
     const double gap = log_.pose_accuracy.max_gap_s;
     if (t_.moving && interpolate_poses(log_.poses, a.time_s, gap, hear) &&
         interpolate_poses(log_.poses, a.time_s - a.tof_s, gap, send))

@@ -3,6 +3,24 @@
 #include "survey/drawing/escape.h"
 
 namespace octant::survey {
+namespace {
+
+/// What Markdown takes for a list's item or for a rule at a line's beginning: the character that a backslash
+/// undoes. npos: there is none.
+std::size_t markdown_mark(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string::npos) return begin;
+  const std::size_t at = text.find_first_not_of("0123456789", begin);
+  if (at == std::string::npos) return at;
+  const std::string marks = at > begin ? ".)" : "-+";
+  if (marks.find(text[at]) == std::string::npos) return std::string::npos;
+  const bool item = at + 1 < text.size() && std::string(" \t\r\n").find(text[at + 1]) != std::string::npos;
+  const bool rule =
+      text.compare(at, 3, "---") == 0 && text.find_first_not_of("- \t\r\n", at) == std::string::npos;
+  return item || rule ? at : std::string::npos;
+}
+
+}  // namespace
 
 std::string escape_xml(const std::string& text) {
   std::string safe;
@@ -25,7 +43,10 @@ std::string escape_xml(const std::string& text) {
 std::string escape_markdown(const std::string& text) {
   std::string safe;
   safe.reserve(text.size());
-  for (const char c : text) {
+  const std::size_t mark = markdown_mark(text);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (i == mark) safe += '\\';
     // HTML inside Markdown is HTML, so its characters go as entities; the rest is what Markdown gives a
     // meaning.
     if (c == '&')

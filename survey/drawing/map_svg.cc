@@ -13,6 +13,7 @@
 
 #include "survey/drawing/escape.h"
 #include "survey/drawing/palette.h"
+#include "survey/geometry/digits.h"
 
 namespace octant::survey {
 namespace {
@@ -163,9 +164,8 @@ void draw_scale(std::string& svg, const BinnedMap& map, const Frame& frame, doub
 
 std::string figure_text(double value, const std::string& unit) {
   if (std::isinf(value)) return "no fix";
-  if (unit == "m")
-    return value < 0.0995 ? fmt::format("{:.3g} mm", 1e3 * value) : fmt::format("{:.3g} m", value);
-  return unit.empty() ? fmt::format("{:.3g}", value) : fmt::format("{:.3g} {}", value, unit);
+  if (unit == "m") return value < 0.0995 ? three_digits(1e3 * value) + " mm" : three_digits(value) + " m";
+  return unit.empty() ? three_digits(value) : three_digits(value) + " " + unit;
 }
 
 std::string map_svg(const Survey& survey, const BinnedMap& map, const MapDrawing& drawing) {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "survey/geometry/digits.h"
+
 namespace octant::survey {
 
 Unit time_unit(double largest_s) {
@@ -17,9 +19,16 @@ Unit time_unit(double largest_s) {
 
 Unit length_unit(double largest_m) { return largest_m < 1.0 ? Unit{1.0e3, "mm", "mm"} : Unit{1.0, "m", "m"}; }
 
+std::string three_digits(double value) {
+  // From here on {:.3g} writes 1e+03.
+  return std::abs(value) >= 999.5 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
+}
+
 std::string length_text(double length_m) {
-  const Unit unit = length_unit(std::abs(length_m));
-  return fmt::format("{:.3g} {}", unit.per_si * length_m, unit.name);
+  const double size_m = std::abs(length_m);
+  // Of 999.5 mm and more three digits are 1000 mm.
+  const Unit unit = length_unit(size_m >= 0.9995 && size_m < 1.0 ? 1.0 : size_m);
+  return three_digits(unit.per_si * length_m) + " " + unit.name;
 }
 
 std::string time_text(double time_s) {

@@ -87,6 +87,8 @@ Result<void> check_mounts(const Scene& scene) {
                                : check_outline(scene, name, mount.points_m, mount.line);
       if (!checked) return checked;
     }
+    if (!std::isfinite(mount.low_m) || !std::isfinite(mount.high_m))
+      return bad(scene, mount.line, name + " has a height that is no finite number", "numbers");
     if (!(mount.high_m >= mount.low_m))
       return bad(scene, mount.line,
                  fmt::format("{} reaches from {:g} m down to {:g} m", name, mount.low_m, mount.high_m),
@@ -129,7 +131,7 @@ Result<void> check_routes(const Scene& scene) {
         return bad(scene, route.line, fmt::format("{} leaves the floor at {}", name, at(p)),
                    "points on the floor");
       for (const SceneWall& wall : scene.walls)
-        if (wall.solid && is_inside(wall.points_m, p) &&
+        if (wall.solid && wall.blocks_vehicle && is_inside(wall.points_m, p) &&
             distance_to_outline_m(wall.points_m, p) > wall.slack_m + 1e-6)
           return bad(scene, route.line,
                      fmt::format("{} runs through obstacle '{}' at {}", name, wall.name, at(p)),

@@ -154,7 +154,7 @@ TEST_F(Faults, ALimitOfMemoryIsSaid) {
   // From what the program's libraries need to what a calibration of this size needs: some refusals, no crash.
   make(hall_scenario("epochs: 150", "epochs: 3000"));
   int refused = 0;
-  for (rlim_t mb = 56; mb <= 120; mb += 8) {
+  for (rlim_t mb = 41; mb <= 131; mb += 3) {
     const Outcome outcome =
         octant({"calibrate", hall("site.yaml"), hall("run"), "-o", out("big.json"), "--threads", "2"},
                {.limits = {{RLIMIT_AS, mb << 20}}});

@@ -101,10 +101,11 @@ TEST_F(Stream, SaysWhereARowIsWrong) {
 }
 
 TEST_F(Stream, SaysWhatCannotBeStreamed) {
-  spit(hall("run/bearings.csv"), "time_s,reflector,bearing_rad,epoch\n10.01,B1,0.3,0\n");
+  spit(hall("run/odometry.csv"), "time_s,dx_m,dy_m,dheading_rad\n10.0,0,0,0\n11.0,0.1,0,0\n");
   const Outcome done = calibrate({"--memory-mb", "1"});
   EXPECT_EQ(done.exit, 0) << done.err;
-  EXPECT_THAT(done.err, HasSubstr("cannot be streamed: " + hall("run") + " has bearings"));
+  EXPECT_THAT(done.err,
+              HasSubstr("cannot be streamed: " + hall("run") + " has stops with odometry between them"));
 }
 
 TEST_F(Stream, SmallLogsAreNot) {

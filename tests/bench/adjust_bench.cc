@@ -21,6 +21,7 @@
 #include "calib/adjust/adjust.h"
 #include "calib/adjust/tile_sum.h"
 #include "calib/calibrate.h"
+#include "calib/start/held_states.h"
 #include "calib/start/start.h"
 #include "io/run/run_folder.h"
 #include "io/site/site_yaml.h"

@@ -136,6 +136,10 @@ def test_follows(world):
 def test_odometry_is_as_good_as_it_is_said_to_be(world):
     follower = octant.Follower(world.truth, odometry_noise={"distance_sigma_m_per_sqrt_m": 0.01, "floor_m": 0.0})
     assert follower.move(0.0, 0.0, 0.0, 0.0)
+    assert follower.move(0.1, 0.02, 0.0, dz_m=0.01, quaternion_xyzw=[0.0, 0.1, 0.0, 1.0])
+    for wrong in ({"quaternion_xyzw": [0.0, 0.0, 0.0, 0.0]}, {"dheading_rad": 0.1, "quaternion_xyzw": [0.0, 0.0, 0.0, 1.0]}):
+        with pytest.raises(ValueError, match="quaternion"):
+            follower.move(0.2, 0.0, 0.0, **wrong)
     for wrong in ({"distance": 0.1}, {"floor_m": -1.0}, {"floor_m": float("nan")}):
         with pytest.raises(ValueError, match="odometry_noise"):
             octant.Follower(world.truth, odometry_noise=wrong)

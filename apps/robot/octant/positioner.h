@@ -29,10 +29,11 @@ struct Heard {
 };
 
 /// Odometry since the last row: the vehicle's pose in the frame that it had then. The first row is the
-/// anchor.
+/// anchor. In space (inertial, visual) with dz_m, and a quaternion in place of dheading_rad.
 struct Moved {
   double time_s = 0.0, dx_m = 0.0, dy_m = 0.0, dheading_rad = 0.0;
   std::string_view vehicle = {};
+  double dz_m = 0.0, qx = 0.0, qy = 0.0, qz = 0.0, qw = 1.0;
 };
 
 /// Noise of the odometry over a step of length d and turn a:

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/stream/long_log.h"
+#include "calib/problem/thin.h"
 
 namespace octant::calib {
 namespace {
@@ -51,19 +51,22 @@ std::size_t DriveChain::nodes_of(std::size_t unit) const {
 }
 
 std::int64_t DriveGroups::key_at(double time_s) const {
-  return static_cast<std::int64_t>(std::floor((time_s - begin_s) / kPartOfLongLog.stretch_s));
+  return static_cast<std::int64_t>(std::floor((time_s - begin_s) / length_s));
 }
 
-DriveIndex::DriveIndex(const ArrivalSource& source, std::size_t vehicles, std::size_t beacons)
-    : vehicles_(vehicles),
-      beacons_(beacons),
+DriveIndex::DriveIndex(const ArrivalSource& source, const Site& site)
+    : vehicles_(site.vehicles.size()),
+      beacons_(site.beacons.size()),
       groups_(source.runs()),
       blocks_(source.runs(), 0),
-      unit_of_chain_(source.runs() * vehicles, 0) {
+      unit_of_chain_(source.runs() * vehicles_, 0) {
   for (std::size_t run = 0; run < source.runs(); ++run)
-    for (std::size_t v = 0; v < vehicles; ++v)
-      chains_.push_back(chain_of(source.log(run), run, VehicleId(v), beacons));
-  for (DriveGroups& of_run : groups_) of_run.latest.assign(vehicles, SIZE_MAX);
+    for (std::size_t v = 0; v < vehicles_; ++v)
+      chains_.push_back(chain_of(source.log(run), run, VehicleId(v), beacons_));
+  for (DriveGroups& of_run : groups_) {
+    of_run.length_s = stretches_of(site).length_s;
+    of_run.latest.assign(vehicles_, SIZE_MAX);
+  }
 }
 
 void DriveIndex::take(std::size_t run, const std::vector<Arrival>& rows) {
@@ -176,22 +179,44 @@ Result<void> DriveIndex::read_arrivals(const ArrivalSource& source, const DriveP
   return {};
 }
 
-Result<void> DriveIndex::read(const ArrivalSource& source, const DrivePiece& piece,
-                              MeasurementLog& log) const {
+Result<std::size_t> DriveIndex::read(const ArrivalSource& source, const DrivePiece& piece,
+                                     MeasurementLog& log) const {
   const DriveChain& chain = chains_[piece.chain];
-  if (auto ok = read_arrivals(source, piece, log.arrivals); !ok) return ok;
+  if (auto ok = read_arrivals(source, piece, log.arrivals); !ok) return fail(ok.error());
   log.odometry.clear();
   const std::vector<OdometryStep>& rows = source.log(chain.run).odometry;
   for (std::size_t row = chain.units[piece.first_unit].first_row;
        row < rows.size() && log.odometry.size() < piece.nodes; ++row)
     if (rows[row].vehicle == chain.vehicle) log.odometry.push_back(rows[row]);
-  const double from_s = chain.units[piece.first_unit].from_s, until_s = chain.end_of(piece.last_unit - 1);
+  const double from_s = chain.units[piece.first_unit].from_s,
+               until_s = piece.open_right ? chain.end_of(piece.last_unit - 1) : INFINITY;
+  const auto first_from = [](const auto& list, double time_s) {
+    return std::lower_bound(list.begin(), list.end(), time_s,
+                            [](const auto& row, double then_s) { return row.time_s < then_s; });
+  };
   const std::vector<TimedPose>& poses = source.log(chain.run).poses;
-  const auto sooner = [](const TimedPose& pose, double time_s) { return pose.time_s < time_s; };
-  const auto first = std::lower_bound(poses.begin(), poses.end(), from_s, sooner);
-  log.poses.assign(first,
-                   std::lower_bound(first, poses.end(), piece.open_right ? until_s : INFINITY, sooner));
-  return {};
+  log.poses.assign(first_from(poses, from_s), first_from(poses, until_s));
+  const std::vector<Bearing>& bearings = source.log(chain.run).bearings;
+  const auto first = first_from(bearings, from_s);
+  log.bearings.assign(first, first_from(bearings, until_s));
+  return static_cast<std::size_t>(first - bearings.begin());
+}
+
+std::vector<OdometryStep> DriveIndex::odometry_within(const ArrivalSource& source, std::size_t chain,
+                                                      double from_s, double until_s) const {
+  const DriveChain& c = chains_[chain];
+  const std::vector<OdometryStep>& rows = source.log(c.run).odometry;
+  const auto begins_later = [](double time_s, const DriveUnit& unit) { return time_s < unit.from_s; };
+  auto unit = std::upper_bound(c.units.begin(), c.units.end(), from_s, begins_later);
+  if (unit != c.units.begin()) --unit;
+  std::vector<OdometryStep> within;
+  for (std::size_t row = unit->first_row; row < rows.size(); ++row) {
+    if (rows[row].vehicle != c.vehicle) continue;
+    if (rows[row].time_s <= from_s) within.clear();
+    within.push_back(rows[row]);
+    if (rows[row].time_s >= until_s) break;
+  }
+  return within;
 }
 
 }  // namespace octant::calib

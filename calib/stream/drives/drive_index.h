@@ -51,6 +51,7 @@ struct DriveGroup {
 };
 /// All of a run that is a drive, in the order in which they begin.
 struct DriveGroups {
+  double length_s = 0.0;  ///< of each
   double begin_s = 0.0;
   std::size_t arrivals = 0;
   std::vector<DriveGroup> groups;
@@ -83,7 +84,7 @@ inline constexpr std::size_t kBytesOfStateInWork = 1200, kBytesOfDriveArrivalInW
 class DriveIndex {
  public:
   /// Follows the rows of a source: take() of each block, then end(). Runs with epochs are none of it.
-  DriveIndex(const ArrivalSource& source, std::size_t vehicles, std::size_t beacons);
+  DriveIndex(const ArrivalSource& source, const Site& site);
   void take(std::size_t run, const std::vector<Arrival>& block);
   void end(std::size_t piece_bytes);
 
@@ -99,10 +100,14 @@ class DriveIndex {
   /// Puts the arrivals of a group in place of what `arrivals` held. Any thread.
   [[nodiscard]] Result<void> read(const ArrivalSource& source, std::size_t run, const DriveGroup& group,
                                   std::vector<Arrival>& arrivals) const;
-  /// A piece as a log: its odometry rows, first state to last, its arrivals and measured poses; all else of
-  /// the run stays as it is.
-  [[nodiscard]] Result<void> read(const ArrivalSource& source, const DrivePiece& piece,
-                                  MeasurementLog& log) const;
+  /// A piece as a log: its odometry rows, first state to last, its arrivals, bearings and measured poses; all
+  /// else of the run stays as it is.
+  /// @return the number in the run of its first bearing
+  [[nodiscard]] Result<std::size_t> read(const ArrivalSource& source, const DrivePiece& piece,
+                                         MeasurementLog& log) const;
+  /// Rows of a chain from the last one at or before a time to the first one at or behind another.
+  [[nodiscard]] std::vector<OdometryStep> odometry_within(const ArrivalSource& source, std::size_t chain,
+                                                          double from_s, double until_s) const;
 
  private:
   void group(DriveGroups& of_run, std::size_t block, const Arrival& a) const;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "calib/problem/thin.h"
@@ -45,31 +46,39 @@ std::vector<bool> chosen_groups(const DriveGroups& of_run, std::size_t beacons, 
   return chosen;
 }
 
-std::size_t budget_of(const DriveGroups& of_run) {
+std::size_t budget_of(const DriveGroups& of_run, const DriveStretches& stretches) {
   if (of_run.groups.empty()) return kPartOfLongLog.instants;
   const double each = static_cast<double>(of_run.arrivals) / static_cast<double>(of_run.groups.size());
   return static_cast<std::size_t>(
-      std::max(30.0, static_cast<double>(kPartOfLongLog.drive_arrivals) / std::max(each, 1e-3)));
+      std::max(static_cast<double>(stretches.fewest),
+               static_cast<double>(kPartOfLongLog.drive_arrivals) / std::max(each, 1e-3)));
 }
 
 }  // namespace
 
-Result<MeasurementLog> part_of_drives(std::size_t run, const ArrivalSource& source, const DriveIndex& index) {
+Result<MeasurementLog> part_of_drives(std::size_t run, const Site& site, const ArrivalSource& source,
+                                      const DriveIndex& index) {
   const MeasurementLog& log = source.log(run);
   const DriveGroups& of_run = index.groups(run);
   MeasurementLog few = without_lists(log);
   few.rejected = log.rejected;
-  const std::size_t budget = budget_of(of_run);
+  const DriveStretches stretches = stretches_of(site);
+  const bool two_way = site.timing.ranging == Ranging::kTwoWay;
+  const std::size_t budget = budget_of(of_run, stretches);
   const std::vector<bool> chosen = chosen_groups(of_run, index.beacons(), budget);
   std::vector<std::pair<double, double>> spans;
   std::vector<Arrival> rows;
+  std::set<std::pair<VehicleId, std::int64_t>> chosen_keys;
   bool crowded = false;
   for (std::size_t g = 0; g < chosen.size(); ++g) {
     if (!chosen[g]) continue;
     if (auto ok = index.read(source, run, of_run.groups[g], rows); !ok) return fail(ok.error());
-    crowded = keep_some_of_pairs(kPartOfLongLog.per_pair, rows) || crowded;
+    crowded = keep_some_of_pairs(std::min(stretches.per_pair, kPartOfLongLog.per_pair), rows) || crowded;
     few.arrivals.insert(few.arrivals.end(), rows.begin(), rows.end());
-    spans.emplace_back(of_run.groups[g].first_s, of_run.groups[g].last_s);
+    double asked_s = 0.0;  // before the first of them
+    for (const Arrival& a : rows) asked_s = std::max(asked_s, two_way ? a.tof_s : 0.0);
+    chosen_keys.emplace(of_run.groups[g].vehicle, of_run.groups[g].key);
+    spans.emplace_back(of_run.groups[g].first_s - asked_s, of_run.groups[g].last_s);
   }
   std::stable_sort(few.arrivals.begin(), few.arrivals.end(), [](const Arrival& a, const Arrival& b) {
     return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
@@ -77,8 +86,11 @@ Result<MeasurementLog> part_of_drives(std::size_t run, const ArrivalSource& sour
   if (of_run.groups.size() <= budget && !crowded) {  // all of it
     few.odometry = log.odometry;
     few.poses = log.poses;
+    few.bearings = log.bearings;
     return few;
   }
+  for (const Bearing& b : log.bearings)
+    if (chosen_keys.count({b.vehicle, of_run.key_at(b.time_s)}) > 0) few.bearings.push_back(b);
   std::sort(spans.begin(), spans.end());
   few.odometry = thinned_odometry(log.odometry, spans);
   few.poses = poses_near(log.poses, spans);

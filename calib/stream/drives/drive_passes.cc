@@ -14,6 +14,8 @@
 #include "calib/stream/long_log.h"
 #include "calib/stream/over_ranks.h"
 #include "calib/stream/side_by_side.h"
+#include "models/trajectory/node_step.h"
+#include "models/trajectory/odometry_path.h"
 #include "models/trajectory/settle.h"
 #include "models/trajectory/stretches.h"
 
@@ -53,7 +55,7 @@ class DrivePasses::JoinedEnds {
   JoinedEnds(const DrivePasses& passes, Eigen::Index parameters)
       : passes_(passes),
         parameters_(parameters),
-        chains_(passes.index_.chains().size(), EndChain(parameters)),
+        chains_(passes.index_.chains().size(), EndChain(parameters, passes.block_size())),
         in_order_(passes.first_),
         waiting_(passes.task_.options.ranks != nullptr ? passes.pieces_.size() : 0) {}
 
@@ -68,7 +70,8 @@ class DrivePasses::JoinedEnds {
   std::vector<EndChain> chains() && {
     for (std::size_t k = 0; k < waiting_.size(); ++k) {
       const DrivePiece& piece = passes_.index_.pieces()[k];
-      const Eigen::Index size = parameters_ + (piece.open_left ? 3 : 0) + (piece.open_right ? 3 : 0);
+      const Eigen::Index block = passes_.block_size(),
+                         size = parameters_ + (piece.open_left ? block : 0) + (piece.open_right ? block : 0);
       std::vector<double> numbers(static_cast<std::size_t>(4 + size + size * size), 0.0);
       if (waiting_[k].H.size() > 0) numbers = numbers_of(waiting_[k]);
       waiting_[k] = {};
@@ -97,6 +100,9 @@ DrivePasses::DrivePasses(const ReadingTask& task, const DriveIndex& index)
       workers_(static_cast<std::size_t>(std::max(task.workers, 1))),
       pieces_(index.pieces().size()) {
   std::tie(first_, last_) = parts_of(task.options.ranks, pieces_.size());
+  for (const DriveChain& chain : index.chains())
+    like_.push_back(
+        make_trajectory(without_lists(task.source.log(chain.run)), chain.run, chain.vehicle, model_));
 }
 
 /// work(piece, DriveWork&) for those of this rank, with the piece loaded, or widened to its neighbours.
@@ -109,15 +115,41 @@ Result<void> DrivePasses::for_each_piece(bool widened, Do&& work) {
     const DrivePiece piece = widened ? index_.widened(*w.piece) : *w.piece;
     const DriveChain& chain = index_.chains()[piece.chain];
     if (run_before != chain.run) begin_run(task_.source.log(chain.run), w.log);
-    if (auto ok = index_.read(task_.source, piece, w.log); !ok) return ok;
+    const auto first_bearing = index_.read(task_.source, piece, w.log);
+    if (!first_bearing) return fail(first_bearing.error());
     w.trajectory.clear();
     w.trajectory.push_back(make_trajectory(w.log, chain.run, chain.vehicle, model_));
+    for (BearingObservation& b : w.t().bearings) b.bearing += *first_bearing;
     if (w.t().arrivals.size() != piece.arrivals || w.t().nodes.size() != piece.nodes)
       return fail(changed_while_read(w.log));
+    look_back(w);
     work(k, w);
     return {};
   };
   return for_each_side_by_side(first_, last_, workers_.size(), task_.course, load);
+}
+
+/// What was heard at the begin of a piece was asked for before it (two-way ranging).
+void DrivePasses::look_back(DriveWork& w) const {
+  Trajectory& t = w.t();
+  double asked_s = t.nodes.front().time_s, heard_s = asked_s;
+  const auto is_asked_before = [&](const ArrivalObservation& a) {
+    return a.two_way && a.time_s - a.tof_s < t.nodes.front().time_s;
+  };
+  for (const ArrivalObservation& a : t.arrivals) {
+    if (!is_asked_before(a)) continue;
+    asked_s = std::min(asked_s, a.time_s - a.tof_s);
+    heard_s = std::max(heard_s, a.time_s);
+  }
+  if (asked_s == t.nodes.front().time_s) return;
+  MeasurementLog rows = without_lists(w.log);
+  rows.odometry = index_.odometry_within(task_.source, w.piece->chain, asked_s, heard_s);
+  const OdometryPath path = odometry_path(rows, t.vehicle);
+  for (const ArrivalObservation& a : t.arrivals) {
+    if (!is_asked_before(a)) continue;
+    if (const auto T_hear_send = hear_send_motion(path, w.log.arrivals[a.arrival]))
+      t.T_hear_send[static_cast<std::size_t>(a.hear_send)] = *T_hear_send;
+  }
 }
 
 void DrivePasses::restore(std::size_t piece, const Estimate& estimate, const std::vector<Node>& ends,
@@ -128,11 +160,15 @@ void DrivePasses::restore(std::size_t piece, const Estimate& estimate, const std
   for (std::size_t k = 0; k < t.nodes.size(); ++k) pieces_[piece].states.put(t, k, t.nodes[k]);
   const auto put_end = [](const Node& end, Node& node) {
     node.placed = end.placed;
-    if (end.placed) node.T_map_vehicle = end.T_map_vehicle;
+    if (!end.placed) return;
+    node.T_map_vehicle = end.T_map_vehicle;
+    node.cycle_offset_s = end.cycle_offset_s;
   };
   if (w.piece->open_left) put_end(ends[piece - 1], t.nodes.front());
   if (w.piece->open_right) put_end(ends[piece], t.nodes.back());
-  for (std::size_t i = 0; i < t.arrivals.size(); ++i) t.arrivals[i].rejection = pieces_[piece].marks[i];
+  std::size_t mark = 0;
+  for (ArrivalObservation& a : t.arrivals) a.rejection = pieces_[piece].marks[mark++];
+  for (BearingObservation& b : t.bearings) b.rejection = pieces_[piece].marks[mark++];
 }
 
 /// The piece's own, from these on.
@@ -146,6 +182,8 @@ void DrivePasses::keep(std::size_t piece, const DriveWork& w, std::size_t first_
   for (std::size_t k = 0; k < w.piece->nodes; ++k) kept.states.add(w.t(), w.t().nodes[first_node + k]);
   for (std::size_t i = 0; i < w.piece->arrivals; ++i)
     kept.marks.push_back(w.t().arrivals[first_arrival + i].rejection);
+  for (const BearingObservation& b : w.t().bearings)
+    if (b.node >= first_node && b.node + 1 < first_node + w.piece->nodes) kept.marks.push_back(b.rejection);
 }
 
 Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double /*suspect_sigmas*/,
@@ -205,9 +243,9 @@ void DrivePasses::join_pieces(std::vector<double> numbers) {
   tried_.state.resize(pieces.size());
   for (std::size_t k = 0; k + 1 < pieces.size(); ++k) {
     if (!pieces[k].open_right || none(k)) continue;
-    const Pose &here = ends[k].second.T_map_vehicle, &there = ends[k + 1].first.T_map_vehicle;
-    tried_.state[k].T_map_vehicle = interpolate(here, there, 0.5);
-    tried_.state[k].placed = true;
+    const Node &here = ends[k].second, &there = ends[k + 1].first;
+    tried_.state[k] = here;
+    tried_.state[k].T_map_vehicle = interpolate(here.T_map_vehicle, there.T_map_vehicle, 0.5);
   }
   from_ = tried_;
 }
@@ -223,17 +261,15 @@ std::pair<Node, Node> DrivePasses::reach_by_odometry(std::size_t piece, bool for
        ++row)
     if (rows[row].vehicle == chain.vehicle) path.push_back(path.back() * rows[row].pose());
   const Pose T_map_path = forward ? from.T_map_vehicle : from.T_map_vehicle * path.back().inverse();
-  const Trajectory planar;
   std::pair<Node, Node> ends;
   PieceStates& kept = pieces_[piece];
   kept.states.clear();
   for (std::size_t k = 0; k < path.size(); ++k) {
-    Node node;
+    Node node = from;
     node.T_map_vehicle = T_map_path * path[k];
-    node.placed = true;
     if (k == 0) ends.first = node;
     ends.second = node;
-    if (is_mine(piece)) kept.states.add(planar, node);
+    if (is_mine(piece)) kept.states.add(like_[p.chain], node);
   }
   for (Rejection& mark : kept.marks)
     if (mark == Rejection::kNoPose) mark = Rejection::kUsed;
@@ -244,13 +280,13 @@ std::pair<Node, Node> DrivePasses::reach_by_odometry(std::size_t piece, bool for
 std::vector<Node> DrivePasses::ends_at(const Eigen::VectorXd& x) const {
   std::vector<Node> ends = from_.state;
   if (from_.chains.empty()) return ends;
-  std::vector<std::vector<Eigen::Vector3d>> steps;
+  std::vector<std::vector<NodeVector>> steps;
   for (const EndChain& chain : from_.chains) steps.push_back(chain.steps(x - from_.x));
   std::vector<std::size_t> next(steps.size(), 0);
   for (std::size_t k = 0; k < ends.size(); ++k) {
     const std::size_t c = index_.pieces()[k].chain;
     if (!index_.pieces()[k].open_right || next[c] >= steps[c].size()) continue;
-    ends[k].T_map_vehicle = retract(ends[k].T_map_vehicle, steps[c][next[c]++], Motion::kPlanar);
+    step_node(like_[c], steps[c][next[c]++], ends[k]);
   }
   return ends;
 }
@@ -286,7 +322,8 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, MarkPolicy marks) {
     OpenChain system;
     if (w.t().nodes.front().placed) settle(*w.piece, estimate.layout, state, marks, counts[k], w, system);
     counts[k].of_log = count_observations(w.t(), state, 1, false);
-    if (w.piece->open_left && w.t().nodes.front().placed) counts[k].of_log.states -= 3;  // told before
+    if (w.piece->open_left && w.t().nodes.front().placed)  // told before
+      counts[k].of_log.states -= static_cast<std::size_t>(block_size());
     joined.add(k, system);
     keep(k, w, 0, 0);
   });
@@ -320,7 +357,8 @@ Result<void> DrivePasses::tell(const Estimate& estimate, FindingsGatherer& gathe
     PartFindings part{t, w.log, pick_segments(t, some)};
     for (const Segment& s : part.looked_at.segments)
       if (part.looked_at.nodes[s.first_node].placed) octant::settle(part.looked_at, s, gatherer.state(), {});
-    if (w.piece->open_left && t.nodes.front().placed) part.told_before = 3;
+    if (w.piece->open_left && t.nodes.front().placed)
+      part.told_before = static_cast<std::size_t>(block_size());
     gatherer.write(part, tapes[k]);
   });
   if (!done) return done;

@@ -13,12 +13,12 @@
 
 namespace octant::calib {
 
-/// The planar drives of a log, read again for each look at them, piece by piece on several threads. Pieces
+/// The drives of a log, read again for each look at them, piece by piece on several threads. Pieces
 /// share the states at which they are cut. Each reading holds these, settles the states between them and
 /// eliminates them onto their two ends and the parameters; then the ends go, one after the other, which is a
 /// Gauss-Newton step of states and parameters together. Between the readings there remains where each state
-/// is (24 bytes) and what became of each arrival (one byte); ranks keep those of their own pieces and read no
-/// others, and tell each other of the ends.
+/// is (24 bytes in the plane) and what became of each arrival (one byte); ranks keep those of their own
+/// pieces and read no others, and tell each other of the ends.
 class DrivePasses : public LogReadings {
  public:
   DrivePasses(const ReadingTask& task, const DriveIndex& index);
@@ -33,7 +33,7 @@ class DrivePasses : public LogReadings {
  private:
   struct PieceStates {
     KeptStates states;
-    std::vector<Rejection> marks;
+    std::vector<Rejection> marks;  ///< of arrivals, then of bearings
   };
   /// The ends behind pieces and what they were linearised with.
   struct Ends {
@@ -45,7 +45,10 @@ class DrivePasses : public LogReadings {
 
   template <class Do>
   Result<void> for_each_piece(bool widened, Do&& work);
+  /// Unknowns of a state, of whichever chain: all vehicles of a site move and keep time alike.
+  [[nodiscard]] int block_size() const { return like_.front().block_size(); }
   [[nodiscard]] bool is_mine(std::size_t piece) const { return piece >= first_ && piece < last_; }
+  void look_back(DriveWork& w) const;
   void restore(std::size_t piece, const Estimate& estimate, const std::vector<Node>& ends,
                DriveWork& w) const;
   void keep(std::size_t piece, const DriveWork& w, std::size_t first_node, std::size_t first_arrival);
@@ -61,6 +64,7 @@ class DrivePasses : public LogReadings {
   std::size_t first_, last_;  ///< pieces of this rank
   std::vector<DriveWork> workers_;
   std::vector<PieceStates> pieces_;
+  std::vector<Trajectory> like_;  ///< of each chain what kind of states it has, and no states
   Ends from_, tried_;
 };
 

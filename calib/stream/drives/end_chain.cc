@@ -8,36 +8,36 @@ namespace octant::calib {
 
 void EndChain::append(const OpenChain& piece) {
   constexpr double kSpare = 1e-9;  // where nothing at all observes an end
-  const Eigen::Index n = sum_.rows() - 1;
+  const Eigen::Index n = sum_.rows() - 1, N = block_;
   const auto border_of = [&](Eigen::Index first) {
-    Border G(3, n + 1);
-    G.leftCols(n) = piece.H.block(first, 0, 3, n);
-    G.col(n) = piece.gradient.segment<3>(first);
+    Border G(N, n + 1);
+    G.leftCols(n) = piece.H.block(first, 0, N, n);
+    G.col(n) = piece.gradient.segment(first, N);
     return G;
   };
   cost_ += piece.cost;
   sum_.topLeftCorner(n, n) += piece.H.topLeftCorner(n, n);
   sum_.row(n).head(n) += piece.gradient.head(n).transpose();
-  const Eigen::Index right = n + (piece.has_left ? 3 : 0);
-  Eigen::Matrix3d D_right = Eigen::Matrix3d::Zero();
+  const Eigen::Index right = n + (piece.has_left ? N : 0);
+  NodeBlock D_right = NodeBlock::Zero(N, N);
   Border G_right;
   if (piece.has_right) {
-    D_right = piece.H.block<3, 3>(right, right);
+    D_right = piece.H.block(right, right, N, N);
     G_right = border_of(right);
   }
   if (piece.has_left) {
-    D_ += piece.H.block<3, 3>(n, n);
+    D_ += piece.H.block(n, n, N, N);
     G_ += border_of(n);
-    Eigen::LLT<Eigen::Matrix3d> llt(D_);
+    Eigen::LLT<NodeBlock> llt(D_);
     if (llt.info() != Eigen::Success)
-      llt.compute(D_ + kSpare * (1.0 + D_.diagonal().maxCoeff()) * Eigen::Matrix3d::Identity());
+      llt.compute(D_ + kSpare * (1.0 + D_.diagonal().maxCoeff()) * NodeBlock::Identity(N, N));
     End end;
     end.L = llt.matrixL();
     const auto L = end.L.triangularView<Eigen::Lower>();
     end.Y = L.solve(G_);
-    end.W.setZero();
+    end.W = NodeBlock::Zero(N, N);
     if (piece.has_right) {
-      end.W = L.solve(Eigen::Matrix3d(piece.H.block<3, 3>(n, right)));
+      end.W = L.solve(NodeBlock(piece.H.block(n, right, N, N)));
       D_right -= end.W.transpose() * end.W;
       G_right -= end.W.transpose() * end.Y;
     }
@@ -56,12 +56,12 @@ void EndChain::add_to(ReducedSystem& system) const {
   system.gradient += sum_.row(n).head(n).transpose();
 }
 
-std::vector<Eigen::Vector3d> EndChain::steps(const Eigen::VectorXd& dx) const {
-  std::vector<Eigen::Vector3d> steps(ends_.size());
-  Eigen::Vector3d next = Eigen::Vector3d::Zero();
+std::vector<NodeVector> EndChain::steps(const Eigen::VectorXd& dx) const {
+  std::vector<NodeVector> steps(ends_.size());
+  NodeVector next = NodeVector::Zero(block_);
   for (std::size_t i = ends_.size(); i-- > 0;) {
     const End& end = ends_[i];
-    const Eigen::Vector3d right = end.Y.leftCols(dx.size()) * dx + end.Y.col(dx.size()) + end.W * next;
+    const NodeVector right = end.Y.leftCols(dx.size()) * dx + end.Y.col(dx.size()) + end.W * next;
     next = steps[i] = -end.L.triangularView<Eigen::Lower>().transpose().solve(right);
   }
   return steps;

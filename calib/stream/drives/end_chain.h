@@ -8,33 +8,39 @@
 
 #include "calib/adjust/tile.h"
 #include "calib/chain/chain_reduction.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 
-/// The states at which a planar drive is cut into pieces, eliminated one after the other. With D the block of
+/// The states at which a drive is cut into pieces, eliminated one after the other. With D the block of
 /// an end, U its coupling to the next one, G that to the parameters and the gradient, D = L L',
 ///   W = L^-1 U,   Y = L^-1 G,   D_next -= W'W,   G_next -= W'Y,   H -= Y'Y
 /// what they step when the parameters step by dx follows backwards, L' e = -(Y (dx, 1) + W e_next).
 class EndChain {
  public:
-  explicit EndChain(Eigen::Index parameters) : sum_(Eigen::MatrixXd::Zero(parameters + 1, parameters + 1)) {}
+  /// @param block  unknowns of a state (Trajectory::block_size())
+  EndChain(Eigen::Index parameters, Eigen::Index block)
+      : block_(block),
+        sum_(Eigen::MatrixXd::Zero(parameters + 1, parameters + 1)),
+        D_(NodeBlock::Zero(block, block)) {}
 
   /// The pieces, first to last.
   void append(const OpenChain& piece);
   /// Adds what is left of them all to a system; its cost is less what the ends' own step gains.
   void add_to(ReducedSystem& system) const;
-  /// Of each end (x, y, heading), when the parameters step so.
-  [[nodiscard]] std::vector<Eigen::Vector3d> steps(const Eigen::VectorXd& dx) const;
+  /// Of each end, in its unknowns, when the parameters step so.
+  [[nodiscard]] std::vector<NodeVector> steps(const Eigen::VectorXd& dx) const;
 
  private:
-  using Border = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+  using Border = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxBlock>;
   struct End {
-    Eigen::Matrix3d L, W;
+    NodeBlock L, W;
     Border Y;
   };
+  Eigen::Index block_;
   double cost_ = 0.0;
   Eigen::MatrixXd sum_;  ///< of the parameters and the gradient
-  Eigen::Matrix3d D_ = Eigen::Matrix3d::Zero();
+  NodeBlock D_;
   Border G_;  ///< of the end behind the last piece
   std::vector<End> ends_;
 };

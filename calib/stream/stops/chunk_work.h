@@ -25,7 +25,7 @@ struct ChunkWork {
 struct ChunkStops {
   std::vector<KeptStates> states;
   std::vector<float> start_heading_rad;
-  std::vector<Rejection> marks;  ///< of the arrivals
+  std::vector<Rejection> marks;  ///< of the arrivals, then of the bearings
 };
 
 }  // namespace octant::calib

@@ -51,6 +51,8 @@ StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
 LogPasses::LogPasses(const ReadingTask& task, const LogIndex& index)
     : task_(task), index_(index), model_(trajectory_model(task.frame.site)), stops_(index.chunks().size()) {
   std::tie(first_, last_) = parts_of(task.options.ranks, index.chunks().size());
+  for (std::size_t run = 0; run < task.frame.runs.size(); ++run)
+    bearings_.emplace_back(task.source.log(run).bearings);
   for (int i = 0; i < task.workers; ++i) workers_.push_back(std::make_unique<ChunkWork>());
 }
 
@@ -73,10 +75,14 @@ Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
   }
   w.chunk = &c;
   if (auto ok = index_.read(task_.source, c.run, c.first_block, c.last_block, w.log.arrivals); !ok) return ok;
+  const std::vector<std::size_t> bearings = bearings_[c.run].of_epochs_in(w.log.arrivals);
+  w.log.bearings.clear();
+  for (const std::size_t b : bearings) w.log.bearings.push_back(task_.source.log(c.run).bearings[b]);
   w.trajectories.clear();
   for (std::size_t v = 0; v < c.arrivals.size(); ++v) {
     if (c.arrivals[v] == 0) continue;
     w.trajectories.push_back(make_trajectory(w.log, c.run, VehicleId(v), model_));
+    for (BearingObservation& b : w.trajectories.back().bearings) b.bearing = bearings[b.bearing];
     if (w.trajectories.back().arrivals.size() == c.arrivals[v] &&
         w.trajectories.back().nodes.size() == c.epochs[v])
       continue;
@@ -88,11 +94,12 @@ Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
 void LogPasses::restore(const ChunkStops& stops, const Estimate& estimate, ChunkWork& w) const {
   const double stated_s = task_.frame.site.noise.tof_sigma_s;
   rescale_noise(w.trajectories, stated_s, stated_s * estimate.noise_factor);
-  std::size_t arrival = 0;
+  std::size_t mark = 0;
   for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
     Trajectory& t = w.trajectories[i];
     for (std::size_t k = 0; k < t.nodes.size(); ++k) stops.states[i].put(t, k, t.nodes[k]);
-    for (ArrivalObservation& a : t.arrivals) a.rejection = stops.marks[arrival++];
+    for (ArrivalObservation& a : t.arrivals) a.rejection = stops.marks[mark++];
+    for (BearingObservation& b : t.bearings) b.rejection = stops.marks[mark++];
   }
 }
 
@@ -105,6 +112,7 @@ void LogPasses::keep(const ChunkWork& w, ChunkStops& stops) const {
     stops.states[i].reserve(t, t.nodes.size());
     for (const Node& n : t.nodes) stops.states[i].add(t, n);
     for (const ArrivalObservation& a : t.arrivals) stops.marks.push_back(a.rejection);
+    for (const BearingObservation& b : t.bearings) stops.marks.push_back(b.rejection);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "calib/stream/log_readings.h"
 #include "calib/stream/stops/chunk_work.h"
+#include "calib/stream/stops/epoch_bearings.h"
 #include "calib/stream/stops/log_index.h"
 
 namespace octant::calib {
@@ -46,7 +47,8 @@ class LogPasses : public LogReadings {
   ReadingTask task_;
   const LogIndex& index_;
   TrajectoryModel model_;
-  std::size_t first_, last_;  ///< chunks of this rank
+  std::size_t first_, last_;             ///< chunks of this rank
+  std::vector<EpochBearings> bearings_;  ///< of each run
   std::vector<std::unique_ptr<ChunkWork>> workers_;
   std::vector<ChunkStops> stops_;  ///< of each chunk
 };

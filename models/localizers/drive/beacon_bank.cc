@@ -10,34 +10,43 @@
 namespace octant {
 namespace {
 
-/// What is left of a start that a beacon took part in: a metre and as much as half a radian.
-const Eigen::Vector3d kLittleKnown(1.0, 1.0, 0.25);
+/// Variance of what is left of a start that a beacon took part in: a metre and as much as half a radian.
+template <int kDof>
+Eigen::Matrix<double, kDof, 1> little_known() {
+  constexpr int kPlaces = kDof == 3 ? 2 : 3;
+  Eigen::Matrix<double, kDof, 1> variance;
+  variance.template head<kPlaces>().setConstant(1.0);
+  variance.template tail<kDof - kPlaces>().setConstant(0.25);
+  return variance;
+}
 
 }  // namespace
 
-BeaconBank::BeaconBank(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
-                       const CalibrationPart* calibration, bool wanted)
+template <int kDof>
+BeaconBankOf<kDof>::BeaconBankOf(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+                                 const CalibrationPart* calibration, bool wanted)
     : model_(model), excluded_(model.beacon_usable.size(), 0) {
   if (!wanted) return;
-  const NodeCalibration room =
-      DriveFilter(model, gate_sigmas, range_slack_m, calibration).node_calibration_room();
+  const NodeCalibration room = Filter(model, gate_sigmas, range_slack_m, calibration).node_calibration_room();
   const auto columns = static_cast<std::size_t>(room.by_parameter.cols() + room.by_pair.cols() + 1);
   const std::size_t count = std::min({kMostBeacons, model.beacon_usable.size(), kMostColumns / columns});
   slots_.reserve(count);
   for (std::size_t i = 0; i < count; ++i)
-    slots_.push_back({BeaconId(), DriveFilter(model, gate_sigmas, range_slack_m, calibration)});
+    slots_.push_back({BeaconId(), Filter(model, gate_sigmas, range_slack_m, calibration)});
 }
 
-void BeaconBank::start() {
+template <int kDof>
+void BeaconBankOf<kDof>::start() {
   for (Slot& slot : slots_) slot.beacon = BeaconId();
   std::fill(excluded_.begin(), excluded_.end(), 0);
   heard_ = too_many_until_ = 0;
 }
 
-void BeaconBank::start(const DriveFilter& filter, const Trajectory& heard) {
+template <int kDof>
+void BeaconBankOf<kDof>::start(const Filter& filter, const Trajectory& heard) {
   start();
-  Eigen::Matrix3d covariance = filter.covariance();
-  covariance.diagonal() += kLittleKnown;
+  typename Filter::Covariance covariance = filter.covariance();
+  covariance.diagonal() += little_known<kDof>();
   for (const ArrivalObservation& a : heard.arrivals) {
     if (slots_.empty() || a.rejection != Rejection::kUsed) continue;
     Slot& slot = slot_of(a.beacon, filter);
@@ -45,16 +54,19 @@ void BeaconBank::start(const DriveFilter& filter, const Trajectory& heard) {
   }
 }
 
-void BeaconBank::set_range_slack(double range_slack_m) {
+template <int kDof>
+void BeaconBankOf<kDof>::set_range_slack(double range_slack_m) {
   for (Slot& slot : slots_) slot.filter.set_range_slack(range_slack_m);
 }
 
-void BeaconBank::predict(const Pose& step, const OdometryObservation& whole, double share) {
+template <int kDof>
+void BeaconBankOf<kDof>::predict(const Pose& step, const OdometryObservation& whole, double share) {
   for (Slot& slot : slots_)
     if (slot.beacon.valid()) slot.filter.predict(step, whole, share);
 }
 
-BeaconBank::Slot& BeaconBank::slot_of(BeaconId beacon, const DriveFilter& filter) {
+template <int kDof>
+typename BeaconBankOf<kDof>::Slot& BeaconBankOf<kDof>::slot_of(BeaconId beacon, const Filter& filter) {
   ++heard_;
   Slot* longest_ago = &slots_.front();
   for (Slot& slot : slots_) {
@@ -73,7 +85,8 @@ BeaconBank::Slot& BeaconBank::slot_of(BeaconId beacon, const DriveFilter& filter
   return *longest_ago;
 }
 
-Rejection BeaconBank::update(DriveFilter& filter, const Trajectory& t, const ArrivalObservation& a) {
+template <int kDof>
+Rejection BeaconBankOf<kDof>::update(Filter& filter, const Trajectory& t, const ArrivalObservation& a) {
   if (slots_.empty() || !model_.beacon_usable[a.beacon.index()]) return filter.update(t, a);
   int& left_out = excluded_[a.beacon.index()];
   if (left_out > 0) {
@@ -87,20 +100,22 @@ Rejection BeaconBank::update(DriveFilter& filter, const Trajectory& t, const Arr
   return filter.update(t, a);
 }
 
-void BeaconBank::exclude(Slot& slot, DriveFilter& filter) {
+template <int kDof>
+void BeaconBankOf<kDof>::exclude(Slot& slot, Filter& filter) {
   excluded_[slot.beacon.index()] = kGoodInARow;
   filter.take_state(slot.filter);
   // All others took its arrivals: they begin again with what never did.
   const BeaconId beacon = slot.beacon;
   for (Slot& other : slots_)
     if (other.beacon.valid() && other.beacon != beacon) {
-      Eigen::Matrix3d covariance = filter.covariance();
-      covariance.diagonal() += kLittleKnown;
+      typename Filter::Covariance covariance = filter.covariance();
+      covariance.diagonal() += little_known<kDof>();
       other.filter.start(filter.pose(), covariance);
     }
 }
 
-double BeaconBank::protection_level_m(DriveFilter& filter) {
+template <int kDof>
+double BeaconBankOf<kDof>::protection_level_m(Filter& filter) {
   double worst_m = 0.0, worst_sigmas = kAtFaultSigmas;
   bool any = false, all_found = true;
   Slot* at_fault = nullptr;
@@ -111,7 +126,8 @@ double BeaconBank::protection_level_m(DriveFilter& filter) {
       all_found = false;
       continue;
     }
-    const double off_m = (filter.pose().translation_m - slot.filter.pose().translation_m).head<2>().norm();
+    const double off_m =
+        (filter.pose().translation_m - slot.filter.pose().translation_m).template head<2>().norm();
     const double sigma_m = std::sqrt(horizontal_variance(slot.filter.covariance()));
     worst_m = std::max(worst_m, off_m + kFaultySigmas * sigma_m);
     if (off_m > worst_sigmas * sigma_m) {
@@ -126,5 +142,8 @@ double BeaconBank::protection_level_m(DriveFilter& filter) {
              ? octant::protection_level_m(horizontal_variance(filter.covariance()), worst_m)
              : 0.0;
 }
+
+template class BeaconBankOf<3>;
+template class BeaconBankOf<6>;
 
 }  // namespace octant

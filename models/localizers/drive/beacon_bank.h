@@ -20,44 +20,50 @@ namespace octant {
 ///
 /// Followed are the kMostBeacons heard last, fewer where the calibration that each filter carries is large;
 /// where more are heard at a time, there is no level. All memory is taken at construction.
-class BeaconBank {
+template <int kDof>
+class BeaconBankOf {
  public:
+  using Filter = DriveFilterOf<kDof>;
   static constexpr std::size_t kMostBeacons = 16, kMostColumns = 4096;
   static constexpr std::size_t kForgotten =
       1000;  ///< arrivals after which a beacon no longer counts as heard
   static constexpr int kGoodInARow = 10;
 
   /// @param wanted  false: no filters, no levels
-  BeaconBank(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
-             const CalibrationPart* calibration, bool wanted = true);
+  BeaconBankOf(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+               const CalibrationPart* calibration, bool wanted = true);
 
   /// Begins anew, with a pose that owes nothing to the beacons.
   void start();
   /// Begins anew, with a pose that was found by these beacons: without one of them little of it is known at
   /// first.
-  void start(const DriveFilter& filter, const Trajectory& heard);
+  void start(const Filter& filter, const Trajectory& heard);
   void set_range_slack(double range_slack_m);
   void predict(const Pose& step, const OdometryObservation& whole, double share);
   /// Corrects the drive's filter by an arrival, and all that may have it. Returns whether the drive's filter
   /// used it or why not.
-  Rejection update(DriveFilter& filter, const Trajectory& trajectory, const ArrivalObservation& arrival);
+  Rejection update(Filter& filter, const Trajectory& trajectory, const ArrivalObservation& arrival);
   /// Horizontal protection level; 0: without one of the beacons the drive is lost. May put another filter's
   /// state into the drive's, where a beacon is at fault.
-  [[nodiscard]] double protection_level_m(DriveFilter& filter);
+  [[nodiscard]] double protection_level_m(Filter& filter);
 
  private:
   struct Slot {
     BeaconId beacon;
-    DriveFilter filter;
+    Filter filter;
     std::size_t heard = 0;  ///< number of its last arrival
   };
-  Slot& slot_of(BeaconId beacon, const DriveFilter& filter);
-  void exclude(Slot& slot, DriveFilter& filter);
+  Slot& slot_of(BeaconId beacon, const Filter& filter);
+  void exclude(Slot& slot, Filter& filter);
 
   const EpochFixModel& model_;
   std::vector<Slot> slots_;
   std::vector<int> excluded_;  ///< of each beacon: arrivals that are still to fit; 0: in use
   std::size_t heard_ = 0, too_many_until_ = 0;
 };
+
+using BeaconBank = BeaconBankOf<3>;
+extern template class BeaconBankOf<3>;
+extern template class BeaconBankOf<6>;
 
 }  // namespace octant

@@ -139,17 +139,17 @@ void add_drive_calibration(const Trajectory& t, const Segment& segment, const Sh
 void node_calibration(const Trajectory& t, const Segment& segment, const SharedState& state,
                       const ChainFactor& chain, const CalibrationPart& calibration, std::size_t node,
                       NodeCalibration& out) {
-  // The three rows of H^-1 that belong to the node, by its columns.
-  const int n = t.block_size();
-  std::pmr::vector<NodeBlock> z(chain.inverse.size(), NodeBlock::Zero(n, 3), scratch());
-  z[node - segment.first_node].topRows(3).setIdentity();
+  // The rows of H^-1 that belong to the pose of the node, by its columns.
+  const int n = t.block_size(), dof = pose_dof(t.motion);
+  std::pmr::vector<NodeBlock> z(chain.inverse.size(), NodeBlock::Zero(n, dof), scratch());
+  z[node - segment.first_node].topRows(dof).setIdentity();
   chain.solve(z);
   out.by_parameter.setZero();
   out.by_pair.setZero();
   const std::size_t receivers = state.receiver_p_vehicle_m.size();
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
     const std::size_t k = row.node - segment.first_node;
-    Eigen::Vector3d gain = z[k].transpose() * row.by_node.transpose();
+    NodeVector gain = z[k].transpose() * row.by_node.transpose();
     if (row.has_next) gain += z[k + 1].transpose() * row.by_next.transpose();
     // The state gives way to an error of a parameter so that the residuals stay small: the opposite sign.
     calibration.for_each_coupling(

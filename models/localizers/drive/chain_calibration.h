@@ -33,12 +33,12 @@ void add_drive_calibration(const Trajectory& trajectory, const Segment& segment,
                            const ChainFactor& chain, const CalibrationPart& calibration, double pair_sigma_s,
                            std::span<const DriveInstant> instants, std::vector<PoseCovariance>& covariances);
 
-/// The same for one node, with which a filter begins: what its pose follows an error of each parameter (3
-/// rows), dx = by * dtheta.
+/// The same for one node, with which a filter begins: what its pose follows an error of each parameter (a
+/// row for each degree of freedom), dx = by * dtheta.
 struct NodeCalibration {
-  Eigen::Matrix<double, 3, Eigen::Dynamic> by_parameter;  ///< a column for each column of C
-  Eigen::Matrix<double, 3, Eigen::Dynamic>
-      by_pair;  ///< a column for each beacon and receiver: beacon * receivers + receiver
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6>;
+  Matrix by_parameter;  ///< a column for each column of C
+  Matrix by_pair;       ///< a column for each beacon and receiver: beacon * receivers + receiver
 };
 /// Fills `out`, whose columns are there already.
 void node_calibration(const Trajectory& trajectory, const Segment& segment, const SharedState& state,

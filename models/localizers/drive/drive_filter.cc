@@ -22,19 +22,49 @@ double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, cons
   return std::max(0.0, by.dot(model.beacon_covariance[beacon.index()] * by));
 }
 
+/// How the pose behind a step follows the one before it.
+Eigen::Matrix3d planar_by_step(const Pose& T, const Pose& step) {
+  const double heading = T.heading_rad(), c = std::cos(heading), s = std::sin(heading);
+  const double dx = step.translation_m.x(), dy = step.translation_m.y();
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+  F(0, 2) = -s * dx - c * dy;
+  F(1, 2) = c * dx - s * dy;
+  return F;
+}
+
+/// In space a turn dphi in the vehicle's frame moves the end of the step by -R [s]x dphi, and is one of
+/// Rs' dphi in the frame behind the step.
+Eigen::Matrix<double, 6, 6> spatial_by_step(const Pose& T, const Pose& step) {
+  Eigen::Matrix<double, 6, 6> F = Eigen::Matrix<double, 6, 6>::Identity();
+  F.topRightCorner<3, 3>() = -T.rotation.toRotationMatrix() * skew(step.translation_m);
+  F.bottomRightCorner<3, 3>() = step.rotation.toRotationMatrix().transpose();
+  return F;
+}
+
+template <int kDof>
+Eigen::Matrix<double, kDof, kDof> by_step(const Pose& T, const Pose& step) {
+  if constexpr (kDof == 3) {
+    return planar_by_step(T, step);
+  } else {
+    return spatial_by_step(T, step);
+  }
+}
+
 }  // namespace
 
 /// What an arrival's prediction follows besides the pose: by few of the parameters, and by the bias of its
 /// pair.
-struct DriveFilter::Considered {
+template <int kDof>
+struct DriveFilterOf<kDof>::Considered {
   bool any = false;
-  Eigen::Vector3d cross = Eigen::Vector3d::Zero();  ///< P_x,theta h' of all that is considered
-  double variance = 0.0;                            ///< h C h'
+  Vector cross = Vector::Zero();  ///< P_x,theta h' of all that is considered
+  double variance = 0.0;          ///< h C h'
   Eigen::Index pair = -1;
 };
 
-DriveFilter::DriveFilter(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
-                         const CalibrationPart* calibration)
+template <int kDof>
+DriveFilterOf<kDof>::DriveFilterOf(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+                                   const CalibrationPart* calibration)
     : model_(model), calibration_(calibration), gate_sigmas_(gate_sigmas), range_slack_m_(range_slack_m) {
   const std::size_t pairs = model.state.beacon_p_map_m.size() * model.state.receiver_p_vehicle_m.size();
   if (model.correlated.sigma_s > 0) recent_.resize(pairs);
@@ -45,17 +75,19 @@ DriveFilter::DriveFilter(const EpochFixModel& model, double gate_sigmas, double 
   by_theta_ = Eigen::VectorXd::Zero(cross_.cols());
 }
 
-NodeCalibration DriveFilter::node_calibration_room() const {
+template <int kDof>
+NodeCalibration DriveFilterOf<kDof>::node_calibration_room() const {
   NodeCalibration room;
   const std::size_t pairs = model_.state.beacon_p_map_m.size() * model_.state.receiver_p_vehicle_m.size();
-  room.by_parameter.setZero(3, calibration_ ? calibration_->covariance().cols() : 0);
+  room.by_parameter.setZero(kDof, calibration_ ? calibration_->covariance().cols() : 0);
   room.by_pair.setZero(
-      3, calibration_ && model_.correlated.pair_sigma_s > 0 ? static_cast<Eigen::Index>(pairs) : 0);
+      kDof, calibration_ && model_.correlated.pair_sigma_s > 0 ? static_cast<Eigen::Index>(pairs) : 0);
   return room;
 }
 
-void DriveFilter::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance,
-                        const NodeCalibration* by) {
+template <int kDof>
+void DriveFilterOf<kDof>::start(const Pose& T_map_vehicle, const Covariance& covariance,
+                                const NodeCalibration* by) {
   T_map_vehicle_ = T_map_vehicle;
   covariance_ = covariance;
   acceptance_ = 1.0;
@@ -69,24 +101,23 @@ void DriveFilter::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covari
   covariance_.noalias() += pair_cross_ * by->by_pair.transpose();
 }
 
-void DriveFilter::predict(const Pose& step, const OdometryObservation& whole, double share) {
-  const double heading = T_map_vehicle_.heading_rad(), c = std::cos(heading), s = std::sin(heading);
-  const double dx = step.translation_m.x(), dy = step.translation_m.y();
-  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  F(0, 2) = -s * dx - c * dy;
-  F(1, 2) = c * dx - s * dy;
+template <int kDof>
+void DriveFilterOf<kDof>::predict(const Pose& step, const OdometryObservation& whole, double share) {
+  const Covariance F = by_step<kDof>(T_map_vehicle_, step);
   covariance_ = F * covariance_ * F.transpose();
-  for (Eigen::Index k = 0; k < cross_.cols(); ++k) cross_.col(k) = F * Eigen::Vector3d(cross_.col(k));
-  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k)
-    pair_cross_.col(k) = F * Eigen::Vector3d(pair_cross_.col(k));
-  const double distance2 =
+  for (Eigen::Index k = 0; k < cross_.cols(); ++k) cross_.col(k) = F * Vector(cross_.col(k));
+  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) pair_cross_.col(k) = F * Vector(pair_cross_.col(k));
+  constexpr int kPlaces = kDof == 3 ? 2 : 3;
+  covariance_.diagonal().template head<kPlaces>().array() +=
       share * whole.distance_sigma_m * whole.distance_sigma_m;  // the same in all directions
-  covariance_.diagonal() +=
-      Eigen::Vector3d(distance2, distance2, share * whole.heading_sigma_rad * whole.heading_sigma_rad);
+  covariance_.diagonal().template tail<kDof - kPlaces>().array() +=
+      share * whole.heading_sigma_rad * whole.heading_sigma_rad;
   T_map_vehicle_ = T_map_vehicle_ * step;
 }
 
-DriveFilter::Considered DriveFilter::consider(const PathOutput& path, const ArrivalObservation& a) {
+template <int kDof>
+typename DriveFilterOf<kDof>::Considered DriveFilterOf<kDof>::consider(const PathOutput& path,
+                                                                       const ArrivalObservation& a) {
   Considered out;
   out.any = calibration_ != nullptr;
   if (!out.any) return out;
@@ -120,7 +151,8 @@ DriveFilter::Considered DriveFilter::consider(const PathOutput& path, const Arri
 /// Variance by which an arrival is weighed as if errors were independent: its share of a pair's correlated
 /// error grows with the number of those before it that still remember it, and counts both ways: 1 + 2 sum
 /// rho.
-double DriveFilter::weight_variance_s2(const ArrivalObservation& a) {
+template <int kDof>
+double DriveFilterOf<kDof>::weight_variance_s2(const ArrivalObservation& a) {
   if (recent_.empty()) return a.sigma_s * a.sigma_s;
   const CorrelatedNoise& noise = model_.correlated;
   Recent& pair = recent_[a.beacon.index() * model_.state.receiver_p_vehicle_m.size() + a.receiver.index()];
@@ -133,32 +165,34 @@ double DriveFilter::weight_variance_s2(const ArrivalObservation& a) {
 }
 
 /// Schmidt's update in Joseph's form, which keeps the covariance positive for any gain.
-void DriveFilter::correct(const Eigen::Vector3d& gain, const Eigen::RowVector3d& H,
-                          const Considered& considered, double noise2) {
-  const Eigen::Matrix3d A = Eigen::Matrix3d::Identity() - gain * H;
-  const Eigen::Matrix3d mixed = A * considered.cross * gain.transpose();
+template <int kDof>
+void DriveFilterOf<kDof>::correct(const Vector& gain, const Eigen::Matrix<double, 1, kDof>& H,
+                                  const Considered& considered, double noise2) {
+  const Covariance A = Covariance::Identity() - gain * H;
+  const Covariance mixed = A * considered.cross * gain.transpose();
   covariance_ = (A * covariance_ * A.transpose() - mixed - mixed.transpose() +
                  (noise2 + considered.variance) * gain * gain.transpose())
                     .eval();
   for (Eigen::Index k = 0; k < cross_.cols(); ++k)
-    cross_.col(k) = A * Eigen::Vector3d(cross_.col(k)) - by_theta_[k] * gain;
-  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k)
-    pair_cross_.col(k) = A * Eigen::Vector3d(pair_cross_.col(k));
+    cross_.col(k) = A * Vector(cross_.col(k)) - by_theta_[k] * gain;
+  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) pair_cross_.col(k) = A * Vector(pair_cross_.col(k));
   if (considered.pair >= 0)
     pair_cross_.col(considered.pair) -=
         model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * gain;
 }
 
-double DriveFilter::single_variance_s2(const ArrivalObservation& a, double speed_mps) const {
+template <int kDof>
+double DriveFilterOf<kDof>::single_variance_s2(const ArrivalObservation& a, double speed_mps) const {
   const double slack_s = range_slack_m_ * (a.two_way ? 2.0 : 1.0) / speed_mps;
   // A pair's lasting bias is considered beside the noise where there is a calibration.
   const double pair_s = calibration_ ? model_.correlated.pair_sigma_s : 0.0;
   return a.sigma_s * a.sigma_s + slack_s * slack_s - pair_s * pair_s;
 }
 
-bool DriveFilter::within_gate(const ArrivalObservation& a, const PathOutput& path, double single2,
-                              Considered& considered, double& innovation) {
-  const Eigen::RowVector3d H = path.tof_by_pose.head<3>();
+template <int kDof>
+bool DriveFilterOf<kDof>::within_gate(const ArrivalObservation& a, const PathOutput& path, double single2,
+                                      Considered& considered, double& innovation) {
+  const Eigen::Matrix<double, 1, kDof> H = path.tof_by_pose.template head<kDof>();
   innovation = a.tof_s - path.tof_s;
   considered = consider(path, a);
   const double predicted2 = H * covariance_ * H.transpose();
@@ -167,17 +201,19 @@ bool DriveFilter::within_gate(const ArrivalObservation& a, const PathOutput& pat
   return innovation * innovation <= gate_sigmas_ * gate_sigmas_ * (predicted2 + single2 + calibration2);
 }
 
-bool DriveFilter::fits(const Trajectory& trajectory, const ArrivalObservation& a) {
+template <int kDof>
+bool DriveFilterOf<kDof>::fits(const Trajectory& trajectory, const ArrivalObservation& a) {
   if (!model_.beacon_usable[a.beacon.index()]) return false;
   PathInput in = path_of(trajectory, a, model_.state);
   in.T_map_vehicle = &T_map_vehicle_;
   Considered considered;
   double innovation = 0.0;
-  return within_gate(a, predict_arrival(in, Motion::kPlanar), single_variance_s2(a, in.speed_mps), considered,
+  return within_gate(a, predict_arrival(in, kMotion), single_variance_s2(a, in.speed_mps), considered,
                      innovation);
 }
 
-void DriveFilter::take_state(const DriveFilter& other) {
+template <int kDof>
+void DriveFilterOf<kDof>::take_state(const DriveFilterOf& other) {
   range_slack_m_ = other.range_slack_m_;
   cross_ = other.cross_;
   pair_cross_ = other.pair_cross_;
@@ -187,7 +223,8 @@ void DriveFilter::take_state(const DriveFilter& other) {
   acceptance_ = other.acceptance_;
 }
 
-Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObservation& a) {
+template <int kDof>
+Rejection DriveFilterOf<kDof>::update(const Trajectory& trajectory, const ArrivalObservation& a) {
   if (!model_.beacon_usable[a.beacon.index()]) return Rejection::kBeaconUnusable;
   PathInput in = path_of(trajectory, a, model_.state);
   const double single2 = single_variance_s2(a, in.speed_mps);
@@ -196,13 +233,13 @@ Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObserva
   // Iterated: the measurement is linearised where it puts the pose; the misfit of the prior comes along in
   // `moved`.
   Pose T = T_map_vehicle_;
-  Eigen::Vector3d moved = Eigen::Vector3d::Zero(), gain = Eigen::Vector3d::Zero();
-  Eigen::RowVector3d H = Eigen::RowVector3d::Zero();
+  Vector moved = Vector::Zero(), gain = Vector::Zero();
+  Eigen::Matrix<double, 1, kDof> H = Eigen::Matrix<double, 1, kDof>::Zero();
   Considered considered;
   for (int k = 0; k < kIterations; ++k) {
     in.T_map_vehicle = &T;
-    const PathOutput out = predict_arrival(in, Motion::kPlanar);
-    H = out.tof_by_pose.head<3>();
+    const PathOutput out = predict_arrival(in, kMotion);
+    H = out.tof_by_pose.template head<kDof>();
     double innovation = a.tof_s - out.tof_s + H.dot(moved);
     if (k == 0) {
       if (!within_gate(a, out, single2, considered, innovation)) {
@@ -215,12 +252,15 @@ Rejection DriveFilter::update(const Trajectory& trajectory, const ArrivalObserva
     const double S = predicted2 + 2.0 * H.dot(considered.cross) + considered.variance + noise2;
     gain = (covariance_ * H.transpose() + considered.cross) / S;
     moved = gain * innovation;
-    T = retract(T_map_vehicle_, moved, Motion::kPlanar);
+    T = retract(T_map_vehicle_, moved, kMotion);
   }
   correct(gain, H, considered, noise2);
   T_map_vehicle_ = T;
   acceptance_ += kForget * (1.0 - acceptance_);
   return Rejection::kUsed;
 }
+
+template class DriveFilterOf<3>;
+template class DriveFilterOf<6>;
 
 }  // namespace octant

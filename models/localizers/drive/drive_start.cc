@@ -107,18 +107,29 @@ WidenedArrivals::~WidenedArrivals() {
   for (std::size_t i = 0; i < sigma_s_.size(); ++i) trajectory_.arrivals[first_ + i].sigma_s = sigma_s_[i];
 }
 
-Eigen::Matrix3d start_covariance(Trajectory& t, const Segment& stretch, const EpochFixModel& model,
-                                 double slack_m, std::size_t node) {
+PoseCovariance start_covariance(Trajectory& t, const Segment& stretch, const EpochFixModel& model,
+                                double slack_m, std::size_t node) {
   const WidenedArrivals widened(t, stretch, model, slack_m);
   const StateCovariance P = node_covariance(t, stretch, node, model.state);
-  if (P.rows() < 3 || !P.allFinite()) return Eigen::Vector3d(1.0, 1.0, 0.1).asDiagonal();
-  return kStartInflation * P.topLeftCorner<3, 3>();
+  const int dof = pose_dof(t.motion);
+  if (P.rows() >= dof && P.allFinite()) return kStartInflation * P.topLeftCorner(dof, dof);
+  PoseCovariance little = PoseCovariance::Identity(dof, dof);
+  little.diagonal().tail(t.motion == Motion::kPlanar ? 1 : 3).setConstant(0.1);
+  return little;
+}
+
+std::size_t heard_from(const Trajectory& t, const Segment& segment, std::size_t node) {
+  const auto begin = t.arrivals.begin() + static_cast<std::ptrdiff_t>(segment.first_arrival),
+             end = t.arrivals.begin() + static_cast<std::ptrdiff_t>(segment.last_arrival);
+  const auto at =
+      std::partition_point(begin, end, [node](const ArrivalObservation& a) { return a.node < node; });
+  return at == end ? segment.last_node : at->node;
 }
 
 DriveStart find_start(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                       const TrackerOptions& options, std::size_t from_node) {
   DriveStart start;
-  start.first_node = from_node;
+  start.first_node = heard_from(t, segment, from_node);
   while (start.first_node + 2 <= segment.last_node) {
     const double begin_s = t.nodes[start.first_node].time_s, end_s = t.nodes[segment.last_node - 1].time_s;
     std::size_t last = start.first_node;
@@ -134,7 +145,8 @@ DriveStart find_start(Trajectory& t, const Segment& segment, const EpochFixModel
     }
     if (begin_s + options.max_start_window_s >= end_s)
       break;  // the windows that remain are parts of this one
-    start.first_node += std::max<std::size_t>((last - start.first_node) / 2, 1);
+    start.first_node =
+        heard_from(t, segment, start.first_node + std::max<std::size_t>((last - start.first_node) / 2, 1));
   }
   return start;
 }

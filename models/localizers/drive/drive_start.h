@@ -51,11 +51,15 @@ class WidenedArrivals {
 void lay_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
                  double range_slack_m, const Pose& T_map_anchor, const RigidPath& path);
 
-/// Covariance (x, y, heading) with which a filter may begin at a node of a stretch that was placed: its
-/// marginal, inflated, because the stretch was settled robustly and its outliers are not marked.
-[[nodiscard]] Eigen::Matrix3d start_covariance(Trajectory& trajectory, const Segment& stretch,
-                                               const EpochFixModel& model, double range_slack_m,
-                                               std::size_t node);
+/// Covariance (of the pose, as Motion has it) with which a filter may begin at a node of a stretch that was
+/// placed: its marginal, inflated, because the stretch was settled robustly and its outliers are not marked.
+[[nodiscard]] PoseCovariance start_covariance(Trajectory& trajectory, const Segment& stretch,
+                                              const EpochFixModel& model, double range_slack_m,
+                                              std::size_t node);
+
+/// The first node at or after one at which anything is heard, or the segment's end: what passes before says
+/// nothing, and would take a window's time.
+[[nodiscard]] std::size_t heard_from(const Trajectory& trajectory, const Segment& segment, std::size_t node);
 
 /// Searches the place of the first stretch at or after from_node that the arrivals settle: the odometry of a
 /// window is taken as a rigid piece, whose middle pose is found as an epoch's is, with lever arms along the

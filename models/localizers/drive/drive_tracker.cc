@@ -5,8 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/localizers/common/calibration_part.h"
 #include "models/localizers/common/trajectory_model.h"
+#include "models/localizers/drive/beacon_bank.h"
+#include "models/localizers/drive/chain_calibration.h"
+#include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/drive/drive_start.h"
+#include "models/support/scratch.h"
 #include "models/trajectory/odometry_noise.h"
 
 namespace octant {
@@ -17,12 +22,17 @@ constexpr std::size_t kDriveScratchBytes =
 constexpr std::size_t kMaxNodes = 768, kMaxArrivals = 8192;  ///< of a window
 constexpr double kFilterWindowGrowth = 1.33;
 
-OdometryObservation observation(std::size_t node, const OdometryStep& step, double fraction,
+/// What a row says of a vehicle that moves so: in the plane of three of its numbers.
+Pose step_of(const OdometryStep& row, Motion motion) {
+  return motion == Motion::kPlanar ? Pose::planar(row.dx_m, row.dy_m, row.dheading_rad) : row.pose();
+}
+
+OdometryObservation observation(std::size_t node, const OdometryStep& row, double fraction, Motion motion,
                                 const OdometryAccuracy& a) {
-  const OdometryVariance variance = variance_of(step, a);
+  const OdometryVariance variance = variance_of(row, a);
   OdometryObservation o;
   o.node = node;
-  o.T_before_after = interpolate(Pose{}, Pose::planar(step.dx_m, step.dy_m, step.dheading_rad), fraction);
+  o.T_before_after = interpolate(Pose{}, step_of(row, motion), fraction);
   o.distance_sigma_m = std::sqrt(fraction * variance.distance_m2);
   o.heading_sigma_rad = std::sqrt(fraction * variance.heading_rad2);
   return o;
@@ -30,18 +40,73 @@ OdometryObservation observation(std::size_t node, const OdometryStep& step, doub
 
 }  // namespace
 
-DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry,
-                           const TrackerOptions& options)
-    : Localizer(deployment),
-      model_(epoch_fix_model(deployment)),
+class DriveTracker::Core {
+ public:
+  Core() = default;
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
+  virtual ~Core() = default;
+  virtual void start(const Pose& T_map_vehicle, const PoseCovariance& covariance) = 0;
+  virtual void move(const OdometryStep& step, double fraction) = 0;
+  virtual void locate(std::span<const Arrival> arrivals, Fix& fix) = 0;
+  [[nodiscard]] virtual Pose pose() const = 0;
+  [[nodiscard]] virtual PoseCovariance covariance() const = 0;
+  [[nodiscard]] virtual bool is_placed() const = 0;
+};
+
+/// In so many degrees of freedom.
+template <int kDof>
+class DriveTracker::CoreOf final : public Core {
+ public:
+  using Filter = DriveFilterOf<kDof>;
+  CoreOf(const Deployment& deployment, const OdometryAccuracy& odometry, const TrackerOptions& options);
+
+  void start(const Pose& T_map_vehicle, const PoseCovariance& covariance) override;
+  void move(const OdometryStep& step, double fraction) override;
+  void locate(std::span<const Arrival> arrivals, Fix& fix) override;
+  [[nodiscard]] bool is_placed() const override { return placed_; }
+  [[nodiscard]] Pose pose() const override { return filter_.pose(); }
+  [[nodiscard]] PoseCovariance covariance() const override { return filter_.covariance(); }
+
+ private:
+  void begin_window(double time_s);
+  void keep_recent_half();
+  void observe_all(std::span<const Arrival> arrivals);
+  /// Tries to find the place from the window, if it is time to.
+  void search();
+  [[nodiscard]] Segment window() const;
+
+  EpochFixModel model_;
+  CalibrationPart calibration_;
+  TrackerOptions options_;
+  OdometryAccuracy odometry_;
+  TrajectoryModel trajectory_model_;
+  Filter filter_;
+  BeaconBankOf<kDof> bank_;
+  NodeCalibration start_calibration_;  ///< how the place found follows the calibration
+  bool placed_ = false;
+  Trajectory t_;  ///< the stretch that the place is searched with; with a place: the instant alone
+  double next_search_s_ = 0.0;  ///< span of the window at which to search
+  OdometryStep row_;            ///< last row, and how long it took
+  double row_s_ = 0.0;
+  Scratch scratch_;
+};
+
+template <int kDof>
+DriveTracker::CoreOf<kDof>::CoreOf(const Deployment& deployment, const OdometryAccuracy& odometry,
+                                   const TrackerOptions& options)
+    : model_(epoch_fix_model(deployment)),
       calibration_(deployment),
       options_(options),
       odometry_(odometry),
       trajectory_model_(trajectory_model(deployment)),
       filter_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_),
-      bank_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_, options.protect),
+      // A filter that begins with little known of its attitude is not linear enough to judge another one.
+      bank_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_,
+            options.protect && kDof == 3),
       start_calibration_(filter_.node_calibration_room()),
       scratch_(kDriveScratchBytes) {
+  t_.motion = Filter::kMotion;
   t_.moving = true;
   t_.turnaround_s = deployment.timing.turnaround_s;
   t_.nominal_speed_mps = model_.nominal_speed_mps;
@@ -52,7 +117,8 @@ DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy&
   begin_window(0.0);
 }
 
-void DriveTracker::begin_window(double time_s) {
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::begin_window(double time_s) {
   Node node;
   node.time_s = time_s;
   t_.nodes.assign(1, node);
@@ -63,7 +129,8 @@ void DriveTracker::begin_window(double time_s) {
 }
 
 /// Forgets the older half of the window.
-void DriveTracker::keep_recent_half() {
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::keep_recent_half() {
   const std::size_t drop = t_.nodes.size() / 2;
   const auto head = [](auto& list, auto until) { list.erase(list.begin(), until); };
   head(t_.nodes, t_.nodes.begin() + static_cast<std::ptrdiff_t>(drop));
@@ -82,19 +149,21 @@ void DriveTracker::keep_recent_half() {
       std::min(next_search_s_, kFilterWindowGrowth * (t_.nodes.back().time_s - t_.nodes.front().time_s));
 }
 
-void DriveTracker::start(const Pose& T_map_vehicle, const Eigen::Matrix3d& covariance) noexcept {
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::start(const Pose& T_map_vehicle, const PoseCovariance& covariance) {
   filter_.start(T_map_vehicle, covariance);
   filter_.set_range_slack(options_.range_slack_m);
   bank_.start();
   placed_ = true;
 }
 
-void DriveTracker::move(const OdometryStep& step, double fraction) noexcept {
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::move(const OdometryStep& step, double fraction) {
   if (step.time_s != row_.time_s) {
     row_s_ = step.time_s - row_.time_s;
     row_ = step;
   }
-  const OdometryObservation o = observation(t_.nodes.size() - 1, step, fraction, odometry_);
+  const OdometryObservation o = observation(t_.nodes.size() - 1, step, fraction, Filter::kMotion, odometry_);
   if (placed_) {
     filter_.predict(o.T_before_after, o, 1.0);
     bank_.predict(o.T_before_after, o, 1.0);
@@ -110,8 +179,9 @@ void DriveTracker::move(const OdometryStep& step, double fraction) noexcept {
   t_.nodes.push_back(node);
 }
 
-void DriveTracker::observe_all(std::span<const Arrival> arrivals) {
-  const Pose row = Pose::planar(row_.dx_m, row_.dy_m, row_.dheading_rad);
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::observe_all(std::span<const Arrival> arrivals) {
+  const Pose row = step_of(row_, Filter::kMotion);
   for (const Arrival& a : arrivals) {
     if (t_.arrivals.size() == kMaxArrivals) keep_recent_half();
     ArrivalObservation o = observe(a, trajectory_model_, speed_of(a, trajectory_model_));
@@ -127,7 +197,8 @@ void DriveTracker::observe_all(std::span<const Arrival> arrivals) {
   }
 }
 
-Segment DriveTracker::window() const {
+template <int kDof>
+Segment DriveTracker::CoreOf<kDof>::window() const {
   Segment all;
   all.last_node = t_.nodes.size();
   all.last_arrival = t_.arrivals.size();
@@ -135,7 +206,8 @@ Segment DriveTracker::window() const {
   return all;
 }
 
-void DriveTracker::search() {
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::search() {
   const double span_s = t_.nodes.back().time_s - t_.nodes.front().time_s;
   if (span_s < next_search_s_ || t_.nodes.size() < 2) return;
   next_search_s_ = kFilterWindowGrowth * span_s;
@@ -154,10 +226,8 @@ void DriveTracker::search() {
   placed_ = true;
 }
 
-void DriveTracker::locate_known(const Observations& observations, Fix& fix) noexcept {
-  clear(fix);
-  const std::span<const Arrival> arrivals = observations.arrivals;
-  if (arrivals.empty()) return;
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::locate(std::span<const Arrival> arrivals, Fix& fix) {
   fix.time_s = arrivals.front().time_s;
   fix.vehicle = arrivals.front().vehicle;
   fix.status = FixStatus::kNoConsensus;
@@ -187,6 +257,34 @@ void DriveTracker::locate_known(const Observations& observations, Fix& fix) noex
   fix.protection_level_m = bank_.protection_level_m(filter_);
   fix.T_map_vehicle = filter_.pose();
   fix.covariance = filter_.covariance();
+}
+
+DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry,
+                           const TrackerOptions& options)
+    : Localizer(deployment) {
+  if (deployment.motion == Motion::kPlanar) {
+    core_ = std::make_unique<CoreOf<3>>(deployment, odometry, options);
+  } else {
+    core_ = std::make_unique<CoreOf<6>>(deployment, odometry, options);
+  }
+}
+
+DriveTracker::~DriveTracker() = default;
+DriveTracker::DriveTracker(DriveTracker&&) noexcept = default;
+DriveTracker& DriveTracker::operator=(DriveTracker&&) noexcept = default;
+
+void DriveTracker::start(const Pose& T_map_vehicle, const PoseCovariance& covariance) noexcept {
+  core_->start(T_map_vehicle, covariance);
+}
+
+void DriveTracker::move(const OdometryStep& step, double fraction) noexcept { core_->move(step, fraction); }
+bool DriveTracker::is_placed() const { return core_->is_placed(); }
+Pose DriveTracker::pose() const { return core_->pose(); }
+PoseCovariance DriveTracker::covariance() const { return core_->covariance(); }
+
+void DriveTracker::locate_known(const Observations& observations, Fix& fix) noexcept {
+  clear(fix);
+  if (!observations.arrivals.empty()) core_->locate(observations.arrivals, fix);
 }
 
 }  // namespace octant

@@ -20,7 +20,7 @@
 #include "models/localizers/drive/odometry_track.h"
 #include "models/localizers/drive/rigid_path.h"
 #include "models/localizers/least_squares/node_adjustment.h"
-#include "models/localizers/space/space_start.h"
+#include "models/localizers/space/rough_path.h"
 #include "models/localizers/space/space_track.h"
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/settle.h"
@@ -47,11 +47,9 @@ Pose part_of(const Pose& step, double from, double to) {
   return interpolate(Pose{}, step, from).inverse() * interpolate(Pose{}, step, to);
 }
 
-/// Forward from a node to the segment's end, or until lost; returns the node reached. Calls visit for the
-/// arrivals of each distinct time.
-template <class Visitor>
-std::size_t run_forward(Trajectory& t, const Segment& segment, DriveFilter& filter, std::size_t node,
-                        Visitor&& visit) {
+/// Forward from a node to the segment's end, or until lost; returns the node reached.
+template <class Filter>
+std::size_t run_forward(Trajectory& t, const Segment& segment, Filter& filter, std::size_t node) {
   std::size_t next = arrival_from(t, segment, node);
   for (; node + 1 < segment.last_node; ++node) {
     const OdometryObservation& step = t.odometry[segment.first_odometry + node - segment.first_node];
@@ -60,11 +58,9 @@ std::size_t run_forward(Trajectory& t, const Segment& segment, DriveFilter& filt
       const double alpha = t.arrivals[next].alpha;
       filter.predict(part_of(step.T_before_after, done, alpha), step, alpha - done);
       done = alpha;
-      const std::size_t first = next;
       for (; next < segment.last_arrival && t.arrivals[next].node == node && t.arrivals[next].alpha == alpha;
            ++next)
         t.arrivals[next].rejection = filter.update(t, t.arrivals[next]);
-      visit(first, next);
     }
     filter.predict(part_of(step.T_before_after, done, 1.0), step, 1.0 - done);
     t.nodes[node + 1].T_map_vehicle = filter.pose();
@@ -75,7 +71,8 @@ std::size_t run_forward(Trajectory& t, const Segment& segment, DriveFilter& filt
 }
 
 /// Backward from a node to the segment's first.
-void run_backward(Trajectory& t, const Segment& segment, DriveFilter& filter, std::size_t node) {
+template <class Filter>
+void run_backward(Trajectory& t, const Segment& segment, Filter& filter, std::size_t node) {
   std::size_t next = arrival_from(t, segment, node);
   for (; node > segment.first_node; --node) {
     const OdometryObservation& step = t.odometry[segment.first_odometry + node - 1 - segment.first_node];
@@ -92,31 +89,13 @@ void run_backward(Trajectory& t, const Segment& segment, DriveFilter& filter, st
   }
 }
 
-/// As place_segment, in space.
-bool place_segment_in_space(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                            const TrackerOptions& options) {
-  std::size_t from = segment.first_node;
-  bool placed = false;
-  while (from + 2 <= segment.last_node) {
-    const DriveStart start = find_start(t, segment, model, options, from);
-    if (!start.found) break;
-    if (!placed) static_cast<void>(follow_in_space(t, segment, model, options, start.first_node, false));
-    placed = true;
-    from = follow_in_space(t, segment, model, options, start.last_node - 1, true);
-  }
-  // Whatever could not be placed follows the odometry, so that the adjustment has all states.
-  if (placed) static_cast<void>(follow_odometry(t, segment, from, true));
-  return placed;
-}
-
-/// Initial states of a whole segment: a stretch that the arrivals settle, the filter from there both ways;
-/// where it gets lost, the next stretch that can be settled.
-bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                   const TrackerOptions& options) {
-  if (t.motion_prior) return place_by_motion(t, segment, model, options);
-  if (t.motion == Motion::kSpatial) return place_segment_in_space(t, segment, model, options);
-  DriveFilter filter(model, options.rejection_sigmas,
-                     independent_slack_m(t, segment, model, options.range_slack_m));
+/// A stretch that the arrivals settle, the filter from there both ways; where it gets lost, the next stretch
+/// that can be settled.
+template <int kDof>
+bool place_by_filter(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                     const TrackerOptions& options) {
+  DriveFilterOf<kDof> filter(model, options.rejection_sigmas,
+                             independent_slack_m(t, segment, model, options.range_slack_m));
   std::size_t from = segment.first_node;
   bool placed = false;
   while (from + 2 <= segment.last_node) {
@@ -131,12 +110,21 @@ bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& m
     }
     filter.start(t.nodes[start.last_node - 1].T_map_vehicle,
                  start_covariance(t, stretch, model, options.range_slack_m, start.last_node - 1));
-    from = run_forward(t, segment, filter, start.last_node - 1, [](std::size_t, std::size_t) {});
+    from = run_forward(t, segment, filter, start.last_node - 1);
     if (from + 1 >= segment.last_node) return true;
   }
   // Whatever could not be placed follows the odometry, so that the adjustment has all states.
   if (placed) static_cast<void>(follow_odometry(t, segment, from, true));
   return placed;
+}
+
+/// Initial states of a whole segment.
+bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                   const TrackerOptions& options) {
+  if (t.motion_prior) return place_by_motion(t, segment, model, options);
+  if (t.motion == Motion::kPlanar) return place_by_filter<3>(t, segment, model, options);
+  if (options.range_slack_m > 0) return place_roughly(t, segment, model, options);
+  return place_by_filter<6>(t, segment, model, options);
 }
 
 /// Robust adjustment of a placed segment from coarse to fine, then by plain squares with the outliers left
@@ -147,14 +135,16 @@ bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& 
   const WidenedArrivals widened(t, segment, model, options.range_slack_m);
   CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kChanging);
   settle(t, segment, model.state, {.late_scale = 10.0, .early_scale = 15.0},
-         {.max_iterations = 15, .tolerance = kNearlySettled});
-  SettleResult result = settle(t, segment, model.state, {.late_scale = 2.5, .early_scale = 4.0},
-                               {.max_iterations = 25, .tolerance = kNearlySettled});
+         {.max_iterations = 15, .tolerance = kNearlySettled, .threads = options.threads});
+  SettleResult result =
+      settle(t, segment, model.state, {.late_scale = 2.5, .early_scale = 4.0},
+             {.max_iterations = 25, .tolerance = kNearlySettled, .threads = options.threads});
   for (int round = 0; round < kSegmentMarkRounds; ++round) {
     sigmas.restore();
     if (!mark_arrivals(t, segment, model, 0.0, options.rejection_sigmas) && round > 0) break;
     sigmas.weigh();
-    result = settle(t, segment, model.state, RobustLoss{}, {.max_iterations = 20, .tolerance = kSettled});
+    result = settle(t, segment, model.state, RobustLoss{},
+                    {.max_iterations = 20, .tolerance = kSettled, .threads = options.threads});
   }
   sigmas.weigh();
   return std::isfinite(result.cost);
@@ -223,7 +213,8 @@ bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
 }
 
 /// Only what came before, as a robot sees it: odometry up to each instant, then its arrivals.
-void track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment& deployment,
+/// @return false, and no fixes: in space the attitude stayed open to the end
+bool track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment& deployment,
                   const TrackerOptions& options, std::vector<Fix>& fixes) {
   std::vector<OdometryStep> steps;
   for (const OdometryStep& step : log.odometry)
@@ -234,6 +225,7 @@ void track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment
       arrivals.push_back(a);
   DriveTracker tracker(deployment, log.odometry_accuracy, options);
   OdometryCursor cursor(steps, steps.front().time_s);
+  const auto before = static_cast<std::ptrdiff_t>(fixes.size());
   for (std::size_t first = 0; first < arrivals.size();) {
     std::size_t last = first;
     while (last < arrivals.size() && arrivals[last].time_s == arrivals[first].time_s) ++last;
@@ -242,6 +234,10 @@ void track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment
     tracker.locate(Observations{std::span(arrivals).subspan(first, last - first), {}}, fixes.emplace_back());
     first = last;
   }
+  const bool any = std::any_of(fixes.begin() + before, fixes.end(), [](const Fix& f) { return f.ok(); });
+  if (any || deployment.motion == Motion::kPlanar) return true;
+  fixes.resize(static_cast<std::size_t>(before));
+  return false;
 }
 
 /// Whether odometry ties all states of a segment to their neighbours.
@@ -289,7 +285,9 @@ bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions
   for (const Segment& segment : t.segments) {
     if (!needs_tracking(t, segment)) continue;
     if (!place_segment(t, segment, model, options)) continue;
-    any = smooth_segment(t, segment, model, options) || any;
+    const bool pieces = t.motion == Motion::kSpatial && options.range_slack_m > 0 && !t.motion_prior;
+    if (pieces) reset_marks(t, segment, model);  // settled among beacons that are off it would bend to them
+    any = pieces || smooth_segment(t, segment, model, options) || any;
   }
   return any;
 }
@@ -308,10 +306,9 @@ std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deploym
     for (const Segment& segment : t.segments) {
       const bool drive = needs_tracking(t, segment),
                  stops = !drive && t.motion == Motion::kPlanar && is_chained(t, segment);
-      if (drive && !options.smooth && !t.motion_prior && t.motion == Motion::kPlanar) {
-        track_causal(log, VehicleId(v), deployment, options, fixes);
+      if (drive && !options.smooth && !t.motion_prior &&
+          track_causal(log, VehicleId(v), deployment, options, fixes))
         continue;
-      }
       TrackerOptions search = options;
       // Between two stops there may be minutes: how many of them are needed is not a matter of time.
       if (stops)

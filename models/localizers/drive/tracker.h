@@ -18,10 +18,11 @@ struct TrackerOptions {
       2.0;  ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
   double max_start_window_s = 120.0;
   double range_slack_m = 0.0;  ///< as in EpochFixOptions
-  bool protect = false;        ///< protection levels. Of a filter: as many filters more as beacons are heard,
-                               ///< and one whose beacon is at fault takes over; of a smoothed drive: as many
-                               ///< solutions more (chain_protection.h; space_track.h)
-  bool smooth = true;          ///< use the whole run (fixed-interval smoothing); false: only what came before
+  bool protect = false;  ///< protection levels. Of a filter in the plane: as many filters more as beacons are
+                         ///< heard, and one whose beacon is at fault takes over; of a smoothed drive: as many
+                         ///< solutions more (chain_protection.h; space_track.h)
+  int threads = 1;       ///< on stretches of a drive that is smoothed
+  bool smooth = true;    ///< use the whole run (fixed-interval smoothing); false: only what came before
 };
 
 /// Initial states of a moving trajectory with odometry: stretches are placed as rigid pieces of the odometry
@@ -35,8 +36,8 @@ struct TrackerOptions {
 /// One fix at every distinct arrival time; smoothed over the whole run unless options.smooth is off. A drive
 /// with a motion prior instead of odometry is always smoothed. Stops with odometry between them are smoothed
 /// the same way, a fix an epoch; those that it does not tie together are fixed one by one. In space odometry
-/// of six degrees of freedom tells the attitude as well and is always smoothed; where the path leaves that
-/// open, the place follows from the arrivals alone (space_track.h). A fix's covariance
+/// of six degrees of freedom tells the attitude as well; where the path leaves that open, the place follows
+/// from the arrivals alone, smoothed (space_track.h). A fix's covariance
 /// holds the calibration's part, which does not average out along the drive (chain_calibration.h).
 [[nodiscard]] std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deployment,
                                      const TrackerOptions& options = {});

@@ -9,6 +9,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/trajectory/node_step.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {
@@ -129,12 +130,6 @@ NormalEquations normal_equations(const Trajectory& t, const Segment& segment, co
   return eq;
 }
 
-void move_node(Trajectory& t, Node& node, const NodeVector& step) {
-  const int dof = pose_dof(t.motion);
-  node.T_map_vehicle = retract(node.T_map_vehicle, step.head(dof), t.motion);
-  if (t.has_cycle_offset) node.cycle_offset_s += step[dof] / t.nominal_speed_mps;
-}
-
 }  // namespace
 
 NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedState& state,
@@ -155,7 +150,7 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
     const NodeVector step = -Eigen::LDLT<NodeBlock>(A).solve(eq.g);
     if (!step.allFinite()) break;
     const Node before = node;
-    move_node(t, node, step);
+    step_node(t, step, node);
     const double gain = -0.5 * eq.g.dot(step);
     const NormalEquations next = normal_equations(t, segment, state, range_slack_m);
     if (next.cost <= eq.cost * (1.0 + 1e-12) + 1e-20) {

@@ -14,6 +14,7 @@
 #include "calib/problem/shared_entries.h"
 #include "calib/stream/drives/end_chain.h"
 #include "models/trajectory/linearise.h"
+#include "models/trajectory/node_step.h"
 #include "models/trajectory/settle.h"
 #include "models/trajectory/stretches.h"
 #include "tests/support/worlds.h"
@@ -209,7 +210,7 @@ struct Pieces {
   calib::EndChain joined(bool held) {
     std::vector<int> place(static_cast<std::size_t>(chain.layout.size()));
     std::iota(place.begin(), place.end(), 0);
-    calib::EndChain join(chain.layout.size());
+    calib::EndChain join(chain.layout.size(), chain.t.block_size());
     for (std::size_t k = 0; k < parts.size(); ++k) {
       calib::OpenChain piece;
       piece.has_left = k > 0;
@@ -225,8 +226,10 @@ struct Pieces {
   }
 };
 
-TEST(OpenChains, JoinToTheWhole) {
-  Chain chain(Kind{.name = "with_others"});
+class OpenChainsOf : public testing::TestWithParam<Kind> {};
+
+TEST_P(OpenChainsOf, JoinToTheWhole) {
+  Chain chain(GetParam());
   const calib::ReducedSystem whole = by_sparse_factors(chain, {});
   Pieces pieces{chain, {300, 301, 900, 1500}};
   pieces.cut();
@@ -243,28 +246,37 @@ TEST(OpenChains, JoinToTheWhole) {
 }
 
 // With the parameters as they are, the steps of the ends lead where the whole chain comes to rest.
-TEST(OpenChains, EndsStepToWhereTheWholeRests) {
-  Chain chain(Kind{.name = "plain", .others = false});
+TEST_P(OpenChainsOf, EndsStepToWhereTheWholeRests) {
+  Kind kind = GetParam();
+  kind.others = kind.motion == Motion::kSpatial;  // whose arrivals alone leave states loose
+  Chain chain(kind);
   Pieces pieces{chain, {300, 301, 900, 1500}};
   pieces.cut();
   for (int round = 0; round < 4; ++round) {
-    const std::vector<Eigen::Vector3d> steps =
+    const std::vector<NodeVector> steps =
         pieces.joined(true).steps(Eigen::VectorXd::Zero(chain.layout.size()));
     ASSERT_EQ(steps.size(), pieces.ends.size());
     for (std::size_t k = 0; k < steps.size(); ++k) {
       Node& end = pieces.parts[k].nodes.back();
-      end.T_map_vehicle = retract(end.T_map_vehicle, steps[k], Motion::kPlanar);
-      pieces.parts[k + 1].nodes.front().T_map_vehicle = end.T_map_vehicle;
+      step_node(chain.t, steps[k], end);
+      pieces.parts[k + 1].nodes.front() = end;
     }
   }
   settle(chain.t, chain.t.segments[0], chain.state, {});
   for (std::size_t k = 0; k < pieces.ends.size(); ++k) {
-    const Pose &here = pieces.parts[k].nodes.back().T_map_vehicle,
-               &there = chain.t.nodes[pieces.ends[k]].T_map_vehicle;
-    EXPECT_LT((here.translation_m - there.translation_m).norm(), 1e-7) << k;
-    EXPECT_LT(std::abs(wrap_angle(here.heading_rad() - there.heading_rad())), 1e-7) << k;
+    const Node &here = pieces.parts[k].nodes.back(), &there = chain.t.nodes[pieces.ends[k]];
+    EXPECT_LT((here.T_map_vehicle.translation_m - there.T_map_vehicle.translation_m).norm(), 1e-7) << k;
+    EXPECT_LT(here.T_map_vehicle.rotation.angularDistance(there.T_map_vehicle.rotation), 1e-7) << k;
+    EXPECT_LT(std::abs(here.cycle_offset_s - there.cycle_offset_s) * chain.t.nominal_speed_mps, 1e-7) << k;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, OpenChainsOf,
+    testing::Values(Kind{.name = "with_others"}, Kind{.name = "cycle_offset", .cycle_offset = true},
+                    Kind{.name = "spatial", .motion = Motion::kSpatial},
+                    Kind{.name = "spatial_offset", .motion = Motion::kSpatial, .cycle_offset = true}),
+    [](const auto& kind) { return std::string(kind.param.name); });
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds, ChainReductionOf,

@@ -160,7 +160,7 @@ TEST(Thin, KeepsEveryBeaconAndFewEpochsOfMany) {
       if (a.beacon == BeaconId(5) && a.epoch % 500 != 0) continue;
       big.arrivals.push_back(a);
     }
-  const MeasurementLog few = calib::thin(big, world.site.beacons.size());
+  const MeasurementLog few = calib::thin(big, world.site);
   std::set<std::int64_t> epochs;
   std::vector<std::size_t> heard(world.site.beacons.size(), 0), all = heard;
   for (const Arrival& a : few.arrivals) {
@@ -178,7 +178,7 @@ TEST(Thin, KeepsEveryBeaconAndFewEpochsOfMany) {
   std::size_t in_them = 0;
   for (const Arrival& a : big.arrivals) in_them += epochs.contains(a.epoch);
   EXPECT_EQ(few.arrivals.size(), in_them);
-  EXPECT_EQ(calib::thin(world.run, world.site.beacons.size()).arrivals.size(), world.run.arrivals.size())
+  EXPECT_EQ(calib::thin(world.run, world.site).arrivals.size(), world.run.arrivals.size())
       << "small ones stay";
 }
 
@@ -188,12 +188,12 @@ TEST(Thin, ALongStandKeepsSomeOfEachPair) {
   stand.arrivals.clear();
   for (const Arrival& a : world.run.arrivals)
     for (int i = 0; i < 500; ++i) stand.arrivals.push_back(a);
-  EXPECT_EQ(calib::thin(stand, world.site.beacons.size()).arrivals.size(), 16 * world.run.arrivals.size());
+  EXPECT_EQ(calib::thin(stand, world.site).arrivals.size(), 16 * world.run.arrivals.size());
 }
 
 TEST(Thin, OdometryOfADriveAddsUpToTheSameWay) {
   const World world = must(simulate(drive_scenario(900.0), 1));
-  const MeasurementLog few = calib::thin(world.run, world.site.beacons.size(), {.drive_arrivals = 2000});
+  const MeasurementLog few = calib::thin(world.run, world.site, {.drive_arrivals = 2000});
   EXPECT_LT(few.arrivals.size(), world.run.arrivals.size() / 2);
   EXPECT_LT(few.odometry.size(), world.run.odometry.size() / 2);
   const auto way = [](const MeasurementLog& run) {

@@ -4,6 +4,8 @@
 // What is read again for each step, against the same at once.
 
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -44,6 +46,23 @@ inline double reach_m(const std::vector<Eigen::Vector2d>& area_m, double directi
   return reach;
 }
 
+/// The bearings that were left out, with their reasons, in whatever order.
+inline void expect_same_bearings(const calib::Solution& whole, const calib::Solution& part) {
+  const auto by_number = [](const calib::Solution& s) {
+    std::map<std::pair<std::size_t, std::size_t>, calib::LeftOutBearing> all;
+    for (const calib::LeftOutBearing& b : s.left_out_bearings) all.insert({{b.run, b.bearing}, b});
+    return all;
+  };
+  const auto of_whole = by_number(whole), of_part = by_number(part);
+  ASSERT_EQ(of_part.size(), of_whole.size());
+  for (const auto& [number, b] : of_whole) {
+    const auto other = of_part.find(number);
+    ASSERT_NE(other, of_part.end()) << number.second;
+    EXPECT_EQ(other->second.reason, b.reason);
+    EXPECT_NEAR(other->second.residual_rad, b.residual_rad, 1e-4);
+  }
+}
+
 /// All that is said of drives, and of stops beside them, streamed or not.
 inline void expect_same_drive(const Site& site, const std::vector<MeasurementLog>& runs) {
   const calib::Problem problem = must(calib::make_problem(site, runs));
@@ -76,6 +95,7 @@ inline void expect_same_drive(const Site& site, const std::vector<MeasurementLog
   for (const auto& of_beacon : part.whole->of_beacon)
     for (std::size_t r = 1; r < calib::kRejections; ++r) counted[r] += of_beacon[r];
   EXPECT_EQ(counted, left_out);
+  expect_same_bearings(whole, part);
   ASSERT_TRUE(part.reliability.ok);
   EXPECT_NEAR(part.reliability.mean_redundancy, whole.reliability.mean_redundancy, 0.02);
   EXPECT_NEAR(part.reliability.redundancy_sum, whole.reliability.redundancy_sum,

@@ -11,6 +11,7 @@
 #include "tests/calib/calib_support.h"
 #include "tests/calib/memory_source.h"
 #include "tests/calib/stream/changed_log.h"
+#include "tests/calib/stream/same_drive.h"
 #include "tests/calib/stream/share_of_ranks.h"
 
 namespace octant::test {
@@ -164,6 +165,41 @@ TEST(Streamed, PosesOfStopsMayBeMeasured) {
   expect_same(world, world.site);
 }
 
+TEST(Streamed, StopsMayHaveBearings) {
+  Scenario s = long_hall(4100);
+  s.site.noise.bearing_sigma_rad = 0.02;
+  s.bearings = Scenario::Bearings{.unlabelled_fraction = 0.1};
+  World world = must(simulate(s, 19));
+  ASSERT_GT(world.run.bearings.size(), 4000U);
+  for (std::size_t i = 0; i < world.run.bearings.size(); i += 50) world.run.bearings[i].bearing_rad += 0.5;
+  const calib::Problem problem = must(calib::make_problem(world.site, {world.run}));
+  ASSERT_TRUE(calib::is_long(problem));
+  const calib::Solution whole = calib::solve(problem, {});
+  const calib::StreamedCalibration part = streamed(world.site, {world.run});
+  expect_same(problem, whole, part);
+  expect_same_bearings(whole, part.solution);
+}
+
+// A stop that only bearings tell of is none of a log that is known by its arrivals; that is said.
+TEST(Streamed, BearingsOfSilentStopsAreLeftOutAndSaidToBe) {
+  Scenario s = long_hall(4100);
+  s.site.noise.bearing_sigma_rad = 0.02;
+  s.bearings.emplace();
+  World world = must(simulate(s, 19));
+  std::erase_if(world.run.arrivals, [](const Arrival& a) { return a.epoch == 77; });
+  const auto of_it = std::count_if(world.run.bearings.begin(), world.run.bearings.end(),
+                                   [](const Bearing& b) { return b.epoch == 77; });
+  ASSERT_GT(of_it, 0);
+  const calib::Solution solution = streamed(world.site, {world.run}).solution;
+  ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+  EXPECT_EQ(std::count_if(solution.left_out_bearings.begin(), solution.left_out_bearings.end(),
+                          [](const auto& b) { return b.reason == Rejection::kNoPose; }),
+            of_it);
+  EXPECT_TRUE(std::any_of(solution.warnings.begin(), solution.warnings.end(), [](const std::string& words) {
+    return words.find("stops at which nothing was heard") != std::string::npos;
+  }));
+}
+
 TEST(Streamed, StopsMayBeInSpace) {
   Scenario s = long_hall(4100);
   s.site.motion = Motion::kSpatial;
@@ -249,9 +285,6 @@ TEST(Streamed, SaysWhatCannotBe) {
   run.has_epochs = false;
   EXPECT_TRUE(calib::why_not_streamed(world.site, {&world.run, &run}));
   EXPECT_TRUE(calib::why_not_streamed(world.site, {&world.run}, 10));
-  run = world.run;
-  run.bearings.resize(1);
-  EXPECT_TRUE(calib::why_not_streamed(world.site, {&run}));
   Site site = world.site;
   site.timing.ranging = Ranging::kTwoWay;
   EXPECT_FALSE(calib::why_not_streamed(site, {&world.run}));

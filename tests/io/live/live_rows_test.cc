@@ -62,6 +62,25 @@ TEST(LiveRows, OdometryAndTheRest) {
     EXPECT_TRUE(std::holds_alternative<std::monostate>(*reader.row(nothing))) << nothing;
 }
 
+TEST(LiveRows, OdometryInSpace) {
+  const LiveReader reader(two_vehicles());
+  // A quarter turn about x, of another length than one.
+  const auto row =
+      reader.row(R"({"time_s": 2, "dx_m": 0.1, "dz_m": 0.3, "qx": 2, "qy": 0, "qz": 0, "qw": 2})");
+  ASSERT_TRUE(row);
+  const auto& step = std::get<OdometryStep>(*row);
+  EXPECT_EQ(step.dz_m, 0.3);
+  EXPECT_NEAR(step.turn_x_rad, 1.5707963267948966, 1e-15);
+  EXPECT_NEAR(step.turn_y_rad, 0.0, 1e-15);
+  EXPECT_NEAR(step.dheading_rad, 0.0, 1e-15);
+  EXPECT_EQ(found(reader, R"({"time_s": 1, "dx_m": 0, "qx": 0, "qy": 0, "qz": 0, "qw": 0})"), "no rotation");
+  EXPECT_EQ(found(reader, R"({"time_s": 1, "dx_m": 0, "qx": 0, "qy": 0, "qw": 1})"), "no rotation");
+  EXPECT_EQ(found(reader, R"({"time_s": 1, "dheading_rad": 0, "qx": 0, "qy": 0, "qz": 0, "qw": 1})"),
+            "both a quaternion and dheading_rad");
+  EXPECT_EQ(found(reader, R"({"time_s": 1, "dx_m": 0, "dz_m": "up"})"),
+            "dx_m, dy_m, dz_m or dheading_rad is no number");
+}
+
 TEST(LiveRows, DistancesWhereTheSpeedIsConstant) {
   const char* line = R"({"time_s": 0, "vehicle": "cart", "beacon": "B0", "distance_m": 6.0})";
   EXPECT_EQ(found(LiveReader(two_vehicles()), line), "tof_s is missing or no number");
@@ -92,7 +111,7 @@ TEST(LiveRows, EveryFaultHasAName) {
   EXPECT_EQ(found(reader, R"({"time_s": 1, "beacon": "B0", "receiver": "rear", "tof_s": 1, "epoch": 1.5})"),
             "epoch is no integer");
   EXPECT_EQ(found(reader, R"({"time_s": 1, "dx_m": 1e999})"), "not JSON");
-  EXPECT_EQ(found(reader, R"({"time_s": 1, "dx_m": [1]})"), "dx_m, dy_m or dheading_rad is no number");
+  EXPECT_EQ(found(reader, R"({"time_s": 1, "dx_m": [1]})"), "dx_m, dy_m, dz_m or dheading_rad is no number");
 }
 
 TEST(LiveRows, AnyBytes) {

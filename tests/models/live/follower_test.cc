@@ -11,6 +11,7 @@
 #include "models/localizers/drive/tracker.h"
 #include "tests/models/localizers/drive_world.h"
 #include "tests/models/localizers/hall.h"
+#include "tests/support/worlds.h"
 
 namespace octant {
 namespace {
@@ -88,6 +89,24 @@ TEST(Follower, OdometryMakesATrack) {
   expect_same(live.fixes, track(w.log, d, {.smooth = false}));
   EXPECT_GT(live.follower.counts().fixes, 300u);
   EXPECT_EQ(live.follower.counts().dropped, 0u);
+}
+
+TEST(Follower, OdometryInSpaceMakesATrackWithAttitude) {
+  Scenario s = test::drive_scenario(30.0);
+  s.site.motion = Motion::kSpatial;
+  s.log_odometry = true;
+  const World world = test::must(simulate(s, 5));
+  FollowOptions options;
+  options.odometry = world.heldout.odometry_accuracy;
+  Live live(world.truth, options);
+  feed(live.follower, world.heldout);
+  expect_same(live.fixes, track(world.heldout, world.truth, {.smooth = false}));
+  ASSERT_FALSE(live.fixes.empty());
+  ASSERT_TRUE(live.fixes.back().ok());
+  Pose truth;
+  ASSERT_TRUE(interpolate_poses(world.heldout.truth, live.fixes.back().time_s, 1.0, truth));
+  EXPECT_LT(truth.rotation.angularDistance(live.fixes.back().T_map_vehicle.rotation), 0.1);
+  EXPECT_EQ(live.fixes.back().covariance.rows(), 6);
 }
 
 TEST(Follower, ADeploymentThatTakesOverGoesOnFromThePlace) {

@@ -106,7 +106,7 @@ TEST(LogPart, IsThatOfTheWholeLog) {
   MemorySource source({run, world.heldout}, 100);
   const calib::LogIndex index = scanned(source, world.site.vehicles.size(), world.site.beacons.size(), 1000);
   const auto stops_of = [&](std::size_t run) {
-    return must(calib::part_of_stops(run, world.site.beacons.size(), source, index, 2));
+    return must(calib::part_of_stops(run, world.site, source, index, 2));
   };
   const calib::Problem part = must(calib::make_problem(world.site, {stops_of(0), stops_of(1)}));
   for (std::size_t r = 0; r < 2; ++r) {

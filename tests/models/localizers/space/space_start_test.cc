@@ -69,6 +69,29 @@ TEST(SpaceStart, OdometryTellsPlaceAndAttitude) {
   EXPECT_EQ(e.beyond_level, 0U);
 }
 
+/// As a robot sees it: only what came before.
+TEST(SpaceStart, TheCausalFilterIsHonestAndUsesThePastAlone) {
+  const World world = must(simulate(flight_scenario(60.0), 3));
+  const MeasurementLog& run = world.heldout;
+  const std::vector<Fix> fixes = track(run, world.truth, {.protect = true, .smooth = false});
+  const Errors e = errors_of(fixes, run.truth);
+  EXPECT_GT(e.ok, e.fixes * 8 / 10) << "until the start is clear there is none";
+  EXPECT_LT(e.largest_m, 0.08);
+  EXPECT_LT(e.largest_rad, 0.15);
+  EXPECT_GT(e.nees, 3.0);
+  EXPECT_LT(e.nees, 12.0);
+  EXPECT_EQ(e.with_level, 0U) << "in space a filter cannot tell one";
+  MeasurementLog cut = run;
+  const double until_s = run.arrivals[run.arrivals.size() / 2].time_s;
+  std::erase_if(cut.arrivals, [&](const Arrival& a) { return a.time_s > until_s; });
+  const std::vector<Fix> part = track(cut, world.truth, {.protect = true, .smooth = false});
+  ASSERT_GT(part.size(), 100U);
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    ASSERT_EQ(part[i].status, fixes[i].status) << i;
+    EXPECT_EQ(part[i].T_map_vehicle.translation_m, fixes[i].T_map_vehicle.translation_m) << i;
+  }
+}
+
 TEST(SpaceStart, AmongEchoes) {
   Scenario s = flight_scenario(60.0);
   s.echo_fraction = 0.15;

@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// The library of a robot's own program against the rooms that it stands on, row by row.
+#include "apps/robot/octant/positioner.h"
+
+#include <gtest/gtest.h>
+
+#include "io/deployment/deployment_json.h"
+#include "models/live/follower.h"
+#include "models/localizers/least_squares/epoch_fix.h"
+#include "tests/io/io_support.h"
+#include "tests/support/worlds.h"
+
+namespace octant::test {
+namespace {
+
+/// A deployment on disk, and its names.
+class Robot {
+ public:
+  explicit Robot(const World& world) : names_(names_of(world.truth)) {
+    EXPECT_TRUE(io::write_deployment(path(), world.truth));
+  }
+  [[nodiscard]] std::string path() const { return folder_.path("deployment.json"); }
+
+  [[nodiscard]] Heard heard(const Arrival& a) const {
+    return {.beacon = names_.beacons[a.beacon.index()],
+            .tof_s = a.tof_s,
+            .receiver = names_.receivers[a.receiver.index()].name,
+            .time_s = a.time_s,
+            .epoch = a.epoch == kNoEpoch ? Heard::kNone : a.epoch};
+  }
+
+ private:
+  io::test::TemporaryFolder folder_;
+  NameTable names_;
+};
+
+Moved planar(const OdometryStep& s) { return {s.time_s, s.dx_m, s.dy_m, s.dheading_rad}; }
+Moved spatial(const OdometryStep& s) {
+  const Pose T = s.pose();
+  return {.time_s = s.time_s,
+          .dx_m = T.translation_m.x(),
+          .dy_m = T.translation_m.y(),
+          .dz_m = T.translation_m.z(),
+          .qx = T.rotation.x(),
+          .qy = T.rotation.y(),
+          .qz = T.rotation.z(),
+          .qw = T.rotation.w()};
+}
+
+OdometryNoise noise_of(const OdometryAccuracy& a) {
+  return {a.distance_sigma_m_per_sqrt_m, a.heading_sigma_rad_per_sqrt_m, a.heading_sigma_per_rad, a.floor_m,
+          a.floor_rad};
+}
+
+Scenario drive_of(Motion motion) {
+  Scenario s = drive_scenario(30.0);
+  s.site.motion = motion;
+  s.log_odometry = true;
+  return s;
+}
+
+/// The places of a positioner and the fixes of a follower that get the same rows.
+void expect_followed(Motion motion) {
+  const World world = must(simulate(drive_of(motion), 5));
+  const Robot robot(world);
+  const MeasurementLog& log = world.heldout;
+  Positioner positioner(robot.path(), noise_of(log.odometry_accuracy));
+  ASSERT_TRUE(positioner) << positioner.error();
+  std::vector<Place> places;
+  positioner.on_place([&](const Place& place) { places.push_back(place); });
+  FollowOptions options;
+  options.odometry = log.odometry_accuracy;
+  Follower follower(must(io::read_deployment(robot.path())), options);
+  std::vector<Fix> fixes;
+  follower.on_fix = [&](const Fix& fix) { fixes.push_back(fix); };
+  std::size_t next = 0;
+  for (const OdometryStep& step : log.odometry) {
+    for (; next < log.arrivals.size() && log.arrivals[next].time_s <= step.time_s; ++next) {
+      EXPECT_TRUE(positioner.hear(robot.heard(log.arrivals[next])));
+      follower.hear(log.arrivals[next]);
+    }
+    EXPECT_TRUE(positioner.move(motion == Motion::kPlanar ? planar(step) : spatial(step)));
+    follower.move(step);
+  }
+  positioner.flush();
+  follower.flush();
+  ASSERT_EQ(places.size(), fixes.size());
+  std::size_t placed = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    ASSERT_EQ(places[i].ok, fixes[i].ok());
+    EXPECT_EQ(places[i].time_s, fixes[i].time_s);
+    if (!places[i].ok) continue;
+    ++placed;
+    const Pose& T = fixes[i].T_map_vehicle;
+    const Pose found{{places[i].x_m, places[i].y_m, places[i].z_m},
+                     {places[i].qw, places[i].qx, places[i].qy, places[i].qz}};
+    EXPECT_LT((found.translation_m - T.translation_m).norm(), 1e-7);
+    EXPECT_LT(found.rotation.angularDistance(T.rotation), 1e-7);
+    EXPECT_NEAR(places[i].heading_rad, T.heading_rad(), 1e-7);
+    EXPECT_NEAR(places[i].sigma_x_m, std::sqrt(fixes[i].covariance(0, 0)), 1e-7);
+    EXPECT_NEAR(places[i].sigma_z_m, motion == Motion::kPlanar ? 0.0 : std::sqrt(fixes[i].covariance(2, 2)),
+                1e-7);
+  }
+  EXPECT_GT(placed, 200u);
+}
+
+TEST(Positioner, FollowsInThePlane) { expect_followed(Motion::kPlanar); }
+TEST(Positioner, FollowsInSpaceByOdometryWithQuaternions) { expect_followed(Motion::kSpatial); }
+
+TEST(Positioner, AStepIsATurnOrAQuaternionNeverBoth) {
+  const World world = must(simulate(drive_of(Motion::kSpatial), 5));
+  const Robot robot(world);
+  Positioner positioner(robot.path());
+  ASSERT_TRUE(positioner) << positioner.error();
+  const double half = std::sqrt(0.5);
+  EXPECT_TRUE(positioner.move({.time_s = 1.0}));
+  EXPECT_FALSE(positioner.move({.time_s = 2.0, .dheading_rad = 0.1, .qz = half, .qw = half}));
+  EXPECT_FALSE(positioner.move({.time_s = 2.0, .qw = 0.0})) << "no rotation";
+  EXPECT_FALSE(positioner.move({.time_s = 2.0, .qx = NAN}));
+  EXPECT_TRUE(positioner.move({.time_s = 2.0, .qz = 2 * half, .qw = 2 * half})) << "of any length";
+  EXPECT_FALSE(positioner.move({.time_s = 2.0, .vehicle = "nobody"}));
+}
+
+TEST(Positioner, LocatesAStopAsTheLocalizerDoes) {
+  const World world = must(simulate(hall_scenario(), 5));
+  const Robot robot(world);
+  Positioner positioner(robot.path());
+  ASSERT_TRUE(positioner) << positioner.error();
+  LeastSquaresLocalizer localizer(must(io::read_deployment(robot.path())));
+  const std::vector<Arrival>& all = world.heldout.arrivals;
+  std::size_t located = 0;
+  for (std::size_t i = 0, last = 0; i < all.size(); i = last) {
+    while (last < all.size() && all[last].epoch == all[i].epoch) ++last;
+    std::vector<Heard> heard;
+    for (std::size_t k = i; k < last; ++k) heard.push_back(robot.heard(all[k]));
+    const Place place = positioner.locate(heard);
+    const Fix fix = localizer.locate({all.data() + i, last - i});
+    ASSERT_EQ(place.ok, fix.ok());
+    EXPECT_STREQ(place.status, to_string(fix.status));
+    if (!place.ok) continue;
+    ++located;
+    EXPECT_NEAR(place.x_m, fix.T_map_vehicle.translation_m.x(), 1e-9);
+    EXPECT_NEAR(place.y_m, fix.T_map_vehicle.translation_m.y(), 1e-9);
+    EXPECT_NEAR(place.covariance_xy_m2, fix.covariance(0, 1), 1e-15);
+    EXPECT_EQ(place.arrivals_used, fix.arrivals_used);
+  }
+  EXPECT_GT(located, 30u);
+}
+
+TEST(Positioner, SaysWhatItCannotRead) {
+  Positioner positioner("no/such/deployment.json");
+  EXPECT_FALSE(positioner);
+  EXPECT_NE(positioner.error().find("no/such/deployment.json"), std::string::npos);
+  EXPECT_FALSE(positioner.locate({}).ok);
+  EXPECT_FALSE(positioner.hear({.beacon = "B0", .tof_s = 0.01}));
+  EXPECT_FALSE(positioner.move({.time_s = 1.0}));
+  positioner.flush();
+}
+
+TEST(Positioner, MovesWithItsSink) {
+  const World world = must(simulate(hall_scenario(), 5));
+  const Robot robot(world);
+  Positioner first(robot.path());
+  ASSERT_TRUE(first) << first.error();
+  int places = 0;
+  first.on_place([&places](const Place&) { ++places; });
+  Positioner second = std::move(first);
+  for (const Arrival& a : world.heldout.arrivals)
+    if (a.epoch == world.heldout.arrivals.front().epoch) {
+      EXPECT_TRUE(second.hear(robot.heard(a)));
+    }
+  EXPECT_FALSE(second.hear({.beacon = "nobody", .tof_s = 0.01, .time_s = 1e-3}));
+  second.flush();
+  EXPECT_EQ(places, 1);
+}
+
+}  // namespace
+}  // namespace octant::test

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// Ranks as threads.
+#include "calib/stream/over_ranks.h"
+
+#include <mutex>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "tests/calib/thread_team.h"
+
+namespace octant::test {
+namespace {
+
+RC_GTEST_PROP(PartsOf, RanksCoverAllPartsAndNoneTwice, ()) {
+  const int ranks = *rc::gen::inRange(1, 9);
+  const auto parts = static_cast<std::size_t>(*rc::gen::inRange(0, 100));
+  Team team(ranks);
+  std::size_t next = 0;
+  for (int i = 0; i < ranks; ++i) {
+    const Team::Member member(team, i);
+    const auto [first, last] = calib::parts_of(&member, parts);
+    RC_ASSERT(first == next && last >= first);
+    RC_ASSERT(last - first <= parts / static_cast<std::size_t>(ranks) + 1);  // as many each
+    next = last;
+  }
+  RC_ASSERT(next == parts);
+}
+
+TEST(PartsOf, AloneHasAll) {
+  EXPECT_EQ(calib::parts_of(nullptr, 7), (std::pair<std::size_t, std::size_t>(0, 7)));
+}
+
+/// Part k is k numbers long.
+std::vector<double> part(std::size_t k) { return std::vector<double>(k, static_cast<double>(k) + 0.5); }
+
+TEST(InOrder, ListsOfAllPartsStandOneBehindTheOtherOnEveryRank) {
+  std::vector<double> want;
+  std::vector<std::vector<double>> all;
+  for (std::size_t k = 0; k < 11; ++k) {
+    all.push_back(part(k));
+    want.insert(want.end(), k, static_cast<double>(k) + 0.5);
+  }
+  EXPECT_EQ(calib::in_order(nullptr, all), want);
+  for (const int ranks : {1, 3, 15}) {  // of fifteen some have none
+    std::mutex mutex;
+    int equal = 0;
+    for_each_rank(ranks, [&](const calib::Ranks& rank) {
+      const auto [first, last] = calib::parts_of(&rank, 11);
+      std::vector<std::vector<double>> mine;
+      for (std::size_t k = first; k < last; ++k) mine.push_back(part(k));
+      const std::vector<double> here = calib::in_order(&rank, std::move(mine));
+      const std::lock_guard lock(mutex);
+      equal += here == want;
+    });
+    EXPECT_EQ(equal, ranks);
+  }
+}
+
+}  // namespace
+}  // namespace octant::test
