@@ -12,6 +12,7 @@
 
 #include "apps/python/calls.h"
 #include "models/live/follower.h"
+#include "models/physics/unit_rotation.h"
 
 namespace octant::python {
 namespace {
@@ -96,12 +97,12 @@ void bind_live(py::module_& m) {
                               .vehicle = live.names.find_vehicle(vehicle),
                               .dz_m = dz_m};
             if (xyzw) {
-              const Eigen::Quaterniond q((*xyzw)[3], (*xyzw)[0], (*xyzw)[1], (*xyzw)[2]);
-              if (!(q.norm() > 1e-3) || !std::isfinite(q.norm()))
-                throw py::value_error("quaternion_xyzw: a quaternion of no length");
+              const auto [qx, qy, qz, qw] = *xyzw;
+              const auto rotation = unit_rotation(qx, qy, qz, qw);
+              if (!rotation) throw py::value_error("quaternion_xyzw: a quaternion of no length");
               if (dheading_rad != 0.0)
                 throw py::value_error("quaternion_xyzw is in place of dheading_rad: one of them");
-              step.set_pose({{dx_m, dy_m, dz_m}, q.normalized()});
+              step.set_pose({{dx_m, dy_m, dz_m}, *rotation});
             }
             return live.follower->move(step);
           },

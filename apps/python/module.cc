@@ -18,6 +18,7 @@
 #include "io/site/scenario_yaml.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
+#include "models/physics/unit_rotation.h"
 #include "models/simulator/synthetic.h"
 
 namespace octant::python {
@@ -82,9 +83,9 @@ std::vector<OdometryStep> steps_of(const Array<double>& rows, VehicleId vehicle)
     if (!steps.empty() && !(step.time_s > steps.back().time_s))
       throw py::value_error("odometry: time_s does not increase");
     if (in_space) {
-      const Eigen::Quaterniond q(rows.at(i, 7), rows.at(i, 4), rows.at(i, 5), rows.at(i, 6));
-      if (!(q.norm() > 1e-3)) throw py::value_error("odometry: a quaternion of no length");
-      step.set_pose({{step.dx_m, step.dy_m, rows.at(i, 3)}, q.normalized()});
+      const auto rotation = unit_rotation(rows.at(i, 4), rows.at(i, 5), rows.at(i, 6), rows.at(i, 7));
+      if (!rotation) throw py::value_error("odometry: a quaternion of no length");
+      step.set_pose({{step.dx_m, step.dy_m, rows.at(i, 3)}, *rotation});
     } else {
       step.dheading_rad = rows.at(i, 3);
     }

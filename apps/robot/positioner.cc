@@ -9,6 +9,7 @@
 #include "io/deployment/deployment_json.h"
 #include "models/live/follower.h"
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/physics/unit_rotation.h"
 #include "models/plain_fix.h"
 
 namespace octant {
@@ -102,9 +103,9 @@ bool Positioner::move(const Moved& moved) {
                     .vehicle = inside_->names.find_vehicle(moved.vehicle),
                     .dz_m = moved.dz_m};
   if (moved.qx != 0.0 || moved.qy != 0.0 || moved.qz != 0.0 || moved.qw != 1.0) {
-    const Eigen::Quaterniond q(moved.qw, moved.qx, moved.qy, moved.qz);
-    if (!(q.norm() > 1e-3) || !std::isfinite(q.norm()) || moved.dheading_rad != 0.0) return false;
-    step.set_pose({{moved.dx_m, moved.dy_m, moved.dz_m}, q.normalized()});
+    const auto rotation = unit_rotation(moved.qx, moved.qy, moved.qz, moved.qw);
+    if (!rotation || moved.dheading_rad != 0.0) return false;
+    step.set_pose({{moved.dx_m, moved.dy_m, moved.dz_m}, *rotation});
   }
   return inside_->follower->move(step);
 }

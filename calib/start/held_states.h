@@ -15,17 +15,17 @@ class HeldStates {
   HeldStates& operator=(const HeldStates&) = delete;
 
  protected:
+  /// Holds the placed states of some trajectories near their present values; a segment's own measured poses
+  /// stay, and are enough.
   /// @param trajectories  null: holds nothing
-  explicit HeldStates(std::vector<Trajectory>* trajectories);
+  /// @param like          the sigmas; infinite: not held
+  HeldStates(std::vector<Trajectory>* trajectories, bool (*is_held)(const Trajectory&),
+             const PoseObservation& like);
   ~HeldStates();
 
-  /// Holds placed states of a segment near their present values, in the order of segments; a segment's own
-  /// measured poses stay.
-  /// @param like  the sigmas; infinite: not held
-  static void hold(const Trajectory& trajectory, Segment& segment, const PoseObservation& like,
-                   std::vector<PoseObservation>& all);
-
  private:
+  static void hold(Trajectory& trajectory, const PoseObservation& like);
+
   std::vector<Trajectory>* trajectories_;
   std::vector<std::vector<PoseObservation>> poses_;
   std::vector<std::vector<Segment>> segments_;

@@ -11,6 +11,7 @@
 
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
+#include "models/physics/unit_rotation.h"
 
 namespace octant::io {
 namespace {
@@ -60,10 +61,9 @@ Result<LiveRow> odometry_row(const LiveObject& object, double time_s, VehicleId 
   if (!object.contains("qw")) return LiveRow{step};
   if (object.contains("dheading_rad")) return bad_line("both a quaternion and dheading_rad", "one of them");
   const auto part = [&](const char* key) { return live_number(object, key, std::nan("")); };
-  const Eigen::Quaterniond q(part("qw"), part("qx"), part("qy"), part("qz"));
-  if (!(q.norm() > 1e-3) || !std::isfinite(q.norm()))
-    return bad_line("no rotation", "numbers qx, qy, qz, qw of length 1 (0, 0, 0, 1: no turn)");
-  step.set_pose({{step.dx_m, step.dy_m, step.dz_m}, q.normalized()});
+  const auto rotation = unit_rotation(part("qx"), part("qy"), part("qz"), part("qw"));
+  if (!rotation) return bad_line("no rotation", "numbers qx, qy, qz, qw of length 1 (0, 0, 0, 1: no turn)");
+  step.set_pose({{step.dx_m, step.dy_m, step.dz_m}, *rotation});
   return LiveRow{step};
 }
 

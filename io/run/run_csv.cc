@@ -9,6 +9,7 @@
 
 #include "io/tof/order_watch.h"
 #include "io/tof/run_parts.h"
+#include "models/physics/unit_rotation.h"
 
 namespace octant::io {
 namespace {
@@ -117,15 +118,14 @@ class OdometryColumns {
     if (dz_ >= 0 && !csv.number(dz_, row.dz_m)) return false;
     if (!in_space_)
       return csv.number(turn_, row.dheading_rad) && check_angle(csv, turn_, "dheading_rad", row.dheading_rad);
-    Eigen::Quaterniond q;
+    std::array<double, 4> xyzw{};
     for (std::size_t i = 0; i < 4; ++i)
-      if (!csv.number(q_[i], q.coeffs()[static_cast<Eigen::Index>(i)])) return false;
-    const double norm = q.norm();
-    if (!(norm > 1e-3))
+      if (!csv.number(q_[i], xyzw[i])) return false;
+    const auto rotation = unit_rotation(xyzw[0], xyzw[1], xyzw[2], xyzw[3]);
+    if (!rotation)
       return csv.fail_at(q_[3], "a quaternion of no length",
                          "qx, qy, qz, qw of length 1 (0, 0, 0, 1: no turn)");
-    q.coeffs() /= norm;
-    row.set_pose({{row.dx_m, row.dy_m, row.dz_m}, q});
+    row.set_pose({{row.dx_m, row.dy_m, row.dz_m}, *rotation});
     return true;
   }
 

@@ -13,7 +13,7 @@
 
 #include "survey/drawing/escape.h"
 #include "survey/drawing/palette.h"
-#include "survey/geometry/digits.h"
+#include "survey/geometry/quantity.h"
 
 namespace octant::survey {
 namespace {

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "survey/geometry/digits.h"
-
 namespace octant::survey {
 
 Unit time_unit(double largest_s) {

@@ -12,6 +12,8 @@ struct Unit {
   std::string name;     ///< in ASCII, for terminals and files: "us"
   std::string symbol;   ///< as printed: "µs"
 };
+/// A number as people write it: three digits that count, and all digits before the point.
+[[nodiscard]] std::string three_digits(double value);
 /// s, ms, us or ns.  @param largest_s  largest magnitude of the column
 [[nodiscard]] Unit time_unit(double largest_s);
 /// m or mm.

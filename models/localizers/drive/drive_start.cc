@@ -39,6 +39,16 @@ bool is_clear(const SearchProblem& problem, const SearchResult& result, double m
   return std::sqrt(P(0, 0) + P(1, 1)) < max_sigma_m && std::sqrt(P(2, 2)) < kMaxHeadingSigma;
 }
 
+/// The first node at or after one at which anything is heard, or the segment's end: what passes before says
+/// nothing, and would take a window's time.
+std::size_t heard_from(const Trajectory& t, const Segment& segment, std::size_t node) {
+  const auto begin = t.arrivals.begin() + static_cast<std::ptrdiff_t>(segment.first_arrival),
+             end = t.arrivals.begin() + static_cast<std::ptrdiff_t>(segment.last_arrival);
+  const auto at =
+      std::partition_point(begin, end, [node](const ArrivalObservation& a) { return a.node < node; });
+  return at == end ? segment.last_node : at->node;
+}
+
 }  // namespace
 
 bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& model,
@@ -118,37 +128,33 @@ PoseCovariance start_covariance(Trajectory& t, const Segment& stretch, const Epo
   return little;
 }
 
-std::size_t heard_from(const Trajectory& t, const Segment& segment, std::size_t node) {
-  const auto begin = t.arrivals.begin() + static_cast<std::ptrdiff_t>(segment.first_arrival),
-             end = t.arrivals.begin() + static_cast<std::ptrdiff_t>(segment.last_arrival);
-  const auto at =
-      std::partition_point(begin, end, [node](const ArrivalObservation& a) { return a.node < node; });
-  return at == end ? segment.last_node : at->node;
-}
-
-DriveStart find_start(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                      const TrackerOptions& options, std::size_t from_node) {
+DriveStart first_placed(const Trajectory& t, const Segment& segment, const StartWindows& windows,
+                        std::size_t from_node, const std::function<bool(const Segment&)>& place) {
   DriveStart start;
   start.first_node = heard_from(t, segment, from_node);
   while (start.first_node + 2 <= segment.last_node) {
     const double begin_s = t.nodes[start.first_node].time_s, end_s = t.nodes[segment.last_node - 1].time_s;
     std::size_t last = start.first_node;
-    for (double span_s = options.start_window_s;; span_s *= kWindowGrowth) {
+    for (double span_s = windows.first_s;; span_s *= kWindowGrowth) {
       while (last < segment.last_node && t.nodes[last].time_s <= begin_s + span_s) ++last;
-      if (last >= start.first_node + 2 &&
-          place_stretch(t, stretch_of(t, segment, start.first_node, last), model, options)) {
+      if (last >= start.first_node + 2 && place(stretch_of(t, segment, start.first_node, last))) {
         start.found = true;
         start.last_node = last;
         return start;
       }
-      if (last == segment.last_node || span_s * kWindowGrowth > options.max_start_window_s) break;
+      if (last == segment.last_node || span_s * kWindowGrowth > windows.longest_s) break;
     }
-    if (begin_s + options.max_start_window_s >= end_s)
-      break;  // the windows that remain are parts of this one
+    if (begin_s + windows.longest_s >= end_s) break;  // the windows that remain are parts of this one
     start.first_node =
         heard_from(t, segment, start.first_node + std::max<std::size_t>((last - start.first_node) / 2, 1));
   }
   return start;
+}
+
+DriveStart find_start(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                      const TrackerOptions& options, std::size_t from_node) {
+  return first_placed(t, segment, {options.start_window_s, options.max_start_window_s}, from_node,
+                      [&](const Segment& stretch) { return place_stretch(t, stretch, model, options); });
 }
 
 }  // namespace octant

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -57,9 +58,17 @@ void lay_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixM
                                               const EpochFixModel& model, double range_slack_m,
                                               std::size_t node);
 
-/// The first node at or after one at which anything is heard, or the segment's end: what passes before says
-/// nothing, and would take a window's time.
-[[nodiscard]] std::size_t heard_from(const Trajectory& trajectory, const Segment& segment, std::size_t node);
+/// Spans of the stretches that are tried.
+struct StartWindows {
+  double first_s = 0.0, longest_s = 0.0;
+};
+
+/// The first stretch at or after from_node that can be placed: from the first node at which anything is heard
+/// windows grow up to the longest span, then from half a window on.
+/// @param place  places a stretch, if it can be
+[[nodiscard]] DriveStart first_placed(const Trajectory& trajectory, const Segment& segment,
+                                      const StartWindows& windows, std::size_t from_node,
+                                      const std::function<bool(const Segment&)>& place);
 
 /// Searches the place of the first stretch at or after from_node that the arrivals settle: the odometry of a
 /// window is taken as a rigid piece, whose middle pose is found as an epoch's is, with lever arms along the

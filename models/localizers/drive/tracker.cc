@@ -118,12 +118,17 @@ bool place_by_filter(Trajectory& t, const Segment& segment, const EpochFixModel&
   return placed;
 }
 
+/// In space, among beacons that are known roughly.
+bool goes_by_pieces(const Trajectory& t, const TrackerOptions& options) {
+  return t.motion == Motion::kSpatial && options.range_slack_m > 0 && !t.motion_prior;
+}
+
 /// Initial states of a whole segment.
 bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                    const TrackerOptions& options) {
   if (t.motion_prior) return place_by_motion(t, segment, model, options);
   if (t.motion == Motion::kPlanar) return place_by_filter<3>(t, segment, model, options);
-  if (options.range_slack_m > 0) return place_roughly(t, segment, model, options);
+  if (goes_by_pieces(t, options)) return place_roughly(t, segment, model, options);
   return place_by_filter<6>(t, segment, model, options);
 }
 
@@ -285,7 +290,7 @@ bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions
   for (const Segment& segment : t.segments) {
     if (!needs_tracking(t, segment)) continue;
     if (!place_segment(t, segment, model, options)) continue;
-    const bool pieces = t.motion == Motion::kSpatial && options.range_slack_m > 0 && !t.motion_prior;
+    const bool pieces = goes_by_pieces(t, options);
     if (pieces) reset_marks(t, segment, model);  // settled among beacons that are off it would bend to them
     any = pieces || smooth_segment(t, segment, model, options) || any;
   }

@@ -17,7 +17,7 @@ namespace {
 
 /// Windows begin with the first span, as a shorter piece is never tight among such beacons, and grow up to
 /// the longest: within it odometry keeps a path's shape; where nothing else is clear, up to the last resort.
-constexpr double kFirstWindow_s = 8.0, kGrowth = 1.4, kLongest_s = 45.0;
+constexpr double kFirstWindow_s = 8.0, kLongest_s = 45.0;
 /// Of the cost: what makes a pose clearly better than others, and what makes it worth following.
 constexpr double kClearlyBetter = 8.0, kWorthFollowing = 16.0;
 constexpr std::size_t kMostFollowed = 6;
@@ -64,30 +64,6 @@ bool lay_clearly(Trajectory& t, const Segment& segment, const Segment& stretch, 
   return true;
 }
 
-/// The first stretch at or after a node that can be laid.
-DriveStart find_rough_start(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                            const TrackerOptions& options, std::size_t from_node, double longest_s) {
-  DriveStart start;
-  start.first_node = heard_from(t, segment, from_node);
-  while (start.first_node + 2 <= segment.last_node) {
-    const double begin_s = t.nodes[start.first_node].time_s;
-    std::size_t last = start.first_node;
-    for (double span_s = kFirstWindow_s; span_s <= longest_s; span_s *= kGrowth) {
-      while (last < segment.last_node && t.nodes[last].time_s <= begin_s + span_s) ++last;
-      if (last >= start.first_node + 2 &&
-          lay_clearly(t, segment, stretch_of(t, segment, start.first_node, last), model, options)) {
-        start.found = true;
-        start.last_node = last;
-        return start;
-      }
-      if (last == segment.last_node) return start;  // the windows that remain are parts of this one
-    }
-    start.first_node =
-        heard_from(t, segment, start.first_node + std::max<std::size_t>((last - start.first_node) / 2, 1));
-  }
-  return start;
-}
-
 }  // namespace
 
 bool place_roughly(Trajectory& t, const Segment& segment, const EpochFixModel& model,
@@ -97,10 +73,11 @@ bool place_roughly(Trajectory& t, const Segment& segment, const EpochFixModel& m
   const auto take = [&pieces](const RoughPieces& more) {
     pieces.insert(pieces.end(), more.poses.begin(), more.poses.end());
   };
+  const auto lay = [&](const Segment& stretch) { return lay_clearly(t, segment, stretch, model, options); };
   while (from + 2 <= segment.last_node) {
     DriveStart start;
     for (const double longest_s : {kLongest_s, options.max_start_window_s})
-      if (!start.found) start = find_rough_start(t, segment, model, options, from, longest_s);
+      if (!start.found) start = first_placed(t, segment, {kFirstWindow_s, longest_s}, from, lay);
     if (!start.found) break;
     const bool first = pieces.empty();
     pieces.push_back(rough_pose(t, (start.first_node + start.last_node) / 2, options.range_slack_m));
