@@ -9,32 +9,6 @@
 namespace octant {
 namespace {
 
-enum class OwnerKind : std::uint8_t { kNone, kBeacon, kReceiver, kVehicle, kRun, kPair };
-
-/// A kind of parameter: where its name begins, whose it is, its components' symbols (with their units).
-struct KindRow {
-  const char* prefix;
-  OwnerKind owner;
-  std::array<const char*, 4> symbols;
-};
-
-/// In the order of ParameterKind.
-constexpr std::array<KindRow, kParameterKinds> kKindRows = {{
-    {"beacon", OwnerKind::kBeacon, {"x_m", "y_m", "z_m"}},
-    {"beacon", OwnerKind::kBeacon, {"delay_s"}},
-    {"beacon", OwnerKind::kBeacon, {"log_gain"}},
-    {"receiver", OwnerKind::kReceiver, {"x_m", "y_m", "z_m"}},
-    {"receiver", OwnerKind::kReceiver, {"delay_s"}},
-    {"array", OwnerKind::kVehicle, {"radius_m", "turn_rad"}},
-    {"site", OwnerKind::kNone, {"delay_s"}},
-    {"medium", OwnerKind::kRun, {"speed_mps"}},
-    {"attenuation",
-     OwnerKind::kNone,
-     {"amplitude_1m_v", "absorption_np_per_m", "rise_time_s", "half_power_angle_rad"}},
-    {"vehicle", OwnerKind::kVehicle, {"clock_drift"}},
-    {"pair", OwnerKind::kPair, {"bias_s"}},
-}};
-
 struct TopicRow {
   const char* words;
   const char* remedy;
@@ -54,8 +28,6 @@ constexpr std::array<TopicRow, kParameterTopics> kTopicRows = {{
     {"drift of the vehicle's clock", "fire each beacon again at the end of the cycle"},
 }};
 
-const KindRow& row_of(ParameterKind kind) { return kKindRows[static_cast<std::size_t>(kind)]; }
-
 std::string receiver_path(std::size_t receiver, const NameTable& names) {
   std::string path = names.vehicles[names.receivers[receiver].vehicle.index()];
   path += '/';
@@ -66,12 +38,12 @@ std::string receiver_path(std::size_t receiver, const NameTable& names) {
 /// Empty: the number is nobody's own.
 std::string owner_path(const ParameterId& id, const NameTable& names) {
   switch (row_of(id.kind).owner) {
-    case OwnerKind::kNone: return {};
-    case OwnerKind::kBeacon: return names.beacons[id.owner];
-    case OwnerKind::kReceiver: return receiver_path(id.owner, names);
-    case OwnerKind::kVehicle: return names.vehicles[id.owner];
-    case OwnerKind::kRun: return id.owner == 0 ? std::string() : "run" + std::to_string(id.owner);
-    case OwnerKind::kPair: {
+    case ParameterOwner::kNone: return {};
+    case ParameterOwner::kBeacon: return names.beacons[id.owner];
+    case ParameterOwner::kReceiver: return receiver_path(id.owner, names);
+    case ParameterOwner::kVehicle: return names.vehicles[id.owner];
+    case ParameterOwner::kRun: return id.owner == 0 ? std::string() : "run" + std::to_string(id.owner);
+    case ParameterOwner::kPair: {
       std::string path = names.beacons[id.owner];
       path += '/';
       // Receivers of several vehicles may have one name.
@@ -104,26 +76,13 @@ std::optional<std::uint32_t> run_number(std::string_view owner) {
 }  // namespace
 
 std::optional<std::size_t> beacon_of(const ParameterId& id) {
-  const OwnerKind owner = row_of(id.kind).owner;
-  return owner == OwnerKind::kBeacon ? std::optional<std::size_t>(id.owner) : std::nullopt;
+  const ParameterOwner owner = row_of(id.kind).owner;
+  return owner == ParameterOwner::kBeacon ? std::optional<std::size_t>(id.owner) : std::nullopt;
 }
 
 ParameterTopic topic_of(const ParameterId& id) {
-  switch (id.kind) {
-    case ParameterKind::kBeaconPosition:
-      return id.component == 2 ? ParameterTopic::kHeight : ParameterTopic::kPlace;
-    case ParameterKind::kBeaconDelay:
-    case ParameterKind::kReceiverDelay:
-    case ParameterKind::kSiteDelay:
-    case ParameterKind::kPairBias: return ParameterTopic::kDelay;
-    case ParameterKind::kBeaconGain: return ParameterTopic::kGain;
-    case ParameterKind::kReceiverPosition:
-    case ParameterKind::kArray: return ParameterTopic::kReceiver;
-    case ParameterKind::kSpeed: return ParameterTopic::kSpeed;
-    case ParameterKind::kAttenuation: return ParameterTopic::kAttenuation;
-    case ParameterKind::kClockDrift: return ParameterTopic::kDrift;
-  }
-  return ParameterTopic::kPlace;
+  if (id.kind == ParameterKind::kBeaconPosition && id.component == 2) return ParameterTopic::kHeight;
+  return row_of(id.kind).topic;
 }
 
 const char* words_of(ParameterTopic topic) { return kTopicRows[static_cast<std::size_t>(topic)].words; }
@@ -138,7 +97,7 @@ std::string owner_name(const ParameterId& id, const NameTable& names) {
 }
 
 std::string parameter_name(const ParameterId& id, const NameTable& names) {
-  const std::size_t symbol = row_of(id.kind).owner == OwnerKind::kPair ? 0 : id.component;
+  const std::size_t symbol = row_of(id.kind).owner == ParameterOwner::kPair ? 0 : id.component;
   std::string path = owner_name(id, names);
   path += '/';
   path += row_of(id.kind).symbols[symbol];
@@ -153,13 +112,15 @@ std::vector<std::string> parameter_names(std::span<const ParameterId> ids, const
 }
 
 ParameterIndex::ParameterIndex(std::span<const ParameterId> parameters) {
-  at_.reserve(parameters.size());
-  for (std::size_t i = 0; i < parameters.size(); ++i) at_.emplace(parameters[i], static_cast<int>(i));
+  for (std::size_t i = 0; i < parameters.size(); ++i) set(parameters[i], static_cast<int>(i));
 }
 
-int ParameterIndex::operator[](const ParameterId& id) const {
-  const auto found = at_.find(id);
-  return found == at_.end() ? -1 : found->second;
+void ParameterIndex::set(const ParameterId& id, int place) {
+  auto& of_kind = at_[static_cast<std::size_t>(id.kind)];
+  if (id.owner >= of_kind.size()) of_kind.resize(id.owner + 1);
+  auto& of_owner = of_kind[id.owner];
+  if (id.component >= of_owner.size()) of_owner.resize(id.component + 1, -1);
+  of_owner[id.component] = place;
 }
 
 std::array<int, 4> ParameterIndex::beacon(std::size_t beacon) const {
@@ -191,7 +152,7 @@ std::optional<ParameterId> ParameterLookup::find(std::string_view name) const {
   const std::string_view prefix = name.substr(0, first), symbol = name.substr(last + 1);
   const std::string_view owner = last > first ? name.substr(first + 1, last - first - 1) : std::string_view();
   for (std::size_t k = 0; k < kParameterKinds; ++k) {
-    const KindRow& row = kKindRows[k];
+    const ParameterRow& row = kParameterRows[k];
     if (prefix != row.prefix) continue;
     for (std::size_t c = 0; c < row.symbols.size() && row.symbols[c] != nullptr; ++c)
       if (symbol == row.symbols[c])
@@ -204,12 +165,12 @@ std::optional<ParameterId> ParameterLookup::owned(ParameterKind kind, std::strin
                                                   std::uint32_t component) const {
   std::optional<std::uint32_t> index;
   switch (row_of(kind).owner) {
-    case OwnerKind::kNone: index = owner.empty() ? std::optional(0U) : std::nullopt; break;
-    case OwnerKind::kBeacon: index = owner_named(beacons_, owner); break;
-    case OwnerKind::kReceiver: index = owner_named(receivers_, owner); break;
-    case OwnerKind::kVehicle: index = owner_named(vehicles_, owner); break;
-    case OwnerKind::kRun: index = run_number(owner); break;
-    case OwnerKind::kPair: return pair_named(owner);
+    case ParameterOwner::kNone: index = owner.empty() ? std::optional(0U) : std::nullopt; break;
+    case ParameterOwner::kBeacon: index = owner_named(beacons_, owner); break;
+    case ParameterOwner::kReceiver: index = owner_named(receivers_, owner); break;
+    case ParameterOwner::kVehicle: index = owner_named(vehicles_, owner); break;
+    case ParameterOwner::kRun: index = run_number(owner); break;
+    case ParameterOwner::kPair: return pair_named(owner);
   }
   return index ? std::optional(ParameterId{kind, *index, component}) : std::nullopt;
 }

@@ -19,7 +19,7 @@ namespace octant {
 
 struct NameTable;
 
-/// What a number that all arrivals share is about. Each kind has a row in the table of parameter.cc.
+/// What a number that all arrivals share is about. Each kind has a row in kParameterRows.
 enum class ParameterKind : std::uint8_t {
   kBeaconPosition,    ///< owner: beacon; component: axis [m]
   kBeaconDelay,       ///< owner: beacon [s]
@@ -48,19 +48,44 @@ enum class ParameterTopic : std::uint8_t {
 };
 inline constexpr std::size_t kParameterTopics = 8;
 
+enum class ParameterOwner : std::uint8_t { kNone, kBeacon, kReceiver, kVehicle, kRun, kPair };
+
+/// A kind of parameter: where its name begins, whose it is, what settles it, its components' symbols (with
+/// their units).
+struct ParameterRow {
+  const char* prefix;
+  ParameterOwner owner;
+  ParameterTopic topic;
+  std::array<const char*, 4> symbols;
+};
+
+/// In the order of ParameterKind.
+inline constexpr std::array<ParameterRow, kParameterKinds> kParameterRows = {{
+    {"beacon", ParameterOwner::kBeacon, ParameterTopic::kPlace, {"x_m", "y_m", "z_m"}},
+    {"beacon", ParameterOwner::kBeacon, ParameterTopic::kDelay, {"delay_s"}},
+    {"beacon", ParameterOwner::kBeacon, ParameterTopic::kGain, {"log_gain"}},
+    {"receiver", ParameterOwner::kReceiver, ParameterTopic::kReceiver, {"x_m", "y_m", "z_m"}},
+    {"receiver", ParameterOwner::kReceiver, ParameterTopic::kDelay, {"delay_s"}},
+    {"array", ParameterOwner::kVehicle, ParameterTopic::kReceiver, {"radius_m", "turn_rad"}},
+    {"site", ParameterOwner::kNone, ParameterTopic::kDelay, {"delay_s"}},
+    {"medium", ParameterOwner::kRun, ParameterTopic::kSpeed, {"speed_mps"}},
+    {"attenuation",
+     ParameterOwner::kNone,
+     ParameterTopic::kAttenuation,
+     {"amplitude_1m_v", "absorption_np_per_m", "rise_time_s", "half_power_angle_rad"}},
+    {"vehicle", ParameterOwner::kVehicle, ParameterTopic::kDrift, {"clock_drift"}},
+    {"pair", ParameterOwner::kPair, ParameterTopic::kDelay, {"bias_s"}},
+}};
+[[nodiscard]] constexpr const ParameterRow& row_of(ParameterKind kind) {
+  return kParameterRows[static_cast<std::size_t>(kind)];
+}
+
 /// One shared number of a site or deployment.
 struct ParameterId {
   ParameterKind kind = ParameterKind::kSpeed;
   std::uint32_t owner = 0;  ///< index of the beacon, receiver or vehicle in its site or deployment
   std::uint32_t component = 0;
   friend auto operator<=>(const ParameterId&, const ParameterId&) = default;
-};
-
-struct ParameterHash {
-  [[nodiscard]] std::size_t operator()(const ParameterId& id) const {
-    return (static_cast<std::size_t>(id.kind) << 56) ^ (static_cast<std::size_t>(id.owner) << 24) ^
-           id.component;
-  }
 };
 
 namespace parameters {
@@ -108,9 +133,24 @@ template <class Index>
 
 }  // namespace parameters
 
+/// What a visitor says of the kinds that it has no function for: it holds none of them.
+template <class Answer>
+struct HoldsNone {
+  static Answer beacon_position(std::size_t, std::size_t) { return Answer(); }
+  static Answer beacon_delay(std::size_t) { return Answer(); }
+  static Answer beacon_gain(std::size_t) { return Answer(); }
+  static Answer receiver_position(std::size_t, std::size_t) { return Answer(); }
+  static Answer receiver_delay(std::size_t) { return Answer(); }
+  static Answer array(std::size_t, std::size_t) { return Answer(); }
+  static Answer site_delay() { return Answer(); }
+  static Answer speed(std::size_t) { return Answer(); }
+  static Answer attenuation(std::size_t) { return Answer(); }
+  static Answer clock_drift(std::size_t) { return Answer(); }
+  static Answer pair_bias(std::size_t, std::size_t) { return Answer(); }
+};
+
 /// The one switch over the kinds of parameters for whoever holds them (a state, a site, a deployment): calls
-/// the visitor's function of that name. A visitor that lacks one does not compile, so that a new kind is
-/// thought of wherever parameters are held.
+/// the visitor's function of that name, which HoldsNone has for those that a visitor does not hold.
 template <class Visitor>
 auto visit_parameter(const ParameterId& id, Visitor&& holder) {
   const std::size_t owner = id.owner, component = id.component;
@@ -147,18 +187,24 @@ auto visit_parameter(const ParameterId& id, Visitor&& holder) {
 /// All numbers of the owner: "beacon/B1", "receiver/robot/r0".
 [[nodiscard]] std::string owner_name(const ParameterId& id, const NameTable& names);
 
-/// Where parameters stand in a list of them, for programs that ask for many; -1: not among them.
+/// Where parameters stand in a list of them; -1: not among them.
 class ParameterIndex {
  public:
+  ParameterIndex() = default;
   explicit ParameterIndex(std::span<const ParameterId> parameters);
-  [[nodiscard]] int operator[](const ParameterId& id) const;
+  void set(const ParameterId& id, int place);
+  [[nodiscard]] int operator[](const ParameterId& id) const {
+    const auto& of_kind = at_[static_cast<std::size_t>(id.kind)];
+    if (id.owner >= of_kind.size() || id.component >= of_kind[id.owner].size()) return -1;
+    return of_kind[id.owner][id.component];
+  }
   /// Of its position's three axes and its delay.
   [[nodiscard]] std::array<int, 4> beacon(std::size_t beacon) const;
   /// As for a beacon.
   [[nodiscard]] std::array<int, 4> receiver(std::size_t receiver) const;
 
  private:
-  std::unordered_map<ParameterId, int, ParameterHash> at_;
+  std::array<std::vector<std::vector<int>>, kParameterKinds> at_;  ///< by kind, owner, component
 };
 
 /// Parameters by their names.

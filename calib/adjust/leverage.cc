@@ -199,7 +199,7 @@ void LeverageSweep::assemble(const Trajectory& t, const Segment& segment, const 
     }
     if (row.kind != RowKind::kTof || lateness_total_.empty()) return;
     const auto b = static_cast<Eigen::Index>(row.beacon.index());
-    const double c = row.by_delay;  // a lateness acts as a delay does
+    const double c = row.by(kByDelay);  // a lateness acts as a delay does
     lateness_total_[row.beacon.index()] += c * c;
     lateness_remaining_[row.beacon.index()] += c * c;
     lateness_shared_.row(b) += c * f_;

@@ -185,26 +185,26 @@ class StretchReducer {
     whitening_.take(a);
     const PlanarArrival row(a, interval.at(a.alpha), state_, whitening_);
     const Eigen::Vector3d& o = state_.receiver_p_vehicle_m[a.receiver.index()];
-    double base[PathColumns::kWhats] = {};  // zero: what arrivals of is_planar_ do not hang on
+    double base[kPathNumbers] = {};  // zero: what arrivals of is_planar_ do not hang on
     const double ux = row.direction[0], uy = row.direction[1], uz = row.direction[2];
     base[0] = -row.by_distance * ux;
     base[1] = -row.by_distance * uy;
     base[2] = -row.by_distance * uz;
     const double rx = row.by_distance * (row.cosine * ux + row.sine * uy),
                  ry = row.by_distance * (row.cosine * uy - row.sine * ux);
-    base[PathColumns::kReceiver] = rx;
-    base[PathColumns::kReceiver + 1] = ry;
-    base[PathColumns::kReceiver + 2] = row.by_distance * uz;
-    base[PathColumns::kTurn] = ry * o.x() - rx * o.y();
-    base[PathColumns::kDelay] = whitening_.by_tof;
-    base[PathColumns::kSpeed] = -row.by_distance * row.distance_m * whitening_.slowness;
+    base[kByReceiver] = rx;
+    base[kByReceiver + 1] = ry;
+    base[kByReceiver + 2] = row.by_distance * uz;
+    base[kByTurn] = ry * o.x() - rx * o.y();
+    base[kByDelay] = whitening_.by_tof;
+    base[kBySpeed] = -row.by_distance * row.distance_m * whitening_.slowness;
     const LocalPath& path = memory_.paths[chain_.path_of(a)];
     RowBorder border;
     border.count = path.count;
     for (std::size_t i = 0; i < static_cast<std::size_t>(path.count); ++i) {
       const PathColumns::Entry& e = path.entry[i];
-      if (e.what == PathColumns::kRadius)
-        base[PathColumns::kRadius] = (rx * o.x() + ry * o.y()) / std::max(o.head<2>().norm(), 1e-300);
+      if (e.what == kByRadius)
+        base[kByRadius] = (rx * o.x() + ry * o.y()) / std::max(o.head<2>().norm(), 1e-300);
       border.at[i] = e.column;
       border.value[i] = base[e.what] * e.scale;
     }

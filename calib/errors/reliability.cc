@@ -227,8 +227,9 @@ class Collector {
       beacons.clear();
     };
     for (std::size_t b = 0; b < late.size(); ++b) {
-      if (layout_.beacon_delay[b] < 0) continue;
-      delays.push_back(layout_.beacon_delay[b]);
+      const int delay = layout_.column_of(parameters::beacon_delay(b));
+      if (delay < 0) continue;
+      delays.push_back(delay);
       beacons.push_back(static_cast<int>(b));
       if (delays.size() == kAtOnce) take();
     }

@@ -7,20 +7,16 @@ namespace octant::calib {
 Variances::Variances(const Solution& solution) : Variances(solution.covariance) {
   if (!joint_->parameters.empty()) return;
   marginals_ = &solution.marginals;
-  for (std::size_t i = 0; i < marginals_->parameters.size(); ++i)
-    index_[marginals_->parameters[i]] = static_cast<Eigen::Index>(i);
+  index_ = ParameterIndex(marginals_->parameters);
 }
 
-Variances::Variances(const JointCovariance& covariance) : joint_(&covariance) {
-  for (std::size_t i = 0; i < covariance.parameters.size(); ++i)
-    index_[covariance.parameters[i]] = static_cast<Eigen::Index>(i);
-}
+Variances::Variances(const JointCovariance& covariance)
+    : joint_(&covariance), index_(covariance.parameters) {}
 
 double Variances::covariance(const ParameterId& a, const ParameterId& b) const {
-  const auto i = index_.find(a), j = index_.find(b);
-  if (i == index_.end() || j == index_.end()) return 0.0;
-  return marginals_ != nullptr ? marginals_->matrix.coeff(i->second, j->second)
-                               : joint_->matrix(i->second, j->second);
+  const int i = index_[a], j = index_[b];
+  if (i < 0 || j < 0) return 0.0;
+  return marginals_ != nullptr ? marginals_->matrix.coeff(i, j) : joint_->matrix(i, j);
 }
 
 std::optional<Eigen::Vector3d> white_sigma_m(const Solution& solution, std::size_t beacon) {

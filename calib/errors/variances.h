@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <unordered_map>
 
 #include "calib/solution.h"
 
@@ -21,7 +20,7 @@ class Variances {
   explicit Variances(const JointCovariance& covariance);
 
   /// Whether a parameter was free.
-  [[nodiscard]] bool has(const ParameterId& id) const { return index_.contains(id); }
+  [[nodiscard]] bool has(const ParameterId& id) const { return index_[id] >= 0; }
   /// 0 where one was held, or the pair is not told.
   [[nodiscard]] double covariance(const ParameterId& a, const ParameterId& b) const;
   [[nodiscard]] double sigma(const ParameterId& a) const {
@@ -31,7 +30,7 @@ class Variances {
  private:
   const JointCovariance* joint_;
   const MarginalCovariance* marginals_ = nullptr;  ///< where there is no joint covariance
-  std::unordered_map<ParameterId, Eigen::Index, ParameterHash> index_;
+  ParameterIndex index_;
 };
 
 /// Sigmas of a beacon's coordinates as if errors were white; none where the stated ones are that.

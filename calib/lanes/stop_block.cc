@@ -53,9 +53,8 @@ void StopArrivals::prefetch(std::size_t first, std::size_t last) const {
 }
 
 bool StopBlock::knows(const Trajectory& t, const ParameterLayout& layout) {
-  const std::size_t vehicle = t.vehicle.index();
-  const bool drifts = vehicle < layout.clock_drift.size() &&
-                      (layout.clock_drift[vehicle] >= 0 || layout.fixed.drift(t.vehicle) != 0.0);
+  const bool drifts = layout.column_of(parameters::clock_drift(t.vehicle.index())) >= 0 ||
+                      layout.fixed.drift(t.vehicle) != 0.0;
   return t.motion == Motion::kPlanar && !t.motion_prior && layout.fixed.has_plain_paths() &&
          layout.fixed.pair_bias_s.empty() && !drifts &&
          layout.vehicle_of_receiver.size() <= StopArrivals::kMostReceivers &&
@@ -311,23 +310,25 @@ std::vector<StopBlock::Targets> StopBlock::targets_of(const Group& group, const 
   for (std::size_t i = 0; i < group.beacons.size(); ++i) {
     const auto b = static_cast<std::size_t>(group.beacons[i]);
     for (std::size_t axis = 0; axis < 3; ++axis) aim(4 * i + axis, layout_->beacon[b][axis], 1.0);
-    aim(4 * i + 3, layout_->beacon_delay[b], 1.0);
-    aim(4 * i + 3, layout_->site_delay, 1.0);
+    aim(4 * i + 3, layout_->column_of(parameters::beacon_delay(b)), 1.0);
+    aim(4 * i + 3, layout_->column_of(parameters::site_delay()), 1.0);
   }
   const bool array = layout_->has_array(trajectory_->vehicle);
   for (std::size_t i = 0; i < receivers_; ++i) {
     const std::size_t r = first_receiver_ + i, at = local.of_receiver(i);
     if (array) {
       const Eigen::Vector2d o = state.receiver_p_vehicle_m[r].head<2>(), outward = o.normalized();
-      const auto& columns = layout_->array[trajectory_->vehicle.index()];
-      aim(at, columns[0], outward.x());
-      aim(at + 1, columns[0], outward.y());
-      aim(at, columns[1], -o.y());
-      aim(at + 1, columns[1], o.x());
+      const std::size_t vehicle = trajectory_->vehicle.index();
+      const int radius = layout_->column_of(parameters::array_radius(vehicle)),
+                turn = layout_->column_of(parameters::array_turn(vehicle));
+      aim(at, radius, outward.x());
+      aim(at + 1, radius, outward.y());
+      aim(at, turn, -o.y());
+      aim(at + 1, turn, o.x());
     } else {
       for (std::size_t axis = 0; axis < 3; ++axis) aim(at + axis, layout_->receiver[r][axis], 1.0);
     }
-    aim(at + 3, layout_->receiver_delay[r], 1.0);
+    aim(at + 3, layout_->column_of(parameters::receiver_delay(r)), 1.0);
   }
   aim(local.speed(), layout_->speed_column(trajectory_->run), 1.0);
   return targets;

@@ -50,16 +50,8 @@ inline constexpr int kDenseLimit = 600;
 struct ParameterLayout {
   std::vector<Parameter> parameters;
   std::vector<ParameterBlock> blocks;
-  std::vector<std::array<int, 3>> beacon, receiver;
-  std::vector<int> beacon_delay, receiver_delay;
-  int site_delay = -1;
-  std::vector<int> speed;                                                ///< one for all, or one for each run
-  std::array<int, kAttenuationUnknowns> attenuation = {-1, -1, -1, -1};  ///< in the order of AttenuationRow
-  std::vector<int> beacon_gain;                                          ///< of each beacon's amplitude, ln
-  std::vector<int> pair_bias;                                            ///< beacon-major; empty: none
-  std::vector<int> clock_drift;                                          ///< of each vehicle
-  std::vector<std::array<int, 2>>
-      array;  ///< of each vehicle: circumradius and turn of an octagon that is adjusted as a whole
+  std::vector<std::array<int, 3>> beacon, receiver;  ///< columns of their positions
+  std::vector<int> speed;  ///< of the offsets: none, one for all, or one for each run
   std::vector<VehicleId> vehicle_of_receiver;
   double nominal_speed_mps = 343.0;  ///< turns delays into metres
   double nominal_amplitude_v = 1.0;
@@ -68,17 +60,31 @@ struct ParameterLayout {
   std::optional<JointPrior> joint_prior;  ///< beside those that parameters have each for itself
 
   [[nodiscard]] int size() const { return static_cast<int>(parameters.size()); }
+  /// -1: held fixed. Where the speed has one offset, it is that of every run; of several, the first stands
+  /// for all runs together.
+  [[nodiscard]] int column_of(const ParameterId& id) const {
+    if (id.kind == ParameterKind::kSpeed) return speed_column(id.owner > 0 ? id.owner - 1 : 0);
+    return column_[id];
+  }
+  /// Of the offset that counts in a run.
   [[nodiscard]] int speed_column(std::size_t run) const {
     return speed.empty() ? -1 : speed[speed.size() > 1 ? run : 0];
   }
-  /// -1: held fixed. Of several offsets of the speed, the first stands for all runs.
-  [[nodiscard]] int column_of(const ParameterId& id) const;
   [[nodiscard]] SharedState state_of(const Eigen::VectorXd& x) const;
   [[nodiscard]] Eigen::VectorXd vector_of(const SharedState& state) const;
+  [[nodiscard]] std::size_t vehicles() const { return vehicles_; }
+  /// Whether the vehicle's receivers are adjusted as a whole.
   [[nodiscard]] bool has_array(VehicleId vehicle) const {
-    return vehicle.index() < array.size() &&
-           (array[vehicle.index()][0] >= 0 || array[vehicle.index()][1] >= 0);
+    return column_of(parameters::array_radius(vehicle.index())) >= 0 ||
+           column_of(parameters::array_turn(vehicle.index())) >= 0;
   }
+
+ private:
+  friend ParameterLayout make_layout(const Problem&, const SharedState&, const std::vector<bool>&);
+  void add(const SharedPrior& prior);
+
+  ParameterIndex column_;
+  std::size_t vehicles_ = 0;
 };
 
 [[nodiscard]] inline bool is_dense(const ParameterLayout& layout) {

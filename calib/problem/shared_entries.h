@@ -11,36 +11,19 @@
 
 namespace octant::calib {
 
-/// The shared parameters that an observation over one path (beacon, receiver) touches, each with what its
-/// residual is derived by: the one list of them.
+/// The free parameters that an observation over one path (beacon, receiver) touches, each with what its
+/// residual is derived by.
 struct PathColumns {
-  enum What : std::uint8_t {
-    kBeacon,        ///< and the two axes that follow
-    kReceiver = 3,  ///< likewise
-    kRadius = 6,    ///< of an array as a whole
-    kTurn,          ///< likewise
-    kAttenuation,   ///< in the order of AttenuationRow
-    kGain = kAttenuation + kAttenuationUnknowns,
-    kDelay,  ///< of beacon, receiver, site and pair
-    kDrift,
-    kSpeed,
-    kWhats
-  };
   struct Entry {
     int column = 0;
-    What what = kBeacon;
+    PathNumber what = kByBeacon;
     double scale = 1.0;  ///< internal unit of the parameter
   };
   /// All there are, with four delays and either of a receiver's place and an array's shape.
-  static constexpr std::size_t kCapacity = kWhats - 2 + 3;
+  static constexpr std::size_t kCapacity = kPathNumbers - 2 + 3;
   std::size_t count = 0;
   std::array<Entry, kCapacity> entry;
 
-  void add(int column, int what, double scale) {
-    if (column < 0) return;
-    if (count == kCapacity) std::abort();  // a new unknown that is not in the sum above
-    entry[count++] = {column, static_cast<What>(what), scale};
-  }
   [[nodiscard]] auto begin() const { return entry.begin(); }
   [[nodiscard]] auto end() const { return entry.begin() + static_cast<std::ptrdiff_t>(count); }
 };
@@ -50,32 +33,14 @@ struct PathColumns {
 [[nodiscard]] inline PathColumns path_columns(const ParameterLayout& layout, BeaconId beacon,
                                               ReceiverId receiver, std::size_t run) {
   PathColumns path;
-  const auto scaled = [&](int column, int what) {
-    if (column >= 0) path.add(column, what, layout.parameters[static_cast<std::size_t>(column)].si_per_unit);
-  };
-  const std::size_t b = beacon.index();
-  for (std::size_t i = 0; i < 3; ++i)
-    path.add(layout.beacon[b][i], PathColumns::kBeacon + static_cast<int>(i), 1.0);
-  if (!receiver.valid()) return path;
-  const std::size_t r = receiver.index();
-  const VehicleId vehicle = layout.vehicle_of_receiver[r];
-  if (layout.has_array(vehicle)) {
-    path.add(layout.array[vehicle.index()][0], PathColumns::kRadius, 1.0);
-    scaled(layout.array[vehicle.index()][1], PathColumns::kTurn);
-  } else {
-    for (std::size_t i = 0; i < 3; ++i)
-      path.add(layout.receiver[r][i], PathColumns::kReceiver + static_cast<int>(i), 1.0);
-  }
-  for (std::size_t i = 0; i < layout.attenuation.size(); ++i)
-    scaled(layout.attenuation[i], PathColumns::kAttenuation + static_cast<int>(i));
-  if (!layout.beacon_gain.empty()) path.add(layout.beacon_gain[b], PathColumns::kGain, 1.0);
-  scaled(layout.beacon_delay[b], PathColumns::kDelay);
-  scaled(layout.receiver_delay[r], PathColumns::kDelay);
-  scaled(layout.site_delay, PathColumns::kDelay);
-  if (!layout.pair_bias.empty())
-    scaled(layout.pair_bias[b * layout.receiver.size() + r], PathColumns::kDelay);
-  scaled(layout.clock_drift[vehicle.index()], PathColumns::kDrift);
-  scaled(layout.speed_column(run), PathColumns::kSpeed);
+  const VehicleId vehicle = receiver.valid() ? layout.vehicle_of_receiver[receiver.index()] : VehicleId();
+  for_each_path_parameter(beacon, receiver, vehicle, run, [&](const ParameterId& id, PathNumber what) {
+    const int column = layout.column_of(id);
+    if (column < 0) return;
+    if (path.count == PathColumns::kCapacity) std::abort();  // a number that is not in the sum above
+    path.entry[path.count++] = {column, what,
+                                layout.parameters[static_cast<std::size_t>(column)].si_per_unit};
+  });
   return path;
 }
 
@@ -89,24 +54,17 @@ struct RowEntries {
 
 /// A row's derivative by a shared parameter (SI units).
 /// @param state  at which the row was made
-[[nodiscard]] inline double derivative_of(const ObservationRow& row, PathColumns::What what,
+[[nodiscard]] inline double derivative_of(const ObservationRow& row, PathNumber what,
                                           const SharedState& state) {
-  if (what < PathColumns::kReceiver) return row.by_beacon[what - PathColumns::kBeacon];
-  if (what < PathColumns::kRadius) return row.by_receiver[what - PathColumns::kReceiver];
-  if (what >= PathColumns::kAttenuation && what < PathColumns::kGain)
-    return row.by_attenuation[what - PathColumns::kAttenuation];
-  switch (what) {
-    case PathColumns::kGain:  // it multiplies the amplitude: d/d ln g = A_1m d/d A_1m
-      return row.by_attenuation[0] * state.attenuation->amplitude_1m_v;
-    case PathColumns::kDelay: return row.by_delay;
-    case PathColumns::kDrift: return row.by_drift;
-    case PathColumns::kSpeed: return row.by_speed;
-    default: break;
-  }
+  if (what >= kByDelay) return row.by(what);
+  if (what < kByReceiver) return row.by_beacon[what - kByBeacon];
+  if (what < kByRadius) return row.by_receiver[what - kByReceiver];
+  if (what == kByGain) return row.by_attenuation[0] * state.attenuation->amplitude_1m_v;  // d/d ln = A d/dA
+  if (what >= kByAttenuation) return row.by_attenuation[what - kByAttenuation];
   // An octagon as a whole: along the receiver's radius, and across it by its turn.
   const Eigen::Vector2d o = state.receiver_p_vehicle_m[row.receiver.index()].head<2>();
-  return what == PathColumns::kRadius ? row.by_receiver.head<2>().dot(o.normalized())
-                                      : row.by_receiver[1] * o.x() - row.by_receiver[0] * o.y();
+  return what == kByRadius ? row.by_receiver.head<2>().dot(o.normalized())
+                           : row.by_receiver[1] * o.x() - row.by_receiver[0] * o.y();
 }
 
 /// @param run  of the trajectory the row belongs to
@@ -116,7 +74,7 @@ struct RowEntries {
   RowEntries e;
   if (!row.has_shared) return e;
   for (const PathColumns::Entry& of : path_columns(layout, row.beacon, row.receiver, run)) {
-    if (of.what >= PathColumns::kDelay && row.kind != RowKind::kTof) break;  // what follows moves times alone
+    if (of.what >= kByDelay && row.kind != RowKind::kTof) break;  // what follows moves times alone
     e.column[static_cast<std::size_t>(e.count)] = of.column;
     e.value[static_cast<std::size_t>(e.count++)] = derivative_of(row, of.what, state) * of.scale;
   }

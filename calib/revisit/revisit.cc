@@ -129,7 +129,7 @@ class SecondVisit {
   void put(std::size_t b, const Eigen::Vector3d& p_map_m) {
     for (std::size_t i = 0; i < 3; ++i)
       if (const int c = layout_.beacon[b][i]; c >= 0) fit_.x[c] = p_map_m[static_cast<Eigen::Index>(i)];
-    if (const int c = layout_.beacon_delay[b]; c >= 0)
+    if (const int c = layout_.column_of(parameters::beacon_delay(b)); c >= 0)
       fit_.x[c] = before_.beacons[b].delay_s / layout_.parameters[static_cast<std::size_t>(c)].si_per_unit;
   }
 

@@ -11,11 +11,13 @@
 namespace octant::calib {
 namespace {
 
-/// What is known of a parameter becomes the site's prior. Visitor: see visit_parameter.
-struct PriorOfSite {
+/// What is known of a parameter becomes the site's prior. Visitor: see visit_parameter. What an array's shape
+/// and the site's delay are stands on receivers and beacons, and biases of pairs are forgotten.
+struct PriorOfSite : HoldsNone<void> {
   Site& site;
   const Deployment& d;
   Prior prior;
+  PriorOfSite(Site& of, const Deployment& from, Prior known) : site(of), d(from), prior(known) {}
   void beacon_position(std::size_t b, std::size_t axis) const {
     site.beacons[b].position_m[axis] = prior.value;
     site.beacons[b].sigma_m[axis] = prior.sigma;
@@ -32,10 +34,6 @@ struct PriorOfSite {
   void receiver_delay(std::size_t) const {
     site.timing.delay_sigma_s = std::max({site.timing.delay_sigma_s, std::abs(prior.value), prior.sigma});
   }
-  // They stand on receivers and beacons, and biases of pairs are forgotten.
-  static void array(std::size_t, std::size_t) {}
-  static void site_delay() {}
-  static void pair_bias(std::size_t, std::size_t) {}
   // The offset starts at nothing, and is known to be what it was.
   void speed(std::size_t) const { site.speed_sigma_mps = std::hypot(prior.sigma, prior.value); }
   void attenuation(std::size_t unknown) const { attenuation_unknown(*site.attenuation, unknown) = prior; }
@@ -47,19 +45,14 @@ struct PriorOfSite {
 };
 
 /// Room for a change of each kind. Visitor: see visit_parameter.
-struct RoomOf {
+struct RoomOf : HoldsNone<double> {
   const RoomForChange& room;
+  explicit RoomOf(const RoomForChange& of) : room(of) {}
   [[nodiscard]] double beacon_position(std::size_t, std::size_t) const { return room.beacon_m; }
   [[nodiscard]] double beacon_delay(std::size_t) const { return room.delay_s; }
   [[nodiscard]] double beacon_gain(std::size_t) const { return room.log_gain; }
   [[nodiscard]] double receiver_position(std::size_t, std::size_t) const { return room.receiver_m; }
-  [[nodiscard]] static double receiver_delay(std::size_t) { return 0.0; }
-  [[nodiscard]] static double array(std::size_t, std::size_t) { return 0.0; }
-  [[nodiscard]] static double site_delay() { return 0.0; }
   [[nodiscard]] double speed(std::size_t) const { return room.speed_mps; }
-  [[nodiscard]] static double attenuation(std::size_t) { return 0.0; }
-  [[nodiscard]] static double clock_drift(std::size_t) { return 0.0; }
-  [[nodiscard]] static double pair_bias(std::size_t, std::size_t) { return 0.0; }
 };
 
 }  // namespace
@@ -67,7 +60,7 @@ struct RoomOf {
 Eigen::VectorXd room_for_change(const KnownParameters& known, const RoomForChange& room) {
   Eigen::VectorXd sigma(known.size());
   for (Eigen::Index k = 0; k < known.size(); ++k)
-    sigma[k] = visit_parameter(known.parameters[static_cast<std::size_t>(k)], RoomOf{room});
+    sigma[k] = visit_parameter(known.parameters[static_cast<std::size_t>(k)], RoomOf(room));
   return sigma.cwiseAbs2();
 }
 
@@ -99,7 +92,7 @@ Site revisited_site(const Deployment& d, const KnownParameters& known, const Eig
         {.name = r.name, .vehicle = r.vehicle, .position_m = r.position_m, .axis = r.axis});
   for (Eigen::Index k = 0; k < known.size(); ++k)
     visit_parameter(known.parameters[static_cast<std::size_t>(k)],
-                    PriorOfSite{site, d, {known.value[k], std::sqrt(variance[k])}});
+                    PriorOfSite(site, d, {known.value[k], std::sqrt(variance[k])}));
   return site;
 }
 

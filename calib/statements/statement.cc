@@ -16,17 +16,18 @@ std::vector<int> columns_of(const Statement& s, const ParameterLayout& layout) {
     case What::kControlPoint:
       for (const int c : layout.beacon[s.index]) add(c);
       break;
-    case What::kBeaconDelay: add(layout.beacon_delay[s.index]); break;
-    case What::kReceiverDelay: add(layout.receiver_delay[s.index]); break;
-    case What::kSiteDelay: add(layout.site_delay); break;
+    case What::kBeaconDelay: add(layout.column_of(parameters::beacon_delay(s.index))); break;
+    case What::kReceiverDelay: add(layout.column_of(parameters::receiver_delay(s.index))); break;
+    case What::kSiteDelay: add(layout.column_of(parameters::site_delay())); break;
     case What::kNoDelays:
-      for (const int c : layout.beacon_delay) add(c);
+      for (std::size_t b = 0; b < layout.beacon.size(); ++b)
+        add(layout.column_of(parameters::beacon_delay(b)));
       break;
     case What::kSpeed: add(layout.speed[s.index]); break;
     case What::kReceiver:
       for (const int c : layout.receiver[s.index]) add(c);
       break;
-    case What::kAttenuation: add(layout.attenuation[s.index]); break;
+    case What::kAttenuation: add(layout.column_of(parameters::attenuation(s.index))); break;
     case What::kDistance: break;
   }
   return columns;
@@ -34,23 +35,24 @@ std::vector<int> columns_of(const Statement& s, const ParameterLayout& layout) {
 
 std::vector<Statement> StatedSite::all() const {
   const Site& s = site();
+  const auto is_free = [this](const ParameterId& id) { return layout_.column_of(id) >= 0; };
   std::vector<Statement> stated;
   for (std::size_t b = 0; b < s.beacons.size(); ++b) {
     if (s.beacons[b].is_control_point() && beacon_usable_[b]) stated.push_back({What::kControlPoint, b});
-    if (layout_.beacon_delay[b] >= 0) stated.push_back({What::kBeaconDelay, b});
+    if (is_free(parameters::beacon_delay(b))) stated.push_back({What::kBeaconDelay, b});
   }
   for (std::size_t r = 0; r < s.receivers.size(); ++r) {
-    if (layout_.receiver_delay[r] >= 0) stated.push_back({What::kReceiverDelay, r});
+    if (is_free(parameters::receiver_delay(r))) stated.push_back({What::kReceiverDelay, r});
     if (std::max({layout_.receiver[r][0], layout_.receiver[r][1], layout_.receiver[r][2]}) >= 0)
       stated.push_back({What::kReceiver, r});
   }
-  if (layout_.site_delay >= 0) stated.push_back({What::kSiteDelay, 0});
+  if (is_free(parameters::site_delay())) stated.push_back({What::kSiteDelay, 0});
   const bool has_delay = largest_delay_sigma_s(s) > 0;
   if (!has_delay && s.timing.clock == Clock::kSynchronised && s.tof_sigma_given)
     stated.push_back({What::kNoDelays, 0});
   for (std::size_t run = 0; run < layout_.speed.size(); ++run) stated.push_back({What::kSpeed, run});
-  for (std::size_t i = 0; i < layout_.attenuation.size(); ++i)
-    if (layout_.attenuation[i] >= 0) stated.push_back({What::kAttenuation, i});
+  for (std::size_t i = 0; i < kAttenuationUnknowns; ++i)
+    if (is_free(parameters::attenuation(i))) stated.push_back({What::kAttenuation, i});
   for (std::size_t d = 0; d < s.distances.size(); ++d) stated.push_back({What::kDistance, d});
   return stated;
 }

@@ -196,9 +196,10 @@ class StatementWords {
   }
 
   void describe_attenuation(const Statement& s, Contradiction& c) const {
-    const int column = fit_.layout.attenuation[s.index];
+    const ParameterId id = parameters::attenuation(s.index);
+    const int column = fit_.layout.column_of(id);
     const Parameter& p =
-        stated_.layout().parameters[static_cast<std::size_t>(stated_.layout().attenuation[s.index])];
+        stated_.layout().parameters[static_cast<std::size_t>(stated_.layout().column_of(id))];
     c.kind = ContradictionKind::kAttenuation;
     c.subject = parameter_name(p.id, names_of(stated_.site()));
     c.stated =

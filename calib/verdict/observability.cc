@@ -66,8 +66,8 @@ class Judge {
     }
     for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
       BeaconStatus status = BeaconStatus::kCalibrated;
-      const double sigma_m =
-          std::max(worst_sigma_m(beacon_block(layout_, C_, b)), sigma_of(C_, layout_.beacon_delay[b]));
+      const double sigma_m = std::max(worst_sigma_m(beacon_block(layout_, C_, b)),
+                                      sigma_of(C_, layout_.column_of(parameters::beacon_delay(b))));
       if (site_.beacons[b].is_control_point()) {
         status = BeaconStatus::kControlPoint;
       } else {
@@ -114,14 +114,15 @@ class Judge {
              true},
             Eigen::VectorXd::Unit(layout_.size(), column));
     }
-    if (const double sigma_m = sigma_of(C_, layout_.site_delay); sigma_m > limit_m_)
+    const int common_delay = layout_.column_of(parameters::site_delay());
+    if (const double sigma_m = sigma_of(C_, common_delay); sigma_m > limit_m_)
       weigh({"the common delay",
-             {name_of(layout_.site_delay)},
+             {name_of(common_delay)},
              sigma_m,
              sigma_m,
              "hear the beacons from near and from far, or measure the delay at a known distance",
              true},
-            Eigen::VectorXd::Unit(layout_.size(), layout_.site_delay));
+            Eigen::VectorXd::Unit(layout_.size(), common_delay));
     for (std::size_t r = 0; r < layout_.receiver.size(); ++r) receiver(r);
   }
 
@@ -205,8 +206,10 @@ class Judge {
   void receiver(std::size_t r) {
     std::vector<int> columns;
     for (const int column : layout_.receiver[r]) columns.push_back(column);
-    for (const int column : layout_.array[site_.receivers[r].vehicle.index()]) columns.push_back(column);
-    columns.push_back(layout_.receiver_delay[r]);
+    const std::size_t vehicle = site_.receivers[r].vehicle.index();
+    columns.push_back(layout_.column_of(parameters::array_radius(vehicle)));
+    columns.push_back(layout_.column_of(parameters::array_turn(vehicle)));
+    columns.push_back(layout_.column_of(parameters::receiver_delay(r)));
     columns.erase(std::remove_if(columns.begin(), columns.end(), [](int c) { return c < 0; }), columns.end());
     const double limit_m = std::max(limit_m_, fix_limit_m_);
     const bool known =
@@ -287,17 +290,15 @@ MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance&
   std::vector<std::vector<int>> groups(layout.beacon.size() + 1);
   std::vector<bool> of_beacon(static_cast<std::size_t>(layout.size()), false);
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)
-    for (const int column :
-         {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2], layout.beacon_delay[b]})
+    for (const int column : {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2],
+                             layout.column_of(parameters::beacon_delay(b))})
       if (column >= 0) {
         groups[b].push_back(column);
         of_beacon[static_cast<std::size_t>(column)] = true;
       }
-  const std::vector<int> pairs(
-      layout.pair_bias.begin(),
-      layout.pair_bias.end());  // each on its own: there are as many as arrivals' pairs
-  for (const int column : pairs)
-    if (column >= 0) {
+  // Biases of pairs each on its own: there are as many as arrivals' pairs.
+  for (int column = 0; column < layout.size(); ++column)
+    if (layout.parameters[static_cast<std::size_t>(column)].id.kind == ParameterKind::kPairBias) {
       groups.push_back({column});
       of_beacon[static_cast<std::size_t>(column)] = true;
     }

@@ -108,8 +108,8 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
     if (amplitude && id != kRiseTime) metres[i] = 0.0;
   }
   for (std::size_t b = 0; b < usable.size(); ++b)  // told already
-    for (const int column :
-         {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2], layout.beacon_delay[b]})
+    for (const int column : {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2],
+                             layout.column_of(parameters::beacon_delay(b))})
       if (!usable[b] && column >= 0) metres[column] = 0.0;
   if (layout.size() == 0) return told;
   for (const auto& [variance, v] : C.largest(metres, options.most, std::pow(kTold * options.limit_m, 2))) {

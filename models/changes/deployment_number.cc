@@ -19,8 +19,9 @@ struct NumberPlace {
 };
 
 /// Visitor: see visit_parameter.
-struct InDeployment {
+struct InDeployment : HoldsNone<NumberPlace> {
   Deployment& d;
+  explicit InDeployment(Deployment& of) : d(of) {}
   [[nodiscard]] NumberPlace beacon_position(std::size_t b, std::size_t axis) const {
     return {&d.beacons[b].position_m[static_cast<Eigen::Index>(axis)], nullptr};
   }
@@ -35,8 +36,6 @@ struct InDeployment {
   [[nodiscard]] NumberPlace receiver_delay(std::size_t r) const {
     return {&d.receivers[r].delay_s, &d.receivers[r].delay_sigma_s};
   }
-  [[nodiscard]] static NumberPlace array(std::size_t, std::size_t) { return {}; }
-  [[nodiscard]] static NumberPlace site_delay() { return {}; }
   [[nodiscard]] NumberPlace speed(std::size_t) const { return {&d.speed_offset_mps, &d.speed_sigma_mps}; }
   [[nodiscard]] NumberPlace attenuation(std::size_t unknown) const {
     return {&attenuation_unknown(*d.attenuation, unknown), nullptr};
@@ -44,21 +43,20 @@ struct InDeployment {
   [[nodiscard]] NumberPlace clock_drift(std::size_t v) const {
     return {&d.vehicles[v].clock_drift, &d.vehicles[v].clock_drift_sigma};
   }
-  [[nodiscard]] static NumberPlace pair_bias(std::size_t, std::size_t) { return {}; }
 };
 
 }  // namespace
 
 DeploymentNumber number_in(const Deployment& deployment, const ParameterId& id) {
   // Nothing is written through the places.
-  const NumberPlace place = visit_parameter(id, InDeployment{const_cast<Deployment&>(deployment)});
+  const NumberPlace place = visit_parameter(id, InDeployment(const_cast<Deployment&>(deployment)));
   if (place.value == nullptr) return {};
   return {place.is_logarithm ? std::log(*place.value) : *place.value,
           place.sigma != nullptr ? *place.sigma : 0.0};
 }
 
 void set_number(const ParameterId& id, const DeploymentNumber& number, Deployment& deployment) {
-  const NumberPlace place = visit_parameter(id, InDeployment{deployment});
+  const NumberPlace place = visit_parameter(id, InDeployment(deployment));
   if (place.value != nullptr) *place.value = place.is_logarithm ? std::exp(number.value) : number.value;
   if (place.sigma != nullptr) *place.sigma = number.sigma;
 }

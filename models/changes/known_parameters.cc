@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "models/changes/deployment_number.h"
 
@@ -98,14 +97,12 @@ KnownParameters known_parameters(const Deployment& d) {
     known.covariance = separate_covariance(known, d);
     return known;
   }
-  std::unordered_map<ParameterId, Eigen::Index, ParameterHash> column;
-  for (std::size_t k = 0; k < d.covariance.parameters.size(); ++k)
-    column.emplace(d.covariance.parameters[k], static_cast<Eigen::Index>(k));
+  const ParameterIndex column(d.covariance.parameters);
   const ParameterId speed = present_speed(d.covariance);
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, d.covariance.matrix.cols());
   for (Eigen::Index i = 0; i < n; ++i)
     for (const auto& [id, coefficient] : terms_of(known.parameters[static_cast<std::size_t>(i)], d, speed))
-      if (const auto at = column.find(id); at != column.end()) J(i, at->second) = coefficient;
+      if (const int at = column[id]; at >= 0) J(i, at) = coefficient;
   known.covariance = J * d.covariance.matrix * J.transpose();
   return known;
 }
@@ -113,23 +110,21 @@ KnownParameters known_parameters(const Deployment& d) {
 namespace {
 
 /// Sigma of what a number drifts from visit to visit. Visitor: see visit_parameter.
-struct DriftOf {
+struct DriftOf : HoldsNone<double> {
   const Drift& drift;
   double value;
+  DriftOf(const Drift& by, double now) : drift(by), value(now) {}
   [[nodiscard]] double beacon_position(std::size_t, std::size_t) const { return drift.beacon_m; }
   [[nodiscard]] double beacon_delay(std::size_t) const { return drift.delay_s; }
   [[nodiscard]] double beacon_gain(std::size_t) const { return drift.log_gain; }
   [[nodiscard]] double receiver_position(std::size_t, std::size_t) const { return drift.receiver_m; }
   [[nodiscard]] double receiver_delay(std::size_t) const { return drift.delay_s; }
-  [[nodiscard]] static double array(std::size_t, std::size_t) { return 0.0; }
-  [[nodiscard]] static double site_delay() { return 0.0; }
   [[nodiscard]] double speed(std::size_t) const { return drift.speed_mps; }
   [[nodiscard]] double attenuation(std::size_t unknown) const {
     constexpr double kHalfPowerAngle_rad = 0.02;
     return unknown == 3 ? kHalfPowerAngle_rad : drift.attenuation * std::max(1e-9, std::abs(value));
   }
   [[nodiscard]] static double clock_drift(std::size_t) { return 1.0e-6; }
-  [[nodiscard]] static double pair_bias(std::size_t, std::size_t) { return 0.0; }
 };
 
 }  // namespace
@@ -137,7 +132,7 @@ struct DriftOf {
 Eigen::VectorXd drift_variances(const KnownParameters& known, const Drift& drift) {
   Eigen::VectorXd sigma(known.size());
   for (Eigen::Index i = 0; i < known.size(); ++i)
-    sigma[i] = visit_parameter(known.parameters[static_cast<std::size_t>(i)], DriftOf{drift, known.value[i]});
+    sigma[i] = visit_parameter(known.parameters[static_cast<std::size_t>(i)], DriftOf(drift, known.value[i]));
   return sigma.cwiseAbs2();
 }
 

@@ -108,9 +108,9 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   tof.by_beacon = k * out.tof_by_beacon;
   tof.by_receiver = k * out.tof_by_receiver;
   tof.by_attenuation = k * out.tof_by_attenuation;
-  tof.by_delay = k;
-  tof.by_speed = k * out.tof_by_speed;
-  tof.by_drift = t.has_cycle_offset ? k * (a.time_s - t.nodes[a.node].time_s) : 0.0;
+  tof.by(kByDelay) = k;
+  tof.by(kBySpeed) = k * out.tof_by_speed;
+  tof.by(kByDrift) = t.has_cycle_offset ? k * (a.time_s - t.nodes[a.node].time_s) : 0.0;
   if (!(a.log_amplitude_sigma > 0) || !state.attenuation) return 1;
 
   ObservationRow& amplitude = rows[1];
@@ -122,9 +122,7 @@ int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   amplitude.by_beacon = ka * out.log_amplitude_by_beacon;
   amplitude.by_receiver = ka * out.log_amplitude_by_receiver;
   amplitude.by_attenuation = ka * out.log_amplitude_by_attenuation;
-  amplitude.by_delay = 0.0;
-  amplitude.by_speed = 0.0;
-  amplitude.by_drift = 0.0;
+  amplitude.by_time_alone = {};
   return 2;
 }
 
@@ -150,7 +148,7 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   row.by_beacon = k * out.by_reflector;
   row.by_receiver.setZero();
   row.by_attenuation.setZero();
-  row.by_delay = row.by_speed = row.by_drift = 0.0;
+  row.by_time_alone = {};
   return 1;
 }
 

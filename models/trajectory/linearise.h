@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -36,9 +37,11 @@ struct ObservationRow {
   ReceiverId receiver;
   Eigen::RowVector3d by_beacon, by_receiver;  ///< per metre
   AttenuationRow by_attenuation;              ///< per unit
-  double by_delay = 0.0;                      ///< per second
-  double by_speed = 0.0;                      ///< per metre a second
-  double by_drift = 0.0;                      ///< per unit of Timing::drift
+  /// By kByDelay and the numbers behind it, per SI unit of each.
+  std::array<double, kPathNumbers - kByDelay> by_time_alone{};
+
+  [[nodiscard]] double by(PathNumber what) const { return by_time_alone[what - kByDelay]; }
+  [[nodiscard]] double& by(PathNumber what) { return by_time_alone[what - kByDelay]; }
 };
 
 /// Pose at an observation between node and node + 1.

@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "models/parameter.h"
-
 namespace octant {
 namespace {
 
@@ -20,8 +18,9 @@ std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers,
 }
 
 /// Visitor: see visit_parameter.
-struct InState {
+struct InState : HoldsNone<double*> {
   SharedState& state;
+  explicit InState(SharedState& of) : state(of) {}
   [[nodiscard]] static double* at(std::vector<double>& all, std::size_t i) {
     return i < all.size() ? &all[i] : nullptr;
   }
@@ -34,7 +33,6 @@ struct InState {
     return &state.receiver_p_vehicle_m[r][static_cast<Eigen::Index>(axis)];
   }
   [[nodiscard]] double* receiver_delay(std::size_t r) const { return at(state.receiver_delay_s, r); }
-  [[nodiscard]] static double* array(std::size_t, std::size_t) { return nullptr; }
   [[nodiscard]] double* site_delay() const { return &state.site_delay_s; }
   [[nodiscard]] double* speed(std::size_t run) const {
     return &state.speed_offset_mps[run > 0 ? run - 1 : 0];
@@ -48,9 +46,112 @@ struct InState {
   }
 };
 
+class PriorList {
+ public:
+  PriorList(const Site& site, std::size_t runs) : site_(site), runs_(runs), c_(speed_mps(site.medium)) {}
+
+  std::vector<SharedPrior> all() {
+    add_beacons();
+    add_delays();
+    const std::size_t speeds = site_.speed_offset_per_run ? runs_ : 1;
+    for (std::size_t i = 0; i < speeds; ++i)
+      add(parameters::speed(speeds > 1 ? i + 1 : 0), {0.0, site_.speed_sigma_mps}, c_);
+    add_receivers();
+    if (site_.timing.clock ==
+        Clock::kCycleOffset)  // in metres that an arrival a second into its cycle is off by
+      for (std::size_t v = 0; v < site_.vehicles.size(); ++v)
+        add(parameters::clock_drift(v), {site_.timing.drift, site_.timing.drift_sigma}, 1.0 / c_);
+    add_attenuation();
+    if (const auto pair_sigma_s = site_.noise.pair_sigma_s)
+      for (std::size_t b = 0; b < site_.beacons.size(); ++b)
+        for (std::size_t r = 0; r < site_.receivers.size(); ++r)
+          add(parameters::pair_bias(b, r), {0.0, *pair_sigma_s}, 1.0 / c_);
+    return std::move(all_);
+  }
+
+ private:
+  /// What is known exactly is not open.
+  void add(ParameterId id, const Prior& prior, double si_per_unit, double lower = -INFINITY,
+           double upper = INFINITY) {
+    if (prior.sigma > 0) all_.push_back({id, prior.value, prior.sigma, si_per_unit, lower, upper});
+  }
+
+  void add_beacons() {
+    for (std::size_t b = 0; b < site_.beacons.size(); ++b)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const SiteBeacon& beacon = site_.beacons[b];
+        const bool known = beacon.position_m[i] && beacon.sigma_m[i];
+        add(parameters::beacon_position(b, i),
+            known ? Prior{*beacon.position_m[i], *beacon.sigma_m[i]} : Prior{0.0, INFINITY}, 1.0);
+      }
+  }
+
+  void add_delays() {
+    const Timing& timing = site_.timing;
+    const SharedState means = prior_state(site_);
+    if (timing.delay_per.beacon)
+      for (std::size_t b = 0; b < site_.beacons.size(); ++b)
+        add(parameters::beacon_delay(b), {means.beacon_delay_s[b], beacon_delay_prior(site_, b).sigma},
+            1.0 / c_);
+    if (timing.delay_per.receiver)
+      for (std::size_t r = 0; r < site_.receivers.size(); ++r)
+        add(parameters::receiver_delay(r), {means.receiver_delay_s[r], timing.delay_sigma_s}, 1.0 / c_);
+    if (timing.delay_per.site)
+      add(parameters::site_delay(), {means.site_delay_s, timing.delay_sigma_s}, 1.0 / c_);
+  }
+
+  void add_receivers() {
+    std::vector<bool> is_of_array(site_.vehicles.size(), false);
+    for (std::size_t v = 0; v < site_.vehicles.size(); ++v) is_of_array[v] = add_array(v);
+    for (std::size_t r = 0; r < site_.receivers.size(); ++r) {
+      const SiteReceiver& receiver = site_.receivers[r];
+      if (is_of_array[receiver.vehicle.index()]) continue;
+      for (Eigen::Index i = 0; i < 3; ++i)
+        add(parameters::receiver_position(r, static_cast<std::size_t>(i)),
+            {receiver.position_m[i], receiver.sigma_m[i]}, 1.0);
+    }
+  }
+
+  /// Circumradius and turn of an octagon that is adjusted as a whole; turns in metres of arc.
+  /// @return whether it is one
+  bool add_array(std::size_t v) {
+    const SiteVehicle& vehicle = site_.vehicles[v];
+    if (!vehicle.array || vehicle.receiver_count == 0) return false;
+    const Eigen::Vector3d& corner_m = site_.receivers[vehicle.first_receiver].position_m;
+    const double radius_m = corner_m.head<2>().norm();
+    const std::size_t before = all_.size();
+    add(parameters::array_radius(v), {radius_m, vehicle.array->radius_sigma_m}, 1.0, 1e-3 * radius_m);
+    add(parameters::array_turn(v), {std::atan2(corner_m.y(), corner_m.x()), vehicle.array->turn_sigma_rad},
+        1.0 / radius_m);
+    return all_.size() > before;
+  }
+
+  void add_attenuation() {
+    if (!site_.attenuation) return;
+    const AttenuationPrior& a = *site_.attenuation;
+    const double nominal_v = a.amplitude_1m_v.value;
+    add(parameters::attenuation(0), a.amplitude_1m_v, nominal_v, 1e-3 * nominal_v);
+    add(parameters::attenuation(1), a.absorption_np_per_m, 1.0);
+    add(parameters::attenuation(2), a.rise_time_s, 1.0 / c_, 0.0);
+    add(parameters::attenuation(3), a.half_power_angle_rad, 1.0, kLeastHalfPowerAngle_rad,
+        kMostHalfPowerAngle_rad);
+    for (std::size_t b = 0; b < site_.beacons.size(); ++b)
+      add(parameters::beacon_gain(b), site_.beacons[b].log_gain, 1.0);
+  }
+
+  const Site& site_;
+  std::size_t runs_;
+  double c_;  ///< turns delays into metres
+  std::vector<SharedPrior> all_;
+};
+
 }  // namespace
 
-double* value_in(SharedState& state, const ParameterId& id) { return visit_parameter(id, InState{state}); }
+std::vector<SharedPrior> shared_priors(const Site& site, std::size_t runs) {
+  return PriorList(site, runs).all();
+}
+
+double* value_in(SharedState& state, const ParameterId& id) { return visit_parameter(id, InState(state)); }
 
 SharedState prior_state(const Site& site) {
   SharedState state;

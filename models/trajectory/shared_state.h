@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "models/deployment.h"
+#include "models/parameter.h"
 #include "models/physics/attenuation.h"
 #include "models/physics/measurement.h"
 #include "models/site.h"
@@ -69,6 +72,60 @@ struct SharedState {
   path.log_gain = state.log_gain(beacon);
   return path;
 }
+
+/// What an observation over a path (beacon, receiver) is derived by: derivatives have these places.
+enum PathNumber : std::uint8_t {
+  kByBeacon,        ///< and the two axes that follow
+  kByReceiver = 3,  ///< likewise
+  kByRadius = 6,    ///< of an array as a whole
+  kByTurn,          ///< likewise
+  kByAttenuation,   ///< in the order of AttenuationRow
+  kByGain = kByAttenuation + kAttenuationUnknowns,
+  kByDelay,  ///< of beacon, receiver, site and pair; it and what follows move times alone
+  kByDrift,
+  kBySpeed,
+  kPathNumbers
+};
+
+/// Calls visit(ParameterId, PathNumber) for every shared number that an observation over the path may hang
+/// on: the one list of them.
+/// @param receiver  invalid: a reflector that is seen, which has its place alone
+/// @param run  of the observation
+template <class Visit>
+void for_each_path_parameter(BeaconId beacon, ReceiverId receiver, VehicleId vehicle, std::size_t run,
+                             Visit&& visit) {
+  using namespace parameters;
+  const auto at = [](int first, std::size_t i) {
+    return static_cast<PathNumber>(first + static_cast<int>(i));
+  };
+  const std::size_t b = beacon.index();
+  for (std::size_t i = 0; i < 3; ++i) visit(beacon_position(b, i), at(kByBeacon, i));
+  if (!receiver.valid()) return;
+  const std::size_t r = receiver.index(), v = vehicle.index();
+  visit(array_radius(v), kByRadius);
+  visit(array_turn(v), kByTurn);
+  for (std::size_t i = 0; i < 3; ++i) visit(receiver_position(r, i), at(kByReceiver, i));
+  for (std::size_t i = 0; i < kAttenuationUnknowns; ++i) visit(attenuation(i), at(kByAttenuation, i));
+  visit(beacon_gain(b), kByGain);
+  visit(beacon_delay(b), kByDelay);
+  visit(receiver_delay(r), kByDelay);
+  visit(site_delay(), kByDelay);
+  visit(pair_bias(b, r), kByDelay);
+  visit(clock_drift(v), kByDrift);
+  visit(speed(run + 1), kBySpeed);
+}
+
+/// A shared number that is to be found, and what is known of it beforehand. SI units.
+struct SharedPrior {
+  ParameterId id;
+  double mean = 0.0;
+  double sigma = 0.0;        ///< infinite: nothing is known
+  double si_per_unit = 1.0;  ///< of an internal unit: metres at the medium's nominal speed, or a pure number
+  double lower = -INFINITY, upper = INFINITY;  ///< bounds
+};
+/// All that a site leaves open. Numbers of one kind and owner follow each other.
+/// @param runs  how many there are
+[[nodiscard]] std::vector<SharedPrior> shared_priors(const Site& site, std::size_t runs);
 
 /// Where a state holds a shared number; null where it holds none: what an array's circumradius and turn make
 /// of it stands on the receivers.

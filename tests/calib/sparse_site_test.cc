@@ -194,7 +194,8 @@ TEST(SparseSite, BeaconsBeyondTheDenseLimitAreAsGoodAsTheirCovarianceSays) {
   // The marginals against Eigen's own factor, a method without a selected inverse.
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(N);
   const calib::Variances variances(solution);
-  for (const int column : {7, 320, layout.beacon_delay[85], layout.speed[0], layout.receiver[2][1]}) {
+  for (const int column :
+       {7, 320, layout.column_of(parameters::beacon_delay(85)), layout.speed[0], layout.receiver[2][1]}) {
     const calib::Parameter& p = layout.parameters[static_cast<std::size_t>(column)];
     const double variance = ldlt.solve(Eigen::VectorXd::Unit(layout.size(), column))[column];
     EXPECT_NEAR(variances.sigma(p.id), p.si_per_unit * std::sqrt(variance),

@@ -44,10 +44,10 @@ class CalibrationPart {
     for (std::size_t i = 0; i < 3; ++i) couple(receiver[i], row.by_receiver[static_cast<int>(i)]);
     for (std::size_t i = 0; i < attenuation_.size(); ++i)
       couple(attenuation_[i], row.by_attenuation[static_cast<int>(i)]);
-    couple(beacon[3], row.by_delay);
-    couple(receiver[3], row.by_delay);
-    couple(site_delay_, row.by_delay);
-    couple(speed_, row.by_speed);
+    couple(beacon[3], row.by(kByDelay));
+    couple(receiver[3], row.by(kByDelay));
+    couple(site_delay_, row.by(kByDelay));
+    couple(speed_, row.by(kBySpeed));
   }
 
  private:

@@ -52,7 +52,7 @@ BeaconSums sums_of(const Trajectory& t, const Segment& segment, const SharedStat
   for_each_row(t, rows, state, [&](const ObservationRow& row) {
     if (row.kind != RowKind::kTof) return sums.add(row.by_node, row.residual);
     ByCalibration by;
-    by << row.by_beacon, row.by_delay, row.by_speed;
+    by << row.by_beacon, row.by(kByDelay), row.by(kBySpeed);
     sums.add(row.beacon, row.by_node, row.residual, common_variance(row.beacon, by, errors));
   });
   // A rotation that nothing tells is as unknown as an angle can be, and takes no part.

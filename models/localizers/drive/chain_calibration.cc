@@ -45,7 +45,7 @@ CoupledRows coupled_rows(const Trajectory& t, const Segment& segment, const Shar
                              out.terms.size(),
                              0,
                              -1,
-                             row.by_delay};
+                             row.by(kByDelay)};
     calibration.for_each_coupling(row, [&](int at, double derivative) {
       int& where = place[static_cast<std::size_t>(at)];
       if (where < 0) {
@@ -156,7 +156,7 @@ void node_calibration(const Trajectory& t, const Segment& segment, const SharedS
         row, [&](int at, double derivative) { out.by_parameter.col(at) -= derivative * gain; });
     if (row.kind == RowKind::kTof && out.by_pair.cols() > 0)
       out.by_pair.col(static_cast<Eigen::Index>(row.beacon.index() * receivers + row.receiver.index())) -=
-          row.by_delay * gain;
+          row.by(kByDelay) * gain;
   });
 }
 

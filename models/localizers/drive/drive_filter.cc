@@ -129,8 +129,8 @@ typename DriveFilterOf<kDof>::Considered DriveFilterOf<kDof>::consider(const Pat
     row.by_beacon = path.tof_by_beacon;
     row.by_receiver = path.tof_by_receiver;
     row.by_attenuation = path.tof_by_attenuation;
-    row.by_delay = 1.0;
-    row.by_speed = path.tof_by_speed;
+    row.by(kByDelay) = 1.0;
+    row.by(kBySpeed) = path.tof_by_speed;
     by_theta_.setZero();
     calibration_->for_each_coupling(
         row, [&](int at, double h) { by_theta_ += h * calibration_->covariance().col(at); });

@@ -55,7 +55,7 @@ void add_biased_arrivals(const Trajectory& t, const Segment& segment, const Shar
         bias.beacon = a.beacon;
         bias.information = 1.0 / (slack_s * slack_s);
       }
-      const double by_bias = rows[0].by_delay;
+      const double by_bias = rows[0].by(kByDelay);
       eq.H.noalias() += rows[0].by_node.transpose() * rows[0].by_node;
       eq.g.noalias() += rows[0].residual * rows[0].by_node.transpose();
       eq.cost += 0.5 * rows[0].residual * rows[0].residual;

@@ -169,8 +169,8 @@ Eigen::VectorXd SpaceFilter::by_calibration(const SpaceRange& r, const Eigen::Ve
   row.by_beacon = u.transpose();
   row.by_receiver.setZero();
   row.by_attenuation.setZero();
-  row.by_delay = -r.distance.gain_mps;
-  row.by_speed = r.distance.by_speed_s();
+  row.by(kByDelay) = -r.distance.gain_mps;
+  row.by(kBySpeed) = r.distance.by_speed_s();
   setting_.calibration.for_each_coupling(row, [&](int at, double derivative) { by[at] += derivative; });
   return by;
 }

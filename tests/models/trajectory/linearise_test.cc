@@ -111,11 +111,11 @@ RC_GTEST_PROP(ArrivalRows, BySharedNumbersAgreeWithNumericOnes, ()) {
   for (double* delay : {&one.state.beacon_delay_s[0], &one.state.receiver_delay_s[0], &one.state.site_delay_s,
                         &one.state.pair_bias_s[0]}) {
     const Eigen::Vector2d by = one.by(*delay, 1e-7);
-    expect_near(rows[0].by_delay, by[0], 1e5);
-    RC_ASSERT(by[1] == rows[1].by_delay);
+    expect_near(rows[0].by(kByDelay), by[0], 1e5);
+    RC_ASSERT(by[1] == rows[1].by(kByDelay));
   }
-  expect_near(rows[0].by_speed, one.by(one.state.speed_offset_mps[0], 1e-3)[0], 10.0);
-  expect_near(rows[0].by_drift, one.by(one.state.clock_drift[0], 1e-6)[0], 1e5);
+  expect_near(rows[0].by(kBySpeed), one.by(one.state.speed_offset_mps[0], 1e-3)[0], 10.0);
+  expect_near(rows[0].by(kByDrift), one.by(one.state.clock_drift[0], 1e-6)[0], 1e5);
   const double scale[] = {1.0, 1e2, 1e5, 1e2}, step[] = {1e-4, 1e-5, 1e-8, 1e-5};
   for (std::size_t i = 0; i < (one.state.attenuation->directional() ? 4U : 3U); ++i) {
     const Eigen::Vector2d by = one.by(attenuation_unknown(*one.state.attenuation, i), step[i]);
@@ -133,7 +133,7 @@ TEST(ArrivalRows, AnAmplitudeThatWasNotLoggedIsNoRow) {
   one.t.arrivals[0].log_amplitude_sigma = 0.05;
   one.state.attenuation.reset();
   EXPECT_EQ(arrival_rows(one.t, 0, one.state, rows), 1);
-  EXPECT_EQ(rows[0].by_drift, 0.0) << "no cycle, no drift";
+  EXPECT_EQ(rows[0].by(kByDrift), 0.0) << "no cycle, no drift";
 }
 
 TEST(ArrivalRows, AtAStateTouchItAlone) {

@@ -63,11 +63,11 @@ struct DenseDrive {
       const auto couple = [&](const ParameterId& id, double derivative) {
         if (const int k = column[id]; k >= 0) G.col(k) += derivative * J;
       };
-      couple(parameters::speed(), row.by_speed);
-      couple(parameters::beacon_delay(b), row.by_delay);
+      couple(parameters::speed(), row.by(kBySpeed));
+      couple(parameters::beacon_delay(b), row.by(kByDelay));
       for (std::size_t i = 0; i < 2; ++i)
         couple(parameters::beacon_position(b, i), row.by_beacon[static_cast<Eigen::Index>(i)]);
-      g.col(static_cast<Eigen::Index>(b * receivers + row.receiver.index())) += row.by_delay * J;
+      g.col(static_cast<Eigen::Index>(b * receivers + row.receiver.index())) += row.by(kByDelay) * J;
     });
   }
 };
