@@ -124,17 +124,17 @@ void ParameterIndex::set(const ParameterId& id, int place) {
 }
 
 std::array<int, 4> ParameterIndex::beacon(std::size_t beacon) const {
-  using namespace parameters;
+  namespace of = parameters;
   const ParameterIndex& at = *this;
-  return {at[beacon_position(beacon, 0)], at[beacon_position(beacon, 1)], at[beacon_position(beacon, 2)],
-          at[beacon_delay(beacon)]};
+  return {at[of::beacon_position(beacon, 0)], at[of::beacon_position(beacon, 1)],
+          at[of::beacon_position(beacon, 2)], at[of::beacon_delay(beacon)]};
 }
 
 std::array<int, 4> ParameterIndex::receiver(std::size_t receiver) const {
-  using namespace parameters;
+  namespace of = parameters;
   const ParameterIndex& at = *this;
-  return {at[receiver_position(receiver, 0)], at[receiver_position(receiver, 1)],
-          at[receiver_position(receiver, 2)], at[receiver_delay(receiver)]};
+  return {at[of::receiver_position(receiver, 0)], at[of::receiver_position(receiver, 1)],
+          at[of::receiver_position(receiver, 2)], at[of::receiver_delay(receiver)]};
 }
 
 ParameterLookup::ParameterLookup(const NameTable& names) {

@@ -3,7 +3,7 @@
 # Installs a room's headers under octant/; what they include of Octant is spelled octant/ too, so that no folder of the user's
 # own (models/, io/) comes before. Headers that say that they are private to io stay behind, and the insides of vector kernels
 # (-inl.h): they need what users need not have.
-file(GLOB_RECURSE headers RELATIVE ${octant_source} ${octant_source}/${octant_room}/*.h)
+file(GLOB_RECURSE headers RELATIVE ${octant_source} ${octant_source}/${octant_room}/*.h ${octant_source}/${octant_room}/*.inc)
 foreach(header ${headers})
   file(READ ${octant_source}/${header} text)
   if(text MATCHES "Private to io" OR header MATCHES "-inl[.]h$")

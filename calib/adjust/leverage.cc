@@ -6,21 +6,18 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Cholesky>
-
 #include "models/trajectory/decompositions.h"
+#include "models/trajectory/observed.h"
 
 namespace octant::calib {
 namespace {
 
 constexpr std::size_t kNodesPerBlock = 256;
-/// A state direction below this eigenvalue of its block, scaled to a unit diagonal, is unobserved.
-constexpr double kUnobserved = 1e-11;
 /// Pivots of the scaled covariance below this are rounding.
 constexpr double kNoVariance = 1e-13;
 
-/// L with C = L L', one column for each direction of the covariance that is not zero.
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& C) {
+/// L with C = L L' of the few parameters of a segment, one column for each direction that is not zero.
+Eigen::MatrixXd pivoted_root_of(const Eigen::MatrixXd& C) {
   if (C.rows() == 0) return C;
   const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Eigen::VectorXd inverse = scale.cwiseInverse();
@@ -32,6 +29,16 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& C) {
   for (Eigen::Index i = 0; i < d.size(); ++i)
     if (d[i] > kNoVariance) root.col(rank++) = (std::sqrt(d[i]) * scale.cwiseProduct(root.col(i))).eval();
   return root.leftCols(rank);
+}
+
+/// L with C = L L' of all parameters, symmetric but for their units. Errors are drawn by its columns: with
+/// pivots, whose order hangs on rounding where variances are scaled alike, what is stated would hang on it
+/// too.
+Eigen::MatrixXd symmetric_root_of(const Eigen::MatrixXd& C) {
+  if (C.rows() == 0) return C;
+  const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  return scale.asDiagonal() * symmetric_root(inverse.asDiagonal() * C * inverse.asDiagonal());
 }
 
 /// Inverse in the directions that are observed, zero in the others; adds their number to `rank`.
@@ -72,15 +79,15 @@ LeverageSweep::LeverageSweep(const ParameterLayout& layout, const Covariance& C)
   for (const auto& columns : layout.beacon)
     for (const int c : columns)
       if (c >= 0) coordinates.push_back(c);
-  take_root(*C.matrix(), coordinates);
+  take_root(symmetric_root_of(*C.matrix()), coordinates);
   lateness_total_.assign(layout.beacon.size(), 0.0);
   lateness_remaining_.assign(layout.beacon.size(), 0.0);
   lateness_shared_.setZero(static_cast<Eigen::Index>(layout.beacon.size()), root_.cols());
 }
 
-/// @param coordinates  rows of C that are coordinates of beacons
-void LeverageSweep::take_root(const Eigen::MatrixXd& C, const std::vector<int>& coordinates) {
-  root_ = root_of(C);
+/// @param coordinates  rows of L that are coordinates of beacons
+void LeverageSweep::take_root(const Eigen::MatrixXd& L, const std::vector<int>& coordinates) {
+  root_ = L;
   beacon_root_.resize(static_cast<Eigen::Index>(coordinates.size()), root_.cols());
   for (std::size_t i = 0; i < coordinates.size(); ++i)
     beacon_root_.row(static_cast<Eigen::Index>(i)) = root_.row(coordinates[i]);
@@ -106,7 +113,7 @@ void LeverageSweep::focus(const Trajectory& t, const Segment& segment, const Sha
     for (std::size_t i = 0; i < static_cast<std::size_t>(entries.count); ++i)
       static_cast<void>(take(entries.column[i]));
   });
-  take_root(C_->block(seen_), coordinates);
+  take_root(pivoted_root_of(C_->block(seen_)), coordinates);
 }
 
 double LeverageSweep::leverage_of(const std::vector<std::pair<int, double>>& entries) const {

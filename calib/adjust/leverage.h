@@ -99,7 +99,7 @@ class LeverageSweep {
   [[nodiscard]] std::size_t block_count() const { return carry_.size(); }
   [[nodiscard]] Segment part(const Trajectory& t, const Segment& segment, std::size_t block) const;
   void focus(const Trajectory& t, const Segment& segment, const SharedState& state);
-  void take_root(const Eigen::MatrixXd& C, const std::vector<int>& coordinates);
+  void take_root(const Eigen::MatrixXd& L, const std::vector<int>& coordinates);
   void forward(const Trajectory& t, const Segment& segment, const SharedState& state);
   void backward(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block);
   void assemble(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block,

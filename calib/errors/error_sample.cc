@@ -8,11 +8,12 @@
 #include <tuple>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "calib/adjust/leverage.h"
 #include "calib/problem/ranges.h"
 #include "models/physics/pose.h"
+#include "models/trajectory/decompositions.h"
+#include "models/trajectory/observed.h"
 #include "models/trajectory/stretches.h"
 
 namespace octant::calib {
@@ -21,8 +22,6 @@ namespace {
 constexpr std::size_t kStretches = 8;  ///< of a long log
 /// A drive is cut where the sample is at most this part: cuts cost what states know of each other.
 constexpr double kShareOfLongDrive = 0.1;
-/// Of a state's block: directions that nothing observes stay where they are.
-constexpr double kStateFloor = 1e-9;
 constexpr std::size_t kShifts = 3;  ///< partitions of a component
 constexpr double kLadder = 3.0;     ///< from one extent to the next
 
@@ -39,7 +38,7 @@ std::vector<std::uint32_t> add_chain(const Trajectory& t, const Segment& segment
   std::vector<std::uint32_t> first;
   NodeBlock A = system.D[0];
   for (std::size_t k = 0; k < count; ++k) {
-    A.diagonal().array() += kStateFloor * (1.0 + system.D[k].diagonal().maxCoeff());
+    A.diagonal().array() += kStepFloor * (1.0 + system.D[k].diagonal().maxCoeff());
     StateChains::Link link;
     link.first = chains.coordinates;
     link.size = static_cast<int>(A.rows());
@@ -77,9 +76,8 @@ class SampleBuilder {
     sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), std::ssize(residual_));
     const Eigen::Index rank = sample_.L.cols();
     sample_.F.conservativeResize(sample_.residual.size(), rank);
-    const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(rank, rank) - sample_.F.transpose() * sample_.F;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rest);
-    sample_.prior_root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    sample_.prior_root =
+        symmetric_root(Eigen::MatrixXd::Identity(rank, rank) - sample_.F.transpose() * sample_.F);
     sample_.share = seen_ > 0 ? static_cast<double>(seen_) / static_cast<double>(all) : 1.0;
     return std::move(sample_);
   }

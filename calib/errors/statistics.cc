@@ -14,6 +14,7 @@
 
 #include "models/support/parallel.h"
 #include "models/trajectory/linearise.h"
+#include "models/trajectory/observed.h"
 
 namespace octant::calib {
 
@@ -37,8 +38,6 @@ namespace {
 
 /// A heading that is told worse than to a whole turn is told by nothing: it takes no redundancy.
 constexpr double kBlindRad = 2 * std::numbers::pi;
-/// Relative to the scaled diagonal: below it a direction of a state is observed by nothing.
-constexpr double kUnobservedShare = 1e-9;
 
 /// A measured pose, angles and all.
 bool is_whole(const Trajectory& t, const PoseObservation& p) {
@@ -72,7 +71,7 @@ std::size_t rank_of(const Eigen::MatrixXd& A) {
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
                                      scale.asDiagonal() * A * scale.asDiagonal(), Eigen::EigenvaluesOnly)
                                      .eigenvalues();
-  return static_cast<std::size_t>((values.array() > kUnobservedShare).count());
+  return static_cast<std::size_t>((values.array() > kUnobserved).count());
 }
 
 /// Directions of a lone state that are observed. Angles are counted by what is left of their information when
@@ -81,8 +80,7 @@ std::size_t observed_directions(const Trajectory& t, const Segment& segment, con
   ChainSystem system;
   build_chain_system(t, segment, state, RobustLoss{}, system);
   const Eigen::MatrixXd D = system.D.front();
-  const Eigen::Index first = t.motion == Motion::kPlanar ? 2 : 3, count = t.motion == Motion::kPlanar ? 1 : 3,
-                     size = D.rows();
+  const Eigen::Index first = first_turn(t.motion), count = pose_dof(t.motion) - first, size = D.rows();
   std::vector<Eigen::Index> angles, others;
   for (Eigen::Index i = 0; i < size; ++i) (i >= first && i < first + count ? angles : others).push_back(i);
   const Eigen::MatrixXd open = D(others, others);

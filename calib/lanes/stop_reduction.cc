@@ -125,30 +125,17 @@ HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& 
   add_lanes(m.rv[2], minus * m.r, nothing, nothing, own + 16);
 }
 
-/// Inverse square roots of the pivots on the diagonal, the rest of L below, y = L^-1 g.
-template <bool kOffset>
-HWY_INLINE void factorise(const Normal& normal, double unobserved, V L[4][4], V* y) {
-  constexpr int n = kOffset ? 4 : 3;
-  const V one = 1.0;
+/// Of the states' normal equations. A direction that nothing observes (heading of a lone antenna) is held: it
+/// couples to nothing.
+template <int n>
+HWY_INLINE SmallCholesky<n, V> factor_of(const Normal& normal, double unobserved) {
   V largest = normal.A[0][0];
   for (int p = 1; p < n; ++p) largest = max(largest, normal.A[p][p]);
-  // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing.
-  const V floor = unobserved * (one + largest);
-  for (int p = 0; p < n; ++p) {
-    V pivot = normal.A[p][p] + floor;
-    for (int m = 0; m < p; ++m) pivot -= L[p][m] * L[p][m];
-    pivot = select(pivot > 0.5 * floor, pivot, 100.0 * floor);
-    const V inverse = one / sqrt(pivot);
-    L[p][p] = inverse;
-    V v = normal.g[p];
-    for (int m = 0; m < p; ++m) v -= L[p][m] * y[m];
-    y[p] = v * inverse;
-    for (int q = p + 1; q < n; ++q) {
-      V below = normal.A[q][p];
-      for (int m = 0; m < p; ++m) below -= L[q][m] * L[p][m];
-      L[q][p] = below * inverse;
-    }
-  }
+  const V floor = unobserved * (V(1.0) + largest);
+  SmallCholesky<n, V> out;
+  out.factor([&](int p, int q) -> V { return p == q ? normal.A[p][p] + floor : normal.A[p][q]; },
+             [&](V pivot) -> V { return select(pivot > 0.5 * floor, pivot, 100.0 * floor); });
+  return out;
 }
 
 /// Some rows of a block of taken += Y'Y, for the rows of Y that wait.
@@ -191,8 +178,10 @@ void take_in_lanes(StopSums& sums) {
 template <bool kOffset>
 HWY_INLINE void eliminate(const Normal& normal, double unobserved, std::size_t part, StopSums& sums) {
   constexpr int n = kOffset ? 4 : 3;
-  V L[4][4], y[4];
-  factorise<kOffset>(normal, unobserved, L, y);
+  const SmallCholesky<n, V> factor = factor_of<n>(normal, unobserved);
+  V y[n];
+  for (int p = 0; p < n; ++p) y[p] = normal.g[p];
+  factor.forward(y);
   const Lanes* const coupling = sums.coupling.data();
   const std::size_t count = sums.active.size();
   const std::size_t* const active = sums.active.data();
@@ -202,12 +191,11 @@ HWY_INLINE void eliminate(const Normal& normal, double unobserved, std::size_t p
     V gradient[4];
     for (std::size_t i = 0; i < 4; ++i, rows += StopSums::kPacksAtOnce * n) {
       const Lanes* G = coupling + 4 * active[a + i];
-      V Y[4];
+      V Y[n];
+      for (int p = 0; p < n; ++p) Y[p] = load(G[p], part);
+      factor.forward(Y);
       gradient[i] = 0.0;
       for (int p = 0; p < n; ++p) {
-        V v = load(G[p], part);
-        for (int m = 0; m < p; ++m) v -= L[p][m] * Y[m];
-        Y[p] = v * L[p][p];
         store(Y[p], rows[p], part);
         gradient[i] += y[p] * Y[p];
       }

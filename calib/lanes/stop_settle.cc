@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/lanes/stop_settle.h"
 
+#include "models/trajectory/observed.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calib/lanes/stop_settle.cc"
 #include <hwy/foreach_target.h>  // compiles the rest of this file once for each instruction set
@@ -63,40 +65,29 @@ HWY_INLINE V bent(V diagonal, V bend, Mask stiff) {
   return select(counts, max(diagonal + bend, V(0.5 * diagonal)), diagonal);
 }
 
-/// Solves (A + lambda diag A + floor) s = -g by Cholesky, A with the heading's bend.
+/// Solves (A + lambda diag A + floor) s = -g, A with the heading's bend.
 /// @return lanes where that is positive definite
 template <bool kOffset>
 HWY_INLINE Mask solve(const Normal& normal, V lambda, Mask stiff, V* step) {
   constexpr int n = kOffset ? 4 : 3;
   const V one = 1.0;
-  const auto& A = normal.A;
-  V L[4][4];
-  V largest = A[0][0];
-  for (int p = 1; p < n; ++p) largest = max(largest, A[p][p]);
-  const V floor = 1e-9 * (one + largest);
-  V y[4];
+  V largest = normal.A[0][0];
+  for (int p = 1; p < n; ++p) largest = max(largest, normal.A[p][p]);
+  const V floor = kStepFloor * (one + largest);
+  const auto damped = [&](int p, int q) -> V {
+    if (p != q) return normal.A[p][q];
+    const V diagonal = p == 2 ? bent(normal.A[p][p], normal.bend, stiff) : normal.A[p][p];
+    return lambda * diagonal + diagonal + floor;
+  };
   Mask sound = one == one;
-  for (int p = 0; p < n; ++p) {
-    const V diagonal = p == 2 ? bent(A[p][p], normal.bend, stiff) : A[p][p];
-    V pivot = lambda * diagonal + diagonal + floor;
-    for (int m = 0; m < p; ++m) pivot -= L[p][m] * L[p][m];
+  SmallCholesky<n, V> factor;
+  factor.factor(damped, [&sound](V pivot) -> V {
     sound = sound & (pivot > 0.0);
-    const V inverse = one / sqrt(max(pivot, 1e-300));
-    L[p][p] = inverse;  // kept as its inverse
-    for (int q = p + 1; q < n; ++q) {
-      V v = A[q][p];
-      for (int m = 0; m < p; ++m) v -= L[q][m] * L[p][m];
-      L[q][p] = v * inverse;
-    }
-    V v = -normal.g[p];
-    for (int m = 0; m < p; ++m) v -= L[p][m] * y[m];
-    y[p] = v * inverse;
-  }
-  for (int p = n - 1; p >= 0; --p) {
-    V v = y[p];
-    for (int m = p + 1; m < n; ++m) v -= L[m][p] * step[m];
-    step[p] = v * L[p][p];
-  }
+    return max(pivot, 1e-300);
+  });
+  for (int p = 0; p < n; ++p) step[p] = -normal.g[p];
+  factor.forward(step);
+  factor.backward(step);
   return sound;
 }
 

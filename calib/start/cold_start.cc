@@ -6,9 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include <Eigen/Cholesky>
-
 #include "calib/problem/ranges.h"
+#include "models/trajectory/observed.h"
 
 namespace octant::calib {
 namespace {
@@ -35,9 +34,9 @@ bool sight_of(const std::vector<std::pair<Eigen::Vector3d, double>>& receivers, 
     N += row * row.transpose();
     b += row * range_m;
   }
-  const Eigen::LDLT<Eigen::Matrix3d> ldlt(N);
-  if (ldlt.vectorD().minCoeff() < 1e-9 * ldlt.vectorD().maxCoeff()) return false;
-  const Eigen::Vector3d solution = ldlt.solve(b);
+  const ObservedState<Eigen::Matrix3d> observed(N);
+  if (!observed.all()) return false;
+  const Eigen::Vector3d solution = observed.solve(b);
   sight.range_m = solution[0];
   sight.bearing_rad = std::atan2(solution[2], solution[1]);
   return true;

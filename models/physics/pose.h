@@ -44,6 +44,8 @@ struct Pose {
 /// frame, 6 values.
 enum class Motion { kPlanar, kSpatial };
 [[nodiscard]] constexpr int pose_dof(Motion motion) { return motion == Motion::kPlanar ? 3 : 6; }
+/// Of the degrees of freedom of a pose, the first that is a turn.
+[[nodiscard]] constexpr int first_turn(Motion motion) { return motion == Motion::kPlanar ? 2 : 3; }
 
 /// Moves a pose by a tangent vector (see Motion).
 [[nodiscard]] Pose retract(const Pose& pose, const Eigen::Ref<const Eigen::VectorXd>& delta, Motion motion);

@@ -14,6 +14,7 @@ namespace octant::abi {
 
 template <int max_align_bytes, int max_static_align_bytes, bool malloc_already_aligned, int index_bytes,
           bool row_major>
+// NOLINTNEXTLINE(readability-identifier-naming): what the linker says to whoever has other settings
 struct CompileWith_EIGEN_MAX_ALIGN_BYTES_16_and_EIGEN_MALLOC_ALREADY_ALIGNED_1 {
   static const char as_octants_libraries;
 };

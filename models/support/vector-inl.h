@@ -13,6 +13,7 @@
 #define OCTANT_MODELS_SUPPORT_VECTOR_INL_H_
 #endif
 
+#include <cmath>
 #include <cstddef>
 
 #include <hwy/highway.h>
@@ -96,6 +97,9 @@ HWY_INLINE Vector cos(Vector v) { return hn::Cos(Doubles(), v.raw); }
 HWY_INLINE Vector exp(Vector v) { return hn::Exp(Doubles(), v.raw); }
 HWY_INLINE Vector log1p(Vector v) { return hn::Log1p(Doubles(), v.raw); }
 HWY_INLINE double sum_of_lanes(Vector v) { return hn::GetLane(hn::SumOfLanes(Doubles(), v.raw)); }
+
+// Blocks side by side, one in each lane: SmallCholesky<N, Vector>.
+#include "models/support/small_cholesky.inc"
 
 /// Adds up the lanes of four vectors, each onto its own sum.
 HWY_INLINE void add_lanes(Vector a, Vector b, Vector c, Vector e, double* sums) {

@@ -8,58 +8,12 @@
 #include <Eigen/Core>
 
 #include "models/support/scratch.h"
+#include "models/trajectory/observed.h"
 
 namespace octant {
 
-/// Cholesky factor of a small block, the reciprocals of its diagonal on the diagonal: all that is divided by.
-template <int N>
-struct SmallCholesky {
-  double L[N][N];
-
-  /// False where the block is not positive definite. Always inlined, so that vector kernels compile it for
-  /// their instruction set.
-  [[gnu::always_inline]] bool factor(const Eigen::Matrix<double, N, N>& A) {
-    // A = C D^-1 C' first: each pivot waits for the reciprocal of the one before, none for a root.
-    double inverse[N];  // of the pivots
-    for (int j = 0; j < N; ++j) {
-      double scaled[N];
-      double pivot = A(j, j);
-      for (int k = 0; k < j; ++k) {
-        scaled[k] = L[j][k] * inverse[k];
-        pivot -= L[j][k] * scaled[k];
-      }
-      if (!(pivot > 0)) return false;
-      inverse[j] = 1.0 / pivot;
-      for (int i = j + 1; i < N; ++i) {
-        L[i][j] = A(i, j);
-        for (int k = 0; k < j; ++k) L[i][j] -= L[i][k] * scaled[k];
-      }
-    }
-    for (int j = 0; j < N; ++j) {
-      L[j][j] = std::sqrt(inverse[j]);
-      for (int i = j + 1; i < N; ++i) L[i][j] *= L[j][j];
-    }
-    return true;
-  }
-  /// L^-1 b.
-  template <class Vector>
-  void forward(Vector&& b) const {
-    for (int i = 0; i < N; ++i) {
-      double sum = b[i];
-      for (int k = 0; k < i; ++k) sum -= L[i][k] * b[k];
-      b[i] = sum * L[i][i];
-    }
-  }
-  /// L^-T b.
-  template <class Vector>
-  void backward(Vector&& b) const {
-    for (int i = N; i-- > 0;) {
-      double sum = b[i];
-      for (int k = i + 1; k < N; ++k) sum -= L[k][i] * b[k];
-      b[i] = sum * L[i][i];
-    }
-  }
-};
+// Of numbers; kernels have it of their vectors (vector-inl.h).
+#include "models/support/small_cholesky.inc"
 
 /// Normal equations of the states of a segment, shared parameters held: block-tridiagonal with blocks of a
 /// size known to the compiler; diagonal blocks D, coupling U to the next state, gradient g.
@@ -96,7 +50,7 @@ class FixedChainStep {
     Vector rhs = -system.g[0];
     for (std::size_t k = 0;; ++k) {
       // The floor keeps a direction that nothing observes (the heading of a single antenna) where it is.
-      const double floor = kFloor * (1.0 + system.D[k].diagonal().maxCoeff());
+      const double floor = kStepFloor * (1.0 + system.D[k].diagonal().maxCoeff());
       for (int i = 0; i < N; ++i) A(i, i) += lambda * system.D[k](i, i) + floor;
       if (!factor_[k].factor(A)) return false;
       factor_[k].forward(rhs);
@@ -126,7 +80,6 @@ class FixedChainStep {
   }
 
  private:
-  static constexpr double kFloor = 1e-9;
   std::pmr::vector<SmallCholesky<N>> factor_{scratch()};
   std::pmr::vector<Block> W_{scratch()};  ///< L^-1 U
   std::pmr::vector<Vector> step_{scratch()};

@@ -14,6 +14,12 @@ template class SymmetricEigen<Eigen::Matrix2d>;
 template class SymmetricEigen<Eigen::Matrix3d>;
 template class SymmetricEigen<Eigen::Matrix4d>;
 
+Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& A) {
+  const SymmetricEigen<Eigen::MatrixXd> eigen(A);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
 PivotedQr::PivotedQr(const Eigen::MatrixXd& matrix) : Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(matrix) {}
 
 Eigen::MatrixXd PivotedQr::basis() const {

@@ -26,6 +26,9 @@ extern template class SymmetricEigen<Eigen::Matrix2d>;
 extern template class SymmetricEigen<Eigen::Matrix3d>;
 extern template class SymmetricEigen<Eigen::Matrix4d>;
 
+/// R = R' with R R = A, of a symmetric matrix without its negative eigenvalues: it follows A continuously.
+[[nodiscard]] Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& A);
+
 class PivotedQr : public Eigen::ColPivHouseholderQR<Eigen::MatrixXd> {
  public:
   explicit PivotedQr(const Eigen::MatrixXd& matrix);

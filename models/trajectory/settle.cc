@@ -10,18 +10,11 @@
 
 #include "models/trajectory/chain_solver.h"
 #include "models/trajectory/linearise.h"
+#include "models/trajectory/observed.h"
 #include "models/trajectory/settle_chains.h"
 
 namespace octant {
 namespace {
-
-/// Smallest relative pivot of a node's block: whether its state is determined at all.
-template <class Block>
-bool is_singular(const Block& A) {
-  const Eigen::LDLT<Block> ldlt(A);
-  const auto d = ldlt.vectorD();
-  return d.minCoeff() <= 1e-10 * d.maxCoeff();
-}
 
 /// A state that is held makes no step and passes none on.
 template <int N>
@@ -98,7 +91,7 @@ SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLos
   }
   chain.finish();
   result.cost = system.cost;
-  result.singular = system.D.size() == 1 && is_singular(system.D[0]);
+  result.singular = system.D.size() == 1 && !ObservedState(system.D[0]).all();
   return result;
 }
 
@@ -143,10 +136,9 @@ StateCovariance node_covariance(const Trajectory& t, const Segment& segment, std
     if (k - 1 == at) A -= taken;
     right = system.D[k - 1] - taken;
   }
-  if (is_singular(A)) return {};
-  const Eigen::LDLT<NodeBlock> ldlt(A);
-  if (ldlt.vectorD().minCoeff() <= 0) return {};
-  return ldlt.solve(NodeBlock::Identity(A.rows(), A.cols()));
+  const ObservedState<NodeBlock> observed(A);
+  if (!observed.all()) return {};
+  return observed.covariance();
 }
 
 }  // namespace octant

@@ -94,25 +94,25 @@ enum PathNumber : std::uint8_t {
 template <class Visit>
 void for_each_path_parameter(BeaconId beacon, ReceiverId receiver, VehicleId vehicle, std::size_t run,
                              Visit&& visit) {
-  using namespace parameters;
+  namespace of = parameters;
   const auto at = [](int first, std::size_t i) {
     return static_cast<PathNumber>(first + static_cast<int>(i));
   };
   const std::size_t b = beacon.index();
-  for (std::size_t i = 0; i < 3; ++i) visit(beacon_position(b, i), at(kByBeacon, i));
+  for (std::size_t i = 0; i < 3; ++i) visit(of::beacon_position(b, i), at(kByBeacon, i));
   if (!receiver.valid()) return;
   const std::size_t r = receiver.index(), v = vehicle.index();
-  visit(array_radius(v), kByRadius);
-  visit(array_turn(v), kByTurn);
-  for (std::size_t i = 0; i < 3; ++i) visit(receiver_position(r, i), at(kByReceiver, i));
-  for (std::size_t i = 0; i < kAttenuationUnknowns; ++i) visit(attenuation(i), at(kByAttenuation, i));
-  visit(beacon_gain(b), kByGain);
-  visit(beacon_delay(b), kByDelay);
-  visit(receiver_delay(r), kByDelay);
-  visit(site_delay(), kByDelay);
-  visit(pair_bias(b, r), kByDelay);
-  visit(clock_drift(v), kByDrift);
-  visit(speed(run + 1), kBySpeed);
+  visit(of::array_radius(v), kByRadius);
+  visit(of::array_turn(v), kByTurn);
+  for (std::size_t i = 0; i < 3; ++i) visit(of::receiver_position(r, i), at(kByReceiver, i));
+  for (std::size_t i = 0; i < kAttenuationUnknowns; ++i) visit(of::attenuation(i), at(kByAttenuation, i));
+  visit(of::beacon_gain(b), kByGain);
+  visit(of::beacon_delay(b), kByDelay);
+  visit(of::receiver_delay(r), kByDelay);
+  visit(of::site_delay(), kByDelay);
+  visit(of::pair_bias(b, r), kByDelay);
+  visit(of::clock_drift(v), kByDrift);
+  visit(of::speed(run + 1), kBySpeed);
 }
 
 /// A shared number that is to be found, and what is known of it beforehand. SI units.

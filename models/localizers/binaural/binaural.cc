@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "models/localizers/common/arrival_range.h"
 #include "models/physics/plane.h"
+#include "models/trajectory/observed.h"
 
 namespace octant {
 namespace {
@@ -188,10 +188,9 @@ FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) const noexcept {
       residual[i] = link.range_m - d;
     }
     const Eigen::Matrix3d N = J.transpose() * weight.asDiagonal() * J;
-    const Eigen::LDLT<Eigen::Matrix3d> ldlt(N);
-    if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-12 * ldlt.vectorD().maxCoeff()))
-      return FixStatus::kPoorGeometry;
-    gain = ldlt.solve(Eigen::Matrix<double, 3, 4>(J.transpose() * weight.asDiagonal()));
+    const ObservedState<Eigen::Matrix3d> observed(N);
+    if (!observed.all()) return FixStatus::kPoorGeometry;
+    gain = observed.solve(Eigen::Matrix<double, 3, 4>(J.transpose() * weight.asDiagonal()));
     const Eigen::Vector3d change = gain * residual;
     pose.p_m += change.head<2>();
     pose.heading_rad = wrap_angle(pose.heading_rad + change.z());

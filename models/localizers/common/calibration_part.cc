@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/common/calibration_part.h"
 
-#include <numbers>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "models/support/scratch.h"
+#include "models/trajectory/observed.h"
 
 namespace octant {
 namespace {
@@ -54,11 +53,10 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
     });
   });
   // Rotations that nothing observes are as unknown as an angle can be.
-  for (int i = t.motion == Motion::kPlanar ? 2 : 3; i < dof; ++i)
-    D(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
-  const Eigen::LDLT<NodeBlock> ldlt(D);
-  if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() <= 0) return;
-  for (NodeVector& column : G) column = NodeVector(ldlt.solve(column));  // D^-1 G
+  add_vague_angles(t.motion, D);
+  const ObservedState<NodeBlock> observed(D);
+  if (!observed.all()) return;
+  for (NodeVector& column : G) column = observed.solve(column);  // D^-1 G
   NodeBlock sum = NodeBlock::Zero(n, n);
   for (std::size_t j = 0; j < G.size(); ++j) {
     NodeVector weighed = NodeVector::Zero(n);

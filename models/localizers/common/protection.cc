@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "models/trajectory/linearise.h"
+#include "models/trajectory/observed.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {
@@ -56,8 +56,7 @@ BeaconSums sums_of(const Trajectory& t, const Segment& segment, const SharedStat
     sums.add(row.beacon, row.by_node, row.residual, common_variance(row.beacon, by, errors));
   });
   // A rotation that nothing tells is as unknown as an angle can be, and takes no part.
-  for (int i = t.motion == Motion::kPlanar ? 2 : 3; i < pose_dof(t.motion); ++i)
-    sums.add_information(i, 1.0 / (std::numbers::pi * std::numbers::pi));
+  for (int i = first_turn(t.motion); i < pose_dof(t.motion); ++i) sums.add_information(i, kVagueAngle);
   return sums;
 }
 

@@ -5,23 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
+#include "models/trajectory/observed.h"
 
 namespace octant {
 namespace {
-
-constexpr double kDetermined = 1e-9;  ///< smallest pivot of an information whose diagonal is one
-
-/// Inverse of an information matrix, judged in units in which its diagonal is one; false where it is
-/// singular.
-bool invert(const NodeBlock& A, NodeBlock& inverse) {
-  const NodeVector scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const NodeBlock scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  const Eigen::LDLT<NodeBlock> ldlt(scaled);
-  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kDetermined)) return false;
-  inverse = scale.asDiagonal() * ldlt.solve(NodeBlock::Identity(A.rows(), A.cols())) * scale.asDiagonal();
-  return inverse.allFinite();
-}
 
 /// Quantile of the chi-square distribution at kAtFaultSigmas (Wilson and Hilferty 1931).
 double misfit_limit(int degrees) {
@@ -42,9 +29,10 @@ BeaconSeparation BeaconSums::separation(const OfBeacon& of) const {
   BeaconSeparation out;
   out.beacon = of.beacon;
   out.arrivals = of.sum.rows;
-  NodeBlock P;
-  out.determined = invert(all_.A - of.sum.A, P);
+  const ObservedState<NodeBlock> without(all_.A - of.sum.A);
+  out.determined = without.all();
   if (!out.determined) return out;
+  const NodeBlock P = without.covariance();
   const NodeVector shift = P * (of.sum.g - all_.g);
   out.shift_m = shift.head<2>().norm();
   out.variance_m2 = horizontal_variance(P);
@@ -62,9 +50,9 @@ std::pmr::vector<BeaconSeparation> BeaconSums::separations() const {
 
 Protection BeaconSums::protection(double variance_m2) const {
   Protection out;
-  NodeBlock P;
-  if (beacons_.empty() || !invert(all_.A, P)) return out;
-  const double widened = std::max(1.0, variance_m2 / horizontal_variance(P));
+  const ObservedState<NodeBlock> observed(all_.A);
+  if (beacons_.empty() || !observed.all()) return out;
+  const double widened = std::max(1.0, variance_m2 / horizontal_variance(observed.covariance()));
   double worst_m = 0.0, worst_misfit = 1.0;
   bool all_determined = true;
   for (const OfBeacon& of : beacons_) {

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/drive/chain_covariance.h"
 
-#include <numbers>
 #include <utility>
 
-#include <Eigen/Cholesky>
+#include "models/trajectory/observed.h"
 
 namespace octant {
 
@@ -21,22 +20,16 @@ ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment, c
   ChainSystem system;
   build_chain_system(trajectory, segment, state, RobustLoss{}, system);
   const std::size_t count = system.D.size();
-  const int n = trajectory.block_size();
   out.inverse.resize(count);
   // What no arrival tells of the attitude (a single antenna's about a straight path) is any angle.
-  if (trajectory.motion == Motion::kSpatial)
-    system.D[0].diagonal().segment(3, 3).array() += 1.0 / (std::numbers::pi * std::numbers::pi);
+  if (trajectory.motion == Motion::kSpatial) add_vague_angles(trajectory.motion, system.D[0]);
   NodeBlock L;
   for (std::size_t k = 0; k < count; ++k) {
     L = system.D[k];
     if (k > 0) L -= system.U[k - 1].transpose() * out.inverse[k - 1] * system.U[k - 1];
-    // Elements differ by the squares of metres and radians: judged with a unit diagonal.
-    const NodeVector scale = L.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const NodeBlock scaled = scale.asDiagonal() * L * scale.asDiagonal();
-    const Eigen::LDLT<NodeBlock> ldlt(scaled);
-    if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-12)) return out;
-    const NodeBlock unscaled = ldlt.solve(NodeBlock::Identity(n, n));
-    out.inverse[k] = scale.asDiagonal() * unscaled * scale.asDiagonal();
+    const ObservedState<NodeBlock> observed(L);
+    if (!observed.all()) return out;
+    out.inverse[k] = observed.covariance();
   }
   out.U = std::move(system.U);
   out.gradient = std::move(system.g);

@@ -6,12 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-
 #include "models/localizers/drive/rigid_path.h"
 #include "models/localizers/least_squares/candidates.h"
 #include "models/localizers/least_squares/search_problem.h"
 #include "models/localizers/space/space_start.h"
+#include "models/trajectory/observed.h"
 #include "models/trajectory/observed_range.h"
 
 namespace octant {
@@ -33,9 +32,9 @@ bool is_clear(const SearchProblem& problem, const SearchResult& result, double m
     return false;
   Eigen::Matrix4d A = result.information[0];
   if (!problem.has_offset) A(3, 3) += 1.0;
-  const Eigen::LDLT<Eigen::Matrix4d> ldlt(A);
-  if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() <= 0) return false;
-  const Eigen::Matrix4d P = ldlt.solve(Eigen::Matrix4d::Identity());
+  const ObservedState<Eigen::Matrix4d> observed(A);
+  if (!observed.all()) return false;
+  const Eigen::Matrix4d P = observed.covariance();
   return std::sqrt(P(0, 0) + P(1, 1)) < max_sigma_m && std::sqrt(P(2, 2)) < kMaxHeadingSigma;
 }
 
@@ -124,7 +123,7 @@ PoseCovariance start_covariance(Trajectory& t, const Segment& stretch, const Epo
   const int dof = pose_dof(t.motion);
   if (P.rows() >= dof && P.allFinite()) return kStartInflation * P.topLeftCorner(dof, dof);
   PoseCovariance little = PoseCovariance::Identity(dof, dof);
-  little.diagonal().tail(t.motion == Motion::kPlanar ? 1 : 3).setConstant(0.1);
+  little.diagonal().tail(little.rows() - first_turn(t.motion)).setConstant(0.1);
   return little;
 }
 

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // "The inherent redundancy in the data to minimise the solution distance discrepancy by varying the speed of
 // sound" (section 5.1).
-#include <Eigen/Cholesky>
-
 #include "models/localizers/kleeman/kleeman_work.h"
+#include "models/trajectory/observed.h"
 
 namespace octant {
 
@@ -47,10 +46,10 @@ Kleeman::SpeedNormal Kleeman::speed_normal(std::span<const Arrival> arrivals, do
       rv += weight * r * length_m;
       vv += weight * length_m * length_m;
     }
-    const Eigen::LDLT<Eigen::Matrix3d> ldlt(N);
-    if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 0)) continue;
-    const Eigen::Vector3d solved = ldlt.solve(b_length);
-    sum.discrepancy += rr - b_residual.dot(ldlt.solve(b_residual));
+    const ObservedState<Eigen::Matrix3d> observed(N);
+    if (!observed.all()) continue;
+    const Eigen::Vector3d solved = observed.solve(b_length);
+    sum.discrepancy += rr - b_residual.dot(observed.solve(b_residual));
     sum.gradient += rv - b_residual.dot(solved);
     sum.information += vv - b_length.dot(solved);
     ++sum.epochs;

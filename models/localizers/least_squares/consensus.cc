@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 
 #include "models/physics/pose.h"
+#include "models/trajectory/observed.h"
 
 namespace octant {
 namespace {
@@ -292,7 +292,7 @@ Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t wi
     // A heading that nothing tells stays where it is; so does a position where all arrivals have lost their
     // weight.
     Eigen::Matrix4d A = H;
-    A(2, 2) += 1.0 / (std::numbers::pi * std::numbers::pi);
+    A(2, 2) += kVagueAngle;
     A.diagonal().head<2>().array() += 1.0 / (problem_.span_m * problem_.span_m);
     A(3, 3) += problem_.has_offset ? 1e-12 : 1.0;
     Eigen::Vector4d step = Eigen::LLT<Eigen::Matrix4d>(A).solve(g);

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-
 #include "models/localizers/common/arrival_marks.h"
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/localizer.h"
@@ -19,6 +17,7 @@
 #include "models/localizers/least_squares/rivals.h"
 #include "models/localizers/least_squares/spatial_start.h"
 #include "models/trajectory/decompositions.h"
+#include "models/trajectory/observed.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {
@@ -363,21 +362,10 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
 bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCovariance& covariance) {
   NodeBlock A = information;
   const int dof = pose_dof(t.motion);
-  for (int i = dof / 3 * 3 - (dof == 3 ? 1 : 3); i < dof; ++i)
-    A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
-  // Judged in units in which every diagonal element is one.
-  const NodeVector scale = A.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
-  const NodeBlock scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  const Eigen::LDLT<NodeBlock> ldlt(scaled);
-  // The smallest eigenvalue is at least the determinant over the largest to the power of the others, which
-  // the trace bounds: only where that leaves a doubt is it computed.
-  const double others = std::pow(static_cast<double>(A.rows()), static_cast<double>(A.rows() - 1));
-  if (!(ldlt.vectorD().minCoeff() > 0 && ldlt.vectorD().prod() > 1e-10 * others)) {
-    const SymmetricEigen<NodeBlock> eigen(scaled);
-    if (eigen.info() != Eigen::Success || eigen.eigenvalues().minCoeff() < 1e-10) return false;
-  }
-  const NodeBlock inverse = ldlt.solve(NodeBlock::Identity(A.rows(), A.cols()));
-  covariance = (scale.asDiagonal() * inverse * scale.asDiagonal()).topLeftCorner(dof, dof);
+  add_vague_angles(t.motion, A);
+  const ObservedState<NodeBlock> observed(A);
+  if (!observed.all()) return false;
+  covariance = observed.covariance().topLeftCorner(dof, dof);
   return covariance.allFinite();
 }
 

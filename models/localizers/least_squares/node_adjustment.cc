@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <Eigen/Cholesky>
 
 #include "models/trajectory/node_step.h"
+#include "models/trajectory/observed.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {
@@ -143,9 +143,7 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
     A.diagonal() *= 1.0 + lambda;
     // Rotations that nothing observes (a single antenna on the axis) stay where they are: 1/pi^2 is no
     // knowledge at all.
-    const int rotation = t.motion == Motion::kPlanar ? 2 : 3;
-    for (int i = rotation; i < pose_dof(t.motion); ++i)
-      A(i, i) += 1.0 / (std::numbers::pi * std::numbers::pi);
+    add_vague_angles(t.motion, A);
     A.diagonal().array() += 1e-12 * (1.0 + A.diagonal().maxCoeff());
     const NodeVector step = -Eigen::LDLT<NodeBlock>(A).solve(eq.g);
     if (!step.allFinite()) break;

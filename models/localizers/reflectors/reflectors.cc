@@ -11,6 +11,7 @@
 #include "models/physics/plane.h"
 #include "models/physics/pose.h"
 #include "models/trajectory/decompositions.h"
+#include "models/trajectory/observed.h"
 
 namespace octant {
 namespace {
@@ -337,10 +338,9 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
         information += weight * J * J.transpose();
         gradient += weight * off * J;
       }
-      const Eigen::LDLT<Eigen::Matrix3d> ldlt(information);
-      if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-12 * ldlt.vectorD().maxCoeff()))
-        return false;
-      const Eigen::Vector3d change = ldlt.solve(gradient);
+      const ObservedState<Eigen::Matrix3d> observed(information);
+      if (!observed.all()) return false;
+      const Eigen::Vector3d change = observed.solve(gradient);
       if (!change.allFinite()) return false;
       pose.p_map_m += change.head<2>();
       pose.ahead = direction(pose.heading_rad() + change.z());

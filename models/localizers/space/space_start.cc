@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "models/localizers/drive/drive_start.h"
@@ -16,6 +15,7 @@
 #include "models/localizers/least_squares/spatial_start.h"
 #include "models/localizers/space/rigid_piece.h"
 #include "models/physics/plane.h"
+#include "models/trajectory/observed.h"
 
 namespace octant {
 namespace {
@@ -123,9 +123,9 @@ std::vector<Placing> search(const SearchProblem& problem, double slack_m, double
 }
 
 bool is_tight(const Placing& p, const SearchProblem& problem) {
-  const Eigen::LDLT<Matrix6> ldlt(p.information);
-  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 0)) return false;
-  const Matrix6 P = ldlt.solve(Matrix6::Identity());
+  const ObservedState<Matrix6> observed(p.information);
+  if (!observed.all()) return false;
+  const Matrix6 P = observed.covariance();
   const bool rough = problem.slack_m > 0;
   // Among roughly known beacons no place is better known than they are together, however long the piece.
   const double most_m = rough ? std::max(kMostRoughShare * problem.span_m, 1.2 * problem.slack_m)

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "models/physics/pose.h"
+
+namespace octant {
+
+// What an information matrix tells of a state, and what it does not. Its elements differ by the squares of
+// metres and radians, so it is judged scaled to a unit diagonal, where the smallest pivot is the share of a
+// direction's information that the others leave to it. This is the one rule for states and poses; sums over
+// hundreds of parameters, where rounding is nearer, have calib/adjust/covariance.h.
+
+/// A direction whose share is not more than this is unobserved.
+inline constexpr double kUnobserved = 1e-10;
+
+/// What a step of a state that nothing observes is held by, as a share of its block's largest element.
+inline constexpr double kStepFloor = 1e-9;
+
+/// Information about an angle of which nothing is known: it is somewhere on the circle.
+inline constexpr double kVagueAngle = 1.0 / (std::numbers::pi * std::numbers::pi);
+
+/// Adds it to the turns of a block whose first unknowns are a pose's.
+template <class Block>
+void add_vague_angles(Motion motion, Block& information) {
+  for (int i = first_turn(motion); i < pose_dof(motion); ++i) information(i, i) += kVagueAngle;
+}
+
+/// L D L' of an information matrix scaled to a unit diagonal.
+template <class Matrix>
+class ObservedState {
+ public:
+  explicit ObservedState(const Matrix& information)
+      : inverse_scale_(information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()),
+        factor_(Matrix(inverse_scale_.asDiagonal() * information * inverse_scale_.asDiagonal())) {}
+
+  /// Whether all directions are observed.
+  [[nodiscard]] bool all() const {
+    return factor_.info() == Eigen::Success && factor_.vectorD().minCoeff() > kUnobserved;
+  }
+  /// Of use where all are.
+  [[nodiscard]] Matrix covariance() const {
+    return solve(Matrix::Identity(factor_.rows(), factor_.cols()).eval());
+  }
+  template <class Right>
+  [[nodiscard]] Right solve(const Right& right) const {
+    const Right scaled = inverse_scale_.asDiagonal() * right;
+    return inverse_scale_.asDiagonal() * factor_.solve(scaled).eval();
+  }
+
+ private:
+  using Vector =
+      Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1, Eigen::ColMajor, Matrix::MaxRowsAtCompileTime, 1>;
+  Vector inverse_scale_;
+  Eigen::LDLT<Matrix> factor_;
+};
+
+}  // namespace octant
