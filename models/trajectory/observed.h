@@ -41,7 +41,8 @@ class ObservedState {
 
   /// Whether all directions are observed.
   [[nodiscard]] bool all() const {
-    return factor_.info() == Eigen::Success && factor_.vectorD().minCoeff() > kUnobserved;
+    const auto pivots = factor_.vectorD();
+    return factor_.info() == Eigen::Success && (pivots.array() > kUnobserved).all();
   }
   /// Of use where all are.
   [[nodiscard]] Matrix covariance() const {

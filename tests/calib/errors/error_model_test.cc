@@ -76,5 +76,21 @@ TEST(ErrorModel, TheVarianceOfTheErrorsIsFound) {
               0.6);  // 3 and 1; pairs' own means wander by a fifth in so short a log
 }
 
+/// Draws of simulated errors go by the covariance's root: what is stated must follow it, not its last digit.
+TEST(ErrorModel, StatedSigmasDoNotHangOnRounding) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    World world = hall_with_memory(seed, 3.0, 20.0);
+    const Solution before = solution_of(world);
+    ASSERT_TRUE(before.errors.correlated) << "seed " << seed;
+    for (std::size_t i = 50; i < world.run.arrivals.size(); i += 200)
+      world.run.arrivals[i].tof_s *= 1 + 1e-12;
+    const Solution after = solution_of(world);
+    const Eigen::VectorXd ratio =
+        after.covariance.matrix.diagonal().cwiseQuotient(before.covariance.matrix.diagonal());
+    // A part in 10^12 of a time is a part in 10^7 of the noise.
+    EXPECT_LT((ratio.array() - 1.0).abs().maxCoeff(), 1e-5) << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace octant::test
