@@ -59,7 +59,7 @@ void FindingsGatherer::count_stateless(std::size_t beacon, std::size_t arrivals)
   whole_.of_beacon[beacon][static_cast<std::size_t>(Rejection::kNoPose)] += arrivals;
 }
 
-LogFindings FindingsGatherer::findings(const Estimate& estimate) && {
+GatheredFindings FindingsGatherer::findings(const Estimate& estimate) && {
   Findings& f = findings_.findings;
   f.statistics = statistics_of(frame_, estimate.layout, counts_, estimate.last.cost);
   std::vector<std::vector<PairSeries>> series;

@@ -10,19 +10,14 @@
 
 #include "calib/errors/statistics.h"
 #include "calib/errors/whiteness.h"
+#include "calib/log/calibration_log.h"
 #include "calib/problem/log_tape.h"
 #include "calib/problem/whole_log.h"
-#include "calib/start/approach.h"
-#include "calib/verdict/conclude.h"
 
 namespace octant::calib {
 
-/// What is to be said of all arrivals of a log, and some of its states.
-struct LogFindings {
-  Findings findings;
+struct GatheredFindings : LogFindings {
   std::vector<std::vector<Arrival>> arrivals;  ///< of each run, those of the states at hand
-  std::vector<Trajectory> trajectories;        ///< of these
-  std::vector<std::string> warnings;
 };
 
 /// What a reading of a part of a log has to say of one of its trajectories.
@@ -53,7 +48,7 @@ class FindingsGatherer {
   void read(const std::vector<double>& numbers);
   /// Arrivals of a beacon that no state carries.
   void count_stateless(std::size_t beacon, std::size_t arrivals);
-  [[nodiscard]] LogFindings findings(const Estimate& estimate) &&;
+  [[nodiscard]] GatheredFindings findings(const Estimate& estimate) &&;
 
  private:
   /// Of a run and a vehicle.
@@ -80,7 +75,7 @@ class FindingsGatherer {
   ObservationCounts counts_;
   std::map<std::pair<std::size_t, std::size_t>, OfTrajectory> of_trajectory_;
   std::vector<std::vector<bool>> carried_;  ///< of each run, its bearings that some state carries
-  LogFindings findings_;
+  GatheredFindings findings_;
 };
 
 }  // namespace octant::calib

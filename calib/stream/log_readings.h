@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -72,6 +73,19 @@ class LogReadings {
   LogReadings() = default;
   LogReadings(const LogReadings&) = default;
   LogReadings& operator=(const LogReadings&) = default;
+};
+
+/// Readings of several kinds, whose sums add up.
+class JoinedReadings : public LogReadings {
+ public:
+  void add(std::unique_ptr<LogReadings> readings) { all_.push_back(std::move(readings)); }
+  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
+  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
+  void accept() override;
+  [[nodiscard]] Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) override;
+
+ private:
+  std::vector<std::unique_ptr<LogReadings>> all_;
 };
 
 /// Makes a worker's log one of another run. The room of its arrivals stays.
