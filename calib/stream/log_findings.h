@@ -55,15 +55,19 @@ class FindingsGatherer {
   struct OfTrajectory {
     std::vector<PairSeries> series;
     std::vector<std::int64_t> flipped;
+    std::size_t stateless = 0;  ///< arrivals
+    int stateless_line = 0;     ///< of the first of them
     Trajectory some;
   };
 
   void write_counts(const PartFindings& part, TapeWriter& tape) const;
+  static void write_stateless(const PartFindings& part, TapeWriter& tape);
   void write_series(const Trajectory& t, TapeWriter& tape) const;
   void write_bearings(const Trajectory& t, TapeWriter& tape) const;
   void write_extent(const PartFindings& part, TapeWriter& tape) const;
   void leave_out_bearings_of_no_state();
   void read_counts(TapeReader& tape);
+  static void read_stateless(OfTrajectory& of, TapeReader& tape);
   static void read_series(std::vector<PairSeries>& series, TapeReader& tape);
   void read_bearings(std::size_t run, TapeReader& tape);
   void read_extent(TapeReader& tape);

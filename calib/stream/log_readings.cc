@@ -12,6 +12,7 @@ Result<LogReadings::Placed> JoinedReadings::place(const Estimate& estimate, doub
     if (!placed) return placed;
     all.residuals.insert(all.residuals.end(), placed->residuals.begin(), placed->residuals.end());
     all.ranges_m.insert(all.ranges_m.end(), placed->ranges_m.begin(), placed->ranges_m.end());
+    all.states += placed->states;
     all.sum = std::move(placed->sum);
   }
   return all;

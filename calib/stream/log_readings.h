@@ -55,7 +55,8 @@ class LogReadings {
   struct Placed {
     std::vector<double> residuals;  ///< magnitudes of evenly spread ones
     std::vector<double> ranges_m;   ///< the same, by the site's priors
-    std::optional<PassSum> sum;     ///< where marks were asked for, and came along
+    std::size_t states = 0;
+    std::optional<PassSum> sum;  ///< where marks were asked for, and came along
   };
   /// Places all states anew.
   /// @param mark  may reject, settle with plain squares and sum up as well

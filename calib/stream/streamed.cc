@@ -30,36 +30,11 @@ std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_row
   return kProgram + std::min(arrivals, kLookedAt) * kBytesLookedAt + 7 * arrivals / 2;
 }
 
-namespace {
-
-/// Why a drive cannot be.
-std::optional<std::string> why_no_streamed_drive(const Site& site, const MeasurementLog& run) {
-  for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
-    const auto rows = std::count_if(run.odometry.begin(), run.odometry.end(),
-                                    [v](const OdometryStep& s) { return s.vehicle.index() == v; });
-    if (rows < 2) return fmt::format("{} has no odometry of {}", run.path, site.vehicles[v].name);
-  }
-  return {};
-}
-
-/// Why stops cannot be.
-std::optional<std::string> why_no_streamed_stops(const MeasurementLog& run) {
-  if (!run.has_epochs) return fmt::format("{} has neither epochs nor odometry", run.path);
-  if (!run.odometry.empty()) return fmt::format("{} has stops with odometry between them", run.path);
-  return {};
-}
-
-}  // namespace
-
 std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs,
                                             int dense_limit) {
   Problem frame;
   frame.site = site;
-  for (const MeasurementLog* run : runs) {
-    if (auto why = is_drive(*run) ? why_no_streamed_drive(site, *run) : why_no_streamed_stops(*run))
-      return why;
-    frame.runs.push_back(without_lists(*run));
-  }
+  for (const MeasurementLog* run : runs) frame.runs.push_back(without_lists(*run));
   if (const int size =
           make_layout(frame, prior_state(site), std::vector<bool>(site.beacons.size(), false)).size();
       size > dense_limit)

@@ -22,7 +22,7 @@ StreamedLog::StreamedLog(const Site& site, ArrivalSource& source, const SolveOpt
       options_(options),
       course_(course),
       plan_(stream_plan(memory_bytes, options.threads)),
-      stops_(site.vehicles.size(), site.beacons.size(), plan_.chunk_arrivals),
+      stops_(state_kinds(source, site), site.beacons.size(), plan_.chunk_arrivals),
       drives_(source, site) {}
 
 Result<CalibrationLog::Sample> StreamedLog::next_sample() {
@@ -38,11 +38,8 @@ Result<CalibrationLog::Sample> StreamedLog::next_sample() {
 Result<void> StreamedLog::scan() {
   is_scanned_ = true;
   const auto read = source_.scan([&](std::size_t run, const std::vector<Arrival>& block) {
-    if (is_drive(source_.log(run))) {
-      drives_.take(run, block);
-    } else {
-      stops_.take(run, block);
-    }
+    stops_.take(run, block);
+    if (!has_stops_alone(run)) drives_.take(run, block);
     return true;
   });
   if (!read) return read;
@@ -51,17 +48,22 @@ Result<void> StreamedLog::scan() {
   return {};
 }
 
-/// With the warnings that make_problem() would give of all of it.
+bool StreamedLog::has_stops_alone(std::size_t run) const {
+  const auto& kinds = stops_.kinds(run);
+  return std::all_of(kinds.begin(), kinds.end(), [](StateKind k) { return k == StateKind::kStops; });
+}
+
+/// With the warnings that make_problem() would give of all drives; others are counted in the end.
 Result<Problem> StreamedLog::part() const {
   std::vector<MeasurementLog> runs;
   for (std::size_t run = 0; run < source_.runs(); ++run) {
-    auto few = is_drive(source_.log(run)) ? part_of_drives(run, site_, source_, drives_)
-                                          : part_of_stops(run, site_, source_, stops_, options_.threads);
+    auto few = has_stops_alone(run) ? part_of_stops(run, site_, source_, stops_, options_.threads)
+                                    : part_of_drives(run, site_, source_, drives_);
     if (!few) return fail(few.error());
     runs.push_back(std::move(*few));
   }
   auto problem = make_problem(site_, std::move(runs), options_.threads);
-  if (!problem || drives_.pieces().empty()) return problem;
+  if (!problem) return problem;
   problem->warnings.clear();
   for (const DriveChain& chain : drives_.chains())
     if (chain.stateless_count > 0)
@@ -95,6 +97,7 @@ Result<double> StreamedLog::place(Approach& start, double sigma) {
   if (!placed) return fail(placed.error());
   frame_.typical_range_m =
       placed->ranges_m.empty() ? 1.0 : std::max(median(std::move(placed->ranges_m)), 1e-3);
+  states_ = placed->states;
   const double of_all = agreeing_sigma(std::move(placed->residuals));
   if (mark && is_far_off(of_all)) placed = readings_.place(start.estimate, suspect_sigmas, false);
   if (!placed) return fail(placed.error());
@@ -115,7 +118,7 @@ void StreamedLog::scale_noise(Estimate& estimate, double factor) {
 }
 
 Result<LogFindings> StreamedLog::findings(const Estimate& estimate) {
-  FindingsGatherer gatherer(frame_, estimate, stops_.all_epochs() + drives_.nodes());
+  FindingsGatherer gatherer(frame_, estimate, states_);
   if (auto told = readings_.tell(estimate, gatherer); !told) return fail(told.error());
   GatheredFindings all = std::move(gatherer).findings(estimate);
   for (std::size_t run = 0; run < frame_.runs.size(); ++run)

@@ -15,13 +15,8 @@
 
 namespace octant::calib {
 
-/// Whether a run is a drive with odometry, not stops.
-[[nodiscard]] inline bool is_drive(const MeasurementLog& run) {
-  return !run.has_epochs && !run.odometry.empty();
-}
-
-/// The log of a source, which is read again for each look at it: runs that are stops, runs that are drives.
-/// One reading is one step of its adjustment (newton_steps.h).
+/// The log of a source, which is read again for each look at it: drives in pieces (drives/), all else in
+/// chunks (stops/). One reading is one step of its adjustment (newton_steps.h).
 class StreamedLog : public CalibrationLog {
  public:
   /// All outlive it.
@@ -41,6 +36,8 @@ class StreamedLog : public CalibrationLog {
 
  private:
   [[nodiscard]] Result<void> scan();
+  /// Runs of stops alone are thinned by epochs, all others by stretches of time.
+  [[nodiscard]] bool has_stops_alone(std::size_t run) const;
   [[nodiscard]] Result<Problem> part() const;
   void begin_readings();
 
@@ -54,6 +51,7 @@ class StreamedLog : public CalibrationLog {
   bool is_scanned_ = false;
   Problem frame_;  ///< the log without its arrivals
   JoinedReadings readings_;
+  std::size_t states_ = 0;
   std::optional<PassSum> first_sum_;  ///< at the start, where placing marked and summed up as well
 };
 
