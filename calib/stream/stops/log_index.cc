@@ -28,8 +28,9 @@ class LogIndex::Scanner {
     r.first_state.push_back(r.states);
     if (chunk_size_ >= chunk_arrivals_) begin_chunk(index, b);
     index.chunks_.back().last_block = b + 1;
+    const std::vector<StateKind>& kinds = index.kinds_[run];
     for (const Arrival& a : block) {
-      const StateKind kind = index.kinds_[run][a.vehicle.index()];
+      const StateKind kind = kinds[a.vehicle.index()];
       if (kind == StateKind::kDrive) continue;
       Open& open = open_[a.vehicle.index()];
       if (begins_group(kind, open, a)) {
@@ -163,10 +164,9 @@ Result<void> LogIndex::read(const ArrivalSource& source, std::size_t run, std::s
   const Run& r = runs_[run];
   arrivals.clear();
   if (auto ok = source.read(run, first, last, arrivals); !ok) return ok;
-  const auto is_elsewhere = [&](const Arrival& a) {
-    return kinds_[run][a.vehicle.index()] == StateKind::kDrive;
-  };
-  std::erase_if(arrivals, is_elsewhere);
+  const std::vector<StateKind>& kinds = kinds_[run];
+  if (std::find(kinds.begin(), kinds.end(), StateKind::kDrive) != kinds.end())
+    std::erase_if(arrivals, [&](const Arrival& a) { return kinds[a.vehicle.index()] == StateKind::kDrive; });
   // Groups that began before are another chunk's,
   for (std::size_t k = r.first_open[first]; k < r.first_open[first + 1]; ++k) {
     const Split& split = r.splits[r.open[k]];

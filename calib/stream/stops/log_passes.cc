@@ -208,13 +208,15 @@ Result<void> LogPasses::tell(const Estimate& estimate, FindingsGatherer& gathere
 void LogPasses::tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
                                 const FindingsGatherer& gatherer, std::vector<double>& tape) const {
   const std::size_t before = w.chunk->states_before[t.vehicle.index()], every = gatherer.every();
-  const std::vector<Segment> all = every == 1 ? t.segments : with_chains_cut(t);
+  const bool cut = every > 1 && std::any_of(t.segments.begin(), t.segments.end(), is_long_chain);
+  const std::vector<Segment> stretches = cut ? with_chains_cut(t) : std::vector<Segment>();
+  const std::vector<Segment>& all = cut ? stretches : t.segments;
   std::vector<Segment> some;
   for (std::size_t k = (every - before % every) % every; k < all.size(); k += every) some.push_back(all[k]);
   PartFindings part{t, w.log, pick_segments(t, some)};
   // What a stretch's neighbours told of its ends is no part of the sample.
   for (const Segment& s : part.looked_at.segments)
-    if (every > 1 && s.last_node - s.first_node > 1 && part.looked_at.nodes[s.first_node].placed)
+    if (cut && part.looked_at.nodes[s.first_node].placed)
       octant::settle(part.looked_at, s, gatherer.state(), {});
   for (std::size_t k = 0; k < t.nodes.size(); ++k)
     if (!t.moving && t.motion == Motion::kPlanar &&

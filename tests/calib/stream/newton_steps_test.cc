@@ -3,51 +3,13 @@
 #include "calib/stream/newton_steps.h"
 
 #include <cmath>
-#include <functional>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/worlds.h"
+#include "tests/calib/stream/one_residual.h"
 
 namespace octant::test {
 namespace {
-
-/// Readings of one residual, whose parameter is the only one.
-class OneResidual : public calib::LogReadings {
- public:
-  /// @param residual  sets value and derivative
-  explicit OneResidual(std::function<void(double x, double& r, double& J)> residual)
-      : residual_(std::move(residual)) {}
-  Result<Placed> place(const calib::Estimate&, double, bool) override { return Placed{}; }
-  Result<calib::PassSum> pass(const calib::Estimate& estimate, calib::MarkPolicy marks) override {
-    double r = 0.0, J = 0.0;
-    residual_(estimate.x[0], r, J);
-    calib::PassSum sum;
-    sum.system.cost = sum.counts.cost_before = 0.5 * r * r;
-    sum.system.gradient.setConstant(1, J * r);
-    sum.system.H.setConstant(1, 1, J * J);
-    if (marks != calib::MarkPolicy::kKept && changes_left > 0) sum.counts.changed = 1, --changes_left;
-    ++passes;
-    return sum;
-  }
-  void accept() override { ++accepted; }
-  Result<void> tell(const calib::Estimate&, calib::FindingsGatherer&) override { return {}; }
-
-  int passes = 0, accepted = 0, changes_left = 0;
-
- private:
-  std::function<void(double, double&, double&)> residual_;
-};
-
-calib::Estimate at(double x, double prior_mean = 0.0, double prior_sigma = INFINITY) {
-  calib::Estimate estimate;
-  estimate.layout.parameters.push_back({.prior_mean = prior_mean, .prior_sigma = prior_sigma});
-  estimate.layout.blocks.push_back({0, 1});
-  estimate.layout.speed = {0};
-  estimate.layout.fixed.speed_offset_mps = {0.0};
-  estimate.x.setConstant(1, x);
-  return estimate;
-}
 
 calib::PassSum steps(OneResidual& readings, calib::Estimate& estimate,
                      std::optional<calib::PassSum> first = {}) {
@@ -111,18 +73,6 @@ TEST(NewtonSteps, StopWhereTheyAreAskedTo) {
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kInterrupted);
   EXPECT_EQ(line.passes, 0);
-}
-
-// What several readings say adds up; a mark that may come with placing is for one alone.
-TEST(JoinedReadings, AddUp) {
-  calib::JoinedReadings both;
-  both.add(std::make_unique<OneResidual>([](double x, double& r, double& J) { r = 2 * x - 6, J = 2; }));
-  both.add(std::make_unique<OneResidual>([](double x, double& r, double& J) { r = x, J = 1; }));
-  const calib::PassSum sum = must(both.pass(at(1.0), calib::MarkPolicy::kKept));
-  EXPECT_EQ(sum.system.cost, 0.5 * 16 + 0.5);
-  EXPECT_EQ(sum.counts.cost_before, sum.system.cost);
-  EXPECT_EQ(sum.system.gradient[0], -8.0 + 1.0);
-  EXPECT_EQ(sum.system.H(0, 0), 5.0);
 }
 
 }  // namespace

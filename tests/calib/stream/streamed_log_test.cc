@@ -76,6 +76,23 @@ TEST(StreamedLog, MomentsAtMeasuredPosesMayBeStreamed) {
   expect_same_drive(world.site, {world.run});
 }
 
+// One receiver, no headings: it is held where it is stated, and measured places are off by its sigma as well.
+TEST(StreamedLog, AReceiverThatIsHeldMayBeStreamed) {
+  Scenario s = hall_scenario();
+  s.site.vehicles.clear();
+  s.site.receivers.clear();
+  add_receivers(s.site, {{0.0, 0.0, 0.3}}, 0.008);
+  s.path.epochs = 600;
+  s.heldout_path.epochs = 1;
+  s.log_poses = true;
+  s.pose_accuracy = {.position_sigma_m = 0.003, .heading_known = false};
+  const World world = must(simulate(s, 26));
+  const calib::Problem problem = must(calib::make_problem(world.site, {world.run}));
+  ASSERT_EQ(problem.held_lever_sigma_m, std::vector<double>{0.008});
+  ASSERT_NEAR(problem.trajectories.front().poses.front().position_sigma_m, std::hypot(0.003, 0.008), 1e-12);
+  expect_same_drive(world.site, {world.run});
+}
+
 // Nothing but arrivals: what lies between silences hangs together by the prior, and is whole in its chunk.
 TEST(StreamedLog, DrivesWithAMotionPriorMayBeStreamed) {
   Scenario s = drive_scenario(300.0);

@@ -47,7 +47,7 @@ TEST(StateBearings, AreThoseThatStatesOfTheArrivalsCarry) {
     const calib::StateBearings bearings(world.run.bearings, {state_kind(world.run, VehicleId(0), model)});
     std::set<std::size_t> found;
     std::size_t named = 0;
-    for (int part = 0; part < 3; ++part) {
+    for (int part = 0; part < 4; ++part) {
       MeasurementLog few = world.run;
       std::erase_if(few.arrivals,
                     [&](const Arrival& a) { return static_cast<int>(a.time_s / 40.0) != part; });
