@@ -41,6 +41,7 @@ TEST(NewtonSteps, TakeBackWhatMakesThingsWorse) {
   EXPECT_TRUE(estimate.last.converged) << estimate.last.message;
   EXPECT_NEAR(estimate.x[0], 0.0, 1e-4);
   EXPECT_LT(bent.accepted, bent.passes);
+  EXPECT_TRUE(bent.never_worse);
 }
 
 TEST(NewtonSteps, GoOnWhileMarksChange) {

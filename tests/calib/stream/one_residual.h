@@ -26,15 +26,22 @@ class OneResidual : public calib::LogReadings {
     sum.system.gradient.setConstant(1, J * r);
     sum.system.H.setConstant(1, 1, J * J);
     if (marks != calib::MarkPolicy::kKept && changes_left > 0) sum.counts.changed = 1, --changes_left;
+    latest_cost_ = sum.system.cost;
     ++passes;
     return sum;
   }
-  void accept() override { ++accepted; }
+  void accept() override {
+    ++accepted;
+    never_worse = never_worse && latest_cost_ <= accepted_cost_;
+    accepted_cost_ = latest_cost_;
+  }
   Result<void> tell(const calib::Estimate&, calib::FindingsGatherer&) override { return {}; }
 
   int passes = 0, accepted = 0, changes_left = 0;
+  bool never_worse = true;  ///< than what was accepted before
 
  private:
+  double latest_cost_ = 0.0, accepted_cost_ = INFINITY;
   std::function<void(double, double&, double&)> residual_;
 };
 
