@@ -95,7 +95,9 @@ bool is_headless(const Site& site, const std::vector<Trajectory>& trajectories, 
 /// turned together look the same, so that the arm would grow until it absorbs the errors of each stop, and no
 /// adjustment would come to rest on that circle. A receiver that is known well enough then stands where it is
 /// stated, and measured positions are off by its sigma as well.
-void hold_levers(Site& site, std::vector<Trajectory>& trajectories) {
+/// @return Problem::held_lever_sigma_m
+std::vector<double> hold_levers(Site& site, const std::vector<Trajectory>& trajectories) {
+  std::vector<double> held_m(site.vehicles.size(), 0.0);
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
     if (!is_headless(site, trajectories, VehicleId(v))) continue;
     double sigma_m = 0.0;
@@ -106,11 +108,9 @@ void hold_levers(Site& site, std::vector<Trajectory>& trajectories) {
     if (sigma_m > kShareOfTolerance * site.tolerance.fix_m.value_or(kUsualTolerance)) continue;
     for (SiteReceiver& r : site.receivers)
       if (r.vehicle.index() == v) r.sigma_m.head<2>().setZero();
-    for (Trajectory& t : trajectories) {
-      if (t.vehicle.index() != v) continue;
-      for (PoseObservation& p : t.poses) p.position_sigma_m = std::hypot(p.position_sigma_m, sigma_m);
-    }
+    held_m[v] = sigma_m;
   }
+  return held_m;
 }
 
 }  // namespace
@@ -120,6 +120,11 @@ TrajectoryModel trajectory_model(const Site& site) {
   if (site.attenuation) model.attenuation = site.attenuation->mean();
   for (const SiteVehicle& vehicle : site.vehicles) model.motion_priors.push_back(vehicle.motion);
   return model;
+}
+
+void widen_poses(const Problem& problem, Trajectory& t) {
+  const double sigma_m = problem.held_lever_sigma_m.at(t.vehicle.index());
+  for (PoseObservation& p : t.poses) p.position_sigma_m = std::hypot(p.position_sigma_m, sigma_m);
 }
 
 std::string stateless_in_words(const MeasurementLog& run, int line, std::size_t count) {
@@ -154,7 +159,8 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int th
                  .advice = "record a run while the beacons fire, or check poses.tum and odometry.csv against "
                            "the times in tof.csv"});
   }
-  hold_levers(site, problem.trajectories);
+  problem.held_lever_sigma_m = hold_levers(site, problem.trajectories);
+  for (Trajectory& t : problem.trajectories) widen_poses(problem, t);
   apply_gates(site, problem.trajectories, threads);
   problem.typical_range_m = typical_range_m(site, problem.trajectories);
   problem.site = std::move(site);

@@ -22,10 +22,16 @@ struct Problem {
   std::vector<std::string> warnings;
   std::vector<Contradiction> contradictions;  ///< that show before any adjustment
   double typical_range_m = 1.0;               ///< median range of the arrivals by the site's priors
+  /// Of each vehicle, by how much its receivers may be off where they are held all the same (0: they are
+  /// not).
+  std::vector<double> held_lever_sigma_m;
 };
 
 /// What the trajectories of a site need to know of it.
 [[nodiscard]] TrajectoryModel trajectory_model(const Site& site);
+
+/// Measured poses of a vehicle whose receivers are held are off by the sigma of these as well.
+void widen_poses(const Problem& problem, Trajectory& trajectory);
 
 /// Arrivals of a recording that no state carries, in words. @param line  of the first
 [[nodiscard]] std::string stateless_in_words(const MeasurementLog& run, int line, std::size_t count);

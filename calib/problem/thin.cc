@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace octant::calib {
 namespace {
@@ -19,6 +20,11 @@ struct Group {
   std::vector<std::size_t> arrivals, bearings;  ///< indices into the log
   double first_s = INFINITY, last_s = -INFINITY;
 };
+
+std::uint64_t pair_of(const Arrival& a) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a.beacon.value)) << 32U) |
+         static_cast<std::uint32_t>(a.receiver.value);
+}
 
 class Thinner {
  public:
@@ -34,8 +40,8 @@ class Thinner {
     make_groups();
     const std::size_t budget = budgeted();
     if (groups_.size() <= budget && !crowded()) return run_;
-    chosen_ = evenly_chosen(groups_.size(), budget);
-    complete_beacons();
+    chosen_ = chosen_groups(groups_.size(), site_.beacons.size(), budget, options_.per_beacon,
+                            [this](std::size_t g, const auto& visit) { for_each_heard(groups_[g], visit); });
     return assemble();
   }
 
@@ -82,16 +88,7 @@ class Thinner {
   }
 
   [[nodiscard]] std::size_t budgeted() const {
-    if (!drive_ || groups_.empty()) return options_.instants;
-    const double each = static_cast<double>(run_.arrivals.size()) / static_cast<double>(groups_.size());
-    return static_cast<std::size_t>(
-        std::max(static_cast<double>(stretches_.fewest),
-                 static_cast<double>(options_.drive_arrivals) / std::max(each, 1e-3)));
-  }
-
-  [[nodiscard]] static std::uint64_t pair_of(const Arrival& a) {
-    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a.beacon.value)) << 32U) |
-           static_cast<std::uint32_t>(a.receiver.value);
+    return drive_ ? stretches_kept(site_, options_, run_.arrivals.size(), groups_.size()) : options_.instants;
   }
 
   /// A long stand: one epoch with more of the same than anybody needs.
@@ -112,21 +109,6 @@ class Thinner {
       if (run_.bearings[b].reflector.valid()) visit(run_.bearings[b].reflector.index());
   }
 
-  void complete_beacons() {
-    GroupsHearing hearing;
-    hearing.kept.assign(site_.beacons.size(), 0);
-    hearing.more.resize(site_.beacons.size());
-    hearing.for_each_heard = [this](std::size_t g, const auto& visit) { for_each_heard(groups_[g], visit); };
-    for (std::size_t g = 0; g < groups_.size(); ++g)
-      for_each_heard(groups_[g], [&](std::size_t beacon) {
-        if (chosen_[g])
-          ++hearing.kept[beacon];
-        else if (hearing.more[beacon].empty() || hearing.more[beacon].back() != g)
-          hearing.more[beacon].push_back(g);
-      });
-    choose_more(hearing, options_.per_beacon, chosen_);
-  }
-
   MeasurementLog assemble() const {
     MeasurementLog few = without_lists(run_);
     few.rejected = run_.rejected;
@@ -137,10 +119,10 @@ class Thinner {
       if (!chosen_[g]) continue;
       take_some(groups_[g].arrivals, arrivals);
       bearings.insert(bearings.end(), groups_[g].bearings.begin(), groups_[g].bearings.end());
-      spans.emplace_back(
-          groups_[g].first_s -
-              (drive_ && site_.timing.ranging == Ranging::kTwoWay ? longest_tof_s(groups_[g]) : 0.0),
-          groups_[g].last_s);
+      double asked_s = 0.0;  // before the first of them
+      for (const std::size_t a : groups_[g].arrivals)
+        if (drive_) asked_s = std::max(asked_s, asked_before_s(site_, run_.arrivals[a]));
+      spans.emplace_back(groups_[g].first_s - asked_s, groups_[g].last_s);
     }
     std::sort(arrivals.begin(), arrivals.end());
     std::sort(bearings.begin(), bearings.end());
@@ -152,19 +134,10 @@ class Thinner {
     return few;
   }
 
-  [[nodiscard]] double longest_tof_s(const Group& g) const {
-    double longest_s = 0.0;
-    for (const std::size_t a : g.arrivals) longest_s = std::max(longest_s, run_.arrivals[a].tof_s);
-    return longest_s;
-  }
-
   void take_some(const std::vector<std::size_t>& from, std::vector<std::size_t>& to) const {
-    std::map<std::uint64_t, std::vector<std::size_t>> by_pair;
-    for (const std::size_t a : from) by_pair[pair_of(run_.arrivals[a])].push_back(a);
-    for (const auto& [pair, all] : by_pair) {
-      const std::size_t count = std::min(per_pair_, all.size());
-      for (std::size_t i = 0; i < count; ++i) to.push_back(all[i * all.size() / count]);
-    }
+    std::vector<const Arrival*> rows;
+    for (const std::size_t a : from) rows.push_back(&run_.arrivals[a]);
+    for (const std::size_t i : some_of_pairs(rows, per_pair_)) to.push_back(from[i]);
   }
 
   const MeasurementLog& run_;
@@ -266,6 +239,37 @@ void choose_more(GroupsHearing& hearing, std::size_t per_beacon, std::vector<boo
   }
 }
 
+std::vector<bool> chosen_groups(std::size_t groups, std::size_t beacons, std::size_t budget,
+                                std::size_t per_beacon,
+                                decltype(GroupsHearing::for_each_heard) for_each_heard) {
+  std::vector<bool> chosen = evenly_chosen(groups, budget);
+  GroupsHearing hearing;
+  hearing.kept.assign(beacons, 0);
+  hearing.more.resize(beacons);
+  for (std::size_t g = 0; g < groups; ++g)
+    for_each_heard(g, [&](std::size_t beacon) {
+      if (chosen[g])
+        ++hearing.kept[beacon];
+      else if (hearing.more[beacon].empty() || hearing.more[beacon].back() != g)
+        hearing.more[beacon].push_back(g);
+    });
+  hearing.for_each_heard = std::move(for_each_heard);
+  choose_more(hearing, per_beacon, chosen);
+  return chosen;
+}
+
+std::vector<std::size_t> some_of_pairs(const std::vector<const Arrival*>& arrivals, std::size_t per_pair) {
+  std::map<std::uint64_t, std::vector<std::size_t>> by_pair;
+  for (std::size_t i = 0; i < arrivals.size(); ++i) by_pair[pair_of(*arrivals[i])].push_back(i);
+  std::vector<std::size_t> some;
+  for (const auto& [pair, all] : by_pair) {
+    const std::size_t count = std::min(per_pair, all.size());
+    for (std::size_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
+  }
+  std::sort(some.begin(), some.end());
+  return some;
+}
+
 MeasurementLog without_lists(const MeasurementLog& run) {
   MeasurementLog few;
   few.path = run.path;
@@ -285,6 +289,19 @@ MeasurementLog without_lists(const MeasurementLog& run) {
 DriveStretches stretches_of(const Site& site) {
   if (site.motion == Motion::kSpatial) return {.length_s = 10.0, .fewest = 20, .per_pair = 4};
   return {};
+}
+
+std::size_t stretches_kept(const Site& site, const ThinOptions& options, std::size_t arrivals,
+                           std::size_t stretches) {
+  if (stretches == 0) return options.instants;
+  const double each = static_cast<double>(arrivals) / static_cast<double>(stretches);
+  return static_cast<std::size_t>(
+      std::max(static_cast<double>(stretches_of(site).fewest),
+               static_cast<double>(options.drive_arrivals) / std::max(each, 1e-3)));
+}
+
+double asked_before_s(const Site& site, const Arrival& arrival) {
+  return site.timing.ranging == Ranging::kTwoWay ? arrival.tof_s : 0.0;
 }
 
 MeasurementLog thin(const MeasurementLog& run, const Site& site, const ThinOptions& options) {

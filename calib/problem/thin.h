@@ -26,6 +26,11 @@ struct DriveStretches {
   std::size_t fewest = 30;    ///< that are kept
   std::size_t per_pair = 16;  ///< arrivals of one beacon at one receiver within each, at most
 };
+/// How many of them: about ThinOptions::drive_arrivals arrivals. @param arrivals, stretches  of the run
+[[nodiscard]] std::size_t stretches_kept(const Site& site, const ThinOptions& options, std::size_t arrivals,
+                                         std::size_t stretches);
+/// By how much before it came back a two-way range was asked for: 0 for one way.
+[[nodiscard]] double asked_before_s(const Site& site, const Arrival& arrival);
 /// In space a stretch is placed by its own shape among beacons that are known roughly: it has to be long, and
 /// there are few of them, of fewer arrivals a second.
 [[nodiscard]] DriveStretches stretches_of(const Site& site);
@@ -58,6 +63,15 @@ struct GroupsHearing {
   std::function<void(std::size_t group, const std::function<void(std::size_t beacon)>& visit)> for_each_heard;
 };
 void choose_more(GroupsHearing& hearing, std::size_t per_beacon, std::vector<bool>& chosen);
+
+/// Both. @param for_each_heard  calls visit(beacon) for each observation of a group
+[[nodiscard]] std::vector<bool> chosen_groups(std::size_t groups, std::size_t beacons, std::size_t budget,
+                                              std::size_t per_beacon,
+                                              decltype(GroupsHearing::for_each_heard) for_each_heard);
+
+/// At most so many arrivals of each beacon at one receiver, evenly: their places in the list, ascending.
+[[nodiscard]] std::vector<std::size_t> some_of_pairs(const std::vector<const Arrival*>& arrivals,
+                                                     std::size_t per_pair);
 
 /// A run without the lists that are long (arrivals, bearings, odometry, poses, truth, scans).
 [[nodiscard]] MeasurementLog without_lists(const MeasurementLog& run);

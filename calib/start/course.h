@@ -2,12 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "calib/adjust/adjust.h"
 #include "calib/calibrate.h"
+#include "models/support/result.h"
 
 namespace octant::calib {
+
+/// Where the course is to stop.
+[[nodiscard]] inline auto interrupted() { return fail({.code = Errc::kInterrupted, .found = "interrupted"}); }
 
 /// How far a calibration has come: what it tells whoever listens, and whether he wants it to stop.
 class Course {
@@ -19,6 +24,10 @@ class Course {
     stage_ = stage;
     fraction_ = fraction;
     return go_on();
+  }
+  /// The stage of an adjustment of the arrivals that agree. @param round  from 0
+  bool report_inliers(int round) {
+    return report("adjustment of the arrivals that agree", std::min(0.9, 0.7 + 0.03 * round));
   }
   /// Within the stage.
   [[nodiscard]] bool go_on(int iteration = 0, double cost = 0.0) const {

@@ -16,6 +16,7 @@ class KeptStates {
  public:
   void clear() { numbers_.clear(); }
   void reserve(const Trajectory& like, std::size_t states) { numbers_.reserve(states * numbers_of(like)); }
+  [[nodiscard]] std::size_t count(const Trajectory& like) const { return numbers_.size() / numbers_of(like); }
   /// Of states of such a trajectory. @param state  a number from 0
   [[nodiscard]] bool has_place(const Trajectory& like, std::size_t state) const {
     return !std::isnan(numbers_[state * numbers_of(like) + 2]);

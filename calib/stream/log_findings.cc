@@ -30,6 +30,7 @@ void FindingsGatherer::write(const PartFindings& part, std::vector<double>& numb
   tape.put_count(part.trajectory.run);
   tape.put_count(part.trajectory.vehicle.index());
   write_counts(part, tape);
+  write_stateless(part, tape);
   write_series(part.trajectory, tape);
   tape.put_count(part.flipped.size());
   for (const std::int64_t epoch : part.flipped) tape.put_integer(epoch);
@@ -45,6 +46,7 @@ void FindingsGatherer::read(const std::vector<double>& numbers) {
     of.some.run = run;
     of.some.vehicle = VehicleId(vehicle);
     read_counts(tape);
+    read_stateless(of, tape);
     of.series.resize(state_.beacon_p_map_m.size() * state_.receiver_p_vehicle_m.size());
     read_series(of.series, tape);
     for (std::size_t n = tape.count(); n > 0; --n) of.flipped.push_back(tape.integer());
@@ -59,16 +61,19 @@ void FindingsGatherer::count_stateless(std::size_t beacon, std::size_t arrivals)
   whole_.of_beacon[beacon][static_cast<std::size_t>(Rejection::kNoPose)] += arrivals;
 }
 
-LogFindings FindingsGatherer::findings(const Estimate& estimate) && {
+GatheredFindings FindingsGatherer::findings(const Estimate& estimate) && {
   Findings& f = findings_.findings;
   f.statistics = statistics_of(frame_, estimate.layout, counts_, estimate.last.cost);
   std::vector<std::vector<PairSeries>> series;
   for (auto& [key, of] : of_trajectory_) {
     series.push_back(std::move(of.series));
-    const bool measured = !frame_.runs[key.first].poses.empty();
-    if (!has_heading(frame_.site, VehicleId(key.second), measured)) of.flipped.clear();
-    for (std::string& words : flips_in_words(frame_.runs[key.first], of.flipped))
-      f.flips.push_back(std::move(words));
+    const MeasurementLog& run = frame_.runs[key.first];
+    if (of.stateless > 0)
+      findings_.warnings.push_back(stateless_in_words(run, of.stateless_line, of.stateless));
+    const bool measured = !run.poses.empty() || !run.odometry.empty();
+    if (run.bearings.empty() && !has_heading(frame_.site, VehicleId(key.second), measured))
+      of.flipped.clear();
+    for (std::string& words : flips_in_words(run, of.flipped)) f.flips.push_back(std::move(words));
     if (!of.some.nodes.empty()) findings_.trajectories.push_back(std::move(of.some));
   }
   leave_out_bearings_of_no_state();
@@ -99,6 +104,20 @@ void FindingsGatherer::write_counts(const PartFindings& part, TapeWriter& tape) 
     tape.put_count(count);
   tape.put(counts.observations);
   tape.put(counts.squares_s2);
+}
+
+void FindingsGatherer::write_stateless(const PartFindings& part, TapeWriter& tape) {
+  const std::vector<std::size_t>& stateless = part.trajectory.stateless_arrivals;
+  tape.put_count(stateless.size());
+  if (!stateless.empty()) tape.put_integer(part.log.arrivals[stateless.front()].line);
+}
+
+void FindingsGatherer::read_stateless(OfTrajectory& of, TapeReader& tape) {
+  const std::size_t count = tape.count();
+  if (count == 0) return;
+  const auto line = static_cast<int>(tape.integer());
+  if (of.stateless == 0) of.stateless_line = line;
+  of.stateless += count;
 }
 
 void FindingsGatherer::read_counts(TapeReader& tape) {
@@ -164,6 +183,8 @@ void FindingsGatherer::write_extent(const PartFindings& part, TapeWriter& tape) 
     coldest = std::min(coldest, degC);
     hottest = std::max(hottest, degC);
   }
+  for (const std::size_t a : part.trajectory.stateless_arrivals)
+    ++of_beacon[part.log.arrivals[a].beacon.index()][static_cast<std::size_t>(Rejection::kNoPose)];
   for (const auto& counts : of_beacon)
     for (const std::size_t count : counts) tape.put_count(count);
   std::vector<Eigen::Vector2d> places;

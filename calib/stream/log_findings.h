@@ -10,19 +10,14 @@
 
 #include "calib/errors/statistics.h"
 #include "calib/errors/whiteness.h"
+#include "calib/log/calibration_log.h"
 #include "calib/problem/log_tape.h"
 #include "calib/problem/whole_log.h"
-#include "calib/start/approach.h"
-#include "calib/verdict/conclude.h"
 
 namespace octant::calib {
 
-/// What is to be said of all arrivals of a log, and some of its states.
-struct LogFindings {
-  Findings findings;
+struct GatheredFindings : LogFindings {
   std::vector<std::vector<Arrival>> arrivals;  ///< of each run, those of the states at hand
-  std::vector<Trajectory> trajectories;        ///< of these
-  std::vector<std::string> warnings;
 };
 
 /// What a reading of a part of a log has to say of one of its trajectories.
@@ -53,22 +48,26 @@ class FindingsGatherer {
   void read(const std::vector<double>& numbers);
   /// Arrivals of a beacon that no state carries.
   void count_stateless(std::size_t beacon, std::size_t arrivals);
-  [[nodiscard]] LogFindings findings(const Estimate& estimate) &&;
+  [[nodiscard]] GatheredFindings findings(const Estimate& estimate) &&;
 
  private:
   /// Of a run and a vehicle.
   struct OfTrajectory {
     std::vector<PairSeries> series;
     std::vector<std::int64_t> flipped;
+    std::size_t stateless = 0;  ///< arrivals
+    int stateless_line = 0;     ///< of the first of them
     Trajectory some;
   };
 
   void write_counts(const PartFindings& part, TapeWriter& tape) const;
+  static void write_stateless(const PartFindings& part, TapeWriter& tape);
   void write_series(const Trajectory& t, TapeWriter& tape) const;
   void write_bearings(const Trajectory& t, TapeWriter& tape) const;
   void write_extent(const PartFindings& part, TapeWriter& tape) const;
   void leave_out_bearings_of_no_state();
   void read_counts(TapeReader& tape);
+  static void read_stateless(OfTrajectory& of, TapeReader& tape);
   static void read_series(std::vector<PairSeries>& series, TapeReader& tape);
   void read_bearings(std::size_t run, TapeReader& tape);
   void read_extent(TapeReader& tape);
@@ -80,7 +79,7 @@ class FindingsGatherer {
   ObservationCounts counts_;
   std::map<std::pair<std::size_t, std::size_t>, OfTrajectory> of_trajectory_;
   std::vector<std::vector<bool>> carried_;  ///< of each run, its bearings that some state carries
-  LogFindings findings_;
+  GatheredFindings findings_;
 };
 
 }  // namespace octant::calib

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -54,7 +55,8 @@ class LogReadings {
   struct Placed {
     std::vector<double> residuals;  ///< magnitudes of evenly spread ones
     std::vector<double> ranges_m;   ///< the same, by the site's priors
-    std::optional<PassSum> sum;     ///< where marks were asked for, and came along
+    std::size_t states = 0;
+    std::optional<PassSum> sum;  ///< where marks were asked for, and came along
   };
   /// Places all states anew.
   /// @param mark  may reject, settle with plain squares and sum up as well
@@ -72,6 +74,19 @@ class LogReadings {
   LogReadings() = default;
   LogReadings(const LogReadings&) = default;
   LogReadings& operator=(const LogReadings&) = default;
+};
+
+/// Readings of several kinds, whose sums add up.
+class JoinedReadings : public LogReadings {
+ public:
+  void add(std::unique_ptr<LogReadings> readings) { all_.push_back(std::move(readings)); }
+  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
+  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
+  void accept() override;
+  [[nodiscard]] Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) override;
+
+ private:
+  std::vector<std::unique_ptr<LogReadings>> all_;
 };
 
 /// Makes a worker's log one of another run. The room of its arrivals stays.

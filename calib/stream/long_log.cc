@@ -12,7 +12,7 @@
 #include "calib/adjust/reject.h"
 #include "calib/adjust/tile_sum.h"
 #include "calib/start/start.h"
-#include "calib/stream/stops/epoch_bearings.h"
+#include "calib/stream/stops/state_bearings.h"
 #include "models/localizers/least_squares/linear_ranges.h"
 #include "models/support/parallel.h"
 
@@ -74,7 +74,7 @@ Result<void> for_each_row_of_block(const ArrivalSource& source, const LogIndex& 
     std::size_t number;
   };
   std::vector<Current> current;  // of each vehicle met
-  std::size_t next = index.first_epoch(run, block);
+  std::size_t next = index.first_state(run, block);
   for (const Arrival& a : rows) {
     auto at = std::find_if(current.begin(), current.end(),
                            [&a](const Current& c) { return c.vehicle == a.vehicle; });
@@ -142,8 +142,8 @@ Result<void> read_epochs(const ArrivalSource& source, const LogIndex& index, std
                          const std::vector<bool>& chosen, int threads, std::vector<Arrival>& arrivals) {
   std::vector<std::size_t> blocks;
   for (std::size_t b = 0; b < index.blocks(run); ++b) {
-    const auto begin = chosen.begin() + static_cast<std::ptrdiff_t>(index.first_epoch(run, b));
-    const auto end = chosen.begin() + static_cast<std::ptrdiff_t>(index.first_epoch(run, b + 1));
+    const auto begin = chosen.begin() + static_cast<std::ptrdiff_t>(index.first_state(run, b));
+    const auto end = chosen.begin() + static_cast<std::ptrdiff_t>(index.first_state(run, b + 1));
     if (std::find(begin, end, true) != end) blocks.push_back(b);
   }
   auto some = read_blocks<Arrival>(blocks, threads, [&](std::size_t block, std::vector<Arrival>& out) {
@@ -162,7 +162,7 @@ Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site, const Ar
                                      const LogIndex& index, int threads) {
   MeasurementLog few = without_lists(source.log(run));
   few.rejected = source.log(run).rejected;
-  std::vector<bool> chosen = evenly_chosen(index.epochs(run), kPartOfLongLog.instants);
+  std::vector<bool> chosen = evenly_chosen(index.states(run), kPartOfLongLog.instants);
   if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok) return fail(ok.error());
   GroupsHearing hearing;
   hearing.kept.assign(site.beacons.size(), 0);
@@ -180,11 +180,11 @@ Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site, const Ar
   for (const Arrival& a : few.arrivals) spans.emplace_back(a.time_s, a.time_s);
   few.poses = poses_near(source.log(run).poses, spans);
   const std::vector<Bearing>& bearings = source.log(run).bearings;
-  for (const std::size_t b : EpochBearings(bearings).of_epochs_in(few.arrivals))
+  for (const std::size_t b : StateBearings(bearings, index.kinds(run)).of_states_in(few.arrivals))
     few.bearings.push_back(bearings[b]);
   // All of these epochs, but not more of one pair within one than is good for anything.
   ThinOptions all = kPartOfLongLog;
-  all.instants = index.epochs(run);
+  all.instants = index.states(run);
   all.per_beacon = 0;
   return thin(few, site, all);
 }
@@ -249,8 +249,8 @@ void place_all(const Problem& problem, const ParameterLayout& layout, const Shar
   std::vector<Trajectory> stops, drives;
   std::vector<bool> drove;
   for (Trajectory& t : trajectories) {
-    drove.push_back(t.moving);
-    (t.moving ? drives : stops).push_back(std::move(t));
+    drove.push_back(t.moving || !t.odometry.empty());
+    (drove.back() ? drives : stops).push_back(std::move(t));
   }
   if (!stops.empty()) place_all_stops(problem, layout, state, usable, suspect_sigmas, workers, stops);
   if (!drives.empty()) place_all_drives(problem, state, usable, workers.threads, drives);

@@ -26,7 +26,6 @@ template <class Work>
   std::mutex mutex;
   std::optional<Error> error;
   std::exception_ptr failure;
-  const auto interrupted = [] { return fail({.code = Errc::kInterrupted, .found = "interrupted"}); };
   const auto loop = [&](std::size_t worker) {
     try {
       for (std::size_t k = next.fetch_add(1); k < last && !stop; k = next.fetch_add(1)) {

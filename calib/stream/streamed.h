@@ -19,9 +19,9 @@ namespace octant::calib {
 /// and the states that are looked at one by one in the end.
 [[nodiscard]] std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_rows = 0);
 
-/// Why a log cannot be streamed, in words. Planar stops of arrivals and measured poses can be, on a site of
-/// not too many parameters: they hang together by the shared parameters alone; and so can drives with
-/// odometry, one way and with a clock that all share, whose pieces hang together by their ends as well.
+/// Why a log cannot be streamed, in words: the site has so many parameters that its matrices have to be
+/// sparse, of which no sum is kept between the readings. What hangs together within a run is at hand as a
+/// whole while it is worked on, drives with odometry aside.
 /// @param runs  without their arrivals
 [[nodiscard]] std::optional<std::string> why_not_streamed(const Site& site,
                                                           const std::vector<const MeasurementLog*>& runs,

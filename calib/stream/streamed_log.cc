@@ -2,100 +2,128 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/stream/streamed_log.h"
 
-#include <optional>
+#include <algorithm>
+#include <memory>
 #include <utility>
 
-#include "calib/problem/thin.h"
+#include "calib/adjust/reject.h"
+#include "calib/problem/ranges.h"
 #include "calib/stream/drives/drive_part.h"
 #include "calib/stream/drives/drive_passes.h"
 #include "calib/stream/long_log.h"
+#include "calib/stream/newton_steps.h"
 
 namespace octant::calib {
 
-StreamedLog::StreamedLog(const Site& site, ArrivalSource& source, const StreamPlan& plan)
+StreamedLog::StreamedLog(const Site& site, ArrivalSource& source, const SolveOptions& options, Course& course,
+                         std::size_t memory_bytes)
     : site_(site),
       source_(source),
-      stops_(site.vehicles.size(), site.beacons.size(), plan.chunk_arrivals),
-      drives_(source, site),
-      piece_bytes_(plan.piece_bytes) {}
+      options_(options),
+      course_(course),
+      plan_(stream_plan(memory_bytes, options.threads)),
+      stops_(state_kinds(source, site), site.beacons.size(), plan_.chunk_arrivals),
+      drives_(source, site) {}
+
+Result<CalibrationLog::Sample> StreamedLog::next_sample() {
+  if (is_scanned_) return Sample{};  // no more of it is ever at hand
+  if (!course_.report("first reading of the log", 0.01)) return interrupted();
+  if (auto ok = scan(); !ok) return fail(ok.error());
+  auto few = part();
+  if (!few) return fail(few.error());
+  frame_ = std::move(*few);
+  return Sample{&frame_};
+}
 
 Result<void> StreamedLog::scan() {
+  is_scanned_ = true;
   const auto read = source_.scan([&](std::size_t run, const std::vector<Arrival>& block) {
-    if (is_drive(source_.log(run))) {
-      drives_.take(run, block);
-    } else {
-      stops_.take(run, block);
-    }
+    stops_.take(run, block);
+    if (!has_stops_alone(run)) drives_.take(run, block);
     return true;
   });
   if (!read) return read;
   stops_.end(source_.runs());
-  drives_.end(piece_bytes_);
+  drives_.end(plan_.piece_bytes);
   return {};
 }
 
-Result<Problem> StreamedLog::part(int threads) const {
+bool StreamedLog::has_stops_alone(std::size_t run) const {
+  const auto& kinds = stops_.kinds(run);
+  return std::all_of(kinds.begin(), kinds.end(), [](StateKind k) { return k == StateKind::kStops; });
+}
+
+/// With the warnings that make_problem() would give of all drives; others are counted in the end.
+Result<Problem> StreamedLog::part() const {
   std::vector<MeasurementLog> runs;
   for (std::size_t run = 0; run < source_.runs(); ++run) {
-    auto few = is_drive(source_.log(run)) ? part_of_drives(run, site_, source_, drives_)
-                                          : part_of_stops(run, site_, source_, stops_, threads);
+    auto few = has_stops_alone(run) ? part_of_stops(run, site_, source_, stops_, options_.threads)
+                                    : part_of_drives(run, site_, source_, drives_);
     if (!few) return fail(few.error());
     runs.push_back(std::move(*few));
   }
-  return make_problem(site_, std::move(runs), threads);
-}
-
-std::vector<std::string> StreamedLog::warnings(const Problem& part) const {
-  if (drives_.pieces().empty()) return part.warnings;
-  std::vector<std::string> words;
+  auto problem = make_problem(site_, std::move(runs), options_.threads);
+  if (!problem) return problem;
+  problem->warnings.clear();
   for (const DriveChain& chain : drives_.chains())
     if (chain.stateless_count > 0)
-      words.push_back(
+      problem->warnings.push_back(
           stateless_in_words(source_.log(chain.run), chain.stateless_line, chain.stateless_count));
-  return words;
+  return problem;
 }
 
-void StreamedLog::begin(const Problem& frame, const SolveOptions& options, int workers, Course& course) {
-  const ReadingTask task{frame, source_, options, course, workers, stops_.arrivals() + drives_.arrivals()};
+/// The frame without what is read each time.
+void StreamedLog::begin_readings() {
+  frame_.trajectories.clear();
+  for (std::size_t run = 0; run < frame_.runs.size(); ++run) {
+    frame_.runs[run].arrivals = {};
+    frame_.runs[run].bearings = source_.log(run).bearings;
+  }
+  const ReadingTask task{frame_,  source_,       options_,
+                         course_, plan_.workers, stops_.arrivals() + drives_.arrivals()};
   if (stops_.arrivals() > 0 || drives_.pieces().empty())
-    readings_.push_back(std::make_unique<LogPasses>(task, stops_));
-  if (!drives_.pieces().empty()) readings_.push_back(std::make_unique<DrivePasses>(task, drives_));
+    readings_.add(std::make_unique<LogPasses>(task, stops_));
+  if (!drives_.pieces().empty()) readings_.add(std::make_unique<DrivePasses>(task, drives_));
 }
 
-Result<LogReadings::Placed> StreamedLog::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
-  Placed all;
-  for (const auto& some : readings_) {
-    auto placed = some->place(estimate, suspect_sigmas, mark && readings_.size() == 1);
-    if (!placed) return placed;
-    all.residuals.insert(all.residuals.end(), placed->residuals.begin(), placed->residuals.end());
-    all.ranges_m.insert(all.ranges_m.end(), placed->ranges_m.begin(), placed->ranges_m.end());
-    all.sum = std::move(placed->sum);
-  }
-  return all;
+Result<double> StreamedLog::place(Approach& start, double sigma) {
+  start.trajectories = {};
+  begin_readings();
+  const double suspect_sigmas = options_.rejection_sigmas * std::max(1.0, sigma);
+  // Where the part's noise is as stated, the whole's will be, and the first rejection goes in one with the
+  // placing.
+  const bool mark = !is_far_off(sigma);
+  auto placed = readings_.place(start.estimate, suspect_sigmas, mark);
+  if (!placed) return fail(placed.error());
+  frame_.typical_range_m =
+      placed->ranges_m.empty() ? 1.0 : std::max(median(std::move(placed->ranges_m)), 1e-3);
+  states_ = placed->states;
+  const double of_all = agreeing_sigma(std::move(placed->residuals));
+  if (mark && is_far_off(of_all)) placed = readings_.place(start.estimate, suspect_sigmas, false);
+  if (!placed) return fail(placed.error());
+  first_sum_ = std::move(placed->sum);
+  return of_all;
 }
 
-Result<PassSum> StreamedLog::pass(const Estimate& estimate, MarkPolicy marks) {
-  std::optional<PassSum> sum;
-  for (const auto& some : readings_) {
-    auto next = some->pass(estimate, marks);
-    if (!next) return next;
-    if (sum) {
-      sum->add(*next);
-    } else {
-      sum = std::move(*next);
-    }
-  }
-  return std::move(*sum);
+Result<CalibrationStatistics> StreamedLog::adjust_inliers(Estimate& estimate) {
+  const auto last =
+      newton_steps(readings_, frame_, options_, course_, std::exchange(first_sum_, std::nullopt), estimate);
+  if (!last) return fail(last.error());
+  return statistics_of(frame_, estimate.layout, last->counts.of_log, estimate.last.cost);
 }
 
-void StreamedLog::accept() {
-  for (const auto& some : readings_) some->accept();
+void StreamedLog::scale_noise(Estimate& estimate, double factor) {
+  estimate.noise_factor *= factor;
+  if (estimate.last.data_information) *estimate.last.data_information /= factor * factor;
 }
 
-Result<void> StreamedLog::tell(const Estimate& estimate, FindingsGatherer& gatherer) {
-  for (const auto& some : readings_)
-    if (auto ok = some->tell(estimate, gatherer); !ok) return ok;
-  return {};
+Result<LogFindings> StreamedLog::findings(const Estimate& estimate) {
+  FindingsGatherer gatherer(frame_, estimate, states_);
+  if (auto told = readings_.tell(estimate, gatherer); !told) return fail(told.error());
+  GatheredFindings all = std::move(gatherer).findings(estimate);
+  for (std::size_t run = 0; run < frame_.runs.size(); ++run)
+    frame_.runs[run].arrivals = std::move(all.arrivals[run]);
+  return LogFindings(std::move(all));
 }
 
 }  // namespace octant::calib

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
-#include <string>
+#include <cstddef>
+#include <optional>
 #include <vector>
 
+#include "calib/log/calibration_log.h"
+#include "calib/start/course.h"
 #include "calib/stream/drives/drive_index.h"
 #include "calib/stream/log_readings.h"
 #include "calib/stream/stops/log_index.h"
@@ -13,39 +15,44 @@
 
 namespace octant::calib {
 
-/// Whether a run is a drive with odometry, not stops.
-[[nodiscard]] inline bool is_drive(const MeasurementLog& run) {
-  return !run.has_epochs && !run.odometry.empty();
-}
-
-/// The log of a source, which is read several times: runs that are stops, runs that are drives.
-class StreamedLog : public LogReadings {
+/// The log of a source, which is read again for each look at it: drives in pieces (drives/), all else in
+/// chunks (stops/). One reading is one step of its adjustment (newton_steps.h).
+class StreamedLog : public CalibrationLog {
  public:
-  /// All must outlive it.
-  StreamedLog(const Site& site, ArrivalSource& source, const StreamPlan& plan);
+  /// All outlive it.
+  /// @param memory_bytes  bound of the process, by the size of what is read at once
+  StreamedLog(const Site& site, ArrivalSource& source, const SolveOptions& options, Course& course,
+              std::size_t memory_bytes);
 
-  /// Reads all of it once, first.
-  [[nodiscard]] Result<void> scan();
-  /// Evenly spread stops and stretches of drives.
-  [[nodiscard]] Result<Problem> part(int threads) const;
-  /// What make_problem() would say of all of it. @param part  of it
-  [[nodiscard]] std::vector<std::string> warnings(const Problem& part) const;
-  [[nodiscard]] std::size_t states() const { return stops_.all_epochs() + drives_.nodes(); }
-
-  /// To be called before any of those below. @param frame  site and runs without arrivals
-  void begin(const Problem& frame, const SolveOptions& options, int workers, Course& course);
-  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
-  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
-  void accept() override;
-  [[nodiscard]] Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) override;
+  /// Its runs hold the arrivals of the sample, in the end those of every so many-th state.
+  [[nodiscard]] const Problem& problem() const override { return frame_; }
+  [[nodiscard]] Problem taken_problem() && { return std::move(frame_); }
+  /// Reads all of it once. Evenly spread stops and stretches of drives.
+  [[nodiscard]] Result<Sample> next_sample() override;
+  [[nodiscard]] Result<double> place(Approach& start, double sigma) override;
+  [[nodiscard]] Result<CalibrationStatistics> adjust_inliers(Estimate& estimate) override;
+  void scale_noise(Estimate& estimate, double factor) override;
+  [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
 
  private:
+  [[nodiscard]] Result<void> scan();
+  /// Runs of stops alone are thinned by epochs, all others by stretches of time.
+  [[nodiscard]] bool has_stops_alone(std::size_t run) const;
+  [[nodiscard]] Result<Problem> part() const;
+  void begin_readings();
+
   const Site& site_;
   ArrivalSource& source_;
+  const SolveOptions& options_;
+  Course& course_;
+  StreamPlan plan_;
   LogIndex stops_;
   DriveIndex drives_;
-  std::size_t piece_bytes_;
-  std::vector<std::unique_ptr<LogReadings>> readings_;
+  bool is_scanned_ = false;
+  Problem frame_;  ///< the log without its arrivals
+  JoinedReadings readings_;
+  std::size_t states_ = 0;
+  std::optional<PassSum> first_sum_;  ///< at the start, where placing marked and summed up as well
 };
 
 }  // namespace octant::calib

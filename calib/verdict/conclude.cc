@@ -102,6 +102,10 @@ void warn_of_noise(const Problem& problem, const Findings& findings, double nois
   warn_of_correlation(findings, solution);
 }
 
+std::string told_of(const AdjustResult& last) {
+  return last.converged ? "converged" : "the adjustment did not converge: " + last.message;
+}
+
 /// Whether the ranges alone show that a clock jumped, and the adjustment is bent by it. No statement is to
 /// blame for that, whatever its release would explain; what is, other readings (readings/) tell.
 bool is_bent_by_a_clock(const Problem& problem, const Solution& solution) {
@@ -121,10 +125,25 @@ void contradict(const Problem& problem, const SolveOptions& options, const Estim
   for (std::string& warning : agreement.warnings) solution.warnings.push_back(std::move(warning));
 }
 
-}  // namespace
+/// Covariance and verdict, and only these, from other weights of the observations.
+void judge_anew(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                std::vector<Trajectory>& trajectories, Solution& solution) {
+  solution.status = estimate.last.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
+  solution.message = told_of(estimate.last);
+  solution.covariance = {};
+  solution.marginals = {};
+  solution.beacon_status.clear();
+  solution.weak.clear();
+  solution.undetermined.clear();
+  static_cast<void>(judge(problem, estimate.layout, estimate.x, estimate.beacon_usable,
+                          estimate.beacon_mirrored, options.strict, trajectories, solution,
+                          options.workers()));
+}
 
-void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-              Findings findings, std::vector<Trajectory>& trajectories, Solution& solution) {
+/// @param judged  set to where the warnings of the verdict are
+void conclude_as_is(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                    Findings findings, std::vector<Trajectory>& trajectories, Solution& solution,
+                    std::pair<std::size_t, std::size_t>& judged) {
   const AdjustResult& last = estimate.last;
   solution.state = estimate.state();
   solution.final_cost = last.cost;
@@ -136,13 +155,15 @@ void conclude(const Problem& problem, const SolveOptions& options, const Estimat
   solution.statistics.chi2_p = chi_square_p(
       solution.statistics.variance_factor * solution.statistics.redundancy, solution.statistics.redundancy);
   solution.status = last.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
-  solution.message = last.converged ? "converged" : "the adjustment did not converge: " + last.message;
+  solution.message = told_of(last);
   solution.datum = datum_of(problem);
+  judged.first = solution.warnings.size();
   // What the data do not determine is often what keeps the iteration from settling, and then that is the
   // finding.
   const Covariance C =
       judge(problem, estimate.layout, estimate.x, estimate.beacon_usable, estimate.beacon_mirrored,
             options.strict, trajectories, solution, options.workers(), last.data_information);
+  judged.second = solution.warnings.size();
   solution.reliability = reliability_of(problem, estimate.layout, trajectories, solution.state, C,
                                         solution.beacon_status, estimate.noise_factor, options.threads,
                                         kAllEpochs, findings.whole ? &*findings.whole : nullptr);
@@ -163,6 +184,20 @@ void conclude(const Problem& problem, const SolveOptions& options, const Estimat
   warn_of_noise(problem, findings, estimate.noise_factor, trajectories, solution);
   for (std::string& warning : suspect_control_points(problem, solution.state, trajectories))
     solution.warnings.push_back(std::move(warning));
+}
+
+}  // namespace
+
+void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+              Findings findings, std::vector<Trajectory>& trajectories, Solution& solution) {
+  std::vector<Trajectory> as_whole = std::move(findings.as_whole);
+  std::pair<std::size_t, std::size_t> judged;
+  conclude_as_is(problem, options, estimate, std::move(findings), trajectories, solution, judged);
+  if (as_whole.empty()) return;
+  const auto begin = solution.warnings.begin();
+  solution.warnings.erase(begin + static_cast<std::ptrdiff_t>(judged.first),
+                          begin + static_cast<std::ptrdiff_t>(judged.second));
+  judge_anew(problem, options, estimate, as_whole, solution);
 }
 
 }  // namespace octant::calib

@@ -20,6 +20,9 @@ struct Findings {
   std::vector<std::string> flips;  ///< epochs that were turned, in words
   LeftOutOfAll left_out;
   std::optional<WholeLog> whole;  ///< where the trajectories at hand are only a part of the log
+  /// Of a thinned log: the trajectories with the accuracy of all that they stand for, by which covariance and
+  /// verdict then are. Empty: it is not.
+  std::vector<Trajectory> as_whole;
 };
 
 /// The end of a calibration: covariance, verdict, reliability and what is to be said of them; fills the

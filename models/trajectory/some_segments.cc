@@ -82,8 +82,7 @@ std::vector<Segment> spread_stretches(const Trajectory& t, const Segment& segmen
   return out;
 }
 
-Trajectory some_segments(const Trajectory& t, std::size_t every) {
-  if (every == 1) return t;
+std::vector<Segment> with_chains_cut(const Trajectory& t) {
   std::vector<Segment> all;
   for (const Segment& s : t.segments) {
     if (!is_long_chain(s)) {
@@ -93,6 +92,12 @@ Trajectory some_segments(const Trajectory& t, std::size_t every) {
     for (std::size_t first = s.first_node; first < s.last_node; first += kStretchNodes)
       all.push_back(stretch_of(t, s, first, std::min(s.last_node, first + kStretchNodes)));
   }
+  return all;
+}
+
+Trajectory some_segments(const Trajectory& t, std::size_t every) {
+  if (every == 1) return t;
+  const std::vector<Segment> all = with_chains_cut(t);
   std::vector<Segment> some;
   for (std::size_t i = 0; i < all.size(); i += every) some.push_back(all[i]);
   return pick_segments(t, some);

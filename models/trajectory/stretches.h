@@ -20,6 +20,9 @@ inline constexpr std::size_t kStretchNodes = 256;
 [[nodiscard]] Segment stretch_of(const Trajectory& trajectory, const Segment& segment, std::size_t first_node,
                                  std::size_t last_node);
 
+/// All segments of a trajectory, of long chains the stretches.
+[[nodiscard]] std::vector<Segment> with_chains_cut(const Trajectory& trajectory);
+
 /// A trajectory of some of these segments, or of stretches of them, each on its own.
 [[nodiscard]] Trajectory pick_segments(const Trajectory& trajectory, const std::vector<Segment>& segments);
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <numeric>
 
-#include "models/trajectory/moment.h"
 #include "models/trajectory/odometry_path.h"
+#include "models/trajectory/state_kind.h"
 
 namespace octant {
 namespace {
@@ -45,14 +45,12 @@ class Builder {
   }
 
   Trajectory build() {
-    if (log_.has_epochs) {
-      build_epochs();
-    } else if (path_.time_s.size() >= 2) {
-      build_drive();
-    } else if (tied_by_motion()) {
-      build_motion();
-    } else {
-      build_instants();
+    switch (state_kind(log_, t_.vehicle, model_)) {
+      case StateKind::kStops:
+      case StateKind::kChainedStops: build_epochs(); break;
+      case StateKind::kDrive: build_drive(); break;
+      case StateKind::kMotion: arrivals_.empty() ? build_moments() : build_motion(); break;
+      case StateKind::kMoments: build_moments(); break;
     }
     return std::move(t_);
   }
@@ -240,15 +238,10 @@ class Builder {
     return true;
   }
 
-  [[nodiscard]] bool tied_by_motion() const {
-    return t_.vehicle.index() < model_.motion_priors.size() && model_.motion_priors[t_.vehicle.index()] &&
-           log_.poses.empty() && t_.motion == Motion::kPlanar && !t_.has_cycle_offset && arrivals_.size() > 1;
-  }
-
   /// Nothing but arrivals: a state with a velocity at each instant; after a long silence the prior says
   /// nothing any more.
   void build_motion() {
-    constexpr double kSameInstant_s = 1e-3, kSilence_s = 10.0;
+    constexpr double kSameInstant_s = 1e-3;
     t_.moving = true;
     t_.motion_prior = model_.motion_priors[t_.vehicle.index()];
     for (std::size_t first = 0; first < arrivals_.size();) {
@@ -274,14 +267,14 @@ class Builder {
 
   /// Bearings of the states made so far, by the nearest time.
   void attach_bearings() {
-    constexpr double kNear_s = 0.05;
     std::size_t k = 0;
     for (const std::size_t i : bearings_) {
       const double time_s = log_.bearings[i].time_s;
       while (k + 1 < t_.nodes.size() &&
              std::abs(t_.nodes[k + 1].time_s - time_s) <= std::abs(t_.nodes[k].time_s - time_s))
         ++k;
-      if (k < t_.nodes.size() && std::abs(t_.nodes[k].time_s - time_s) <= kNear_s) add_bearing(i, k, 0.0);
+      if (k < t_.nodes.size() && std::abs(t_.nodes[k].time_s - time_s) <= kNearInstant_s)
+        add_bearing(i, k, 0.0);
     }
     std::size_t next = 0;
     for (Segment& s : t_.segments) {
@@ -294,7 +287,7 @@ class Builder {
   /// No epochs, no odometry: each moment is a state of its own, carried by the measured pose of that time.
   /// Receivers that hear one sound one after the other hear it at one state: the one error of the pose is not
   /// as many.
-  void build_instants() {
+  void build_moments() {
     t_.moving = true;
     std::size_t next_bearing = 0;
     for (std::size_t first = 0; first < arrivals_.size();) {

@@ -5,16 +5,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/problem/problem.h"
 #include "calib/problem/thin.h"
+#include "models/trajectory/state_kind.h"
 
 namespace octant::calib {
 namespace {
 
 /// States of a vehicle stand at its odometry rows.
-DriveChain chain_of(const MeasurementLog& log, std::size_t run, VehicleId vehicle, std::size_t beacons) {
+DriveChain chain_of(const MeasurementLog& log, std::size_t run, VehicleId vehicle, std::size_t beacons,
+                    const TrajectoryModel& model) {
   DriveChain chain;
   chain.run = run;
   chain.vehicle = vehicle;
+  if (state_kind(log, vehicle, model) != StateKind::kDrive) return chain;
   for (std::size_t row = 0; row < log.odometry.size(); ++row) {
     if (log.odometry[row].vehicle != vehicle) continue;
     if (chain.nodes % kUnitNodes == 0) {
@@ -28,7 +32,6 @@ DriveChain chain_of(const MeasurementLog& log, std::size_t run, VehicleId vehicl
   }
   // A unit needs a second state.
   if (chain.units.size() > 1 && chain.nodes % kUnitNodes == 1) chain.units.pop_back();
-  if (chain.nodes < 2) chain.units.clear();
   chain.stateless.assign(beacons, 0);
   return chain;
 }
@@ -41,7 +44,7 @@ std::size_t unit_at(const DriveChain& chain, double time_s, std::size_t from) {
 }
 
 bool is_within(const DriveChain& chain, double time_s) {
-  return !chain.units.empty() && time_s >= chain.units.front().from_s && time_s <= chain.until_s;
+  return time_s >= chain.units.front().from_s && time_s <= chain.until_s;
 }
 
 }  // namespace
@@ -60,9 +63,10 @@ DriveIndex::DriveIndex(const ArrivalSource& source, const Site& site)
       groups_(source.runs()),
       blocks_(source.runs(), 0),
       unit_of_chain_(source.runs() * vehicles_, 0) {
+  const TrajectoryModel model = trajectory_model(site);
   for (std::size_t run = 0; run < source.runs(); ++run)
     for (std::size_t v = 0; v < vehicles_; ++v)
-      chains_.push_back(chain_of(source.log(run), run, VehicleId(v), beacons_));
+      chains_.push_back(chain_of(source.log(run), run, VehicleId(v), beacons_, model));
   for (DriveGroups& of_run : groups_) {
     of_run.length_s = stretches_of(site).length_s;
     of_run.latest.assign(vehicles_, SIZE_MAX);
@@ -75,6 +79,7 @@ void DriveIndex::take(std::size_t run, const std::vector<Arrival>& rows) {
     group(groups_[run], block, a);
     const std::size_t c = run * vehicles_ + a.vehicle.index();
     DriveChain& chain = chains_[c];
+    if (chain.units.empty()) continue;  // its states are no drive
     if (!is_within(chain, a.time_s)) {
       if (chain.stateless_count++ == 0) chain.stateless_line = a.line;
       ++chain.stateless[a.beacon.index()];

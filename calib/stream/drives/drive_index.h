@@ -22,7 +22,7 @@ struct DriveUnit {
 };
 inline constexpr std::size_t kUnitNodes = kStretchNodes;
 
-/// The drive of one vehicle in one run.
+/// The drive of one vehicle in one run; without units where its states are none (StateKind).
 struct DriveChain {
   std::size_t run = 0;
   VehicleId vehicle;
@@ -49,7 +49,7 @@ struct DriveGroup {
   std::size_t arrivals = 0;
   std::size_t first_block = 0, last_block = 0;  ///< of the source, [first, last)
 };
-/// All of a run that is a drive, in the order in which they begin.
+/// All of a run, in the order in which they begin.
 struct DriveGroups {
   double length_s = 0.0;  ///< of each
   double begin_s = 0.0;
@@ -83,7 +83,7 @@ inline constexpr std::size_t kBytesOfStateInWork = 1200, kBytesOfDriveArrivalInW
 /// Where the arrivals of drives lie among the blocks of a source, and in which pieces they are worked on.
 class DriveIndex {
  public:
-  /// Follows the rows of a source: take() of each block, then end(). Runs with epochs are none of it.
+  /// Follows the rows of a source: take() of each block, then end(). Runs may be left out.
   DriveIndex(const ArrivalSource& source, const Site& site);
   void take(std::size_t run, const std::vector<Arrival>& block);
   void end(std::size_t piece_bytes);

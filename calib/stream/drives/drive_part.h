@@ -6,7 +6,7 @@
 
 namespace octant::calib {
 
-/// Evenly spread stretches of the long drives of a run that is not at hand, their odometry row by row and
+/// Evenly spread stretches of a run that is not at hand and not of stops alone, their odometry row by row and
 /// summed up between them, and enough of each beacon: what thin() takes of drives that are.
 [[nodiscard]] Result<MeasurementLog> part_of_drives(std::size_t run, const Site& site,
                                                     const ArrivalSource& source, const DriveIndex& index);

@@ -218,6 +218,7 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
   Placed placed;
   placed.residuals = in_order(task_.options.ranks, std::move(residuals));
   placed.ranges_m = in_order(task_.options.ranks, std::move(ranges));
+  placed.states = index_.nodes();
   return placed;
 }
 

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <numeric>
 #include <optional>
+#include <utility>
+
+#include "calib/problem/problem.h"
 
 namespace octant::calib {
 
@@ -21,43 +24,44 @@ class LogIndex::Scanner {
   void take(LogIndex& index, std::size_t run, const std::vector<Arrival>& block) {
     while (index.runs_.size() <= run) begin_run(index);
     Run& r = index.runs_.back();
-    const std::size_t b = r.first_epoch.size();
-    r.first_epoch.push_back(r.epochs);
+    const std::size_t b = r.first_state.size();
+    r.first_state.push_back(r.states);
     if (chunk_size_ >= chunk_arrivals_) begin_chunk(index, b);
     index.chunks_.back().last_block = b + 1;
+    const std::vector<StateKind>& kinds = index.kinds_[run];
     for (const Arrival& a : block) {
+      const StateKind kind = kinds[a.vehicle.index()];
+      if (kind == StateKind::kDrive) continue;
       Open& open = open_[a.vehicle.index()];
-      if (open.epoch != a.epoch || !open.any) {
-        open = {true, a.epoch, b, index.chunks_.size() - 1, {}};
-        ++r.epochs;
-        ++index.chunks_.back().epochs[a.vehicle.index()];
-      } else if (open.block < b) {
-        if (!open.split) {
-          open.split = r.splits.size();
-          r.splits.push_back({open.block, b, a.vehicle, a.epoch});
-        }
-        r.splits[*open.split].last_block = b;
+      if (begins_group(kind, open, a)) {
+        open = {true, a.epoch, a.time_s, a.time_s, b, index.chunks_.size() - 1, {}};
+        begin_state(index, r, open, a);
+      } else {
+        if (begins_state(kind, open, a)) begin_state(index, r, open, a);
+        if (open.block < b) go_on(r, open, kind, b, a);
       }
+      open.epoch = a.epoch;
+      open.time_s = a.time_s;
       ++index.chunks_[open.chunk].arrivals[a.vehicle.index()];
       ++r.heard[a.beacon.index()];
+      ++chunk_size_;
+      ++index.arrivals_;
     }
-    chunk_size_ += block.size();
-    index.arrivals_ += block.size();
   }
 
   void end(LogIndex& index, std::size_t runs) {
     while (index.runs_.size() < runs) begin_run(index);
     end_run(index);
-    std::vector<std::size_t> epochs, arrivals;
+    std::vector<std::size_t> states, arrivals;
     for (LogChunk& chunk : index.chunks_) {
       if (chunk.first_block == 0) {
-        epochs.assign(vehicles_, 0);
+        states.assign(vehicles_, 0);
         arrivals.assign(vehicles_, 0);
       }
-      chunk.epochs_before = epochs;
+      chunk.states_before = states;
       chunk.arrivals_before = arrivals;
       for (std::size_t v = 0; v < vehicles_; ++v) {
-        epochs[v] += chunk.epochs[v];
+        states[v] += chunk.states[v];
         arrivals[v] += chunk.arrivals[v];
       }
     }
@@ -65,13 +69,37 @@ class LogIndex::Scanner {
   }
 
  private:
-  /// The latest epoch of a vehicle.
+  /// The latest group of a vehicle.
   struct Open {
     bool any = false;
-    std::int64_t epoch = kNoEpoch;
-    std::size_t block = 0, chunk = 0;  ///< in which it began
-    std::optional<std::size_t> split;
+    std::int64_t epoch = kNoEpoch;          ///< of its last row
+    double time_s = 0.0;                    ///< of that
+    double from_s = 0.0;                    ///< of its first row
+    std::size_t block = 0, chunk = 0;       ///< in which it began
+    std::optional<std::size_t> split = {};  ///< where it lies in several
   };
+
+  static bool begins_state(StateKind kind, const Open& open, const Arrival& a) {
+    const bool is_epoch = kind == StateKind::kStops || kind == StateKind::kChainedStops;
+    return is_epoch ? open.epoch != a.epoch : open.time_s != a.time_s;
+  }
+  static bool begins_group(StateKind kind, const Open& open, const Arrival& a) {
+    if (!open.any) return true;
+    return kind == StateKind::kStops ? open.epoch != a.epoch : a.time_s - open.time_s > longest_tie_s(kind);
+  }
+  static void begin_state(LogIndex& index, Run& run, const Open& open, const Arrival& a) {
+    ++run.states;
+    ++index.chunks_[open.chunk].states[a.vehicle.index()];
+  }
+  /// In another block.
+  static void go_on(Run& run, Open& open, StateKind kind, std::size_t block, const Arrival& a) {
+    if (!open.split) {
+      open.split = run.splits.size();
+      run.splits.push_back({open.block, block, a.vehicle, kind, a.epoch, open.from_s, a.time_s});
+    }
+    run.splits[*open.split].last_block = block;
+    run.splits[*open.split].until_s = a.time_s;
+  }
 
   void begin_run(LogIndex& index) {
     end_run(index);
@@ -89,8 +117,8 @@ class LogIndex::Scanner {
   void end_run(LogIndex& index) {
     if (index.runs_.empty()) return;
     Run& r = index.runs_.back();
-    const std::size_t blocks = r.first_epoch.size();
-    r.first_epoch.push_back(r.epochs);
+    const std::size_t blocks = r.first_state.size();
+    r.first_state.push_back(r.states);
     std::vector<std::uint32_t> count(blocks + 1, 0);
     for (const Split& s : r.splits)
       for (std::size_t b = s.first_block + 1; b <= s.last_block; ++b) ++count[b];
@@ -108,8 +136,19 @@ class LogIndex::Scanner {
   std::vector<Open> open_;  ///< of each vehicle
 };
 
-LogIndex::LogIndex(std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals)
-    : scanner_(std::make_unique<Scanner>(vehicles, beacons, chunk_arrivals)) {}
+StateKinds state_kinds(const ArrivalSource& source, const Site& site) {
+  const TrajectoryModel model = trajectory_model(site);
+  StateKinds kinds(source.runs());
+  for (std::size_t run = 0; run < kinds.size(); ++run)
+    for (std::size_t v = 0; v < site.vehicles.size(); ++v)
+      kinds[run].push_back(state_kind(source.log(run), VehicleId(v), model));
+  return kinds;
+}
+
+LogIndex::LogIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_arrivals)
+    : kinds_(std::move(kinds)),
+      scanner_(
+          std::make_unique<Scanner>(kinds_.empty() ? 0 : kinds_.front().size(), beacons, chunk_arrivals)) {}
 LogIndex::LogIndex(LogIndex&&) noexcept = default;
 LogIndex::~LogIndex() = default;
 
@@ -120,24 +159,18 @@ void LogIndex::end(std::size_t runs) {
   scanner_.reset();
 }
 
-std::size_t LogIndex::all_epochs() const {
-  std::size_t sum = 0;
-  for (const Run& run : runs_) sum += run.epochs;
-  return sum;
-}
-
 Result<void> LogIndex::read(const ArrivalSource& source, std::size_t run, std::size_t first, std::size_t last,
                             std::vector<Arrival>& arrivals) const {
   const Run& r = runs_[run];
   arrivals.clear();
   if (auto ok = source.read(run, first, last, arrivals); !ok) return ok;
-  const auto is_of = [](const Arrival& a, const Split& s) {
-    return a.epoch == s.epoch && a.vehicle == s.vehicle;
-  };
-  // Epochs that began before are another stretch's,
+  const std::vector<StateKind>& kinds = kinds_[run];
+  if (std::find(kinds.begin(), kinds.end(), StateKind::kDrive) != kinds.end())
+    std::erase_if(arrivals, [&](const Arrival& a) { return kinds[a.vehicle.index()] == StateKind::kDrive; });
+  // Groups that began before are another chunk's,
   for (std::size_t k = r.first_open[first]; k < r.first_open[first + 1]; ++k) {
     const Split& split = r.splits[r.open[k]];
-    std::erase_if(arrivals, [&](const Arrival& a) { return is_of(a, split); });
+    std::erase_if(arrivals, [&](const Arrival& a) { return split.has(a); });
   }
   // and those that go on beyond the end are this one's.
   std::vector<const Split*> going_on;
@@ -152,7 +185,7 @@ Result<void> LogIndex::read(const ArrivalSource& source, std::size_t run, std::s
   const auto own = static_cast<std::ptrdiff_t>(arrivals.size());
   if (auto ok = source.read(run, last, until, arrivals); !ok) return ok;
   const auto others = [&](const Arrival& a) {
-    return std::none_of(going_on.begin(), going_on.end(), [&](const Split* s) { return is_of(a, *s); });
+    return std::none_of(going_on.begin(), going_on.end(), [&](const Split* s) { return s->has(a); });
   };
   arrivals.erase(std::remove_if(arrivals.begin() + own, arrivals.end(), others), arrivals.end());
   return {};

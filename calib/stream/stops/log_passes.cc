@@ -13,6 +13,7 @@
 #include "calib/stream/over_ranks.h"
 #include "calib/stream/side_by_side.h"
 #include "calib/stream/stops/pass_summer.h"
+#include "models/trajectory/settle.h"
 #include "models/trajectory/stretches.h"
 
 namespace octant::calib {
@@ -52,7 +53,7 @@ LogPasses::LogPasses(const ReadingTask& task, const LogIndex& index)
     : task_(task), index_(index), model_(trajectory_model(task.frame.site)), stops_(index.chunks().size()) {
   std::tie(first_, last_) = parts_of(task.options.ranks, index.chunks().size());
   for (std::size_t run = 0; run < task.frame.runs.size(); ++run)
-    bearings_.emplace_back(task.source.log(run).bearings);
+    bearings_.emplace_back(task.source.log(run).bearings, index.kinds(run));
   for (int i = 0; i < task.workers; ++i) workers_.push_back(std::make_unique<ChunkWork>());
 }
 
@@ -69,26 +70,43 @@ Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
 
 Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
   const LogChunk& c = index_.chunks()[chunk];
+  const MeasurementLog& run = task_.source.log(c.run);
+  const std::vector<StateKind>& kinds = index_.kinds(c.run);
   if (w.chunk == nullptr || w.chunk->run != c.run) {
-    begin_run(task_.source.log(c.run), w.log);
-    w.log.poses = task_.source.log(c.run).poses;
+    begin_run(run, w.log);
+    w.log.poses = run.poses;
+    if (std::find(kinds.begin(), kinds.end(), StateKind::kChainedStops) != kinds.end())
+      w.log.odometry = run.odometry;
   }
   w.chunk = &c;
   if (auto ok = index_.read(task_.source, c.run, c.first_block, c.last_block, w.log.arrivals); !ok) return ok;
-  const std::vector<std::size_t> bearings = bearings_[c.run].of_epochs_in(w.log.arrivals);
+  const std::vector<std::size_t> bearings = bearings_[c.run].of_states_in(w.log.arrivals);
   w.log.bearings.clear();
-  for (const std::size_t b : bearings) w.log.bearings.push_back(task_.source.log(c.run).bearings[b]);
+  for (const std::size_t b : bearings) w.log.bearings.push_back(run.bearings[b]);
   w.trajectories.clear();
   for (std::size_t v = 0; v < c.arrivals.size(); ++v) {
     if (c.arrivals[v] == 0) continue;
-    w.trajectories.push_back(make_trajectory(w.log, c.run, VehicleId(v), model_));
-    for (BearingObservation& b : w.trajectories.back().bearings) b.bearing = bearings[b.bearing];
-    if (w.trajectories.back().arrivals.size() == c.arrivals[v] &&
-        w.trajectories.back().nodes.size() == c.epochs[v])
-      continue;
-    return fail(changed_while_read(w.log));
+    Trajectory& t = w.trajectories.emplace_back(make_trajectory(w.log, c.run, VehicleId(v), model_));
+    for (BearingObservation& b : t.bearings) b.bearing = bearings[b.bearing];
+    widen_poses(task_.frame, t);
+    const bool has_all = t.arrivals.size() + t.stateless_arrivals.size() == c.arrivals[v] &&
+                         (kinds[v] != StateKind::kStops || t.nodes.size() == c.states[v]);
+    if (!has_all) return fail(changed_while_read(w.log));
   }
+  if (!is_as_before(chunk, w)) return fail(changed_while_read(w.log));
   return {};
+}
+
+/// Where a reading has been there before.
+bool LogPasses::is_as_before(std::size_t chunk, const ChunkWork& w) const {
+  const ChunkStops& kept = stops_[chunk];
+  std::size_t marks = 0;
+  for (std::size_t i = 0; i < kept.states.size(); ++i) {
+    const Trajectory& t = w.trajectories[i];
+    if (kept.states[i].count(t) != t.nodes.size()) return false;
+    marks += t.arrivals.size() + t.bearings.size();
+  }
+  return marks == kept.marks.size();
 }
 
 void LogPasses::restore(const ChunkStops& stops, const Estimate& estimate, ChunkWork& w) const {
@@ -126,8 +144,8 @@ Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double su
       spread.look_at_range(number, t, a, ranges[k]);
     });
     apply_gates(task_.frame.site, w.trajectories, 1);
-    place_all_stops(task_.frame, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
-                    w.trajectories);
+    place_all(task_.frame, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
+              w.trajectories);
     stops_[k].start_heading_rad.clear();
     for (const Trajectory& t : w.trajectories) {
       for (const Node& n : t.nodes)
@@ -146,6 +164,10 @@ Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double su
   Placed placed;
   placed.residuals = in_order(task_.options.ranks, std::move(residuals));
   placed.ranges_m = in_order(task_.options.ranks, std::move(ranges));
+  std::vector<double> states = {0.0};
+  for (const ChunkStops& kept : stops_) states[0] += static_cast<double>(kept.start_heading_rad.size());
+  sum_over(task_.options.ranks, states);
+  placed.states = static_cast<std::size_t>(states[0]);
   if (!mark) return placed;
   std::vector<double> numbers = std::move(summer).numbers();
   sum_over(task_.options.ranks, numbers);
@@ -185,13 +207,20 @@ Result<void> LogPasses::tell(const Estimate& estimate, FindingsGatherer& gathere
 /// @param start_heading_rad  of each of its states
 void LogPasses::tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
                                 const FindingsGatherer& gatherer, std::vector<double>& tape) const {
-  const std::size_t before = w.chunk->epochs_before[t.vehicle.index()], every = gatherer.every();
+  const std::size_t before = w.chunk->states_before[t.vehicle.index()], every = gatherer.every();
+  const bool cut = every > 1 && std::any_of(t.segments.begin(), t.segments.end(), is_long_chain);
+  const std::vector<Segment> stretches = cut ? with_chains_cut(t) : std::vector<Segment>();
+  const std::vector<Segment>& all = cut ? stretches : t.segments;
   std::vector<Segment> some;
-  for (std::size_t k = (every - before % every) % every; k < t.segments.size(); k += every)
-    some.push_back(t.segments[k]);
+  for (std::size_t k = (every - before % every) % every; k < all.size(); k += every) some.push_back(all[k]);
   PartFindings part{t, w.log, pick_segments(t, some)};
+  // What a stretch's neighbours told of its ends is no part of the sample.
+  for (const Segment& s : part.looked_at.segments)
+    if (cut && part.looked_at.nodes[s.first_node].placed)
+      octant::settle(part.looked_at, s, gatherer.state(), {});
   for (std::size_t k = 0; k < t.nodes.size(); ++k)
-    if (t.motion == Motion::kPlanar && is_flipped(t.nodes[k], static_cast<double>(start_heading_rad[k])))
+    if (!t.moving && t.motion == Motion::kPlanar &&
+        is_flipped(t.nodes[k], static_cast<double>(start_heading_rad[k])))
       part.flipped.push_back(t.nodes[k].epoch);
   gatherer.write(part, tape);
 }

@@ -8,8 +8,8 @@
 
 #include "calib/stream/log_readings.h"
 #include "calib/stream/stops/chunk_work.h"
-#include "calib/stream/stops/epoch_bearings.h"
 #include "calib/stream/stops/log_index.h"
+#include "calib/stream/stops/state_bearings.h"
 
 namespace octant::calib {
 
@@ -22,23 +22,24 @@ struct StreamPlan {
 };
 [[nodiscard]] StreamPlan stream_plan(std::size_t memory_bytes, int threads);
 
-/// The stops of a log, read again for each look at them, chunk by chunk on several threads. Between the
-/// readings there remains where each stop is (28 bytes in the plane) and what became of each arrival (one
-/// byte); ranks keep those of their own chunks and read no others.
+/// The states of a log but for drives, read again for each look at them, chunk by chunk on several threads.
+/// Between the readings there remains where each state is (28 bytes of a stop in the plane) and what became
+/// of each arrival (one byte); ranks keep those of their own chunks and read no others.
 class LogPasses : public LogReadings {
  public:
   LogPasses(const ReadingTask& task, const LogIndex& index);
 
-  /// See place_all_stops.
+  /// See place_all.
   [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
   [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
-  /// Of every so many-th epoch all.
+  /// Looked at one by one are every so many-th epoch or moment, and stretches of what hangs together.
   [[nodiscard]] Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
   template <class Do>
   Result<void> for_each_chunk_of_mine(Do&& work);
   Result<void> load(std::size_t chunk, ChunkWork& w) const;
+  [[nodiscard]] bool is_as_before(std::size_t chunk, const ChunkWork& w) const;
   void restore(const ChunkStops& stops, const Estimate& estimate, ChunkWork& w) const;
   void keep(const ChunkWork& w, ChunkStops& stops) const;
   void tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
@@ -48,7 +49,7 @@ class LogPasses : public LogReadings {
   const LogIndex& index_;
   TrajectoryModel model_;
   std::size_t first_, last_;             ///< chunks of this rank
-  std::vector<EpochBearings> bearings_;  ///< of each run
+  std::vector<StateBearings> bearings_;  ///< of each run
   std::vector<std::unique_ptr<ChunkWork>> workers_;
   std::vector<ChunkStops> stops_;  ///< of each chunk
 };

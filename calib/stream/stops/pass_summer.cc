@@ -27,6 +27,9 @@ void PassSummer::take(std::size_t chunk, std::vector<Trajectory>& trajectories, 
   }
   tiles->reduce(state, {}, system);
   tiles->share_states();
+  // The costs of chains are known better now (Tile::reduce).
+  if (marks != MarkPolicy::kSettled || changed == 0) n.counts.cost_before = system.cost;
+  n.cost = system.cost;
   n.counts.changed = changed;
   for (const Trajectory& t : trajectories) n.counts.of_log.add(count_observations(t, state, 1, false));
   systems_.add(chunk, system, [this](std::size_t, const ReducedSystem& next) {

@@ -172,17 +172,5 @@ TEST(DrivePasses, RanksReadTheirPiecesAndAgree) {
   expect_ranks_to_share_and_agree(world, kFewStates, {2, 3}, in_sigmas, 1e-6);
 }
 
-TEST(DrivePasses, WhatCannotBe) {
-  const World world = long_drive(9, 0.0, 20.0);
-  EXPECT_FALSE(calib::why_not_streamed(world.site, {&world.run}));
-  MeasurementLog run = world.run;
-  run.has_epochs = true;
-  EXPECT_TRUE(calib::why_not_streamed(world.site, {&run})) << "stops with odometry";
-  EXPECT_TRUE(calib::why_not_streamed(world.site, {&world.run, &run}));
-  Site site = world.site;
-  site.vehicles.push_back({.name = "other"});
-  EXPECT_TRUE(calib::why_not_streamed(site, {&world.run})) << "a vehicle without odometry";
-}
-
 }  // namespace
 }  // namespace octant::test

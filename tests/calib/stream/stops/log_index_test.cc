@@ -42,8 +42,10 @@ MeasurementLog interleaved(int rows, unsigned seed) {
   return log;
 }
 
-calib::LogIndex scanned(MemorySource& source, std::size_t vehicles, std::size_t beacons, std::size_t chunk) {
-  calib::LogIndex index(vehicles, beacons, chunk);
+calib::LogIndex scanned(MemorySource& source, std::size_t vehicles, std::size_t beacons, std::size_t chunk,
+                        StateKind kind = StateKind::kStops) {
+  calib::LogIndex index(calib::StateKinds(source.runs(), std::vector<StateKind>(vehicles, kind)), beacons,
+                        chunk);
   static_cast<void>(source.scan([&](std::size_t run, const std::vector<Arrival>& block) {
     index.take(run, block);
     return true;
@@ -61,7 +63,7 @@ TEST(LogIndex, EachEpochIsInOneStretchAndWhole) {
       MemorySource source({log, log}, block);
       const calib::LogIndex index = scanned(source, 3, 5, 150);
       EXPECT_EQ(index.arrivals(), 4000U);
-      EXPECT_EQ(index.epochs(1), lines.size());
+      EXPECT_EQ(index.states(1), lines.size());
       std::size_t epochs = 0, arrivals = 0;
       std::map<Key, std::vector<int>> found[2];
       for (const calib::LogChunk& chunk : index.chunks()) {
@@ -73,11 +75,11 @@ TEST(LogIndex, EachEpochIsInOneStretchAndWhole) {
           EXPECT_TRUE(found[chunk.run].emplace(key, list).second) << "an epoch in two stretches";
         EXPECT_EQ(rows.size(), chunk.all_arrivals());
         for (std::size_t v = 0; v < 3; ++v) {
-          EXPECT_EQ(chunk.epochs[v], static_cast<std::size_t>(
+          EXPECT_EQ(chunk.states[v], static_cast<std::size_t>(
                                          std::count_if(of_chunk.begin(), of_chunk.end(), [&](const auto& e) {
                                            return e.first.first == static_cast<std::int32_t>(v);
                                          })));
-          epochs += chunk.epochs[v];
+          epochs += chunk.states[v];
         }
         arrivals += rows.size();
       }
@@ -87,6 +89,61 @@ TEST(LogIndex, EachEpochIsInOneStretchAndWhole) {
       EXPECT_EQ(arrivals, 4000U);
       if (block < 100) EXPECT_GT(index.chunks().size(), 8U);
     }
+}
+
+// Without epochs rows hang together while they follow each other within the time that ties states.
+TEST(LogIndex, EachGroupBetweenPausesIsInOneChunkAndWhole) {
+  for (const StateKind kind : {StateKind::kMotion, StateKind::kMoments, StateKind::kChainedStops})
+    for (const std::size_t block : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{5000}}) {
+      MeasurementLog log = interleaved(2000, 4);
+      std::mt19937 random(5);
+      double time_s = 0.0;
+      std::map<std::int32_t, std::pair<double, std::size_t>> last;  // of a vehicle: time, group
+      std::map<int, std::pair<std::int32_t, std::size_t>> group_of_line;
+      for (Arrival& a : log.arrivals) {
+        const unsigned what = random() % 8;
+        time_s += what < 4 ? 0.0 : what < 6 ? 0.002 : what < 7 ? 0.5 : 12.0;
+        a.time_s = time_s;
+        auto& [before_s, group] = last.try_emplace(a.vehicle.value, -1e9, 0).first->second;
+        const double tie_s = kind == StateKind::kMotion ? 10.0 : kind == StateKind::kMoments ? 0.01 : 1e9;
+        if (time_s - before_s > tie_s) ++group;
+        before_s = time_s;
+        group_of_line[a.line] = {a.vehicle.value, kind == StateKind::kChainedStops ? 0 : group};
+      }
+      MemorySource source({log}, block);
+      const calib::LogIndex index = scanned(source, 3, 5, 150, kind);
+      std::map<std::pair<std::int32_t, std::size_t>, const calib::LogChunk*> chunk_of;
+      std::size_t rows_of_all = 0;
+      for (const calib::LogChunk& chunk : index.chunks()) {
+        std::vector<Arrival> rows;
+        must(index.read(source, chunk.run, chunk.first_block, chunk.last_block, rows).map([] { return 0; }));
+        for (const Arrival& a : rows)
+          EXPECT_EQ(chunk_of.try_emplace(group_of_line.at(a.line), &chunk).first->second, &chunk);
+        EXPECT_EQ(rows.size(), chunk.all_arrivals());
+        rows_of_all += rows.size();
+      }
+      EXPECT_EQ(rows_of_all, 2000U);
+      if (kind != StateKind::kChainedStops && block < 100) EXPECT_GT(index.chunks().size(), 5U);
+    }
+}
+
+TEST(LogIndex, DrivesAreNoneOfIt) {
+  const MeasurementLog log = interleaved(500, 6);
+  MemorySource source({log}, 50);
+  calib::LogIndex index({{StateKind::kStops, StateKind::kDrive, StateKind::kStops}}, 5, 100);
+  static_cast<void>(source.scan([&](std::size_t run, const std::vector<Arrival>& block) {
+    index.take(run, block);
+    return true;
+  }));
+  index.end(1);
+  std::size_t of_drive = 0;
+  for (const Arrival& a : log.arrivals) of_drive += a.vehicle == VehicleId(1);
+  EXPECT_EQ(index.arrivals(), 500 - of_drive);
+  for (const calib::LogChunk& chunk : index.chunks()) {
+    std::vector<Arrival> rows;
+    must(index.read(source, 0, chunk.first_block, chunk.last_block, rows).map([] { return 0; }));
+    for (const Arrival& a : rows) EXPECT_NE(a.vehicle, VehicleId(1));
+  }
 }
 
 /// A part of a long log as thin() chooses it, the log at hand or not.

@@ -1,18 +1,41 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/trajectory/moment.h"
+#include "models/trajectory/state_kind.h"
 
 #include <algorithm>
-
-#include "models/trajectory/trajectory.h"
+#include <cmath>
 
 namespace octant {
 namespace {
 
-constexpr double kMoment_s = 0.01;  ///< no sound takes longer to pass a vehicle
 constexpr double kStandsStill = 0.1;
 
 }  // namespace
+
+StateKind state_kind(const MeasurementLog& log, VehicleId vehicle, const TrajectoryModel& model) {
+  const auto rows = std::count_if(log.odometry.begin(), log.odometry.end(),
+                                  [vehicle](const OdometryStep& s) { return s.vehicle == vehicle; });
+  const bool has_odometry = rows >= 2;
+  if (log.has_epochs) return has_odometry ? StateKind::kChainedStops : StateKind::kStops;
+  if (has_odometry) return StateKind::kDrive;
+  const bool has_prior =
+      vehicle.index() < model.motion_priors.size() && model.motion_priors[vehicle.index()].has_value();
+  if (has_prior && log.poses.empty() && model.motion == Motion::kPlanar &&
+      model.timing.clock != Clock::kCycleOffset)
+    return StateKind::kMotion;
+  return StateKind::kMoments;
+}
+
+double longest_tie_s(StateKind kind) {
+  switch (kind) {
+    case StateKind::kStops: return 0.0;
+    case StateKind::kMotion: return kSilence_s;
+    case StateKind::kMoments: return kMoment_s;
+    case StateKind::kChainedStops:
+    case StateKind::kDrive: break;
+  }
+  return INFINITY;
+}
 
 std::size_t end_of_moment(const MeasurementLog& log, const std::vector<std::size_t>& arrivals,
                           std::size_t first, const Pose* T, double noise_m) {

@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/calibrator.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "calib/adjust/priors.h"
+#include "calib/adjust/reject.h"
+
+namespace octant::calib {
+namespace {
+
+class Calibrator {
+ public:
+  Calibrator(CalibrationLog& log, const SolveOptions& options, Course& course)
+      : log_(log), options_(options), course_(course) {}
+
+  Result<Solution> run() {
+    Result<Solution> solution = calibrated();
+    if (!solution && solution.error().code == Errc::kInterrupted) solution = interrupted_solution();
+    if (!solution) return solution;
+    solution->iterations = course_.iterations;
+    solution->seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+    return solution;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// The method, step by step.
+  Result<Solution> calibrated() {
+    // Initial values, then graduated non-convexity (Yang, Antonante, Tzoumas, Carlone 2020, algorithm 1), of
+    // an evenly spread part of a long log.
+    auto found = start();
+    if (!found) return fail(found.error());
+    if (!found->ok) return unsolved(std::move(*found));
+    // The states of all, and what their residuals say of the noise (truncated variance, reject.h).
+    const auto sigma = place_all(std::move(*found));
+    if (!sigma) return fail(sigma.error());
+    // Least squares on the inliers, the states eliminated by variable projection (Golub, Pereyra 1973) and
+    // their Schur complement (Triggs et al. 2000, section 6.1), with the noise as they show it.
+    if (auto ok = adjust_with_noise_as_found(*sigma); !ok) return fail(ok.error());
+    // The covariance is the inverse of the reduced normal matrix; what it says is the verdict.
+    if (!course_.report("covariance and verdict", 0.92)) return interrupted();
+    auto all = log_.findings(estimate_);
+    if (!all) return fail(all.error());
+    warnings_.insert(warnings_.end(), all->warnings.begin(), all->warnings.end());
+    Solution solution;
+    solution.warnings = std::move(warnings_);
+    solution.contradictions = log_.problem().contradictions;
+    conclude(log_.problem(), options_, estimate_, std::move(all->findings), all->trajectories, solution);
+    solution.trajectories = std::move(all->trajectories);
+    return solution;
+  }
+
+  Result<Approach> start() {
+    Approach found;
+    for (;;) {
+      const auto sample = log_.next_sample();
+      if (!sample) return fail(sample.error());
+      if (sample->problem == nullptr) return found;
+      is_whole_ = sample->is_whole;
+      // A part is so small that each rank is sooner done with it than it would hear of the others.
+      SolveOptions options = options_;
+      if (!is_whole_) options.ranks = nullptr;
+      Course course(options);
+      found = approach(*sample->problem, options, course);
+      course_.iterations += course.iterations;
+      if (found.ok) return found;
+    }
+  }
+
+  Result<Solution> unsolved(Approach found) {
+    Solution solution = std::move(found.why_not);
+    solution.warnings = log_.problem().warnings;
+    solution.warnings.insert(solution.warnings.end(), found.warnings.begin(), found.warnings.end());
+    const auto& contradictions = log_.problem().contradictions;
+    solution.contradictions.insert(solution.contradictions.begin(), contradictions.begin(),
+                                   contradictions.end());
+    solution.trajectories = std::move(found.trajectories);
+    return solution;
+  }
+
+  /// @return sigma of the residuals that agree
+  Result<double> place_all(Approach found) {
+    warnings_ = log_.problem().warnings;
+    warnings_.insert(warnings_.end(), found.warnings.begin(), found.warnings.end());
+    double sigma = agreeing_sigma(found.trajectories, found.estimate.state());
+    if (!is_whole_) {
+      follow_first_rank(found.estimate.x, sigma);
+      if (!course_.report("states of the whole log", 0.68)) return interrupted();
+    }
+    auto of_all = log_.place(found, sigma);
+    estimate_ = std::move(found.estimate);
+    return of_all;
+  }
+
+  /// Ranks on different processors may have found what differs in the last digits.
+  void follow_first_rank(Eigen::VectorXd& x, double& sigma) const {
+    if (options_.ranks == nullptr) return;
+    std::vector<double> numbers(static_cast<std::size_t>(x.size()) + 1, 0.0);
+    if (options_.ranks->index() == 0) {
+      std::copy(x.begin(), x.end(), numbers.begin());
+      numbers.back() = sigma;
+    }
+    options_.ranks->sum(numbers);
+    std::copy(numbers.begin(), numbers.end() - 1, x.begin());
+    sigma = numbers.back();
+  }
+
+  /// Small departures of the noise wait for the chi-square test of the inliers' squares.
+  Result<void> adjust_with_noise_as_found(double sigma) {
+    if (is_far_off(sigma)) log_.scale_noise(estimate_, sigma);
+    NoiseSearch noise;
+    for (int round = 0; round < kNoiseRounds; ++round) {
+      const auto statistics = log_.adjust_inliers(estimate_);
+      if (!statistics) return fail(statistics.error());
+      // A prior that is contradicted is no noise of the arrivals: only what the recordings say counts.
+      const double prior = prior_cost(log_.problem(), estimate_.layout, estimate_.x),
+                   factor = noise.step(estimate_.last.cost - prior, statistics->redundancy);
+      if (factor == 1.0) break;
+      log_.scale_noise(estimate_, factor);
+    }
+    return {};
+  }
+
+  CalibrationLog& log_;
+  const SolveOptions& options_;
+  Course& course_;
+  Clock::time_point began_ = Clock::now();
+  bool is_whole_ = false;  ///< the log that the start is from
+  Estimate estimate_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+Result<Solution> calibrate(CalibrationLog& log, const SolveOptions& options, Course& course) {
+  return Calibrator(log, options, course).run();
+}
+
+}  // namespace octant::calib

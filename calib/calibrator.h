@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "calib/calibrate.h"
+#include "calib/log/calibration_log.h"
+#include "calib/start/course.h"
+
+namespace octant::calib {
+
+/// The calibration of a log, wherever its arrivals are: what solve() and solve_streamed() do. With m the
+/// shared parameters, x the vehicle states and I the inliers among the arrivals it minimises
+///   1/2 sum over I of (r(m, x) / sigma)^2 + 1/2 |m - prior|^2
+/// over m, x, I and sigma in turn; the states are eliminated (variable projection).
+/// Errors: those of reading the log.
+[[nodiscard]] Result<Solution> calibrate(CalibrationLog& log, const SolveOptions& options, Course& course);
+
+}  // namespace octant::calib

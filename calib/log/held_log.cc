@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/log/held_log.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "calib/adjust/adjust.h"
+#include "calib/adjust/reject.h"
+#include "calib/problem/flips.h"
+#include "calib/stream/long_log.h"
+#include "calib/verdict/left_out.h"
+
+namespace octant::calib {
+namespace {
+
+/// Where a beacon is hardly known the last adjustment creeps along a bent valley, and comes to rest all the
+/// same.
+constexpr int kIterationsToRest = 4;
+
+}  // namespace
+
+Result<CalibrationLog::Sample> HeldLog::next_sample() {
+  if (is_whole_) return Sample{};
+  if (!part_ && is_long(problem_))
+    if (auto part = part_of(problem_, options_.threads)) return Sample{&part_.emplace(std::move(*part))};
+  is_whole_ = true;
+  return Sample{&problem_, true};
+}
+
+Result<double> HeldLog::place(Approach& start, double sigma) {
+  part_.reset();
+  if (is_whole_) {
+    trajectories_ = std::move(start.trajectories);
+    start_headings_rad_ = std::move(start.start_headings_rad);
+    return sigma;
+  }
+  if (own_trajectories_ != nullptr) {
+    trajectories_ = std::move(*own_trajectories_);
+  } else {
+    trajectories_ = problem_.trajectories;
+  }
+  const Estimate& estimate = start.estimate;
+  const SharedState state = estimate.state();
+  place_all(problem_, estimate.layout, state, estimate.beacon_usable,
+            options_.rejection_sigmas * std::max(1.0, sigma), options_.workers(), trajectories_);
+  start_headings_rad_ = epoch_headings_rad(trajectories_);
+  return agreeing_sigma(trajectories_, state);
+}
+
+Result<CalibrationStatistics> HeldLog::adjust_inliers(Estimate& estimate) {
+  for (int round = 0; round < kRejectionRounds; ++round) {
+    if (!course_.report_inliers(round)) return interrupted();
+    const std::size_t changed =
+        mark_rejected(trajectories_, estimate.state(), options_.rejection_sigmas, options_.threads);
+    if (round > 0 && changed == 0) break;
+    estimate.last.data_information.reset();
+    if (!adjust_to_rest(estimate)) return interrupted();
+  }
+  return statistics_.emplace(statistics(estimate));
+}
+
+bool HeldLog::adjust_to_rest(Estimate& estimate) {
+  AdjustOptions to_rest = course_.adjust_options(0.0, 1e-12);
+  to_rest.max_iterations *= kIterationsToRest;
+  estimate.last = adjust(problem_, estimate.layout, trajectories_, estimate.x, to_rest);
+  return !estimate.last.interrupted;
+}
+
+CalibrationStatistics HeldLog::statistics(const Estimate& estimate) const {
+  return statistics_of(problem_, estimate.layout, trajectories_, estimate.state(), estimate.last.cost,
+                       options_.threads);
+}
+
+void HeldLog::scale_noise(Estimate& estimate, double factor) {
+  const double before_s = problem_.site.noise.tof_sigma_s * estimate.noise_factor;
+  estimate.noise_factor *= factor;
+  rescale_noise(trajectories_, before_s, factor * before_s);
+  estimate.last.data_information.reset();
+  statistics_.reset();
+}
+
+Result<LogFindings> HeldLog::findings(const Estimate& estimate) {
+  LogFindings all;
+  Findings& f = all.findings;
+  const SharedState state = estimate.state();
+  f.statistics = statistics_ ? *statistics_ : statistics(estimate);
+  f.whiteness = whiteness_of(trajectories_, state, options_.threads);
+  f.flips = report_flips(problem_, trajectories_, start_headings_rad_);
+  f.left_out = left_out_of(problem_, trajectories_, state);
+  all.trajectories = std::move(trajectories_);
+  return all;
+}
+
+}  // namespace octant::calib

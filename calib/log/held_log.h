@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "calib/log/calibration_log.h"
+#include "calib/start/course.h"
+
+namespace octant::calib {
+
+/// A log in memory. Its inliers are adjusted by Ceres on tiles, to rest in each round of rejection: where a
+/// beacon is hardly known that creeps along a bent valley, and sites of very many parameters have sparse
+/// matrices.
+class HeldLog : public CalibrationLog {
+ public:
+  /// All outlive it.
+  /// @param own_trajectories  the problem's, where they may be taken; else null
+  HeldLog(const Problem& problem, const SolveOptions& options, Course& course,
+          std::vector<Trajectory>* own_trajectories = nullptr)
+      : problem_(problem), options_(options), course_(course), own_trajectories_(own_trajectories) {}
+
+  [[nodiscard]] const Problem& problem() const override { return problem_; }
+  [[nodiscard]] Result<Sample> next_sample() override;
+  [[nodiscard]] Result<double> place(Approach& start, double sigma) override;
+  [[nodiscard]] Result<CalibrationStatistics> adjust_inliers(Estimate& estimate) override;
+  void scale_noise(Estimate& estimate, double factor) override;
+  [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
+
+ private:
+  bool adjust_to_rest(Estimate& estimate);
+  [[nodiscard]] CalibrationStatistics statistics(const Estimate& estimate) const;
+
+  const Problem& problem_;
+  const SolveOptions& options_;
+  Course& course_;
+  std::vector<Trajectory>* own_trajectories_;
+  std::optional<Problem> part_;
+  bool is_whole_ = false;  ///< the last sample
+  std::vector<Trajectory> trajectories_;
+  std::vector<std::vector<double>> start_headings_rad_;
+  std::optional<CalibrationStatistics> statistics_;  ///< at the last states, marks and noise
+};
+
+}  // namespace octant::calib

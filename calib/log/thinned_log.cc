@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/log/thinned_log.h"
+
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "calib/problem/ranges.h"
+
+namespace octant::calib {
+
+LogCounts::LogCounts(const Problem& problem) {
+  arrivals.assign(problem.site.beacons.size(), 0.0);
+  bearings.assign(problem.site.beacons.size(), 0.0);
+  for (const Trajectory& t : problem.trajectories) {
+    for (const ArrivalObservation& a : t.arrivals) arrivals[a.beacon.index()] += 1;
+    for (const BearingObservation& b : t.bearings)
+      if (b.reflector.valid()) bearings[b.reflector.index()] += 1;
+    poses += static_cast<double>(t.poses.size());
+    states += t.nodes.size();
+  }
+}
+
+double LogCounts::all_arrivals() const { return std::accumulate(arrivals.begin(), arrivals.end(), 0.0); }
+
+namespace {
+
+double sigma_factor(double whole, double few) {
+  return whole > few && few > 0 ? std::sqrt(few / whole) : 1.0;
+}
+
+/// Odometry of a drive's stretches stands for that of stretches left out; what was summed up between them is
+/// told by its length.
+void weigh_odometry(Trajectory& t, double factor) {
+  const auto duration_s = [&t](const OdometryObservation& o) {
+    return t.nodes[o.node + 1].time_s - t.nodes[o.node].time_s;
+  };
+  std::vector<double> durations;
+  for (const OdometryObservation& o : t.odometry) durations.push_back(duration_s(o));
+  const double usual_s = median(std::move(durations));
+  for (OdometryObservation& o : t.odometry) {
+    if (duration_s(o) > 1.5 * usual_s) continue;
+    o.distance_sigma_m *= factor;
+    o.heading_sigma_rad *= factor;
+  }
+}
+
+/// Each observation as accurate as all those together that it stands for. Odometry between stops is complete
+/// as it is.
+void weigh_as_whole(std::vector<Trajectory>& trajectories, const LogCounts& whole, const LogCounts& few) {
+  const double pose = sigma_factor(whole.poses, few.poses);
+  const double drive = sigma_factor(whole.all_arrivals(), few.all_arrivals());
+  for (Trajectory& t : trajectories) {
+    if (t.moving) weigh_odometry(t, drive);
+    for (ArrivalObservation& a : t.arrivals) {
+      const double f = sigma_factor(whole.arrivals[a.beacon.index()], few.arrivals[a.beacon.index()]);
+      a.sigma_s *= f;
+      a.log_amplitude_sigma *= f;
+    }
+    for (BearingObservation& b : t.bearings)
+      if (b.reflector.valid())
+        b.sigma_rad *= sigma_factor(whole.bearings[b.reflector.index()], few.bearings[b.reflector.index()]);
+    for (PoseObservation& p : t.poses) {
+      p.position_sigma_m *= pose;
+      p.heading_sigma_rad *= pose;
+      p.attitude_sigma_rad *= pose;
+    }
+  }
+}
+
+}  // namespace
+
+Result<LogFindings> ThinnedLog::findings(const Estimate& estimate) {
+  const LogCounts few(problem());
+  auto all = HeldLog::findings(estimate);
+  if (!all || few.all_arrivals() >= whole_.all_arrivals()) return all;
+  all->findings.as_whole = all->trajectories;
+  weigh_as_whole(all->findings.as_whole, whole_, few);
+  return all;
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "calib/log/held_log.h"
+
+namespace octant::calib {
+
+/// Observations of a log, each kind for itself.
+struct LogCounts {
+  std::vector<double> arrivals, bearings;  ///< by beacon
+  double poses = 0.0;
+  std::size_t states = 0;
+
+  explicit LogCounts(const Problem& problem);
+  [[nodiscard]] double all_arrivals() const;
+};
+
+/// A thinned log (problem/thin.h), held, whose verdict is that of the whole: each observation there is as
+/// accurate as all those together that it stands for. All else is judged as it is: residuals of so few
+/// arrivals are not as good as those of all.
+class ThinnedLog : public HeldLog {
+ public:
+  /// All outlive it.
+  ThinnedLog(const Problem& thinned, const LogCounts& whole, const SolveOptions& options, Course& course)
+      : HeldLog(thinned, options, course), whole_(whole) {}
+
+  [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
+
+ private:
+  const LogCounts& whole_;
+};
+
+}  // namespace octant::calib

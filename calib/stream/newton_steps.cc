@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/stream/newton_steps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calib/adjust/adjust.h"
+#include "calib/adjust/priors.h"
+#include "calib/adjust/quadratic_sum.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr int kMostPasses = 40;
+/// Costs of two readings are the same to this share.
+constexpr double kSameCost = 1e-11;
+/// A step that would change the cost by a smaller share is none.
+constexpr double kNoStep = 1e-12;
+constexpr double kFirstDamping = 1e-3;
+
+class NewtonSteps {
+ public:
+  NewtonSteps(LogReadings& readings, const Problem& frame, const SolveOptions& options, Course& course,
+              Estimate& estimate)
+      : readings_(readings), frame_(frame), options_(options), course_(course), estimate_(estimate) {}
+
+  Result<PassSum> run(std::optional<PassSum> first) {
+    double cost = INFINITY, damping = 0.0;
+    Eigen::VectorXd x;  // where `sum` is of
+    PassSum sum;
+    bool careful = false;
+    MarkPolicy marks = MarkPolicy::kFirst;
+    int marked = 0;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      if (!course_.report_inliers(pass)) return interrupted();
+      Result<PassSum> next = first ? Result<PassSum>(std::move(*first)) : readings_.pass(estimate_, marks);
+      if (!next) return next;
+      first.reset();
+      ++course_.iterations;
+      const double prior = prior_cost(frame_, estimate_.layout, estimate_.x);
+      if (next->counts.cost_before + prior > cost * (1 + kSameCost) && marks != MarkPolicy::kFirst &&
+          damping < 1e6) {
+        if (careful) {  // from where it was, a shorter step
+          damping = std::max(kFirstDamping, 10 * damping);
+          estimate_.x = stepped(sum.system, x, damping).x;
+        } else {
+          estimate_.x = x;
+          cost = INFINITY;
+        }
+        careful = true;
+        marks = MarkPolicy::kKept;
+        continue;
+      }
+      readings_.accept();
+      sum = std::move(*next);
+      x = estimate_.x;
+      cost = sum.system.cost + prior;
+      damping = damping < kFirstDamping ? 0.0 : damping / 10;
+      marked += marks != MarkPolicy::kKept;
+      const Step step = stepped(sum.system, x, damping);
+      const double gain = damping > 0 ? stepped(sum.system, x, 0.0).gain : step.gain;
+      const bool settled = gain <= kNoStep * cost;
+      if (settled && (sum.counts.changed == 0 || marked >= kRejectionRounds) && marks != MarkPolicy::kKept)
+        return ended(std::move(sum), cost, true);
+      const bool may_mark = marked < kRejectionRounds && (!careful || settled);
+      if (settled && !may_mark) return ended(std::move(sum), cost, true);
+      marks = !may_mark ? MarkPolicy::kKept : settled ? MarkPolicy::kFirst : MarkPolicy::kSettled;
+      if (!settled) estimate_.x = step.x;
+    }
+    return ended(std::move(sum), cost, false);
+  }
+
+ private:
+  Result<PassSum> ended(PassSum sum, double cost, bool converged) {
+    estimate_.last = {};
+    estimate_.last.converged = converged;
+    estimate_.last.cost = cost;
+    estimate_.last.iterations = course_.iterations;
+    estimate_.last.message = converged ? "no step changes the cost any more"
+                                       : fmt::format("no rest after {} readings of the log", kMostPasses);
+    estimate_.last.data_information = sum.system.H;
+    return sum;
+  }
+
+  /// To the optimum of what the observations look like from a point, priors, bounds and taped distances as
+  /// they are.
+  struct Step {
+    Eigen::VectorXd x;
+    double gain = 0.0;
+  };
+  [[nodiscard]] Step stepped(const ReducedSystem& system, const Eigen::VectorXd& from, double damping) const {
+    Step step{from, 0.0};
+    QuadraticSum sum(system, from, damping, &step.x);
+    AdjustOptions options;
+    options.max_iterations = options_.max_iterations;
+    options.function_tolerance = 1e-16;
+    const AdjustResult result = adjust(frame_, estimate_.layout, sum, step.x, options);
+    step.gain = system.cost + prior_cost(frame_, estimate_.layout, from) - result.cost;
+    return step;
+  }
+
+  LogReadings& readings_;
+  const Problem& frame_;
+  const SolveOptions& options_;
+  Course& course_;
+  Estimate& estimate_;
+};
+
+}  // namespace
+
+Result<PassSum> newton_steps(LogReadings& readings, const Problem& frame, const SolveOptions& options,
+                             Course& course, std::optional<PassSum> first, Estimate& estimate) {
+  return NewtonSteps(readings, frame, options, course, estimate).run(std::move(first));
+}
+
+}  // namespace octant::calib

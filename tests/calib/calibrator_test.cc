@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/calibrator.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calib/log/held_log.h"
+#include "tests/calib/calib_support.h"
+
+namespace octant::test {
+namespace {
+
+/// A held log that tells what it is asked, and may offer something else to start from.
+class WatchedLog : public calib::HeldLog {
+ public:
+  WatchedLog(const calib::Problem& problem, const calib::SolveOptions& options, calib::Course& course,
+             const calib::Problem* offered = nullptr)
+      : HeldLog(problem, options, course), offered_(offered) {}
+
+  Result<Sample> next_sample() override {
+    asked.emplace_back("sample");
+    if (fails_at == asked.back()) return failed();
+    if (offered_ != nullptr) return Sample{std::exchange(offered_, nullptr)};
+    return HeldLog::next_sample();
+  }
+  Result<double> place(calib::Approach& start, double sigma) override {
+    asked.emplace_back("place");
+    if (fails_at == asked.back()) return failed();
+    return HeldLog::place(start, sigma);
+  }
+  Result<CalibrationStatistics> adjust_inliers(calib::Estimate& estimate) override {
+    asked.emplace_back("adjust");
+    if (fails_at == asked.back()) return failed();
+    return HeldLog::adjust_inliers(estimate);
+  }
+  void scale_noise(calib::Estimate& estimate, double factor) override {
+    asked.emplace_back("scale");
+    HeldLog::scale_noise(estimate, factor);
+  }
+  Result<calib::LogFindings> findings(const calib::Estimate& estimate) override {
+    asked.emplace_back("findings");
+    if (fails_at == asked.back()) return failed();
+    return HeldLog::findings(estimate);
+  }
+
+  std::vector<std::string> asked;
+  std::string fails_at;
+  Errc code = Errc::kBadInput;
+
+ private:
+  [[nodiscard]] tl::unexpected<Error> failed() const { return fail({.code = code, .found = "a bad sector"}); }
+  const calib::Problem* offered_;
+};
+
+Scenario small_hall() {
+  Scenario s = hall_scenario();
+  s.path.epochs = 40;
+  return s;
+}
+
+using Asked = std::vector<std::string>;
+
+TEST(Calibrator, AsksALogForItsStepsInTurn) {
+  World world = must(simulate(small_hall(), 1));
+  for (const double stated : {1.0, 1.3, 0.2}) {
+    world.site.noise.tof_sigma_s = stated * 1e-5;
+    const calib::Problem problem = problem_of(world);
+    const calib::SolveOptions options;
+    calib::Course course(options);
+    WatchedLog log(problem, options, course);
+    const calib::Solution solution = must(calib::calibrate(log, options, course));
+    ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+    // Once before the inliers are known where it is grossly off, then where their squares say so.
+    const Asked steps = stated == 1.0 ? Asked{"sample", "place", "adjust", "findings"}
+                        : stated == 1.3
+                            ? Asked{"sample", "place", "adjust", "scale", "adjust", "findings"}
+                            : Asked{"sample", "place", "scale", "adjust", "scale", "adjust", "findings"};
+    EXPECT_EQ(log.asked, steps) << stated;
+    if (stated != 0.2) EXPECT_NEAR(solution.tof_sigma_s, 1e-5, 1e-6);
+    EXPECT_EQ(solution.iterations, course.iterations);
+    EXPECT_EQ(solution.trajectories.size(), problem.trajectories.size());
+  }
+}
+
+// A part that tells nothing is no reason to refuse what is held as a whole.
+TEST(Calibrator, StartsFromTheWholeWhereAPartGivesNoStart) {
+  const World world = must(simulate(small_hall(), 2));
+  const calib::Problem problem = problem_of(world);
+  MeasurementLog one = world.run;
+  std::erase_if(one.arrivals, [](const Arrival& a) { return a.beacon.value != 1; });
+  const calib::Problem of_one_beacon = must(calib::make_problem(world.site, {one}));
+  const calib::SolveOptions options;
+  calib::Course course(options);
+  WatchedLog log(problem, options, course, &of_one_beacon);
+  const calib::Solution solution = must(calib::calibrate(log, options, course));
+  ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+  EXPECT_EQ(log.asked, (Asked{"sample", "sample", "place", "adjust", "findings"}));
+  const calib::Solution whole = calib::solve(problem, {});
+  for (std::size_t b = 0; b < whole.state.beacon_p_map_m.size(); ++b)
+    EXPECT_EQ(solution.state.beacon_p_map_m[b], whole.state.beacon_p_map_m[b]);
+  EXPECT_EQ(solution.warnings, whole.warnings);
+}
+
+TEST(Calibrator, ErrorsOfReadingAreErrorsAndAnInterruptionIsAnOutcome) {
+  const World world = must(simulate(small_hall(), 3));
+  const calib::Problem problem = problem_of(world);
+  for (const char* step : {"sample", "place", "adjust", "findings"})
+    for (const Errc code : {Errc::kBadInput, Errc::kInterrupted}) {
+      const calib::SolveOptions options;
+      calib::Course course(options);
+      WatchedLog log(problem, options, course);
+      log.fails_at = step;
+      log.code = code;
+      const auto solution = calib::calibrate(log, options, course);
+      EXPECT_EQ(log.asked.back(), step);
+      if (code == Errc::kInterrupted) {
+        ASSERT_TRUE(solution);
+        EXPECT_EQ(solution->status, calib::SolveStatus::kInterrupted);
+      } else {
+        ASSERT_FALSE(solution);
+        EXPECT_EQ(solution.error().found, "a bad sector");
+      }
+    }
+}
+
+// Nothing tells the scale: why it is refused comes with what was to be said before.
+TEST(Calibrator, ARefusalKeepsWarnings) {
+  World world = must(simulate(small_hall(), 4));
+  for (SiteBeacon& b : world.site.beacons) b.position_m = {}, b.sigma_m = {};
+  world.site.speed_sigma_mps = 200.0;
+  for (SiteReceiver& r : world.site.receivers) r.sigma_m.setConstant(1.0);
+  calib::Problem problem = problem_of(world);
+  problem.warnings = {"of the problem"};
+  const calib::Solution solution = calib::solve(problem, {});
+  EXPECT_EQ(solution.status, calib::SolveStatus::kUndetermined);
+  ASSERT_FALSE(solution.warnings.empty());
+  EXPECT_EQ(solution.warnings.front(), "of the problem");
+}
+
+}  // namespace
+}  // namespace octant::test
