@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "models/support/observed.h"
 #include "models/trajectory/decompositions.h"
-#include "models/trajectory/observed.h"
 
 namespace octant::calib {
 namespace {

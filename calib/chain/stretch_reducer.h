@@ -13,6 +13,7 @@
 #include "calib/problem/shared_entries.h"
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/planar.h"
+#include "models/trajectory/spatial.h"
 
 namespace octant::calib::chain {
 
@@ -46,7 +47,8 @@ class StretchReducer {
         loss_(loss),
         place_(place),
         whitening_(state.speed_offset(t_.run)),
-        is_planar_(N == 3 && has_planar_arrivals(t_, segment, state)) {
+        is_planar_(N == 3 && has_planar_arrivals(t_, segment, state)),
+        is_spatial_(N == 6 && has_spatial_arrivals(t_, segment, state)) {
     if (memory_.of_system.size() < columns) memory_.of_system.resize(columns, -1);
     if (memory_.paths.size() < chain.paths().size()) memory_.paths.resize(chain.paths().size());
   }
@@ -150,6 +152,8 @@ class StretchReducer {
     const std::size_t node = segment_.first_node + k;
     if (is_planar_) {
       add_planar_rows_of(k);
+    } else if (is_spatial_) {
+      add_spatial_rows_of(k);
     } else {
       add_rows_between(node);
     }
@@ -178,24 +182,53 @@ class StretchReducer {
     for (; arrival_ < segment_.last_arrival && t_.arrivals[arrival_].node == node; ++arrival_)
       if (t_.arrivals[arrival_].rejection == Rejection::kUsed) add_planar(t_.arrivals[arrival_], interval);
     for (; odometry_ < segment_.last_odometry && t_.odometry[odometry_].node == node; ++odometry_)
-      if constexpr (N == 3) add_planar(t_.odometry[odometry_], interval);
+      if constexpr (N == 3) add_step(PlanarStep(t_.odometry[odometry_], interval));
   }
 
   void add_planar(const ArrivalObservation& a, const PlanarInterval& interval) {
     whitening_.take(a);
     const PlanarArrival row(a, interval.at(a.alpha), state_, whitening_);
-    const Eigen::Vector3d& o = state_.receiver_p_vehicle_m[a.receiver.index()];
-    double base[kPathNumbers] = {};  // zero: what arrivals of is_planar_ do not hang on
     const double ux = row.direction[0], uy = row.direction[1], uz = row.direction[2];
-    base[0] = -row.by_distance * ux;
-    base[1] = -row.by_distance * uy;
-    base[2] = -row.by_distance * uz;
-    const double rx = row.by_distance * (row.cosine * ux + row.sine * uy),
-                 ry = row.by_distance * (row.cosine * uy - row.sine * ux);
-    base[kByReceiver] = rx;
-    base[kByReceiver + 1] = ry;
-    base[kByReceiver + 2] = row.by_distance * uz;
-    base[kByTurn] = ry * o.x() - rx * o.y();
+    const Eigen::Vector3d direction_vehicle(row.cosine * ux + row.sine * uy, row.cosine * uy - row.sine * ux,
+                                            uz);
+    const double before = 1.0 - a.alpha;
+    const double by[3] = {row.by_x(), row.by_y(), row.by_heading};
+    const double by_node[7] = {before * by[0], before * by[1], before * by[2]},
+                 by_next[7] = {a.alpha * by[0], a.alpha * by[1], a.alpha * by[2]};
+    add_plain(a, row, {ux, uy, uz}, direction_vehicle, by_node, by_next);
+  }
+
+  void add_spatial_rows_of(std::size_t k) {
+    const std::size_t node = segment_.first_node + k;
+    const bool has_next = k < stretch_->last - (stretch_->has_right ? 0 : 1);
+    const SpatialInterval interval(t_.nodes[node].T_map_vehicle,
+                                   t_.nodes[has_next ? node + 1 : node].T_map_vehicle);
+    for (; arrival_ < segment_.last_arrival && t_.arrivals[arrival_].node == node; ++arrival_) {
+      const ArrivalObservation& a = t_.arrivals[arrival_];
+      if (a.rejection != Rejection::kUsed) continue;
+      whitening_.take(a);
+      const SpatialInstant at(interval, a.alpha);
+      const SpatialArrival row(a, interval, at, state_, whitening_);
+      add_plain(a, row, row.direction, at.turned_back(interval, row.direction_first), row.by_node.data(),
+                row.by_next.data());
+    }
+    for (; odometry_ < segment_.last_odometry && t_.odometry[odometry_].node == node; ++odometry_)
+      if constexpr (N == 6) add_step(SpatialStep(t_.odometry[odometry_], interval));
+  }
+
+  /// A single straight path.
+  /// @param direction, direction_vehicle  from beacon to receiver, in the map and in the vehicle's frame
+  template <class Row>
+  void add_plain(const ArrivalObservation& a, const Row& row, const Eigen::Vector3d& direction,
+                 const Eigen::Vector3d& direction_vehicle, const double* by_node, const double* by_next) {
+    const Eigen::Vector3d& o = state_.receiver_p_vehicle_m[a.receiver.index()];
+    const Eigen::Vector3d by_receiver = row.by_distance * direction_vehicle;
+    double base[kPathNumbers] = {};  // zero: what plain arrivals do not hang on
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      base[i] = -row.by_distance * direction[i];
+      base[kByReceiver + i] = by_receiver[i];
+    }
+    base[kByTurn] = by_receiver.y() * o.x() - by_receiver.x() * o.y();
     base[kByDelay] = whitening_.by_tof;
     base[kBySpeed] = -row.by_distance * row.distance_m * whitening_.slowness;
     const LocalPath& path = memory_.paths[chain_.path_of(a)];
@@ -204,17 +237,13 @@ class StretchReducer {
     for (std::size_t i = 0; i < static_cast<std::size_t>(path.count); ++i) {
       const PathColumns::Entry& e = path.entry[i];
       if (e.what == kByRadius)
-        base[kByRadius] = (rx * o.x() + ry * o.y()) / std::max(o.head<2>().norm(), 1e-300);
+        base[kByRadius] = by_receiver.head<2>().dot(o.head<2>()) / std::max(o.head<2>().norm(), 1e-300);
       border.at[i] = e.column;
       border.value[i] = base[e.what] * e.scale;
     }
     double rho = 0.0, w = 1.0;
     loss_.evaluate(row.residual, rho, w);
     out_->cost += 0.5 * rho;
-    const double before = 1.0 - a.alpha;
-    const double by[3] = {row.by_x(), row.by_y(), row.by_heading};
-    const double by_node[7] = {before * by[0], before * by[1], before * by[2]},
-                 by_next[7] = {a.alpha * by[0], a.alpha * by[1], a.alpha * by[2]};
     window_->add_row(row.residual, w, by_node, a.alpha == 0.0 ? nullptr : by_next, border);
   }
 
@@ -226,8 +255,8 @@ class StretchReducer {
     border.value[i] = value;
   }
 
-  void add_planar(const OdometryObservation& o, const PlanarInterval& interval) {
-    const PlanarStep step(o, interval);
+  template <class Step>
+  void add_step(const Step& step) {
     out_->cost += step.cost();
     window_->add_step(step);
   }
@@ -263,8 +292,8 @@ class StretchReducer {
   const SharedState& state_;
   const RobustLoss& loss_;
   const std::vector<int>& place_;
-  PlanarWhitening whitening_;
-  bool is_planar_;
+  ArrivalWhitening whitening_;
+  bool is_planar_, is_spatial_;
   const Stretch* stretch_ = nullptr;
   Remains* out_ = nullptr;
   StretchWindow<N>* window_ = nullptr;

@@ -147,22 +147,21 @@ class StretchWindow {
   ///   add_to(block of this state, its gradient, block of both, block of the next, its gradient)
   template <class Step>
   void add_step(const Step& step) {
-    static_assert(N == 3);
     if (!is_left_) {
       Block A(D(slot_)), C(U(slot_)), B(D(slot_ + 1));
       Gradient a{G(slot_) + gradient_, width_}, b{G(slot_ + 1) + gradient_, width_};
       step.add_to(A, a, C, B, b);
       return;
     }
-    Eigen::Matrix3d A = Eigen::Matrix3d::Zero(), C = A;
-    Eigen::Vector3d a = Eigen::Vector3d::Zero();
+    Eigen::Matrix<double, N, N> A = Eigen::Matrix<double, N, N>::Zero(), C = A;
+    Eigen::Matrix<double, N, 1> a = Eigen::Matrix<double, N, 1>::Zero();
     Block B(D(0));
     Gradient b{G(0) + gradient_, width_};
     step.add_to(A, a, C, B, b);
-    for (Eigen::Index i = 0; i < 3; ++i) {
+    for (Eigen::Index i = 0; i < N; ++i) {
       const auto r = static_cast<std::size_t>(i);
       double *const row = H(out_.left() + r) + out_.left(), *const next = G(0) + r * width_ + out_.left();
-      for (Eigen::Index j = 0; j < 3; ++j) {
+      for (Eigen::Index j = 0; j < N; ++j) {
         if (j <= i) row[j] += A(i, j);
         next[j] += C(j, i);
       }

@@ -12,8 +12,8 @@
 #include "calib/adjust/leverage.h"
 #include "calib/problem/ranges.h"
 #include "models/physics/pose.h"
+#include "models/support/observed.h"
 #include "models/trajectory/decompositions.h"
-#include "models/trajectory/observed.h"
 #include "models/trajectory/stretches.h"
 
 namespace octant::calib {

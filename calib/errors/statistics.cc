@@ -12,9 +12,9 @@
 #include <Eigen/QR>
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "models/support/observed.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/linearise.h"
-#include "models/trajectory/observed.h"
 
 namespace octant::calib {
 

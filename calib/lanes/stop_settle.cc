@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/lanes/stop_settle.h"
 
-#include "models/trajectory/observed.h"
+#include "models/support/observed.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calib/lanes/stop_settle.cc"

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "calib/problem/ranges.h"
-#include "models/trajectory/observed.h"
+#include "models/support/observed.h"
 
 namespace octant::calib {
 namespace {

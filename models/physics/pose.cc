@@ -4,22 +4,12 @@
 
 #include <cmath>
 
+#include "models/physics/turn_series.h"
+
 namespace octant {
 namespace {
 
-/// Of turns between two rows of odometry, by which states in space are linearised millions of times: their
-/// series need no trigonometry, and lose no digits to differences.
-constexpr double kSmallTurn2 = 0.0625;  ///< of the angle squared; the first term left out is below 1e-16
-
-/// Polynomial in x, lowest power first.
-template <class... Rest>
-double polynomial(double x, double first, Rest... rest) {
-  if constexpr (sizeof...(rest) == 0) {
-    return first;
-  } else {
-    return first + x * polynomial(x, rest...);
-  }
-}
+constexpr double kSmallTangent2 = 0.0025;  ///< of half a turn, squared; as kSmallTurn2
 
 /// sin(a / 2) / a and cos(a / 2), of a^2.
 double half_sine_by_angle(double a2) {
@@ -27,19 +17,6 @@ double half_sine_by_angle(double a2) {
 }
 double half_cosine(double a2) {
   return polynomial(a2, 1.0, -1.0 / 8, 1.0 / 384, -1.0 / 46080, 1.0 / 10321920, -1.0 / 3715891200.0);
-}
-/// (1 - cos a) / a^2 and (a - sin a) / a^3.
-double versine_by_square(double a2) {
-  return polynomial(a2, 1.0 / 2, -1.0 / 24, 1.0 / 720, -1.0 / 40320, 1.0 / 3628800, -1.0 / 479001600,
-                    1.0 / 87178291200.0);
-}
-double sine_lag_by_cube(double a2) {
-  return polynomial(a2, 1.0 / 6, -1.0 / 120, 1.0 / 5040, -1.0 / 362880, 1.0 / 39916800, -1.0 / 6227020800.0);
-}
-/// 1 / a^2 - 1 / (2 a tan(a / 2)).
-double inverse_curvature(double a2) {
-  return polynomial(a2, 1.0 / 12, 1.0 / 720, 1.0 / 30240, 1.0 / 1209600, 1.0 / 47900160,
-                    691.0 / 1307674368000.0, 1.0 / 74724249600.0);
 }
 
 }  // namespace
@@ -75,11 +52,13 @@ double wrap_angle(double angle_rad) {
 }
 
 Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q) {
-  const double sign = q.w() < 0 ? -1.0 : 1.0;
-  const double n = q.vec().norm();
-  // 2 atan2(n, w) / n tends to 2 / w as n vanishes.
-  const double factor = n < 1e-12 ? 2.0 : 2.0 * std::atan2(n, sign * q.w()) / n;
-  return sign * factor * q.vec();
+  const double n2 = q.vec().squaredNorm(), t2 = n2 / (q.w() * q.w());
+  // 2 atan(n / w) / n; of turns below a tenth its series.
+  if (t2 < kSmallTangent2)
+    return 2.0 / q.w() * polynomial(t2, 1.0, -1.0 / 3, 1.0 / 5, -1.0 / 7, 1.0 / 9, -1.0 / 11) * q.vec();
+  if (!(n2 > 0)) return Eigen::Vector3d::Zero();
+  const double sign = q.w() < 0 ? -1.0 : 1.0, n = std::sqrt(n2);
+  return sign * 2.0 * std::atan2(n, sign * q.w()) / n * q.vec();
 }
 
 Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& phi) {
@@ -101,19 +80,12 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
 Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& phi) {
   const double a2 = phi.squaredNorm();
   const Eigen::Matrix3d K = skew(phi);
-  if (a2 < kSmallTurn2)
-    return Eigen::Matrix3d::Identity() - versine_by_square(a2) * K + sine_lag_by_cube(a2) * K * K;
-  const double a = std::sqrt(a2);
-  return Eigen::Matrix3d::Identity() - (1 - std::cos(a)) / a2 * K + (a - std::sin(a)) / (a2 * a) * K * K;
+  return Eigen::Matrix3d::Identity() - versine_by_square(a2) * K + sine_lag_by_cube(a2) * K * K;
 }
 
 Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& phi) {
-  const double a2 = phi.squaredNorm();
   const Eigen::Matrix3d K = skew(phi);
-  if (a2 < kSmallTurn2) return Eigen::Matrix3d::Identity() + 0.5 * K + inverse_curvature(a2) * K * K;
-  const double a = std::sqrt(a2);
-  // (1 + cos a) / sin a written as 1 / tan(a/2), which keeps its digits near a half turn.
-  return Eigen::Matrix3d::Identity() + 0.5 * K + (1 / a2 - 1 / (2 * a * std::tan(a / 2))) * K * K;
+  return Eigen::Matrix3d::Identity() + 0.5 * K + inverse_curvature(phi.squaredNorm()) * K * K;
 }
 
 Pose interpolate(const Pose& a, const Pose& b, double alpha) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <numbers>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -46,6 +48,15 @@ enum class Motion { kPlanar, kSpatial };
 [[nodiscard]] constexpr int pose_dof(Motion motion) { return motion == Motion::kPlanar ? 3 : 6; }
 /// Of the degrees of freedom of a pose, the first that is a turn.
 [[nodiscard]] constexpr int first_turn(Motion motion) { return motion == Motion::kPlanar ? 2 : 3; }
+
+/// Information about an angle of which nothing is known: it is somewhere on the circle.
+inline constexpr double kVagueAngle = 1.0 / (std::numbers::pi * std::numbers::pi);
+
+/// Adds it to the turns of a block whose first unknowns are a pose's.
+template <class Block>
+void add_vague_angles(Motion motion, Block& information) {
+  for (int i = first_turn(motion); i < pose_dof(motion); ++i) information(i, i) += kVagueAngle;
+}
 
 /// Moves a pose by a tangent vector (see Motion).
 [[nodiscard]] Pose retract(const Pose& pose, const Eigen::Ref<const Eigen::VectorXd>& delta, Motion motion);

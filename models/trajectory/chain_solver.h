@@ -7,8 +7,9 @@
 
 #include <Eigen/Core>
 
+#include "models/support/observed.h"
+#include "models/support/parallel.h"
 #include "models/support/scratch.h"
-#include "models/trajectory/observed.h"
 
 namespace octant {
 
@@ -25,50 +26,55 @@ struct FixedChainSystem {
   std::pmr::vector<Block> D{scratch()}, U{scratch()};
   std::pmr::vector<Vector> g{scratch()};
 
-  void clear(std::size_t count) {
+  /// For so many states, whose blocks are still to be cleared.
+  void resize(std::size_t count) {
     cost = 0.0;
-    D.assign(count, Block::Zero());
-    U.assign(count, Block::Zero());
-    g.assign(count, Vector::Zero());
+    D.resize(count);
+    U.resize(count);
+    g.resize(count);
+  }
+  void clear(std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      D[k].setZero();
+      U[k].setZero();
+      g[k].setZero();
+    }
   }
 };
 
-/// Factors of such a system and the step that they lead to.
+/// Solves such a system where it stands: of its blocks the factors take the place, so that a long drive holds
+/// them once. It is eliminated from both ends to the middle, where it is long by a thread on each half: no
+/// more work than from one end, and the same step however many threads.
 template <int N>
 class FixedChainStep {
  public:
   using Block = Eigen::Matrix<double, N, N>;
   using Vector = Eigen::Matrix<double, N, 1>;
 
-  /// Solves (D + lambda diag D) step = -g; false if that is not positive definite.
-  bool solve(const FixedChainSystem<N>& system, double lambda) {
-    const std::size_t count = system.D.size();
-    factor_.resize(count);
-    W_.resize(count);
+  /// Solves (D + lambda diag D) step = -g; false if that is not positive definite. Cost and gradient of the
+  /// system stay, its blocks do not.
+  bool solve(FixedChainSystem<N>& system, double lambda, int threads = 1) {
+    const std::size_t count = system.D.size(), middle = count > kFromBothEnds ? count / 2 : count - 1;
+    const std::size_t halves = middle + 1 < count ? 2 : 1;
+    system_ = &system;
+    lambda_ = lambda;
     step_.resize(count);
-    Block A = system.D[0];
-    Vector rhs = -system.g[0];
-    for (std::size_t k = 0;; ++k) {
-      // The floor keeps a direction that nothing observes (the heading of a single antenna) where it is.
-      const double floor = kStepFloor * (1.0 + system.D[k].diagonal().maxCoeff());
-      for (int i = 0; i < N; ++i) A(i, i) += lambda * system.D[k](i, i) + floor;
-      if (!factor_[k].factor(A)) return false;
-      factor_[k].forward(rhs);
-      step_[k] = rhs;
-      if (k + 1 == count) break;
-      Block& W = W_[k];
-      W = system.U[k];
-      for (int j = 0; j < N; ++j) factor_[k].forward(W.col(j));
-      A = system.D[k + 1];
-      rhs = -system.g[k + 1];
-      A.noalias() -= W.transpose().lazyProduct(W);
-      rhs.noalias() -= W.transpose().lazyProduct(step_[k]);
-    }
-    factor_[count - 1].backward(step_[count - 1]);
-    for (std::size_t k = count - 1; k-- > 0;) {
-      step_[k].noalias() -= W_[k].lazyProduct(step_[k + 1]);
-      factor_[k].backward(step_[k]);
-    }
+    Passed passed[2];
+    for_each_parallel(halves, threads, [&](std::size_t half) {
+      passed[half] = half == 0 ? eliminate(0, middle, true) : eliminate(count - 1, middle, false);
+    });
+    Passed all = passed[0];
+    if (halves == 2) all.take(passed[1]);
+    SmallCholesky<N> L;
+    if (!all.is_definite || !factor(middle, all, L)) return false;
+    L.backward(step_[middle]);
+    for_each_parallel(halves, threads, [&](std::size_t half) {
+      if (half == 0) {
+        for (std::size_t k = middle; k-- > 0;) substitute(k, system.U[k], k + 1);
+      } else {
+        for (std::size_t k = middle + 1; k < count; ++k) substitute(k, system.U[k - 1], k - 1);
+      }
+    });
     return true;
   }
   [[nodiscard]] const std::pmr::vector<Vector>& step() const { return step_; }
@@ -80,8 +86,67 @@ class FixedChainStep {
   }
 
  private:
-  std::pmr::vector<SmallCholesky<N>> factor_{scratch()};
-  std::pmr::vector<Block> W_{scratch()};  ///< L^-1 U
+  static constexpr std::size_t kFromBothEnds = 512;  ///< states; of fewer a thread costs more than it saves
+
+  /// What eliminated states take from the block and the right-hand side of the one behind them.
+  struct Passed {
+    Block D = Block::Zero();
+    Vector rhs = Vector::Zero();
+    bool is_definite = true;
+    void take(const Passed& other) {
+      D += other.D;
+      rhs += other.rhs;
+      is_definite = is_definite && other.is_definite;
+    }
+  };
+
+  /// Of a state; its step is L^-1 rhs then.
+  bool factor(std::size_t k, const Passed& passed, SmallCholesky<N>& L) {
+    const Block& D = system_->D[k];
+    // The floor keeps a direction that nothing observes (the heading of a single antenna) where it is.
+    const double floor = kStepFloor * (1.0 + D.diagonal().maxCoeff());
+    Block A = D - passed.D;
+    for (int i = 0; i < N; ++i) A(i, i) += lambda_ * D(i, i) + floor;
+    if (!L.factor(A)) return false;
+    step_[k] = -system_->g[k] - passed.rhs;
+    L.forward(step_[k]);
+    return true;
+  }
+  /// The states from `first` up to the middle.
+  Passed eliminate(std::size_t first, std::size_t middle, bool forth) {
+    Passed passed;
+    SmallCholesky<N> L;
+    for (std::size_t k = first; k != middle; forth ? ++k : --k) {
+      passed.is_definite = factor(k, passed, L);
+      if (!passed.is_definite) break;
+      // Y = (L^-1 U)' column by column, each a vector of its own, in the place of U.
+      Block& Y = system_->U[forth ? k : k - 1];
+      if (forth) Y.transposeInPlace();
+      for (int i = 0; i < N; ++i) {
+        Vector y = Y.col(i);
+        for (int j = 0; j < i; ++j) y -= L.L[i][j] * Y.col(j);
+        Y.col(i) = y * L.L[i][i];
+      }
+      passed.D.noalias() = Y.lazyProduct(Y.transpose());
+      passed.rhs.noalias() = Y.lazyProduct(step_[k]);
+      for (int i = 0; i < N; ++i)
+        for (int j = 0; j <= i; ++j) system_->D[k](i, j) = L.L[i][j];
+    }
+    return passed;
+  }
+  /// @param from  the neighbour whose step is known
+  void substitute(std::size_t k, const Block& Y, std::size_t from) {
+    Vector& step = step_[k];
+    step.noalias() -= Y.transpose().lazyProduct(step_[from]);
+    const Block& L = system_->D[k];
+    for (int i = N; i-- > 0;) {
+      step[i] *= L(i, i);
+      for (int j = 0; j < i; ++j) step[j] -= L(i, j) * step[i];
+    }
+  }
+
+  FixedChainSystem<N>* system_ = nullptr;
+  double lambda_ = 0.0;
   std::pmr::vector<Vector> step_{scratch()};
 };
 

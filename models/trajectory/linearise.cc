@@ -365,7 +365,7 @@ double chain_cost(const Trajectory& t, const Segment& segment, const SharedState
 double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
   if (a.alpha != 0.0 && t.motion == Motion::kPlanar && !a.two_way && !t.has_cycle_offset &&
       state.has_plain_paths()) {
-    PlanarWhitening whitening(state.speed_offset(t.run));
+    ArrivalWhitening whitening(state.speed_offset(t.run));
     whitening.take(a);
     const PlanarNode from(t.nodes[a.node].T_map_vehicle), to(t.nodes[a.node + 1].T_map_vehicle);
     return PlanarArrival(a, PlanarInterval(from, to).at(a.alpha), state, whitening).residual;

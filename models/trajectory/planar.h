@@ -99,19 +99,24 @@ struct PlanarInterval {
   }
 };
 
-/// Whether the arrivals of a trajectory are single straight paths, heard at planar states and timed by the
-/// vehicle's own clock: what PlanarArrival takes.
-[[nodiscard]] inline bool has_planar_arrivals(const Trajectory& t, const Segment& segment,
-                                              const SharedState& state) {
-  return t.motion == Motion::kPlanar && !t.has_cycle_offset && state.has_plain_paths() &&
+/// Whether the arrivals of a trajectory are single straight paths, timed by the vehicle's own clock.
+[[nodiscard]] inline bool has_plain_arrivals(const Trajectory& t, const Segment& segment,
+                                             const SharedState& state) {
+  return !t.has_cycle_offset && state.has_plain_paths() &&
          (segment.first_arrival == segment.last_arrival || !t.arrivals[segment.first_arrival].two_way);
 }
 
+/// Whether they are what PlanarArrival takes: heard at planar states.
+[[nodiscard]] inline bool has_planar_arrivals(const Trajectory& t, const Segment& segment,
+                                              const SharedState& state) {
+  return t.motion == Motion::kPlanar && has_plain_arrivals(t, segment, state);
+}
+
 /// What the arrivals of a run have in common, so that none of them divides by it.
-class PlanarWhitening {
+class ArrivalWhitening {
  public:
   /// @param speed_offset_mps  SharedState::speed_offset of the run
-  explicit PlanarWhitening(double speed_offset_mps) : speed_offset_mps_(speed_offset_mps) {}
+  explicit ArrivalWhitening(double speed_offset_mps) : speed_offset_mps_(speed_offset_mps) {}
   void take(const ArrivalObservation& a) {
     if (a.sigma_s == sigma_s_ && a.model_speed_mps == model_speed_mps_) return;
     sigma_s_ = a.sigma_s;
@@ -138,7 +143,7 @@ struct PlanarArrival {
 
   /// @param at  state at the arrival
   PlanarArrival(const ArrivalObservation& a, const PlanarNode& at, const SharedState& state,
-                const PlanarWhitening& w) {
+                const ArrivalWhitening& w) {
     constexpr double kMinDistanceM = 1e-6;  // as predict_arrival
     const Eigen::Vector3d &o = state.receiver_p_vehicle_m[a.receiver.index()],
                           &p = state.beacon_p_map_m[a.beacon.index()];

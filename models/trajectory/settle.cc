@@ -8,9 +8,9 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/support/observed.h"
 #include "models/trajectory/chain_solver.h"
 #include "models/trajectory/linearise.h"
-#include "models/trajectory/observed.h"
 #include "models/trajectory/settle_chains.h"
 
 namespace octant {
@@ -44,39 +44,45 @@ bool is_last(const std::pmr::vector<Vector>& step, double gain, double cost, con
   return b * b * (gain / 4 + rest) < options.left_behind * rest;
 }
 
-/// Levenberg-Marquardt: a point is built at once with its system, which the next step takes.
+/// Levenberg-Marquardt: a point is built at once with its system, which the next step takes. There is one, as
+/// that of a long drive takes most of its memory: where a step is taken back it is built again.
 template <class Chain>
 SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLoss& loss,
                           const SettleOptions& options) {
   SettleResult result;
-  FixedChainSystem<Chain::kSize> system, tried;
+  FixedChainSystem<Chain::kSize> system;
+  typename FixedChainSystem<Chain::kSize>::Block alone;  // of a single state
   FixedChainStep<Chain::kSize> work;
   double lambda = 1e-8;
-  const auto build = [&](FixedChainSystem<Chain::kSize>& at) {
-    chain.build(state, loss, at, options.threads);
-    hold_ends(options, at);
+  const auto build = [&] {
+    chain.build(state, loss, system, options.threads);
+    hold_ends(options, system);
+    if (system.D.size() == 1) alone = system.D[0];
   };
-  build(system);
+  build();
   for (; result.iterations < options.max_iterations; ++result.iterations) {
     bool improved = false;
     double gain = 0.0;
     for (int attempt = 0; attempt < 12 && !improved; ++attempt) {
-      if (!work.solve(system, lambda)) {
+      if (!work.solve(system, lambda, options.threads)) {
         lambda = std::max(10 * lambda, 1e-4);
+        build();
         continue;
       }
       gain = work.gain(system);
       if (!(gain > kSettledToRounding * (1.0 + system.cost))) break;
-      chain.move(work.step());
+      chain.move(work.step(), options.threads);
       if (lambda < 1e-3 && is_last(work.step(), gain, system.cost, loss, options)) {
         system.cost -= gain;  // so near that the quadratic cost is as good as the cost
         gain = 0.0;
         break;
       }
-      build(tried);
-      improved = tried.cost <= system.cost * (1.0 + 1e-14);
+      const double before = system.cost;
+      build();
+      improved = system.cost <= before * (1.0 + 1e-14);
       if (!improved) {
         chain.restore();
+        build();
         lambda = std::max(10 * lambda, 1e-5);
       }
     }
@@ -87,11 +93,10 @@ SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLos
     }
     lambda = lambda < 1e-7 ? 1e-8 : 0.1 * lambda;
     chain.keep();
-    std::swap(system, tried);
   }
   chain.finish();
   result.cost = system.cost;
-  result.singular = system.D.size() == 1 && !ObservedState(system.D[0]).all();
+  result.singular = system.D.size() == 1 && !ObservedState(alone).all();
   return result;
 }
 

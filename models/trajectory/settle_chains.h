@@ -14,12 +14,13 @@
 #include "models/trajectory/node_step.h"
 #include "models/trajectory/planar.h"
 #include "models/trajectory/settle.h"
+#include "models/trajectory/spatial.h"
 #include "models/trajectory/stretches.h"
 
 namespace octant {
 
 /// States that a thread takes at once.
-inline constexpr std::size_t kNodesAtOnce = 4096;
+inline constexpr std::size_t kNodesAtOnce = 1024;
 
 /// What a stretch adds to the state behind it, and its cost.
 template <int N>
@@ -33,9 +34,10 @@ struct BeyondStretch {
 /// threads.
 template <int N, class Build>
 void build_stretches(std::size_t count, int threads, FixedChainSystem<N>& system, Build&& build) {
-  system.clear(count);
+  system.resize(count);
   std::pmr::vector<BeyondStretch<N>> beyond(chunk_count(count, kNodesAtOnce), scratch());
   for_each_chunk(count, kNodesAtOnce, threads, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+    system.clear(first, last);
     build(beyond[chunk], first, last);
   });
   for (std::size_t chunk = 0; chunk < beyond.size(); ++chunk) {
@@ -75,11 +77,19 @@ class NodeChain {
               t.nodes.begin() + static_cast<std::ptrdiff_t>(segment.last_node), scratch()) {}
 
   void build(const SharedState& state, const RobustLoss& loss, FixedChainSystem<N>& system, int threads) {
+    const bool is_spatial = N == 6 && has_spatial_arrivals(t_, segment_, state);
     const auto stretch = [&](BeyondStretch<N>& beyond, std::size_t first, std::size_t last) {
       const std::size_t base = segment_.first_node;
       // Up to the observations between its last state and the one behind it.
-      const Segment part =
+      Segment part =
           last - first == kept_.size() ? segment_ : stretch_of(t_, segment_, base + first, base + last + 1);
+      if constexpr (N == 6) {
+        if (is_spatial) {
+          add_spatial(part, first, last, state, loss, system, beyond);
+          part.first_arrival = part.last_arrival;
+          part.first_odometry = part.last_odometry;
+        }
+      }
       for_each_row(t_, part, state, [&](const ObservationRow& row) {
         double rho = row.residual * row.residual, w = 1.0;
         if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
@@ -90,14 +100,61 @@ class NodeChain {
     };
     build_stretches(kept_.size(), threads, system, stretch);
   }
-  void move(const std::pmr::vector<Vector>& step) {
-    for (std::size_t k = 0; k < step.size(); ++k) step_node(t_, step[k], t_.nodes[segment_.first_node + k]);
+  void move(const std::pmr::vector<Vector>& step, int threads) {
+    for_each_chunk(step.size(), kNodesAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) step_node(t_, step[k], t_.nodes[segment_.first_node + k]);
+    });
   }
   void keep() { std::copy(begin(), begin() + static_cast<std::ptrdiff_t>(kept_.size()), kept_.begin()); }
   void restore() { std::copy(kept_.begin(), kept_.end(), begin()); }
   void finish() {}
 
  private:
+  /// Plain arrivals and odometry of a stretch.
+  void add_spatial(const Segment& part, std::size_t first, std::size_t last, const SharedState& state,
+                   const RobustLoss& loss, FixedChainSystem<N>& system, BeyondStretch<N>& beyond) const {
+    ArrivalWhitening whitening(state.speed_offset(t_.run));
+    std::size_t a = part.first_arrival, o = part.first_odometry;
+    const bool plain = is_plain(loss);
+    double cost = 0.0;
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t node = segment_.first_node + k;
+      const bool at_end = k + 1 == kept_.size(), is_last = k + 1 == last;
+      const SpatialInterval interval(t_.nodes[node].T_map_vehicle,
+                                     t_.nodes[at_end ? node : node + 1].T_map_vehicle);
+      Eigen::Matrix<double, N, N>&D = system.D[k], &U = system.U[k],
+                               &D_next = is_last ? beyond.D : system.D[k + 1];
+      Vector &g = system.g[k], &g_next = is_last ? beyond.g : system.g[k + 1];
+      for (; a < part.last_arrival && t_.arrivals[a].node == node; ++a) {
+        const ArrivalObservation& heard = t_.arrivals[a];
+        if (heard.rejection != Rejection::kUsed) continue;
+        whitening.take(heard);
+        const SpatialInstant at(interval, heard.alpha);
+        const SpatialArrival row(heard, interval, at, state, whitening);
+        double rho = row.residual * row.residual, w = 1.0;
+        if (!plain) loss.evaluate(row.residual, rho, w);
+        cost += 0.5 * rho;
+        const Vector by_node = w * row.by_node;
+        g += row.residual * by_node;
+        add_product(by_node, row.by_node, D);
+        if (heard.alpha == 0.0) continue;
+        const Vector by_next = w * row.by_next;
+        g_next += row.residual * by_next;
+        add_product(by_node, row.by_next, U);
+        add_product(by_next, row.by_next, D_next);
+      }
+      for (; o < part.last_odometry && t_.odometry[o].node == node; ++o) {
+        const SpatialStep step(t_.odometry[o], interval);
+        cost += step.cost();
+        step.add_to(D, g, U, D_next, g_next);
+      }
+    }
+    beyond.cost += cost;
+  }
+  static void add_product(const Vector& a, const Vector& b, Eigen::Matrix<double, N, N>& to) {
+    for (int j = 0; j < N; ++j) to.col(j) += b[j] * a;
+  }
+
   [[nodiscard]] std::vector<Node>::iterator begin() {
     return t_.nodes.begin() + static_cast<std::ptrdiff_t>(segment_.first_node);
   }
@@ -176,7 +233,7 @@ class PlanarChain {
                     });
     if (has_others_) add_others(state, loss, system);
   }
-  void move(const std::pmr::vector<Vector>& step) {
+  void move(const std::pmr::vector<Vector>& step, int) {
     for (std::size_t k = 0; k < step.size(); ++k) now_[k] = now_[k].moved(step[k][0], step[k][1], step[k][2]);
     moved_ = true;
   }
@@ -205,7 +262,7 @@ class PlanarChain {
   void build_stretch(const SharedState& state, const RobustLoss& loss, std::size_t first, std::size_t last,
                      FixedChainSystem<3>& system, BeyondStretch<3>& beyond) const {
     const std::size_t base = segment_.first_node;
-    PlanarWhitening whitening(state.speed_offset(t_.run));
+    ArrivalWhitening whitening(state.speed_offset(t_.run));
     std::size_t a = first_at(t_.arrivals, segment_.first_arrival, segment_.last_arrival, base + first),
                 o = first_at(t_.odometry, segment_.first_odometry, segment_.last_odometry, base + first);
     const bool plain = is_plain(loss);

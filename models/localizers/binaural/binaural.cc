@@ -9,7 +9,7 @@
 
 #include "models/localizers/common/arrival_range.h"
 #include "models/physics/plane.h"
-#include "models/trajectory/observed.h"
+#include "models/support/observed.h"
 
 namespace octant {
 namespace {

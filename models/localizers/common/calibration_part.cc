@@ -5,8 +5,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "models/support/observed.h"
 #include "models/support/scratch.h"
-#include "models/trajectory/observed.h"
 
 namespace octant {
 namespace {

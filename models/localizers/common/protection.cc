@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "models/trajectory/linearise.h"
-#include "models/trajectory/observed.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {
@@ -24,7 +23,7 @@ double common_variance(BeaconId beacon, const ByCalibration& by, const BeaconErr
 void add_planar_rows(const Trajectory& t, const Segment& segment, const SharedState& state,
                      const BeaconErrors& errors, BeaconSums& sums) {
   const PlanarNode at(t.nodes[segment.first_node].T_map_vehicle);
-  PlanarWhitening whitening(state.speed_offset(t.run));
+  ArrivalWhitening whitening(state.speed_offset(t.run));
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
     if (a.rejection != Rejection::kUsed) continue;

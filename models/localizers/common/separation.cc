@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/trajectory/observed.h"
+#include "models/support/observed.h"
 
 namespace octant {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "models/trajectory/observed.h"
+#include "models/support/observed.h"
 
 namespace octant {
 

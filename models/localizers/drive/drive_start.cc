@@ -10,7 +10,7 @@
 #include "models/localizers/least_squares/candidates.h"
 #include "models/localizers/least_squares/search_problem.h"
 #include "models/localizers/space/space_start.h"
-#include "models/trajectory/observed.h"
+#include "models/support/observed.h"
 #include "models/trajectory/observed_range.h"
 
 namespace octant {

@@ -3,7 +3,7 @@
 // "The inherent redundancy in the data to minimise the solution distance discrepancy by varying the speed of
 // sound" (section 5.1).
 #include "models/localizers/kleeman/kleeman_work.h"
-#include "models/trajectory/observed.h"
+#include "models/support/observed.h"
 
 namespace octant {
 

@@ -8,7 +8,6 @@
 #include <Eigen/Cholesky>
 
 #include "models/physics/pose.h"
-#include "models/trajectory/observed.h"
 
 namespace octant {
 namespace {

@@ -16,8 +16,8 @@
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/localizers/least_squares/rivals.h"
 #include "models/localizers/least_squares/spatial_start.h"
+#include "models/support/observed.h"
 #include "models/trajectory/decompositions.h"
-#include "models/trajectory/observed.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {

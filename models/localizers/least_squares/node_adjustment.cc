@@ -9,7 +9,6 @@
 #include <Eigen/Cholesky>
 
 #include "models/trajectory/node_step.h"
-#include "models/trajectory/observed.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {
@@ -71,7 +70,7 @@ void add_biased_arrivals(const Trajectory& t, const Segment& segment, const Shar
 void add_planar_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state,
                          NormalEquations& eq) {
   const PlanarNode at(t.nodes[segment.first_node].T_map_vehicle);
-  PlanarWhitening whitening(state.speed_offset(t.run));
+  ArrivalWhitening whitening(state.speed_offset(t.run));
   double H[6] = {}, g[3] = {}, squares = 0.0;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
@@ -231,7 +230,7 @@ bool mark_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& m
   const bool plain =
       segment.last_node - segment.first_node == 1 && has_planar_arrivals(t, segment, model.state);
   const PlanarNode at = plain ? PlanarNode(t.nodes[segment.first_node].T_map_vehicle) : PlanarNode();
-  PlanarWhitening whitening(model.state.speed_offset(t.run));
+  ArrivalWhitening whitening(model.state.speed_offset(t.run));
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     ArrivalObservation& a = t.arrivals[i];
     if (a.rejection == Rejection::kBeaconUnusable) continue;

@@ -15,7 +15,7 @@
 #include "models/localizers/least_squares/spatial_start.h"
 #include "models/localizers/space/rigid_piece.h"
 #include "models/physics/plane.h"
-#include "models/trajectory/observed.h"
+#include "models/support/observed.h"
 
 namespace octant {
 namespace {

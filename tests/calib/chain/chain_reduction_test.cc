@@ -280,18 +280,18 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds, ChainReductionOf,
-    testing::Values(Kind{.name = "plain", .others = false}, Kind{.name = "with_others"},
-                    Kind{.name = "one_state", .nodes = 1, .others = false},
-                    Kind{.name = "short", .nodes = 40},
-                    Kind{.name = "seldom_heard", .others = false, .heard_every = 7},
-                    Kind{.name = "seldom_heard_with_others", .heard_every = 70},
-                    Kind{.name = "seldom_heard_in_space", .motion = Motion::kSpatial, .heard_every = 4},
-                    Kind{.name = "first_cut", .nodes = 1025}, Kind{.name = "pair_bias", .pair_bias = true},
-                    Kind{.name = "cycle_offset", .cycle_offset = true},
-                    Kind{.name = "attenuation", .attenuation = true},
-                    Kind{.name = "motion_prior", .motion_prior = true, .others = false},
-                    Kind{.name = "spatial", .motion = Motion::kSpatial},
-                    Kind{.name = "spatial_offset", .motion = Motion::kSpatial, .cycle_offset = true}),
+    testing::Values(
+        Kind{.name = "plain", .others = false}, Kind{.name = "with_others"},
+        Kind{.name = "one_state", .nodes = 1, .others = false},
+        Kind{.name = "one_state_in_space", .motion = Motion::kSpatial, .nodes = 1, .others = false},
+        Kind{.name = "short", .nodes = 40}, Kind{.name = "seldom_heard", .others = false, .heard_every = 7},
+        Kind{.name = "seldom_heard_with_others", .heard_every = 70},
+        Kind{.name = "seldom_heard_in_space", .motion = Motion::kSpatial, .heard_every = 4},
+        Kind{.name = "first_cut", .nodes = 1025}, Kind{.name = "pair_bias", .pair_bias = true},
+        Kind{.name = "cycle_offset", .cycle_offset = true}, Kind{.name = "attenuation", .attenuation = true},
+        Kind{.name = "motion_prior", .motion_prior = true, .others = false},
+        Kind{.name = "spatial", .motion = Motion::kSpatial},
+        Kind{.name = "spatial_offset", .motion = Motion::kSpatial, .cycle_offset = true}),
     [](const auto& kind) { return std::string(kind.param.name); });
 
 }  // namespace

@@ -59,6 +59,78 @@ Drive long_plain_drive(std::size_t nodes) {
   return drive;
 }
 
+/// The same in space: no bearings, and turns about all axes.
+Drive long_spatial_drive(std::size_t nodes) {
+  Drive drive = long_plain_drive(nodes);
+  std::mt19937 random(12);
+  std::normal_distribution<double> n;
+  const auto draw = [&] { return Eigen::Vector3d(n(random), n(random), n(random)); };
+  Trajectory& t = drive.t;
+  t.motion = Motion::kSpatial;
+  t.bearings.clear();
+  t.segments[0].last_bearing = 0;
+  for (std::size_t k = 0; k < nodes; ++k) {
+    const double a = 0.02 * static_cast<double>(k);
+    t.nodes[k].T_map_vehicle.translation_m = {4 + 2 * std::cos(a), -1 + std::sin(a), std::sin(0.3 * a)};
+    t.nodes[k].T_map_vehicle.rotation =
+        exp_rotation({0.2 * std::sin(a), 0.3 * std::cos(a), std::sin(0.7 * a)});
+  }
+  for (ArrivalObservation& a : t.arrivals)
+    a.tof_s -= 1e-5 * (arrival_residual(t, a, drive.state) + n(random));
+  for (OdometryObservation& o : t.odometry)
+    o.T_before_after = t.nodes[o.node].T_map_vehicle.inverse() * t.nodes[o.node + 1].T_map_vehicle *
+                       Pose{1e-3 * draw(), exp_rotation(1e-3 * draw())};
+  t.poses[0].T_map_vehicle = t.nodes[t.poses[0].node].T_map_vehicle;
+  for (Node& node : t.nodes) {
+    Eigen::VectorXd off(6);
+    off << 0.02 * draw(), 0.02 * draw();
+    node.T_map_vehicle = retract(node.T_map_vehicle, off, t.motion);
+  }
+  return drive;
+}
+
+TEST(SpatialChain, SettlesWhereTheRowsHaveNoGradient) {
+  for (const std::size_t nodes : {std::size_t{2}, std::size_t{50}, std::size_t{3000}})
+    for (const RobustLoss& loss : {RobustLoss{}, RobustLoss{4.0, 5.0}}) {
+      Drive drive = long_spatial_drive(nodes);
+      const SettleResult result =
+          settle(drive.t, drive.t.segments[0], drive.state, loss, {.max_iterations = 100});
+      EXPECT_TRUE(result.converged);
+      ChainSystem system;
+      build_chain_system(drive.t, drive.t.segments[0], drive.state, loss, system);
+      EXPECT_NEAR(result.cost, system.cost, 1e-9 * system.cost);
+      for (std::size_t k = 0; k < system.g.size(); ++k)
+        EXPECT_LT(system.g[k].norm(), 1e-3 * std::sqrt(system.D[k].trace())) << "gradient left at " << k;
+    }
+}
+
+TEST(SpatialChain, DoesNotDependOnTheNumberOfThreads) {
+  Drive one = long_spatial_drive(3000), three = one;
+  const SettleResult a = settle(one.t, one.t.segments[0], one.state, {2.0, 3.0}, {.threads = 1});
+  const SettleResult b = settle(three.t, three.t.segments[0], three.state, {2.0, 3.0}, {.threads = 3});
+  EXPECT_EQ(a.cost, b.cost);
+  for (std::size_t k = 0; k < one.t.nodes.size(); ++k) {
+    EXPECT_EQ(one.t.nodes[k].T_map_vehicle.translation_m, three.t.nodes[k].T_map_vehicle.translation_m);
+    EXPECT_EQ(one.t.nodes[k].T_map_vehicle.rotation.coeffs(),
+              three.t.nodes[k].T_map_vehicle.rotation.coeffs());
+  }
+}
+
+/// Far from where it comes to rest steps are taken back, for which the system is built again.
+TEST(SpatialChain, ComesBackFromStepsThatLeadUphill) {
+  Drive near = long_spatial_drive(60), far = near;
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(6);
+  for (std::size_t k = 0; k < far.t.nodes.size(); ++k) {
+    off[5] = 0.6 * std::sin(static_cast<double>(k));
+    off[3] = 0.5 * std::cos(2.0 * static_cast<double>(k));
+    far.t.nodes[k].T_map_vehicle = retract(far.t.nodes[k].T_map_vehicle, off, far.t.motion);
+  }
+  const SettleResult a = settle(near.t, near.t.segments[0], near.state, {}, {.max_iterations = 200}),
+                     b = settle(far.t, far.t.segments[0], far.state, {}, {.max_iterations = 200});
+  EXPECT_TRUE(b.converged);
+  EXPECT_NEAR(a.cost, b.cost, 1e-9 * a.cost);
+}
+
 TEST(PlanarChain, SettlesWhereTheRowsHaveNoGradient) {
   for (const std::size_t nodes : {std::size_t{2}, std::size_t{50}, std::size_t{9000}}) {
     Drive drive = long_plain_drive(nodes);

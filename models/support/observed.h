@@ -2,12 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <numbers>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-
-#include "models/physics/pose.h"
 
 namespace octant {
 
@@ -21,15 +17,6 @@ inline constexpr double kUnobserved = 1e-10;
 
 /// What a step of a state that nothing observes is held by, as a share of its block's largest element.
 inline constexpr double kStepFloor = 1e-9;
-
-/// Information about an angle of which nothing is known: it is somewhere on the circle.
-inline constexpr double kVagueAngle = 1.0 / (std::numbers::pi * std::numbers::pi);
-
-/// Adds it to the turns of a block whose first unknowns are a pose's.
-template <class Block>
-void add_vague_angles(Motion motion, Block& information) {
-  for (int i = first_turn(motion); i < pose_dof(motion); ++i) information(i, i) += kVagueAngle;
-}
 
 /// L D L' of an information matrix scaled to a unit diagonal.
 template <class Matrix>

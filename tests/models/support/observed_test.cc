@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/trajectory/observed.h"
+#include "models/support/observed.h"
 
 #include <gtest/gtest.h>
 
