@@ -85,7 +85,7 @@ class Thinner {
     if (!drive_ || groups_.empty()) return options_.instants;
     const double each = static_cast<double>(run_.arrivals.size()) / static_cast<double>(groups_.size());
     return static_cast<std::size_t>(
-        std::max(static_cast<double>(stretches_.fewest),
+        std::max(static_cast<double>(std::min(stretches_.fewest, options_.fewest_stretches)),
                  static_cast<double>(options_.drive_arrivals) / std::max(each, 1e-3)));
   }
 
