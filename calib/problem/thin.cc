@@ -296,7 +296,7 @@ std::size_t stretches_kept(const Site& site, const ThinOptions& options, std::si
   if (stretches == 0) return options.instants;
   const double each = static_cast<double>(arrivals) / static_cast<double>(stretches);
   return static_cast<std::size_t>(
-      std::max(static_cast<double>(stretches_of(site).fewest),
+      std::max(static_cast<double>(std::min(stretches_of(site).fewest, options.fewest_stretches)),
                static_cast<double>(options.drive_arrivals) / std::max(each, 1e-3)));
 }
 

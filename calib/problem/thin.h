@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@ struct ThinOptions {
   std::size_t per_beacon = 40;        ///< arrivals that each beacon keeps, if it has as many
   std::size_t per_pair = 16;          ///< arrivals of one beacon at one receiver within one epoch or stretch
   std::size_t drive_arrivals = 6000;  ///< of all stretches of a drive together, about
+  std::size_t fewest_stretches = SIZE_MAX;  ///< of a drive, if that is less than stretches_of() has it
 };
 
 /// Of a drive: what is kept or left as a whole.

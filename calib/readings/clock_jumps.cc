@@ -28,6 +28,8 @@ constexpr double kSmallestJumpM = 0.01;
 constexpr std::ptrdiff_t kSameJump = 128;
 /// Beside a jump, steps below this share of it are what a half that was bent by it leaves.
 constexpr double kBesides = 0.25;
+/// Of one recording. More are no jumps of a clock.
+constexpr std::size_t kMostJumps = 5;
 
 MeasurementLog half_of(const MeasurementLog& run, LogHalf half) {
   std::vector<double> times;
@@ -102,8 +104,8 @@ std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, co
                              found.estimate.state(), kSmallestJumpM);
 }
 
-/// Adds what is left of a jump to it, or a jump of its own.
-void add(const ClockStep& left, const MeasurementLog& run, std::vector<ClockStep>& jumps) {
+/// The jump of which a step is what is left of it; null: it is one of its own.
+ClockStep* same_jump(const ClockStep& left, const MeasurementLog& run, std::vector<ClockStep>& jumps) {
   const auto is_same = [&](const ClockStep& jump) {
     const auto [first, last] = std::minmax(jump.time_s, left.time_s);
     const auto between = std::count_if(run.arrivals.begin(), run.arrivals.end(), [&](const Arrival& a) {
@@ -112,11 +114,29 @@ void add(const ClockStep& left, const MeasurementLog& run, std::vector<ClockStep
     return between <= kSameJump;
   };
   const auto same = std::find_if(jumps.begin(), jumps.end(), is_same);
-  if (same == jumps.end()) {
-    jumps.push_back(left);
-  } else {
-    same->step_s += left.step_s;
-  }
+  return same == jumps.end() ? nullptr : &*same;
+}
+
+bool is_smaller(const ClockStep& a, const ClockStep& b) { return std::abs(a.step_s) < std::abs(b.step_s); }
+
+/// Adds what is left of jumps to them, and the largest of the other steps as a jump of its own: what it has
+/// bent shows steps beside it, which are gone when it is.
+/// @return whether there is a new one
+bool add(const std::vector<ClockStep>& left, const MeasurementLog& run, std::vector<ClockStep>& jumps) {
+  std::vector<ClockStep> others;
+  for (const ClockStep& step : left)
+    if (ClockStep* same = same_jump(step, run, jumps); same != nullptr) {
+      same->step_s += step.step_s;
+    } else {
+      others.push_back(step);
+    }
+  const auto largest = std::max_element(others.begin(), others.end(), is_smaller);
+  const auto known = std::max_element(jumps.begin(), jumps.end(), is_smaller);
+  if (largest == others.end() ||
+      (known != jumps.end() && std::abs(largest->step_s) < kBesides * std::abs(known->step_s)))
+    return false;
+  jumps.push_back(*largest);
+  return true;
 }
 
 }  // namespace
@@ -126,19 +146,16 @@ std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, 
   const bool is_drive = !run.has_epochs && !run.odometry.empty();
   if (!(run.has_epochs || is_drive) || run.arrivals.empty() || site.timing.clock == Clock::kCycleOffset)
     return {};
-  // A gross jump bends all by which it is measured: first it is taken back as well as the ranges alone tell
-  // it, and what is left of it is told then.
+  // A jump bends all by which it is measured: one after the other is taken back, gross ones as well as the
+  // ranges alone tell them, and what is left is told then.
   std::vector<ClockStep> jumps = steps_in_ranges(site, run);
-  if (jumps.empty()) {
-    jumps = jumps_by(site, half_of(run, half), run, options);
-  } else {
+  for (std::size_t round = 0; round < kMostJumps; ++round) {
     MeasurementLog rest = run;
     without_jumps(jumps, rest);
-    for (const ClockStep& left : jumps_by(site, half_of(rest, half), rest, options)) add(left, run, jumps);
+    if (!add(jumps_by(site, half_of(rest, half), rest, options), run, jumps)) break;
   }
-  double largest_s = 0.0;
-  for (const ClockStep& jump : jumps) largest_s = std::max(largest_s, std::abs(jump.step_s));
-  std::erase_if(jumps, [&](const ClockStep& jump) { return std::abs(jump.step_s) < kBesides * largest_s; });
+  std::sort(jumps.begin(), jumps.end(),
+            [](const ClockStep& a, const ClockStep& b) { return a.time_s < b.time_s; });
   return jumps;
 }
 

@@ -12,6 +12,7 @@
 
 #include "calib/problem/site_units.h"
 #include "calib/readings/clock_jumps.h"
+#include "calib/readings/mixed_units.h"
 #include "calib/readings/pose_frames.h"
 #include "calib/readings/wiring.h"
 
@@ -50,7 +51,7 @@ std::vector<Reading> other_ranging(const Site& site) {
       {}}};
 }
 
-std::vector<Reading> other_units(const Site& site, bool some_only) {
+std::vector<Reading> other_units(const Site& site, const std::vector<MeasurementLog>& runs, bool some_only) {
   const std::vector<bool> none(site.beacons.size(), false);
   std::vector<bool> all = none;
   for (std::size_t b = 0; b < all.size(); ++b)
@@ -62,12 +63,16 @@ std::vector<Reading> other_units(const Site& site, bool some_only) {
     if (placed && !some_only) readings.push_back(unit_reading(u, {all, false}, "the beacons"));
     if (placed && !some_only) readings.push_back(unit_reading(u, {all, true}, "the beacons and receivers"));
     if (!some_only) readings.push_back(unit_reading(u, {none, true}, "the receivers"));
-    const std::vector<bool> some = beacons_in_unit(site, u);
-    std::vector<std::string> names;
-    for (std::size_t b = 0; b < some.size(); ++b)
-      if (some[b]) names.push_back(site.beacons[b].name);
-    if (!names.empty())
-      readings.push_back(unit_reading(u, {some, false}, fmt::format("beacons {}", fmt::join(names, ", "))));
+    std::vector<std::vector<bool>> shares = beacons_in_unit_by_ranges(site, runs, u);
+    const std::vector<bool> by_size = beacons_in_unit(site, u);
+    if (std::find(shares.begin(), shares.end(), by_size) == shares.end()) shares.push_back(by_size);
+    for (const std::vector<bool>& some : shares) {
+      std::vector<std::string> names;
+      for (std::size_t b = 0; b < some.size(); ++b)
+        if (some[b]) names.push_back(site.beacons[b].name);
+      if (!names.empty())
+        readings.push_back(unit_reading(u, {some, false}, fmt::format("beacons {}", fmt::join(names, ", "))));
+    }
   }
   return readings;
 }

@@ -23,8 +23,10 @@ struct Reading {
 [[nodiscard]] std::vector<Reading> other_ranging(const Site& site);
 
 /// Positions of beacons, receivers or both in centimetres, millimetres, feet, inches.
-/// @param some_only  only those beacons that are of another order of magnitude than the rest
-[[nodiscard]] std::vector<Reading> other_units(const Site& site, bool some_only);
+/// @param some_only  only those beacons that are of another order of magnitude than the rest, or that the
+/// ranges tell apart from it (mixed_units.h)
+[[nodiscard]] std::vector<Reading> other_units(const Site& site, const std::vector<MeasurementLog>& runs,
+                                               bool some_only);
 
 /// Two of a few control points at each other's places. Of three that are all the datum each can be blamed by
 /// itself, as it may move to where it agrees with the two others; an exchange explains the same with nothing

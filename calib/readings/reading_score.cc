@@ -19,6 +19,20 @@ double ties_of(const Trajectory& t) {
          static_cast<double>(t.bearings.size());
 }
 
+/// Beacons that have a stated place, and no prior of it any more.
+std::size_t disregarded_places(const Site& site, const ParameterLayout& layout) {
+  std::size_t count = 0;
+  for (std::size_t b = 0; b < site.beacons.size(); ++b) {
+    bool disregarded = false;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const int column = layout.beacon[b][i]; column >= 0 && site.beacons[b].sigma_m[i])
+        disregarded =
+            disregarded || !std::isfinite(layout.parameters[static_cast<std::size_t>(column)].prior_sigma);
+    count += disregarded;
+  }
+  return count;
+}
+
 /// Fills what the adjusted states say of the arrivals.
 void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajectories, double cap, double n,
                     ReadingScore& score) {
@@ -37,13 +51,14 @@ void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajector
     }
   }
   const double others = std::max(0.0, it.last.cost - 0.5 * squares);  // priors, poses, odometry
-  score.loss = (0.5 * squares / (score.noise * score.noise) + cap * (n - agreeing) + others) / n +
-               std::log(score.noise);
+  const double left_out = n - agreeing + static_cast<double>(score.disregarded);
+  score.loss =
+      (0.5 * squares / (score.noise * score.noise) + cap * left_out + others) / n + std::log(score.noise);
   score.agreeing = agreeing / n;
   score.redundancy = (agreeing + free) / n;
 }
 
-constexpr std::size_t kInstantsAtLeast = 10, kDriveArrivalsAtLeast = 200;
+constexpr std::size_t kInstantsAtLeast = 10, kDriveArrivalsAtLeast = 200, kStretchesAtLeast = 8;
 
 }  // namespace
 
@@ -55,6 +70,7 @@ std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, cons
   thin_options.per_beacon = share.per_beacon;
   thin_options.per_pair = 4;
   thin_options.drive_arrivals = std::max(kDriveArrivalsAtLeast, share.drive_arrivals / count);
+  thin_options.fewest_stretches = std::max(kStretchesAtLeast, share.stretches / count);
   std::vector<MeasurementLog> few;
   for (const MeasurementLog& run : runs) few.push_back(thin(run, site, thin_options));
   return few;
@@ -75,6 +91,7 @@ ReadingScore score_of(const Site& site, const std::vector<MeasurementLog>& runs,
   score.noise = std::max(1.0, agreeing_sigma(found.trajectories, it.state()));
   (void)mark_rejected(found.trajectories, it.state(), limit * score.noise, options.threads);
   it.last = adjust(*problem, it.layout, found.trajectories, it.x, course.adjust_options(0.0, 1e-6));
+  score.disregarded = disregarded_places(problem->site, it.layout);
   judge_arrivals(it, found.trajectories, cap, n, score);
   return score;
 }

@@ -17,19 +17,20 @@ struct ReadingScore {
   double noise = INFINITY;  ///< of those, over the stated one
   double redundancy = 0.0;  ///< an arrival
   double arrivals = 0.0;
+  std::size_t disregarded = 0;     ///< beacons whose stated places were not believed
   std::vector<double> sizes = {};  ///< of the residuals, in stated sigmas
 };
 
 /// How much of the recordings is adjusted.
 struct LogShare {
-  std::size_t instants, per_beacon, drive_arrivals;
+  std::size_t instants, per_beacon, drive_arrivals, stretches;
 };
 /// An evenly spread part of each run.
 [[nodiscard]] std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, const Site& site,
                                                  const LogShare& share);
 
 /// A quick calibration: approach, rejection at four sigmas, plain squares. An arrival that does not agree
-/// costs as much as one at the limit.
+/// costs as much as one at the limit, and so does a beacon whose stated place has to be disregarded.
 /// @param search_again  as approach (start/approach.h) has it
 [[nodiscard]] ReadingScore score_of(const Site& site, const std::vector<MeasurementLog>& runs,
                                     const SolveOptions& options, bool search_again);

@@ -15,6 +15,7 @@
 #include "calib/readings/pauses.h"
 #include "calib/readings/reading.h"
 #include "calib/readings/reading_score.h"
+#include "calib/readings/site_frames.h"
 #include "calib/verdict/left_out.h"
 
 namespace octant::calib {
@@ -26,13 +27,15 @@ constexpr std::size_t kEarlyAtLeast = 10;
 /// How much better a reading must be: by so much log likelihood an arrival, and by such a factor; and good by
 /// itself.
 constexpr double kGain = 0.5, kFactor = 0.6, kAgreeingShare = 0.6, kNoise = 5.0, kRedundant = 0.2;
+/// With this share of the arrivals, of about the stated noise, a reading has explained all.
+constexpr double kAllAgree = 0.95, kNoiseOfAll = 1.5;
 /// Share of the arrivals that may agree less than as stated: what stands at the limit.
 constexpr double kFewer = 0.02;
 /// Readings within this much log likelihood an arrival are equally good.
 constexpr double kTie = 0.05;
 /// Parts of the recordings that are adjusted: a small one for each reading, a larger one for those few that
 /// explain it far better.
-constexpr LogShare kFirstLook = {16, 12, 600}, kSecondLook = {40, 30, 1500};
+constexpr LogShare kFirstLook = {16, 12, 600, 8}, kSecondLook = {40, 30, 1500, 16};
 constexpr double kWorthASecondLook = 0.8;  ///< of the loss as stated
 constexpr std::size_t kSecondLooks = 2;    ///< of each kind
 constexpr double kPlainSigmas = 8.0;       ///< by which a reading must explain more than what was stated
@@ -72,11 +75,13 @@ class Search {
         stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise && !is_blamed(ContradictionKind::kSpeed);
     if (!jumps && nothing_but_exchanges()) try_out(jumped_clocks(site_, problem_.runs, options_));
     if (nothing_but_exchanges())
-      try_out(scale_is_right ? other_units(site_, true) : scales(), is_blamed(ContradictionKind::kSpeed));
+      try_out(scale_is_right ? other_units(site_, second_, true) : scales(),
+              is_blamed(ContradictionKind::kSpeed));
     // A wrong frame of short lever arms looks much like receivers in another unit: both have their turn.
     std::vector<Reading> frames = other_pose_frames(problem_.runs);
     if (nothing_but_exchanges() || !frames.empty()) {
       for (Reading& reading : other_wirings(site_, solution_)) frames.push_back(std::move(reading));
+      for (Reading& reading : other_site_frames(site_)) frames.push_back(std::move(reading));
       try_out(frames);
     }
     return best();
@@ -92,7 +97,7 @@ class Search {
 
   /// Readings by which everything is larger or smaller.
   [[nodiscard]] std::vector<Reading> scales() const {
-    std::vector<Reading> readings = other_units(site_, false);
+    std::vector<Reading> readings = other_units(site_, second_, false);
     for (Reading& reading : other_ranging(site_)) readings.push_back(std::move(reading));
     return readings;
   }
@@ -107,8 +112,14 @@ class Search {
   /// Two points at each other's places take a part of what receivers wired otherwise do to the ranges: what
   /// is found of them settles nothing before all else had its turn.
   [[nodiscard]] bool nothing_but_exchanges() const {
-    return std::all_of(found_.begin(), found_.end(),
-                       [](const Tried& t) { return t.what.kind == ContradictionKind::kExchanged; });
+    return std::all_of(found_.begin(), found_.end(), [](const Tried& t) {
+      return t.what.kind == ContradictionKind::kExchanged && !explains_all(t.score);
+    });
+  }
+
+  /// Nothing is left that another reading could explain.
+  [[nodiscard]] static bool explains_all(const ReadingScore& s) {
+    return s.agreeing >= kAllAgree && s.noise <= kNoiseOfAll;
   }
 
   [[nodiscard]] bool is_blamed(ContradictionKind kind) const {
@@ -213,8 +224,9 @@ class Search {
       if (stopped()) return;
       const ReadingScore s = score(reading, second_, true);
       if (is_likelier(s) && (!least || s.loss < least->score.loss)) least = {reading.what, s};
+      if (least && explains_all(least->score)) break;
     }
-    for (std::size_t b = 0; b < site_.beacons.size() && least; ++b) {
+    for (std::size_t b = 0; b < site_.beacons.size() && least && !explains_all(least->score); ++b) {
       if (!site_.beacons[b].is_control_point()) continue;
       Site released = site_;
       released.beacons[b].position_m = {};
@@ -225,9 +237,12 @@ class Search {
   }
 
   /// The likeliest, and of other kinds those that are as likely; of one kind the first that is as good as
-  /// any, which is the likelier mistake.
+  /// any, which is the likelier mistake, and among those one that disregards the fewest stated places.
   std::vector<Contradiction> best() {
     std::vector<Contradiction> told;
+    std::stable_sort(found_.begin(), found_.end(), [](const Tried& a, const Tried& b) {
+      return a.score.disregarded < b.score.disregarded;
+    });
     double least = INFINITY;
     for (const Tried& t : found_) least = std::min(least, t.score.loss);
     for (Tried& t : found_) {

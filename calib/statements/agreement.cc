@@ -25,6 +25,9 @@ constexpr double kManyEarly = 0.10;
 /// A beacon is held to have moved at so many sigmas, and by this share of the tolerance.
 constexpr double kMovedSigmas = 6.0, kMovedMatters = 0.3;
 constexpr std::size_t kMostSplit = 3;
+/// Of a receiver's arrivals, where the other receivers of all vehicles lose a third of that at most.
+constexpr double kMostOfAReceiver = 0.5;
+constexpr std::size_t kFewestOfAReceiver = 20;
 /// All that is left out at one place is one event, and as few events are no contradiction.
 constexpr std::size_t kFewestPlaces = 5;
 
@@ -57,6 +60,19 @@ std::vector<BeaconCounts> count(const Fit& fit) {
       counts[b.reflector.index()].bearings_out += is_left_out(b.rejection);
     }
   }
+  return counts;
+}
+
+std::vector<BeaconCounts> count_by_receiver(const Fit& fit) {
+  std::vector<BeaconCounts> counts(fit.problem.site.receivers.size());
+  for (const Trajectory& t : fit.trajectories)
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (!is_counted(t, a)) continue;
+      BeaconCounts& c = counts[a.receiver.index()];
+      ++c.placed;
+      c.late += a.rejection == Rejection::kLate;
+      c.early += a.rejection == Rejection::kEarly;
+    }
   return counts;
 }
 
@@ -99,6 +115,7 @@ class Checker {
       if (c.placed > 0) shares.push_back(c.share());
     usual_ = shares.empty() ? 0.0 : median(shares);
     beacons();
+    receivers();
     stops();
     return std::move(out_);
   }
@@ -189,6 +206,34 @@ class Checker {
                                    fmt::format("look whether {} stands at the mirror image of its place, and "
                                                "whether the bearings' signs and names are right",
                                                name)});
+  }
+
+  /// Echoes and obstacles are of places and beacons: where one receiver alone does not fit, it is not what or
+  /// where it is said to be.
+  void receivers() {
+    const std::vector<BeaconCounts> counts = count_by_receiver(fit_);
+    std::vector<double> shares;
+    for (const BeaconCounts& c : counts)
+      if (c.placed > 0) shares.push_back(c.share());
+    if (shares.size() < 2) return;
+    const double usual = median(shares);
+    for (std::size_t r = 0; r < counts.size(); ++r) {
+      const BeaconCounts& c = counts[r];
+      const SiteReceiver& receiver = problem_.site.receivers[r];
+      const std::string name = problem_.site.vehicles[receiver.vehicle.index()].name + "/" + receiver.name;
+      if (c.placed < kFewestOfAReceiver || said(name) ||
+          c.share() < std::max(kMostOfAReceiver, kBeyondOthers * usual))
+        continue;
+      out_.contradictions.push_back(
+          {ContradictionKind::kReceiver, name, "at its place on the vehicle",
+           fmt::format(
+               "{} of {} of its arrivals to fit neither that place nor one near it ({} late, {} early)",
+               c.out(), c.placed, c.late, c.early),
+           0.0,
+           fmt::format(
+               "measure the place of receiver {} on the vehicle again, and look at its cable and channel",
+               receiver.name)});
+    }
   }
 
   void stops() {

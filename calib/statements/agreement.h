@@ -22,6 +22,7 @@ struct Agreement {
 /// beyond chance, by a length
 ///   that matters, and more arrivals agree.
 /// - A beacon much of which comes early: no echo does.
+/// - A receiver most of whose arrivals are left out, where hardly any of the others are.
 /// - A beacon that is late much more often than the others: something stands in its way.
 /// - A stop during which the vehicle moved: two poses, one before and one after some time, explain what one
 /// cannot.

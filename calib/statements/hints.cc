@@ -3,6 +3,7 @@
 #include "calib/statements/hints.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,6 +43,29 @@ MeasurementLog some_blocks(const MeasurementLog& run) {
 /// Said of blocks it would be of the pauses between them, or of what they happen not to hold.
 bool needs_all(const Finding& f) {
   return f.kind == "gap" || f.kind == "constant" || f.kind == "temperature";
+}
+
+/// Where much is left out, and not as echoes are late, something that was stated is wrong, whatever it is.
+std::optional<Contradiction> early_beyond_chance(const Problem& problem, const Solution& solution) {
+  constexpr double kMuchLeftOut = 0.3, kMuchEarly = 0.1;
+  if (solution.status != SolveStatus::kConverged) return {};
+  std::size_t all = 0, out = 0, early = 0;
+  for (const MeasurementLog& run : problem.runs) all += run.arrivals.size();
+  for (const LeftOut& l : solution.left_out) {
+    out += l.reason == Rejection::kLate || l.reason == Rejection::kEarly;
+    early += l.reason == Rejection::kEarly;
+  }
+  const auto rows = static_cast<double>(all);
+  if (static_cast<double>(out) < kMuchLeftOut * rows || static_cast<double>(early) < kMuchEarly * rows)
+    return {};
+  return Contradiction{
+      ContradictionKind::kLog,
+      "as a whole",
+      "heard along straight paths",
+      fmt::format("{} of {} arrivals not to fit, {} of them early, as no echo can be", out, all, early),
+      0.0,
+      "look at the places of control points and receivers, at which is wired as which, and at labels, units "
+      "and frames; then calibrate again"};
 }
 
 }  // namespace
@@ -108,7 +132,11 @@ void explain(const Problem& problem, const Problem& adjusted, Solution& solution
   if (!misread && solution.contradictions.empty()) return;
   std::vector<Contradiction> found = misread ? find_misreadings(problem, solution, options)
                                              : find_other_culprits(problem, solution, options);
-  if (found.empty()) return;
+  if (found.empty()) {
+    if (auto early = early_beyond_chance(adjusted, solution); early && solution.contradictions.empty())
+      solution.contradictions.push_back(std::move(*early));
+    return;
+  }
   solution.contradictions = std::move(found);
   if (solution.status != SolveStatus::kUndetermined) return;
   solution.message = "the recordings do not fit what was stated, and nothing is exported";

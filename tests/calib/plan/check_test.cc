@@ -191,6 +191,21 @@ TEST(Thin, ALongStandKeepsSomeOfEachPair) {
   EXPECT_EQ(calib::thin(stand, world.site).arrivals.size(), 16 * world.run.arrivals.size());
 }
 
+// A stretch is three seconds; who asks for few gets few, and nobody more than a site needs.
+TEST(Thin, ADriveKeepsAsFewStretchesAsAreAskedFor) {
+  const World world = must(simulate(drive_scenario(300.0), 1));
+  const auto kept = [&](std::size_t fewest) {
+    const MeasurementLog few = calib::thin(
+        world.run, world.site, {.per_beacon = 0, .drive_arrivals = 1, .fewest_stretches = fewest});
+    std::set<long> stretches;
+    for (const Arrival& a : few.arrivals)
+      stretches.insert(std::lround(std::floor((a.time_s - world.run.arrivals.front().time_s) / 3.0)));
+    return stretches.size();
+  };
+  EXPECT_EQ(kept(8), 8U);
+  EXPECT_EQ(kept(1000), 30U);
+}
+
 TEST(Thin, OdometryOfADriveAddsUpToTheSameWay) {
   const World world = must(simulate(drive_scenario(900.0), 1));
   const MeasurementLog few = calib::thin(world.run, world.site, {.drive_arrivals = 2000});

@@ -57,6 +57,31 @@ TEST(ClockJumps, GrossOnesAreToldInTwoSteps) {
   }
 }
 
+/// By decimetres: the ranges alone do not show it, and what it bends shows steps beside it.
+TEST(ClockJumps, StandAloneWhateverTheyBend) {
+  for (const std::uint64_t seed : {3, 4, 5})
+    for (const double jump_s : {2e-3, -1.5e-3})
+      for (const LogHalf half : {LogHalf::kFirst, LogHalf::kLast}) {
+        World world = must(simulate(drive_scenario(200.0), seed));
+        const double at_s = jump_clock_of_drive(world, 0.5, jump_s);
+        const std::vector<ClockStep> found = calib::clock_jumps(world.site, world.run, half);
+        ASSERT_EQ(found.size(), 1U) << seed << ", " << jump_s;
+        EXPECT_NEAR(found[0].time_s, at_s, 3.2) << "two moments of 32 arrivals, 20 a second";
+        EXPECT_NEAR(found[0].step_s, jump_s, 0.1 * std::abs(jump_s));
+      }
+}
+
+TEST(ClockJumps, SeveralAreToldOneAfterTheOther) {
+  World world = cart(80, 2);
+  const double second_s = jump_clock(world, 0.85, -6e-4), first_s = jump_clock(world, 0.6, 4e-4);
+  const std::vector<ClockStep> found = calib::clock_jumps(world.site, world.run, LogHalf::kFirst);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].time_s, first_s);
+  EXPECT_NEAR(found[0].step_s, 4e-4, 0.4e-4);
+  EXPECT_EQ(found[1].time_s, second_s);
+  EXPECT_NEAR(found[1].step_s, -6e-4, 0.4e-4);
+}
+
 TEST(ClockJumps, WhereEachEpochHasItsOwnClockThereIsNothingToSay) {
   World world = cart(40, 2);
   static_cast<void>(jump_clock(world, 0.7, 1e-3));

@@ -38,7 +38,7 @@ TEST(OtherRanging, IsNoneWhereEachEpochHasAClockOfItsOwn) {
 
 TEST(OtherUnits, ScaleBeaconsReceiversOrBoth) {
   const Site site = hall_site();
-  const auto readings = calib::other_units(site, false);
+  const auto readings = calib::other_units(site, {}, false);
   std::set<double> factors;
   bool beacons_alone = false, receivers_alone = false, both = false;
   for (const calib::Reading& reading : readings) {
@@ -67,19 +67,21 @@ TEST(OtherUnits, ScaleBeaconsReceiversOrBoth) {
 TEST(OtherUnits, OfBeaconsWithoutPlacesAreOfReceiversAlone) {
   Site site = hall_site();
   for (SiteBeacon& b : site.beacons) b.position_m = {};
-  for (const calib::Reading& reading : calib::other_units(site, false))
+  for (const calib::Reading& reading : calib::other_units(site, {}, false))
     EXPECT_NE(reading.site(site).receivers[2].position_m, site.receivers[2].position_m);
-  EXPECT_TRUE(calib::other_units(site, true).empty());
+  EXPECT_TRUE(calib::other_units(site, {}, true).empty());
 }
 
-TEST(OtherUnits, OfAHallInMetresHaveNoOddOnes) { EXPECT_TRUE(calib::other_units(hall_site(), true).empty()); }
+TEST(OtherUnits, OfAHallInMetresHaveNoOddOnes) {
+  EXPECT_TRUE(calib::other_units(hall_site(), {}, true).empty());
+}
 
 TEST(OtherUnits, NameTheBeaconsThatAloneAreOfAnotherMagnitude) {
   Site site = hall_site();
   for (const std::size_t b : {2U, 5U})
     for (auto& x : site.beacons[b].position_m) *x *= 100.0;
   bool mended = false;
-  for (const calib::Reading& reading : calib::other_units(site, true)) {
+  for (const calib::Reading& reading : calib::other_units(site, {}, true)) {
     if (reading.what.subject.find("B2, B5") == std::string::npos) continue;
     const Site other = reading.site(site);
     EXPECT_EQ(*other.beacons[1].position_m[0], *site.beacons[1].position_m[0]) << "the rest stays";

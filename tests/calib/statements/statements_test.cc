@@ -219,6 +219,26 @@ TEST(Agreement, EarlyArrivalsAllOverTheHallContradict) {
   EXPECT_THAT(c.found, HasSubstr("early"));
 }
 
+// An obstacle or an echo is of a place and a beacon: of all places and beacons it is the receiver.
+TEST(Agreement, AReceiverMostOfWhoseArrivalsAreLeftOutContradicts) {
+  for (const bool all_over : {true, false}) {
+    World world = must(simulate(sixty_stops(), 5));
+    const std::int64_t first = world.run.arrivals.front().epoch;
+    for (Arrival& a : world.run.arrivals)
+      if (a.receiver.index() == 2 && (all_over ? (a.epoch - first) % 4 != 0 : (a.epoch - first) % 4 == 0))
+        a.tof_s += (1.0 + 0.1 * static_cast<double>((a.epoch + a.beacon.index()) % 7)) / 343;
+    const calib::Solution solution = solution_of(world);
+    if (!all_over) {
+      EXPECT_THAT(solution.contradictions, IsEmpty()) << all_in_words(solution);
+      continue;
+    }
+    const Contradiction c = only(solution);
+    EXPECT_EQ(c.kind, ContradictionKind::kReceiver);
+    EXPECT_EQ(c.subject, "robot/r2");
+    EXPECT_THAT(c.found, HasSubstr("late"));
+  }
+}
+
 // What one place does to the errors there (a reflection, a camera's view) is one event, however often it is
 // recorded.
 TEST(Agreement, EarlyArrivalsOfOnePlaceAreNamedAndContradictNothing) {

@@ -1,0 +1,167 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/readings/mixed_units.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+#include "calib/problem/ranges.h"
+#include "calib/problem/unit_check.h"
+
+namespace octant::calib {
+namespace {
+
+constexpr double kOnePlaceS = 0.25, kQuickestMps = 5.0;
+constexpr std::size_t kRowsOfOnePlace = 40;  ///< arrivals in a row that may be of one place
+constexpr std::size_t kBracketPairs = 10;    ///< of ranges, for a bracket
+/// Echoes and a few early arrivals are beyond these shares of sums and differences.
+constexpr double kEarlySums = 0.05, kLateDifferences = 0.2;
+constexpr double kStatedSlack = 0.03;  ///< of the distance: stated places, speed and delays are rough
+constexpr double kWorstBreak = 0.25;   ///< of the distance: a bracket that is broken by more is as bad
+constexpr double kFarBetter = 0.3;     ///< of what metres for all break
+constexpr double kUntoldShare = 0.05;  ///< of it: a beacon that makes no more difference may be in or out
+constexpr std::size_t kMostShares = 8;
+
+double quantile(std::vector<double> values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// What ranges from the same places say of the distance of two beacons.
+struct Bracket {
+  std::size_t a, b;
+  double least_m, most_m;
+};
+
+/// Sums and differences of two beacons' ranges, less and more what their places may be apart.
+struct Ranges {
+  std::vector<double> sums, differences;
+};
+
+void add_pairs(const Site& site, const MeasurementLog& run,
+               std::map<std::pair<std::size_t, std::size_t>, Ranges>& of) {
+  double array_m = 0.0;
+  for (const SiteReceiver& r : site.receivers) array_m = std::max(array_m, r.position_m.head<2>().norm());
+  for (std::size_t i = 0; i < run.arrivals.size(); ++i)
+    for (std::size_t j = i + 1; j < std::min(run.arrivals.size(), i + kRowsOfOnePlace); ++j) {
+      const Arrival &a = run.arrivals[i], &b = run.arrivals[j];
+      if (a.vehicle != b.vehicle || a.beacon == b.beacon) continue;
+      if (run.has_epochs ? a.epoch != b.epoch : b.time_s - a.time_s > kOnePlaceS) break;
+      const double apart_m = (a.receiver == b.receiver ? 0.0 : 2 * array_m) +
+                             (run.has_epochs ? 0.0 : kQuickestMps * (b.time_s - a.time_s));
+      const double ra_m = stated_range_m(site, run, a), rb_m = stated_range_m(site, run, b);
+      if (!std::isfinite(ra_m) || !std::isfinite(rb_m)) continue;
+      Ranges& ranges = of[std::minmax(a.beacon.index(), b.beacon.index())];
+      ranges.sums.push_back(ra_m + rb_m + apart_m);
+      ranges.differences.push_back(std::abs(ra_m - rb_m) - apart_m);
+    }
+}
+
+/// The shares of beacons, and what they break.
+class Shares {
+ public:
+  Shares(const Site& site, const std::vector<MeasurementLog>& runs, const LengthUnit& unit)
+      : places_(site.beacons.size()), placed_(site.beacons.size(), false), unit_(unit) {
+    for (std::size_t b = 0; b < placed_.size(); ++b) {
+      const auto& p = site.beacons[b].position_m;
+      placed_[b] = p[0] && p[1] && p[2];
+      if (placed_[b]) places_[b] = {*p[0], *p[1], *p[2]};
+    }
+    std::map<std::pair<std::size_t, std::size_t>, Ranges> of;
+    for (const MeasurementLog& run : runs) add_pairs(site, run, of);
+    for (const auto& [pair, ranges] : of)
+      if (ranges.sums.size() >= kBracketPairs && placed_[pair.first] && placed_[pair.second])
+        brackets_.push_back({pair.first, pair.second, quantile(ranges.differences, 1 - kLateDifferences),
+                             quantile(ranges.sums, kEarlySums)});
+  }
+
+  [[nodiscard]] const std::vector<bool>& placed() const { return placed_; }
+
+  /// Each broken bracket counts up to one.
+  [[nodiscard]] double broken(const std::vector<bool>& in_unit) const {
+    double sum = 0.0;
+    for (const Bracket& k : brackets_) {
+      const auto place = [&](std::size_t b) -> Eigen::Vector3d {
+        return (in_unit[b] ? unit_.metres : 1.0) * places_[b];
+      };
+      const double d_m = (place(k.a) - place(k.b)).norm();
+      const double off_m =
+          std::max({0.0, d_m * (1 - kStatedSlack) - k.most_m, k.least_m - d_m * (1 + kStatedSlack)});
+      sum += std::min(1.0, off_m / (kWorstBreak * std::max(k.most_m, 1e-9)));
+    }
+    return sum;
+  }
+
+  /// The best from here on, one beacon at a time.
+  [[nodiscard]] std::vector<bool> descended(std::vector<bool> in_unit) const {
+    for (double best = broken(in_unit);;) {
+      std::size_t flip = in_unit.size();
+      for (std::size_t b = 0; b < in_unit.size(); ++b) {
+        if (!placed_[b]) continue;
+        in_unit[b] = !in_unit[b];
+        if (const double now = broken(in_unit); now < best - 1e-9) {
+          best = now;
+          flip = b;
+        }
+        in_unit[b] = !in_unit[b];
+      }
+      if (flip == in_unit.size()) return in_unit;
+      in_unit[flip] = !in_unit[flip];
+    }
+  }
+
+  /// From none, all, and each beacon alone in the unit or out of it.
+  [[nodiscard]] std::vector<bool> best() const {
+    const std::vector<bool> none(placed_.size(), false);
+    std::vector<std::vector<bool>> starts = {none, placed_};
+    for (std::size_t b = 0; b < none.size(); ++b)
+      for (const std::vector<bool>& start : {none, placed_}) {
+        starts.push_back(start);
+        if (placed_[b]) starts.back()[b] = !starts.back()[b];
+      }
+    std::vector<bool> best = none;
+    for (std::vector<bool>& start : starts)
+      if (std::vector<bool> found = descended(std::move(start)); broken(found) < broken(best) - 1e-9)
+        best = std::move(found);
+    return best;
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> places_;
+  std::vector<bool> placed_;
+  LengthUnit unit_;
+  std::vector<Bracket> brackets_;
+};
+
+}  // namespace
+
+std::vector<std::vector<bool>> beacons_in_unit_by_ranges(const Site& site,
+                                                         const std::vector<MeasurementLog>& runs,
+                                                         const LengthUnit& unit) {
+  const Shares shares(site, runs, unit);
+  const std::vector<bool> none(site.beacons.size(), false);
+  const double as_stated = shares.broken(none);
+  if (as_stated == 0.0) return {};
+  const std::vector<bool> best = shares.best();
+  const double least = shares.broken(best);
+  if (least > kFarBetter * as_stated || best == none || best == shares.placed()) return {};
+  std::vector<std::vector<bool>> all = {best};
+  for (std::size_t b = 0; b < best.size() && all.size() < kMostShares; ++b) {
+    std::vector<bool> other = best;
+    other[b] = !other[b];
+    if (!shares.placed()[b] || shares.broken(other) > least + kUntoldShare * as_stated) continue;
+    for (std::size_t k = 0, known = all.size(); k < known; ++k) {
+      all.push_back(all[k]);
+      all.back()[b] = !all.back()[b];
+    }
+  }
+  std::erase_if(all,
+                [&](const std::vector<bool>& share) { return share == none || share == shares.placed(); });
+  return all;
+}
+
+}  // namespace octant::calib
