@@ -12,7 +12,7 @@
 #include "calib/adjust/reject.h"
 #include "calib/adjust/tile_sum.h"
 #include "calib/start/start.h"
-#include "calib/stream/stops/state_bearings.h"
+#include "calib/stream/chunks/state_bearings.h"
 #include "models/localizers/least_squares/linear_ranges.h"
 #include "models/support/parallel.h"
 
@@ -64,7 +64,7 @@ namespace {
 
 /// Reads the epochs that begin in a block: visit(epoch's number, arrival).
 template <class Visit>
-Result<void> for_each_row_of_block(const ArrivalSource& source, const LogIndex& index, std::size_t run,
+Result<void> for_each_row_of_block(const ArrivalSource& source, const ChunkIndex& index, std::size_t run,
                                    std::size_t block, Visit&& visit) {
   std::vector<Arrival> rows;
   if (auto ok = index.read(source, run, block, block + 1, rows); !ok) return ok;
@@ -103,7 +103,7 @@ Result<std::vector<Found>> read_blocks(const std::vector<std::size_t>& blocks, i
 }
 
 /// Chooses more epochs for the beacons that the chosen ones hear too seldom, of those that hear them.
-Result<void> choose_for_rare_beacons(const ArrivalSource& source, const LogIndex& index, std::size_t run,
+Result<void> choose_for_rare_beacons(const ArrivalSource& source, const ChunkIndex& index, std::size_t run,
                                      int threads, GroupsHearing& hearing, std::vector<bool>& chosen) {
   struct Hears {
     std::size_t epoch, beacon;
@@ -138,7 +138,7 @@ Result<void> choose_for_rare_beacons(const ArrivalSource& source, const LogIndex
 }
 
 /// Arrivals of the chosen epochs that are not yet in the log.
-Result<void> read_epochs(const ArrivalSource& source, const LogIndex& index, std::size_t run,
+Result<void> read_epochs(const ArrivalSource& source, const ChunkIndex& index, std::size_t run,
                          const std::vector<bool>& chosen, int threads, std::vector<Arrival>& arrivals) {
   std::vector<std::size_t> blocks;
   for (std::size_t b = 0; b < index.blocks(run); ++b) {
@@ -159,7 +159,7 @@ Result<void> read_epochs(const ArrivalSource& source, const LogIndex& index, std
 }  // namespace
 
 Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site, const ArrivalSource& source,
-                                     const LogIndex& index, int threads) {
+                                     const ChunkIndex& index, int threads) {
   MeasurementLog few = without_lists(source.log(run));
   few.rejected = source.log(run).rejected;
   std::vector<bool> chosen = evenly_chosen(index.states(run), kPartOfLongLog.instants);

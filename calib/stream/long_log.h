@@ -8,7 +8,7 @@
 #include "calib/problem/parameters.h"
 #include "calib/problem/problem.h"
 #include "calib/problem/thin.h"
-#include "calib/stream/stops/log_index.h"
+#include "calib/stream/chunks/chunk_index.h"
 
 namespace octant::calib {
 
@@ -26,7 +26,7 @@ inline constexpr ThinOptions kPartOfLongLog = {.instants = 600, .per_beacon = 20
 /// The same of the stops of a run that is not at hand. Reads the blocks in which those epochs lie; all blocks
 /// once more where a beacon is heard so seldom that they are not enough of it.
 [[nodiscard]] Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site,
-                                                   const ArrivalSource& source, const LogIndex& index,
+                                                   const ArrivalSource& source, const ChunkIndex& index,
                                                    int threads = 1);
 
 /// Places all states of a long log whose shared parameters are known but for the noise, stops and drives.

@@ -22,7 +22,7 @@ StreamedLog::StreamedLog(const Site& site, ArrivalSource& source, const SolveOpt
       options_(options),
       course_(course),
       plan_(stream_plan(memory_bytes, options.threads)),
-      stops_(state_kinds(source, site), site.beacons.size(), plan_.chunk_arrivals),
+      chunks_(state_kinds(source, site), site.beacons.size(), plan_.chunk_arrivals),
       drives_(source, site) {}
 
 Result<CalibrationLog::Sample> StreamedLog::next_sample() {
@@ -38,18 +38,18 @@ Result<CalibrationLog::Sample> StreamedLog::next_sample() {
 Result<void> StreamedLog::scan() {
   is_scanned_ = true;
   const auto read = source_.scan([&](std::size_t run, const std::vector<Arrival>& block) {
-    stops_.take(run, block);
+    chunks_.take(run, block);
     if (!has_stops_alone(run)) drives_.take(run, block);
     return true;
   });
   if (!read) return read;
-  stops_.end(source_.runs());
+  chunks_.end(source_.runs());
   drives_.end(plan_.piece_bytes);
   return {};
 }
 
 bool StreamedLog::has_stops_alone(std::size_t run) const {
-  const auto& kinds = stops_.kinds(run);
+  const auto& kinds = chunks_.kinds(run);
   return std::all_of(kinds.begin(), kinds.end(), [](StateKind k) { return k == StateKind::kStops; });
 }
 
@@ -57,7 +57,7 @@ bool StreamedLog::has_stops_alone(std::size_t run) const {
 Result<Problem> StreamedLog::part() const {
   std::vector<MeasurementLog> runs;
   for (std::size_t run = 0; run < source_.runs(); ++run) {
-    auto few = has_stops_alone(run) ? part_of_stops(run, site_, source_, stops_, options_.threads)
+    auto few = has_stops_alone(run) ? part_of_stops(run, site_, source_, chunks_, options_.threads)
                                     : part_of_drives(run, site_, source_, drives_);
     if (!few) return fail(few.error());
     runs.push_back(std::move(*few));
@@ -80,9 +80,9 @@ void StreamedLog::begin_readings() {
     frame_.runs[run].bearings = source_.log(run).bearings;
   }
   const ReadingTask task{frame_,  source_,       options_,
-                         course_, plan_.workers, stops_.arrivals() + drives_.arrivals()};
-  if (stops_.arrivals() > 0 || drives_.pieces().empty())
-    readings_.add(std::make_unique<LogPasses>(task, stops_));
+                         course_, plan_.workers, chunks_.arrivals() + drives_.arrivals()};
+  if (chunks_.arrivals() > 0 || drives_.pieces().empty())
+    readings_.add(std::make_unique<ChunkPasses>(task, chunks_));
   if (!drives_.pieces().empty()) readings_.add(std::make_unique<DrivePasses>(task, drives_));
 }
 

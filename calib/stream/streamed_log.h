@@ -8,15 +8,15 @@
 
 #include "calib/log/calibration_log.h"
 #include "calib/start/course.h"
+#include "calib/stream/chunks/chunk_index.h"
+#include "calib/stream/chunks/chunk_passes.h"
 #include "calib/stream/drives/drive_index.h"
 #include "calib/stream/log_readings.h"
-#include "calib/stream/stops/log_index.h"
-#include "calib/stream/stops/log_passes.h"
 
 namespace octant::calib {
 
 /// The log of a source, which is read again for each look at it: drives in pieces (drives/), all else in
-/// chunks (stops/). One reading is one step of its adjustment (newton_steps.h).
+/// chunks (chunks/). One reading is one step of its adjustment (newton_steps.h).
 class StreamedLog : public CalibrationLog {
  public:
   /// All outlive it.
@@ -46,7 +46,7 @@ class StreamedLog : public CalibrationLog {
   const SolveOptions& options_;
   Course& course_;
   StreamPlan plan_;
-  LogIndex stops_;
+  ChunkIndex chunks_;
   DriveIndex drives_;
   bool is_scanned_ = false;
   Problem frame_;  ///< the log without its arrivals

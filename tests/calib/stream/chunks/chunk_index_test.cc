@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/stops/log_index.h"
+#include "calib/stream/chunks/chunk_index.h"
 
 #include <map>
 #include <random>
@@ -42,10 +42,10 @@ MeasurementLog interleaved(int rows, unsigned seed) {
   return log;
 }
 
-calib::LogIndex scanned(MemorySource& source, std::size_t vehicles, std::size_t beacons, std::size_t chunk,
-                        StateKind kind = StateKind::kStops) {
-  calib::LogIndex index(calib::StateKinds(source.runs(), std::vector<StateKind>(vehicles, kind)), beacons,
-                        chunk);
+calib::ChunkIndex scanned(MemorySource& source, std::size_t vehicles, std::size_t beacons, std::size_t chunk,
+                          StateKind kind = StateKind::kStops) {
+  calib::ChunkIndex index(calib::StateKinds(source.runs(), std::vector<StateKind>(vehicles, kind)), beacons,
+                          chunk);
   static_cast<void>(source.scan([&](std::size_t run, const std::vector<Arrival>& block) {
     index.take(run, block);
     return true;
@@ -54,19 +54,19 @@ calib::LogIndex scanned(MemorySource& source, std::size_t vehicles, std::size_t 
   return index;
 }
 
-TEST(LogIndex, EachEpochIsInOneStretchAndWhole) {
+TEST(ChunkIndex, EachEpochIsInOneStretchAndWhole) {
   for (const unsigned seed : {1U, 2U, 3U})
     for (const std::size_t block : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{5000}}) {
       const MeasurementLog log = interleaved(2000, seed);
       std::map<Key, std::vector<int>> lines;
       for (const Arrival& a : log.arrivals) lines[{a.vehicle.value, a.epoch}].push_back(a.line);
       MemorySource source({log, log}, block);
-      const calib::LogIndex index = scanned(source, 3, 5, 150);
+      const calib::ChunkIndex index = scanned(source, 3, 5, 150);
       EXPECT_EQ(index.arrivals(), 4000U);
       EXPECT_EQ(index.states(1), lines.size());
       std::size_t epochs = 0, arrivals = 0;
       std::map<Key, std::vector<int>> found[2];
-      for (const calib::LogChunk& chunk : index.chunks()) {
+      for (const calib::Chunk& chunk : index.chunks()) {
         std::vector<Arrival> rows;
         must(index.read(source, chunk.run, chunk.first_block, chunk.last_block, rows).map([] { return 0; }));
         std::map<Key, std::vector<int>> of_chunk;
@@ -92,7 +92,7 @@ TEST(LogIndex, EachEpochIsInOneStretchAndWhole) {
 }
 
 // Without epochs rows hang together while they follow each other within the time that ties states.
-TEST(LogIndex, EachGroupBetweenPausesIsInOneChunkAndWhole) {
+TEST(ChunkIndex, EachGroupBetweenPausesIsInOneChunkAndWhole) {
   for (const StateKind kind : {StateKind::kMotion, StateKind::kMoments, StateKind::kChainedStops})
     for (const std::size_t block : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{5000}}) {
       MeasurementLog log = interleaved(2000, 4);
@@ -111,10 +111,10 @@ TEST(LogIndex, EachGroupBetweenPausesIsInOneChunkAndWhole) {
         group_of_line[a.line] = {a.vehicle.value, kind == StateKind::kChainedStops ? 0 : group};
       }
       MemorySource source({log}, block);
-      const calib::LogIndex index = scanned(source, 3, 5, 150, kind);
-      std::map<std::pair<std::int32_t, std::size_t>, const calib::LogChunk*> chunk_of;
+      const calib::ChunkIndex index = scanned(source, 3, 5, 150, kind);
+      std::map<std::pair<std::int32_t, std::size_t>, const calib::Chunk*> chunk_of;
       std::size_t rows_of_all = 0;
-      for (const calib::LogChunk& chunk : index.chunks()) {
+      for (const calib::Chunk& chunk : index.chunks()) {
         std::vector<Arrival> rows;
         must(index.read(source, chunk.run, chunk.first_block, chunk.last_block, rows).map([] { return 0; }));
         for (const Arrival& a : rows)
@@ -127,10 +127,10 @@ TEST(LogIndex, EachGroupBetweenPausesIsInOneChunkAndWhole) {
     }
 }
 
-TEST(LogIndex, DrivesAreNoneOfIt) {
+TEST(ChunkIndex, DrivesAreNoneOfIt) {
   const MeasurementLog log = interleaved(500, 6);
   MemorySource source({log}, 50);
-  calib::LogIndex index({{StateKind::kStops, StateKind::kDrive, StateKind::kStops}}, 5, 100);
+  calib::ChunkIndex index({{StateKind::kStops, StateKind::kDrive, StateKind::kStops}}, 5, 100);
   static_cast<void>(source.scan([&](std::size_t run, const std::vector<Arrival>& block) {
     index.take(run, block);
     return true;
@@ -139,7 +139,7 @@ TEST(LogIndex, DrivesAreNoneOfIt) {
   std::size_t of_drive = 0;
   for (const Arrival& a : log.arrivals) of_drive += a.vehicle == VehicleId(1);
   EXPECT_EQ(index.arrivals(), 500 - of_drive);
-  for (const calib::LogChunk& chunk : index.chunks()) {
+  for (const calib::Chunk& chunk : index.chunks()) {
     std::vector<Arrival> rows;
     must(index.read(source, 0, chunk.first_block, chunk.last_block, rows).map([] { return 0; }));
     for (const Arrival& a : rows) EXPECT_NE(a.vehicle, VehicleId(1));
@@ -161,7 +161,8 @@ TEST(LogPart, IsThatOfTheWholeLog) {
   const calib::Problem whole = must(calib::make_problem(world.site, {run, world.heldout}));
   const calib::Problem expected = must(calib::part_of(whole));
   MemorySource source({run, world.heldout}, 100);
-  const calib::LogIndex index = scanned(source, world.site.vehicles.size(), world.site.beacons.size(), 1000);
+  const calib::ChunkIndex index =
+      scanned(source, world.site.vehicles.size(), world.site.beacons.size(), 1000);
   const auto stops_of = [&](std::size_t run) {
     return must(calib::part_of_stops(run, world.site, source, index, 2));
   };

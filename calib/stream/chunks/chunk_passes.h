@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
+#include "calib/stream/chunks/chunk_index.h"
+#include "calib/stream/chunks/state_bearings.h"
+#include "calib/stream/kept_states.h"
 #include "calib/stream/log_readings.h"
-#include "calib/stream/stops/chunk_work.h"
-#include "calib/stream/stops/log_index.h"
-#include "calib/stream/stops/state_bearings.h"
 
 namespace octant::calib {
 
@@ -22,12 +22,27 @@ struct StreamPlan {
 };
 [[nodiscard]] StreamPlan stream_plan(std::size_t memory_bytes, int threads);
 
+/// A chunk of a log that a worker has at hand.
+struct ChunkWork {
+  const Chunk* chunk = nullptr;
+  MeasurementLog log;
+  std::vector<Trajectory> trajectories;
+  ReducedSystem system;
+};
+
+/// What remains of a chunk between the readings, trajectory by trajectory.
+struct ChunkStates {
+  std::vector<KeptStates> states;
+  std::vector<float> start_heading_rad;
+  std::vector<Rejection> marks;  ///< of the arrivals, then of the bearings
+};
+
 /// The states of a log but for drives, read again for each look at them, chunk by chunk on several threads.
 /// Between the readings there remains where each state is (28 bytes of a stop in the plane) and what became
 /// of each arrival (one byte); ranks keep those of their own chunks and read no others.
-class LogPasses : public LogReadings {
+class ChunkPasses : public LogReadings {
  public:
-  LogPasses(const ReadingTask& task, const LogIndex& index);
+  ChunkPasses(const ReadingTask& task, const ChunkIndex& index);
 
   /// See place_all.
   [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
@@ -40,18 +55,18 @@ class LogPasses : public LogReadings {
   Result<void> for_each_chunk_of_mine(Do&& work);
   Result<void> load(std::size_t chunk, ChunkWork& w) const;
   [[nodiscard]] bool is_as_before(std::size_t chunk, const ChunkWork& w) const;
-  void restore(const ChunkStops& stops, const Estimate& estimate, ChunkWork& w) const;
-  void keep(const ChunkWork& w, ChunkStops& stops) const;
+  void restore(const ChunkStates& kept, const Estimate& estimate, ChunkWork& w) const;
+  void keep(const ChunkWork& w, ChunkStates& kept) const;
   void tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
                        const FindingsGatherer& gatherer, std::vector<double>& tape) const;
 
   ReadingTask task_;
-  const LogIndex& index_;
+  const ChunkIndex& index_;
   TrajectoryModel model_;
   std::size_t first_, last_;             ///< chunks of this rank
   std::vector<StateBearings> bearings_;  ///< of each run
   std::vector<std::unique_ptr<ChunkWork>> workers_;
-  std::vector<ChunkStops> stops_;  ///< of each chunk
+  std::vector<ChunkStates> kept_;  ///< of each chunk
 };
 
 }  // namespace octant::calib

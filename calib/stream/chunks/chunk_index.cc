@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/stops/log_index.h"
+#include "calib/stream/chunks/chunk_index.h"
 
 #include <algorithm>
 #include <numeric>
@@ -11,17 +11,17 @@
 
 namespace octant::calib {
 
-std::size_t LogChunk::all_arrivals() const {
+std::size_t Chunk::all_arrivals() const {
   return std::accumulate(arrivals.begin(), arrivals.end(), std::size_t{0});
 }
 
 /// Follows the rows in the order of the files.
-class LogIndex::Scanner {
+class ChunkIndex::Scanner {
  public:
   Scanner(std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals)
       : vehicles_(vehicles), beacons_(beacons), chunk_arrivals_(chunk_arrivals) {}
 
-  void take(LogIndex& index, std::size_t run, const std::vector<Arrival>& block) {
+  void take(ChunkIndex& index, std::size_t run, const std::vector<Arrival>& block) {
     while (index.runs_.size() <= run) begin_run(index);
     Run& r = index.runs_.back();
     const std::size_t b = r.first_state.size();
@@ -49,11 +49,11 @@ class LogIndex::Scanner {
     }
   }
 
-  void end(LogIndex& index, std::size_t runs) {
+  void end(ChunkIndex& index, std::size_t runs) {
     while (index.runs_.size() < runs) begin_run(index);
     end_run(index);
     std::vector<std::size_t> states, arrivals;
-    for (LogChunk& chunk : index.chunks_) {
+    for (Chunk& chunk : index.chunks_) {
       if (chunk.first_block == 0) {
         states.assign(vehicles_, 0);
         arrivals.assign(vehicles_, 0);
@@ -65,7 +65,7 @@ class LogIndex::Scanner {
         arrivals[v] += chunk.arrivals[v];
       }
     }
-    std::erase_if(index.chunks_, [](const LogChunk& chunk) { return chunk.all_arrivals() == 0; });
+    std::erase_if(index.chunks_, [](const Chunk& chunk) { return chunk.all_arrivals() == 0; });
   }
 
  private:
@@ -87,7 +87,7 @@ class LogIndex::Scanner {
     if (!open.any) return true;
     return kind == StateKind::kStops ? open.epoch != a.epoch : a.time_s - open.time_s > longest_tie_s(kind);
   }
-  static void begin_state(LogIndex& index, Run& run, const Open& open, const Arrival& a) {
+  static void begin_state(ChunkIndex& index, Run& run, const Open& open, const Arrival& a) {
     ++run.states;
     ++index.chunks_[open.chunk].states[a.vehicle.index()];
   }
@@ -101,20 +101,20 @@ class LogIndex::Scanner {
     run.splits[*open.split].until_s = a.time_s;
   }
 
-  void begin_run(LogIndex& index) {
+  void begin_run(ChunkIndex& index) {
     end_run(index);
     index.runs_.emplace_back().heard.assign(beacons_, 0);
     open_.assign(vehicles_, {});
     begin_chunk(index, 0);
   }
 
-  void begin_chunk(LogIndex& index, std::size_t block) {
+  void begin_chunk(ChunkIndex& index, std::size_t block) {
     const std::vector<std::size_t> none(vehicles_, 0);
     index.chunks_.push_back({index.runs_.size() - 1, block, block, none, none, {}, {}});
     chunk_size_ = 0;
   }
 
-  void end_run(LogIndex& index) {
+  void end_run(ChunkIndex& index) {
     if (index.runs_.empty()) return;
     Run& r = index.runs_.back();
     const std::size_t blocks = r.first_state.size();
@@ -145,22 +145,24 @@ StateKinds state_kinds(const ArrivalSource& source, const Site& site) {
   return kinds;
 }
 
-LogIndex::LogIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_arrivals)
+ChunkIndex::ChunkIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_arrivals)
     : kinds_(std::move(kinds)),
       scanner_(
           std::make_unique<Scanner>(kinds_.empty() ? 0 : kinds_.front().size(), beacons, chunk_arrivals)) {}
-LogIndex::LogIndex(LogIndex&&) noexcept = default;
-LogIndex::~LogIndex() = default;
+ChunkIndex::ChunkIndex(ChunkIndex&&) noexcept = default;
+ChunkIndex::~ChunkIndex() = default;
 
-void LogIndex::take(std::size_t run, const std::vector<Arrival>& block) { scanner_->take(*this, run, block); }
+void ChunkIndex::take(std::size_t run, const std::vector<Arrival>& block) {
+  scanner_->take(*this, run, block);
+}
 
-void LogIndex::end(std::size_t runs) {
+void ChunkIndex::end(std::size_t runs) {
   scanner_->end(*this, runs);
   scanner_.reset();
 }
 
-Result<void> LogIndex::read(const ArrivalSource& source, std::size_t run, std::size_t first, std::size_t last,
-                            std::vector<Arrival>& arrivals) const {
+Result<void> ChunkIndex::read(const ArrivalSource& source, std::size_t run, std::size_t first,
+                              std::size_t last, std::vector<Arrival>& arrivals) const {
   const Run& r = runs_[run];
   arrivals.clear();
   if (auto ok = source.read(run, first, last, arrivals); !ok) return ok;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/stops/log_passes.h"
+#include "calib/stream/chunks/chunk_passes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include "calib/adjust/reject.h"
 #include "calib/problem/flips.h"
 #include "calib/problem/gates.h"
+#include "calib/stream/chunks/pass_summer.h"
 #include "calib/stream/long_log.h"
 #include "calib/stream/over_ranks.h"
 #include "calib/stream/side_by_side.h"
-#include "calib/stream/stops/pass_summer.h"
 #include "models/trajectory/settle.h"
 #include "models/trajectory/stretches.h"
 
@@ -49,8 +49,8 @@ StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
   return plan;
 }
 
-LogPasses::LogPasses(const ReadingTask& task, const LogIndex& index)
-    : task_(task), index_(index), model_(trajectory_model(task.frame.site)), stops_(index.chunks().size()) {
+ChunkPasses::ChunkPasses(const ReadingTask& task, const ChunkIndex& index)
+    : task_(task), index_(index), model_(trajectory_model(task.frame.site)), kept_(index.chunks().size()) {
   std::tie(first_, last_) = parts_of(task.options.ranks, index.chunks().size());
   for (std::size_t run = 0; run < task.frame.runs.size(); ++run)
     bearings_.emplace_back(task.source.log(run).bearings, index.kinds(run));
@@ -59,7 +59,7 @@ LogPasses::LogPasses(const ReadingTask& task, const LogIndex& index)
 
 /// work(chunk, ChunkWork&), with the chunk loaded.
 template <class Do>
-Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
+Result<void> ChunkPasses::for_each_chunk_of_mine(Do&& work) {
   return for_each_side_by_side(first_, last_, workers_.size(), task_.course,
                                [&](std::size_t k, std::size_t worker) -> Result<void> {
                                  if (auto ok = load(k, *workers_[worker]); !ok) return ok;
@@ -68,8 +68,8 @@ Result<void> LogPasses::for_each_chunk_of_mine(Do&& work) {
                                });
 }
 
-Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
-  const LogChunk& c = index_.chunks()[chunk];
+Result<void> ChunkPasses::load(std::size_t chunk, ChunkWork& w) const {
+  const Chunk& c = index_.chunks()[chunk];
   const MeasurementLog& run = task_.source.log(c.run);
   const std::vector<StateKind>& kinds = index_.kinds(c.run);
   if (w.chunk == nullptr || w.chunk->run != c.run) {
@@ -98,8 +98,8 @@ Result<void> LogPasses::load(std::size_t chunk, ChunkWork& w) const {
 }
 
 /// Where a reading has been there before.
-bool LogPasses::is_as_before(std::size_t chunk, const ChunkWork& w) const {
-  const ChunkStops& kept = stops_[chunk];
+bool ChunkPasses::is_as_before(std::size_t chunk, const ChunkWork& w) const {
+  const ChunkStates& kept = kept_[chunk];
   std::size_t marks = 0;
   for (std::size_t i = 0; i < kept.states.size(); ++i) {
     const Trajectory& t = w.trajectories[i];
@@ -109,36 +109,36 @@ bool LogPasses::is_as_before(std::size_t chunk, const ChunkWork& w) const {
   return marks == kept.marks.size();
 }
 
-void LogPasses::restore(const ChunkStops& stops, const Estimate& estimate, ChunkWork& w) const {
+void ChunkPasses::restore(const ChunkStates& kept, const Estimate& estimate, ChunkWork& w) const {
   const double stated_s = task_.frame.site.noise.tof_sigma_s;
   rescale_noise(w.trajectories, stated_s, stated_s * estimate.noise_factor);
   std::size_t mark = 0;
   for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
     Trajectory& t = w.trajectories[i];
-    for (std::size_t k = 0; k < t.nodes.size(); ++k) stops.states[i].put(t, k, t.nodes[k]);
-    for (ArrivalObservation& a : t.arrivals) a.rejection = stops.marks[mark++];
-    for (BearingObservation& b : t.bearings) b.rejection = stops.marks[mark++];
+    for (std::size_t k = 0; k < t.nodes.size(); ++k) kept.states[i].put(t, k, t.nodes[k]);
+    for (ArrivalObservation& a : t.arrivals) a.rejection = kept.marks[mark++];
+    for (BearingObservation& b : t.bearings) b.rejection = kept.marks[mark++];
   }
 }
 
-void LogPasses::keep(const ChunkWork& w, ChunkStops& stops) const {
-  stops.states.resize(w.trajectories.size());
-  stops.marks.clear();
+void ChunkPasses::keep(const ChunkWork& w, ChunkStates& kept) const {
+  kept.states.resize(w.trajectories.size());
+  kept.marks.clear();
   for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
     const Trajectory& t = w.trajectories[i];
-    stops.states[i].clear();
-    stops.states[i].reserve(t, t.nodes.size());
-    for (const Node& n : t.nodes) stops.states[i].add(t, n);
-    for (const ArrivalObservation& a : t.arrivals) stops.marks.push_back(a.rejection);
-    for (const BearingObservation& b : t.bearings) stops.marks.push_back(b.rejection);
+    kept.states[i].clear();
+    kept.states[i].reserve(t, t.nodes.size());
+    for (const Node& n : t.nodes) kept.states[i].add(t, n);
+    for (const ArrivalObservation& a : t.arrivals) kept.marks.push_back(a.rejection);
+    for (const BearingObservation& b : t.bearings) kept.marks.push_back(b.rejection);
   }
 }
 
-Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
+Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
   const SharedState state = estimate.state();
   const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
-  std::vector<std::vector<double>> residuals(stops_.size()), ranges(stops_.size());
-  PassSummer summer(first_, stops_.size(), estimate.layout.size());
+  std::vector<std::vector<double>> residuals(kept_.size()), ranges(kept_.size());
+  PassSummer summer(first_, kept_.size(), estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
       spread.look_at_range(number, t, a, ranges[k]);
@@ -146,11 +146,11 @@ Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double su
     apply_gates(task_.frame.site, w.trajectories, 1);
     place_all(task_.frame, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
               w.trajectories);
-    stops_[k].start_heading_rad.clear();
+    kept_[k].start_heading_rad.clear();
     for (const Trajectory& t : w.trajectories) {
       for (const Node& n : t.nodes)
-        stops_[k].start_heading_rad.push_back(n.placed ? static_cast<float>(n.T_map_vehicle.heading_rad())
-                                                       : NAN);
+        kept_[k].start_heading_rad.push_back(n.placed ? static_cast<float>(n.T_map_vehicle.heading_rad())
+                                                      : NAN);
     }
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
       spread.look_at_residual(number, t, a, residuals[k]);
@@ -158,14 +158,14 @@ Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double su
     if (mark)
       summer.take(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas,
                   MarkPolicy::kFirst, w.system);
-    keep(w, stops_[k]);
+    keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());
   Placed placed;
   placed.residuals = in_order(task_.options.ranks, std::move(residuals));
   placed.ranges_m = in_order(task_.options.ranks, std::move(ranges));
   std::vector<double> states = {0.0};
-  for (const ChunkStops& kept : stops_) states[0] += static_cast<double>(kept.start_heading_rad.size());
+  for (const ChunkStates& kept : kept_) states[0] += static_cast<double>(kept.start_heading_rad.size());
   sum_over(task_.options.ranks, states);
   placed.states = static_cast<std::size_t>(states[0]);
   if (!mark) return placed;
@@ -175,13 +175,13 @@ Result<LogReadings::Placed> LogPasses::place(const Estimate& estimate, double su
   return placed;
 }
 
-Result<PassSum> LogPasses::pass(const Estimate& estimate, MarkPolicy marks) {
+Result<PassSum> ChunkPasses::pass(const Estimate& estimate, MarkPolicy marks) {
   const SharedState state = estimate.state();
-  PassSummer summer(first_, stops_.size(), estimate.layout.size());
+  PassSummer summer(first_, kept_.size(), estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
-    restore(stops_[k], estimate, w);
+    restore(kept_[k], estimate, w);
     summer.take(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas, marks, w.system);
-    keep(w, stops_[k]);
+    keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());
   std::vector<double> numbers = std::move(summer).numbers();
@@ -189,11 +189,11 @@ Result<PassSum> LogPasses::pass(const Estimate& estimate, MarkPolicy marks) {
   return PassSummer::sum_of(numbers, estimate.layout.size());
 }
 
-Result<void> LogPasses::tell(const Estimate& estimate, FindingsGatherer& gatherer) {
-  std::vector<std::vector<double>> tapes(stops_.size());
+Result<void> ChunkPasses::tell(const Estimate& estimate, FindingsGatherer& gatherer) {
+  std::vector<std::vector<double>> tapes(kept_.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
-    restore(stops_[k], estimate, w);
-    const float* start_heading_rad = stops_[k].start_heading_rad.data();
+    restore(kept_[k], estimate, w);
+    const float* start_heading_rad = kept_[k].start_heading_rad.data();
     for (const Trajectory& t : w.trajectories) {
       tell_trajectory(w, t, start_heading_rad, gatherer, tapes[k]);
       start_heading_rad += t.nodes.size();
@@ -205,8 +205,8 @@ Result<void> LogPasses::tell(const Estimate& estimate, FindingsGatherer& gathere
 }
 
 /// @param start_heading_rad  of each of its states
-void LogPasses::tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
-                                const FindingsGatherer& gatherer, std::vector<double>& tape) const {
+void ChunkPasses::tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
+                                  const FindingsGatherer& gatherer, std::vector<double>& tape) const {
   const std::size_t before = w.chunk->states_before[t.vehicle.index()], every = gatherer.every();
   const bool cut = every > 1 && std::any_of(t.segments.begin(), t.segments.end(), is_long_chain);
   const std::vector<Segment> stretches = cut ? with_chains_cut(t) : std::vector<Segment>();

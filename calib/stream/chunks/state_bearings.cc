@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/stops/state_bearings.h"
+#include "calib/stream/chunks/state_bearings.h"
 
 #include <algorithm>
 #include <cmath>

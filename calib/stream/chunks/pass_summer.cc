@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/stops/pass_summer.h"
+#include "calib/stream/chunks/pass_summer.h"
 
 #include <memory>
 

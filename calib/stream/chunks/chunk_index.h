@@ -14,7 +14,7 @@ namespace octant::calib {
 
 /// A part of a run that is worked on at once: the groups that begin in blocks [first_block, last_block). A
 /// group are the states of a vehicle that hang together: an epoch, as a rule.
-struct LogChunk {
+struct Chunk {
   std::size_t run = 0;
   std::size_t first_block = 0, last_block = 0;
   std::vector<std::size_t> states, arrivals;                ///< of each vehicle
@@ -30,17 +30,17 @@ using StateKinds = std::vector<std::vector<StateKind>>;
 /// groups. What one reading of everything tells; a few numbers a block. Groups are epochs, the arrivals of a
 /// vehicle between pauses that no tie between states outlasts (longest_tie_s), or all of a run where odometry
 /// ties its stops. Drives are none of it (drives/drive_index.h).
-class LogIndex {
+class ChunkIndex {
  public:
   /// Follows the rows of a source: take() of each block, then end(). Runs may be left out.
   /// @param chunk_arrivals  a chunk ends with the block in which it has as many
-  LogIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_arrivals);
-  LogIndex(LogIndex&&) noexcept;
-  ~LogIndex();
+  ChunkIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_arrivals);
+  ChunkIndex(ChunkIndex&&) noexcept;
+  ~ChunkIndex();
   void take(std::size_t run, const std::vector<Arrival>& block);
   void end(std::size_t runs);
 
-  [[nodiscard]] const std::vector<LogChunk>& chunks() const { return chunks_; }
+  [[nodiscard]] const std::vector<Chunk>& chunks() const { return chunks_; }
   [[nodiscard]] const std::vector<StateKind>& kinds(std::size_t run) const { return kinds_[run]; }
   /// Epochs, or instants of arrivals.
   [[nodiscard]] std::size_t states(std::size_t run) const { return runs_[run].states; }
@@ -85,7 +85,7 @@ class LogIndex {
   StateKinds kinds_;
   std::unique_ptr<Scanner> scanner_;  ///< until the end
   std::vector<Run> runs_;
-  std::vector<LogChunk> chunks_;
+  std::vector<Chunk> chunks_;
   std::size_t arrivals_ = 0;
 };
 
