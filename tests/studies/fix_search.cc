@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // Whether the fix of the localizer, which starts in closed form and looks for nothing but rivals of what it
-// finds, is that of the search from nothing: simulated epochs by both, with echoes and shadows.
+// finds, and that of the same search from nothing, are that of the full search, which tries all that pairs of
+// arrivals propose: simulated epochs by all three, with echoes and shadows.
 //   octant_fix_search [EPOCHS of each world = 100000] [SEED = 1] [WORLD]
 // OCTANT_STUDY_VERBOSE=1 in the environment: each epoch that differs.
-// Exit 1 where by more than chance more than one epoch in ten thousand of a world is worse than by the search
-// from nothing (another status, or more than a centimetre apart, and not within 5 cm of the truth), or more
+// Exit 1 where by more than chance more than one epoch in ten thousand of a world is worse than by the full
+// search (another status, or more than a centimetre apart, and not within 5 cm of the truth), or more
 // fixes are wrong (ok, and off the truth by more than ten sigmas). An arrival right at its gate may be in
 // here and out there, then both are minima, millimetres apart: `marks`.
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include <ctime>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
@@ -55,9 +57,11 @@ double processor_us() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
-/// One of both ways, its times and its fix.
+/// One of the ways, its times and its fix.
 struct Way {
+  const char* name;
   void (*fix_node)(Trajectory&, const Segment&, const EpochFixModel&, const EpochFixOptions&, Fix&);
+  EpochFixOptions options{};
   Fix fix{};
   Trajectory trajectory{};
   std::vector<float> us{};
@@ -67,7 +71,7 @@ struct Way {
             const Pose& truth) {
     set_epoch(trajectory, arrivals, {}, motion);
     const double began = processor_us();
-    fix_node(trajectory, trajectory.segments[0], model, {}, fix);
+    fix_node(trajectory, trajectory.segments[0], model, options, fix);
     us.push_back(static_cast<float>(processor_us() - began));
     if (!fix.ok()) return;
     const Eigen::Vector2d off = (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>();
@@ -104,12 +108,50 @@ std::vector<Arrival> epoch_of(const EchoWorld& world, const Deployment& truth, c
   return arrivals;
 }
 
-/// Whether the fix from the start is that of the search often enough.
+double off_m(const Fix& f, const Pose& truth) {
+  return f.ok() ? (f.T_map_vehicle.translation_m - truth.translation_m).norm() : 0.0;
+}
+
+/// How the fixes of a way differ from those of the full search.
+struct Difference {
+  long status = 0, place = 0, marks = 0, better = 0;
+
+  void add(const Fix& full, const Fix& fix, const Pose& truth, std::size_t arrivals, long epoch) {
+    const bool other_status = full.status != fix.status;
+    const bool other_place =
+        !other_status && full.ok() &&
+        (full.T_map_vehicle.translation_m - fix.T_map_vehicle.translation_m).norm() > kSame_m;
+    status += other_status;
+    place += other_place;
+    marks += !other_status && !other_place && full.rejections != fix.rejections;
+    better +=
+        (other_status || other_place) && off_m(fix, truth) < 0.05 && (fix.ok() || off_m(full, truth) > 0.05);
+    if ((other_status || other_place) && std::getenv("OCTANT_STUDY_VERBOSE") != nullptr)
+      std::printf("  epoch %ld: full %d %.3f m, %d of %zu; here %d %.3f m, %d\n", epoch,
+                  static_cast<int>(full.status), off_m(full, truth), full.arrivals_used, arrivals,
+                  static_cast<int>(fix.status), off_m(fix, truth), fix.arrivals_used);
+  }
+  /// @param epochs  of the world
+  [[nodiscard]] bool is_chance(long epochs) const {
+    const double expected = kDiffering * static_cast<double>(epochs);
+    return static_cast<double>(status + place - better) <= expected + 2.33 * std::sqrt(expected);
+  }
+};
+
+void print_times(Way& way) {
+  std::printf("    %-13s us of the processor: 50 %% %.1f, 90 %% %.1f, 99 %% %.1f, 99.9 %% %.1f; wrong %ld\n",
+              way.name, way.quantile(0.5), way.quantile(0.9), way.quantile(0.99), way.quantile(0.999),
+              way.wrong);
+}
+
+/// Whether the fixes from the start and from nothing are those of the full search often enough.
 bool compare(const EchoWorld& world, long epochs, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const Deployment truth = deployment_of({"", world.beacons, 0, 0, 0, 0}, random);
-  Way search{fix_epoch}, start{fix_directly};
-  long status = 0, place = 0, marks = 0, better = 0, ok = 0;
+  Way full{"full", fix_epoch}, nothing{"from nothing", fix_epoch}, start{"from a start", fix_directly};
+  full.options.bounded_search = false;
+  Difference of_nothing, of_start;
+  long ok = 0;
   Scratch memory(1u << 20);
   Deployment d;
   EpochFixModel model;
@@ -124,41 +166,22 @@ bool compare(const EchoWorld& world, long epochs, std::uint64_t seed) {
     const std::vector<Arrival> arrivals = epoch_of(world, truth, T, random);
     if (arrivals.empty()) continue;
     const ScratchScope scope(memory);
-    search.take(model, motion, arrivals, T);
-    start.take(model, motion, arrivals, T);
+    for (Way* way : {&full, &nothing, &start}) way->take(model, motion, arrivals, T);
     ok += start.fix.ok();
-    const auto off_m = [&T](const Fix& f) {
-      return f.ok() ? (f.T_map_vehicle.translation_m - T.translation_m).norm() : 0.0;
-    };
-    const bool other_status = search.fix.status != start.fix.status;
-    const bool other_place =
-        !other_status && search.fix.ok() &&
-        (search.fix.T_map_vehicle.translation_m - start.fix.T_map_vehicle.translation_m).norm() > kSame_m;
-    status += other_status;
-    place += other_place;
-    marks += !other_status && !other_place && search.fix.rejections != start.fix.rejections;
-    better += (other_status || other_place) && off_m(start.fix) < 0.05 &&
-              (start.fix.ok() || off_m(search.fix) > 0.05);
-    if ((other_status || other_place) && std::getenv("OCTANT_STUDY_VERBOSE") != nullptr)
-      std::printf("  epoch %ld: search %d %.3f m, %d of %zu; start %d %.3f m, %d\n", k,
-                  static_cast<int>(search.fix.status), off_m(search.fix), search.fix.arrivals_used,
-                  arrivals.size(), static_cast<int>(start.fix.status), off_m(start.fix),
-                  start.fix.arrivals_used);
+    of_nothing.add(full.fix, nothing.fix, T, arrivals.size(), k);
+    of_start.add(full.fix, start.fix, T, arrivals.size(), k);
   }
-  const double expected = kDiffering * static_cast<double>(epochs);
-  const double wrong = static_cast<double>(search.wrong);
-  const bool alike = static_cast<double>(status + place - better) <= expected + 2.33 * std::sqrt(expected) &&
-                     static_cast<double>(start.wrong) <= wrong + 2.33 * std::sqrt(wrong + 1.0);
-  std::printf(
-      "%-20s %7ld epochs, ok %.3f %%: other status %ld, other place %ld (%ld of them no worse), other marks "
-      "%ld; wrong %ld, "
-      "from nothing %ld\n",
-      world.name, epochs, 100.0 * static_cast<double>(ok) / static_cast<double>(epochs), status, place,
-      better, marks, start.wrong, search.wrong);
-  for (Way* way : {&start, &search})
-    std::printf("    %-13s us of the processor: 50 %% %.1f, 90 %% %.1f, 99 %% %.1f, 99.9 %% %.1f\n",
-                way == &start ? "from a start" : "from nothing", way->quantile(0.5), way->quantile(0.9),
-                way->quantile(0.99), way->quantile(0.999));
+  std::printf("%-20s %7ld epochs, ok %.3f %%\n", world.name, epochs,
+              100.0 * static_cast<double>(ok) / static_cast<double>(epochs));
+  bool alike = true;
+  for (const auto& [way, difference] : {std::pair(&nothing, &of_nothing), std::pair(&start, &of_start)}) {
+    std::printf("    %-13s other status %ld, other place %ld (%ld of them no worse), other marks %ld\n",
+                way->name, difference->status, difference->place, difference->better, difference->marks);
+    const double wrong = static_cast<double>(full.wrong);
+    alike = alike && difference->is_chance(epochs) &&
+            static_cast<double>(way->wrong) <= wrong + 2.33 * std::sqrt(wrong + 1.0);
+  }
+  for (Way* way : {&start, &nothing, &full}) print_times(*way);
   return alike;
 }
 

@@ -14,10 +14,6 @@
 namespace octant {
 namespace {
 
-struct Circle {
-  double x, y, radius;
-};
-
 /// Circle on which the state lies for a heading; a range below the difference in height stands right below
 /// the beacon.
 Circle circle_of(const SearchRange& r, double cosine, double sine) {
@@ -25,24 +21,6 @@ Circle circle_of(const SearchRange& r, double cosine, double sine) {
   return {r.p_beacon_map_m.x() - cosine * r.p_lever_m.x() + sine * r.p_lever_m.y(),
           r.p_beacon_map_m.y() - sine * r.p_lever_m.x() - cosine * r.p_lever_m.y(),
           std::sqrt(std::max(r.range_m * r.range_m - dz * dz, 0.0))};
-}
-
-/// Intersections of two circles, or twice the point between them where they do not meet; 0 if concentric.
-int intersect(const Circle& a, const Circle& b, std::array<PlanarState, 2>& out) {
-  const double dx = b.x - a.x, dy = b.y - a.y, d = std::hypot(dx, dy);
-  if (d < 1e-6) return 0;
-  double along = (d * d + a.radius * a.radius - b.radius * b.radius) / (2 * d);
-  const double across2 = a.radius * a.radius - along * along;
-  if (across2 < 0)
-    along = d > a.radius + b.radius ? 0.5 * (a.radius + d - b.radius)
-                                    : 0.5 * (along + std::copysign(a.radius, along));
-  const double across = std::sqrt(std::max(across2, 0.0));
-  for (int side = 0; side < 2; ++side) {
-    const double h = side == 0 ? across : -across;
-    out[static_cast<std::size_t>(side)].x_m = a.x + (along * dx - h * dy) / d;
-    out[static_cast<std::size_t>(side)].y_m = a.y + (along * dy + h * dx) / d;
-  }
-  return across2 > 0 ? 2 : 1;
 }
 
 /// Two arrivals of each beacon stand for all: the earliest, since echoes are late, and the middle one, since
@@ -64,7 +42,7 @@ std::pmr::vector<std::array<std::size_t, 2>> representatives(const SearchProblem
 
 /// Offers a position with the given heading.
 void offer(Consensus& consensus, const PlanarState& state, TopList& top) {
-  top.offer(state, consensus.score(state, top.worst()));
+  top.offer({state, consensus.score(state, top.worst())});
 }
 
 constexpr std::size_t kFirstHeadings = 4;
@@ -114,6 +92,23 @@ Box search_box(const SearchProblem& problem) {
 
 }  // namespace
 
+int intersect(const Circle& a, const Circle& b, std::array<PlanarState, 2>& out) {
+  const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m, d = std::hypot(dx, dy);
+  if (d < 1e-6) return 0;
+  double along = (d * d + a.radius_m * a.radius_m - b.radius_m * b.radius_m) / (2 * d);
+  const double across2 = a.radius_m * a.radius_m - along * along;
+  if (across2 < 0)
+    along = d > a.radius_m + b.radius_m ? 0.5 * (a.radius_m + d - b.radius_m)
+                                        : 0.5 * (along + std::copysign(a.radius_m, along));
+  const double across = std::sqrt(std::max(across2, 0.0));
+  for (int side = 0; side < 2; ++side) {
+    const double h = side == 0 ? across : -across;
+    out[static_cast<std::size_t>(side)].x_m = a.x_m + (along * dx - h * dy) / d;
+    out[static_cast<std::size_t>(side)].y_m = a.y_m + (along * dy + h * dx) / d;
+  }
+  return across2 > 0 ? 2 : 1;
+}
+
 std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& problem,
                                                           std::size_t max_pairs) {
   std::pmr::vector<std::array<std::size_t, 2>> pairs(scratch());
@@ -146,7 +141,9 @@ double TopList::worst() const {
   return list_.size() < size_ ? std::numeric_limits<double>::infinity() : list_.back().score;
 }
 
-void TopList::offer(const PlanarState& state, double score) {
+void TopList::offer(const Candidate& candidate) {
+  const PlanarState& state = candidate.state;
+  const double score = candidate.score;
   if (!(score < worst())) return;
   for (std::size_t i = 0; i < list_.size(); ++i) {
     const PlanarState& s = list_[i].state;
@@ -159,26 +156,26 @@ void TopList::offer(const PlanarState& state, double score) {
   }
   const auto at = std::upper_bound(list_.begin(), list_.end(), score,
                                    [](double s, const Candidate& c) { return s < c.score; });
-  list_.insert(at, {state, score});
+  list_.insert(at, candidate);
   if (list_.size() > size_) list_.pop_back();
+}
+
+int pair_states(const SearchProblem& problem, const std::array<std::size_t, 2>& pair, double cosine,
+                double sine, std::array<PlanarState, 2>& meet) {
+  return intersect(circle_of(problem.ranges[pair[0]], cosine, sine),
+                   circle_of(problem.ranges[pair[1]], cosine, sine), meet);
 }
 
 void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
                         TopList& top) {
-  propose_from_pairs(problem, choose_pairs(problem, static_cast<std::size_t>(options.max_pairs)),
-                     options.headings, consensus, top);
-}
-
-void propose_from_pairs(const SearchProblem& problem, std::span<const std::array<std::size_t, 2>> pairs,
-                        int coarse_headings, Consensus& consensus, TopList& top) {
-  const int headings = problem.lever_m > 1e-6 ? coarse_headings : 1;
+  const auto pairs = choose_pairs(problem, static_cast<std::size_t>(options.max_pairs));
+  const int headings = problem.lever_m > 1e-6 ? options.headings : 1;
   std::array<PlanarState, 2> meet;
   for (int k = 0; k < headings; ++k) {
     const double heading = wrap_angle(2 * std::numbers::pi * k / headings);
     const double cosine = std::cos(heading), sine = std::sin(heading);
-    for (const auto& [i, j] : pairs) {
-      const int count = intersect(circle_of(problem.ranges[i], cosine, sine),
-                                  circle_of(problem.ranges[j], cosine, sine), meet);
+    for (const auto& pair : pairs) {
+      const int count = pair_states(problem, pair, cosine, sine, meet);
       for (int side = 0; side < count; ++side) {
         meet[static_cast<std::size_t>(side)].heading_rad = heading;
         offer(consensus, meet[static_cast<std::size_t>(side)], top);

@@ -16,7 +16,15 @@ namespace octant {
 struct Candidate {
   PlanarState state;
   double score = 0.0;
+  double least_score = 0.0;  ///< no pose that it may lead to scores less
 };
+
+/// Circle on which the origin of the vehicle lies.
+struct Circle {
+  double x_m, y_m, radius_m;
+};
+/// Intersections of two circles, or twice the point between them where they do not meet; 0 if concentric.
+int intersect(const Circle& a, const Circle& b, std::array<PlanarState, 2>& out);
 
 /// The best few of many candidates, best first. Of those closer than apart only the best is kept.
 class TopList {
@@ -27,7 +35,7 @@ class TopList {
   }
   /// Scores beyond it need not be computed to the end.
   [[nodiscard]] double worst() const;
-  void offer(const PlanarState& state, double score);
+  void offer(const Candidate& candidate);
   [[nodiscard]] const std::pmr::vector<Candidate>& list() const { return list_; }
 
  private:
@@ -41,10 +49,11 @@ struct SearchOptions {
   int max_pairs = 40;     ///< pairs of arrivals whose circles are cut
   int max_cells = 400;    ///< of the grid, where pairs do not do
   std::size_t keep = 10;  ///< candidates that are refined
-  /// Where the pose may well be. What it leads to bounds the search: nothing else is looked for but poses
-  /// whose score is within the margin of it, or below. For ranges of beacons that are known (no slack), of
-  /// one epoch.
+  /// Where the pose may well be: the first to be held against others.
   std::optional<PlanarState> start{};
+  /// Among beacons that are known (no slack), of one epoch, nothing is looked for but poses whose score is
+  /// within the margin of the best, or below. Without bounds all that pairs propose is tried.
+  bool bounded = true;
   double margin = 2.0;
 };
 
@@ -57,9 +66,9 @@ struct SearchOptions {
 /// less lever arm are cut; circles that do not quite meet give their closest points.
 void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
                         TopList& top);
-/// The same with given pairs.
-void propose_from_pairs(const SearchProblem& problem, std::span<const std::array<std::size_t, 2>> pairs,
-                        int headings, Consensus& consensus, TopList& top);
+/// Where a pair's circles meet, with the lever arms at a heading: positions, as `intersect`.
+int pair_states(const SearchProblem& problem, const std::array<std::size_t, 2>& pair, double cosine,
+                double sine, std::array<PlanarState, 2>& meet);
 
 /// Poses on a grid over the area that the heard beacons' ranges allow; the cycle offset is a median. For
 /// cycle offsets, of which pairs of arrivals tell nothing, and for what is mostly bearings.

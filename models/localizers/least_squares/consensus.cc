@@ -4,8 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Cholesky>
+#include <utility>
 
 #include "models/physics/pose.h"
 
@@ -14,27 +13,71 @@ namespace {
 
 constexpr double kBehindCost = 4.0;  ///< against: one in fifty direct arrivals
 constexpr double kBearingCap = 6.0;
+const double kEarlyMore = std::log(20.0);              ///< early arrivals are so much rarer than late ones
 constexpr double kLateScale = 2.5, kEarlyScale = 3.5;  ///< of the Cauchy weights, in sigmas
 
-/// d predicted / d (x, y, heading), of a range with its residual at the state.
-Eigen::Vector3d direction_row(const SearchRange& r, const PlanarState& s, double cosine, double sine,
-                              double residual) {
-  const double lx = cosine * r.p_lever_m.x() - sine * r.p_lever_m.y(),
-               ly = sine * r.p_lever_m.x() + cosine * r.p_lever_m.y();
-  const double distance = std::max(r.range_m - s.offset_m - residual, 1e-6);
-  const double ux = (s.x_m + lx - r.p_beacon_map_m.x()) / distance,
-               uy = (s.y_m + ly - r.p_beacon_map_m.y()) / distance;
-  return {ux, uy, uy * lx - ux * ly};
+constexpr double kCoarseStep = 0.1;  ///< of the width, that is the last
+
+double signed_square(double x) { return x * std::abs(x); }
+
+/// Solves A x = b by Cholesky factors for the first N unknowns; A, whose lower triangle is read, gets them.
+template <int N>
+void solve_in_place(Eigen::Matrix4d& A, Eigen::Vector4d& b) {
+  double reciprocal[N];
+  for (int j = 0; j < N; ++j) {
+    for (int i = j; i < N; ++i)
+      for (int k = 0; k < j; ++k) A(i, j) -= A(i, k) * A(j, k);
+    reciprocal[j] = 1.0 / std::sqrt(A(j, j));
+    for (int i = j; i < N; ++i) A(i, j) *= reciprocal[j];
+  }
+  for (int i = 0; i < N; ++i) {
+    for (int k = 0; k < i; ++k) b[i] -= A(i, k) * b[k];
+    b[i] *= reciprocal[i];
+  }
+  for (int i = N - 1; i >= 0; --i) {
+    for (int k = i + 1; k < N; ++k) b[i] -= A(k, i) * b[k];
+    b[i] *= reciprocal[i];
+  }
 }
 
 }  // namespace
 
+/// Of x, y, heading and offset.
+struct Consensus::NormalEquations {
+  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d g = Eigen::Vector4d::Zero();
+
+  /// Into the lower triangle; the offset's row only where there is one.
+  void add(double w, const double (&row)[4], double residual, bool has_offset) {
+    const double x = w * row[0], y = w * row[1], heading = w * row[2];
+    g[0] += x * residual;
+    g[1] += y * residual;
+    g[2] += heading * residual;
+    H(0, 0) += x * row[0];
+    H(1, 0) += y * row[0];
+    H(1, 1) += y * row[1];
+    H(2, 0) += heading * row[0];
+    H(2, 1) += heading * row[1];
+    H(2, 2) += heading * row[2];
+    if (!has_offset) return;
+    const double offset = w * row[3];
+    g[3] += offset * residual;
+    for (int p = 0; p < 4; ++p) H(3, p) += offset * row[p];
+  }
+};
+
 Consensus::Consensus(const SearchProblem& problem) : problem_(problem) {
   const std::size_t n = problem.ranges.size();
+  geometry_.reserve(n);
+  for (const SearchRange& r : problem.ranges) {
+    const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z();
+    geometry_.push_back({r.p_beacon_map_m.x(), r.p_beacon_map_m.y(), dz * dz, r.p_lever_m.x(),
+                         r.p_lever_m.y(), r.range_m, r.axis.x(), r.axis.y(),
+                         r.axis.isZero(0.0) ? -2.0 : signed_square(r.hearing_cosine)});
+  }
   inverse_variance_.resize(n);
   caps_.resize(n);
-  residual_.resize(n);
-  behind_.resize(n);
+  for (auto* of_each : {&residual_, &behind_, &by_x_, &by_y_, &by_heading_}) of_each->resize(n);
   sorted_.reserve(n);
   bias_variance_.resize(problem.groups());
   group_caps_.resize(problem.groups());
@@ -42,12 +85,15 @@ Consensus::Consensus(const SearchProblem& problem) : problem_(problem) {
 }
 
 Consensus::Caps Consensus::caps_for(double variance_m2) const {
-  const double ratio = problem_.span_m / std::sqrt(variance_m2);
-  return {std::max(2.0, std::log(1.4 * ratio)), std::max(4.0, std::log(28.0 * ratio))};
+  const double late = std::log(1.4 * problem_.span_m) - 0.5 * std::log(variance_m2);
+  return {std::max(2.0, late), std::max(4.0, late + kEarlyMore)};
 }
 
 void Consensus::set_extra_sigma(double extra_m) {
   extra_m_ = extra_m;
+  // Most are alike, and logarithms are what this loop costs.
+  double of_arrival_m2 = 0.0, of_group_m2 = 0.0;
+  Caps arrival_caps{}, caps_of_group{};
   for (std::size_t group = 0; group < problem_.groups(); ++group) {
     const std::size_t first = problem_.group_first[group], last = problem_.group_first[group + 1];
     const double bias2 = problem_.group_bias_m[group] * problem_.group_bias_m[group];
@@ -59,30 +105,42 @@ void Consensus::set_extra_sigma(double extra_m) {
     for (std::size_t i = first; i < last; ++i) {
       const double s = problem_.ranges[i].sigma_m;
       const double variance = s * s + extra_m * extra_m + (own ? bias2 : 0.0);
+      if (variance != std::exchange(of_arrival_m2, variance)) arrival_caps = caps_for(variance);
       inverse_variance_[i] = 1.0 / variance;
-      const bool same = i > first && problem_.ranges[i - 1].sigma_m == s;
-      caps_[i] = same ? caps_[i - 1] : caps_for(variance);
+      caps_[i] = arrival_caps;
     }
-    group_caps_[group] = caps_for(bias_variance_[group] +
-                                  1.0 / (static_cast<double>(last - first) * inverse_variance_[first]));
+    const double variance =
+        bias_variance_[group] + 1.0 / (static_cast<double>(last - first) * inverse_variance_[first]);
+    if (variance != std::exchange(of_group_m2, variance)) caps_of_group = caps_for(variance);
+    group_caps_[group] = caps_of_group;
   }
 }
 
-void Consensus::residuals_of_group(const PlanarState& s, double cosine, double sine, std::size_t group) {
-  const auto signed_square = [](double x) { return x * std::abs(x); };
-  for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
-    const SearchRange& r = problem_.ranges[i];
-    const double dx = s.x_m + cosine * r.p_lever_m.x() - sine * r.p_lever_m.y() - r.p_beacon_map_m.x();
-    const double dy = s.y_m + sine * r.p_lever_m.x() + cosine * r.p_lever_m.y() - r.p_beacon_map_m.y();
-    const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z();
+void Consensus::set_residuals(const PlanarState& s, const PlanarTurn& heading, Part part) {
+  const double cosine = heading.cosine, sine = heading.sine;
+  const double behind_cost = judge_shadows_ ? kBehindCost : 0.0;
+  for (std::size_t i = part.first; i < part.last; ++i) {
+    const Geometry& r = geometry_[i];
+    const double dx = s.x_m + cosine * r.lever_x_m - sine * r.lever_y_m - r.beacon_x_m;
+    const double dy = s.y_m + sine * r.lever_x_m + cosine * r.lever_y_m - r.beacon_y_m;
     const double flat2 = dx * dx + dy * dy;
-    residual_[i] = r.range_m - s.offset_m - std::sqrt(flat2 + dz * dz);
-    behind_[i] = 0.0;
-    if (!judge_shadows_ || r.axis.isZero(0.0)) continue;
+    residual_[i] = r.range_m - s.offset_m - std::sqrt(flat2 + r.dz2_m2);
     const double towards =
-        -(dx * (cosine * r.axis.x() - sine * r.axis.y()) + dy * (sine * r.axis.x() + cosine * r.axis.y()));
+        -(dx * (cosine * r.axis_x - sine * r.axis_y) + dy * (sine * r.axis_x + cosine * r.axis_y));
     // towards < cosine * distance by their squares: roots are what this loop costs.
-    if (signed_square(towards) < signed_square(r.hearing_cosine) * flat2) behind_[i] = kBehindCost;
+    behind_[i] = signed_square(towards) < r.hearing2 * flat2 ? behind_cost : 0.0;
+  }
+}
+
+void Consensus::set_rows(const PlanarState& s, const PlanarTurn& heading, Part part) {
+  for (std::size_t i = part.first; i < part.last; ++i) {
+    const Geometry& r = geometry_[i];
+    const double lx = heading.cosine * r.lever_x_m - heading.sine * r.lever_y_m,
+                 ly = heading.sine * r.lever_x_m + heading.cosine * r.lever_y_m;
+    const double nearness = 1.0 / std::max(r.range_m - s.offset_m - residual_[i], 1e-6);
+    by_x_[i] = (s.x_m + lx - r.beacon_x_m) * nearness;
+    by_y_[i] = (s.y_m + ly - r.beacon_y_m) * nearness;
+    by_heading_[i] = by_y_[i] * lx - by_x_[i] * ly;
   }
 }
 
@@ -145,8 +203,9 @@ double Consensus::group_cost(std::size_t group, bool& direct) {
   return plain <= group_caps_[group].late ? plain : divided_group_cost(group, plain, direct);
 }
 
-double Consensus::bearing_cost(const SearchBearing& b, const PlanarState& s, double cosine,
-                               double sine) const {
+double Consensus::bearing_cost(const SearchBearing& b, const PlanarState& s,
+                               const PlanarTurn& heading) const {
+  const double cosine = heading.cosine, sine = heading.sine;
   const double dx = b.p_reflector_map_m.x() - s.x_m - cosine * b.p_lever_m.x() + sine * b.p_lever_m.y();
   const double dy = b.p_reflector_map_m.y() - s.y_m - sine * b.p_lever_m.x() - cosine * b.p_lever_m.y();
   const double off = wrap_angle(std::atan2(dy, dx) - s.heading_rad - b.bearing_rad);
@@ -156,23 +215,22 @@ double Consensus::bearing_cost(const SearchBearing& b, const PlanarState& s, dou
 }
 
 double Consensus::score(const PlanarState& state, double give_up) {
-  const double cosine = std::cos(state.heading_rad), sine = std::sin(state.heading_rad);
+  const PlanarTurn heading(state.heading_rad);
   double total = 0.0;
   bool direct = true;
   for (std::size_t group = 0; group < problem_.groups(); ++group) {
-    residuals_of_group(state, cosine, sine, group);
+    set_residuals(state, heading, {problem_.group_first[group], problem_.group_first[group + 1]});
     total += group_cost(group, direct);
     if (total > give_up) return total;
   }
-  for (const SearchBearing& b : problem_.bearings) total += bearing_cost(b, state, cosine, sine);
+  for (const SearchBearing& b : problem_.bearings) total += bearing_cost(b, state, heading);
   return total;
 }
 
 double Consensus::best_offset(const PlanarState& state) {
   PlanarState s = state;
   s.offset_m = 0.0;
-  const double cosine = std::cos(s.heading_rad), sine = std::sin(s.heading_rad);
-  for (std::size_t group = 0; group < problem_.groups(); ++group) residuals_of_group(s, cosine, sine, group);
+  set_residuals(s, PlanarTurn(s.heading_rad), all());
   sorted_.assign(residual_.begin(), residual_.end());
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>((sorted_.size() - 1) / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());
@@ -181,37 +239,32 @@ double Consensus::best_offset(const PlanarState& state) {
 
 /// Normal equations of one beacon's arrivals; its bias, where it has one, is eliminated by the Schur
 /// complement.
-void Consensus::add_group(const PlanarState& s, double cosine, double sine, std::size_t group,
-                          Eigen::Matrix4d& H, Eigen::Vector4d& g) {
-  residuals_of_group(s, cosine, sine, group);
+void Consensus::add_group(std::size_t group, NormalEquations& eq) {
   bool direct = true;
   static_cast<void>(group_cost(group, direct));
   if (!direct) return;
   const bool biased = bias_variance_[group] > 0;
   const std::size_t first = problem_.group_first[group], last = problem_.group_first[group + 1];
   const double centre = biased ? middle_residual(group) : 0.0;
-  Eigen::Vector4d coupling = Eigen::Vector4d::Zero();
-  double bias_information = biased ? 1.0 / bias_variance_[group] : 1.0, bias_gradient = 0.0;
+  double coupling[4] = {}, bias_information = biased ? 1.0 / bias_variance_[group] : 1.0, bias_gradient = 0.0;
+  constexpr double kLate = 1.0 / (kLateScale * kLateScale), kEarly = 1.0 / (kEarlyScale * kEarlyScale);
   for (std::size_t i = first; i < last; ++i) {
-    const SearchRange& r = problem_.ranges[i];
-    const Eigen::Vector3d by_pose = direction_row(r, s, cosine, sine, residual_[i]);
-    const Eigen::Vector4d row(by_pose.x(), by_pose.y(), by_pose.z(), problem_.has_offset ? 1.0 : 0.0);
+    const double row[4] = {by_x_[i], by_y_[i], by_heading_[i], 1.0};
     const double off = residual_[i] - centre;
-    const double scale = off > 0 ? kLateScale : kEarlyScale;
-    const double w = inverse_variance_[i] / (1.0 + off * off * inverse_variance_[i] / (scale * scale));
-    H.noalias() += w * row * row.transpose();
-    g.noalias() += w * residual_[i] * row;
-    coupling += w * row;
+    const double w =
+        inverse_variance_[i] / (1.0 + off * off * inverse_variance_[i] * (off > 0 ? kLate : kEarly));
+    eq.add(w, row, residual_[i], problem_.has_offset);
+    if (!biased) continue;
+    for (int p = 0; p < 4; ++p) coupling[p] += w * row[p];
     bias_information += w;
     bias_gradient += w * residual_[i];
   }
-  if (!biased) return;
-  H.noalias() -= coupling * coupling.transpose() / bias_information;
-  g.noalias() -= coupling * (bias_gradient / bias_information);
+  if (biased) eq.add(-1.0 / bias_information, coupling, bias_gradient, problem_.has_offset);
 }
 
-void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, double cosine, double sine,
-                            Eigen::Matrix4d& H, Eigen::Vector4d& g) const {
+void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, const PlanarTurn& heading,
+                            NormalEquations& eq) const {
+  const double cosine = heading.cosine, sine = heading.sine;
   const double lx = cosine * b.p_lever_m.x() - sine * b.p_lever_m.y(),
                ly = sine * b.p_lever_m.x() + cosine * b.p_lever_m.y();
   const double dx = b.p_reflector_map_m.x() - s.x_m - lx, dy = b.p_reflector_map_m.y() - s.y_m - ly;
@@ -222,9 +275,8 @@ void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, double
       b.sigma_rad * b.sigma_rad + (extra_m_ * extra_m_ + problem_.slack_m * problem_.slack_m) / n2;
   const double w = 1.0 / variance / (1.0 + off * off / variance / (kEarlyScale * kEarlyScale));
   const double by_x = dy / n2, by_y = -dx / n2;
-  const Eigen::Vector4d row(by_x, by_y, -by_x * ly + by_y * lx - 1.0, 0.0);
-  H.noalias() += w * row * row.transpose();
-  g.noalias() += w * off * row;
+  const double row[4] = {by_x, by_y, -by_x * ly + by_y * lx - 1.0, 0.0};
+  eq.add(w, row, off, false);
 }
 
 double Consensus::least_cap() const {
@@ -235,43 +287,56 @@ double Consensus::least_cap() const {
 }
 
 std::size_t Consensus::agreement(const PlanarState& s, std::size_t group, double sigmas,
-                                 Eigen::Matrix3d& information) {
-  const double cosine = std::cos(s.heading_rad), sine = std::sin(s.heading_rad);
-  residuals_of_group(s, cosine, sine, group);
+                                 std::span<const char> left_out, Eigen::Matrix3d& information) {
+  const PlanarTurn heading(s.heading_rad);
   const std::size_t first = problem_.group_first[group];
+  set_residuals(s, heading, {first, problem_.group_first[group + 1]});
+  set_rows(s, heading, {first, problem_.group_first[group + 1]});
   std::size_t receivers = 0;
   for (std::size_t i = first; i < problem_.group_first[group + 1]; ++i) {
     const SearchRange& r = problem_.ranges[i];
-    const double variance = 1.0 / inverse_variance_[i] + bias_variance_[group];
-    if (residual_[i] * residual_[i] > sigmas * sigmas * variance) continue;
-    const Eigen::Vector3d row = direction_row(r, s, cosine, sine, residual_[i]);
+    const double variance = variance_m2(i, group);
+    if (left_out[i] != 0 || residual_[i] * residual_[i] > sigmas * sigmas * variance) continue;
+    const Eigen::Vector3d row(by_x_[i], by_y_[i], by_heading_[i]);
     information.noalias() += row * row.transpose() / variance;
     bool known = false;
     for (std::size_t j = first; j < i && !known; ++j)
-      known = problem_.ranges[j].p_lever_m == r.p_lever_m &&
-              residual_[j] * residual_[j] <=
-                  sigmas * sigmas * (1.0 / inverse_variance_[j] + bias_variance_[group]);
+      known = left_out[j] == 0 && problem_.ranges[j].p_lever_m == r.p_lever_m &&
+              residual_[j] * residual_[j] <= sigmas * sigmas * variance_m2(j, group);
     receivers += known ? 0 : 1;
   }
   return receivers;
 }
 
 bool Consensus::has_residual_between(const PlanarState& s, double low, double high) {
-  const double cosine = std::cos(s.heading_rad), sine = std::sin(s.heading_rad);
+  set_residuals(s, PlanarTurn(s.heading_rad), all());
   for (std::size_t group = 0; group < problem_.groups(); ++group) {
-    residuals_of_group(s, cosine, sine, group);
     for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
-      const double squares =
-          residual_[i] * residual_[i] / (1.0 / inverse_variance_[i] + bias_variance_[group]);
+      const double squares = residual_[i] * residual_[i] / variance_m2(i, group);
       if (squares > low * low && squares < high * high) return true;
     }
   }
   return false;
 }
 
-double Consensus::middle_misfit_m(const PlanarState& s) {
+bool Consensus::explains(const PlanarState& s, const std::array<std::size_t, 2>& arrivals) const {
+  constexpr double kSigmas = 4.0;
   const double cosine = std::cos(s.heading_rad), sine = std::sin(s.heading_rad);
-  for (std::size_t group = 0; group < problem_.groups(); ++group) residuals_of_group(s, cosine, sine, group);
+  return std::all_of(arrivals.begin(), arrivals.end(), [&](std::size_t i) {
+    const SearchRange& r = problem_.ranges[i];
+    const auto after = std::upper_bound(problem_.group_first.begin(), problem_.group_first.end(), i);
+    const double bias_m =
+        problem_.group_bias_m[static_cast<std::size_t>(after - problem_.group_first.begin()) - 1];
+    const double dx = s.x_m + cosine * r.p_lever_m.x() - sine * r.p_lever_m.y() - r.p_beacon_map_m.x();
+    const double dy = s.y_m + sine * r.p_lever_m.x() + cosine * r.p_lever_m.y() - r.p_beacon_map_m.y();
+    const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z();
+    const double off_m = r.range_m - s.offset_m - std::sqrt(dx * dx + dy * dy + dz * dz);
+    return off_m * off_m <= kSigmas * kSigmas * (r.sigma_m * r.sigma_m + bias_m * bias_m);
+  });
+}
+
+double Consensus::middle_misfit_m(const PlanarState& s) {
+  set_residuals(s, PlanarTurn(s.heading_rad), all());
   sorted_.clear();
   for (const double r : residual_) sorted_.push_back(std::abs(r));
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
@@ -280,21 +345,30 @@ double Consensus::middle_misfit_m(const PlanarState& s) {
 }
 
 Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t without_group) {
-  Eigen::Matrix4d H;
+  NormalEquations eq;
+  PlanarTurn heading(s.heading_rad);
+  const double least_m = std::max(1e-2 * problem_.median_sigma_m, kCoarseStep * extra_m_);
+  const double least_rad =
+      std::max(1e-4, kCoarseStep * extra_m_ /
+                         (problem_.bearings.empty() ? std::max(problem_.lever_m, 1e-3) : problem_.span_m));
   for (int k = 0; k < iterations; ++k) {
-    H.setZero();
-    Eigen::Vector4d g = Eigen::Vector4d::Zero();
-    const double cosine = std::cos(s.heading_rad), sine = std::sin(s.heading_rad);
+    eq = NormalEquations();
+    set_residuals(s, heading, all());
+    set_rows(s, heading, all());
     for (std::size_t group = 0; group < problem_.groups(); ++group)
-      if (group != without_group) add_group(s, cosine, sine, group, H, g);
-    for (const SearchBearing& b : problem_.bearings) add_bearing(b, s, cosine, sine, H, g);
+      if (group != without_group) add_group(group, eq);
+    for (const SearchBearing& b : problem_.bearings) add_bearing(b, s, heading, eq);
     // A heading that nothing tells stays where it is; so does a position where all arrivals have lost their
     // weight.
-    Eigen::Matrix4d A = H;
+    Eigen::Matrix4d A = eq.H;
     A(2, 2) += kVagueAngle;
     A.diagonal().head<2>().array() += 1.0 / (problem_.span_m * problem_.span_m);
-    A(3, 3) += problem_.has_offset ? 1e-12 : 1.0;
-    Eigen::Vector4d step = Eigen::LLT<Eigen::Matrix4d>(A).solve(g);
+    A(3, 3) += 1e-12;
+    Eigen::Vector4d step = eq.g;
+    if (problem_.has_offset)
+      solve_in_place<4>(A, step);
+    else
+      solve_in_place<3>(A, step);
     if (!step.allFinite()) break;
     const double longest =
         std::max({step.head<2>().norm() / (0.3 * problem_.span_m), std::abs(step[2]) / 0.6, 1.0});
@@ -302,10 +376,11 @@ Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t wi
     s.x_m += step[0];
     s.y_m += step[1];
     s.heading_rad = wrap_angle(s.heading_rad + step[2]);
+    heading = PlanarTurn(step[2]) * heading;
     if (problem_.has_offset) s.offset_m += step[3];
-    if (step.head<2>().norm() < 1e-2 * problem_.median_sigma_m && std::abs(step[2]) < 1e-4) break;
+    if (step.head<2>().norm() < least_m && std::abs(step[2]) < least_rad) break;
   }
-  return H;
+  return eq.H.selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace octant

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "models/localizers/least_squares/search_problem.h"
+#include "models/trajectory/planar.h"
 
 namespace octant {
 
@@ -39,7 +43,8 @@ class Consensus {
                              double give_up = std::numeric_limits<double>::infinity());
 
   /// Gauss-Newton with one-sided Cauchy weights from where the state is; without_group: a beacon left out.
-  /// Returns the information matrix (x, y, heading, offset) of the last step, in units of the widened sigmas.
+  /// While arrivals are widened, a step by a tenth of that is the last. Returns the information matrix (x, y,
+  /// heading, offset) of the last step, in units of the widened sigmas.
   Eigen::Matrix4d refine(PlanarState& state, int iterations, std::size_t without_group = kNone);
 
   /// Offset that suits the arrivals at the state's pose: a median that echoes, which are late, do not pull
@@ -50,43 +55,71 @@ class Consensus {
   [[nodiscard]] double least_cap() const;
 
   /// Adds up what those of a beacon's arrivals tell of x, y and heading that agree with the state.
-  /// @return receivers that they came to
+  /// @param left_out  of each range  @return receivers that they came to
   std::size_t agreement(const PlanarState& state, std::size_t group, double sigmas,
-                        Eigen::Matrix3d& information);
+                        std::span<const char> left_out, Eigen::Matrix3d& information);
 
   /// Whether an arrival is off by more than `low` sigmas and less than `high`.
   [[nodiscard]] bool has_residual_between(const PlanarState& state, double low, double high);
 
+  /// Whether both arrivals are within four sigmas, each with its beacon's bias.
+  [[nodiscard]] bool explains(const PlanarState& state, const std::array<std::size_t, 2>& arrivals) const;
+
   /// Middle size of the residuals at a state [m].
   [[nodiscard]] double middle_misfit_m(const PlanarState& state);
+
+  /// What an arrival costs at least that is off by more than it or its beacon may be.
+  struct Caps {
+    double late, early;
+  };
+  [[nodiscard]] Caps least_caps(std::size_t i, std::size_t group) const {
+    return {std::min(caps_[i].late, group_caps_[group].late),
+            std::min(caps_[i].early, group_caps_[group].early)};
+  }
+  /// Of an arrival, with its beacon's bias [m^2].
+  [[nodiscard]] double variance_m2(std::size_t i, std::size_t group) const {
+    return 1.0 / inverse_variance_[i] + bias_variance_[group];
+  }
+
+  /// What a beacon in a shadow costs.
+  [[nodiscard]] double group_cap(std::size_t group) const { return group_caps_[group].late; }
 
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
  private:
-  void residuals_of_group(const PlanarState& state, double cosine, double sine, std::size_t group);
+  /// A range as the loops take it.
+  struct Geometry {
+    double beacon_x_m, beacon_y_m, dz2_m2, lever_x_m, lever_y_m, range_m;
+    double axis_x, axis_y, hearing2;  ///< cosine beyond which it hardly hears, squared with its sign
+  };
+  struct NormalEquations;
+  struct Part {
+    std::size_t first, last;
+  };
+  [[nodiscard]] Part all() const { return {0, geometry_.size()}; }
+  void set_residuals(const PlanarState& state, const PlanarTurn& heading, Part part);
+  void set_rows(const PlanarState& state, const PlanarTurn& heading, Part part);
   [[nodiscard]] double group_cost(std::size_t group, bool& direct);
   [[nodiscard]] double arrival_cost(std::size_t i, double residual) const;
-  [[nodiscard]] double bearing_cost(const SearchBearing& b, const PlanarState& state, double cosine,
-                                    double sine) const;
-  void add_group(const PlanarState& state, double cosine, double sine, std::size_t group, Eigen::Matrix4d& H,
-                 Eigen::Vector4d& g);
-  void add_bearing(const SearchBearing& b, const PlanarState& state, double cosine, double sine,
-                   Eigen::Matrix4d& H, Eigen::Vector4d& g) const;
+  [[nodiscard]] double bearing_cost(const SearchBearing& b, const PlanarState& state,
+                                    const PlanarTurn& heading) const;
+  void add_group(std::size_t group, NormalEquations& eq);
+  void add_bearing(const SearchBearing& b, const PlanarState& state, const PlanarTurn& heading,
+                   NormalEquations& eq) const;
 
-  struct Caps {
-    double late, early;
-  };
   [[nodiscard]] Caps caps_for(double variance_m2) const;
   /// Cost of the group by way of its middle residual, where its arrivals do not all agree.
   [[nodiscard]] double divided_group_cost(std::size_t group, double plain, bool& direct);
   [[nodiscard]] double middle_residual(std::size_t group);
 
   const SearchProblem& problem_;
+  std::pmr::vector<Geometry> geometry_{scratch()};
   // Of each range and of each beacon at the present width.
   std::pmr::vector<double> inverse_variance_{scratch()}, bias_variance_{scratch()};
   std::pmr::vector<Caps> caps_{scratch()}, group_caps_{scratch()};
-  std::pmr::vector<double> residual_{scratch()}, behind_{scratch()},
-      sorted_{scratch()};  ///< scratch, one for each range
+  // Of each range at the present state: residual, cost of hearing from behind, d range / d (x, y, heading).
+  std::pmr::vector<double> residual_{scratch()}, behind_{scratch()}, by_x_{scratch()}, by_y_{scratch()},
+      by_heading_{scratch()}, sorted_{scratch()};
   double extra_m_ = 0.0;
   bool judge_shadows_ = true;
 };

@@ -222,6 +222,7 @@ bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& mo
   search.max_cells = options.max_candidates;
   search.start = start;
   search.margin = options.ambiguity_margin;
+  search.bounded = options.bounded_search;
   const SearchResult result = search_pose(problem, search);
   found = !result.poses.empty();
   if (!found) return false;

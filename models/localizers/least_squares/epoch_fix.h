@@ -26,8 +26,9 @@ struct EpochFixOptions {
   /// Extra standard deviation of every predicted range, for beacons known only roughly [m].
   double range_slack_m = 0.0;
   double rejection_sigmas = 4.0;
-  double max_sigma_m = 1.0;  ///< a horizontal sigma beyond this is poor geometry
-  int max_candidates = 640;  ///< poses tried in the coarse search
+  double max_sigma_m = 1.0;    ///< a horizontal sigma beyond this is poor geometry
+  int max_candidates = 640;    ///< poses tried in the coarse search
+  bool bounded_search = true;  ///< SearchOptions::bounded
   /// A second pose counts as equally good when its log likelihood is within this of the best (3: odds below
   /// twenty to one).
   double ambiguity_margin = 2.0;

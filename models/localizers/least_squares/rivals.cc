@@ -37,12 +37,12 @@ struct Agreement {
   }
 };
 
-/// Of one beacon's arrivals, those that agree with the pose.
-Agreement agreement_of(const SearchProblem& problem, Consensus& consensus, const PlanarState& state,
-                       std::size_t group) {
+/// Of one beacon's arrivals, those that agree with the pose, and with each other.
+Agreement agreement_of(const SearchProblem& problem, Consensus& consensus, const Discord& discord,
+                       const PlanarState& state, std::size_t group) {
   Agreement agreed;
   const std::size_t first = problem.group_first[group];
-  agreed.paths = consensus.agreement(state, group, kAgreeSigmas, agreed.information);
+  agreed.paths = consensus.agreement(state, group, kAgreeSigmas, discord.is_odd, agreed.information);
   if (agreed.paths == 0) return agreed;
   const Eigen::Vector2d p =
       (problem.ranges[first].p_beacon_map_m - problem.ranges.front().p_beacon_map_m).head<2>();
@@ -65,19 +65,87 @@ bool is_one_pose_without_any(const std::pmr::vector<Agreement>& each, Agreement&
   return true;
 }
 
-}  // namespace
-
-std::size_t most_outliers(const Consensus& consensus, double score, double margin) {
-  return static_cast<std::size_t>(std::max((score + margin) / consensus.least_cap(), 0.0));
+/// By how much two ranges of a beacon differ more than their receivers are apart, in sigmas, squared.
+double excess_squared(const SearchRange& a, const SearchRange& b) {
+  const double differ_m = std::abs(a.range_m - b.range_m);
+  const double apart2 = (a.p_lever_m - b.p_lever_m).squaredNorm();
+  if (differ_m * differ_m <= apart2) return 0.0;
+  const double excess_m = differ_m - std::sqrt(apart2);
+  return excess_m * excess_m / (a.sigma_m * a.sigma_m + b.sigma_m * b.sigma_m);
 }
 
-bool excludes_rivals(const SearchProblem& problem, Consensus& consensus, const PlanarState& state,
-                     std::size_t outliers) {
+/// The odd ones contradict all that agree with each other, two at least and more than they; else all are odd.
+void mark_odd(std::size_t first, std::size_t last, const std::pmr::vector<std::size_t>& against,
+              std::pmr::vector<char>& is_odd) {
+  const std::size_t count = last - first;
+  std::size_t odd = 0;
+  for (std::size_t i = first; i < last; ++i) {
+    is_odd[i] = 2 * against[i] >= count ? 1 : 0;
+    odd += is_odd[i] != 0 ? 1 : 0;
+  }
+  bool clear = count >= odd + 2 && count > 2 * odd;
+  for (std::size_t i = first; i < last && clear; ++i)
+    clear = is_odd[i] != 0 ? against[i] >= count - odd : against[i] == odd;
+  for (std::size_t i = first; i < last && !clear; ++i) is_odd[i] = 1;
+}
+
+/// The earliest range of a beacon, since echoes are late, of those that are not odd; where all are, the
+/// second too.
+std::array<std::size_t, 2> ends_of_pairs(const SearchProblem& problem, const Discord& discord,
+                                         std::size_t group) {
+  const std::size_t first = problem.group_first[group], last = problem.group_first[group + 1];
+  const auto earliest_but = [&](std::size_t but) {
+    std::size_t best = last;
+    for (std::size_t i = first; i < last; ++i)
+      if (i != but && (best == last || discord.is_odd[i] < discord.is_odd[best] ||
+                       (discord.is_odd[i] == discord.is_odd[best] &&
+                        problem.ranges[i].range_m < problem.ranges[best].range_m)))
+        best = i;
+    return best;
+  };
+  const std::size_t one = earliest_but(last);
+  return {one, discord.is_odd[one] != 0 && last - first > 1 ? earliest_but(one) : one};
+}
+
+}  // namespace
+
+Discord discord_of(const SearchProblem& problem, const Consensus& consensus) {
+  Discord discord;
+  discord.cost.assign(problem.groups(), 0.0);
+  discord.is_odd.assign(problem.ranges.size(), 0);
+  std::pmr::vector<std::size_t> against(problem.ranges.size(), 0, scratch());
+  std::pmr::vector<char> paired(problem.ranges.size(), 0, scratch());
+  for (std::size_t group = 0; group < problem.groups(); ++group) {
+    const std::size_t first = problem.group_first[group], last = problem.group_first[group + 1];
+    for (std::size_t i = first; i < last; ++i)
+      for (std::size_t j = i + 1; j < last; ++j) {
+        const double excess2 = excess_squared(problem.ranges[i], problem.ranges[j]);
+        if (excess2 <= kAgreeSigmas * kAgreeSigmas) continue;
+        ++against[i];
+        ++against[j];
+        if (paired[i] != 0 || paired[j] != 0) continue;
+        // Both share what is too much, or one is an outlier; each arrival is counted in one pair only.
+        paired[i] = paired[j] = 1;
+        discord.cost[group] += std::min(0.5 * excess2, consensus.least_caps(i, group).late);
+      }
+    if (discord.cost[group] == 0.0) continue;
+    discord.total += discord.cost[group];
+    mark_odd(first, last, against, discord.is_odd);
+  }
+  return discord;
+}
+
+std::size_t most_outliers(const Consensus& consensus, const Discord& discord, double score, double margin) {
+  return static_cast<std::size_t>(std::max((score + margin - discord.total) / consensus.least_cap(), 0.0));
+}
+
+bool excludes_rivals(const SearchProblem& problem, Consensus& consensus, const Discord& discord,
+                     const PlanarState& state, std::size_t outliers) {
   std::pmr::vector<Agreement> each(scratch());
   each.reserve(problem.groups());
   Agreement all;
   for (std::size_t group = 0; group < problem.groups(); ++group) {
-    const Agreement agreed = agreement_of(problem, consensus, state, group);
+    const Agreement agreed = agreement_of(problem, consensus, discord, state, group);
     if (agreed.paths == 0) continue;
     each.push_back(agreed);
     all.add(agreed);
@@ -90,24 +158,21 @@ bool excludes_rivals(const SearchProblem& problem, Consensus& consensus, const P
 }
 
 std::pmr::vector<std::array<std::size_t, 2>> covering_pairs(const SearchProblem& problem,
-                                                            std::size_t outliers) {
+                                                            const Discord& discord, std::size_t outliers) {
   const std::size_t n = problem.groups(), sets = n - outliers - 1;
-  // The earliest of each beacon stands for it, since echoes are late.
-  std::pmr::vector<std::size_t> earliest(scratch());
-  earliest.reserve(n);
-  for (std::size_t group = 0; group < n; ++group) {
-    std::size_t best = problem.group_first[group];
-    for (std::size_t i = best; i < problem.group_first[group + 1]; ++i)
-      if (problem.ranges[i].range_m < problem.ranges[best].range_m) best = i;
-    earliest.push_back(best);
-  }
+  std::pmr::vector<std::array<std::size_t, 2>> stand_for(scratch());
+  stand_for.reserve(n);
+  for (std::size_t group = 0; group < n; ++group) stand_for.push_back(ends_of_pairs(problem, discord, group));
   std::pmr::vector<std::array<std::size_t, 2>> out(scratch());
   out.reserve(n * (n - 1));
   for (const bool dealt : {true, false})  // like cards, and cut like a pack of them
     for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t b = a + 1; b < n; ++b)
-        if (dealt ? a % sets == b % sets : sets > 1 && a * sets / n == b * sets / n)
-          out.push_back({earliest[a], earliest[b]});
+      for (std::size_t b = a + 1; b < n; ++b) {
+        if (!(dealt ? a % sets == b % sets : sets > 1 && a * sets / n == b * sets / n)) continue;
+        for (std::size_t i = 0; i < (stand_for[a][0] == stand_for[a][1] ? 1U : 2U); ++i)
+          for (std::size_t j = 0; j < (stand_for[b][0] == stand_for[b][1] ? 1U : 2U); ++j)
+            out.push_back({stand_for[a][i], stand_for[b][j]});
+      }
   return out;
 }
 

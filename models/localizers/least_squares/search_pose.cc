@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include "models/localizers/least_squares/candidates.h"
+#include "models/localizers/least_squares/pair_places.h"
 #include "models/localizers/least_squares/rivals.h"
 #include "models/physics/pose.h"
 
@@ -56,6 +59,24 @@ void enter(Consensus& consensus, const PlanarState& state, const Eigen::Matrix4d
   result.information.push_back(information);
 }
 
+/// The first few steps of a candidate: whether it comes to a pose that is not known, and not given up.
+bool leads_to_new(const SearchProblem& problem, Consensus& consensus, PlanarState& state,
+                  const Settling& settling, const SearchResult& result) {
+  for (int k = 0; k < 3; ++k) {
+    consensus.refine(state, 1);
+    for (const Candidate& known : result.poses)
+      if (is_near(known.state, state, settling.width_m, problem.lever_m)) return false;
+  }
+  return consensus.score(state) <= settling.give_up;
+}
+
+/// Whether a state, narrowed down to the noise without a beacon, is within a sigma of a pose that is known.
+bool leads_back(const PlanarState& state, const SearchResult& result) {
+  for (std::size_t i = 0; i < result.poses.size(); ++i)
+    if (distance2(result.poses[i].state, state, result.information[i]) < 1.0) return true;
+  return false;
+}
+
 /// Narrows a candidate down to the noise and enters it.
 void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState state,
                  const Settling& settling, SearchResult& result) {
@@ -63,18 +84,17 @@ void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState
   double extra = settling.width_m;
   for (bool first = true; extra > 0.5 * problem.median_sigma_m; first = false) {
     consensus.set_extra_sigma(extra);
-    consensus.refine(state, 3, settling.without_group);
     if (bounded && first && settling.without_group == Consensus::kNone) {
-      if (consensus.score(state) > settling.give_up) return;
-      for (const Candidate& known : result.poses)
-        if (is_near(known.state, state, 0.3 * extra, problem.lever_m)) return;
+      if (!leads_to_new(problem, consensus, state, settling, result)) return;
+    } else {
+      consensus.refine(state, 3, settling.without_group);
     }
     extra *= 0.3;
   }
   consensus.set_extra_sigma(0.0);
   if (settling.without_group != Consensus::kNone) {
     consensus.refine(state, 6, settling.without_group);
-    if (bounded && consensus.score(state) > settling.give_up) return;
+    if (bounded && (leads_back(state, result) || consensus.score(state) > settling.give_up)) return;
   }
   const Eigen::Matrix4d information = consensus.refine(state, 10);
   enter(consensus, state, information, result);
@@ -116,13 +136,15 @@ void try_without_each_beacon(const SearchProblem& problem, const SearchOptions& 
   const Eigen::Matrix4d information = result.information.front();
   consensus.set_extra_sigma(0.0);
   const bool clear =
-      options.start && !consensus.has_residual_between(best.state, kOutlierSigmas, kLargeSigmas);
+      options.bounded && !consensus.has_residual_between(best.state, kOutlierSigmas, kLargeSigmas);
   for (std::size_t group = 0; group < problem.groups(); ++group) {
     if (clear) {
       // A few steps from the best tell whether there is anything without this beacon.
       PlanarState state = best.state;
       consensus.set_extra_sigma(0.0);
-      consensus.refine(state, 3, group);
+      consensus.refine(state, 1, group);
+      if (distance2(best.state, state, information) < 1.0) continue;
+      consensus.refine(state, 2, group);
       if (distance2(best.state, state, information) < 4.0 ||
           consensus.score(state) > best.score + options.margin + kSlack)
         continue;
@@ -130,61 +152,151 @@ void try_without_each_beacon(const SearchProblem& problem, const SearchOptions& 
     settle_into(problem, consensus, best.state,
                 {.width_m = kShadowWidth * problem.median_sigma_m,
                  .without_group = group,
-                 .give_up = options.start ? best.score + options.margin + kSlack
-                                          : std::numeric_limits<double>::infinity()},
+                 .give_up = options.bounded ? best.score + options.margin + kSlack
+                                            : std::numeric_limits<double>::infinity()},
                 result);
   }
   sort_by_score(result);
 }
 
-/// What the pairs propose that is not known yet and scores about as well as the best.
-void propose_rivals(const SearchProblem& problem, const SearchOptions& options,
-                    std::span<const std::array<std::size_t, 2>> pairs, Consensus& consensus,
-                    SearchResult& result) {
-  const double width_m = heading_width_m(problem, options);
-  TopList top = top_list(problem, options, width_m);
-  consensus.set_extra_sigma(std::hypot(width_m, problem.median_sigma_m));
-  propose_from_pairs(problem, pairs, options.headings, consensus, top);
-  for (const Candidate& candidate : top.list())
-    settle_into(problem, consensus, candidate.state,
-                {.width_m = std::max(width_m, problem.median_sigma_m),
-                 .give_up = result.poses.front().score + options.margin + kSlack},
-                result);
-  sort_by_score(result);
-}
+constexpr std::size_t kFewPairs = 6;    ///< of which one most likely leads to a pose
+constexpr std::size_t kFewBeacons = 4;  ///< all pairs of these are few, so none is tried before the others
 
-/// The search from a start: it is settled, and only what could be its rival is looked for. False where too
-/// little speaks for what has been found.
-bool search_rivals(const SearchProblem& problem, const SearchOptions& options, SearchResult& result) {
-  Consensus consensus(problem);
-  const double width_m = std::max(heading_width_m(problem, options), problem.median_sigma_m);
-  const double misfit_m = 1.5 * consensus.middle_misfit_m(*options.start);
-  settle_into(problem, consensus, *options.start,
-              {.width_m = std::clamp(misfit_m, width_m, std::max(width_m, problem.span_m))}, result);
-  if (result.poses.empty()) return false;
-  const auto outliers = [&] {
+/// Finds, of the poses that pairs leave, all that score within the bound: place by place, the most promising
+/// first, so that the bound is low soon. The places of pairs that a known pose explains lead to it: one of
+/// them is enough.
+class Exploration {
+ public:
+  Exploration(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
+              const Discord& discord, SearchResult& result)
+      : problem_(problem),
+        options_(options),
+        consensus_(consensus),
+        result_(result),
+        width_m_(heading_width_m(problem, options)) {
     consensus.set_extra_sigma(0.0);
-    return most_outliers(consensus, result.poses.front().score, options.margin);
-  };
-  const std::size_t expected = outliers(), beacons = problem.groups();
-  // Where what agrees has a second pose even without any outliers, all depends on finding it.
-  if (!excludes_rivals(problem, consensus, result.poses.front().state, 0)) {
-    result = SearchResult();
+    places_.emplace(problem, consensus, discord, problem.lever_m > 1e-6 ? options.headings : 1);
+  }
+
+  /// Some pose, which then bounds the others.
+  void find_one(std::span<const std::array<std::size_t, 2>> pairs) {
+    visit_places(pairs.first(std::min(pairs.size(), kFewPairs)), true);
+    if (result_.poses.empty()) visit_places(pairs, true);
+    sort_by_score(result_);
+  }
+  /// @param one_pose  what agrees with the best pose tells it from all others
+  void visit(std::span<const std::array<std::size_t, 2>> pairs, bool one_pose) {
+    skip_known_ = one_pose;
+    // The bound was no lower when a pair was visited before.
+    std::pmr::vector<std::array<std::size_t, 2>> fresh(scratch());
+    fresh.reserve(pairs.size());
+    for (const auto& pair : pairs)
+      if (std::find(visited_.begin(), visited_.end(), pair) == visited_.end()) fresh.push_back(pair);
+    visit_places(fresh, false);
+    visited_.insert(visited_.end(), fresh.begin(), fresh.end());
+    sort_by_score(result_);
+  }
+
+ private:
+  void visit_places(std::span<const std::array<std::size_t, 2>> pairs, bool until_found) {
+    TopList top = top_list(problem_, options_, width_m_);
+    consensus_.set_extra_sigma(std::hypot(width_m_, problem_.median_sigma_m));
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const Candidate& pose : result_.poses) lowest = std::min(lowest, consensus_.score(pose.state));
+    std::pmr::vector<double> settled(scratch());  // scores of those that lowered the bound
+    for (const PairPlace& place : places_->within(pairs, bound())) {
+      if (place.least_score > bound()) continue;
+      if (skip_known_ && leads_to_known(place) && std::exchange(known_seen_, true)) continue;
+      consensus_.set_extra_sigma(std::hypot(width_m_, problem_.median_sigma_m));
+      places_->propose(place, consensus_, bound(), top);
+      if (top.list().empty() || !(top.list().front().score < lowest)) continue;
+      // The best so far may lower the bound for all that follow.
+      lowest = top.list().front().score;
+      settled.push_back(lowest);
+      settle(top.list().front().state);
+      if (until_found && !result_.poses.empty()) return;
+    }
+    for (const Candidate& candidate : top.list())
+      if (candidate.least_score <= bound() &&
+          std::find(settled.begin(), settled.end(), candidate.score) == settled.end())
+        settle(candidate.state);
+  }
+
+  /// Of what is settled.
+  [[nodiscard]] double bound() const {
+    double best = std::numeric_limits<double>::infinity();
+    for (const Candidate& pose : result_.poses) best = std::min(best, pose.score);
+    return best + options_.margin;
+  }
+
+  void settle(const PlanarState& state) {
+    settle_into(problem_, consensus_, state,
+                {.width_m = std::max(width_m_, problem_.median_sigma_m), .give_up = bound() + kSlack},
+                result_);
+  }
+
+  bool leads_to_known(const PairPlace& place) {
+    for (const Candidate& pose : result_.poses)
+      if (!place.is_flat &&
+          std::hypot(pose.state.x_m - place.x_m, pose.state.y_m - place.y_m) <
+              std::min(place.reach_m, place.half_gap_m) &&
+          consensus_.explains(pose.state, place.pair))
+        return true;
     return false;
   }
-  if (!excludes_rivals(problem, consensus, result.poses.front().state, expected)) {
+
+  const SearchProblem& problem_;
+  const SearchOptions& options_;
+  Consensus& consensus_;
+  SearchResult& result_;
+  double width_m_;
+  std::optional<PairPlaces> places_;
+  std::pmr::vector<std::array<std::size_t, 2>> visited_{scratch()};
+  bool skip_known_ = false;
+  bool known_seen_ = false;  ///< the headings at the pose that a start led to are tried once
+};
+
+/// The search among known beacons: the best pose is found, from a start where there is one, and bounds what
+/// could be its rival.
+SearchResult search_within_bounds(const SearchProblem& problem, const SearchOptions& options) {
+  SearchResult result;
+  Consensus consensus(problem);
+  const Discord discord = discord_of(problem, consensus);
+  if (options.start) {
+    const double width_m = std::max(heading_width_m(problem, options), problem.median_sigma_m);
+    const double misfit_m = 1.5 * consensus.middle_misfit_m(*options.start);
+    settle_into(problem, consensus, *options.start,
+                {.width_m = std::clamp(misfit_m, width_m, std::max(width_m, problem.span_m))}, result);
+  }
+  Exploration exploration(problem, options, consensus, discord, result);
+  const auto excluded_with = [&](std::size_t outliers) {
+    consensus.set_extra_sigma(0.0);
+    return excludes_rivals(problem, consensus, discord, result.poses.front().state, outliers);
+  };
+  const std::size_t beacons = problem.groups(), most_pairs = static_cast<std::size_t>(options.max_pairs);
+  if (result.poses.empty()) exploration.find_one(choose_pairs(problem, most_pairs));
+  if (result.poses.empty()) return result;
+  const auto outliers = [&] {
+    consensus.set_extra_sigma(0.0);
+    return most_outliers(consensus, discord, result.poses.front().score, options.margin);
+  };
+  if (const std::size_t expected = outliers(); !excluded_with(expected)) {
     // First a few, which find the pose where the start has not.
     const std::size_t few = std::min(expected, beacons / 2 - 1);
-    propose_rivals(problem, options, covering_pairs(problem, few), consensus, result);
+    bool one_pose = excluded_with(0);
+    if (one_pose || (expected + 2 > beacons && beacons > kFewBeacons)) {
+      exploration.visit(covering_pairs(problem, discord, few), one_pose);
+      one_pose = excluded_with(0);
+    }
     const std::size_t most = outliers();
-    if (most > few)
-      propose_rivals(problem, options,
-                     most + 2 > beacons ? choose_pairs(problem, static_cast<std::size_t>(options.max_pairs))
-                                        : covering_pairs(problem, most),
-                     consensus, result);
+    // Where what agrees has a second pose even without any outliers, all depends on finding it.
+    if (most + 2 > beacons || !one_pose)
+      exploration.visit(choose_pairs(problem, most_pairs), one_pose);
+    else if (most > few && !excluded_with(most))
+      exploration.visit(covering_pairs(problem, discord, most), true);
   }
   try_without_each_beacon(problem, options, consensus, result);
-  return true;
+  return result;
 }
 
 }  // namespace
@@ -193,12 +305,10 @@ SearchResult search_pose(const SearchProblem& problem, const SearchOptions& opti
   SearchResult result;
   if (problem.ranges.empty() && problem.bearings.empty()) return result;
   const bool by_pairs = !problem.has_offset && problem.groups() >= 2;
-  if (options.start) {
-    if (by_pairs && search_rivals(problem, options, result)) return result;
-    SearchOptions from_nothing = options;
-    from_nothing.start.reset();
-    return search_pose(problem, from_nothing);
-  }
+  if (options.bounded && by_pairs && problem.common_bias && problem.slack_m == 0.0)
+    result = search_within_bounds(problem, options);
+  // Where no two ranges go together the least bad pose is still told.
+  if (!result.poses.empty()) return result;
   Consensus consensus(problem);
   double width_m = heading_width_m(problem, options);
   if (!by_pairs) width_m = std::max(width_m, 0.02 * problem.span_m);

@@ -25,7 +25,7 @@ TEST(Candidates, TopListIsTheBestOfAll) {
   EXPECT_GT(top.worst(), 1e300);
   for (int k = 0; k < 500; ++k) {
     all.push_back(score(random));
-    top.offer({1.0 * k, 0.0, 0.0, 0.0}, all.back());
+    top.offer({{1.0 * k, 0.0, 0.0, 0.0}, all.back()});
   }
   std::sort(all.begin(), all.end());
   ASSERT_EQ(top.list().size(), 8U);
@@ -35,11 +35,11 @@ TEST(Candidates, TopListIsTheBestOfAll) {
 
 TEST(Candidates, OfNeighboursOnlyTheBestStays) {
   TopList top(4, 0.5, 0.2);
-  top.offer({0.0, 0.0, 3.1, 0.0}, 5.0);
-  top.offer({0.1, 0.0, -3.1, 0.0}, 3.0);  // 0.08 rad away, across the turn
-  top.offer({0.2, 0.0, 3.1, 0.0}, 4.0);
-  top.offer({0.1, 0.0, 2.0, 0.0}, 6.0);  // another heading
-  top.offer({2.0, 0.0, 3.1, 0.0}, 7.0);  // another place
+  top.offer({{0.0, 0.0, 3.1, 0.0}, 5.0});
+  top.offer({{0.1, 0.0, -3.1, 0.0}, 3.0});  // 0.08 rad away, across the turn
+  top.offer({{0.2, 0.0, 3.1, 0.0}, 4.0});
+  top.offer({{0.1, 0.0, 2.0, 0.0}, 6.0});  // another heading
+  top.offer({{2.0, 0.0, 3.1, 0.0}, 7.0});  // another place
   ASSERT_EQ(top.list().size(), 3U);
   EXPECT_EQ(top.list()[0].score, 3.0);
   EXPECT_EQ(top.list()[1].score, 6.0);
@@ -109,6 +109,16 @@ TEST(Candidates, SearchFindsThePose) {
              std::abs(wrap_angle(best.heading_rad - truth.heading_rad)) < 0.05;
   }
   EXPECT_GE(found, 98);
+}
+
+/// Two circles that are a metre apart: no pose explains both, and the one between is found all the same.
+TEST(Candidates, RangesThatDoNotMeetHaveAPoseToo) {
+  const Eigen::Vector3d beacons[] = {{0, 0, 2.5}, {10, 0, 2.5}}, levers[] = {{0, 0, 0.3}};
+  SearchProblem problem = test::search_problem_at({5.0, 0.0, 0.0, 0.0}, beacons, levers, 0.004);
+  for (SearchRange& r : problem.ranges) r.range_m -= 0.5;
+  const SearchResult result = search_pose(problem);
+  ASSERT_FALSE(result.poses.empty());
+  EXPECT_NEAR(result.poses[0].state.x_m, 5.0, 0.6);
 }
 
 TEST(Candidates, SearchFindsTheCycleOffsetToo) {

@@ -31,7 +31,15 @@ constexpr PlanarState kTruth{4.0, 5.0, 0.7, 0.0};
 
 bool excludes(const SearchProblem& problem, std::size_t outliers) {
   Consensus consensus(problem);
-  return excludes_rivals(problem, consensus, kTruth, outliers);
+  return excludes_rivals(problem, consensus, discord_of(problem, consensus), kTruth, outliers);
+}
+
+/// As of arrivals none of which contradicts another.
+Discord no_discord(const SearchProblem& problem) {
+  Discord none;
+  none.cost.assign(problem.groups(), 0.0);
+  none.is_odd.assign(problem.ranges.size(), 0);
+  return none;
 }
 
 TEST(Rivals, AScoreHoldsNoMoreOutliersThanTheBound) {
@@ -39,16 +47,20 @@ TEST(Rivals, AScoreHoldsNoMoreOutliersThanTheBound) {
   std::uniform_real_distribution<double> uniform;
   for (int k = 0; k < 300; ++k) {
     SearchProblem problem = problem_at(kTruth, kAround);
-    std::size_t late = 0;
+    std::size_t late = 0, shadowed = 0;
     for (std::size_t b = 0; b < kAround.size(); ++b) {
       // A whole beacon in a shadow counts for one, as does one of its arrivals.
       const double draw = uniform(random);
       late += draw < 0.5;
+      shadowed += draw < 0.25;
       for (std::size_t i = 3 * b; i < 3 * b + (draw < 0.25 ? 3 : draw < 0.5 ? 1 : 0); ++i)
         problem.ranges[i].range_m += 1.0;
     }
     Consensus consensus(problem);
-    EXPECT_EQ(most_outliers(consensus, consensus.score(kTruth), 0.0), late) << k;
+    const double score = consensus.score(kTruth);
+    EXPECT_EQ(most_outliers(consensus, no_discord(problem), score, 0.0), late) << k;
+    // A single one contradicts the other two of its beacon, which every pose pays for.
+    EXPECT_EQ(most_outliers(consensus, discord_of(problem, consensus), score, 0.0), shadowed) << k;
   }
 }
 
@@ -94,7 +106,8 @@ TEST(Rivals, AgreementIsTheInformationOfWhatAgrees) {
   problem.ranges[1].range_m += 0.3;
   Consensus consensus(problem);
   Eigen::Matrix3d found = Eigen::Matrix3d::Zero(), expected = found;
-  EXPECT_EQ(consensus.agreement(kTruth, 0, 4.0, found), 2U);
+  const std::vector<char> none(problem.ranges.size(), 0);
+  EXPECT_EQ(consensus.agreement(kTruth, 0, 4.0, none, found), 2U);
   for (const std::size_t i : {0U, 2U}) {
     Eigen::RowVector3d J;
     for (int p = 0; p < 3; ++p) {
@@ -121,6 +134,56 @@ TEST(Rivals, HeadingInformationIsTheInverseOfItsVariance) {
   }
 }
 
+/// Whatever the pose, it scores no less.
+TEST(Rivals, DiscordIsWhatEveryPosePays) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform;
+  std::normal_distribution<double> normal;
+  double most = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    SearchProblem problem = problem_at(kTruth, kAround);
+    for (SearchRange& r : problem.ranges)
+      r.range_m += kSigmaM * normal(random) + (uniform(random) < 0.2 ? 1.5 * uniform(random) - 0.4 : 0.0);
+    for (double& bias_m : problem.group_bias_m) bias_m = k % 2 == 0 ? 0.0 : 0.01;
+    Consensus consensus(problem);
+    const double total = discord_of(problem, consensus).total;
+    most = std::max(most, total);
+    PlanarState best = kTruth;
+    consensus.refine(best, 20);
+    EXPECT_GE(consensus.score(best), total) << k;
+    for (int draw = 0; draw < 20; ++draw)
+      EXPECT_GE(consensus.score({12 * uniform(random), 9 * uniform(random), 6.3 * uniform(random), 0.0}),
+                total)
+          << k;
+  }
+  EXPECT_GT(most, 20.0) << "three outliers that are seen at once";
+}
+
+TEST(Rivals, TheOddOneOfThreeIsKnown) {
+  SearchProblem problem = problem_at(kTruth, kAround);
+  problem.ranges[4].range_m += 0.8;  // one of three
+  problem.ranges[6].range_m += 0.8;  // all of three, each by its own
+  problem.ranges[7].range_m += 1.6;
+  problem.ranges[9].range_m += 0.8;  // all of three alike
+  problem.ranges[10].range_m += 0.8;
+  problem.ranges[11].range_m += 0.8;
+  const Discord discord = discord_of(problem, Consensus(problem));
+  const std::vector<char> odd(discord.is_odd.begin(), discord.is_odd.end());
+  EXPECT_EQ(odd, (std::vector<char>{0, 0, 0, 0, 1, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+  for (const std::size_t beacon : {0U, 3U, 4U, 5U}) EXPECT_EQ(discord.cost[beacon], 0.0);
+  for (const std::size_t beacon : {1U, 2U}) EXPECT_GT(discord.cost[beacon], 5.0);
+}
+
+/// Two arrivals that contradict each other: either may be right, so pairs are made with both.
+TEST(Rivals, ABeaconWithoutAMajorityIsInPairsTwice) {
+  SearchProblem problem = problem_at(kTruth, kAround, 2);
+  problem.ranges[0].range_m += 1.0;
+  const auto pairs = covering_pairs(problem, discord_of(problem, Consensus(problem)), 4);
+  for (const std::size_t i : {0U, 1U})
+    EXPECT_TRUE(std::any_of(pairs.begin(), pairs.end(), [i](const auto& pair) { return pair[0] == i; })) << i;
+  EXPECT_EQ(pairs.size(), 15U + 5U) << "all pairs, those of the first beacon twice";
+}
+
 /// Every set of so many beacons is tried as the outliers'.
 TEST(Rivals, WhicheverBeaconsTheOutliersAreOfAPairIsWithout) {
   for (std::size_t beacons = 2; beacons <= 9; ++beacons) {
@@ -131,7 +194,7 @@ TEST(Rivals, WhicheverBeaconsTheOutliersAreOfAPairIsWithout) {
     SearchProblem problem = problem_at(kTruth, places);
     for (std::size_t b = 0; b < beacons; ++b) problem.ranges[3 * b + 1].range_m -= 1.0;  // the earliest
     for (std::size_t outliers = 0; outliers + 2 <= beacons; ++outliers) {
-      const auto pairs = covering_pairs(problem, outliers);
+      const auto pairs = covering_pairs(problem, no_discord(problem), outliers);
       for (std::size_t bad = 0; bad < (1U << beacons); ++bad) {
         if (static_cast<std::size_t>(std::popcount(bad)) != outliers) continue;
         EXPECT_TRUE(std::any_of(

@@ -1,0 +1,222 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/localizers/least_squares/pair_places.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "models/physics/pose.h"
+
+namespace octant {
+namespace {
+
+constexpr double kNoiseSigmas = 4.0;
+constexpr double kFlatCutSine = 1e-3;  ///< sine of the angle at which circles cut, that tells nothing
+constexpr double kMostReach = 0.2;  ///< of the nearer beacon's distance, within which ranges are about linear
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+Eigen::Vector2d from_beacon(const PairPlace& place, const SearchRange& r) {
+  return {place.x_m - r.p_beacon_map_m.x(), place.y_m - r.p_beacon_map_m.y()};
+}
+
+/// What the lever arm adds to a range, horizontal direction u, with the heading's cosine and sine.
+Eigen::RowVector2d lever_by_turn(const SearchRange& r, const Eigen::Vector2d& u) {
+  return {u.x() * r.p_lever_m.x() + u.y() * r.p_lever_m.y(),
+          u.y() * r.p_lever_m.x() - u.x() * r.p_lever_m.y()};
+}
+
+}  // namespace
+
+PairPlaces::PairPlaces(const SearchProblem& problem, const Consensus& consensus, const Discord& discord,
+                       int headings)
+    : problem_(problem),
+      discord_(discord),
+      cosine_(std::clamp(headings, 1, kMostHeadings)),
+      sine_(cosine_.size()),
+      least_(cosine_.size()) {
+  for (Eigen::Index k = 0; k < cosine_.size(); ++k) {
+    const double heading =
+        2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(cosine_.size());
+    cosine_[k] = std::cos(heading);
+    sine_[k] = std::sin(heading);
+  }
+  limits_.reserve(problem.ranges.size());
+  group_caps_.reserve(problem.groups());
+  earliest_.reserve(problem.groups());
+  for (std::size_t group = 0; group < problem.groups(); ++group) {
+    const std::size_t first = problem.group_first[group], last = problem.group_first[group + 1];
+    group_caps_.push_back(last - first > 1 ? consensus.group_cap(group) + discord.cost[group] : kInfinite);
+    earliest_.push_back(first);
+    for (std::size_t i = first; i < last; ++i) {
+      const SearchRange& r = problem.ranges[i];
+      if (r.range_m < problem.ranges[earliest_.back()].range_m) earliest_.back() = i;
+      const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z(), variance_m2 = consensus.variance_m2(i, group);
+      const double flat_m = std::sqrt(std::max(r.range_m * r.range_m - dz * dz, 0.0));
+      // Noise and bias apart can cost less than both together, but not half of it.
+      limits_.push_back({{r.p_beacon_map_m.x(), r.p_beacon_map_m.y(), flat_m},
+                         dz * dz,
+                         r.p_lever_m.head<2>().norm(),
+                         kNoiseSigmas * std::sqrt(variance_m2) * r.range_m / std::max(flat_m, 1e-6),
+                         2.0 * variance_m2,
+                         consensus.least_caps(i, group)});
+    }
+  }
+}
+
+double PairPlaces::least_score(const PairPlace& place, double bound) const {
+  const double first_m = limits_[place.pair[0]].reach_m() + place.bend_m,
+               second_m = limits_[place.pair[1]].reach_m() + place.bend_m;
+  // What all places cost, and on top of it what this one does.
+  double total = discord_.total;
+  for (std::size_t group = 0; group < problem_.groups() && total <= bound; ++group) {
+    // Where a beacon's arrivals agree, one tells of all; else all are needed to pass what they cost anyway.
+    const bool agree = discord_.cost[group] == 0.0;
+    const std::size_t first = agree ? earliest_[group] : problem_.group_first[group],
+                      last = agree ? first + 1 : problem_.group_first[group + 1];
+    double of_group = 0.0;
+    for (std::size_t i = first; i < last; ++i) {
+      const Limit& limit = limits_[i];
+      const double dx = place.x_m - limit.circle.x_m, dy = place.y_m - limit.circle.y_m;
+      const double distance_m = std::max(std::sqrt(dx * dx + dy * dy + limit.dz2_m2), 1e-6);
+      const double moved_m =
+          place.is_flat ? place.reach_m
+                        : (std::abs(dx * place.by_ranges(0, 0) + dy * place.by_ranges(1, 0)) * first_m +
+                           std::abs(dx * place.by_ranges(0, 1) + dy * place.by_ranges(1, 1)) * second_m) /
+                                  distance_m +
+                              place.bend_m;
+      of_group += limit.least_cost(problem_.ranges[i].range_m - distance_m, moved_m + limit.lever_m);
+    }
+    total += std::max(std::min(of_group, group_caps_[group]) - discord_.cost[group], 0.0);
+  }
+  return total;
+}
+
+PairPlace PairPlaces::place_on(const std::array<std::size_t, 2>& pair, int side,
+                               const PlanarState& at) const {
+  PairPlace place{.pair = pair, .side = side, .is_flat = true, .x_m = at.x_m, .y_m = at.y_m};
+  const Limit &a = limits_[pair[0]], &b = limits_[pair[1]];
+  const Eigen::Vector2d u = from_beacon(place, problem_.ranges[pair[0]]) / a.circle.radius_m,
+                        v = from_beacon(place, problem_.ranges[pair[1]]) / b.circle.radius_m;
+  const double sine = u.x() * v.y() - u.y() * v.x(), across2 = 1.0 - std::abs(u.dot(v)),
+               nearest_m = std::min(a.circle.radius_m, b.circle.radius_m);
+  if (!(std::abs(sine) > kFlatCutSine && across2 > 0)) return place;
+  // The pose is where two strips cross: |u.d| <= reach, u the directions to both beacons.
+  const double reach_m = std::max(a.reach_m(), b.reach_m()) * std::sqrt(2.0 / across2);
+  if (!(reach_m < kMostReach * nearest_m)) return place;
+  place.is_flat = false;
+  // Circles bend, so by more where it is far.
+  place.reach_m = reach_m * (1.0 + 1.5 * reach_m / nearest_m);
+  place.bend_m = 0.5 * place.reach_m * place.reach_m / nearest_m;
+  place.by_ranges << v.y() / sine, -u.y() / sine, -v.x() / sine, u.x() / sine;
+  return place;
+}
+
+/// Where circles about touch: half their chord is at most what it may be when either circle is off by its
+/// reach.
+/// @return false where they do not meet even then
+bool PairPlaces::flat_place(const std::array<std::size_t, 2>& pair, PairPlace& place) const {
+  const Limit &a = limits_[pair[0]], &b = limits_[pair[1]];
+  const double dx = b.circle.x_m - a.circle.x_m, dy = b.circle.y_m - a.circle.y_m, d2 = dx * dx + dy * dy;
+  const double r = a.circle.radius_m, s = b.circle.radius_m, e = a.reach_m(), f = b.reach_m();
+  // half chord^2 = r^2 - along^2, along = (d^2 + r^2 - s^2) / (2 d)
+  const double share = 0.5 * (d2 + r * r - s * s) / d2, along_by_r = r / d2, along_by_s = s / d2;
+  const double chord2 = r * r - share * share * d2;
+  const double more =
+      (r + e) * (r + e) - r * r + 2.0 * std::abs(share) * d2 * (along_by_r * e + along_by_s * f);
+  if (chord2 + more < 0.0) return false;
+  const double shift_m = std::sqrt(d2) * (along_by_r * e + along_by_s * f);
+  place = {.pair = pair, .is_flat = true, .x_m = a.circle.x_m + share * dx, .y_m = a.circle.y_m + share * dy};
+  place.reach_m = std::sqrt(chord2 + more + shift_m * shift_m);
+  return true;
+}
+
+std::pmr::vector<PairPlace> PairPlaces::within(std::span<const std::array<std::size_t, 2>> pairs,
+                                               double bound) const {
+  std::pmr::vector<PairPlace> out(scratch());
+  out.reserve(2 * pairs.size());
+  const auto add_within_bound = [&](PairPlace& place) {
+    place.least_score = least_score(place, bound);
+    if (place.least_score <= bound) out.push_back(place);
+  };
+  std::array<PlanarState, 2> meet;
+  for (const auto& pair : pairs) {
+    const int count = intersect(limits_[pair[0]].circle, limits_[pair[1]].circle, meet);
+    if (count == 0) continue;
+    std::array<PairPlace, 2> places = {place_on(pair, 0, meet[0]), place_on(pair, 1, meet[1])};
+    if (count < 2 || places[0].is_flat || places[1].is_flat) {
+      if (flat_place(pair, places[0])) add_within_bound(places[0]);
+      continue;
+    }
+    for (PairPlace& place : places) {
+      place.half_gap_m = 0.5 * std::hypot(meet[1].x_m - meet[0].x_m, meet[1].y_m - meet[0].y_m);
+      add_within_bound(place);
+    }
+  }
+  // Where little is known comes last, when the bound is low.
+  std::sort(out.begin(), out.end(), [](const PairPlace& a, const PairPlace& b) {
+    if (a.is_flat != b.is_flat) return b.is_flat;
+    return a.least_score != b.least_score ? a.least_score < b.least_score : a.reach_m < b.reach_m;
+  });
+  return out;
+}
+
+/// Both circles hold: u (move + lever) = 0 for both, u the directions from their beacons.
+Eigen::Matrix2d PairPlaces::place_by_turn(const PairPlace& place) const {
+  Eigen::Matrix2d levers;
+  for (int k = 0; k < 2; ++k) {
+    const SearchRange& r = problem_.ranges[place.pair[static_cast<std::size_t>(k)]];
+    levers.row(k) = lever_by_turn(r, from_beacon(place, r).normalized());
+  }
+  return -place.by_ranges * levers;
+}
+
+void PairPlaces::add_least_costs(const PairPlace& place, const Eigen::Matrix2d& place_by_turn,
+                                 std::size_t group) {
+  of_group_.setZero(cosine_.size());
+  const Eigen::Vector2d pair_slack_m(limits_[place.pair[0]].noise_m + place.bend_m,
+                                     limits_[place.pair[1]].noise_m + place.bend_m);
+  // Between two headings that are tried.
+  const double half_step = cosine_.size() > 1 ? std::numbers::pi / static_cast<double>(cosine_.size()) : 0.0;
+  for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
+    const SearchRange& r = problem_.ranges[i];
+    const Limit& limit = limits_[i];
+    const Eigen::Vector2d v = from_beacon(place, r);
+    const double distance_m = std::max(std::sqrt(v.squaredNorm() + limit.dz2_m2), 1e-6);
+    const Eigen::Vector2d u = v / distance_m;
+    const Eigen::RowVector2d by_turn = u.transpose() * place_by_turn + lever_by_turn(r, u);
+    const double slack_m = half_step * by_turn.norm() +
+                           (u.transpose() * place.by_ranges).cwiseAbs() * pair_slack_m + place.bend_m;
+    const double information = 0.5 / limit.variance_m2;
+    late_m_ = r.range_m - distance_m - by_turn.x() * cosine_ - by_turn.y() * sine_;
+    of_group_ += ((late_m_ - slack_m).max(0.0).square() * information).min(limit.caps.late) +
+                 ((late_m_ + slack_m).min(0.0).square() * information).min(limit.caps.early);
+  }
+  least_ += (of_group_.min(group_caps_[group]) - discord_.cost[group]).max(0.0);
+}
+
+void PairPlaces::propose(const PairPlace& place, Consensus& widened, double bound, TopList& top) {
+  least_.setConstant(cosine_.size(), discord_.total);
+  if (!place.is_flat) {
+    const Eigen::Matrix2d by_turn = place_by_turn(place);
+    for (std::size_t group = 0; group < problem_.groups(); ++group) {
+      add_least_costs(place, by_turn, group);
+      if (least_.minCoeff() > bound) return;
+    }
+  }
+  std::array<PlanarState, 2> meet;
+  for (Eigen::Index k = 0; k < cosine_.size(); ++k) {
+    if (least_[k] > bound) continue;
+    const int count = pair_states(problem_, place.pair, cosine_[k], sine_[k], meet);
+    const double heading =
+        2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(cosine_.size());
+    for (int side = place.is_flat ? 0 : place.side; side < (place.is_flat ? count : place.side + 1); ++side) {
+      PlanarState& state = meet[static_cast<std::size_t>(side)];
+      state.heading_rad = wrap_angle(heading);
+      if (count > 0) top.offer({state, widened.score(state, top.worst()), least_[k]});
+    }
+  }
+}
+
+}  // namespace octant
