@@ -49,10 +49,10 @@ double robust_cost(const std::vector<RangeFrom>& ranges, const std::vector<RayFr
   return cost;
 }
 
-/// Spread of the places along their weakest direction, and that direction.
+/// Spread of the places along their weakest direction, and that direction; and the weakest level one.
 struct Spread {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero(), weakest = Eigen::Vector3d::UnitZ(),
-                  second = Eigen::Vector3d::UnitY();
+                  second = Eigen::Vector3d::UnitY(), weakest_level = Eigen::Vector3d::UnitY();
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< ascending
 };
 
@@ -66,6 +66,9 @@ Spread spread_of(const std::vector<RangeFrom>& ranges) {
   s.sigma = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
   s.weakest = eigen.eigenvectors().col(0);
   s.second = eigen.eigenvectors().col(1);
+  const SymmetricEigen<Eigen::Matrix2d> level(Eigen::Matrix2d(C.topLeftCorner<2, 2>()));
+  s.weakest_level.head<2>() = level.eigenvectors().col(0);
+  s.weakest_level.z() = 0.0;
   return s;
 }
 
@@ -199,13 +202,16 @@ class Solver {
   template <class Visit>
   void for_each_image(const Eigen::Vector3d& place, double best, double scales_apart, Visit&& visit) const {
     if (ranges_.empty()) return;
-    for (const Eigen::Vector3d& normal : {spread_.weakest, spread_.second}) {
+    for (const Eigen::Vector3d& normal : normals()) {
       if (is_flat() && options_.above && std::abs(normal.z()) > 0.9) continue;  // settled by "above"
       Eigen::Vector3d p = place - 2 * normal.dot(place - spread_.mean) * normal;
       impose_held(p);
       p = refine(p, 2 * options_.scale_m);
       const double cost = robust_cost(ranges_, rays_, p, options_.scale_m);
-      if ((p - place).norm() > scales_apart * options_.scale_m && cost < best + kAsGood) visit(p, cost);
+      // Back on its own side it is no image, however far the ranges alone would have the place.
+      const bool is_opposite = normal.dot(p - spread_.mean) * normal.dot(place - spread_.mean) < 0;
+      if (is_opposite && (p - place).norm() > scales_apart * options_.scale_m && cost < best + kAsGood)
+        visit(p, cost);
     }
   }
   [[nodiscard]] double cost_of(const Eigen::Vector3d& p) const {
@@ -213,6 +219,13 @@ class Solver {
   }
 
  private:
+  /// Of the planes of images. A beacon of known height has none but level ones, and where the places lie on a
+  /// line the weakest directions are any two across it.
+  [[nodiscard]] std::vector<Eigen::Vector3d> normals() const {
+    if (options_.held[2]) return {spread_.weakest_level};
+    return {spread_.weakest, spread_.second};
+  }
+
   void choose(const std::vector<Eigen::Vector3d>& candidates, Trilateration& out) const {
     const double coarse_m = 6 * options_.scale_m;
     std::vector<std::pair<double, std::size_t>> ranked;

@@ -89,6 +89,32 @@ TEST(Trilaterate, AStraightTrackLeavesAMirrorImage) {
   EXPECT_NEAR(t.mirror_map_m.y(), -t.p_map_m.y(), 0.05);
 }
 
+// All observations together have a place decimetres from where its ranges alone would: back on that side they
+// fit as well as at the image, and are none.
+TEST(Trilaterate, TheImageIsOnTheOtherSideOfALineWhereverThePlaceIs) {
+  for (int k = 0; k < 24; ++k) {
+    const double along_rad = 0.05 + k * M_PI / 12;
+    const Eigen::Vector3d u(std::cos(along_rad), std::sin(along_rad), 0.0), across(-u.y(), u.x(), 0.0);
+    const Eigen::Vector3d first(10.2, 3.8, 1.5), second = first + 3.4 * u;
+    const Eigen::Vector3d beacon = first - 11.8 * u + 5.2 * across + Eigen::Vector3d(0, 0, 1.0),
+                          image = beacon - 10.4 * across;
+    const Eigen::Vector3d aside =
+        Eigen::Vector3d(beacon - first).cross(Eigen::Vector3d::UnitZ()).normalized();
+    std::vector<RangeFrom> ranges;
+    for (int i = 0; i < 26; ++i) {
+      const Eigen::Vector3d& from = i < 21 ? first : second;
+      ranges.push_back({from, (beacon - from).norm() + 0.02 * std::sin(7.0 * i)});
+    }
+    for (const double off_m : {-0.5, 0.5}) {
+      const auto found =
+          mirror_image_of(beacon + off_m * aside, ranges,
+                          {.held = {false, false, true}, .guess = beacon, .scale_m = 0.15, .above = true});
+      ASSERT_TRUE(found) << k;
+      EXPECT_LT((*found - image).norm(), 0.3) << k;
+    }
+  }
+}
+
 TEST(Trilaterate, RaysTellTheSideOfAStraightTrack) {
   TrilaterationOptions options{.held = {false, false, true}, .guess = {0, 0, 2.5}, .scale_m = 0.01};
   for (const double side : {4.0, -4.0}) {
