@@ -10,11 +10,9 @@
 #include "models/support/observed.h"
 #include "models/support/parallel.h"
 #include "models/support/scratch.h"
+#include "models/support/small_cholesky.h"
 
 namespace octant {
-
-// Of numbers; kernels have it of their vectors (vector-inl.h).
-#include "models/support/small_cholesky.inc"
 
 /// Normal equations of the states of a segment, shared parameters held: block-tridiagonal with blocks of a
 /// size known to the compiler; diagonal blocks D, coupling U to the next state, gradient g.

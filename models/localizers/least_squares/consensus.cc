@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "models/physics/pose.h"
+#include "models/support/small_cholesky.h"
 
 namespace octant {
 namespace {
@@ -20,24 +21,13 @@ constexpr double kCoarseStep = 0.1;  ///< of the width, that is the last
 
 double signed_square(double x) { return x * std::abs(x); }
 
-/// Solves A x = b by Cholesky factors for the first N unknowns; A, whose lower triangle is read, gets them.
+/// Solves A x = b for the first N unknowns; numbers that are none where A is not positive definite.
 template <int N>
-void solve_in_place(Eigen::Matrix4d& A, Eigen::Vector4d& b) {
-  double reciprocal[N];
-  for (int j = 0; j < N; ++j) {
-    for (int i = j; i < N; ++i)
-      for (int k = 0; k < j; ++k) A(i, j) -= A(i, k) * A(j, k);
-    reciprocal[j] = 1.0 / std::sqrt(A(j, j));
-    for (int i = j; i < N; ++i) A(i, j) *= reciprocal[j];
-  }
-  for (int i = 0; i < N; ++i) {
-    for (int k = 0; k < i; ++k) b[i] -= A(i, k) * b[k];
-    b[i] *= reciprocal[i];
-  }
-  for (int i = N - 1; i >= 0; --i) {
-    for (int k = i + 1; k < N; ++k) b[i] -= A(k, i) * b[k];
-    b[i] *= reciprocal[i];
-  }
+void solve_in_place(const Eigen::Matrix4d& A, Eigen::Vector4d& b) {
+  SmallCholesky<N> factor;
+  static_cast<void>(factor.factor(A));
+  factor.forward(b);
+  factor.backward(b);
 }
 
 }  // namespace
