@@ -6,10 +6,14 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
-#include <thread>
-#include <vector>
 
 namespace octant {
+
+/// Has up to `helpers` other threads call loop(data), and calls it itself. Returns when all that began have
+/// ended; helpers that have not begun by the time its own call ends are no longer waited for. They are kept
+/// for the next time: making one takes as long as a chain of a hundred states, and a new one waits for its
+/// turn where a machine is busy.
+void run_with_helpers(std::size_t helpers, void (*loop)(void* data), void* data);
 
 /// Calls work(i) for each i below count, on up to `threads` threads (1 or less: on this one; fewer where the
 /// system has no more to give). Whoever adds results up does it afterwards, in the order of i, so that no sum
@@ -21,21 +25,18 @@ void for_each_parallel(std::size_t count, int threads, Work&& work) {
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};
   std::exception_ptr failure;
-  const auto loop = [&]() noexcept {
+  auto loop = [&]() noexcept {
     try {
       for (std::size_t i = next.fetch_add(1); i < count && !failed; i = next.fetch_add(1)) work(i);
     } catch (...) {
       if (!failed.exchange(true)) failure = std::current_exception();
     }
   };
-  std::vector<std::thread> others;
-  try {
-    for (std::size_t k = 1; k < helpers; ++k) others.emplace_back(loop);
-  } catch (const std::exception&) {
-    // Those that there are do it all.
-  }
-  loop();
-  for (std::thread& thread : others) thread.join();
+  if (helpers > 1)
+    run_with_helpers(
+        helpers - 1, [](void* data) { (*static_cast<decltype(loop)*>(data))(); }, &loop);
+  else
+    loop();
   if (failure) std::rethrow_exception(failure);
 }
 

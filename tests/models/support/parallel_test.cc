@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/support/parallel.h"
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -77,6 +80,49 @@ RC_GTEST_PROP(Chunks, CoverAllItemsOnceInOrder, ()) {
     next = last;
   }
   RC_ASSERT(next == count);
+}
+
+TEST(Parallel, WhatIsDoneInParallelMayDoSoItself) {
+  std::vector<std::atomic<int>> times(40);
+  for_each_parallel(
+      8, 4, [&](std::size_t i) { for_each_parallel(5, 3, [&](std::size_t k) { ++times[5 * i + k]; }); });
+  for (const auto& t : times) EXPECT_EQ(t, 1);
+}
+
+TEST(Parallel, SeveralMayAskAtOnce) {
+  std::atomic<long> sum{0};
+  std::vector<std::thread> callers;
+  for (int c = 0; c < 6; ++c)
+    callers.emplace_back([&] {
+      for (int k = 0; k < 300; ++k)
+        for_each_parallel(7, 3, [&](std::size_t i) { sum += static_cast<long>(i); });
+    });
+  for (std::thread& t : callers) t.join();
+  EXPECT_EQ(sum, 6 * 300 * 21);
+}
+
+TEST(Parallel, HelpersStayForTheNextTime) {
+  std::mutex mutex;
+  std::set<std::thread::id> ids;
+  for (int k = 0; k < 200; ++k)
+    for_each_parallel(4, 3, [&](std::size_t) {
+      const std::lock_guard lock(mutex);
+      ids.insert(std::this_thread::get_id());
+    });
+  EXPECT_LE(ids.size(), 20U) << "a thread is made for each call";  // those of the tests before among them
+}
+
+TEST(Parallel, AForkedProcessHasItsOwn) {
+  for_each_parallel(4, 4, [](std::size_t) {});
+  const pid_t child = fork();
+  if (child == 0) {
+    std::atomic<int> done{0};
+    for_each_parallel(100, 4, [&](std::size_t) { ++done; });
+    _exit(done == 100 ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
 }  // namespace
