@@ -39,12 +39,13 @@ class Helpers {
   }
 
   void run(Job& job) {
+    const bool is_one = job.wanted == 1;
     {
       const std::lock_guard lock(mutex_);
       make(job.wanted);
       jobs_.push_back(&job);
     }
-    if (job.wanted == 1)
+    if (is_one)
       work_.notify_one();
     else
       work_.notify_all();
