@@ -59,6 +59,7 @@ struct OdometryStep {
   VehicleId vehicle;
   double dz_m = 0.0;
   double turn_x_rad = 0.0, turn_y_rad = 0.0;
+  double way_m = 0.0;  ///< of rows summed up to a long step: theirs together, not along its chord; 0: none
 
   [[nodiscard]] bool is_planar() const { return dz_m == 0.0 && turn_x_rad == 0.0 && turn_y_rad == 0.0; }
   [[nodiscard]] bool is_zero() const {

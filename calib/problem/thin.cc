@@ -14,6 +14,8 @@ namespace {
 /// Odometry between stretches is summed up to steps of this size: long enough to save, short enough for a
 /// straight chord.
 constexpr double kStepM = 0.5, kStepRad = 0.3;
+/// And to longer ones where a gap would be more than so many: over such a way odometry says little.
+constexpr double kMostSteps = 32;
 
 /// What is kept or left as a whole: an epoch, an instant or a stretch of a drive of one vehicle.
 struct Group {
@@ -150,39 +152,67 @@ class Thinner {
   std::vector<bool> chosen_;
 };
 
-/// Of one vehicle.
-void add_thinned(const std::vector<OdometryStep>& odometry, VehicleId vehicle,
-                 const std::vector<std::pair<double, double>>& spans, std::vector<OdometryStep>& few) {
-  const std::size_t of_others = few.size();
-  const auto next_of = [&](std::size_t row) {
-    while (row < odometry.size() && odometry[row].vehicle != vehicle) ++row;
-    return row;
-  };
-  Pose sum;
-  double way_m = 0.0, turn_rad = 0.0, before_s = -INFINITY;
+double way_m(const OdometryStep& s) { return std::hypot(s.dx_m, s.dy_m, s.dz_m); }
+double turn_rad(const OdometryStep& s) { return std::hypot(s.dheading_rad, s.turn_x_rad, s.turn_y_rad); }
+
+/// Rows of one vehicle, and whether each is near a span: it lies in it or is the next one on either side.
+struct VehicleRows {
+  std::vector<const OdometryStep*> rows;
+  std::vector<bool> near;
+};
+
+VehicleRows rows_of(const std::vector<OdometryStep>& odometry, VehicleId vehicle,
+                    const std::vector<std::pair<double, double>>& spans) {
+  VehicleRows of;
+  for (const OdometryStep& s : odometry)
+    if (s.vehicle == vehicle) of.rows.push_back(&s);
+  of.near.resize(of.rows.size());
   auto span = spans.begin();
-  for (std::size_t row = next_of(0); row < odometry.size();) {
-    const OdometryStep& step = odometry[row];
-    const std::size_t after = next_of(row + 1);
-    const bool is_last = after == odometry.size();
-    // A row is near a span that it lies in, or of which it is the next one on either side.
-    while (span != spans.end() && span->second < before_s) ++span;
-    const bool near = span != spans.end() && (is_last || odometry[after].time_s > span->first);
-    if (few.size() == of_others) {
-      few.push_back(step);
-    } else {
-      sum = sum * step.pose();
-      way_m += std::hypot(step.dx_m, step.dy_m, step.dz_m);
-      turn_rad += std::hypot(step.dheading_rad, step.turn_x_rad, step.turn_y_rad);
-      if (near || is_last || way_m >= kStepM || turn_rad >= kStepRad) {
-        few.push_back({.time_s = step.time_s, .vehicle = vehicle});
-        few.back().set_pose(sum);
-        sum = Pose();
-        way_m = turn_rad = 0.0;
-      }
-    }
-    before_s = step.time_s;
-    row = after;
+  for (std::size_t i = 0; i < of.rows.size(); ++i) {
+    while (span != spans.end() && i > 0 && span->second < of.rows[i - 1]->time_s) ++span;
+    of.near[i] = span != spans.end() && (i + 1 == of.rows.size() || of.rows[i + 1]->time_s > span->first);
+  }
+  return of;
+}
+
+/// Steps to which the rows of a gap are summed up.
+struct GapSteps {
+  double way_m = kStepM, turn_rad = kStepRad;
+  bool are_long = false;  ///< so that their ways are not their chords
+};
+
+/// A gap of any length becomes about as many of them, so that a part of a log has no more states where the
+/// log is longer.
+GapSteps steps_of_gap(const VehicleRows& of, std::size_t row) {
+  double all_m = 0.0, all_rad = 0.0;
+  for (; row < of.rows.size() && !of.near[row]; ++row) {
+    all_m += way_m(*of.rows[row]);
+    all_rad += turn_rad(*of.rows[row]);
+  }
+  GapSteps steps = {std::max(kStepM, all_m / kMostSteps), std::max(kStepRad, all_rad / kMostSteps)};
+  steps.are_long = steps.way_m > kStepM || steps.turn_rad > kStepRad;
+  return steps;
+}
+
+/// Of one vehicle.
+void add_thinned(const VehicleRows& of, std::vector<OdometryStep>& few) {
+  few.push_back(*of.rows.front());
+  Pose sum;
+  double sum_m = 0.0, sum_rad = 0.0;
+  GapSteps steps;
+  for (std::size_t i = 1; i < of.rows.size(); ++i) {
+    const OdometryStep& step = *of.rows[i];
+    if (!of.near[i] && (i == 1 || of.near[i - 1])) steps = steps_of_gap(of, i);
+    sum = sum * step.pose();
+    sum_m += way_m(step);
+    sum_rad += turn_rad(step);
+    const bool last = i + 1 == of.rows.size();
+    if (!of.near[i] && !last && sum_m < steps.way_m && sum_rad < steps.turn_rad) continue;
+    few.push_back({.time_s = step.time_s, .vehicle = step.vehicle});
+    few.back().set_pose(sum);
+    if (steps.are_long && (!of.near[i] || !of.near[i - 1])) few.back().way_m = sum_m;
+    sum = Pose();
+    sum_m = sum_rad = 0.0;
   }
 }
 
@@ -193,7 +223,7 @@ std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odom
   std::set<VehicleId> vehicles;
   for (const OdometryStep& s : odometry) vehicles.insert(s.vehicle);
   std::vector<OdometryStep> few;
-  for (const VehicleId vehicle : vehicles) add_thinned(odometry, vehicle, spans, few);
+  for (const VehicleId vehicle : vehicles) add_thinned(rows_of(odometry, vehicle, spans), few);
   std::stable_sort(few.begin(), few.end(),
                    [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
   return few;
@@ -287,7 +317,7 @@ MeasurementLog without_lists(const MeasurementLog& run) {
 }
 
 DriveStretches stretches_of(const Site& site) {
-  if (site.motion == Motion::kSpatial) return {.length_s = 10.0, .fewest = 20, .per_pair = 4};
+  if (site.motion == Motion::kSpatial) return {.length_s = 40.0, .fewest = 5};
   return {};
 }
 

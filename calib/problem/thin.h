@@ -33,8 +33,9 @@ struct DriveStretches {
                                          std::size_t stretches);
 /// By how much before it came back a two-way range was asked for: 0 for one way.
 [[nodiscard]] double asked_before_s(const Site& site, const Arrival& arrival);
-/// In space a stretch is placed by its own shape among beacons that are known roughly: it has to be long, and
-/// there are few of them, of fewer arrivals a second.
+/// In space a stretch is placed by its own shape among beacons that are known roughly, and of poses that are
+/// as likely by what is heard around it (rough_path.h): what is kept has to be as long as that takes, as
+/// odometry over a long gap tells neither. So there are few of them.
 [[nodiscard]] DriveStretches stretches_of(const Site& site);
 
 /// A smaller recording that tells the same: evenly spread epochs (or stretches of a drive, with their
@@ -44,7 +45,7 @@ struct DriveStretches {
                                   const ThinOptions& options = {});
 
 /// Odometry of all vehicles, by time: rows of the spans of time as they are, what lies between summed up to
-/// longer steps.
+/// longer steps, of which a gap has some tens at most, however long it is.
 /// @param spans  begin and end, ascending
 [[nodiscard]] std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odometry,
                                                          const std::vector<std::pair<double, double>>& spans);

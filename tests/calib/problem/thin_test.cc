@@ -12,6 +12,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "models/simulator/random.h"
+#include "models/trajectory/odometry_noise.h"
 
 namespace octant::test {
 namespace {
@@ -153,6 +154,38 @@ TEST(ThinnedOdometry, GoesTheSameWayThroughFewerRows) {
       }
     }
   }
+}
+
+/// Variances of the end of a way, of its place [m^2] and heading [rad^2], by what each row says of itself.
+std::pair<double, double> end_variance(const std::vector<OdometryStep>& rows) {
+  const OdometryAccuracy accuracy = {.floor_m = 0.0, .floor_rad = 0.0};
+  const std::map<double, Pose> way = way_of(rows, 0);
+  const Eigen::Vector3d end_m = way.rbegin()->second.translation_m;
+  double place_m2 = 0.0, heading_rad2 = 0.0;
+  for (auto row = std::next(rows.begin()); row != rows.end(); ++row) {
+    const OdometryVariance v = variance_of(*row, accuracy);
+    place_m2 +=
+        2 * v.distance_m2 + v.heading_rad2 * (end_m - way.at(row->time_s).translation_m).squaredNorm();
+    heading_rad2 += v.heading_rad2;
+  }
+  return {place_m2, heading_rad2};
+}
+
+TEST(ThinnedOdometry, AGapOfAnyLengthBecomesAsManySteps) {
+  std::vector<std::size_t> sizes;
+  for (const std::size_t rows : {20000U, 40000U, 200000U}) {
+    const std::vector<OdometryStep> all = rows_of_a_drive(rows, 1, false);
+    const double end_s = all.back().time_s;
+    const std::vector<OdometryStep> few = calib::thinned_odometry(all, {{0.0, 3.0}, {end_s - 3.0, end_s}});
+    sizes.push_back(few.size());
+    // What odometry says of the whole is what its rows say, although the steps' ways are not their chords.
+    const auto [place_m2, heading_rad2] = end_variance(few);
+    const auto [rows_m2, rows_rad2] = end_variance(all);
+    EXPECT_NEAR(heading_rad2, rows_rad2, 1e-9 * rows_rad2);
+    EXPECT_NEAR(std::sqrt(place_m2), std::sqrt(rows_m2), 0.1 * std::sqrt(rows_m2));
+  }
+  EXPECT_NEAR(static_cast<double>(sizes[1]), static_cast<double>(sizes[0]), 3.0);
+  EXPECT_NEAR(static_cast<double>(sizes[2]), static_cast<double>(sizes[0]), 3.0);
 }
 
 TEST(ThinnedOdometry, OfNothingOrOneRowIsThat) {
