@@ -138,20 +138,19 @@ class PostgresStore final : public SqlStore {
     return locked;
   }
   Result<SqlSchema> schema() override {
-    const auto ours = number(
-        "SELECT count(*) FROM pg_tables WHERE schemaname = current_schema() AND "
-        "tablename = 'octant_history'");
-    if (!ours) return fail(ours.error());
-    if (*ours > 0) {
-      const auto version = number("SELECT max(version) FROM octant_history");
-      if (!version) return fail(version.error());
-      return SqlSchema{*version, true, false};
-    }
-    const auto others = number(
-        "SELECT count(*) FROM pg_tables WHERE schemaname = current_schema() AND "
-        "tablename IN ('document', 'visit', 'beacon')");
-    if (!others) return fail(others.error());
-    return SqlSchema{0, false, *others == 0};
+    // Of one statement, which sees the tables of one moment: between two, another program may make all of
+    // them, and what is ours would look like another's.
+    PqRows tables(connection_,
+                  "SELECT count(*) FILTER (WHERE tablename = 'octant_history'), "
+                  "count(*) FILTER (WHERE tablename IN ('document', 'visit', 'beacon')) "
+                  "FROM pg_tables WHERE schemaname = current_schema()");
+    const auto row = tables.next();
+    if (!row) return fail(row.error());
+    if (tables.integer(0) == 0) return SqlSchema{0, false, tables.integer(1) == 0};
+    PqRows version(connection_, "SELECT max(version) FROM octant_history");
+    const auto found = version.next();
+    if (!found) return fail(found.error());
+    return SqlSchema{version.integer(0), true, false};
   }
   Result<void> set_version(std::int64_t version) override {
     return run(
@@ -163,13 +162,6 @@ class PostgresStore final : public SqlStore {
   std::string name() const override { return connection_.label; }
 
  private:
-  Result<std::int64_t> number(const std::string& sql) {
-    PqRows rows(connection_, sql);
-    const auto row = rows.next();
-    if (!row) return fail(row.error());
-    return *row ? rows.integer(0) : 0;
-  }
-
   PqConnection connection_;
 };
 

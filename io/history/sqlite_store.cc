@@ -109,12 +109,14 @@ class SqliteStore final : public SqlStore {
   }
   Result<void> begin() override { return run("BEGIN IMMEDIATE"); }
   Result<SqlSchema> schema() override {
+    // In this order. Another program may make all of it, in one transaction, between any two of these: who
+    // sees its tables or its version then sees its owner too.
+    const auto tables = number("SELECT count(*) FROM sqlite_master");
+    if (!tables) return fail(tables.error());
     const auto version = number("PRAGMA user_version");
     if (!version) return fail(version.error());
     const auto owner = number("PRAGMA application_id");
     if (!owner) return fail(owner.error());
-    const auto tables = number("SELECT count(*) FROM sqlite_master");
-    if (!tables) return fail(tables.error());
     return SqlSchema{*version, *owner == kApplicationId, *version == 0 && *tables == 0};
   }
   Result<void> set_version(std::int64_t version) override {

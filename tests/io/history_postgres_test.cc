@@ -210,6 +210,25 @@ TEST_F(PostgresHistory, AFailedAdditionLeavesNothing) {
   EXPECT_EQ(history->list()->size(), 1u);
 }
 
+/// Who looks while another makes the tables sees none of them or all.
+TEST_F(PostgresHistory, IsNeverAnothersWhileItIsMade) {
+  auto looking = SqlDatabase::open(database(), true);
+  ASSERT_TRUE(looking);
+  for (int round = 0; round < 15; ++round) {
+    const pid_t maker = fork();
+    ASSERT_GE(maker, 0);
+    if (maker == 0) _exit(History::open(database(), true) ? 0 : 1);
+    for (bool made = false; !made;) {
+      const auto schema = looking->store().schema();
+      ASSERT_TRUE(schema) << schema.error().message();
+      ASSERT_TRUE(schema->ours || schema->empty) << "round " << round;
+      made = schema->ours || waitpid(maker, nullptr, WNOHANG) == maker;
+    }
+    waitpid(maker, nullptr, 0);
+    ASSERT_TRUE(looking->run("DROP TABLE beacon, visit, document, octant_history"));
+  }
+}
+
 /// All make the tables at once, too.
 TEST_F(PostgresHistory, EightWritersLoseNothing) {
   constexpr int kWriters = 8, kEach = 25;
@@ -223,6 +242,7 @@ TEST_F(PostgresHistory, EightWritersLoseNothing) {
       // Every fifth visit is the same for all.
       for (int i = 0; history && i < kEach; ++i)
         well = well && history->add({visit_numbered(i % 5 == 0 ? i : 1000 * (w + 1) + i)}).has_value();
+      if (!history) std::fprintf(stderr, "writer %d: %s\n", w, history.error().message().c_str());
       _exit(history && well ? 0 : 1);
     }
     writers.push_back(child);

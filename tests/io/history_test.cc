@@ -188,6 +188,28 @@ TEST(History, EightWritersAtOnceLoseNothing) {
   EXPECT_EQ(history->calibrations("hall")->at(199).beacons.size(), 2u);
 }
 
+/// Who looks while another makes the file sees nothing or all of it.
+TEST(History, IsNeverAnothersWhileItIsMade) {
+  const TemporaryFolder folder;
+  for (int round = 0; round < 30; ++round) {
+    const std::string path = folder.path("h" + std::to_string(round) + ".db");
+    auto looking = SqlDatabase::open(path, true);
+    ASSERT_TRUE(looking);
+    const pid_t maker = fork();
+    ASSERT_GE(maker, 0);
+    if (maker == 0) _exit(History::open(path, true) ? 0 : 1);
+    for (bool made = false; !made;) {
+      const auto schema = looking->store().schema();
+      ASSERT_TRUE(schema) << schema.error().message();
+      ASSERT_TRUE(schema->ours || schema->empty) << "round " << round;
+      made = schema->ours;
+    }
+    int status = 1;
+    waitpid(maker, &status, 0);
+    ASSERT_EQ(status, 0);
+  }
+}
+
 TEST(History, AnAdditionIsWholeOrNothing) {
   const TemporaryFolder folder;
   auto history = History::open(folder.path("h.db"), true);
