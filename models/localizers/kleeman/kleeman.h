@@ -17,10 +17,12 @@
 namespace octant {
 
 // L. Kleeman, "Ultrasonic autonomous robot localisation system". Where its parts are, in the paper's order:
-//   kleeman_schedule.h    firing in turn, eq. 1              hyperbolic_fix.h      three beacons, eq. 2-4,
-//   error analysis kleeman_sync.h        pulses to labelled arrivals        kleeman_validation.h  triangle
-//   inequality, eq. 5-6 kleeman_longsolve.h   the best triples of all beacons    kleeman_heading.h
-//   orientation
+//   kleeman_schedule.h    firing in turn, eq. 1
+//   hyperbolic_fix.h      three beacons, eq. 2-4, and its error analysis (in least_squares/)
+//   kleeman_sync.h        pulses to labelled arrivals
+//   kleeman_validation.h  triangle inequality, eq. 5-6
+//   kleeman_longsolve.h   the best triples of all beacons
+//   kleeman_heading.h     orientation
 // and here: the arrivals of one cycle through all of it, and the speed of sound from their redundancy.
 
 struct KleemanOptions {
