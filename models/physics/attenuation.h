@@ -13,9 +13,9 @@ inline constexpr double kLeastHalfPowerAngle_rad = 0.02, kMostHalfPowerAngle_rad
 
 /// How a pulse weakens with distance and off a receiver's axis, and how late a threshold crossing therefore
 /// comes.
-///   A(d, theta) = A_1m / d exp(-alpha d) D(theta)   spherical spreading, absorption, a receiver's
-///   directivity D(theta) = ((1 + cos theta) / 2)^m              1 / sqrt 2 (3 dB down) at the half-power
-///   angle walk = -tau ln(1 - V_th / A)                    first-order envelope
+///   A(d, theta) = A_1m / d exp(-alpha d) D(theta)   spherical spreading, absorption, directivity
+///   D(theta) = ((1 + cos theta) / 2)^m              1 / sqrt 2 (3 dB down) at the half-power angle
+///   walk = -tau ln(1 - V_th / A)                    first-order envelope
 struct AttenuationModel {
   double amplitude_1m_v = 1.0;  ///< on the receiver's axis
   double absorption_np_per_m = 0.0;
