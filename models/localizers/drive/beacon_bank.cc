@@ -10,14 +10,17 @@
 namespace octant {
 namespace {
 
-/// Variance of what is left of a start that a beacon took part in: a metre and as much as half a radian.
+/// Of b at a, as Motion has it.
 template <int kDof>
-Eigen::Matrix<double, kDof, 1> little_known() {
-  constexpr int kPlaces = kDof == 3 ? 2 : 3;
-  Eigen::Matrix<double, kDof, 1> variance;
-  variance.template head<kPlaces>().setConstant(1.0);
-  variance.template tail<kDof - kPlaces>().setConstant(0.25);
-  return variance;
+Eigen::Matrix<double, kDof, 1> tangent_between(const Pose& a, const Pose& b) {
+  Eigen::Matrix<double, kDof, 1> off;
+  const Eigen::Vector3d p = b.translation_m - a.translation_m;
+  if constexpr (kDof == 3) {
+    off << p.template head<2>(), wrap_angle(b.heading_rad() - a.heading_rad());
+  } else {
+    off << p, log_rotation(a.rotation.conjugate() * b.rotation);
+  }
+  return off;
 }
 
 }  // namespace
@@ -43,15 +46,13 @@ void BeaconBankOf<kDof>::start() {
 }
 
 template <int kDof>
-void BeaconBankOf<kDof>::start(const Filter& filter, const Trajectory& heard) {
+void BeaconBankOf<kDof>::start(const Filter& filter, const Trajectory& heard, const StartWithout& without) {
   start();
-  typename Filter::Covariance covariance = filter.covariance();
-  covariance.diagonal() += little_known<kDof>();
-  for (const ArrivalObservation& a : heard.arrivals) {
-    if (slots_.empty() || a.rejection != Rejection::kUsed) continue;
-    Slot& slot = slot_of(a.beacon, filter);
-    slot.filter.start(filter.pose(), covariance);
-  }
+  if (slots_.empty()) return;
+  for (const ArrivalObservation& a : heard.arrivals)
+    if (a.rejection == Rejection::kUsed) static_cast<void>(slot_of(a.beacon, filter));
+  for (Slot& slot : slots_)
+    if (slot.beacon.valid()) without(slot.beacon, slot.filter);
 }
 
 template <int kDof>
@@ -104,14 +105,15 @@ template <int kDof>
 void BeaconBankOf<kDof>::exclude(Slot& slot, Filter& filter) {
   excluded_[slot.beacon.index()] = kGoodInARow;
   filter.take_state(slot.filter);
-  // All others took its arrivals: they begin again with what never did.
-  const BeaconId beacon = slot.beacon;
-  for (Slot& other : slots_)
-    if (other.beacon.valid() && other.beacon != beacon) {
-      typename Filter::Covariance covariance = filter.covariance();
-      covariance.diagonal() += little_known<kDof>();
-      other.filter.start(filter.pose(), covariance);
-    }
+  // All others took its arrivals. They begin again where the one has the vehicle that never did, which owes
+  // something to each of their beacons: no more than they and it disagree by, and than they know themselves.
+  // Of both twice the sigma: their errors go together.
+  for (Slot& other : slots_) {
+    if (!other.beacon.valid() || other.beacon == slot.beacon) continue;
+    const typename Filter::Vector off = tangent_between<kDof>(filter.pose(), other.filter.pose());
+    other.filter.start(filter.pose(),
+                       filter.covariance() + 4.0 * (other.filter.covariance() + off * off.transpose()));
+  }
 }
 
 template <int kDof>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -35,9 +36,10 @@ class BeaconBankOf {
 
   /// Begins anew, with a pose that owes nothing to the beacons.
   void start();
-  /// Begins anew, with a pose that was found by these beacons: without one of them little of it is known at
-  /// first.
-  void start(const Filter& filter, const Trajectory& heard);
+  /// Starts a filter with what is known of the pose without a beacon.
+  using StartWithout = std::function<void(BeaconId, Filter&)>;
+  /// Begins anew, with a pose that was found by these beacons.
+  void start(const Filter& filter, const Trajectory& heard, const StartWithout& without);
   void set_range_slack(double range_slack_m);
   void predict(const Pose& step, const OdometryObservation& whole, double share);
   /// Corrects the drive's filter by an arrival, and all that may have it. Returns whether the drive's filter

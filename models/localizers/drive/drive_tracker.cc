@@ -74,6 +74,11 @@ class DriveTracker::CoreOf final : public Core {
   void observe_all(std::span<const Arrival> arrivals);
   /// Tries to find the place from the window, if it is time to.
   void search();
+  /// Starts a filter where the window's states, as they are settled, have its end.
+  void start_at_end(Filter& filter);
+  /// The same of the states as they are settled without a beacon. A filter that began with little known of
+  /// its attitude instead would not be linear enough to judge another one.
+  void start_without(BeaconId beacon, Filter& filter);
   [[nodiscard]] Segment window() const;
 
   EpochFixModel model_;
@@ -86,6 +91,7 @@ class DriveTracker::CoreOf final : public Core {
   NodeCalibration start_calibration_;  ///< how the place found follows the calibration
   bool placed_ = false;
   Trajectory t_;  ///< the stretch that the place is searched with; with a place: the instant alone
+  std::vector<Node> with_all_;  ///< its nodes, while they are settled without a beacon
   double next_search_s_ = 0.0;  ///< span of the window at which to search
   OdometryStep row_;            ///< last row, and how long it took
   double row_s_ = 0.0;
@@ -101,9 +107,7 @@ DriveTracker::CoreOf<kDof>::CoreOf(const Deployment& deployment, const OdometryA
       odometry_(odometry),
       trajectory_model_(trajectory_model(deployment)),
       filter_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_),
-      // A filter that begins with little known of its attitude is not linear enough to judge another one.
-      bank_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_,
-            options.protect && kDof == 3),
+      bank_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_, options.protect),
       start_calibration_(filter_.node_calibration_room()),
       scratch_(kDriveScratchBytes) {
   t_.motion = Filter::kMotion;
@@ -111,6 +115,7 @@ DriveTracker::CoreOf<kDof>::CoreOf(const Deployment& deployment, const OdometryA
   t_.turnaround_s = deployment.timing.turnaround_s;
   t_.nominal_speed_mps = model_.nominal_speed_mps;
   t_.nodes.reserve(kMaxNodes + 1);
+  with_all_.reserve(kMaxNodes + 1);
   t_.odometry.reserve(kMaxNodes);
   t_.arrivals.reserve(kMaxArrivals);
   t_.T_hear_send.reserve(kMaxArrivals);
@@ -214,16 +219,40 @@ void DriveTracker::CoreOf<kDof>::search() {
   const ScratchScope scope(scratch_);
   const Segment all = window();
   if (!place_stretch(t_, all, model_, options_)) return;
+  start_at_end(filter_);
+  const double slack_m = independent_slack_m(t_, all, model_, options_.range_slack_m);
+  filter_.set_range_slack(slack_m);
+  bank_.start(filter_, t_, [this](BeaconId beacon, Filter& filter) { start_without(beacon, filter); });
+  bank_.set_range_slack(slack_m);
+  placed_ = true;
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::start_at_end(Filter& filter) {
+  const Segment all = window();
   const std::size_t now = t_.nodes.size() - 1;
   const ChainFactor chain = factor_chain(t_, all, model_.state);
   if (chain.ok) node_calibration(t_, all, model_.state, chain, calibration_, now, start_calibration_);
-  filter_.start(t_.nodes[now].T_map_vehicle, start_covariance(t_, all, model_, options_.range_slack_m, now),
-                chain.ok ? &start_calibration_ : nullptr);
-  const double slack_m = independent_slack_m(t_, all, model_, options_.range_slack_m);
-  filter_.set_range_slack(slack_m);
-  bank_.start(filter_, t_);
-  bank_.set_range_slack(slack_m);
-  placed_ = true;
+  filter.start(t_.nodes[now].T_map_vehicle, start_covariance(t_, all, model_, options_.range_slack_m, now),
+               chain.ok ? &start_calibration_ : nullptr);
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::start_without(BeaconId beacon, Filter& filter) {
+  const ScratchScope scope(scratch_);
+  with_all_ = t_.nodes;
+  const auto mark = [&](Rejection from, Rejection to) {
+    for (ArrivalObservation& a : t_.arrivals)
+      if (a.beacon == beacon && a.rejection == from) a.rejection = to;
+  };
+  mark(Rejection::kUsed, Rejection::kBeaconFault);
+  {
+    const WidenedArrivals widened(t_, window(), model_, options_.range_slack_m);
+    settle(t_, window(), model_.state, {.late_scale = 2.5, .early_scale = 4.0}, 15);
+  }
+  start_at_end(filter);
+  mark(Rejection::kBeaconFault, Rejection::kUsed);
+  t_.nodes = with_all_;
 }
 
 template <int kDof>

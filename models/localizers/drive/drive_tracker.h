@@ -16,9 +16,9 @@ namespace octant {
 /// vehicle, in the plane or in space, no cycle offset. Where it was is not asked: until the arrivals of the
 /// last stretch of the drive settle one pose (as `find_start` does), and again when most arrivals contradict
 /// it, there is no fix; a search is tried whenever the stretch has grown by a third. With a place it is an
-/// iterated extended Kalman filter (`DriveFilterOf`). A fix takes microseconds; a search some tens of
-/// milliseconds. In the plane all memory is taken at construction; in space a search takes some, and
-/// there are no protection levels.
+/// iterated extended Kalman filter (`DriveFilterOf`), with protection levels one more a beacon
+/// (`BeaconBankOf`). A fix takes microseconds; a search some tens of milliseconds, and with protection levels
+/// some more. In the plane all memory is taken at construction; in space a search takes some.
 class DriveTracker final : public Localizer {
  public:
   DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry,

@@ -18,9 +18,9 @@ struct TrackerOptions {
       2.0;  ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
   double max_start_window_s = 120.0;
   double range_slack_m = 0.0;  ///< as in EpochFixOptions
-  bool protect = false;  ///< protection levels. Of a filter in the plane: as many filters more as beacons are
-                         ///< heard, and one whose beacon is at fault takes over; of a smoothed drive: as many
-                         ///< solutions more (chain_protection.h; space_track.h)
+  bool protect = false;  ///< protection levels. Of a filter: as many filters more as beacons are heard, and
+                         ///< one whose beacon is at fault takes over; of a smoothed drive: as many solutions
+                         ///< more (chain_protection.h; space_track.h)
   int threads = 1;       ///< on stretches of a drive that is smoothed
   bool smooth = true;    ///< use the whole run (fixed-interval smoothing); false: only what came before
 };

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/drive/beacon_bank.h"
 
+#include <algorithm>
+#include <cstdint>
+
 #include <gtest/gtest.h>
 
 #include "models/localizers/drive/tracker.h"
@@ -11,31 +14,102 @@
 namespace octant::test {
 namespace {
 
-// A beacon whose times creep off by 20 us a second, which no arrival by itself shows: the filter follows it,
-// the one without it does not.
-TEST(BeaconBank, ACreepingBeaconStaysWithinTheLevel) {
-  World world = must(simulate(drive_scenario(60.0), 7));
+/// The hall with beacons at all heights, flown through.
+Scenario flight_scenario(double duration_s) {
+  constexpr double kHeights[] = {2.5, 0.5, 2.6, 1.3, 3.4, 0.6, 2.4, 1.5};
+  Scenario s = drive_scenario(duration_s);
+  s.site.motion = Motion::kSpatial;
+  s.hearing_half_angle_rad = 3.2;
+  s.log_odometry = true;
+  s.odometry_accuracy = {.distance_sigma_m_per_sqrt_m = 0.02, .heading_sigma_rad_per_sqrt_m = 0.02};
+  for (std::size_t i = 0; i < s.site.beacons.size(); ++i) s.site.beacons[i].position_m[2] = kHeights[i];
+  return s;
+}
+
+struct Levels {
+  int given = 0, beyond = 0, faults = 0, faults_of_others = 0;
+  double largest_m = 0.0;
+};
+
+/// Of the causal filter, with the times of a beacon off by that many seconds so long after the start.
+template <class Fault>
+Levels levels_with(World world, BeaconId at_fault, Fault&& late_s) {
   for (Arrival& a : world.heldout.arrivals)
-    if (a.beacon == BeaconId(2))
-      a.tof_s += 20e-6 * std::max(0.0, a.time_s - world.heldout.arrivals.front().time_s - 15.0);
-  int leveled = 0, beyond = 0, of_others = 0;
+    if (a.beacon == at_fault) a.tof_s += late_s(a.time_s - world.heldout.arrivals.front().time_s);
+  Levels levels;
   TrackerOptions options;
   options.protect = true;
   options.smooth = false;
   std::size_t row = 0;
   for (const Fix& fix : track(world.heldout, world.truth, options)) {
     for (const Rejection r : fix.rejections) {
-      const bool out = r == Rejection::kBeaconFault;
-      of_others += out && world.heldout.arrivals[row].beacon != BeaconId(2);
-      ++row;
+      const bool of_it = world.heldout.arrivals[row++].beacon == at_fault;
+      if (r == Rejection::kBeaconFault) ++(of_it ? levels.faults : levels.faults_of_others);
     }
     if (!fix.ok() || fix.protection_level_m == 0.0) continue;
-    ++leveled;
-    beyond += off_truth_m(world, fix) > fix.protection_level_m;
+    ++levels.given;
+    levels.beyond += off_truth_m(world, fix) > fix.protection_level_m;
+    levels.largest_m = std::max(levels.largest_m, fix.protection_level_m);
   }
-  EXPECT_GT(leveled, 500);
-  EXPECT_EQ(beyond, 0);
-  EXPECT_EQ(of_others, 0);
+  return levels;
+}
+
+// A beacon whose times creep off by 20 us a second, which no arrival by itself shows: the filter follows it,
+// the one without it does not.
+double creeping_s(double time_s) { return 20e-6 * std::max(0.0, time_s - 15.0); }
+
+TEST(BeaconBank, ACreepingBeaconStaysWithinTheLevel) {
+  const Levels levels = levels_with(must(simulate(drive_scenario(60.0), 7)), BeaconId(2), creeping_s);
+  EXPECT_GT(levels.given, 500);
+  EXPECT_EQ(levels.beyond, 0);
+  EXPECT_EQ(levels.faults_of_others, 0);
+  EXPECT_LT(levels.largest_m, 1.0) << "filters begin again with what is known of the pose";
+}
+
+TEST(BeaconBank, ABeaconThatWasOffBeforeTheStartStaysWithinTheLevel) {
+  for (const double late_s : {60e-6, 200e-6, 1e-3})
+    for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8}) {
+      const Levels levels = levels_with(must(simulate(drive_scenario(30.0), seed)), BeaconId(seed % 8),
+                                        [late_s](double) { return late_s; });
+      EXPECT_GT(levels.given, 500) << seed;
+      EXPECT_EQ(levels.beyond, 0) << seed << " " << late_s;
+      EXPECT_LT(levels.largest_m, 1.0) << seed << " " << late_s;
+    }
+}
+
+TEST(BeaconBank, ACreepingBeaconStaysWithinTheLevelInSpace) {
+  int given = 0, faults = 0;
+  for (const std::uint64_t seed : {1, 2, 4}) {
+    const Levels levels =
+        levels_with(must(simulate(flight_scenario(60.0), seed)), BeaconId(seed), creeping_s);
+    EXPECT_EQ(levels.beyond, 0) << seed;
+    EXPECT_LT(levels.largest_m, 1.0) << seed;
+    given += levels.given;
+    faults += levels.faults;
+  }
+  EXPECT_GT(given, 15000);
+  EXPECT_GT(faults, 500) << "and is found";
+}
+
+TEST(BeaconBank, ABeaconThatWasOffBeforeTheStartStaysWithinTheLevelInSpace) {
+  int given = 0;
+  for (const std::uint64_t seed : {1, 4, 8}) {
+    const Levels levels = levels_with(must(simulate(flight_scenario(30.0), seed)), BeaconId(seed % 8),
+                                      [](double) { return 200e-6; });
+    EXPECT_EQ(levels.beyond, 0) << seed;
+    given += levels.given;
+  }
+  EXPECT_GT(given, 6000);
+}
+
+TEST(BeaconBank, BlamesNoGoodBeaconInSpace) {
+  for (const std::uint64_t seed : {3, 5}) {
+    const Levels levels =
+        levels_with(must(simulate(flight_scenario(30.0), seed)), BeaconId(0), [](double) { return 0.0; });
+    EXPECT_GT(levels.given, 2000) << seed;
+    EXPECT_EQ(levels.beyond + levels.faults + levels.faults_of_others, 0) << seed;
+    EXPECT_LT(levels.largest_m, 0.3) << seed;
+  }
 }
 
 TEST(BeaconBank, NoneIsWantedNoneIsGiven) {
