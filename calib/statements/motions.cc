@@ -30,14 +30,7 @@ struct SideCost {
 class StopTest {
  public:
   StopTest(const Trajectory& t, const Segment& segment, const SharedState& state, double limit)
-      : state_(state), limit_(limit) {
-    one_.run = t.run;
-    one_.vehicle = t.vehicle;
-    one_.motion = t.motion;
-    one_.has_cycle_offset = t.has_cycle_offset;
-    one_.nominal_speed_mps = t.nominal_speed_mps;
-    one_.turnaround_s = t.turnaround_s;
-    one_.nodes = {t.nodes[segment.first_node]};
+      : state_(state), limit_(limit), one_(standing_at(t, t.nodes[segment.first_node])) {
     for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
       ArrivalObservation a = t.arrivals[i];
       if (a.rejection != Rejection::kUsed && !is_left_out(a.rejection)) continue;
@@ -48,9 +41,7 @@ class StopTest {
       }
       one_.arrivals.push_back(a);
     }
-    one_.segments.resize(1);
-    one_.segments[0].last_node = 1;
-    one_.segments[0].last_arrival = one_.arrivals.size();
+    set_only_segment(one_);
     for (const ArrivalObservation& a : one_.arrivals) times_.insert(a.time_s);
   }
 
