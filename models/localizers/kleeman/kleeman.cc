@@ -25,8 +25,7 @@ Result<void> kleeman_fits(const Deployment& d) {
   if (d.beacons.size() > kKleemanBeacons)
     return fail(
         lacks("kleeman: the deployment has " + std::to_string(d.beacons.size()) + " beacons", "16 at most"));
-  std::size_t usable = 0;
-  for (const DeploymentBeacon& b : d.beacons) usable += b.status != BeaconStatus::kUndetermined ? 1 : 0;
+  const std::size_t usable = usable_beacons(d);
   if (usable < 3)
     return fail(lacks(
         std::string("kleeman: the deployment has ").append(std::to_string(usable)).append(" usable beacons"),
