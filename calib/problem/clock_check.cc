@@ -130,7 +130,7 @@ std::vector<Offset> offsets_of(const Trajectory& original, const SharedState& st
   Trajectory t = original;
   t.has_cycle_offset = true;
   for (ArrivalObservation& a : t.arrivals)
-    if (a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly) a.rejection = Rejection::kUsed;
+    if (is_outlier(a.rejection)) a.rejection = Rejection::kUsed;
   std::vector<Offset> offsets;
   const std::size_t needed = t.motion == Motion::kPlanar ? 4 : 5;
   for (const Segment& s : t.segments) {

@@ -83,13 +83,10 @@ std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, Beacon
 double typical_range_m(const Site& site, const std::vector<Trajectory>& trajectories) {
   constexpr std::size_t kEnough = 50000;
   const SharedState prior = prior_state(site);
-  std::size_t arrivals = 0;
-  for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
-  const std::size_t every = arrivals / kEnough + 1;
   std::vector<double> ranges;
-  for (const Trajectory& t : trajectories)
-    for (std::size_t i = 0; i < t.arrivals.size(); i += every)
-      ranges.push_back(prior_range_m(t, t.arrivals[i], prior));
+  for_each_spread_arrival(trajectories, kEnough, [&](const Trajectory& t, const ArrivalObservation& a) {
+    ranges.push_back(prior_range_m(t, a, prior));
+  });
   return ranges.empty() ? 1.0 : std::max(median(std::move(ranges)), 1e-3);
 }
 

@@ -58,7 +58,7 @@ std::vector<BeaconCounts> count(const Fit& fit) {
     for (const BearingObservation& b : t.bearings) {
       if (!b.reflector.valid() || !t.nodes[b.node].placed) continue;
       ++counts[b.reflector.index()].bearings;
-      counts[b.reflector.index()].bearings_out += is_left_out(b.rejection);
+      counts[b.reflector.index()].bearings_out += is_outlier(b.rejection);
     }
   }
   return counts;
@@ -84,7 +84,7 @@ Places places_of(const Fit& fit, std::size_t beacon) {
       if (a.beacon.index() != beacon || !is_counted(t, a)) continue;
       const Place place = place_at(t.nodes[a.node].T_map_vehicle.translation_m, fit.problem.typical_range_m);
       heard.insert(place);
-      if (is_left_out(a.rejection)) left_out.insert(place);
+      if (is_outlier(a.rejection)) left_out.insert(place);
       if (a.rejection == Rejection::kEarly) early.insert(place);
     }
   return {heard.size(), left_out.size(), early.size()};

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "models/localizers/common/pair_ranges.h"
 #include "models/localizers/kleeman/kleeman_work.h"
 
 namespace octant {
@@ -56,13 +57,8 @@ void Kleeman::reset() noexcept {
 
 void Kleeman::locate_known(const Observations& observations, Fix& fix) noexcept {
   const std::span<const Arrival> arrivals = observations.arrivals;
-  fix.T_map_vehicle = Pose();
+  begin_fix(arrivals, fix);
   fix.covariance.setZero(3, 3);
-  fix.time_s = fix.protection_level_m = fix.cost = 0.0;
-  fix.vehicle = arrivals.empty() ? VehicleId() : arrivals.front().vehicle;
-  fix.epoch = arrivals.empty() ? kNoEpoch : arrivals.front().epoch;
-  fix.arrivals_used = fix.arrivals_rejected = 0;
-  fix.rejections.clear();
   if (!arrivals.empty()) fix.time_s = (arrivals.front().time_s + arrivals.back().time_s) / 2;
   fix.status = place(arrivals, scale_);
   if (!fix.ok()) return;
