@@ -3,17 +3,27 @@
 #include "calib/problem/ranges.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/observed_range.h"
 
 namespace octant::calib {
 
+double nth_smallest(std::vector<double> values, std::size_t n) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(n);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const std::size_t middle = values.size() / 2;
+  return values.empty() ? 0.0 : nth_smallest(std::move(values), middle);
+}
+
+double quantile(std::vector<double> values, double share) {
+  const auto below = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  return nth_smallest(std::move(values), below);
 }
 
 double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {

@@ -47,6 +47,10 @@ void for_each_spread_arrival(const std::vector<Trajectory>& trajectories, std::s
 
 /// Median; 0 for no values.
 [[nodiscard]] double median(std::vector<double> values);
+/// The value that `n` others are not above. @param n  below the number of values
+[[nodiscard]] double nth_smallest(std::vector<double> values, std::size_t n);
+/// @param values  one at least  @param share  0: the smallest, 1: the largest
+[[nodiscard]] double quantile(std::vector<double> values, double share);
 
 /// A place of the vehicle, within which errors are one and the same (reflections, cameras, bodies in the
 /// way): arrivals that were recorded there are one piece of evidence, however many they are.
