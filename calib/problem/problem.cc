@@ -43,7 +43,7 @@ Result<void> check_unit(const Site& site, const MeasurementLog& run) {
     tof_s.push_back(std::abs(run.arrivals[i].tof_s));
   if (tof_s.empty()) return {};
   const double median_s = median(std::move(tof_s));
-  const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0;
+  const double legs = site.timing.legs();
   const double distance_m =
       std::max(0.0, median_s - site.timing.turnaround_s) * speed_mps(site.medium) / legs;
   const double extent_m = site_extent_m(site, run);

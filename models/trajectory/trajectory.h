@@ -46,6 +46,7 @@ struct ArrivalObservation {
   bool two_way = false;
   std::int32_t hear_send = -1;  ///< two-way ranging: index into Trajectory::T_hear_send
   Rejection rejection = Rejection::kUsed;
+  [[nodiscard]] double legs() const { return legs_of(two_way); }
 };
 
 struct BearingObservation {
