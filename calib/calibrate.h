@@ -36,7 +36,8 @@ struct SolveOptions {
 
 /// The bundle adjustment: initial values, graduated robust adjustment, rejection, covariance, verdict.
 [[nodiscard]] Solution solve(const Problem& problem, const SolveOptions& options = {});
-/// The same in less memory: the trajectories of a long log are moved from the problem into the solution.
+/// Does what solve() does in less memory: it moves the trajectories of a long log from the problem into the
+/// solution.
 [[nodiscard]] Solution solve_in_place(Problem& problem, const SolveOptions& options = {});
 
 /// Where a deployment came from.

@@ -110,20 +110,16 @@ class Calibrator {
     sigma = numbers.back();
   }
 
-  /// Small departures of the noise wait for the chi-square test of the inliers' squares.
-  Result<void> adjust_with_noise_as_found(double sigma) {
+  Result<DataSquares> adjust_with_noise_as_found(double sigma) {
     if (is_far_off(sigma)) log_.scale_noise(estimate_, sigma);
-    NoiseSearch noise;
-    for (int round = 0; round < kNoiseRounds; ++round) {
-      const auto statistics = log_.adjust_inliers(estimate_);
-      if (!statistics) return fail(statistics.error());
-      // A prior that is contradicted is no noise of the arrivals: only what the recordings say counts.
-      const double prior = prior_cost(log_.problem(), estimate_.layout, estimate_.x),
-                   factor = noise.step(estimate_.last.cost - prior, statistics->redundancy);
-      if (factor == 1.0) break;
-      log_.scale_noise(estimate_, factor);
-    }
-    return {};
+    return adjust_and_scale_noise(
+        [this]() -> Result<DataSquares> {
+          const auto statistics = log_.adjust_inliers(estimate_);
+          if (!statistics) return fail(statistics.error());
+          const double prior = prior_cost(log_.problem(), estimate_.layout, estimate_.x);
+          return DataSquares{estimate_.last.cost - prior, statistics->redundancy};
+        },
+        [this](double factor) { log_.scale_noise(estimate_, factor); });
   }
 
   CalibrationLog& log_;

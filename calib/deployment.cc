@@ -7,6 +7,7 @@
 #include "calib/calibrate.h"
 #include "calib/deployment_head.h"
 #include "calib/errors/variances.h"
+#include "calib/problem/ranges.h"
 #include "calib/verdict/reach.h"
 #include "calib/verdict/validity.h"
 #include "models/trajectory/linearise.h"
@@ -89,9 +90,8 @@ void add_hearing(const Solution& solution, Deployment& d) {
   for (DeploymentReceiver& receiver : d.receivers) {
     std::vector<double>& seen = cosines[receiver.vehicle.index()];
     if (!receiver.axis || seen.size() < kEnough) continue;
-    const auto at = seen.begin() + static_cast<std::ptrdiff_t>(kOutliers * static_cast<double>(seen.size()));
-    std::nth_element(seen.begin(), at, seen.end());
-    receiver.hearing_cosine = *at - kMargin;
+    const auto outliers = static_cast<std::size_t>(kOutliers * static_cast<double>(seen.size()));
+    receiver.hearing_cosine = nth_smallest(seen, outliers) - kMargin;
   }
 }
 

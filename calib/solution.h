@@ -36,9 +36,9 @@ struct WeakDirection {
   bool lone_beacon = false;    ///< an undetermined beacon, which does not block the others
 };
 
-/// Of sites with so many parameters that their joint covariance is not formed: of each beacon's parameters
-/// among themselves, and of those that no one beacon has. SI units, order of `parameters`; pairs that are not
-/// told have no element.
+/// Covariance of sites with so many parameters that the joint one is not formed: it has each beacon's
+/// parameters among themselves, and those that no one beacon has. SI units, order of `parameters`; other
+/// pairs have no element.
 struct MarginalCovariance {
   std::vector<ParameterId> parameters;
   Eigen::SparseMatrix<double> matrix;
@@ -89,7 +89,7 @@ struct Solution {
   std::vector<LeftOutBearing> left_out_bearings;
   std::vector<LeftOutPose> left_out_poses;
   std::vector<bool> beacon_mirrored;  ///< its mirror image is as good by all observations
-  /// Of a log that was streamed: its trajectories are only a part of it, and this is of all.
+  /// Counts over all of a log that was streamed, as the trajectories are only a part of it.
   std::optional<WholeLog> whole;
   std::vector<WeakDirection> weak;
   std::vector<std::string> undetermined;  ///< names of parameters

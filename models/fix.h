@@ -42,9 +42,15 @@ enum class Rejection : std::uint8_t {
   kBeaconFault  ///< its beacon's arrivals together contradict those of all others
 };
 [[nodiscard]] const char* to_string(Rejection rejection);
+/// Whether an observation was left out because of its residual.
+[[nodiscard]] constexpr bool is_outlier(Rejection r) {
+  return r == Rejection::kLate || r == Rejection::kEarly;
+}
+/// Whether it is the residual that decides about an observation.
+[[nodiscard]] constexpr bool is_by_residual(Rejection r) { return r == Rejection::kUsed || is_outlier(r); }
 
-/// Of a pose's tangent vector: planar (x, y, heading), 3x3; spatial (translation, rotation in the vehicle
-/// frame), 6x6. Its room is fixed, so that a fix takes no memory of its own.
+/// Covariance of a pose's tangent vector: planar (x, y, heading), 3x3; spatial (translation, rotation in the
+/// vehicle frame), 6x6. Its room is fixed, so that a fix takes no memory of its own.
 using PoseCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
 /// Variance of an angle of which nothing is known, uniform over a turn [rad^2]: rotations in a covariance

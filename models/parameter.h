@@ -116,7 +116,7 @@ template <class Index>
   return of(ParameterKind::kArray, vehicle, 1);
 }
 [[nodiscard]] constexpr ParameterId site_delay() { return of(ParameterKind::kSiteDelay, 0); }
-/// Of all runs together, or of the run of that number (from 1).
+/// The speed of all runs together, or of the run of that number (from 1).
 [[nodiscard]] constexpr ParameterId speed(std::size_t run_number = 0) {
   return of(ParameterKind::kSpeed, run_number);
 }
@@ -133,24 +133,9 @@ template <class Index>
 
 }  // namespace parameters
 
-/// What a visitor says of the kinds that it has no function for: it holds none of them.
-template <class Answer>
-struct HoldsNone {
-  static Answer beacon_position(std::size_t, std::size_t) { return Answer(); }
-  static Answer beacon_delay(std::size_t) { return Answer(); }
-  static Answer beacon_gain(std::size_t) { return Answer(); }
-  static Answer receiver_position(std::size_t, std::size_t) { return Answer(); }
-  static Answer receiver_delay(std::size_t) { return Answer(); }
-  static Answer array(std::size_t, std::size_t) { return Answer(); }
-  static Answer site_delay() { return Answer(); }
-  static Answer speed(std::size_t) { return Answer(); }
-  static Answer attenuation(std::size_t) { return Answer(); }
-  static Answer clock_drift(std::size_t) { return Answer(); }
-  static Answer pair_bias(std::size_t, std::size_t) { return Answer(); }
-};
-
 /// The one switch over the kinds of parameters for whoever holds them (a state, a site, a deployment): calls
-/// the visitor's function of that name, which HoldsNone has for those that a visitor does not hold.
+/// the visitor's function of that name. A visitor has a function for each kind, also for those that it does
+/// not hold, so that a new kind does not compile before each visitor has answered for it.
 template <class Visitor>
 auto visit_parameter(const ParameterId& id, Visitor&& holder) {
   const std::size_t owner = id.owner, component = id.component;
@@ -198,7 +183,7 @@ class ParameterIndex {
     if (id.owner >= of_kind.size() || id.component >= of_kind[id.owner].size()) return -1;
     return of_kind[id.owner][id.component];
   }
-  /// Of its position's three axes and its delay.
+  /// Places of its position's three axes and its delay.
   [[nodiscard]] std::array<int, 4> beacon(std::size_t beacon) const;
   /// As for a beacon.
   [[nodiscard]] std::array<int, 4> receiver(std::size_t receiver) const;

@@ -37,6 +37,9 @@ struct DelayPer {
   [[nodiscard]] bool none() const { return !beacon && !receiver && !site; }
 };
 
+/// How often sound goes the way between beacon and receiver within one time of flight.
+[[nodiscard]] constexpr double legs_of(bool two_way) { return two_way ? 2.0 : 1.0; }
+
 struct Timing {
   Clock clock = Clock::kSynchronised;
   Ranging ranging = Ranging::kOneWay;
@@ -48,6 +51,7 @@ struct Timing {
   /// late in a cycle are off; prior mean and sigma (0: held fixed).
   double drift = 0.0;
   double drift_sigma = 0.0;
+  [[nodiscard]] double legs() const { return legs_of(ranging == Ranging::kTwoWay); }
 };
 
 struct Noise {

@@ -44,7 +44,7 @@ struct AdjustResult {
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout,
                     std::vector<Trajectory>& trajectories, Eigen::VectorXd& x, const AdjustOptions& options);
 
-/// The same of observations that are no tiles, on a layout that is dense.
+/// Adjusts observations that are no tiles, on a layout that is dense.
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
                     Eigen::VectorXd& x, const AdjustOptions& options);
 

@@ -22,8 +22,8 @@ struct Information {
 [[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout,
                                          std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
                                          const RobustLoss& loss = {}, const Workers& workers = {});
-/// Of everything together, for sites where the matrix would be too large: all elements of parameters that
-/// some stop, prior or tape connects, both triangles.
+/// The matrix of data and priors together, for sites where the dense one would be too large: it has all
+/// elements of parameters that some stop, prior or taped distance connects, both triangles.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(
     const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
     const Eigen::VectorXd& x, const RobustLoss& loss = {}, const Workers& workers = {});

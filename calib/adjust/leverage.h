@@ -84,7 +84,8 @@ class LeverageSweep {
 
   /// Leverage of a row that touches shared parameters only (a prior, a taped distance).
   [[nodiscard]] double leverage_of(const std::vector<std::pair<int, double>>& entries) const;
-  /// Of each beacon, after all trajectories were swept; empty where the covariance is not formed as a whole.
+  /// What is known of each beacon's lateness, after all trajectories were swept; empty where the covariance
+  /// is not formed as a whole.
   [[nodiscard]] std::vector<LatenessInformation> lateness() const;
   /// Dimensions of the states swept that observations determine.
   [[nodiscard]] std::size_t determined_states() const { return determined_states_; }

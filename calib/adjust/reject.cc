@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "calib/problem/gates.h"
+#include "calib/problem/ranges.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/linearise.h"
 
@@ -23,19 +24,12 @@ constexpr double kReadmit = 0.9;
 }  // namespace
 
 double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedState& state) {
-  // Evenly spread ones of a long log tell the scale as well.
   constexpr std::size_t kEnough = 200000;
-  std::size_t arrivals = 0;
-  for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
-  const std::size_t every = arrivals / kEnough + 1;
   std::vector<double> magnitude;
-  for (const Trajectory& t : trajectories)
-    for (std::size_t i = 0; i < t.arrivals.size(); i += every)
-      if (const ArrivalObservation& a = t.arrivals[i];
-          (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate ||
-           a.rejection == Rejection::kEarly) &&
-          t.nodes[a.node].placed)
-        magnitude.push_back(std::abs(arrival_residual(t, a, state)));
+  for_each_spread_arrival(trajectories, kEnough, [&](const Trajectory& t, const ArrivalObservation& a) {
+    if (is_by_residual(a.rejection) && t.nodes[a.node].placed)
+      magnitude.push_back(std::abs(arrival_residual(t, a, state)));
+  });
   return agreeing_sigma(std::move(magnitude));
 }
 
@@ -75,8 +69,7 @@ std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedSta
                      std::size_t changed = 0;
                      for (std::size_t i = first; i < last; ++i) {
                        ArrivalObservation& a = t.arrivals[i];
-                       if (a.rejection == Rejection::kUsed || a.rejection == Rejection::kLate ||
-                           a.rejection == Rejection::kEarly || is_gated(a.rejection))
+                       if (is_by_residual(a.rejection) || is_gated(a.rejection))
                          a.rejection = decide(arrival_residual(t, a, state), a.rejection, changed);
                      }
                      changes += changed;

@@ -17,7 +17,7 @@ inline constexpr double kCauchyScale = 2.385;
 /// where there are too few.
 [[nodiscard]] double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedState& state);
 
-/// The same of magnitudes of whitened residuals.
+/// The same estimate from magnitudes of whitened residuals.
 [[nodiscard]] double agreeing_sigma(std::vector<double> magnitudes);
 
 /// Marks arrivals and bearings beyond `limit` sigmas as rejected, late or early, and readmits those within

@@ -43,8 +43,8 @@ class TileSum : public SystemSum {
   /// Reduced system of everything in all the layout's parameters, at the states of the last `settle`; commits
   /// them.
   void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) override;
-  /// The same as `reduce`, each tile's own (in Tile::columns), for sites whose parameters hardly see each
-  /// other.
+  /// Reduces each tile to a system of its own (in Tile::columns), for sites few of whose parameters share an
+  /// observation.
   void reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems);
   /// States as they were committed last, on every rank.
   void share_states();
@@ -52,7 +52,7 @@ class TileSum : public SystemSum {
   void commit() override;
 
   [[nodiscard]] const std::vector<Tile>& tiles() const { return tiles_; }
-  /// Of each tile at the last `settle`.
+  /// The cost of each tile at the last `settle`.
   [[nodiscard]] const std::vector<double>& costs() const { return costs_; }
 
  private:

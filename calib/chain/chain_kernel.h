@@ -19,8 +19,8 @@ struct ChainWindow {
   double* U = nullptr;     ///< states x block x block: coupling to the next state
   double* G = nullptr;     ///< (states + 1) x block x width: coupling to the border
   double* H = nullptr;     ///< width x width: the border's own; only the lower triangle is meant
-  /// Of each state whether no column of the border but `gradient` couples to it; null: not known. Never the
-  /// first.
+  /// Says of each state whether no column of the border but `gradient` couples to it; null: not known. The
+  /// first state is never plain.
   const char* is_plain = nullptr;
   std::size_t gradient = 0;
 };

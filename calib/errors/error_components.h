@@ -41,7 +41,7 @@ class ErrorComponents {
     return sums_[bearings].rows();
   }
   [[nodiscard]] std::size_t count(bool bearings) const { return rows_of(bearings).size(); }
-  /// Of a partition of the component; white: its observations.
+  /// Number of cells of a partition of the component; a white one has as many as observations.
   [[nodiscard]] std::size_t cells_of(Eigen::Index m) const;
   /// Leaves out all but these. @param kept  ascending
   void keep(const std::vector<Eigen::Index>& kept);

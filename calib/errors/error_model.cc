@@ -78,8 +78,8 @@ class Estimator {
             .mean();
     const Eigen::VectorXd found = sums_of_residuals() - word;
     Eigen::MatrixXd drawn = tested_, weighted;  // at first as white errors scatter the sums
-    for (const bool told : {false, true}) {
-      if (told)
+    for (const bool fitted : {false, true}) {
+      if (fitted)
         drawn = simulated(kModelPanels, [&](std::size_t panel, Lines& errors) {
                   return fitted_errors(panel, errors);
                 }).sums;

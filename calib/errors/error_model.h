@@ -84,7 +84,7 @@ struct ErrorSample;
                                         const std::vector<Trajectory>& trajectories, const SharedState& state,
                                         const Covariance& C, double share_of_log = 1.0, int threads = 1);
 
-/// The same of a sample at hand, as it is.
+/// The model of a sample at hand, as it is.
 [[nodiscard]] ErrorModel error_model_of(const ErrorSample& sample, int threads = 1);
 
 }  // namespace octant::calib

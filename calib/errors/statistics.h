@@ -51,4 +51,28 @@ class NoiseSearch {
   std::optional<double> variance_before_;  ///< variance factor then
 };
 
+/// What an adjustment leaves for NoiseSearch. A prior that is contradicted is no noise of the arrivals, so
+/// only what the recordings say counts.
+struct DataSquares {
+  double cost = 0.0;  ///< half their sum
+  double redundancy = 0.0;
+};
+
+/// Adjusts with the noise as the squares show it: small departures wait for the chi-square test of an
+/// adjustment, and each one that it finds is followed by another adjustment.
+/// @param adjust  gives DataSquares, or the failure that ends the search  @param scale_noise  by a factor
+/// @return what `adjust` gave last
+template <class Adjust, class ScaleNoise>
+auto adjust_and_scale_noise(Adjust&& adjust, ScaleNoise&& scale_noise) {
+  constexpr int kNoiseRounds = 3;
+  NoiseSearch noise;
+  for (int round = 1;; ++round) {
+    auto squares = adjust();
+    if (!squares) return squares;
+    const double factor = noise.step(squares->cost, squares->redundancy);
+    if (factor != 1.0) scale_noise(factor);
+    if (factor == 1.0 || round == kNoiseRounds) return squares;
+  }
+}
+
 }  // namespace octant::calib

@@ -30,7 +30,7 @@ struct PairSeries {
   void add(double residual);
   void append(const PairSeries& later);
 };
-/// Of the arrivals in use of each pair, beacon-major.
+/// Series of the arrivals in use of each pair, beacon-major.
 [[nodiscard]] std::vector<PairSeries> pair_series(const Trajectory& trajectory, const SharedState& state,
                                                   int threads = 1);
 /// @param trajectories  their series

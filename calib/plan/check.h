@@ -22,11 +22,11 @@ struct BeaconForecast {
   double delay_sigma_s = 0.0;                 ///< predicted; 0: held fixed
 };
 
-/// Outcome of a calibration foretold from a part of its data.
+/// Outcome of a calibration, predicted from a part of its data.
 struct Forecast {
-  /// Of the thinned runs, but covariance, beacon status, weak directions, undetermined parameters and status
-  /// are judged as if every arrival had taken part. Indices of trajectories and arrivals left out refer to
-  /// `thinned`.
+  /// The solution of the thinned runs, but covariance, beacon status, weak directions, undetermined
+  /// parameters and status are judged as if every arrival had taken part. Indices of trajectories and
+  /// arrivals left out refer to `thinned`.
   Solution solution;
   Problem thinned;
   std::vector<BeaconForecast> beacons;          ///< order of the site
@@ -55,7 +55,7 @@ struct Adjusted {
 /// What an adjustment shows of the logs: receivers whose ranges fit the place of another one (exchanged
 /// cables) or no place at all, and jumps of a clock between stops. Jumps are added to the runs' health too.
 [[nodiscard]] std::vector<Finding> suspicions(const Adjusted& adjusted, std::vector<RunHealth>& runs);
-/// The same of a quick solution; nothing where nothing was solved.
+/// What a quick solution shows; nothing where nothing was solved.
 [[nodiscard]] std::vector<Finding> suspicions(const Forecast& forecast, std::vector<RunHealth>& runs);
 
 }  // namespace octant::calib

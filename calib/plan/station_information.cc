@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -336,16 +337,9 @@ HearingModel hearing_of(const Solution& solution, const Site& site) {
         angles_rad.push_back(
             std::acos(std::clamp((T.rotation * axis->normalized()).dot(towards.normalized()), -1.0, 1.0)));
     }
-  const auto most = [](std::vector<double>& values, double otherwise) {
-    if (values.empty()) return otherwise;
-    const auto at =
-        values.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-  };
   HearingModel hearing;
-  hearing.range_m = most(ranges_m, hearing.range_m);
-  hearing.half_angle_rad = most(angles_rad, hearing.half_angle_rad);
+  if (!ranges_m.empty()) hearing.range_m = quantile(std::move(ranges_m), kShare);
+  if (!angles_rad.empty()) hearing.half_angle_rad = quantile(std::move(angles_rad), kShare);
   return hearing;
 }
 

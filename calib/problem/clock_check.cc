@@ -64,7 +64,7 @@ std::vector<Change> changes_of(const Site& site, const MeasurementLog& run, Vehi
   double array_m = 0.0;  // turning moves a receiver by up to twice its distance from the origin
   for (const SiteReceiver& r : site.receivers)
     if (r.vehicle == vehicle) array_m = std::max(array_m, 2 * r.position_m.head<2>().norm());
-  const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0;
+  const double legs = site.timing.legs();
   const double noise_m = 6 * site.noise.tof_sigma_s * speed_mps(site.medium) / legs + array_m;
   struct Last {
     const Arrival* arrival = nullptr;
@@ -130,7 +130,7 @@ std::vector<Offset> offsets_of(const Trajectory& original, const SharedState& st
   Trajectory t = original;
   t.has_cycle_offset = true;
   for (ArrivalObservation& a : t.arrivals)
-    if (a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly) a.rejection = Rejection::kUsed;
+    if (is_outlier(a.rejection)) a.rejection = Rejection::kUsed;
   std::vector<Offset> offsets;
   const std::size_t needed = t.motion == Motion::kPlanar ? 4 : 5;
   for (const Segment& s : t.segments) {
@@ -282,7 +282,7 @@ std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& r
         near.push_back(changes[k]);
       ClockStep step;
       if (!step_at(near, c.to_s, c.range_m, step)) continue;
-      step.step_s /= speed_mps(site.medium) / (site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0);
+      step.step_s /= speed_mps(site.medium) / site.timing.legs();
       steps.push_back(step);
       done_s = c.to_s;
     }

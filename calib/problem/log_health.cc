@@ -188,7 +188,7 @@ class Examiner {
     if (site_.medium.model == MediumModel::kConstant || h_.temperature_of_run || with == h_.arrivals) return;
     if (with > 0) {
       find("temperature",
-           fmt::format("{} of {} arrivals have no temperature; the site's {:.4g} degC is taken for them",
+           fmt::format("{} of {} arrivals have no temperature; the site's {:.4g} degC is used for them",
                        h_.arrivals - with, h_.arrivals, site_.medium.temperature_degC));
     } else if (site_.speed_sigma_mps < kSpeedPerDegree * speed_mps(site_.medium)) {
       find("temperature",

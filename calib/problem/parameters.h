@@ -66,7 +66,7 @@ struct ParameterLayout {
     if (id.kind == ParameterKind::kSpeed) return speed_column(id.owner > 0 ? id.owner - 1 : 0);
     return column_[id];
   }
-  /// Of the offset that counts in a run.
+  /// Column of the speed offset that counts in a run; -1: none is free.
   [[nodiscard]] int speed_column(std::size_t run) const {
     return speed.empty() ? -1 : speed[speed.size() > 1 ? run : 0];
   }

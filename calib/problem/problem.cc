@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -41,9 +42,8 @@ Result<void> check_unit(const Site& site, const MeasurementLog& run) {
   for (std::size_t i = 0; i < run.arrivals.size(); i += run.arrivals.size() / kEnough + 1)
     tof_s.push_back(std::abs(run.arrivals[i].tof_s));
   if (tof_s.empty()) return {};
-  std::nth_element(tof_s.begin(), tof_s.begin() + static_cast<std::ptrdiff_t>(tof_s.size() / 2), tof_s.end());
-  const double median_s = tof_s[tof_s.size() / 2];
-  const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0;
+  const double median_s = median(std::move(tof_s));
+  const double legs = site.timing.legs();
   const double distance_m =
       std::max(0.0, median_s - site.timing.turnaround_s) * speed_mps(site.medium) / legs;
   const double extent_m = site_extent_m(site, run);

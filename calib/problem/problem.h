@@ -22,7 +22,7 @@ struct Problem {
   std::vector<std::string> warnings;
   std::vector<Contradiction> contradictions;  ///< that show before any adjustment
   double typical_range_m = 1.0;               ///< median range of the arrivals by the site's priors
-  /// Of each vehicle, by how much its receivers may be off where they are held all the same (0: they are
+  /// By how much the receivers of each vehicle may be off where they are held all the same (0: they are
   /// not).
   std::vector<double> held_lever_sigma_m;
 };

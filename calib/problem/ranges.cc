@@ -3,17 +3,27 @@
 #include "calib/problem/ranges.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/observed_range.h"
 
 namespace octant::calib {
 
+double nth_smallest(std::vector<double> values, std::size_t n) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(n);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const std::size_t middle = values.size() / 2;
+  return values.empty() ? 0.0 : nth_smallest(std::move(values), middle);
+}
+
+double quantile(std::vector<double> values, double share) {
+  const auto below = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  return nth_smallest(std::move(values), below);
 }
 
 double prior_range_m(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
@@ -83,13 +93,10 @@ std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, Beacon
 double typical_range_m(const Site& site, const std::vector<Trajectory>& trajectories) {
   constexpr std::size_t kEnough = 50000;
   const SharedState prior = prior_state(site);
-  std::size_t arrivals = 0;
-  for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
-  const std::size_t every = arrivals / kEnough + 1;
   std::vector<double> ranges;
-  for (const Trajectory& t : trajectories)
-    for (std::size_t i = 0; i < t.arrivals.size(); i += every)
-      ranges.push_back(prior_range_m(t, t.arrivals[i], prior));
+  for_each_spread_arrival(trajectories, kEnough, [&](const Trajectory& t, const ArrivalObservation& a) {
+    ranges.push_back(prior_range_m(t, a, prior));
+  });
   return ranges.empty() ? 1.0 : std::max(median(std::move(ranges)), 1e-3);
 }
 

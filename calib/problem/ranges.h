@@ -18,6 +18,18 @@ namespace octant::calib {
 [[nodiscard]] double prior_range_m(const Trajectory& trajectory, const ArrivalObservation& arrival,
                                    const SharedState& state);
 
+/// Calls visit(trajectory, arrival) for evenly spread arrivals of all: of a long log they tell a median or a
+/// scale as well as all do.
+/// @param enough  of them, or up to twice as many
+template <class Visit>
+void for_each_spread_arrival(const std::vector<Trajectory>& trajectories, std::size_t enough, Visit&& visit) {
+  std::size_t arrivals = 0;
+  for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
+  const std::size_t every = arrivals / enough + 1;
+  for (const Trajectory& t : trajectories)
+    for (std::size_t i = 0; i < t.arrivals.size(); i += every) visit(t, t.arrivals[i]);
+}
+
 /// Ranges of a beacon from the vehicle states placed so far, rejected arrivals included.
 [[nodiscard]] std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories,
                                                const SharedState& state, BeaconId beacon);
@@ -35,6 +47,10 @@ namespace octant::calib {
 
 /// Median; 0 for no values.
 [[nodiscard]] double median(std::vector<double> values);
+/// The value that `n` others are not above. @param n  below the number of values
+[[nodiscard]] double nth_smallest(std::vector<double> values, std::size_t n);
+/// @param values  one at least  @param share  0: the smallest, 1: the largest
+[[nodiscard]] double quantile(std::vector<double> values, double share);
 
 /// A place of the vehicle, within which errors are one and the same (reflections, cameras, bodies in the
 /// way): arrivals that were recorded there are one piece of evidence, however many they are.

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
+
+#include "calib/problem/ranges.h"
 
 namespace octant::calib {
 namespace {
@@ -39,9 +42,8 @@ double long_tof_s(const std::vector<MeasurementLog>& runs) {
     for (std::size_t i = 0; i < run.arrivals.size(); i += run.arrivals.size() / kSome + 1)
       tof_s.push_back(std::abs(run.arrivals[i].tof_s));
   if (tof_s.empty()) return 0.0;
-  const auto at = tof_s.begin() + static_cast<std::ptrdiff_t>(tof_s.size() * 9 / 10);
-  std::nth_element(tof_s.begin(), at, tof_s.end());
-  return *at;
+  const std::size_t most = tof_s.size() * 9 / 10;
+  return nth_smallest(std::move(tof_s), most);
 }
 
 Error too_long_a_delay(const std::string& file, int line, const std::string& key, double delay_s,

@@ -34,9 +34,8 @@ class Thinner {
       : run_(run),
         site_(site),
         options_(options),
-        stretches_(stretches_of(site)),
-        drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())),
-        per_pair_(drive_ ? std::min(stretches_.per_pair, options.per_pair) : options.per_pair) {}
+        stretch_s_(stretches_of(site).length_s),
+        drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())) {}
 
   MeasurementLog thin() {
     make_groups();
@@ -56,7 +55,7 @@ class Thinner {
     std::int64_t instant = 0;
     const auto group = [&](VehicleId vehicle, std::int64_t epoch, double time_s) -> Group& {
       std::int64_t key = epoch;
-      if (drive_) key = static_cast<std::int64_t>(std::floor((time_s - begin_s) / stretches_.length_s));
+      if (drive_) key = static_cast<std::int64_t>(std::floor((time_s - begin_s) / stretch_s_));
       if (!drive_ && !run_.has_epochs) {
         if (time_s != last_time_s) ++instant;
         last_time_s = time_s;
@@ -96,10 +95,11 @@ class Thinner {
   /// A long stand: one epoch with more of the same than anybody needs.
   [[nodiscard]] bool crowded() const {
     return std::any_of(groups_.begin(), groups_.end(), [this](const Group& g) {
-      if (g.arrivals.size() <= per_pair_) return false;
+      if (g.arrivals.size() <= options_.per_pair) return false;
       std::map<std::uint64_t, std::size_t> count;
-      return std::any_of(g.arrivals.begin(), g.arrivals.end(),
-                         [&](std::size_t a) { return ++count[pair_of(run_.arrivals[a])] > per_pair_; });
+      return std::any_of(g.arrivals.begin(), g.arrivals.end(), [&](std::size_t a) {
+        return ++count[pair_of(run_.arrivals[a])] > options_.per_pair;
+      });
     });
   }
 
@@ -139,15 +139,14 @@ class Thinner {
   void take_some(const std::vector<std::size_t>& from, std::vector<std::size_t>& to) const {
     std::vector<const Arrival*> rows;
     for (const std::size_t a : from) rows.push_back(&run_.arrivals[a]);
-    for (const std::size_t i : some_of_pairs(rows, per_pair_)) to.push_back(from[i]);
+    for (const std::size_t i : some_of_pairs(rows, options_.per_pair)) to.push_back(from[i]);
   }
 
   const MeasurementLog& run_;
   const Site& site_;
   const ThinOptions& options_;
-  DriveStretches stretches_;
+  double stretch_s_;
   bool drive_;
-  std::size_t per_pair_;
   std::vector<Group> groups_;
   std::vector<bool> chosen_;
 };
@@ -298,6 +297,12 @@ std::vector<std::size_t> some_of_pairs(const std::vector<const Arrival*>& arriva
   }
   std::sort(some.begin(), some.end());
   return some;
+}
+
+void sort_by_time(std::vector<Arrival>& arrivals) {
+  std::stable_sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
+    return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
+  });
 }
 
 MeasurementLog without_lists(const MeasurementLog& run) {

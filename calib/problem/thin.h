@@ -22,16 +22,16 @@ struct ThinOptions {
   std::size_t fewest_stretches = SIZE_MAX;  ///< of a drive, if that is less than stretches_of() has it
 };
 
-/// Of a drive: what is kept or left as a whole.
+/// How a drive is cut: a stretch is kept or left as a whole.
 struct DriveStretches {
-  double length_s = 3.0;      ///< long against the time over which odometry ties states together
-  std::size_t fewest = 30;    ///< that are kept
-  std::size_t per_pair = 16;  ///< arrivals of one beacon at one receiver within each, at most
+  double length_s = 3.0;    ///< long against the time over which odometry ties states together
+  std::size_t fewest = 30;  ///< that are kept
 };
-/// How many of them: about ThinOptions::drive_arrivals arrivals. @param arrivals, stretches  of the run
+/// Number of stretches that hold about ThinOptions::drive_arrivals arrivals together. @param arrivals,
+/// stretches  of the run
 [[nodiscard]] std::size_t stretches_kept(const Site& site, const ThinOptions& options, std::size_t arrivals,
                                          std::size_t stretches);
-/// By how much before it came back a two-way range was asked for: 0 for one way.
+/// Time from the request of a two-way range to its reply; 0 for one way.
 [[nodiscard]] double asked_before_s(const Site& site, const Arrival& arrival);
 /// In space a stretch is placed by its own shape among beacons that are known roughly, and of poses that are
 /// as likely by what is heard around it (rough_path.h): what is kept has to be as long as that takes, as
@@ -67,10 +67,13 @@ struct GroupsHearing {
 };
 void choose_more(GroupsHearing& hearing, std::size_t per_beacon, std::vector<bool>& chosen);
 
-/// Both. @param for_each_heard  calls visit(beacon) for each observation of a group
+/// Makes both choices. @param for_each_heard  calls visit(beacon) for each observation of a group
 [[nodiscard]] std::vector<bool> chosen_groups(std::size_t groups, std::size_t beacons, std::size_t budget,
                                               std::size_t per_beacon,
                                               decltype(GroupsHearing::for_each_heard) for_each_heard);
+
+/// In the order of time, and of the rows of a file within an instant.
+void sort_by_time(std::vector<Arrival>& arrivals);
 
 /// At most so many arrivals of each beacon at one receiver, evenly: their places in the list, ascending.
 [[nodiscard]] std::vector<std::size_t> some_of_pairs(const std::vector<const Arrival*>& arrivals,

@@ -50,8 +50,7 @@ std::optional<Finding> wrong_unit(const Site& site, const MeasurementLog& run, d
     tof.push_back(all_s > late_s ? all_s - late_s : all_s);
   }
   const double c = speed_mps(site.medium), median_tof_s = median(std::move(tof));
-  const double legs = site.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0,
-               ratio = median_tof_s * c / legs / extent;
+  const double legs = site.timing.legs(), ratio = median_tof_s * c / legs / extent;
   if (ratio <= kLongest && (ratio >= kShortest || site.timing.clock == Clock::kCycleOffset)) return {};
   struct Unit {
     const char* name;
@@ -157,9 +156,8 @@ double stated_range_m(const Site& site, const MeasurementLog& run, const Arrival
   const double temperature = std::isfinite(a.temperature_degC)
                                  ? a.temperature_degC
                                  : run.temperature_degC.value_or(medium.temperature_degC);
-  const bool two_way = site.timing.ranging == Ranging::kTwoWay;
   return std::max(0.0, a.tof_s - stated_lateness_s(site, a)) * speed_mps(medium, temperature) /
-         (two_way ? 2.0 : 1.0);
+         site.timing.legs();
 }
 
 std::vector<Finding> check_units(const Site& site, const MeasurementLog& run) {

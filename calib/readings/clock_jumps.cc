@@ -8,6 +8,7 @@
 
 #include "calib/adjust/reject.h"
 #include "calib/problem/clock_check.h"
+#include "calib/problem/ranges.h"
 #include "calib/problem/thin.h"
 #include "calib/start/approach.h"
 #include "calib/start/start.h"
@@ -35,11 +36,10 @@ MeasurementLog half_of(const MeasurementLog& run, LogHalf half) {
   std::vector<double> times;
   times.reserve(run.arrivals.size());
   for (const Arrival& a : run.arrivals) times.push_back(a.time_s);
-  const auto middle = times.begin() + std::ssize(times) / 2;
-  std::nth_element(times.begin(), middle, times.end());
+  const double middle_s = median(std::move(times));
   MeasurementLog part = run;
   std::erase_if(part.arrivals,
-                [&](const Arrival& a) { return (a.time_s < *middle) != (half == LogHalf::kFirst); });
+                [&](const Arrival& a) { return (a.time_s < middle_s) != (half == LogHalf::kFirst); });
   return part;
 }
 

@@ -24,13 +24,6 @@ constexpr double kFarBetter = 0.3;     ///< of what metres for all break
 constexpr double kUntoldShare = 0.05;  ///< of it: a beacon that makes no more difference may be in or out
 constexpr std::size_t kMostShares = 8;
 
-double quantile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 /// What ranges from the same places say of the distance of two beacons.
 struct Bracket {
   std::size_t a, b;

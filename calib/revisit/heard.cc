@@ -57,7 +57,7 @@ std::vector<Agreeing> agreeing(std::size_t beacons, const std::vector<Trajectory
   for (const Trajectory& t : trajectories)
     for (const ArrivalObservation& a : t.arrivals) {
       counts[a.beacon.index()].in_use += a.rejection == Rejection::kUsed;
-      counts[a.beacon.index()].out += a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly;
+      counts[a.beacon.index()].out += is_outlier(a.rejection);
     }
   return counts;
 }

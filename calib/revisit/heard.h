@@ -37,7 +37,8 @@ struct Agreeing {
 [[nodiscard]] bool turn_to_known_side(const Deployment& before, const ParameterLayout& layout,
                                       Eigen::VectorXd& x);
 
-/// Of each beacon of the earlier deployment. @param state  as a visit found it
+/// What was heard of each beacon of the earlier deployment, or by each receiver. @param state  as a visit
+/// found it
 [[nodiscard]] std::vector<Heard> heard_of_beacons(const Deployment& before,
                                                   const std::vector<Trajectory>& trajectories,
                                                   const SharedState& state);

@@ -233,21 +233,18 @@ class SecondVisit {
   bool adjust_under(const Eigen::MatrixXd& P) {
     fit_.layout = layout_;
     set_joint_prior(fit_.layout, known_, P);
-    NoiseSearch noise;
-    for (int round = 0; round < kNoiseRounds; ++round) {
-      adjust_anew(options_.solve, fit_);
-      if (!fit_.ok || !fit_.x.allFinite()) {
-        out_.message = "the adjustment of the second visit did not converge: " + fit_.last.message;
-        return false;
-      }
-      statistics_ = statistics_of(fit_.problem, fit_.layout, fit_.trajectories, fit_.state(), fit_.last.cost,
-                                  options_.solve.threads);
-      const double off =
-          noise.step(fit_.last.cost - prior_cost(fit_.problem, fit_.layout, fit_.x), statistics_.redundancy);
-      if (off == 1.0) break;
-      scale_noise(off);
-    }
-    return true;
+    const auto adjusted = adjust_and_scale_noise(
+        [this]() -> std::optional<DataSquares> {
+          adjust_anew(options_.solve, fit_);
+          if (!fit_.ok || !fit_.x.allFinite()) return {};
+          statistics_ = statistics_of(fit_.problem, fit_.layout, fit_.trajectories, fit_.state(),
+                                      fit_.last.cost, options_.solve.threads);
+          const double prior = prior_cost(fit_.problem, fit_.layout, fit_.x);
+          return DataSquares{fit_.last.cost - prior, statistics_.redundancy};
+        },
+        [this](double factor) { scale_noise(factor); });
+    if (!adjusted) out_.message = "the adjustment of the second visit did not converge: " + fit_.last.message;
+    return adjusted.has_value();
   }
 
   bool find_changes(const Eigen::VectorXd& usual_room) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "calib/problem/thin.h"
+
 namespace octant::calib {
 namespace {
 
@@ -22,14 +24,7 @@ std::vector<Row> rows_between(const std::vector<Row>& rows, double from_s, doubl
 
 /// @param from_s, to_s  within the drive
 MeasurementLog stretch_of(const MeasurementLog& run, double from_s, double to_s) {
-  MeasurementLog out;
-  out.path = run.path;
-  out.vehicle = run.vehicle;
-  out.temperature_degC = run.temperature_degC;
-  out.relative_humidity = run.relative_humidity;
-  out.pressure_pa = run.pressure_pa;
-  out.pose_accuracy = run.pose_accuracy;
-  out.odometry_accuracy = run.odometry_accuracy;
+  MeasurementLog out = without_lists(run);
   out.poses = run.poses;
   out.arrivals = rows_between(run.arrivals, from_s, to_s);
   out.bearings = rows_between(run.bearings, from_s, to_s);

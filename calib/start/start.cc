@@ -158,7 +158,7 @@ class Starter {
     start_.beacon_mirrored[b] = place.has_mirror;
     if (options.above && !options.held[2])
       start_.warnings.push_back(fmt::format(
-          "beacon {}: its height is unknown; taken to lie above the receivers", site_.beacons[b].name));
+          "beacon {}: its height is unknown; assumed to lie above the receivers", site_.beacons[b].name));
     return true;
   }
 

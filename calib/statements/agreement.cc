@@ -33,6 +33,11 @@ constexpr std::size_t kFewestPlaces = 5;
 
 struct BeaconCounts {
   std::size_t placed = 0, late = 0, early = 0, bearings = 0, bearings_out = 0;
+  void add(const ArrivalObservation& a) {
+    ++placed;
+    late += a.rejection == Rejection::kLate;
+    early += a.rejection == Rejection::kEarly;
+  }
   [[nodiscard]] std::size_t out() const { return late + early; }
   [[nodiscard]] double share() const {
     return placed > 0 ? static_cast<double>(out()) / static_cast<double>(placed) : 0.0;
@@ -48,16 +53,12 @@ std::vector<BeaconCounts> count(const Fit& fit) {
   std::vector<BeaconCounts> counts(fit.problem.site.beacons.size());
   for (const Trajectory& t : fit.trajectories) {
     for (const ArrivalObservation& a : t.arrivals) {
-      if (!is_counted(t, a)) continue;
-      BeaconCounts& c = counts[a.beacon.index()];
-      ++c.placed;
-      c.late += a.rejection == Rejection::kLate;
-      c.early += a.rejection == Rejection::kEarly;
+      if (is_counted(t, a)) counts[a.beacon.index()].add(a);
     }
     for (const BearingObservation& b : t.bearings) {
       if (!b.reflector.valid() || !t.nodes[b.node].placed) continue;
       ++counts[b.reflector.index()].bearings;
-      counts[b.reflector.index()].bearings_out += is_left_out(b.rejection);
+      counts[b.reflector.index()].bearings_out += is_outlier(b.rejection);
     }
   }
   return counts;
@@ -66,13 +67,8 @@ std::vector<BeaconCounts> count(const Fit& fit) {
 std::vector<BeaconCounts> count_by_receiver(const Fit& fit) {
   std::vector<BeaconCounts> counts(fit.problem.site.receivers.size());
   for (const Trajectory& t : fit.trajectories)
-    for (const ArrivalObservation& a : t.arrivals) {
-      if (!is_counted(t, a)) continue;
-      BeaconCounts& c = counts[a.receiver.index()];
-      ++c.placed;
-      c.late += a.rejection == Rejection::kLate;
-      c.early += a.rejection == Rejection::kEarly;
-    }
+    for (const ArrivalObservation& a : t.arrivals)
+      if (is_counted(t, a)) counts[a.receiver.index()].add(a);
   return counts;
 }
 
@@ -88,7 +84,7 @@ Places places_of(const Fit& fit, std::size_t beacon) {
       if (a.beacon.index() != beacon || !is_counted(t, a)) continue;
       const Place place = place_at(t.nodes[a.node].T_map_vehicle.translation_m, fit.problem.typical_range_m);
       heard.insert(place);
-      if (is_left_out(a.rejection)) left_out.insert(place);
+      if (is_outlier(a.rejection)) left_out.insert(place);
       if (a.rejection == Rejection::kEarly) early.insert(place);
     }
   return {heard.size(), left_out.size(), early.size()};

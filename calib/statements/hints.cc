@@ -52,7 +52,7 @@ std::optional<Contradiction> early_beyond_chance(const Problem& problem, const S
   std::size_t all = 0, out = 0, early = 0;
   for (const MeasurementLog& run : problem.runs) all += run.arrivals.size();
   for (const LeftOut& l : solution.left_out) {
-    out += l.reason == Rejection::kLate || l.reason == Rejection::kEarly;
+    out += is_outlier(l.reason);
     early += l.reason == Rejection::kEarly;
   }
   const auto rows = static_cast<double>(all);

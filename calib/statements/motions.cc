@@ -30,17 +30,10 @@ struct SideCost {
 class StopTest {
  public:
   StopTest(const Trajectory& t, const Segment& segment, const SharedState& state, double limit)
-      : state_(state), limit_(limit) {
-    one_.run = t.run;
-    one_.vehicle = t.vehicle;
-    one_.motion = t.motion;
-    one_.has_cycle_offset = t.has_cycle_offset;
-    one_.nominal_speed_mps = t.nominal_speed_mps;
-    one_.turnaround_s = t.turnaround_s;
-    one_.nodes = {t.nodes[segment.first_node]};
+      : state_(state), limit_(limit), one_(standing_at(t, t.nodes[segment.first_node])) {
     for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
       ArrivalObservation a = t.arrivals[i];
-      if (a.rejection != Rejection::kUsed && !is_left_out(a.rejection)) continue;
+      if (!is_by_residual(a.rejection)) continue;
       a.node = 0;
       if (a.hear_send >= 0) {  // two-way: how the vehicle moved between hearing and sending
         one_.T_hear_send.push_back(t.T_hear_send[static_cast<std::size_t>(a.hear_send)]);
@@ -48,9 +41,7 @@ class StopTest {
       }
       one_.arrivals.push_back(a);
     }
-    one_.segments.resize(1);
-    one_.segments[0].last_node = 1;
-    one_.segments[0].last_arrival = one_.arrivals.size();
+    set_only_segment(one_);
     for (const ArrivalObservation& a : one_.arrivals) times_.insert(a.time_s);
   }
 
@@ -109,13 +100,13 @@ bool may_have_moved(const Trajectory& t, const Segment& s, const SharedState& st
   double squares = 0.0;
   for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
-    if (!is_left_out(a.rejection)) continue;
+    if (!is_outlier(a.rejection)) continue;
     several = several || (first && *first != a.beacon.index());
     first = a.beacon.index();
   }
   if (!several) return false;
   for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
-    if (t.arrivals[i].rejection == Rejection::kUsed || is_left_out(t.arrivals[i].rejection))
+    if (is_by_residual(t.arrivals[i].rejection))
       squares += 0.5 * std::min(std::pow(arrival_residual(t, t.arrivals[i], state), 2), limit * limit) - 0.25;
   return squares > kStopGain;
 }
@@ -175,8 +166,8 @@ std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
   std::vector<std::pair<double, double>> out;  // time, whether left out
   for (const Trajectory& t : fit.trajectories)
     for (const ArrivalObservation& a : t.arrivals)
-      if (a.beacon.index() == b && (a.rejection == Rejection::kUsed || is_left_out(a.rejection)))
-        out.emplace_back(a.time_s, is_left_out(a.rejection) ? 1.0 : 0.0);
+      if (a.beacon.index() == b && is_by_residual(a.rejection))
+        out.emplace_back(a.time_s, is_outlier(a.rejection) ? 1.0 : 0.0);
   if (out.size() < 4 * kFewestOfBeacon) return {};
   std::sort(out.begin(), out.end());
   double total = 0.0, sum = 0.0, best = 0.0;

@@ -17,8 +17,6 @@ struct Move {
   double time_s = 0.0, sigmas = 0.0, cost = 0.0;
 };
 
-[[nodiscard]] inline bool is_left_out(Rejection r) { return r == Rejection::kLate || r == Rejection::kEarly; }
-
 /// Times at which a beacon may have moved: where its arrivals begin or cease to be left out, and half way
 /// through. None where it has few.
 [[nodiscard]] std::vector<double> times_of_change(const Fit& fit, std::size_t beacon);

@@ -31,7 +31,6 @@ AdjustOptions alone(const SolveOptions& options, double scale, double function_t
 }
 
 /// Left out though it might have been in use.
-bool is_outlier(Rejection r) { return r == Rejection::kLate || r == Rejection::kEarly; }
 
 std::size_t left_out_count(const std::vector<Trajectory>& trajectories) {
   std::size_t count = 0;

@@ -212,7 +212,7 @@ class StatementTest {
       for (const ArrivalObservation& a : t.arrivals) {
         if (a.beacon.index() != s.index || !t.nodes[a.node].placed) continue;
         ++placed;
-        out += a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly;
+        out += is_outlier(a.rejection);
       }
     return placed >= 10 && static_cast<double>(out) > kMostlyLeftOut * static_cast<double>(placed);
   }

@@ -17,7 +17,7 @@ class KeptStates {
   void clear() { numbers_.clear(); }
   void reserve(const Trajectory& like, std::size_t states) { numbers_.reserve(states * numbers_of(like)); }
   [[nodiscard]] std::size_t count(const Trajectory& like) const { return numbers_.size() / numbers_of(like); }
-  /// Of states of such a trajectory. @param state  a number from 0
+  /// Whether a state of such a trajectory has a place. @param state  a number from 0
   [[nodiscard]] bool has_place(const Trajectory& like, std::size_t state) const {
     return !std::isnan(numbers_[state * numbers_of(like) + 2]);
   }

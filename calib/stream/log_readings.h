@@ -29,7 +29,7 @@ class SpreadArrivals {
         state_(std::move(at_estimate)),
         prior_(std::move(prior)) {}
 
-  /// Of a state that has no place yet. @param number  of the arrival in the log
+  /// Collects a range before its state has a place. @param number  of the arrival in the log
   void look_at_range(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
                      std::vector<double>& ranges_m) const {
     if (number % every_range_ == 0) ranges_m.push_back(prior_range_m(t, a, prior_));

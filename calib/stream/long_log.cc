@@ -172,10 +172,7 @@ Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site, const Ar
     return fail(ok.error());
   for (std::size_t e = 0; e < more.size(); ++e) more[e] = more[e] && !chosen[e];
   if (auto ok = read_epochs(source, index, run, more, threads, few.arrivals); !ok) return fail(ok.error());
-  const auto sooner = [](const Arrival& a, const Arrival& b) {
-    return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
-  };
-  std::stable_sort(few.arrivals.begin(), few.arrivals.end(), sooner);
+  sort_by_time(few.arrivals);
   std::vector<std::pair<double, double>> spans;
   for (const Arrival& a : few.arrivals) spans.emplace_back(a.time_s, a.time_s);
   few.poses = poses_near(source.log(run).poses, spans);

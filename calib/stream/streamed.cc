@@ -3,19 +3,165 @@
 #include "calib/stream/streamed.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calib/adjust/reject.h"
 #include "calib/calibrator.h"
+#include "calib/problem/ranges.h"
 #include "calib/problem/thin.h"
-#include "calib/stream/streamed_log.h"
+#include "calib/stream/chunks/chunk_passes.h"
+#include "calib/stream/drives/drive_part.h"
+#include "calib/stream/drives/drive_passes.h"
+#include "calib/stream/long_log.h"
+#include "calib/stream/newton_steps.h"
 
 namespace octant::calib {
 namespace {
 
 /// Rows, observations, tiles and marks of one arrival; rows, states and their systems of one odometry row.
 constexpr std::size_t kBytesOfWhole = 220, kBytesOfWholeStep = 850;
+
+/// The log of a source, which is read again for each look at it: drives in pieces (drives/), all else in
+/// chunks (chunks/). One reading is one step of its adjustment (newton_steps.h).
+class StreamedLog : public CalibrationLog {
+ public:
+  /// All outlive it.
+  /// @param memory_bytes  bound of the process, by the size of what is read at once
+  StreamedLog(const Site& site, ArrivalSource& source, const SolveOptions& options, Course& course,
+              std::size_t memory_bytes)
+      : site_(site),
+        source_(source),
+        options_(options),
+        course_(course),
+        plan_(stream_plan(memory_bytes, options.threads)),
+        chunks_(state_kinds(source, site), site.beacons.size(), plan_.chunk_arrivals),
+        drives_(source, site) {}
+
+  /// Its runs hold the arrivals of the sample, in the end those of every so many-th state.
+  [[nodiscard]] const Problem& problem() const override { return frame_; }
+  [[nodiscard]] Problem taken_problem() && { return std::move(frame_); }
+
+  /// Reads all of it once. Evenly spread stops and stretches of drives.
+  Result<Sample> next_sample() override {
+    if (is_scanned_) return Sample{};  // no more of it is ever at hand
+    if (!course_.report("first reading of the log", 0.01)) return interrupted();
+    if (auto ok = scan(); !ok) return fail(ok.error());
+    auto few = part();
+    if (!few) return fail(few.error());
+    frame_ = std::move(*few);
+    return Sample{&frame_};
+  }
+
+  Result<double> place(Approach& start, double sigma) override {
+    start.trajectories = {};
+    begin_readings();
+    const double suspect_sigmas = options_.rejection_sigmas * std::max(1.0, sigma);
+    // Where the part's noise is as stated, the whole's will be, and the first rejection goes in one with the
+    // placing.
+    const bool mark = !is_far_off(sigma);
+    auto placed = readings_.place(start.estimate, suspect_sigmas, mark);
+    if (!placed) return fail(placed.error());
+    frame_.typical_range_m =
+        placed->ranges_m.empty() ? 1.0 : std::max(median(std::move(placed->ranges_m)), 1e-3);
+    states_ = placed->states;
+    const double of_all = agreeing_sigma(std::move(placed->residuals));
+    if (mark && is_far_off(of_all)) placed = readings_.place(start.estimate, suspect_sigmas, false);
+    if (!placed) return fail(placed.error());
+    first_sum_ = std::move(placed->sum);
+    return of_all;
+  }
+
+  Result<CalibrationStatistics> adjust_inliers(Estimate& estimate) override {
+    const auto last =
+        newton_steps(readings_, frame_, options_, course_, std::exchange(first_sum_, std::nullopt), estimate);
+    if (!last) return fail(last.error());
+    return statistics_of(frame_, estimate.layout, last->counts.of_log, estimate.last.cost);
+  }
+
+  void scale_noise(Estimate& estimate, double factor) override {
+    estimate.noise_factor *= factor;
+    if (estimate.last.data_information) *estimate.last.data_information /= factor * factor;
+  }
+
+  Result<LogFindings> findings(const Estimate& estimate) override {
+    FindingsGatherer gatherer(frame_, estimate, states_);
+    if (auto told = readings_.tell(estimate, gatherer); !told) return fail(told.error());
+    GatheredFindings all = std::move(gatherer).findings(estimate);
+    for (std::size_t run = 0; run < frame_.runs.size(); ++run)
+      frame_.runs[run].arrivals = std::move(all.arrivals[run]);
+    return LogFindings(std::move(all));
+  }
+
+ private:
+  Result<void> scan() {
+    is_scanned_ = true;
+    const auto read = source_.scan([&](std::size_t run, const std::vector<Arrival>& block) {
+      chunks_.take(run, block);
+      if (!has_stops_alone(run)) drives_.take(run, block);
+      return true;
+    });
+    if (!read) return read;
+    chunks_.end(source_.runs());
+    drives_.end(plan_.piece_bytes);
+    return {};
+  }
+
+  /// Runs of stops alone are thinned by epochs, all others by stretches of time.
+  [[nodiscard]] bool has_stops_alone(std::size_t run) const {
+    const auto& kinds = chunks_.kinds(run);
+    return std::all_of(kinds.begin(), kinds.end(), [](StateKind k) { return k == StateKind::kStops; });
+  }
+
+  /// With the warnings that make_problem() would give of all drives; others are counted in the end.
+  [[nodiscard]] Result<Problem> part() const {
+    std::vector<MeasurementLog> runs;
+    for (std::size_t run = 0; run < source_.runs(); ++run) {
+      auto few = has_stops_alone(run) ? part_of_stops(run, site_, source_, chunks_, options_.threads)
+                                      : part_of_drives(run, site_, source_, drives_);
+      if (!few) return fail(few.error());
+      runs.push_back(std::move(*few));
+    }
+    auto problem = make_problem(site_, std::move(runs), options_.threads);
+    if (!problem) return problem;
+    problem->warnings.clear();
+    for (const DriveChain& chain : drives_.chains())
+      if (chain.stateless_count > 0)
+        problem->warnings.push_back(
+            stateless_in_words(source_.log(chain.run), chain.stateless_line, chain.stateless_count));
+    return problem;
+  }
+
+  /// The frame without what is read each time.
+  void begin_readings() {
+    frame_.trajectories.clear();
+    for (std::size_t run = 0; run < frame_.runs.size(); ++run) {
+      frame_.runs[run].arrivals = {};
+      frame_.runs[run].bearings = source_.log(run).bearings;
+    }
+    const ReadingTask task{frame_,  source_,       options_,
+                           course_, plan_.workers, chunks_.arrivals() + drives_.arrivals()};
+    if (chunks_.arrivals() > 0 || drives_.pieces().empty())
+      readings_.add(std::make_unique<ChunkPasses>(task, chunks_));
+    if (!drives_.pieces().empty()) readings_.add(std::make_unique<DrivePasses>(task, drives_));
+  }
+
+  const Site& site_;
+  ArrivalSource& source_;
+  const SolveOptions& options_;
+  Course& course_;
+  StreamPlan plan_;
+  ChunkIndex chunks_;
+  DriveIndex drives_;
+  bool is_scanned_ = false;
+  Problem frame_;  ///< the log without its arrivals
+  JoinedReadings readings_;
+  std::size_t states_ = 0;
+  std::optional<PassSum> first_sum_;  ///< at the start, where placing marked and summed up as well
+};
+
 }  // namespace
 
 std::size_t memory_of_whole(std::size_t arrivals, std::size_t odometry_rows) {

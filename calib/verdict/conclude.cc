@@ -59,7 +59,8 @@ void warn_of_correlation(const Findings& findings, Solution& solution) {
         growth < kAsGood ? "as good as" : fmt::format("{:.2g} times", growth));
     if (errors.freedoms < kFewFreedoms)
       warning += fmt::format(
-          "; the log is too short to tell them well (some {:.0f} independent stretches): record longer, over "
+          "; the log is too short to estimate them well (some {:.0f} independent stretches): record longer, "
+          "over "
           "other ground, and sigmas will shrink",
           errors.freedoms);
     solution.warnings.push_back(std::move(warning));
@@ -96,7 +97,7 @@ void warn_of_noise(const Problem& problem, const Findings& findings, double nois
                     noise_factor, s.variance_factor));
   if (s.redundancy >= 30 && noise_factor > 1.2 && may_be_directional(problem, trajectories))
     solution.warnings.push_back(
-        "amplitudes are taken to be alike all round each receiver: where these hear less off their axes, "
+        "amplitudes are assumed to be alike all round each receiver: where these hear less off their axes, "
         "state "
         "attenuation.half_power_angle_rad (half of the beam width at -3 dB, with a sigma)");
   warn_of_correlation(findings, solution);

@@ -20,8 +20,8 @@ struct Findings {
   std::vector<std::string> flips;  ///< epochs that were turned, in words
   LeftOutOfAll left_out;
   std::optional<WholeLog> whole;  ///< where the trajectories at hand are only a part of the log
-  /// Of a thinned log: the trajectories with the accuracy of all that they stand for, by which covariance and
-  /// verdict then are. Empty: it is not.
+  /// The trajectories of a thinned log with the accuracy of all that they stand for: covariance and verdict
+  /// are judged by them. Empty: the log is not thinned.
   std::vector<Trajectory> as_whole;
 };
 
@@ -37,8 +37,7 @@ void conclude(const Problem& problem, const SolveOptions& options, const Estimat
   return agreeing_sigma < 0.5 || agreeing_sigma > 1.5;
 }
 
-/// Rounds of rejection, and of noise found anew.
+/// Rounds of rejection.
 inline constexpr int kRejectionRounds = 12;
-inline constexpr int kNoiseRounds = 3;
 
 }  // namespace octant::calib

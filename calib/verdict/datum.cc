@@ -82,23 +82,12 @@ constexpr double kVagueDatum = 0.25;
 template <class Matrix>
 Eigen::MatrixXd unobservable_motions(const Problem& problem, const ParameterLayout& layout,
                                      const SharedState& state, const Matrix& information) {
-  const bool planar = problem.site.motion == Motion::kPlanar;
-  const int motions = planar ? 3 : 6;
-  Eigen::MatrixXd F = Eigen::MatrixXd::Zero(layout.size(), motions);
+  const Motion motion = problem.site.motion;
+  Eigen::MatrixXd F = Eigen::MatrixXd::Zero(layout.size(), pose_dof(motion));
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const int column = layout.beacon[b][i];
-      if (column < 0) continue;
-      const Eigen::Vector3d& p = state.beacon_p_map_m[b];
-      const auto axis = static_cast<int>(i);
-      if (planar) {
-        if (axis < 2) F(column, axis) = 1.0;
-        F(column, 2) = Eigen::Vector3d::UnitZ().cross(p)[axis];
-      } else {
-        F(column, axis) = 1.0;
-        for (int k = 0; k < 3; ++k) F(column, 3 + k) = Eigen::Vector3d::Unit(k).cross(p)[axis];
-      }
-    }
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const int column = layout.beacon[b][i]; column >= 0)
+        F.row(column) = map_motions_at(state.beacon_p_map_m[b], motion).row(static_cast<Eigen::Index>(i));
   const PivotedQr qr(F);
   if (layout.size() == 0 || qr.rank() == 0) return Eigen::MatrixXd(layout.size(), 0);
   const Eigen::MatrixXd Q = qr.basis(), NQ = information * Q;

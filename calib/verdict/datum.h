@@ -15,7 +15,7 @@ namespace octant::calib {
 /// measured poses, approximate positions (priors), taped distances; what nothing fixes is said so.
 [[nodiscard]] Datum datum_of(const Problem& problem);
 
-/// The same for a map that turned out to hang on nothing: inner constraints carry what was said to carry it.
+/// Makes the datum that of a map which turned out to hang on nothing: inner constraints carry it.
 void set_free_network(Datum& datum);
 
 /// Motions of the whole map that nothing in a problem tells to better than a quarter of the typical range

@@ -43,16 +43,9 @@ Paths paths_of(const Trajectory& t, const SharedState& state) {
 }
 
 /// A vehicle that stands at a node and hears what x predicts.
-Trajectory standing_at(const Trajectory& t, std::size_t node, const Paths& paths, const SharedState& here) {
-  Trajectory stop;
-  stop.run = t.run;
-  stop.vehicle = t.vehicle;
-  stop.motion = t.motion;
-  stop.has_cycle_offset = t.has_cycle_offset;
-  stop.nominal_speed_mps = t.nominal_speed_mps;
-  stop.turnaround_s = t.turnaround_s;
+Trajectory hearing_at(const Trajectory& t, std::size_t node, const Paths& paths, const SharedState& here) {
+  Trajectory stop = standing_at(t, t.nodes[node]);
   stop.T_hear_send = {Pose()};
-  stop.nodes = {t.nodes[node]};
   for (const auto& [path, heard] : paths.arrivals) {
     if (reach_to_m(t, node, here, heard.beacon) > paths.reach_m.at(path.first)) continue;
     ArrivalObservation a = heard;
@@ -75,11 +68,7 @@ Trajectory standing_at(const Trajectory& t, std::size_t node, const Paths& paths
     if (bearing_rows(stop, stop.bearings.size() - 1, here, &row) > 0)
       b.bearing_rad = -b.sigma_rad * row.residual;
   }
-  Segment all;
-  all.last_node = 1;
-  all.last_arrival = stop.arrivals.size();
-  all.last_bearing = stop.bearings.size();
-  stop.segments = {all};
+  set_only_segment(stop);
   return stop;
 }
 
@@ -109,7 +98,7 @@ std::optional<double> fix_shift_m(const ParameterLayout& layout, const Eigen::Ve
     const std::size_t step = std::max<std::size_t>(1, t.nodes.size() / kPlaces);
     for (std::size_t k = step / 2; k < t.nodes.size(); k += step) {
       if (!t.nodes[k].placed) continue;
-      Trajectory stop = standing_at(t, k, paths, here);
+      Trajectory stop = hearing_at(t, k, paths, here);
       if (!tells_a_place(stop)) continue;
       settle(stop, stop.segments.front(), there, {});
       const Pose &was = t.nodes[k].T_map_vehicle, &is = stop.nodes.front().T_map_vehicle;

@@ -21,8 +21,7 @@ std::vector<LeftOut> arrivals_of(const Trajectory& t, const SharedState& state) 
   for (const std::size_t i : t.stateless_arrivals) out.push_back({t.run, i, Rejection::kNoPose, 0.0});
   for (const ArrivalObservation& a : t.arrivals) {
     if (a.rejection == Rejection::kUsed) continue;
-    const bool placed =
-        a.rejection == Rejection::kLate || a.rejection == Rejection::kEarly || is_gated(a.rejection);
+    const bool placed = is_outlier(a.rejection) || is_gated(a.rejection);
     out.push_back({t.run, a.arrival, a.rejection, placed ? a.sigma_s * arrival_residual(t, a, state) : 0.0});
   }
   return out;
@@ -86,7 +85,7 @@ void append(List& to, List&& from) {
 
 double misfit_rad(const Trajectory& t, std::size_t bearing, const SharedState& state) {
   const BearingObservation& b = t.bearings[bearing];
-  const bool placed = b.rejection == Rejection::kLate || b.rejection == Rejection::kEarly;
+  const bool placed = is_outlier(b.rejection);
   ObservationRow row;
   return placed && bearing_rows(t, bearing, state, &row) > 0 ? row.residual * b.sigma_rad : 0.0;
 }
@@ -117,8 +116,7 @@ std::vector<std::string> bearings_in_doubt(const Problem& problem,
       if (b.reflector.valid()) ++all[b.reflector.index()];
   for (const LeftOutBearing& b : left_out) {
     const BeaconId reflector = problem.runs[b.run].bearings[b.bearing].reflector;
-    if (reflector.valid() && (b.reason == Rejection::kLate || b.reason == Rejection::kEarly))
-      ++out[reflector.index()];
+    if (reflector.valid() && is_outlier(b.reason)) ++out[reflector.index()];
   }
   std::vector<std::string> warnings;
   for (std::size_t b = 0; b < all.size(); ++b)

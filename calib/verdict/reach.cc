@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "calib/problem/ranges.h"
+
 namespace octant::calib {
 namespace {
 
@@ -48,10 +50,8 @@ std::optional<double> heard_reach_m(const std::vector<Trajectory>& trajectories,
     if (heard) heard_m.push_back(distance_m);
   });
   if (heard_m.size() < kEnoughHeard) return {};
-  const auto at =
-      heard_m.end() - 1 - static_cast<std::ptrdiff_t>(kStrays * static_cast<double>(heard_m.size()));
-  std::nth_element(heard_m.begin(), at, heard_m.end());
-  const double reach_m = *at;
+  const auto strays = static_cast<std::size_t>(kStrays * static_cast<double>(heard_m.size()));
+  const double reach_m = nth_smallest(heard_m, heard_m.size() - 1 - strays);
   double within = 0, within_heard = 0, beyond = 0, beyond_heard = 0;
   for_all_pairs([&](double distance_m, bool heard) {
     (distance_m <= reach_m ? within : beyond) += 1;

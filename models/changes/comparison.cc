@@ -39,8 +39,7 @@ Change change_of(const TestedChange& tested, const ChangeHypothesis& hypothesis,
   c.p = tested.p;
   const bool datum = hypothesis.kind == ChangeKind::kDatum;
   if (datum || hypothesis.kind == ChangeKind::kBeaconMoved || hypothesis.kind == ChangeKind::kReceiver) {
-    const Eigen::Index axes =
-        datum && d.motion == Motion::kPlanar ? 2 : 3;  // turns of the map come after its shifts
+    const Eigen::Index axes = datum ? first_turn(d.motion) : 3;
     c.shift_m.head(axes) = tested.estimate.head(axes);
     c.shift_covariance_m2.topLeftCorner(axes, axes) = tested.covariance.topLeftCorner(axes, axes);
     c.size = c.shift_m.norm();

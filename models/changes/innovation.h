@@ -18,12 +18,12 @@ struct Innovation {
   int degrees_of_freedom = 0;
 };
 
-/// Of two independent estimates. @param difference  second less first  @param covariance  of it, drift
-/// included; positive definite
+/// Innovation of two independent estimates. @param difference  second less first  @param covariance  of it,
+/// drift included; positive definite
 [[nodiscard]] Innovation innovation_of_difference(const Eigen::VectorXd& difference,
                                                   const Eigen::MatrixXd& covariance);
 
-/// Of a visit that need not determine everything, by its information N alone.
+/// Innovation of a visit that need not determine everything, by its information N alone.
 /// With P = L L' and L'N L = V diag(l) V' the vector V'L'N (theta_2 - theta_1) has the variances l + l^2
 /// where nothing changed and the mean diag(l) V'L^-1 b where b did; directions that the visit does not see (l
 /// = 0) say nothing.
@@ -33,8 +33,8 @@ struct Innovation {
 [[nodiscard]] Innovation innovation_of_information(const Eigen::MatrixXd& P, const Eigen::MatrixXd& N,
                                                    const Eigen::VectorXd& gradient);
 
-/// The same where motions along the columns of T have no meaning: the parts of y that they could explain are
-/// taken out. Motions that are not seen (a kilometre passes unnoticed) take nothing.
+/// The innovation where motions along the columns of T have no meaning: it loses the parts of y that they
+/// could explain. Motions that are not observable (a kilometre passes unnoticed) take nothing away.
 [[nodiscard]] Innovation free_of(const Innovation& innovation, const Eigen::MatrixXd& T);
 
 }  // namespace octant

@@ -110,7 +110,7 @@ KnownParameters known_parameters(const Deployment& d) {
 namespace {
 
 /// Sigma of what a number drifts from visit to visit. Visitor: see visit_parameter.
-struct DriftOf : HoldsNone<double> {
+struct DriftOf {
   const Drift& drift;
   double value;
   DriftOf(const Drift& by, double now) : drift(by), value(now) {}
@@ -125,6 +125,10 @@ struct DriftOf : HoldsNone<double> {
     return unknown == 3 ? kHalfPowerAngle_rad : drift.attenuation * std::max(1e-9, std::abs(value));
   }
   [[nodiscard]] static double clock_drift(std::size_t) { return 1.0e-6; }
+  // None of these is known beforehand (deployment_number.cc).
+  static double array(std::size_t, std::size_t) { return 0.0; }
+  static double site_delay() { return 0.0; }
+  static double pair_bias(std::size_t, std::size_t) { return 0.0; }
 };
 
 }  // namespace
@@ -146,19 +150,12 @@ Eigen::MatrixXd map_motions(const KnownParameters& known, Motion motion) {
       count += 1.0 / 3.0;
     }
   centre /= std::max(count, 1.0);
-  const bool planar = motion == Motion::kPlanar;
-  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(known.size(), planar ? 3 : 6);
+  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(known.size(), pose_dof(motion));
   for (Eigen::Index i = 0; i < known.size(); ++i) {
     const ParameterId& p = known.parameters[static_cast<std::size_t>(i)];
     if (p.kind != ParameterKind::kBeaconPosition) continue;
     const Eigen::Vector3d at = known.value.segment<3>(i - p.component) - centre;
-    if (planar) {
-      if (p.component < 2) T(i, p.component) = 1.0;
-      T(i, 2) = Eigen::Vector3d::UnitZ().cross(at)[p.component];
-    } else {
-      T(i, p.component) = 1.0;
-      for (int k = 0; k < 3; ++k) T(i, 3 + k) = Eigen::Vector3d::Unit(k).cross(at)[p.component];
-    }
+    T.row(i) = map_motions_at(at, motion).row(p.component);
   }
   return T;
 }

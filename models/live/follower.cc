@@ -24,10 +24,10 @@ bool can_be_tracked(const Deployment& d) { return d.timing.clock == Clock::kSync
 
 /// By as much the place may be another one by another calibration: sigmas of 5 cm and 0.01 rad, squared.
 PoseCovariance between_calibrations(Motion motion) {
-  const int dof = pose_dof(motion), turns = dof - first_turn(motion);
+  const int dof = pose_dof(motion), shifts = first_turn(motion);
   PoseCovariance some = PoseCovariance::Zero(dof, dof);
-  some.diagonal().head(dof - turns).setConstant(2.5e-3);
-  some.diagonal().tail(turns).setConstant(1e-4);
+  some.diagonal().head(shifts).setConstant(2.5e-3);
+  some.diagonal().tail(dof - shifts).setConstant(1e-4);
   return some;
 }
 

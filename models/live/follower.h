@@ -20,8 +20,8 @@
 namespace octant {
 
 struct FollowOptions {
-  /// Of single poses, or the tracker. kAuto: least squares, and the tracker from a vehicle's first odometry
-  /// row on (planar motion, synchronised clocks).
+  /// A method of single poses, or the tracker. kAuto: least squares, and the tracker from a vehicle's first
+  /// odometry row on (planar motion, synchronised clocks).
   Method method = Method::kAuto;
   OdometryAccuracy odometry;
   std::size_t most_waiting =

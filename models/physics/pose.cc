@@ -93,6 +93,16 @@ Pose interpolate(const Pose& a, const Pose& b, double alpha) {
   return {(1 - alpha) * a.translation_m + alpha * b.translation_m, a.rotation * exp_rotation(alpha * phi)};
 }
 
+Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 6> map_motions_at(const Eigen::Vector3d& p_map_m,
+                                                                               Motion motion) {
+  Eigen::Matrix<double, 3, 6> all;
+  all.leftCols<3>().setIdentity();
+  for (int k = 0; k < 3; ++k) all.col(3 + k) = Eigen::Vector3d::Unit(k).cross(p_map_m);
+  if (motion == Motion::kSpatial) return all;
+  all.col(2) = all.col(5);
+  return all.leftCols<3>();
+}
+
 Pose retract(const Pose& pose, const Eigen::Ref<const Eigen::VectorXd>& delta, Motion motion) {
   if (motion == Motion::kPlanar) {
     return Pose::planar(pose.translation_m.x() + delta[0], pose.translation_m.y() + delta[1],

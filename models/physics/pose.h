@@ -46,7 +46,7 @@ struct Pose {
 /// frame, 6 values.
 enum class Motion { kPlanar, kSpatial };
 [[nodiscard]] constexpr int pose_dof(Motion motion) { return motion == Motion::kPlanar ? 3 : 6; }
-/// Of the degrees of freedom of a pose, the first that is a turn.
+/// The first of a pose's degrees of freedom that is a turn.
 [[nodiscard]] constexpr int first_turn(Motion motion) { return motion == Motion::kPlanar ? 2 : 3; }
 
 /// Information about an angle of which nothing is known: it is somewhere on the circle.
@@ -57,6 +57,11 @@ template <class Block>
 void add_vague_angles(Motion motion, Block& information) {
   for (int i = first_turn(motion); i < pose_dof(motion); ++i) information(i, i) += kVagueAngle;
 }
+
+/// How a point of the map moves with the whole map, by column: along x, y and about z (planar), or along and
+/// about all three axes; turns are about the origin [m, m/rad].
+[[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 6> map_motions_at(
+    const Eigen::Vector3d& p_map_m, Motion motion);
 
 /// Moves a pose by a tangent vector (see Motion).
 [[nodiscard]] Pose retract(const Pose& pose, const Eigen::Ref<const Eigen::VectorXd>& delta, Motion motion);

@@ -70,7 +70,7 @@ double round_to_micrometre(double x) { return std::round(x * 1e6) / 1e6; }
 
 double dwell_s(const Scenario& scenario, const Scenario::Path& path) {
   const Timing& timing = scenario.site.timing;
-  const double legs = timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0;
+  const double legs = timing.legs();
   const double flight_s = legs * scenario.range_m / speed_mps(scenario.site.medium) + timing.turnaround_s;
   const double late_s = scenario.echo_fraction > 0 ? scenario.echo_delay_s[1] : 0.0;
   const double firings = static_cast<double>(scenario.site.beacons.size()) * path.rounds;

@@ -12,7 +12,7 @@ namespace octant {
 double observed_range_m(const Trajectory& t, const ArrivalObservation& a, const SharedState& state,
                         std::optional<double> cycle_offset_s) {
   const PathInput path = path_of(t, a, state);
-  FlightTime flight{a.tof_s - path.delay_s, path.speed_mps, a.two_way ? 2.0 : 1.0};
+  FlightTime flight{a.tof_s - path.delay_s, path.speed_mps, a.legs()};
   if (t.has_cycle_offset)
     flight.time_s -=
         state.drift(t.vehicle) * (a.time_s - t.nodes[a.node].time_s) + cycle_offset_s.value_or(0.0);

@@ -18,7 +18,7 @@ std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers,
 }
 
 /// Visitor: see visit_parameter.
-struct InState : HoldsNone<double*> {
+struct InState {
   SharedState& state;
   explicit InState(SharedState& of) : state(of) {}
   [[nodiscard]] static double* at(std::vector<double>& all, std::size_t i) {
@@ -33,6 +33,7 @@ struct InState : HoldsNone<double*> {
     return &state.receiver_p_vehicle_m[r][static_cast<Eigen::Index>(axis)];
   }
   [[nodiscard]] double* receiver_delay(std::size_t r) const { return at(state.receiver_delay_s, r); }
+  static double* array(std::size_t, std::size_t) { return nullptr; }  // it stands on the receivers
   [[nodiscard]] double* site_delay() const { return &state.site_delay_s; }
   [[nodiscard]] double* speed(std::size_t run) const {
     return &state.speed_offset_mps[run > 0 ? run - 1 : 0];

@@ -67,6 +67,22 @@ void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const
   for (const Bearing& b : bearings)
     t.bearings.push_back({0, 0.0, t.bearings.size(), b.reflector, b.bearing_rad,
                           model.noise.bearing_sigma_rad, Rejection::kUsed});
+  set_only_segment(t);
+}
+
+Trajectory standing_at(const Trajectory& like, const Node& node) {
+  Trajectory t;
+  t.run = like.run;
+  t.vehicle = like.vehicle;
+  t.motion = like.motion;
+  t.has_cycle_offset = like.has_cycle_offset;
+  t.nominal_speed_mps = like.nominal_speed_mps;
+  t.turnaround_s = like.turnaround_s;
+  t.nodes = {node};
+  return t;
+}
+
+void set_only_segment(Trajectory& t) {
   Segment whole;
   whole.last_node = 1;
   whole.last_arrival = t.arrivals.size();

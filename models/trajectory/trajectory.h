@@ -46,6 +46,7 @@ struct ArrivalObservation {
   bool two_way = false;
   std::int32_t hear_send = -1;  ///< two-way ranging: index into Trajectory::T_hear_send
   Rejection rejection = Rejection::kUsed;
+  [[nodiscard]] double legs() const { return legs_of(two_way); }
 };
 
 struct BearingObservation {
@@ -132,7 +133,7 @@ struct Trajectory {
   return measured ? std::optional<double>(a.log_amplitude) : std::nullopt;
 }
 
-/// Of an arrival, but for the vehicle's pose and the offset of its cycle.
+/// Path of an arrival, but for the vehicle's pose and the offset of its cycle.
 [[nodiscard]] inline PathInput path_of(const Trajectory& trajectory, const ArrivalObservation& a,
                                        const SharedState& state) {
   PathInput path =
@@ -174,6 +175,10 @@ struct TrajectoryModel {
 /// stands.
 void set_epoch(Trajectory& trajectory, std::span<const Arrival> arrivals, std::span<const Bearing> bearings,
                const TrajectoryModel& model);
+/// The vehicle of a trajectory, standing at a node; what it observes there is to be added, and then the
+/// segment of all that.
+[[nodiscard]] Trajectory standing_at(const Trajectory& like, const Node& node);
+void set_only_segment(Trajectory& of_one_node);
 /// Takes the memory for epochs of that many rows.
 void reserve_epoch(Trajectory& trajectory, std::size_t arrivals, std::size_t bearings);
 

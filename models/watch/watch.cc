@@ -50,7 +50,7 @@ Watch::Watch(const Deployment& d, const WatchOptions& options)
     member.beta_m = beta(r.sigma_m.squaredNorm() / 3.0, r.delay_sigma_s);
     receivers_.push_back(member);
   }
-  pose_unknowns_ = unknowns_ = motion_ == Motion::kPlanar ? 3 : 6;
+  pose_unknowns_ = unknowns_ = pose_dof(motion_);
   if (timing_.clock == Clock::kCycleOffset) offset_column_ = unknowns_++;
   const double unchecked_mps = medium_.model == MediumModel::kConstant ? 0.0 : kUncheckedAir_mps;
   first_speed_variance_ = speed_variance_ =

@@ -31,7 +31,6 @@ Result<MeasurementLog> part_of_drives(std::size_t run, const Site& site, const A
   const DriveGroups& of_run = index.groups(run);
   MeasurementLog few = without_lists(log);
   few.rejected = log.rejected;
-  const DriveStretches stretches = stretches_of(site);
   const std::size_t beacons = index.beacons(),
                     budget = stretches_kept(site, kPartOfLongLog, of_run.arrivals, of_run.groups.size());
   const std::vector<bool> chosen =
@@ -47,16 +46,14 @@ Result<MeasurementLog> part_of_drives(std::size_t run, const Site& site, const A
   for (std::size_t g = 0; g < chosen.size(); ++g) {
     if (!chosen[g]) continue;
     if (auto ok = index.read(source, run, of_run.groups[g], rows); !ok) return fail(ok.error());
-    crowded = keep_some_of_pairs(std::min(stretches.per_pair, kPartOfLongLog.per_pair), rows) || crowded;
+    crowded = keep_some_of_pairs(kPartOfLongLog.per_pair, rows) || crowded;
     few.arrivals.insert(few.arrivals.end(), rows.begin(), rows.end());
     double asked_s = 0.0;  // before the first of them
     for (const Arrival& a : rows) asked_s = std::max(asked_s, asked_before_s(site, a));
     chosen_keys.emplace(of_run.groups[g].vehicle, of_run.groups[g].key);
     spans.emplace_back(of_run.groups[g].first_s - asked_s, of_run.groups[g].last_s);
   }
-  std::stable_sort(few.arrivals.begin(), few.arrivals.end(), [](const Arrival& a, const Arrival& b) {
-    return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
-  });
+  sort_by_time(few.arrivals);
   if (of_run.groups.size() <= budget && !crowded) {  // all of it
     few.odometry = log.odometry;
     few.poses = log.poses;

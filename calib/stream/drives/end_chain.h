@@ -28,7 +28,7 @@ class EndChain {
   void append(const OpenChain& piece);
   /// Adds what is left of them all to a system; its cost is less what the ends' own step gains.
   void add_to(ReducedSystem& system) const;
-  /// Of each end, in its unknowns, when the parameters step so.
+  /// The step of each end, in its unknowns, when the parameters step so.
   [[nodiscard]] std::vector<NodeVector> steps(const Eigen::VectorXd& dx) const;
 
  private:

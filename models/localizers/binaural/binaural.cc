@@ -93,15 +93,9 @@ void Binaural::locate_known(const Observations& observations, Fix& fix) noexcept
 
 /// Brings the arrivals to the four links, and the fix to its blank state.
 void Binaural::collect(const Observations& observations, Fix& fix) noexcept {
-  fix.status = FixStatus::kTooFewArrivals;
-  fix.T_map_vehicle = Pose();
-  fix.covariance.resize(3, 3);
-  fix.covariance.setZero();
-  fix.protection_level_m = fix.cost = 0.0;
-  fix.arrivals_used = fix.arrivals_rejected = 0;
+  clear(fix);
+  fix.covariance.setZero(3, 3);
   fix.vehicle = options_.vehicle;
-  fix.epoch = kNoEpoch;
-  fix.time_s = 0.0;
   fix.rejections.assign(observations.arrivals.size(), Rejection::kNotNeeded);
   for (Link& link : links_) link.range_m = link.speed_mps = link.arrivals = 0;
   if (!observations.arrivals.empty()) {

@@ -12,7 +12,7 @@ namespace octant {
 ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment) noexcept {
   ArrivalRange out;
   const bool two_way = deployment.timing.ranging == Ranging::kTwoWay;
-  const double legs = two_way ? 2.0 : 1.0;
+  const double legs = deployment.timing.legs();
   // Chang eq. 2 where the medium's model is linear_temperature.
   out.speed_mps =
       deployment.speed_mps(std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC

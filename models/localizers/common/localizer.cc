@@ -3,6 +3,7 @@
 #include "models/localizers/common/localizer.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace octant {
 namespace {
@@ -54,6 +55,25 @@ void Localizer::locate(const Observations& observations, Fix& fix) noexcept {
     fix.arrivals_rejected += static_cast<int>(observations.bearings.size() - known_bearings_.size());
     spread(observations.bearings, known_bearings_.size());
   }
+}
+
+std::size_t usable_beacons(const Deployment& deployment) {
+  return static_cast<std::size_t>(
+      std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
+                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; }));
+}
+
+tl::unexpected<Error> MisfitOf::operator()(std::string found, std::string expected) const {
+  return fail({.code = Errc::kUsage,
+               .found = std::string(method_).append(": ").append(found),
+               .expected = std::move(expected)});
+}
+
+Result<void> MisfitOf::in_the_plane(const Deployment& deployment) const {
+  if (deployment.motion != Motion::kPlanar) return (*this)("the motion is spatial", "a planar one");
+  if (deployment.timing.clock != Clock::kSynchronised)
+    return (*this)("the clock has a cycle offset", "a synchronised one");
+  return {};
 }
 
 const MeasurementLog& known_rows(const MeasurementLog& log, const Deployment& deployment,

@@ -2,13 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "models/deployment.h"
 #include "models/fix.h"
 #include "models/run.h"
+#include "models/support/result.h"
 
 namespace octant {
 
@@ -48,7 +51,7 @@ class Localizer {
   }
 
  protected:
-  /// Of what `fix.rejections` speaks.
+  /// Which observations `fix.rejections` has an entry for.
   enum class Marks { kArrivals, kBearings };
   explicit Localizer(const Deployment& deployment, Marks marks = Marks::kArrivals)
       : beacons_(deployment.beacons.size()), receivers_(deployment.receivers.size()), marks_(marks) {}
@@ -65,6 +68,21 @@ class Localizer {
   Marks marks_;
   std::vector<Arrival> known_arrivals_;
   std::vector<Bearing> known_bearings_;
+};
+
+/// Beacons of a deployment that localizers use.
+[[nodiscard]] std::size_t usable_beacons(const Deployment& deployment);
+
+/// Why a method does not fit a deployment, in words that begin with its name.
+class MisfitOf {
+ public:
+  explicit MisfitOf(const char* method) : method_(method) {}
+  [[nodiscard]] tl::unexpected<Error> operator()(std::string found, std::string expected) const;
+  /// The misfit of a method that needs motion in the plane and synchronised clocks, if there is one.
+  [[nodiscard]] Result<void> in_the_plane(const Deployment& deployment) const;
+
+ private:
+  const char* method_;
 };
 
 /// The rows of a log whose beacons and receivers are the deployment's: the log itself, or what is left of it,

@@ -7,6 +7,7 @@
 
 #include "models/localizers/common/arrival_range.h"
 #include "models/localizers/common/counter_times.h"
+#include "models/localizers/common/localizer.h"
 
 namespace octant {
 
@@ -117,15 +118,7 @@ void reject_pair(std::span<const Arrival> arrivals, const PairRange& pair, Rejec
 }
 
 void begin_fix(std::span<const Arrival> arrivals, Fix& fix) {
-  fix.status = FixStatus::kTooFewArrivals;
-  fix.T_map_vehicle = Pose{};
-  fix.covariance.resize(0, 0);
-  fix.protection_level_m = 0.0;
-  fix.arrivals_used = fix.arrivals_rejected = 0;
-  fix.cost = 0.0;
-  fix.vehicle = {};
-  fix.epoch = kNoEpoch;
-  fix.time_s = 0.0;
+  clear(fix);
   if (arrivals.empty()) return;
   fix.vehicle = arrivals.front().vehicle;
   fix.epoch = arrivals.front().epoch;

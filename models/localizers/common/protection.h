@@ -14,15 +14,15 @@ namespace octant {
 
 /// What the arrivals of a beacon may be off together without a fault: a misfit may have that of its own.
 struct BeaconErrors {
-  /// Of each beacon's x, y, z [m], delay [s] and the speed [m/s]: what its calibration may be off. Empty:
-  /// none.
+  /// What the calibration of each beacon may be off: x, y, z [m], delay [s] and the speed [m/s]. Empty: it is
+  /// exact.
   std::span<const Eigen::Matrix<double, 5, 5>> calibration;
-  /// Of errors that last beyond an arrival (noise.correlated). They are stated for a pair of beacon and
+  /// Sigma of errors that last beyond an arrival (noise.correlated). They are stated for a pair of beacon and
   /// receiver, but come from the path, and receivers side by side share that.
   double common_sigma_s = 0.0;
 };
 
-/// Of each beacon in use, at the state that the segment's node holds.
+/// Separation of each beacon in use, at the state that the segment's node holds.
 [[nodiscard]] std::pmr::vector<BeaconSeparation> separations(const Trajectory& trajectory,
                                                              const Segment& segment, const SharedState& state,
                                                              const BeaconErrors& errors);

@@ -183,7 +183,7 @@ void DriveFilterOf<kDof>::correct(const Vector& gain, const Eigen::Matrix<double
 
 template <int kDof>
 double DriveFilterOf<kDof>::single_variance_s2(const ArrivalObservation& a, double speed_mps) const {
-  const double slack_s = range_slack_m_ * (a.two_way ? 2.0 : 1.0) / speed_mps;
+  const double slack_s = range_slack_m_ * a.legs() / speed_mps;
   // A pair's lasting bias is considered beside the noise where there is a calibration.
   const double pair_s = calibration_ ? model_.correlated.pair_sigma_s : 0.0;
   return a.sigma_s * a.sigma_s + slack_s * slack_s - pair_s * pair_s;

@@ -107,8 +107,8 @@ WidenedArrivals::WidenedArrivals(Trajectory& t, const Segment& segment, const Ep
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     ArrivalObservation& a = t.arrivals[i];
     sigma_s_.push_back(a.sigma_s);
-    a.sigma_s = std::hypot(
-        a.sigma_s, wide_m * (a.two_way ? 2.0 : 1.0) / (a.model_speed_mps + model.state.speed_offset(t.run)));
+    a.sigma_s =
+        std::hypot(a.sigma_s, wide_m * a.legs() / (a.model_speed_mps + model.state.speed_offset(t.run)));
   }
 }
 

@@ -20,15 +20,9 @@ struct Anchor {
 
 /// The arrivals of nodes [first, last) as if they were of one standing vehicle.
 Trajectory standing(const Trajectory& t, const Segment& segment, std::size_t first, std::size_t last) {
-  Trajectory piece;
-  piece.run = t.run;
-  piece.vehicle = t.vehicle;
-  piece.motion = t.motion;
-  piece.nominal_speed_mps = t.nominal_speed_mps;
-  piece.turnaround_s = t.turnaround_s;
+  Trajectory piece = standing_at(
+      t, {.time_s = 0.5 * (t.nodes[first].time_s + t.nodes[last - 1].time_s), .T_map_vehicle = {}});
   piece.T_hear_send = t.T_hear_send;
-  piece.nodes.push_back(
-      {.time_s = 0.5 * (t.nodes[first].time_s + t.nodes[last - 1].time_s), .T_map_vehicle = {}});
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     if (t.arrivals[i].node < first || t.arrivals[i].node >= last) continue;
     piece.arrivals.push_back(t.arrivals[i]);
@@ -39,11 +33,7 @@ Trajectory standing(const Trajectory& t, const Segment& segment, std::size_t fir
     piece.bearings.push_back(t.bearings[i]);
     piece.bearings.back().node = 0;
   }
-  Segment all;
-  all.last_node = 1;
-  all.last_arrival = piece.arrivals.size();
-  all.last_bearing = piece.bearings.size();
-  piece.segments.push_back(all);
+  set_only_segment(piece);
   return piece;
 }
 

@@ -233,16 +233,9 @@ void HeadTail::locate_known(const Observations& observations, Fix& fix) noexcept
 }
 
 Result<void> head_tail_fits(const Deployment& deployment) {
-  const auto lacks = [](std::string found, std::string expected) {
-    return fail(
-        {.code = Errc::kUsage, .found = "head_tail: " + std::move(found), .expected = std::move(expected)});
-  };
-  if (deployment.motion != Motion::kPlanar) return lacks("the motion is spatial", "a planar one");
-  if (deployment.timing.clock != Clock::kSynchronised)
-    return lacks("the clock has a cycle offset", "a synchronised one");
-  const auto usable =
-      std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
-                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
+  const MisfitOf lacks("head_tail");
+  if (auto plane = lacks.in_the_plane(deployment); !plane) return plane;
+  const std::size_t usable = usable_beacons(deployment);
   if (usable < 2) return lacks(std::to_string(usable).append(" usable base stations"), "two or more");
   const bool any = std::any_of(
       deployment.vehicles.begin(), deployment.vehicles.end(),

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "models/localizers/common/pair_ranges.h"
 #include "models/localizers/kleeman/kleeman_work.h"
 
 namespace octant {
@@ -25,8 +26,7 @@ Result<void> kleeman_fits(const Deployment& d) {
   if (d.beacons.size() > kKleemanBeacons)
     return fail(
         lacks("kleeman: the deployment has " + std::to_string(d.beacons.size()) + " beacons", "16 at most"));
-  std::size_t usable = 0;
-  for (const DeploymentBeacon& b : d.beacons) usable += b.status != BeaconStatus::kUndetermined ? 1 : 0;
+  const std::size_t usable = usable_beacons(d);
   if (usable < 3)
     return fail(lacks(
         std::string("kleeman: the deployment has ").append(std::to_string(usable)).append(" usable beacons"),
@@ -57,13 +57,8 @@ void Kleeman::reset() noexcept {
 
 void Kleeman::locate_known(const Observations& observations, Fix& fix) noexcept {
   const std::span<const Arrival> arrivals = observations.arrivals;
-  fix.T_map_vehicle = Pose();
+  begin_fix(arrivals, fix);
   fix.covariance.setZero(3, 3);
-  fix.time_s = fix.protection_level_m = fix.cost = 0.0;
-  fix.vehicle = arrivals.empty() ? VehicleId() : arrivals.front().vehicle;
-  fix.epoch = arrivals.empty() ? kNoEpoch : arrivals.front().epoch;
-  fix.arrivals_used = fix.arrivals_rejected = 0;
-  fix.rejections.clear();
   if (!arrivals.empty()) fix.time_s = (arrivals.front().time_s + arrivals.back().time_s) / 2;
   fix.status = place(arrivals, scale_);
   if (!fix.ok()) return;

@@ -244,16 +244,9 @@ void OneBeacon::locate_known(const Observations& observations, Fix& fix) noexcep
 void OneBeacon::forget() noexcept { std::fill(last_.begin(), last_.end(), Last{}); }
 
 Result<void> one_beacon_fits(const Deployment& deployment, const OneBeaconOptions& options) {
-  const auto lacks = [](std::string found, std::string expected) {
-    return fail(
-        {.code = Errc::kUsage, .found = "one_beacon: " + std::move(found), .expected = std::move(expected)});
-  };
-  if (deployment.motion != Motion::kPlanar) return lacks("the motion is spatial", "a planar one");
-  if (deployment.timing.clock != Clock::kSynchronised)
-    return lacks("the clock has a cycle offset", "a synchronised one");
-  const auto usable =
-      std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
-                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
+  const MisfitOf lacks("one_beacon");
+  if (auto plane = lacks.in_the_plane(deployment); !plane) return plane;
+  const std::size_t usable = usable_beacons(deployment);
   if (usable < 1) return lacks("no usable beacon", "one or more");
   bool any = false, heading = options.heading_rad.has_value();
   for (const SiteVehicle& vehicle : deployment.vehicles) {
@@ -263,7 +256,7 @@ Result<void> one_beacon_fits(const Deployment& deployment, const OneBeaconOption
   }
   if (!any) return lacks("no vehicle has two receivers at different places", "one");
   if (usable < 2 && !heading) {
-    return lacks("one beacon does not tell the heading",
+    return lacks("one beacon does not determine the heading",
                  "the heading, a straight rail of the vehicle, or a second beacon");
   }
   return {};

@@ -289,17 +289,9 @@ void RailLocalizer::locate_known(const Observations& observations, Fix& fix) noe
 void RailLocalizer::forget() noexcept { std::fill(last_.begin(), last_.end(), Last{}); }
 
 Result<void> rail_fits(const Deployment& deployment) {
-  const auto lacks = [](std::string found, std::string expected) {
-    return fail(
-        {.code = Errc::kUsage, .found = "rail: " + std::move(found), .expected = std::move(expected)});
-  };
-  if (deployment.motion != Motion::kPlanar) return lacks("the motion is spatial", "a planar one");
-  if (deployment.timing.clock != Clock::kSynchronised)
-    return lacks("the clock has a cycle offset", "a synchronised one");
-  const bool usable =
-      std::any_of(deployment.beacons.begin(), deployment.beacons.end(),
-                  [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
-  if (!usable) return lacks("no usable beacon", "one or more");
+  const MisfitOf lacks("rail");
+  if (auto plane = lacks.in_the_plane(deployment); !plane) return plane;
+  if (usable_beacons(deployment) == 0) return lacks("no usable beacon", "one or more");
   if (!std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(), runs_on_rail)) {
     return lacks("no vehicle with receivers has a rail",
                  "rail: {from_m: [x, y], to_m: [x, y]} or {centre_m: [x, y], radius_m: R}");

@@ -3,6 +3,7 @@
 #include "calib/errors/statistics.h"
 
 #include <cmath>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +48,51 @@ TEST(NoiseSearch, SquaresThatDoNotFallAreNotChasedWithoutEnd) {
   double factor = 1.0;
   for (int round = 0; round < 3; ++round) factor *= search.step(0.5 * kRedundancy * 1.5, kRedundancy);
   EXPECT_LT(factor, std::pow(std::sqrt(1.5), 13.0));
+}
+
+/// An adjustment of arrivals alone whose noise is off by a factor, as a log that is adjusted again.
+struct ScaledLog {
+  double factor = 1.0;
+  int adjusted = 0, scaled = 0, fails_at = 0;
+  std::optional<DataSquares> adjust() {
+    if (++adjusted == fails_at) return {};
+    return DataSquares{0.5 * kRedundancy / (factor * factor), kRedundancy};
+  }
+  std::optional<DataSquares> search() {
+    return adjust_and_scale_noise([this] { return adjust(); },
+                                  [this](double by) {
+                                    factor *= by;
+                                    ++scaled;
+                                  });
+  }
+};
+
+TEST(AdjustAndScaleNoise, AdjustsAgainAfterEachStepUntilTheSquaresAgree) {
+  ScaledLog as_stated;
+  EXPECT_TRUE(as_stated.search());
+  EXPECT_EQ(as_stated.adjusted, 1);
+  EXPECT_EQ(as_stated.scaled, 0);
+  ScaledLog log{.factor = 0.25};
+  const auto last = log.search();
+  ASSERT_TRUE(last);
+  EXPECT_NEAR(log.factor, 1.0, 1e-12);
+  EXPECT_NEAR(2 * last->cost, kRedundancy, 1e-6);  // of the adjustment after the step
+  EXPECT_EQ(log.adjusted, 2);
+  EXPECT_EQ(log.scaled, 1);
+}
+
+TEST(AdjustAndScaleNoise, EndsAfterThreeAdjustmentsOrWithOneThatFails) {
+  int adjusted = 0, scaled = 0;
+  const auto hopeless = [&]() -> std::optional<DataSquares> {
+    ++adjusted;
+    return DataSquares{2.0 * kRedundancy, kRedundancy};
+  };
+  EXPECT_TRUE(adjust_and_scale_noise(hopeless, [&](double) { ++scaled; }));
+  EXPECT_EQ(adjusted, 3);
+  EXPECT_EQ(scaled, 3);
+  ScaledLog log{.factor = 0.25, .fails_at = 2};
+  EXPECT_FALSE(log.search());
+  EXPECT_EQ(log.scaled, 1);
 }
 
 }  // namespace

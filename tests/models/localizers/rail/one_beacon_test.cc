@@ -323,7 +323,7 @@ TEST(OneBeacon, SaysWhatADeploymentLacks) {
   };
   EXPECT_EQ(words(site({{0, 5, 2.0}, {6, 5.5, 1.8}})), "");
   EXPECT_EQ(words(site({{0, 5, 2.0}}), {.heading_rad = 0.0}), "");
-  EXPECT_NE(words(site({{0, 5, 2.0}})).find("does not tell the heading"), std::string::npos);
+  EXPECT_NE(words(site({{0, 5, 2.0}})).find("does not determine the heading"), std::string::npos);
   EXPECT_NE(words(site({})).find("no usable beacon"), std::string::npos);
   EXPECT_NE(words(test::ranging_site({{0, 5, 2}, {6, 5, 2}}, {{0, 0, 1}})).find("two receivers"),
             std::string::npos);
