@@ -204,8 +204,7 @@ double Consensus::bearing_cost(const SearchBearing& b, const PlanarState& s,
   return std::min(0.5 * off * off / (b.sigma_rad * b.sigma_rad + away2), kBearingCap);
 }
 
-double Consensus::score(const PlanarState& state, double give_up) {
-  const PlanarTurn heading(state.heading_rad);
+double Consensus::score(const PlanarState& state, const PlanarTurn& heading, double give_up) {
   double total = 0.0;
   bool direct = true;
   for (std::size_t group = 0; group < problem_.groups(); ++group) {

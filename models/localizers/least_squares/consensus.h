@@ -40,7 +40,11 @@ class Consensus {
 
   /// Stops as soon as the score passes give_up.
   [[nodiscard]] double score(const PlanarState& state,
-                             double give_up = std::numeric_limits<double>::infinity());
+                             double give_up = std::numeric_limits<double>::infinity()) {
+    return score(state, PlanarTurn(state.heading_rad), give_up);
+  }
+  /// @param heading  the state's
+  [[nodiscard]] double score(const PlanarState& state, const PlanarTurn& heading, double give_up);
 
   /// Gauss-Newton with one-sided Cauchy weights from where the state is; without_group: a beacon left out.
   /// While arrivals are widened, a step by a tenth of that is the last. Returns the information matrix (x, y,
@@ -80,6 +84,9 @@ class Consensus {
   [[nodiscard]] double variance_m2(std::size_t i, std::size_t group) const {
     return 1.0 / inverse_variance_[i] + bias_variance_[group];
   }
+
+  /// Whether a beacon's arrivals have an error in common that is reckoned apart from their own.
+  [[nodiscard]] bool has_bias(std::size_t group) const { return bias_variance_[group] > 0; }
 
   /// What a beacon in a shadow costs.
   [[nodiscard]] double group_cap(std::size_t group) const { return group_caps_[group].late; }

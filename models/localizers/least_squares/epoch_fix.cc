@@ -268,28 +268,26 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
 
 namespace {
 
-/// Linear ranges, adjusted: of all arrivals or, where they do not agree, without those that came over a
-/// detour. Returns whether no search could do better; else all arrivals are in use again, and a search may
-/// start where the last linear ranges placed the node.
+/// Linear ranges without those of arrivals that came over a detour, adjusted. Returns whether no search could
+/// do better; else all arrivals are in use again, and a search may start where the last linear ranges placed
+/// the node.
 bool fix_in_closed_form(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                         const EpochFixOptions& options, CorrelatedArrivals& sigmas,
                         NodeAdjustment& adjustment, Count& c, std::optional<PlanarState>& start) {
   if (!may_begin_closed(t, segment, options)) return false;
-  for (const bool without_detours : {false, true}) {
-    if (without_detours && !mark_detours(t, segment, model.state, options.rejection_sigmas)) return false;
-    if (place_by_linear_ranges(t, segment, model.state, model.beacon_usable)) {
-      Node& node = t.nodes[segment.first_node];
-      node.placed = false;
-      start = PlanarState{node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(),
-                          node.T_map_vehicle.heading_rad(), 0.0};
-      adjustment = adjust_and_mark(t, segment, model, options, sigmas);
-      c = count(t, segment, model);
-      if (is_beyond_doubt(t, segment, c, adjustment)) return true;
-      sigmas.restore();
-    }
-    reset_marks(t, segment, model);
+  static_cast<void>(mark_detours(t, segment, model.state, options.rejection_sigmas));
+  if (place_by_linear_ranges(t, segment, model.state, model.beacon_usable)) {
+    Node& node = t.nodes[segment.first_node];
+    node.placed = false;
+    start = PlanarState{node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(),
+                        node.T_map_vehicle.heading_rad(), 0.0};
+    adjustment = adjust_and_mark(t, segment, model, options, sigmas);
     c = count(t, segment, model);
+    if (is_beyond_doubt(t, segment, c, adjustment)) return true;
+    sigmas.restore();
   }
+  reset_marks(t, segment, model);
+  c = count(t, segment, model);
   return false;
 }
 

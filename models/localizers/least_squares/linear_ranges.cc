@@ -35,19 +35,22 @@ bool takes_part(const ArrivalObservation& a, const std::vector<bool>& usable) {
 bool mark_detours(Trajectory& t, const Segment& s, const SharedState& state, double sigmas) {
   bool any = false;
   if (s.last_arrival - s.first_arrival > kMostCompared) return false;
+  std::array<double, kMostCompared> ranges_m;
+  for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
+    ranges_m[i - s.first_arrival] = observed_range_m(t, t.arrivals[i], state);
   for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) {
     ArrivalObservation& a = t.arrivals[i];
     if (a.rejection != Rejection::kUsed) continue;
-    const double range_m = observed_range_m(t, a, state);
+    const double range_m = ranges_m[i - s.first_arrival];
     for (std::size_t j = s.first_arrival; j < s.last_arrival && a.rejection == Rejection::kUsed; ++j) {
       const ArrivalObservation& b = t.arrivals[j];
-      if (b.beacon != a.beacon || j == i) continue;
+      const double later_m = range_m - ranges_m[j - s.first_arrival];
+      if (b.beacon != a.beacon || !(later_m > 0)) continue;
       const double apart_m =
           (state.receiver_p_vehicle_m[a.receiver.index()] - state.receiver_p_vehicle_m[b.receiver.index()])
               .norm();
-      const double noise_m = a.model_speed_mps * std::hypot(a.sigma_s, b.sigma_s);
-      if (range_m > observed_range_m(t, b, state) + apart_m + sigmas * noise_m)
-        a.rejection = Rejection::kTriangle;
+      const double noise_m = a.model_speed_mps * std::sqrt(a.sigma_s * a.sigma_s + b.sigma_s * b.sigma_s);
+      if (later_m > apart_m + sigmas * noise_m) a.rejection = Rejection::kTriangle;
     }
     any = any || a.rejection == Rejection::kTriangle;
   }

@@ -15,6 +15,7 @@ namespace {
 constexpr double kNoiseSigmas = 4.0;
 constexpr double kFlatCutSine = 1e-3;  ///< sine of the angle at which circles cut, that tells nothing
 constexpr double kMostReach = 0.2;  ///< of the nearer beacon's distance, within which ranges are about linear
+constexpr Eigen::Index kFewSectors = 3;  ///< narrower ones pay where few are left
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 Eigen::Vector2d from_beacon(const PairPlace& place, const SearchRange& r) {
@@ -31,17 +32,20 @@ Eigen::RowVector2d lever_by_turn(const SearchRange& r, const Eigen::Vector2d& u)
 
 PairPlaces::PairPlaces(const SearchProblem& problem, const Consensus& consensus, const Discord& discord,
                        int headings)
-    : problem_(problem),
-      discord_(discord),
-      cosine_(std::clamp(headings, 1, kMostHeadings)),
-      sine_(cosine_.size()),
-      least_(cosine_.size()) {
-  for (Eigen::Index k = 0; k < cosine_.size(); ++k) {
-    const double heading =
-        2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(cosine_.size());
-    cosine_[k] = std::cos(heading);
-    sine_[k] = std::sin(heading);
+    : problem_(problem), discord_(discord) {
+  const Eigen::Index count = std::clamp(headings, 1, kMostHeadings);
+  sectors_.cosine.resize(count);
+  sectors_.sine.resize(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const double heading = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(count);
+    sectors_.cosine[k] = std::cos(heading);
+    sectors_.sine[k] = std::sin(heading);
   }
+  // One heading alone is tried where none matters.
+  sectors_.half_width_rad = count > 1 ? std::numbers::pi / static_cast<double>(count) : 0.0;
+  finer_.half_width_rad = sectors_.half_width_rad / kFiner;
+  for (int k = 0; k < kFiner; ++k)
+    finer_turns_[static_cast<std::size_t>(k)] = PlanarTurn((2 * k + 1 - kFiner) * finer_.half_width_rad);
   limits_.reserve(problem.ranges.size());
   group_caps_.reserve(problem.groups());
   earliest_.reserve(problem.groups());
@@ -55,11 +59,12 @@ PairPlaces::PairPlaces(const SearchProblem& problem, const Consensus& consensus,
       const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z(), variance_m2 = consensus.variance_m2(i, group);
       const double flat_m = std::sqrt(std::max(r.range_m * r.range_m - dz * dz, 0.0));
       // Noise and bias apart can cost less than both together, but not half of it.
+      const double apart = consensus.has_bias(group) ? 2.0 : 1.0;
       limits_.push_back({{r.p_beacon_map_m.x(), r.p_beacon_map_m.y(), flat_m},
                          dz * dz,
                          r.p_lever_m.head<2>().norm(),
                          kNoiseSigmas * std::sqrt(variance_m2) * r.range_m / std::max(flat_m, 1e-6),
-                         2.0 * variance_m2,
+                         apart * variance_m2,
                          consensus.least_caps(i, group)});
     }
   }
@@ -95,7 +100,7 @@ double PairPlaces::least_score(const PairPlace& place, double bound) const {
 
 PairPlace PairPlaces::place_on(const std::array<std::size_t, 2>& pair, int side,
                                const PlanarState& at) const {
-  PairPlace place{.pair = pair, .side = side, .is_flat = true, .x_m = at.x_m, .y_m = at.y_m};
+  PairPlace place{.pair = pair, .side = side, .is_flat = true, .is_long = true, .x_m = at.x_m, .y_m = at.y_m};
   const Limit &a = limits_[pair[0]], &b = limits_[pair[1]];
   const Eigen::Vector2d u = from_beacon(place, problem_.ranges[pair[0]]) / a.circle.radius_m,
                         v = from_beacon(place, problem_.ranges[pair[1]]) / b.circle.radius_m;
@@ -105,7 +110,7 @@ PairPlace PairPlaces::place_on(const std::array<std::size_t, 2>& pair, int side,
   // The pose is where two strips cross: |u.d| <= reach, u the directions to both beacons.
   const double reach_m = std::max(a.reach_m(), b.reach_m()) * std::sqrt(2.0 / across2);
   if (!(reach_m < kMostReach * nearest_m)) return place;
-  place.is_flat = false;
+  place.is_flat = place.is_long = false;
   // Circles bend, so by more where it is far.
   place.reach_m = reach_m * (1.0 + 1.5 * reach_m / nearest_m);
   place.bend_m = 0.5 * place.reach_m * place.reach_m / nearest_m;
@@ -127,9 +132,51 @@ bool PairPlaces::flat_place(const std::array<std::size_t, 2>& pair, PairPlace& p
       (r + e) * (r + e) - r * r + 2.0 * std::abs(share) * d2 * (along_by_r * e + along_by_s * f);
   if (chord2 + more < 0.0) return false;
   const double shift_m = std::sqrt(d2) * (along_by_r * e + along_by_s * f);
-  place = {.pair = pair, .is_flat = true, .x_m = a.circle.x_m + share * dx, .y_m = a.circle.y_m + share * dy};
+  place = {.pair = pair,
+           .is_flat = true,
+           .is_long = true,
+           .x_m = a.circle.x_m + share * dx,
+           .y_m = a.circle.y_m + share * dy};
   place.reach_m = std::sqrt(chord2 + more + shift_m * shift_m);
   return true;
+}
+
+std::optional<PairPlace> PairPlaces::narrowed(const PairPlace& flat, double bound) const {
+  constexpr int kParts = 12;
+  const Limit &a = limits_[flat.pair[0]], &b = limits_[flat.pair[1]];
+  const double r = a.circle.radius_m, e = a.reach_m();
+  const Eigen::Vector2d to_middle(flat.x_m - a.circle.x_m, flat.y_m - a.circle.y_m);
+  const double along_m = to_middle.norm();
+  // Else the lens goes round the beacon.
+  if (!(flat.reach_m < along_m && flat.reach_m < r - e)) return flat;
+  // The lens is within reach across, and on the ring of the first range: discs cover that part of the ring.
+  const double half_rad = std::asin(flat.reach_m / (r - e)) / kParts;
+  const double disc_m = std::sqrt(e * e + 2.0 * r * (r + e) * (1.0 - std::cos(half_rad)));
+  const PlanarTurn step(2.0 * half_rad);
+  PlanarTurn at(to_middle.x() / along_m, to_middle.y() / along_m);
+  at = at * PlanarTurn(-(kParts - 1) * half_rad);
+  PairPlace part = flat, first, last;
+  double least = kInfinite;
+  for (int k = 0; k < kParts; ++k, at = at * step) {
+    part.x_m = a.circle.x_m + r * at.cosine;
+    part.y_m = a.circle.y_m + r * at.sine;
+    part.reach_m = disc_m;
+    const double from_second_m = std::hypot(part.x_m - b.circle.x_m, part.y_m - b.circle.y_m);
+    if (std::abs(from_second_m - b.circle.radius_m) > b.reach_m() + disc_m) continue;
+    const double score = least_score(part, bound);
+    if (score > bound) continue;
+    if (least == kInfinite) first = part;
+    last = part;
+    least = std::min(least, score);
+  }
+  if (least == kInfinite) return std::nullopt;
+  part.x_m = 0.5 * (first.x_m + last.x_m);
+  part.y_m = 0.5 * (first.y_m + last.y_m);
+  // From the chord's middle the arc is no further than from its ends.
+  part.reach_m = 0.5 * std::hypot(last.x_m - first.x_m, last.y_m - first.y_m) + disc_m;
+  part.is_long = !(part.reach_m < kMostReach * std::min(r, b.circle.radius_m));
+  part.least_score = least;
+  return part;
 }
 
 std::pmr::vector<PairPlace> PairPlaces::within(std::span<const std::array<std::size_t, 2>> pairs,
@@ -173,12 +220,10 @@ Eigen::Matrix2d PairPlaces::place_by_turn(const PairPlace& place) const {
 }
 
 void PairPlaces::add_least_costs(const PairPlace& place, const Eigen::Matrix2d& place_by_turn,
-                                 std::size_t group) {
-  of_group_.setZero(cosine_.size());
+                                 std::size_t group, Sectors& sectors) {
+  of_group_.setZero(sectors.cosine.size());
   const Eigen::Vector2d pair_slack_m(limits_[place.pair[0]].noise_m + place.bend_m,
                                      limits_[place.pair[1]].noise_m + place.bend_m);
-  // Between two headings that are tried.
-  const double half_step = cosine_.size() > 1 ? std::numbers::pi / static_cast<double>(cosine_.size()) : 0.0;
   for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
     const SearchRange& r = problem_.ranges[i];
     const Limit& limit = limits_[i];
@@ -186,35 +231,68 @@ void PairPlaces::add_least_costs(const PairPlace& place, const Eigen::Matrix2d& 
     const double distance_m = std::max(std::sqrt(v.squaredNorm() + limit.dz2_m2), 1e-6);
     const Eigen::Vector2d u = v / distance_m;
     const Eigen::RowVector2d by_turn = u.transpose() * place_by_turn + lever_by_turn(r, u);
-    const double slack_m = half_step * by_turn.norm() +
+    const double slack_m = sectors.half_width_rad * by_turn.norm() +
                            (u.transpose() * place.by_ranges).cwiseAbs() * pair_slack_m + place.bend_m;
     const double information = 0.5 / limit.variance_m2;
-    late_m_ = r.range_m - distance_m - by_turn.x() * cosine_ - by_turn.y() * sine_;
+    late_m_ = r.range_m - distance_m - by_turn.x() * sectors.cosine - by_turn.y() * sectors.sine;
     of_group_ += ((late_m_ - slack_m).max(0.0).square() * information).min(limit.caps.late) +
                  ((late_m_ + slack_m).min(0.0).square() * information).min(limit.caps.early);
   }
-  least_ += (of_group_.min(group_caps_[group]) - discord_.cost[group]).max(0.0);
+  sectors.least += (of_group_.min(group_caps_[group]) - discord_.cost[group]).max(0.0);
+}
+
+bool PairPlaces::bound_scores(const PairPlace& place, double bound, Sectors& sectors) {
+  sectors.least.setConstant(sectors.cosine.size(), discord_.total);
+  const Eigen::Matrix2d by_turn = place_by_turn(place);
+  for (std::size_t group = 0; group < problem_.groups(); ++group) {
+    add_least_costs(place, by_turn, group, sectors);
+    if (sectors.least.minCoeff() > bound) return false;
+  }
+  return true;
+}
+
+/// Splits the sectors within the bound and takes what the best part of each costs, since narrow sectors leave
+/// ranges less slack.
+bool PairPlaces::bound_finer_scores(const PairPlace& place, double bound) {
+  const Eigen::Index within = (sectors_.least <= bound).count();
+  if (sectors_.half_width_rad == 0.0 || within > kFewSectors) return true;
+  finer_.cosine.resize(within * kFiner);
+  finer_.sine.resize(within * kFiner);
+  Eigen::Index at = 0;
+  for (Eigen::Index k = 0; k < sectors_.least.size(); ++k) {
+    if (sectors_.least[k] > bound) continue;
+    for (const PlanarTurn& off : finer_turns_) {
+      const PlanarTurn turn = PlanarTurn(sectors_.cosine[k], sectors_.sine[k]) * off;
+      finer_.cosine[at] = turn.cosine;
+      finer_.sine[at++] = turn.sine;
+    }
+  }
+  if (!bound_scores(place, bound, finer_)) return false;
+  at = 0;
+  for (Eigen::Index k = 0; k < sectors_.least.size(); ++k) {
+    if (sectors_.least[k] > bound) continue;
+    sectors_.least[k] = std::max(sectors_.least[k], finer_.least.segment<kFiner>(at).minCoeff());
+    at += kFiner;
+  }
+  return true;
 }
 
 void PairPlaces::propose(const PairPlace& place, Consensus& widened, double bound, TopList& top) {
-  least_.setConstant(cosine_.size(), discord_.total);
-  if (!place.is_flat) {
-    const Eigen::Matrix2d by_turn = place_by_turn(place);
-    for (std::size_t group = 0; group < problem_.groups(); ++group) {
-      add_least_costs(place, by_turn, group);
-      if (least_.minCoeff() > bound) return;
-    }
-  }
+  if (place.is_flat)
+    sectors_.least.setConstant(sectors_.cosine.size(), place.least_score);
+  else if (!bound_scores(place, bound, sectors_) || !bound_finer_scores(place, bound))
+    return;
   std::array<PlanarState, 2> meet;
-  for (Eigen::Index k = 0; k < cosine_.size(); ++k) {
-    if (least_[k] > bound) continue;
-    const int count = pair_states(problem_, place.pair, cosine_[k], sine_[k], meet);
+  for (Eigen::Index k = 0; k < sectors_.least.size(); ++k) {
+    if (sectors_.least[k] > bound) continue;
+    const PlanarTurn turn(sectors_.cosine[k], sectors_.sine[k]);
+    const int count = pair_states(problem_, place.pair, turn.cosine, turn.sine, meet);
     const double heading =
-        2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(cosine_.size());
+        2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(sectors_.least.size());
     for (int side = place.is_flat ? 0 : place.side; side < (place.is_flat ? count : place.side + 1); ++side) {
       PlanarState& state = meet[static_cast<std::size_t>(side)];
       state.heading_rad = wrap_angle(heading);
-      if (count > 0) top.offer({state, widened.score(state, top.worst()), least_[k]});
+      if (count > 0) top.offer({state, widened.score(state, turn, top.worst()), sectors_.least[k]});
     }
   }
 }

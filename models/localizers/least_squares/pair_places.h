@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct PairPlace {
   std::array<std::size_t, 2> pair;
   int side = 0;          ///< of both on which circles meet
   bool is_flat = false;  ///< they about touch: both sides are one place, between them
+  bool is_long = false;  ///< poses about one within reach need not lead to it
   double x_m = 0.0, y_m = 0.0;
   Eigen::Matrix2d by_ranges = Eigen::Matrix2d::Zero();  ///< how it moves with both ranges, unless it is flat
   double reach_m = 0.0;                                 ///< how far from it the pose may be
@@ -39,6 +41,10 @@ class PairPlaces {
   /// The places of the pairs whose poses may score up to the bound, the most promising first.
   [[nodiscard]] std::pmr::vector<PairPlace> within(std::span<const std::array<std::size_t, 2>> pairs,
                                                    double bound) const;
+
+  /// Of a place where circles about touch, whose lens may be long, keeps the part in which poses may score up
+  /// to the bound; nothing where there is none.
+  [[nodiscard]] std::optional<PairPlace> narrowed(const PairPlace& flat, double bound) const;
 
   /// Offers the poses at the place, for each heading that is tried, whose scores may be within the bound. For
   /// the bound the ranges are taken as linear in the heading's cosine and sine, so that a heading costs no
@@ -68,17 +74,29 @@ class PairPlaces {
                                    const PlanarState& at) const;
   [[nodiscard]] bool flat_place(const std::array<std::size_t, 2>& pair, PairPlace& place) const;
   [[nodiscard]] Eigen::Matrix2d place_by_turn(const PairPlace& place) const;
-  void add_least_costs(const PairPlace& place, const Eigen::Matrix2d& by_turn, std::size_t group);
 
-  static constexpr int kMostHeadings = 72;
+  static constexpr int kMostHeadings = 72, kFiner = 4;
   using OfHeadings = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMostHeadings, 1>;
+  /// Sectors of headings, and for each a bound of what a pose in it may score.
+  struct Sectors {
+    OfHeadings cosine, sine;  ///< of their middles
+    double half_width_rad = 0.0;
+    OfHeadings least;
+  };
+  /// @return false where all are beyond the bound
+  [[nodiscard]] bool bound_scores(const PairPlace& place, double bound, Sectors& sectors);
+  void add_least_costs(const PairPlace& place, const Eigen::Matrix2d& by_turn, std::size_t group,
+                       Sectors& sectors);
+  [[nodiscard]] bool bound_finer_scores(const PairPlace& place, double bound);
 
   const SearchProblem& problem_;
   const Discord& discord_;
   std::pmr::vector<Limit> limits_{scratch()};          ///< of each range
   std::pmr::vector<std::size_t> earliest_{scratch()};  ///< range of each beacon
   std::pmr::vector<double> group_caps_{scratch()};     ///< of each beacon in a shadow
-  OfHeadings cosine_, sine_, least_, of_group_, late_m_;
+  Sectors sectors_, finer_;
+  std::array<PlanarTurn, kFiner> finer_turns_;  ///< from a sector's middle to those of its parts
+  OfHeadings of_group_, late_m_;
 };
 
 }  // namespace octant

@@ -93,7 +93,9 @@ void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState
   }
   consensus.set_extra_sigma(0.0);
   if (settling.without_group != Consensus::kNone) {
-    consensus.refine(state, 6, settling.without_group);
+    consensus.refine(state, 2, settling.without_group);
+    if (bounded && leads_back(state, result)) return;
+    consensus.refine(state, 4, settling.without_group);
     if (bounded && (leads_back(state, result) || consensus.score(state) > settling.give_up)) return;
   }
   const Eigen::Matrix4d information = consensus.refine(state, 10);
@@ -172,6 +174,7 @@ class Exploration {
       : problem_(problem),
         options_(options),
         consensus_(consensus),
+        discord_(discord),
         result_(result),
         width_m_(heading_width_m(problem, options)) {
     consensus.set_extra_sigma(0.0);
@@ -204,8 +207,13 @@ class Exploration {
     double lowest = std::numeric_limits<double>::infinity();
     for (const Candidate& pose : result_.poses) lowest = std::min(lowest, consensus_.score(pose.state));
     std::pmr::vector<double> settled(scratch());  // scores of those that lowered the bound
-    for (const PairPlace& place : places_->within(pairs, bound())) {
+    for (PairPlace& place : places_->within(pairs, bound())) {
       if (place.least_score > bound()) continue;
+      if (place.is_flat) {
+        const auto part = places_->narrowed(place, bound());
+        if (!part) continue;
+        place = *part;
+      }
       if (skip_known_ && leads_to_known(place) && std::exchange(known_seen_, true)) continue;
       consensus_.set_extra_sigma(std::hypot(width_m_, problem_.median_sigma_m));
       places_->propose(place, consensus_, bound(), top);
@@ -215,11 +223,21 @@ class Exploration {
       settled.push_back(lowest);
       settle(top.list().front().state);
       if (until_found && !result_.poses.empty()) return;
+      skip_known_ = skip_known_ || best_is_one_pose();
     }
     for (const Candidate& candidate : top.list())
       if (candidate.least_score <= bound() &&
           std::find(settled.begin(), settled.end(), candidate.score) == settled.end())
         settle(candidate.state);
+  }
+
+  /// Whether what agrees with the best pose tells it from all others.
+  [[nodiscard]] bool best_is_one_pose() {
+    const auto better = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
+    const auto best = std::min_element(result_.poses.begin(), result_.poses.end(), better);
+    if (best == result_.poses.end()) return false;
+    consensus_.set_extra_sigma(0.0);
+    return excludes_rivals(problem_, consensus_, discord_, best->state, 0);
   }
 
   /// Of what is settled.
@@ -237,9 +255,9 @@ class Exploration {
 
   bool leads_to_known(const PairPlace& place) {
     for (const Candidate& pose : result_.poses)
-      if (!place.is_flat &&
+      if (!place.is_long &&
           std::hypot(pose.state.x_m - place.x_m, pose.state.y_m - place.y_m) <
-              std::min(place.reach_m, place.half_gap_m) &&
+              (place.is_flat ? place.reach_m : std::min(place.reach_m, place.half_gap_m)) &&
           consensus_.explains(pose.state, place.pair))
         return true;
     return false;
@@ -248,6 +266,7 @@ class Exploration {
   const SearchProblem& problem_;
   const SearchOptions& options_;
   Consensus& consensus_;
+  const Discord& discord_;
   SearchResult& result_;
   double width_m_;
   std::optional<PairPlaces> places_;

@@ -59,7 +59,7 @@ constexpr double kNoBound = 1e9;
 /// what the pose scores.
 TEST(PairPlaces, NoPoseScoresLessThanItsPlaceAllows) {
   std::mt19937_64 random(1);
-  int flat = 0, tight = 0;
+  int flat = 0, narrower = 0, tight = 0;
   for (int k = 0; k < 3000; ++k) {
     PairWorld w(random, k % 3 == 0 ? 0.3 : 0.06);
     Consensus consensus(w.problem);
@@ -67,8 +67,16 @@ TEST(PairPlaces, NoPoseScoresLessThanItsPlaceAllows) {
     const double score = consensus.score(w.pose);
     PairPlaces places(w.problem, consensus, discord, kHeadings);
     bool is_proposed = false;
-    for (const PairPlace& place : places.within(std::span(&w.pair, 1), score)) {
+    for (PairPlace& place : places.within(std::span(&w.pair, 1), score)) {
       EXPECT_LE(place.least_score, score);
+      if (place.is_flat) {
+        const auto part = places.narrowed(place, score);
+        ASSERT_TRUE(part) << k;
+        EXPECT_LE(part->least_score, score);
+        EXPECT_LE(std::hypot(w.pose.x_m - part->x_m, w.pose.y_m - part->y_m), part->reach_m + 1e-9) << k;
+        narrower += part->reach_m < 0.7 * place.reach_m;
+        place = *part;
+      }
       flat += place.is_flat;
       tight += place.least_score > 0.5 * score;
       TopList top(2 * kHeadings, 1e-6, 1e-6);
@@ -80,6 +88,7 @@ TEST(PairPlaces, NoPoseScoresLessThanItsPlaceAllows) {
     EXPECT_TRUE(is_proposed) << k;
   }
   EXPECT_GT(flat, 50) << "circles that about touch are among them";
+  EXPECT_GT(narrower, flat / 4) << "of whose lenses a part is left";
   EXPECT_GT(tight, 500) << "and bounds that say something";
 }
 
