@@ -10,7 +10,6 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/help/help.h"
 #include "io/schema/schema.h"
-#include "io/schema/schema_words.h"
 
 namespace octant::app {
 namespace {
@@ -61,7 +60,7 @@ int print_schema(const std::string& name, bool page, Session& session) {
         {"error", "usage", kUsage, "--page is no JSON", "leave out one of --page and --json"});
   if (page) return session.finish_document(io::schema_page(format, name));
   // It is one JSON object already, so --json changes nothing.
-  return session.finish_document(io::schema_with_words(format, name));
+  return session.finish_document(io::schema_of_file(format, name));
 }
 
 }  // namespace
