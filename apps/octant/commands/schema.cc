@@ -71,7 +71,7 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
   CLI::App* command =
       add_command(app, common, "schema", "Print the JSON Schema of a file format, with a word on every key",
                   "octant schema deployment > deployment.schema.json");
-  command->add_option("format", *format, formats_in_words())->required()->type_name("FORMAT");
+  add_required_option(*command, "format", *format, "FORMAT", formats_in_words());
   command->add_flag("--page", *page, "Instead: a page of Markdown, a row for each key and column");
   command->callback([format, page, &action] {
     action = [format, page](Session& session) { return print_schema(*format, *page, session); };
