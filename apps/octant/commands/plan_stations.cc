@@ -24,14 +24,14 @@ namespace {
 constexpr double kDegrees = 180 / M_PI;
 
 /// What is known before the stops, and how far the vehicle hears.
-struct Ground {
+struct KnownBefore {
   calib::Knowledge knowledge;
   calib::HearingModel hearing;
   std::optional<PoseAccuracy> measured_poses;  ///< where the recordings have a total station
 };
 
 /// A calibration of what was recorded so far, and of what it says about hearing.
-Result<Ground> ground_from_runs(const PlanArgs& args, const Site& site, Session& session) {
+Result<KnownBefore> known_from_runs(const PlanArgs& args, const Site& site, Session& session) {
   auto runs = read_runs(args.runs, names_of(site), site.timing,
                         {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
   if (!runs) return fail(runs.error());
@@ -51,33 +51,33 @@ Result<Ground> ground_from_runs(const PlanArgs& args, const Site& site, Session&
     session.warn("the recordings alone would not be exported: " + solution.message);
   auto knowledge = calib::knowledge_of(*problem, solution, session.threads());
   if (!knowledge) return fail(knowledge.error());
-  Ground ground{std::move(*knowledge), calib::hearing_of(solution, site), {}};
+  KnownBefore before{std::move(*knowledge), calib::hearing_of(solution, site), {}};
   for (const MeasurementLog& run : problem->runs)
-    if (!run.poses.empty()) ground.measured_poses = run.pose_accuracy;
-  return ground;
+    if (!run.poses.empty()) before.measured_poses = run.pose_accuracy;
+  return before;
 }
 
-Result<Ground> ground_of(const PlanArgs& args, const SurveyInput& input, Session& session) {
+Result<KnownBefore> known_before(const PlanArgs& args, const SurveyInput& input, Session& session) {
   if (!args.runs.empty() && !input.site)
     return fail({.code = Errc::kUsage,
                  .file = args.input,
                  .found = "recordings beside a deployment",
                  .expected = "a site file with recordings, or a deployment alone"});
-  if (!args.runs.empty()) return ground_from_runs(args, *input.site, session);
+  if (!args.runs.empty()) return known_from_runs(args, *input.site, session);
   auto knowledge = input.site ? calib::knowledge_of(*input.site) : calib::knowledge_of(*input.deployment);
   if (!knowledge) {
     Error error = knowledge.error();
     if (error.file.empty()) error.file = args.input;
     return fail(error);
   }
-  return Ground{std::move(*knowledge), {}, {}};
+  return KnownBefore{std::move(*knowledge), {}, {}};
 }
 
 /// Range and angle by the words, else by the recordings; walls and beams by the scene, with the beacons where
 /// the model has them.
 void complete_hearing(const PlanArgs& args, const SurveyInput& input, survey::SurveyModel& model,
-                      Ground& ground) {
-  calib::HearingModel& hearing = ground.hearing;
+                      KnownBefore& before) {
+  calib::HearingModel& hearing = before.hearing;
   hearing.range_m = args.range_m.value_or(std::min(hearing.range_m, survey::reach_m(model.hearing)));
   if (args.hearing_deg) hearing.half_angle_rad = *args.hearing_deg / kDegrees;
   if (args.range_m) model.hearing.range_m = *args.range_m;
@@ -201,16 +201,16 @@ int plan_stations(const PlanArgs& args, Session& session) {
   auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
                                  args.runs.empty() ? BeaconPlaces::kStated : BeaconPlaces::kRecorded);
   if (!input) return session.fail(input.error());
-  auto ground = ground_of(args, *input, session);
-  if (!ground && ground.error().code == Errc::kInterrupted) return session.interrupted();
-  if (!ground) return session.fail(ground.error());
+  auto before = known_before(args, *input, session);
+  if (!before && before.error().code == Errc::kInterrupted) return session.interrupted();
+  if (!before) return session.fail(before.error());
   if (!args.runs.empty()) {
-    const calib::Knowledge& known = ground->knowledge;
+    const calib::Knowledge& known = before->knowledge;
     if (auto ok = place_recorded(args.input, known.placed, known.state.beacon_p_map_m, *input, session); !ok)
       return session.fail(ok.error());
   }
-  session.warn(ground->knowledge.warnings);
-  complete_hearing(args, *input, input->model, *ground);
+  session.warn(before->knowledge.warnings);
+  complete_hearing(args, *input, input->model, *before);
   const auto places =
       survey::stop_places(input->model, input->scene, args.grid_m.value_or(0.0), args.clearance_m);
   if (!places) return session.fail(places.error());
@@ -219,11 +219,11 @@ int plan_stations(const PlanArgs& args, Session& session) {
   options.stations = *args.stations;
   options.headings = args.headings;
   options.criterion = args.criterion == "d" ? calib::StationCriterion::kD : calib::StationCriterion::kA;
-  options.stop.hearing = ground->hearing;
+  options.stop.hearing = before->hearing;
   options.stop.vehicle = VehicleId(input->model.vehicle);
   options.stop.firings = args.rounds;
   options.stop.height_m = input->model.vehicle_z_m;
-  options.stop.measured_poses = ground->measured_poses;
+  options.stop.measured_poses = before->measured_poses;
   options.places_m = places->places_m;
   options.spacing_m = places->spacing_m;
   options.may_stop = places->may_stop;
@@ -232,12 +232,12 @@ int plan_stations(const PlanArgs& args, Session& session) {
     reporter.show("stops", 0, 0.0, args.runs.empty() ? fraction : 0.5 + 0.5 * fraction);
     return !interrupted();
   };
-  const auto plan = calib::plan_stations(ground->knowledge, options);
+  const auto plan = calib::plan_stations(before->knowledge, options);
   reporter.finish();
   if (!plan) return session.fail(plan.error());
   if (plan->interrupted || interrupted()) return session.interrupted();
   const double random_mean_m =
-      calib::random_stations_mean_m(ground->knowledge, options, session.options.seed);
+      calib::random_stations_mean_m(before->knowledge, options, session.options.seed);
   const auto names = input->site ? names_of(*input->site).beacons : names_of(*input->deployment).beacons;
   Json object = stations_plan_json(args, *plan, names, random_mean_m, session);
   if (!args.csv.empty())
