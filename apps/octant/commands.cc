@@ -25,53 +25,46 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
       ->group(group);
   app.add_flag("-v,--verbose", common.verbose, "Say more: notes on standard error, all tables in results")
       ->group(group);
-  app.add_option("--progress", common.progress, "On standard error: auto, plain, json or none")
+  add_option(app, "--progress", common.progress, "STYLE", "On standard error: auto, plain, json or none")
       ->check(CLI::IsMember({"auto", "plain", "json", "none"}))
       ->capture_default_str()
-      ->type_name("STYLE")
       ->group(group);
-  app.add_option("--threads", common.threads, "Threads to use; 0: all cores")
+  add_option(app, "--threads", common.threads, "N", "Threads to use; 0: all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str()
-      ->type_name("N")
       ->group(group);
-  app.add_option("--seed", common.seed, "Seed of everything random")
+  add_option(app, "--seed", common.seed, "N", "Seed of everything random")
       ->capture_default_str()
-      ->type_name("N")
       ->group(group);
 }
 
-void add_method_options(CLI::App& command, MethodWords& words) {
+void add_method_options(CLI::App& command, MethodArgs& args) {
   std::string listed;
   for (const auto& [name, value] : method_names()) listed += (listed.empty() ? "" : ", ") + std::string(name);
   command
       .add_option_function<std::string>(
           "--method",
-          [&words, listed](const std::string& wanted) {
+          [&args, listed](const std::string& wanted) {
             std::string lower = wanted;
             std::transform(lower.begin(), lower.end(), lower.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
             for (const auto& [name, value] : method_names())
-              if (name == lower) return void(words.method = value);
+              if (name == lower) return void(args.method = value);
             throw CLI::ValidationError("--method",
                                        "there is no method '" + wanted + "'; expected one of " + listed);
           },
           "One of " + listed + "; auto takes what deployment and log allow, and says so")
       ->type_name("M");
-  command
-      .add_option("--map", words.map,
-                  "line_map: a run with scans and measured poses, from which the map is made")
-      ->type_name("RUN");
+  add_option(command, "--map", args.map, "RUN",
+             "line_map: a run with scans and measured poses, from which the map is made");
   const std::map<std::string, KleemanHeading> headings = {{"mean_axes", KleemanHeading::kMeanAxes},
                                                           {"hearing", KleemanHeading::kHearing},
                                                           {"interpolation", KleemanHeading::kInterpolation}};
-  command
-      .add_option("--heading", words.heading,
-                  "kleeman: from which receivers hear, averaged as published (mean_axes) or, with which are "
-                  "louder, as sectors (hearing), "
-                  "or from differences of arrival times and amplitudes (interpolation, the default)")
-      ->transform(CLI::CheckedTransformer(headings, CLI::ignore_case).description(""))
-      ->type_name("H");
+  add_option(command, "--heading", args.heading, "H",
+             "kleeman: from which receivers hear, averaged as published (mean_axes) or, with which are "
+             "louder, as sectors (hearing), "
+             "or from differences of arrival times and amplitudes (interpolation, the default)")
+      ->transform(CLI::CheckedTransformer(headings, CLI::ignore_case).description(""));
 }
 
 CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name,

@@ -2,22 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include <CLI/App.hpp>
 
+#include "apps/octant/options.h"
 #include "apps/octant/session.h"
 #include "models/localizers/methods.h"
 
 namespace octant::app {
 
-struct MethodWords;
+struct MethodArgs;
 
-/// What main() runs when the words are understood; a command's set-up puts it here.
-using Action = std::function<int(Session&)>;
-
-// One file each, of the same name. Each adds its words to the command line.
+// One file each, of the same name. Each adds its options to the command line.
 void add_demo(CLI::App& app, CommonOptions& common, Action& action);
 void add_simulate(CLI::App& app, CommonOptions& common, Action& action);
 void add_check(CLI::App& app, CommonOptions& common, Action& action);
@@ -43,6 +40,6 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action);
                                     const std::string& purpose, const std::string& example);
 void add_common_options(CLI::App& app, CommonOptions& common);
 /// --method and what some of them take, of the commands that localize.
-void add_method_options(CLI::App& command, MethodWords& words);
+void add_method_options(CLI::App& command, MethodArgs& args);
 
 }  // namespace octant::app

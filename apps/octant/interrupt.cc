@@ -17,7 +17,7 @@ namespace {
 std::atomic<int> signalled{0}, may_exit_at_once{0}, must_not_exit{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 // A handler may not allocate: the text is laid down beforehand.
-struct LastWords {
+struct LastOutput {
   char text[512];
   std::size_t size = 0;
   void keep(const std::string& words) {
@@ -29,7 +29,7 @@ struct LastWords {
     if (write(STDOUT_FILENO, text, size) < 0) return;
   }
 };
-LastWords if_interrupted, if_lost, lost_talk;
+LastOutput if_interrupted, if_lost, lost_talk;
 
 extern "C" void on_signal(int) {
   signalled = 1;

@@ -20,9 +20,9 @@ constexpr double kNothingSeen_m = 80.0;  ///< what CARMEN's lasers write then is
 constexpr std::size_t kMostBeams = 4096;
 
 /// The words of one line of a CARMEN log, read off from the front.
-class Words {
+class CarmenLine {
  public:
-  Words(std::string_view line, const std::string& file, int number)
+  CarmenLine(std::string_view line, const std::string& file, int number)
       : line_(line), file_(file), number_(number) {}
 
   std::string_view word() {
@@ -88,7 +88,7 @@ class CarmenReader {
   Result<MeasurementLog> read(std::string_view text) {
     for (int number = 1; !text.empty(); ++number) {
       const std::size_t end = std::min(text.find('\n'), text.size());
-      Words words(text.substr(0, end), log_.path, number);
+      CarmenLine words(text.substr(0, end), log_.path, number);
       line(words);
       if (words.error()) return fail(*words.error());
       text.remove_prefix(std::min(end + 1, text.size()));
@@ -110,7 +110,7 @@ class CarmenReader {
   }
 
  private:
-  void line(Words& words) {
+  void line(CarmenLine& words) {
     const std::string name(words.word());
     if (name.empty() || name.front() == '#' || name == "PARAM") return;
     if (name == "ODOM") return odometry(words);
@@ -120,7 +120,7 @@ class CarmenReader {
   }
 
   /// ODOM x y theta tv rv accel ipc_time host logger_time
-  void odometry(Words& words) {
+  void odometry(CarmenLine& words) {
     OdometryPose pose;
     double skipped = 0.0, time_s = 0.0;
     if (!read_pose(words, pose)) return;
@@ -130,7 +130,7 @@ class CarmenReader {
   }
 
   /// FLASER n range... x y theta odom_x odom_y odom_theta ipc_time host logger_time
-  void scan_ahead(Words& words) {
+  void scan_ahead(CarmenLine& words) {
     Scan scan;
     if (!ranges(words, "the number of readings", scan)) return;
     const auto beams = static_cast<double>(scan.range_m.size());
@@ -143,7 +143,7 @@ class CarmenReader {
 
   /// ROBOTLASER1 type start fov resolution max_range accuracy mode n range... m remission... laser pose,
   /// robot pose, tv rv forward_safety side_safety turn_axis ipc_time host logger_time
-  void scan_with_angles(Words& words) {
+  void scan_with_angles(CarmenLine& words) {
     Scan scan;
     double skipped = 0.0, longest_m = 0.0;
     if (!words.number("the laser's type", skipped) || !words.number("the start angle", scan.angle_min_rad) ||
@@ -165,7 +165,7 @@ class CarmenReader {
     if (read_time(words, scan.time_s)) take(std::move(scan), robot);
   }
 
-  static bool ranges(Words& words, const char* what, Scan& scan) {
+  static bool ranges(CarmenLine& words, const char* what, Scan& scan) {
     std::size_t beams = 0;
     if (!words.count(what, beams)) return false;
     scan.range_m.resize(beams);
@@ -176,11 +176,11 @@ class CarmenReader {
     return true;
   }
 
-  static bool read_pose(Words& words, OdometryPose& pose) {
+  static bool read_pose(CarmenLine& words, OdometryPose& pose) {
     return words.number("x", pose.x_m) && words.number("y", pose.y_m) &&
            words.number("theta", pose.heading_rad);
   }
-  static bool read_time(Words& words, double& time_s) {
+  static bool read_time(CarmenLine& words, double& time_s) {
     double sent_s = 0.0;
     if (!words.number("the time of sending", sent_s)) return false;
     static_cast<void>(words.word());  // the host

@@ -25,24 +25,24 @@ Result<MeasurementLog> read_run(const std::string& folder, const NameTable& name
 }
 
 Result<void> write_run(const std::string& folder, const MeasurementLog& log, const NameTable& names) {
-  struct Part {
+  struct RunFile {
     const char* name;
     std::string text;  // empty: not part of this run
   };
   // run.yaml last: whoever watches the folder finds the rest complete.
-  const Part parts[] = {{"tof.csv", log.arrivals.empty() ? "" : tof_to_csv(log, names)},
-                        {"bearings.csv", log.bearings.empty() ? "" : bearings_to_csv(log, names)},
-                        {"scans.csv", log.scans.empty() ? "" : scans_to_csv(log)},
-                        {"odometry.csv", log.odometry.empty() ? "" : odometry_to_csv(log, names)},
-                        {"poses.tum", log.poses.empty() ? "" : poses_to_tum(log.poses)},
-                        {"truth.tum", log.truth.empty() ? "" : poses_to_tum(log.truth)},
-                        {"run.yaml", run_to_yaml(log, names)}};
+  const RunFile files[] = {{"tof.csv", log.arrivals.empty() ? "" : tof_to_csv(log, names)},
+                           {"bearings.csv", log.bearings.empty() ? "" : bearings_to_csv(log, names)},
+                           {"scans.csv", log.scans.empty() ? "" : scans_to_csv(log)},
+                           {"odometry.csv", log.odometry.empty() ? "" : odometry_to_csv(log, names)},
+                           {"poses.tum", log.poses.empty() ? "" : poses_to_tum(log.poses)},
+                           {"truth.tum", log.truth.empty() ? "" : poses_to_tum(log.truth)},
+                           {"run.yaml", run_to_yaml(log, names)}};
   const std::filesystem::path root(folder);
   std::error_code status;
-  for (const Part& part : parts) {
-    if (!part.text.empty() || !std::filesystem::exists(root / part.name, status)) continue;
+  for (const RunFile& file : files) {
+    if (!file.text.empty() || !std::filesystem::exists(root / file.name, status)) continue;
     return fail({.code = Errc::kOutput,
-                 .file = (root / part.name).string(),
+                 .file = (root / file.name).string(),
                  .found = "the folder holds a file that is not part of this run, and would become part of it",
                  .advice = "remove it, or choose another folder"});
   }
@@ -53,9 +53,9 @@ Result<void> write_run(const std::string& folder, const MeasurementLog& log, con
                  .found = "the run folder cannot be made: " + status.message(),
                  .advice = "check that the folder above it exists and may be written"});
   }
-  for (const Part& part : parts) {
-    if (part.text.empty()) continue;
-    if (auto ok = write_file((root / part.name).string(), part.text); !ok) return ok;
+  for (const RunFile& file : files) {
+    if (file.text.empty()) continue;
+    if (auto ok = write_file((root / file.name).string(), file.text); !ok) return ok;
   }
   return {};
 }

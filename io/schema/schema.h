@@ -2,12 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace octant::io {
 
 /// JSON Schema (draft 2020-12) of one of the formats: "site", "run", "deployment", "scenario", "scene",
-/// "batch", "live", "fixes", "survey", "columns", "topics", "defaults"; empty for another name.
+/// "batch", "live", "fixes", "survey", "columns", "topics", "defaults"; empty for another name. Each key, and
+/// each column of a format's files ("x-files"), has a description, a unit ("x-unit") and an example.
 [[nodiscard]] std::string_view schema(std::string_view format);
+
+/// What the schema of a format says of one of its x-files alone (tof.csv of run); the whole where it has none
+/// of that name.
+[[nodiscard]] std::string schema_of_file(std::string_view format, std::string_view file);
+
+/// The same as a page of Markdown: a row for each key and column, with its unit, default and example.
+[[nodiscard]] std::string schema_page(std::string_view format, std::string_view file = {});
 
 }  // namespace octant::io

@@ -67,7 +67,7 @@ double amplitude_of_level(double level_dbm) { return std::sqrt(0.05 * std::pow(1
 
 void TofRefusals::add(Refusal refusal, int line, std::string_view text) {
   const auto kind = static_cast<std::size_t>(refusal);
-  Count& count = counts_[kind];
+  CountOfKind& count = counts_[kind];
   if (count.count++ == 0) {
     count.first_line = line;
     if (refusal != Refusal::kEmpty && !text.empty())
@@ -84,7 +84,7 @@ std::vector<RejectedRow> TofRefusals::take() {
 
 void TofRefusals::warn(const std::string& file, std::vector<std::string>& warnings) const {
   for (std::size_t kind = 1; kind < counts_.size(); ++kind) {
-    const Count& c = counts_[kind];
+    const CountOfKind& c = counts_[kind];
     if (c.count == 0) continue;
     warnings.push_back(fmt::format("{}:{}: {}{}; {} arrival{} rejected for this reason", file, c.first_line,
                                    kReasons[kind], c.first_text, c.count, c.count == 1 ? "" : "s"));

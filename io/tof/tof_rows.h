@@ -64,13 +64,13 @@ class TofRefusals {
   void warn(const std::string& file, std::vector<std::string>& warnings) const;
 
  private:
-  struct Count {
+  struct CountOfKind {
     int first_line = 0;
     std::string first_text;
     std::size_t count = 0;
   };
   std::vector<RejectedRow> rows_;
-  std::array<Count, 5> counts_;
+  std::array<CountOfKind, 5> counts_;
 };
 
 /// Reads the current row; false after logging an error.

@@ -156,15 +156,15 @@ YamlMap::YamlMap(const YamlNode& node, std::string name, YamlLog& log)
   }
 }
 
-YamlMap::Entry* YamlMap::find(std::string_view key) {
-  for (Entry& entry : entries_) {
+YamlMap::KeyValue* YamlMap::find(std::string_view key) {
+  for (KeyValue& entry : entries_) {
     if (entry.key == key) return &entry;
   }
   return nullptr;
 }
 
 bool YamlMap::has(std::string_view key) const {
-  const Entry* entry = const_cast<YamlMap*>(this)->find(key);
+  const KeyValue* entry = const_cast<YamlMap*>(this)->find(key);
   return entry != nullptr && !entry->value.is_null();
 }
 
@@ -174,7 +174,7 @@ std::string YamlMap::path(std::string_view key) const {
 
 YamlNode YamlMap::get(std::string_view key) {
   asked_.emplace_back(key);
-  Entry* entry = find(key);
+  KeyValue* entry = find(key);
   if (entry == nullptr) return YamlNode();
   entry->known = true;
   return entry->value;
@@ -242,18 +242,18 @@ std::vector<double> YamlMap::numbers(std::string_view key, std::size_t size, Num
 }
 
 void YamlMap::fail(std::string_view key, std::string found, std::string expected, std::string advice) {
-  const Entry* entry = find(key);
+  const KeyValue* entry = find(key);
   log_.fail(entry != nullptr ? entry->value : node_, std::move(found), std::move(expected),
             std::move(advice));
 }
 
 void YamlMap::fail_missing(std::string_view key, const std::string& expected) {
-  if (const Entry* entry = find(key); entry != nullptr) {
+  if (const KeyValue* entry = find(key); entry != nullptr) {
     // A null has no place of its own.
     return log_.fail(entry->key_node, fmt::format("{} has no value", in_quotes(path(key))), expected);
   }
   std::vector<std::string> unknown;
-  for (const Entry& entry : entries_) {
+  for (const KeyValue& entry : entries_) {
     if (!entry.known) unknown.push_back(entry.key);
   }
   // A key that is there in another spelling is what is most likely wrong.
@@ -263,7 +263,7 @@ void YamlMap::fail_missing(std::string_view key, const std::string& expected) {
 }
 
 void YamlMap::finish() {
-  for (const Entry& entry : entries_) {
+  for (const KeyValue& entry : entries_) {
     if (entry.known) continue;
     const std::string hint = suggestion(entry.key, asked_);
     // What looks like a place in another spelling would be lost; without it the file means something else.

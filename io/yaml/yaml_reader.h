@@ -123,12 +123,12 @@ class YamlMap {
   void finish();
 
  private:
-  struct Entry {
+  struct KeyValue {
     std::string key;
     YamlNode key_node, value;
     bool known = false;
   };
-  Entry* find(std::string_view key);
+  KeyValue* find(std::string_view key);
   /// Value of a key, undefined node if absent; null is an error.
   YamlNode scalar(std::string_view key, const std::string& expected);
   static void fail_choice(const YamlNode& node, const std::string& name, const std::string& word,
@@ -138,7 +138,7 @@ class YamlMap {
   std::string name_;
   YamlLog& log_;
   bool present_ = false;
-  std::vector<Entry> entries_;
+  std::vector<KeyValue> entries_;
   std::vector<std::string> asked_;  ///< keys that getters asked for: what an unknown key may have meant
 };
 

@@ -168,11 +168,11 @@ const char* miss_class(const PlanMiss& miss) {
 /// Lines from where the vehicle was to the beacon whose arrivals were left out there, and a disc for each
 /// such place, its area by their number.
 void draw_misses(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
-  struct Place {
+  struct MissPlace {
     Eigen::Vector2d at_m;
     std::size_t count = 0;
   };
-  std::vector<Place> places;
+  std::vector<MissPlace> places;
   std::size_t most = 1;
   for (const PlanMiss& miss : input.misses) {
     const auto beacon = std::find_if(input.deployment.beacons.begin(), input.deployment.beacons.end(),
@@ -187,7 +187,7 @@ void draw_misses(std::string& svg, const PlanInput& input, const PlanFrame& fram
     places.back().count += miss.count();
     most = std::max(most, places.back().count);
   }
-  for (const Place& place : places)
+  for (const MissPlace& place : places)
     svg += fmt::format(
         "<circle class='missed' cx='{:.1f}' cy='{:.1f}' r='{:.1f}'><title>{} left out at x {:.2f} m, y "
         "{:.2f} m</title></circle>\n",

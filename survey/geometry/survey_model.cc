@@ -19,7 +19,7 @@ namespace {
 constexpr double kMarginM = 2.0;  ///< round beacons in a line, whose hull has no area
 
 /// What site and deployment have in common; the rest of the model comes from the scene.
-struct Common {
+struct SiteOrDeployment {
   std::string name;
   std::size_t vehicle = 0;
   Motion motion = Motion::kPlanar;
@@ -38,7 +38,7 @@ struct Common {
   std::vector<Eigen::Vector2d> area_m;
 };
 
-Result<void> apply_acoustics(const Common& common, const Scene& scene, SurveyModel& model) {
+Result<void> apply_acoustics(const SiteOrDeployment& common, const Scene& scene, SurveyModel& model) {
   const SceneAcoustics& a = scene.acoustics;
   const auto& attenuation = common.attenuation;
   if (a.amplitude_1m_v.has_value() != a.threshold_v.has_value() && !attenuation)
@@ -79,7 +79,7 @@ std::size_t add_pattern(BeamPattern pattern, SurveyModel& model) {
 
 /// How a receiver hears that the scene says nothing of: as calibrated, else as widely as calibration has
 /// heard.
-std::size_t pattern_of_receiver(const Common& common, double hearing_cosine, SurveyModel& model) {
+std::size_t pattern_of_receiver(const SiteOrDeployment& common, double hearing_cosine, SurveyModel& model) {
   BeamPattern pattern;
   if (common.attenuation && common.attenuation->directional() && model.hearing.threshold_v > 0) {
     pattern.kind = BeamPattern::Kind::kHalfPower;
@@ -92,7 +92,7 @@ std::size_t pattern_of_receiver(const Common& common, double hearing_cosine, Sur
   return add_pattern(std::move(pattern), model);
 }
 
-Result<void> apply_patterns(const Common& common, const Scene& scene, SurveyModel& model) {
+Result<void> apply_patterns(const SiteOrDeployment& common, const Scene& scene, SurveyModel& model) {
   for (SurveyBeacon& beacon : model.beacons)
     if (scene.beacon_pattern && !beacon.axis.isZero()) beacon.pattern = *scene.beacon_pattern;
   for (const SceneBeacon& described : scene.beacons) {
@@ -130,7 +130,7 @@ Result<void> apply_patterns(const Common& common, const Scene& scene, SurveyMode
   return {};
 }
 
-std::vector<Eigen::Vector2d> outline_of(const Common& common) {
+std::vector<Eigen::Vector2d> outline_of(const SiteOrDeployment& common) {
   if (common.area_m.size() >= 3 && std::abs(signed_area_m2(common.area_m)) > 1e-6) return common.area_m;
   std::vector<Eigen::Vector2d> places;
   for (const SurveyBeacon& beacon : common.beacons) places.emplace_back(beacon.p_map_m.head<2>());
@@ -149,7 +149,7 @@ void add_wall(const SceneWall& wall, SurveyModel& model) {
     model.walls.push_back({wall.points_m[i], wall.points_m[(i + 1) % n], wall.bottom_m, wall.top_m});
 }
 
-Result<SurveyModel> assemble(const Common& common, const Scene& scene, bool may_be_empty = false) {
+Result<SurveyModel> assemble(const SiteOrDeployment& common, const Scene& scene, bool may_be_empty = false) {
   if (const auto checked = check_scene(scene); !checked) return fail(checked.error());
   SurveyModel model;
   model.name = common.name;
@@ -188,7 +188,8 @@ Result<SurveyModel> assemble(const Common& common, const Scene& scene, bool may_
 }
 
 void add_receiver(const std::string& name, const Eigen::Vector3d& p,
-                  const std::optional<Eigen::Vector3d>& axis, double hearing_cosine, Common& common) {
+                  const std::optional<Eigen::Vector3d>& axis, double hearing_cosine,
+                  SiteOrDeployment& common) {
   common.receivers.push_back({name, p, axis.value_or(Eigen::Vector3d::Zero())});
   common.hearing_cosine.push_back(hearing_cosine);
 }
@@ -229,8 +230,8 @@ double reach_m(const Hearing& hearing) {
 
 namespace {
 
-Common common_of(const Site& site, std::size_t vehicle) {
-  Common common;
+SiteOrDeployment common_of(const Site& site, std::size_t vehicle) {
+  SiteOrDeployment common;
   common.name = site.name;
   common.vehicle = vehicle;
   common.motion = site.motion;
@@ -276,7 +277,7 @@ Result<SurveyModel> make_empty_survey_model(Site site, Scene scene, std::size_t 
 }
 
 Result<SurveyModel> make_survey_model(const Deployment& d, const Scene& scene, std::size_t vehicle) {
-  Common common;
+  SiteOrDeployment common;
   common.name = d.site;
   common.vehicle = vehicle;
   common.motion = d.motion;

@@ -24,10 +24,10 @@ constexpr std::size_t kPairsListed = 20;
 constexpr std::size_t kMostForPairs = 300;  ///< beacons; of more, pairs are too many to look at each
 
 /// Takes tiles of poses and writes maps; one for each thread.
-class Worker {
+class FloorMapTask {
  public:
-  Worker(const SurveyModel& model, const KernelModel& kernel, const Survey& survey,
-         const CalibrationMap* calibration, const SurveyOptions& options, int failures)
+  FloorMapTask(const SurveyModel& model, const KernelModel& kernel, const Survey& survey,
+               const CalibrationMap* calibration, const SurveyOptions& options, int failures)
       : losses(kernel, failures),
         model_(model),
         kernel_(kernel),
@@ -186,10 +186,10 @@ void look_at_floor(const SurveyModel& model, const KernelModel& kernel, const Ca
                    const SurveyOptions& options, std::vector<FloorMap*>& maps, Survey& survey) {
   const std::size_t cells = survey.grid.cells.size(), tiles = (cells + kTilePoses - 1) / kTilePoses;
   const int threads = std::max(1, options.threads);
-  std::vector<std::unique_ptr<Worker>> workers;
+  std::vector<std::unique_ptr<FloorMapTask>> workers;
   for (int t = 0; t < threads; ++t)
     workers.push_back(
-        std::make_unique<Worker>(model, kernel, survey, calibration, options, options.failures));
+        std::make_unique<FloorMapTask>(model, kernel, survey, calibration, options, options.failures));
   std::atomic<std::size_t> next{0};
   for_each_parallel(static_cast<std::size_t>(threads), threads, [&](std::size_t thread) {
     for (std::size_t t = next.fetch_add(1); t < tiles; t = next.fetch_add(1)) {
@@ -214,7 +214,7 @@ void look_along(const SceneRoute& route, const SurveyModel& model, const KernelM
   std::vector<FloorMap*> maps;
   along.maps = make_maps(wanted_maps(model, survey, options, true), along.poses.size(), model, maps);
   along.heard_bits.assign(model.beacons.size(), std::vector<std::uint8_t>((along.poses.size() + 7) / 8));
-  Worker worker(model, kernel, survey, calibration, options, 0);
+  FloorMapTask worker(model, kernel, survey, calibration, options, 0);
   for (std::size_t first = 0; first < along.poses.size(); first += kTilePoses)
     worker.take(along.poses, first, std::min(kTilePoses, along.poses.size() - first), first, false, maps,
                 along.heard_bits);

@@ -82,20 +82,21 @@ std::string next_name(const SurveyModel& model, std::size_t& number) {
 }
 
 /// What all searches over one scene share.
-struct Ground {
+struct SearchSpace {
   MountSpace mounts;
   std::vector<SurveyBeacon> kept;
   PoseList coarse, fine;
 };
 
-Result<Ground> ground_of(const SurveyModel& model, const Scene& scene, const PlacementOptions& options) {
+Result<SearchSpace> search_space_of(const SurveyModel& model, const Scene& scene,
+                                    const PlacementOptions& options) {
   auto mounts = MountSpace::of(scene);
   if (!mounts) return fail(mounts.error());
   auto coarse = poses_over(model, scene, options.cells), fine = poses_over(model, scene, options.final_cells);
   if (!coarse) return fail(coarse.error());
   if (!fine) return fail(fine.error());
-  return Ground{std::move(*mounts), options.keep ? model.beacons : std::vector<SurveyBeacon>{},
-                std::move(*coarse), std::move(*fine)};
+  return SearchSpace{std::move(*mounts), options.keep ? model.beacons : std::vector<SurveyBeacon>{},
+                     std::move(*coarse), std::move(*fine)};
 }
 
 Result<void> check_number(const SurveyModel& model, std::size_t beacons, const PlacementOptions& options) {
@@ -137,7 +138,7 @@ std::vector<std::vector<MountPoint>> starts_of(const MountSpace& mounts, std::si
 
 /// Before the search proper: cells that promising layouts of a quick one leave worst, between the cells that
 /// it looked at.
-void sharpen(const Ground& ground, std::size_t count, LayoutScore& coarse, LayoutScore& fine,
+void sharpen(const SearchSpace& space, std::size_t count, LayoutScore& coarse, LayoutScore& fine,
              const PlacementOptions& options) {
   if (options.goal != PlacementGoal::kWorst) return;
   PlacementOptions quick = options;
@@ -145,9 +146,9 @@ void sharpen(const Ground& ground, std::size_t count, LayoutScore& coarse, Layou
   quick.local = LocalAlgorithm::kNone;
   quick.on_progress = nullptr;
   for (int round = 0; round < kSharpenings; ++round) {
-    SearchResult found = search_layout(ground.mounts, ground.kept, count, coarse, quick, {});
+    SearchResult found = search_layout(space.mounts, space.kept, count, coarse, quick, {});
     for (auto layout = found.layouts.rbegin(); layout != found.layouts.rend(); ++layout) {
-      static_cast<void>(fine.of(beacons_at(ground.mounts, ground.kept, *layout)));
+      static_cast<void>(fine.of(beacons_at(space.mounts, space.kept, *layout)));
       coarse.add_poses(worst_poses(fine, std::max<std::size_t>(8, fine.poses().size() / 400)));
     }
   }
@@ -155,11 +156,11 @@ void sharpen(const Ground& ground, std::size_t count, LayoutScore& coarse, Layou
 
 /// The best of the search's layouts over the fine cells. Where the worst cell counts, cells that the search
 /// did not look at and that turn out worst join it, and the best layout is refined, a few times.
-std::vector<MountPoint> best_layout(const Ground& ground, SearchResult& found, LayoutScore& coarse,
+std::vector<MountPoint> best_layout(const SearchSpace& space, SearchResult& found, LayoutScore& coarse,
                                     LayoutScore& fine, const PlacementOptions& options,
                                     LayoutFigures& figures) {
   const auto look = [&](const std::vector<MountPoint>& layout) {
-    return fine.of(beacons_at(ground.mounts, ground.kept, layout));
+    return fine.of(beacons_at(space.mounts, space.kept, layout));
   };
   std::vector<MountPoint> best = found.layouts.front();
   figures = look(best);
@@ -175,31 +176,31 @@ std::vector<MountPoint> best_layout(const Ground& ground, SearchResult& found, L
   for (int round = 0; round < kRefinements && !found.interrupted; ++round) {
     static_cast<void>(look(refined));
     coarse.add_poses(worst_poses(fine, std::max<std::size_t>(8, coarse.poses().size() / 20)));
-    refined = refine_layout(ground.mounts, ground.kept, refined, coarse, options, found);
+    refined = refine_layout(space.mounts, space.kept, refined, coarse, options, found);
     take(refined);
   }
   return best;
 }
 
-Placement place(const SurveyModel& model, const Ground& ground, std::size_t beacons,
+Placement place(const SurveyModel& model, const SearchSpace& space, std::size_t beacons,
                 const PlacementOptions& options) {
-  const std::size_t count = beacons - ground.kept.size();
-  LayoutScore coarse(model, ground.coarse, options), fine(model, ground.fine, options);
-  sharpen(ground, count, coarse, fine, options);
-  SearchResult found = search_layout(ground.mounts, ground.kept, count, coarse, options,
-                                     starts_of(ground.mounts, count, options));
+  const std::size_t count = beacons - space.kept.size();
+  LayoutScore coarse(model, space.coarse, options), fine(model, space.fine, options);
+  sharpen(space, count, coarse, fine, options);
+  SearchResult found = search_layout(space.mounts, space.kept, count, coarse, options,
+                                     starts_of(space.mounts, count, options));
   Placement placement;
   placement.cells = fine.poses().size();
-  placement.regular = best_regular(ground.mounts, ground.kept, count, fine);
-  placement.random = median_random(ground.mounts, ground.kept, count, options.seed, fine);
-  placement.greedy = fine.of(beacons_at(ground.mounts, ground.kept, found.layouts.front()));
-  const std::vector<MountPoint> best = best_layout(ground, found, coarse, fine, options, placement.figures);
+  placement.regular = best_regular(space.mounts, space.kept, count, fine);
+  placement.random = median_random(space.mounts, space.kept, count, options.seed, fine);
+  placement.greedy = fine.of(beacons_at(space.mounts, space.kept, found.layouts.front()));
+  const std::vector<MountPoint> best = best_layout(space, found, coarse, fine, options, placement.figures);
   placement.evaluations = found.evaluations;
   placement.interrupted = found.interrupted;
-  for (const SurveyBeacon& b : ground.kept) placement.beacons.push_back({b, ""});
+  for (const SurveyBeacon& b : space.kept) placement.beacons.push_back({b, ""});
   std::size_t number = 0;
   for (const MountPoint& p : best) {
-    placement.beacons.push_back({ground.mounts.beacon(p), ground.mounts.mount_name(p)});
+    placement.beacons.push_back({space.mounts.beacon(p), space.mounts.mount_name(p)});
     placement.beacons.back().beacon.name =
         options.keep ? next_name(model, number) : fmt::format("B{}", number++);
   }
@@ -211,33 +212,33 @@ Placement place(const SurveyModel& model, const Ground& ground, std::size_t beac
 Result<Placement> place_beacons(const SurveyModel& model, const Scene& scene, std::size_t beacons,
                                 const PlacementOptions& options) {
   if (const auto sound = check_number(model, beacons, options); !sound) return fail(sound.error());
-  const auto ground = ground_of(model, scene, options);
-  if (!ground) return fail(ground.error());
-  return place(model, *ground, beacons, options);
+  const auto space = search_space_of(model, scene, options);
+  if (!space) return fail(space.error());
+  return place(model, *space, beacons, options);
 }
 
 Result<SmallestPlacement> smallest_placement(const SurveyModel& model, const Scene& scene, double tolerance_m,
                                              std::size_t most_beacons, const PlacementOptions& options) {
-  const auto ground = ground_of(model, scene, options);
-  if (!ground) return fail(ground.error());
-  const std::size_t kept = ground->kept.size();
+  const auto space = search_space_of(model, scene, options);
+  if (!space) return fail(space.error());
+  const std::size_t kept = space->kept.size();
   if (const auto sound = check_number(model, std::max(most_beacons, std::size_t{1}), options); !sound)
     return fail(sound.error());
   // Greedy choices tell how many are enough; from there downwards until a search finds none that is.
-  LayoutScore fine(model, ground->fine, options);
-  LayoutScore coarse(model, ground->coarse, options);
+  LayoutScore fine(model, space->fine, options);
+  LayoutScore coarse(model, space->coarse, options);
   const std::vector<MountPoint> greedy =
-      greedy_layout(ground->mounts, ground->kept, most_beacons - kept, coarse);
+      greedy_layout(space->mounts, space->kept, most_beacons - kept, coarse);
   std::size_t enough = most_beacons;
   for (std::size_t n = 1; n <= greedy.size(); ++n) {
     const std::vector<MountPoint> first(greedy.begin(), greedy.begin() + static_cast<std::ptrdiff_t>(n));
-    if (fine.of(beacons_at(ground->mounts, ground->kept, first)).objective_m > tolerance_m) continue;
+    if (fine.of(beacons_at(space->mounts, space->kept, first)).objective_m > tolerance_m) continue;
     enough = kept + n;
     break;
   }
   SmallestPlacement smallest;
   for (std::size_t n = enough; n > kept; --n) {
-    Placement placement = place(model, *ground, n, options);
+    Placement placement = place(model, *space, n, options);
     smallest.tried.emplace_back(n, placement.figures);
     const bool within = placement.figures.objective_m <= tolerance_m;
     if (within || !smallest.reached) smallest.placement = std::move(placement);

@@ -19,15 +19,15 @@ constexpr double kGains = 1e-4;       ///< an exchange has to gain more than thi
 constexpr std::size_t kEvaluationsPerNumber = 400;  ///< of NLopt, for each unknown and algorithm
 
 /// A beacon of a layout with what it tells.
-struct Spot {
+struct PlacedBeacon {
   MountPoint point;
   std::shared_ptr<const BeaconLayer> layer;
 };
-using Layout = std::vector<Spot>;
+using Layout = std::vector<PlacedBeacon>;
 
 std::vector<MountPoint> search_points_of(const Layout& layout) {
   std::vector<MountPoint> points;
-  for (const Spot& s : layout) points.push_back(s.point);
+  for (const PlacedBeacon& s : layout) points.push_back(s.point);
   return points;
 }
 
@@ -96,7 +96,7 @@ class GridSearch {
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
 
  private:
-  [[nodiscard]] Spot spot(const MountPoint& p) const {
+  [[nodiscard]] PlacedBeacon spot(const MountPoint& p) const {
     return {p, std::make_shared<BeaconLayer>(score_.layer(mounts_.beacon(p)))};
   }
 
@@ -109,8 +109,8 @@ class GridSearch {
   }
 
   /// The best place beside the others, where it is better than `value`; the value reached.
-  double best_for(const LayoutScore::Sum& others, Spot& spot, double value, bool soft) {
-    for (const Spot& place : places_) {
+  double best_for(const LayoutScore::Sum& others, PlacedBeacon& spot, double value, bool soft) {
+    for (const PlacedBeacon& place : places_) {
       ++evaluations_;
       const double v = score_.value_with(others, place.layer.get(), soft);
       if (!(v < value * (1 - kGains))) continue;
@@ -123,7 +123,7 @@ class GridSearch {
   const MountSpace& mounts_;
   LayoutScore& score_;
   LayoutScore::Sum kept_;
-  std::vector<Spot> places_;
+  std::vector<PlacedBeacon> places_;
   std::size_t evaluations_ = 0;
 };
 

@@ -93,8 +93,8 @@ int end(const io::Batch& batch, const std::vector<SiteOutcome>& outcomes, const 
                       object);
 }
 
-CommandFiles files_of(const BatchArgs& words, const io::Batch& batch) {
-  CommandFiles files{.inputs = {words.list}, .outputs = {}, .run_outputs = {}};
+CommandFiles files_of(const BatchArgs& args, const io::Batch& batch) {
+  CommandFiles files{.inputs = {args.list}, .outputs = {}, .run_outputs = {}};
   for (const io::BatchSite& site : batch.sites) {
     files.inputs.push_back(site.site);
     files.inputs.insert(files.inputs.end(), site.runs.begin(), site.runs.end());
@@ -125,12 +125,12 @@ int report_all(const io::Batch& batch, const Shard& shard, const std::vector<Sit
   return end(batch, outcomes, object, session);
 }
 
-int run(const BatchArgs& words, Session& session) {
+int run(const BatchArgs& args, Session& session) {
   Shard shard;
-  if (!words.shard.empty()) {
-    const auto given = shard_of(words.shard);
+  if (!args.shard.empty()) {
+    const auto given = shard_of(args.shard);
     if (!given)
-      return session.fail({"error", "usage", kUsage, fmt::format("--shard is '{}'", words.shard),
+      return session.fail({"error", "usage", kUsage, fmt::format("--shard is '{}'", args.shard),
                            "i/N with i from 1 to N, such as 1/10"});
     shard = *given;
   }
@@ -140,23 +140,23 @@ int run(const BatchArgs& words, Session& session) {
     shard.index += shard.count * static_cast<std::size_t>(ranks->index());
     shard.count *= static_cast<std::size_t>(ranks->count());
   }
-  const auto batch = io::read_batch(words.list, words.folder);
+  const auto batch = io::read_batch(args.list, args.folder);
   if (!batch) return session.fail(batch.error());
-  if (auto fit = check_no_overwriting(files_of(words, *batch)); !fit) return session.fail(fit.error());
+  if (auto fit = check_no_overwriting(files_of(args, *batch)); !fit) return session.fail(fit.error());
   session.warn(batch->warnings);
-  if (!words.folder.empty()) {
+  if (!args.folder.empty()) {
     std::error_code error;
-    std::filesystem::create_directories(words.folder,
+    std::filesystem::create_directories(args.folder,
                                         error);  // another job of the array may have been faster
     if (error)
       return session.fail(Error{.code = Errc::kOutput,
-                                .file = words.folder,
+                                .file = args.folder,
                                 .found = "the folder cannot be made: " + error.message()});
   }
 
   std::size_t done = 0;
   const bool silent = session.options.progress == "none";
-  auto outcomes = calibrate_sites(*batch, shard, words.how, session, [&](const SiteOutcome& outcome) {
+  auto outcomes = calibrate_sites(*batch, shard, args.how, session, [&](const SiteOutcome& outcome) {
     const std::string& name = batch->sites[outcome.number].name;
     const std::string what = outcome.message.empty() ? "calibrated" : outcome.message;
     ++done;
@@ -174,31 +174,24 @@ int run(const BatchArgs& words, Session& session) {
 }  // namespace
 
 void add_batch(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<BatchArgs>();
+  auto args = std::make_shared<BatchArgs>();
   CLI::App* command =
       add_command(app, common, "batch", "Calibrate many sites; one that fails does not stop the others",
                   "octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10");
-  command
-      ->add_option("sites", words->list, "List of sites, with their runs and outputs (octant schema batch)")
-      ->required()
-      ->type_name("SITES.yaml");
-  command
-      ->add_option("-o,--output", words->folder,
-                   "Folder at which outputs and reports begin, made if it is not there; else the list's")
-      ->type_name("DIR");
-  command
-      ->add_option("--shard", words->shard,
-                   "Only every N-th site, from the i-th on (i from 1 to N): a job of an array")
-      ->type_name("i/N");
-  command->add_flag("--strict", words->how.strict, "A single undetermined beacon is a site's exit 5");
-  command->add_flag("--accept", words->how.accept,
+  add_required_option(*command, "sites", args->list, "SITES.yaml",
+                      "List of sites, with their runs and outputs (octant schema batch)");
+  add_option(*command, "-o,--output", args->folder, "DIR",
+             "Folder at which outputs and reports begin, made if it is not there; else the list's");
+  add_option(*command, "--shard", args->shard, "i/N",
+             "Only every N-th site, from the i-th on (i from 1 to N): a job of an array");
+  command->add_flag("--strict", args->how.strict, "A single undetermined beacon is a site's exit 5");
+  command->add_flag("--accept", args->how.accept,
                     "Write deployments that the data contradict all the same, marked (exit 6)");
   command->footer(
       "Example:\n  octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10\n\n"
       "Exit code: 0 if all sites are calibrated, else that of the first site in the list that is not (the "
       "table and --json tell each).");
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -24,7 +24,7 @@ void end_with(const Ending& end, SiteOutcome& outcome) {
 
 void calibrate_site(const io::BatchSite& site, const CalibrateOptions& how, Session& session,
                     SiteOutcome& outcome) {
-  ReportWords report;
+  ReportArgs report;
   if (!site.report.empty()) report.paths.push_back(site.report);
   if (const auto fit = check_output(site.output); !fit) return end_with(ending(fit.error()), outcome);
   if (const auto fit = check_report(report); !fit) return end_with(ending(fit.error()), outcome);

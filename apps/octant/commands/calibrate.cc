@@ -23,7 +23,7 @@ namespace {
 
 struct CalibrateArgs {
   std::string site, output;
-  ReportWords report;
+  ReportArgs report;
   std::vector<std::string> runs;
   CalibrateOptions options;
 };
@@ -150,20 +150,20 @@ std::string comparison_text(const Calibration& calibration, const survey::Report
   return text;
 }
 
-int run(const CalibrateArgs& words, Session& session) {
-  const int files_on_stdout = (words.output == "-") + on_stdout(words.report);
+int run(const CalibrateArgs& args, Session& session) {
+  const int files_on_stdout = (args.output == "-") + on_stdout(args.report);
   if (files_on_stdout + session.options.json > 1)
     return session.fail(
         {"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
   if (files_on_stdout > 0) session.result_to_stderr();
-  CommandFiles files{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
-  files.inputs.insert(files.inputs.end(), {words.site, words.report.since});
-  files.outputs.push_back(words.output);
+  CommandFiles files{.inputs = args.runs, .outputs = args.report.paths, .run_outputs = {}};
+  files.inputs.insert(files.inputs.end(), {args.site, args.report.since});
+  files.outputs.push_back(args.output);
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  if (auto fit = check_output(words.output); !fit) return session.fail(fit.error());
-  if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
+  if (auto fit = check_output(args.output); !fit) return session.fail(fit.error());
+  if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
 
-  auto calibration = calibrate_files(words.site, words.runs, words.options, session);
+  auto calibration = calibrate_files(args.site, args.runs, args.options, session);
   if (!calibration) return session.fail(calibration.error());
   if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
     return session.interrupted();
@@ -172,20 +172,20 @@ int run(const CalibrateArgs& words, Session& session) {
   if (session.job != nullptr && !session.job->is_first())  // the first rank writes
     return failure ? session.fail(*failure, object) : kDone;
 
-  auto input = calibration_report(*calibration, words.report, session);
+  auto input = calibration_report(*calibration, args.report, session);
   if (!input) return session.fail(input.error());
   object["verdict"] = verdict_json(*input);
   add_changes_json(*input, object);
-  if (auto written = write_calibration(words.output, words.report, *calibration, *input); !written)
+  if (auto written = write_calibration(args.output, args.report, *calibration, *input); !written)
     return session.fail(written.error());
   if (!calibration->deployment) {
-    session.result(report_lines(words.report));
+    session.result(report_lines(args.report));
     return session.fail(*failure, object);
   }
   session.result(calibration_summary(*calibration, *input) + comparison_text(*calibration, *input));
-  if (calibration->exported() && words.output != "-")
-    session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
-  session.result(report_lines(words.report));
+  if (calibration->exported() && args.output != "-")
+    session.result(fmt::format("{:<17}{}\n", "deployment", args.output));
+  session.result(report_lines(args.report));
   if (session.options.verbose > 0) session.result("\n" + calibration_text(*calibration));
   return failure ? session.fail(*failure, object) : session.finish(object);
 }
@@ -193,32 +193,25 @@ int run(const CalibrateArgs& words, Session& session) {
 }  // namespace
 
 void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<CalibrateArgs>();
+  auto args = std::make_shared<CalibrateArgs>();
   CLI::App* command = add_command(
       app, common, "calibrate", "Find beacons, delays, speed and receivers from recordings",
       "octant calibrate hall/site.yaml hall/run -o hall/deployment.json --report hall/report.html");
-  command->add_option("site", words->site, "Site file: what is known beforehand")
-      ->required()
-      ->type_name("SITE.yaml");
-  command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
-  command->add_option("-o,--output", words->output, "Deployment file to write; - is standard output")
-      ->required()
-      ->type_name("DEPLOYMENT.json");
-  add_report_options(*command, words->report, true);
-  command->add_flag("--strict", words->options.strict, "A single undetermined beacon is exit 5");
-  command->add_flag("--accept", words->options.accept,
+  add_required_option(*command, "site", args->site, "SITE.yaml", "Site file: what is known beforehand");
+  add_required_option(*command, "run", args->runs, "RUN", "Run folders: the recordings");
+  add_required_option(*command, "-o,--output", args->output, "DEPLOYMENT.json",
+                      "Deployment file to write; - is standard output");
+  add_report_options(*command, args->report, true);
+  command->add_flag("--strict", args->options.strict, "A single undetermined beacon is exit 5");
+  command->add_flag("--accept", args->options.accept,
                     "Write the deployment, marked, although the data contradict what the site file states "
                     "(exit 6 all the same)");
-  command
-      ->add_option(
-          "--memory-mb", words->options.memory_mb,
-          "Bound of the memory: recordings of stops or drives that would take more are read in chunks, "
-          "several times")
+  add_option(*command, "--memory-mb", args->options.memory_mb, "N",
+             "Bound of the memory: recordings of stops or drives that would take more are read in chunks, "
+             "several times")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))
-      ->type_name("N")
       ->capture_default_str();
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

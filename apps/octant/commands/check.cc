@@ -280,11 +280,11 @@ std::string forecast_tables(const calib::Forecast& f, const std::string& site) {
   return text;
 }
 
-calib::Forecast forecast(const calib::Problem& problem, const CheckWords& words, Session& session) {
+calib::Forecast forecast(const calib::Problem& problem, const CheckArgs& args, Session& session) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::SolveOptions options;
   options.threads = session.threads();
-  options.strict = words.strict;
+  options.strict = args.strict;
   options.on_progress = [&](const calib::Progress& p) {
     reporter.show(p.stage, p.iteration, p.cost, p.fraction);
     return !interrupted();
@@ -324,11 +324,11 @@ void warn_of(const std::vector<calib::Finding>& findings, Session& session) {
 
 }  // namespace
 
-int check_recordings(const CheckWords& words, Session& session) {
-  auto site = io::read_site(words.site);
+int check_recordings(const CheckArgs& args, Session& session) {
+  auto site = io::read_site(args.site);
   if (!site) return session.fail(site.error());
   session.warn(site->warnings);
-  auto runs = read_runs(words.runs, names_of(*site), site->timing,
+  auto runs = read_runs(args.runs, names_of(*site), site->timing,
                         {.constant_speed_mps = constant_speed_mps(site->medium)}, session);
   if (!runs) return session.fail(runs.error());
   Logs logs = examine(*site, *runs);
@@ -340,7 +340,7 @@ int check_recordings(const CheckWords& words, Session& session) {
       session.result(health_text(logs.runs[i], logs.has_truth[i]));
     return refuse(problem.error(), logs, session);
   }
-  const calib::Forecast f = forecast(*problem, words, session);
+  const calib::Forecast f = forecast(*problem, args, session);
   if (f.solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
   const auto suspected = findings_of(f, logs);
   warn_of(suspected, session);
@@ -365,18 +365,15 @@ int check_recordings(const CheckWords& words, Session& session) {
 }
 
 void add_check(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<CheckWords>();
+  auto args = std::make_shared<CheckArgs>();
   CLI::App* command =
       add_command(app, common, "check",
                   "Tell what recordings are worth: their health, and what they can and cannot determine",
                   "octant check hall/site.yaml hall/run");
-  command->add_option("site", words->site, "Site file: what is known beforehand")
-      ->required()
-      ->type_name("SITE.yaml");
-  command->add_option("run", words->runs, "Run folders: the recordings")->required()->type_name("RUN");
-  command->add_flag("--strict", words->strict, "A single undetermined beacon is exit 5");
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return check_recordings(*words, session); }; });
+  add_required_option(*command, "site", args->site, "SITE.yaml", "Site file: what is known beforehand");
+  add_required_option(*command, "run", args->runs, "RUN", "Run folders: the recordings");
+  command->add_flag("--strict", args->strict, "A single undetermined beacon is exit 5");
+  set_action(*command, args, action, check_recordings);
 }
 
 }  // namespace octant::app

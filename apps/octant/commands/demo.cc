@@ -160,9 +160,8 @@ void add_demo(CLI::App& app, CommonOptions& common, Action& action) {
       add_command(app, common, "demo",
                   "Simulate a hall, calibrate it, localize in it, verify against truth, write a report",
                   "octant demo -o /tmp/hall");
-  command->add_option("-o,--output", *folder, "Folder to make")->capture_default_str()->type_name("DIR");
-  command->callback(
-      [folder, &action] { action = [folder](Session& session) { return run(*folder, session); }; });
+  add_option(*command, "-o,--output", *folder, "DIR", "Folder to make")->capture_default_str();
+  set_action(*command, folder, action, run);
 }
 
 }  // namespace octant::app

@@ -15,7 +15,7 @@ namespace {
 
 struct DiffArgs {
   std::string before, now;
-  DriftWords drift;
+  DriftArgs drift;
 };
 
 Json rows_json(const survey::Changes& changes) {
@@ -32,17 +32,17 @@ Json rows_json(const survey::Changes& changes) {
   return rows;
 }
 
-int run(const DiffArgs& words, Session& session) {
-  const auto before = io::read_deployment(words.before);
+int run(const DiffArgs& args, Session& session) {
+  const auto before = io::read_deployment(args.before);
   if (!before) return session.fail(before.error());
-  const auto now = io::read_deployment(words.now);
+  const auto now = io::read_deployment(args.now);
   if (!now) return session.fail(now.error());
   const survey::Changes changes =
-      survey::changes_between(*before, *now, drift_between(before->created, now->created, words.drift));
+      survey::changes_between(*before, *now, drift_between(before->created, now->created, args.drift));
   if (changes.beacons.empty())
     return session.fail(Error{.code = Errc::kBadInput,
-                              .file = words.now,
-                              .found = "no beacon that " + words.before + " has too",
+                              .file = args.now,
+                              .found = "no beacon that " + args.before + " has too",
                               .expected = "two deployments of one site"});
   session.result(changes_text(changes));
   return session.finish(
@@ -61,16 +61,15 @@ int run(const DiffArgs& words, Session& session) {
 }  // namespace
 
 void add_diff(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<DiffArgs>();
+  auto args = std::make_shared<DiffArgs>();
   CLI::App* command =
       add_command(app, common, "diff",
                   "What changed between two deployments of a site, and whether it is more than chance",
                   "octant diff hall/spring.json hall/autumn.json");
-  command->add_option("before", words->before, "The earlier deployment")->required()->type_name("A.json");
-  command->add_option("now", words->now, "The later deployment")->required()->type_name("B.json");
-  add_drift_options(*command, words->drift);
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  add_required_option(*command, "before", args->before, "A.json", "The earlier deployment");
+  add_required_option(*command, "now", args->now, "B.json", "The later deployment");
+  add_drift_options(*command, args->drift);
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

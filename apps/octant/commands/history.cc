@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/commands.h"
-#include "apps/octant/commands/history_words.h"
+#include "apps/octant/commands/history_args.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/reporting.h"
 #include "apps/octant/text/table.h"
@@ -29,7 +29,7 @@ std::string temperature_text(const io::Visit& v) {
 }
 
 /// A calibration's grade is what a report of its deployment says.
-Result<io::Visit> graded_visit(const std::string& path, const HistoryWords& words, const Session& session) {
+Result<io::Visit> graded_visit(const std::string& path, const HistoryArgs& args, const Session& session) {
   auto visit = io::read_visit(path);
   if (!visit) return visit;
   if (visit->kind == io::VisitKind::kCalibration) {
@@ -37,22 +37,22 @@ Result<io::Visit> graded_visit(const std::string& path, const HistoryWords& word
     if (!deployment) return fail(deployment.error());
     visit->verdict = survey::to_string(survey::verdict(report_input(*deployment, session)).grade);
   }
-  visit->who = words.who;
-  visit->note = words.note;
+  visit->who = args.who;
+  visit->note = args.note;
   visit->added_s = static_cast<std::int64_t>(std::time(nullptr));
   return visit;
 }
 
-int add(const HistoryWords& words, Session& session) {
-  CommandFiles files{.inputs = words.files, .outputs = {words.database}, .run_outputs = {}};
+int add(const HistoryArgs& args, Session& session) {
+  CommandFiles files{.inputs = args.files, .outputs = {args.database}, .run_outputs = {}};
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
   std::vector<io::Visit> visits;
-  for (const std::string& path : words.files) {
-    auto visit = graded_visit(path, words, session);
+  for (const std::string& path : args.files) {
+    auto visit = graded_visit(path, args, session);
     if (!visit) return session.fail(visit.error());
     visits.push_back(std::move(*visit));
   }
-  auto history = io::History::open(words.database, true);
+  auto history = io::History::open(args.database, true);
   if (!history) return session.fail(history.error());
   const auto added = history->add(visits);
   if (!added) return session.fail(added.error());
@@ -73,21 +73,21 @@ int add(const HistoryWords& words, Session& session) {
                                to_string(visits[i].kind), a.id, visits[i].site, day_of(visits[i].happened_s),
                                visits[i].verdict));
   }
-  return session.finish({{"database", words.database}, {"added", fresh}, {"visits", list}});
+  return session.finish({{"database", args.database}, {"added", fresh}, {"visits", list}});
 }
 
-Result<std::vector<io::Visit>> chosen_visits(io::History& history, const HistoryWords& words) {
-  io::VisitFilter filter{.site = words.site, .kind = {}};
+Result<std::vector<io::Visit>> chosen_visits(io::History& history, const HistoryArgs& args) {
+  io::VisitFilter filter{.site = args.site, .kind = {}};
   for (const auto kind :
        {io::VisitKind::kCalibration, io::VisitKind::kMonitoring, io::VisitKind::kVerification})
-    if (words.kind == to_string(kind)) filter.kind = kind;
+    if (args.kind == to_string(kind)) filter.kind = kind;
   return history.list(filter);
 }
 
-int list(const HistoryWords& words, Session& session) {
-  auto history = io::History::open(words.database, false);
+int list(const HistoryArgs& args, Session& session) {
+  auto history = io::History::open(args.database, false);
   if (!history) return session.fail(history.error());
-  const auto visits = chosen_visits(*history, words);
+  const auto visits = chosen_visits(*history, args);
   if (!visits) return session.fail(visits.error());
   Json rows = Json::array();
   Table table{"rlllllrll",
@@ -102,7 +102,7 @@ int list(const HistoryWords& words, Session& session) {
                           v.who, v.note});
   }
   session.result(visits->empty() ? std::string("no visits\n") : table.text());
-  Json object = {{"database", words.database}};
+  Json object = {{"database", args.database}};
   object["visits"] = std::move(rows);  // an initialiser list would copy them
   return session.finish(object);
 }
@@ -127,10 +127,10 @@ std::string beacons_text(const io::Visit& v) {
   return "\n" + table.text();
 }
 
-int show(const HistoryWords& words, Session& session) {
-  auto history = io::History::open(words.database, false);
+int show(const HistoryArgs& args, Session& session) {
+  auto history = io::History::open(args.database, false);
   if (!history) return session.fail(history.error());
-  const auto visit = history->get(words.id);
+  const auto visit = history->get(args.id);
   if (!visit) return session.fail(visit.error());
   std::string text;
   const auto line = [&text](const char* name, const std::string& what) {
@@ -153,7 +153,7 @@ int show(const HistoryWords& words, Session& session) {
   Json object = visit_json(*visit);
   object["beacons"] = visit_beacons_json(*visit);
   object["document"] = Json::parse(visit->document, nullptr, false);
-  return session.finish({{"database", words.database}, {"visit", object}});
+  return session.finish({{"database", args.database}, {"visit", object}});
 }
 
 /// A row a beacon of each calibration, a row each other visit.
@@ -189,26 +189,25 @@ std::string export_json(const std::vector<io::Visit>& visits) {
   return dump({{"type", "octant_history"}, {"version", 1}, {"visits", list}}) + "\n";
 }
 
-int write_export(const HistoryWords& words, Session& session) {
-  const bool as_json = words.output.ends_with(".json");
-  if (!as_json && !words.output.ends_with(".csv") && words.output != "-")
+int write_export(const HistoryArgs& args, Session& session) {
+  const bool as_json = args.output.ends_with(".json");
+  if (!as_json && !args.output.ends_with(".csv") && args.output != "-")
     return session.fail(
         {"error", "usage", kUsage,
-         fmt::format("-o {}: expected a name in .csv or .json, or - for CSV on standard output",
-                     words.output),
+         fmt::format("-o {}: expected a name in .csv or .json, or - for CSV on standard output", args.output),
          ""});
-  if (words.output == "-" && session.options.json)
+  if (args.output == "-" && session.options.json)
     return session.fail(
         {"error", "usage", kUsage, "only one of -o - and --json can have standard output", ""});
-  if (words.output == "-") session.result_to_stderr();
-  CommandFiles files{.inputs = {words.database, words.database + "-wal", words.database + "-shm"},
-                     .outputs = {words.output},
+  if (args.output == "-") session.result_to_stderr();
+  CommandFiles files{.inputs = {args.database, args.database + "-wal", args.database + "-shm"},
+                     .outputs = {args.output},
                      .run_outputs = {}};
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  if (auto fit = check_output(words.output); !fit) return session.fail(fit.error());
-  auto history = io::History::open(words.database, false);
+  if (auto fit = check_output(args.output); !fit) return session.fail(fit.error());
+  auto history = io::History::open(args.database, false);
   if (!history) return session.fail(history.error());
-  const auto chosen = chosen_visits(*history, words);
+  const auto chosen = chosen_visits(*history, args);
   if (!chosen) return session.fail(chosen.error());
   std::vector<io::Visit> visits;
   for (const io::Visit& v : *chosen) {
@@ -216,15 +215,15 @@ int write_export(const HistoryWords& words, Session& session) {
     if (!whole) return session.fail(whole.error());
     visits.push_back(std::move(*whole));
   }
-  if (auto written = io::write_file(words.output, as_json ? export_json(visits) : export_csv(visits));
+  if (auto written = io::write_file(args.output, as_json ? export_json(visits) : export_csv(visits));
       !written)
     return session.fail(written.error());
   session.result(fmt::format("{:<17}{} visits, {}\n", "exported", visits.size(),
-                             words.output == "-" ? "standard output" : words.output));
-  return session.finish({{"database", words.database}, {"visits", visits.size()}, {"written", words.output}});
+                             args.output == "-" ? "standard output" : args.output));
+  return session.finish({{"database", args.database}, {"visits", visits.size()}, {"written", args.output}});
 }
 
-using HistoryCommand = int (*)(const HistoryWords&, Session&);
+using HistoryCommand = int (*)(const HistoryArgs&, Session&);
 
 }  // namespace
 
@@ -265,25 +264,25 @@ Json visit_beacons_json(const io::Visit& visit) {
   return list;
 }
 
-Result<std::string> chosen_site(io::History& history, const HistoryWords& words) {
+Result<std::string> chosen_site(io::History& history, const HistoryArgs& args) {
   const auto visits = history.list();
   if (!visits) return fail(visits.error());
   std::set<std::string> sites;
   for (const io::Visit& v : *visits) sites.insert(v.site);
-  if (words.site.empty() && sites.size() == 1) return *sites.begin();
-  if (sites.contains(words.site)) return words.site;
+  if (args.site.empty() && sites.size() == 1) return *sites.begin();
+  if (sites.contains(args.site)) return args.site;
   std::string known;
   for (const std::string& site : sites)
     known += (known.empty() ? "" : ", ") + (site.empty() ? std::string("''") : site);
-  return fail({.code = words.site.empty() ? Errc::kUsage : Errc::kBadInput,
-               .file = words.database,
-               .found = words.site.empty() ? fmt::format("{} sites: {}", sites.size(), known)
-                                           : fmt::format("no site '{}', but {}", words.site, known),
+  return fail({.code = args.site.empty() ? Errc::kUsage : Errc::kBadInput,
+               .file = args.database,
+               .found = args.site.empty() ? fmt::format("{} sites: {}", sites.size(), known)
+                                          : fmt::format("no site '{}', but {}", args.site, known),
                .expected = "one of them by --site"});
 }
 
 void add_history(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<HistoryWords>();
+  auto args = std::make_shared<HistoryArgs>();
   CLI::App* history = add_command(
       app, common, "history", "The site's calibrations, verifications and monitorings over time, in one file",
       "octant history add hall/deployment.json --operator Ada\n  octant history list\n  octant history trend "
@@ -291,46 +290,38 @@ void add_history(CLI::App& app, CommonOptions& common, Action& action) {
   history->require_subcommand(1);
   const auto command = [&](const char* name, const char* purpose, const char* example, HistoryCommand run) {
     CLI::App* sub = add_command(*history, common, name, purpose, example);
-    sub->add_option("--db", words->database, "The history's file")->capture_default_str()->type_name("FILE");
-    sub->callback(
-        [words, run, &action] { action = [words, run](Session& session) { return run(*words, session); }; });
+    add_option(*sub, "--db", args->database, "FILE", "The history's file")->capture_default_str();
+    set_action(*sub, args, action, run);
     return sub;
   };
   const auto choose = [&](CLI::App* sub, bool kind) {
-    sub->add_option("--site", words->site, "Of this site alone")->type_name("SITE");
+    add_option(*sub, "--site", args->site, "SITE", "Of this site alone");
     if (kind)
-      sub->add_option("--kind", words->kind, "Of this kind alone: calibration, monitoring or verification")
-          ->check(CLI::IsMember({"calibration", "monitoring", "verification"}))
-          ->type_name("KIND");
+      add_option(*sub, "--kind", args->kind, "KIND",
+                 "Of this kind alone: calibration, monitoring or verification")
+          ->check(CLI::IsMember({"calibration", "monitoring", "verification"}));
   };
   CLI::App* sub = command(
       "add", "Put down deployments and results",
       "octant history add hall/deployment.json verified.json --operator Ada --note 'new bracket on B3'", add);
-  sub->add_option("file", words->files, "Deployments, and what verify --json or monitor --json printed")
-      ->required()
-      ->type_name("DEPLOYMENT|RESULT.json");
-  sub->add_option("--operator", words->who, "Who did it")->envname("USER")->type_name("NAME");
-  sub->add_option("--note", words->note, "A remark")->type_name("TEXT");
+  add_required_option(*sub, "file", args->files, "DEPLOYMENT|RESULT.json",
+                      "Deployments, and what verify --json or monitor --json printed");
+  add_option(*sub, "--operator", args->who, "NAME", "Who did it")->envname("USER");
+  add_option(*sub, "--note", args->note, "TEXT", "A remark");
   choose(command("list", "List the visits by date", "octant history list --kind calibration", list), true);
   sub =
       command("show", "One visit with its beacons; with --json its document", "octant history show 3", show);
-  sub->add_option("id", words->id, "As list shows it")
-      ->required()
-      ->check(CLI::PositiveNumber)
-      ->type_name("ID");
+  add_required_option(*sub, "id", args->id, "ID", "As list shows it")->check(CLI::PositiveNumber);
   sub = command("trend", "Control charts, alarms, drifts, and when the next recalibration is due",
                 "octant history trend B3", history_trend);
-  sub->add_option("beacon", words->beacon, "This beacon's charts, visit by visit")->type_name("BEACON");
-  sub->add_option("--limit", words->limit_m,
-                  "How far off a drift may put a range; else the site's tolerance.beacon_m, else 0.05")
-      ->check(CLI::PositiveNumber)
-      ->type_name("METRES");
+  add_option(*sub, "beacon", args->beacon, "BEACON", "This beacon's charts, visit by visit");
+  add_option(*sub, "--limit", args->limit_m, "METRES",
+             "How far off a drift may put a range; else the site's tolerance.beacon_m, else 0.05")
+      ->check(CLI::PositiveNumber);
   choose(sub, false);
   sub = command("export", "All visits as CSV or JSON", "octant history export -o history.csv", write_export);
-  sub->add_option("-o,--output", words->output,
-                  "File to write; .json has the documents too; - is CSV on standard output")
-      ->required()
-      ->type_name("FILE.csv|json");
+  add_required_option(*sub, "-o,--output", args->output, "FILE.csv|json",
+                      "File to write; .json has the documents too; - is CSV on standard output");
   choose(sub, true);
 }
 

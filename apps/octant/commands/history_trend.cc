@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/octant/commands/history_words.h"
+#include "apps/octant/commands/history_args.h"
 #include "apps/octant/text/table.h"
 #include "io/deployment/deployment_json.h"
 #include "models/support/utc_time.h"
@@ -223,11 +223,11 @@ Json next_json(const survey::SiteTrend& trend, double last_s) {
 }
 
 /// What the site must reach, by its latest calibration; where it says nothing, what TrendOptions says.
-Result<double> drift_limit_m(io::History& history, const HistoryWords& words, const io::Visit& latest) {
-  if (words.limit_m) return *words.limit_m;
+Result<double> drift_limit_m(io::History& history, const HistoryArgs& args, const io::Visit& latest) {
+  if (args.limit_m) return *args.limit_m;
   const auto whole = history.get(latest.id);
   if (!whole) return fail(whole.error());
-  const auto deployment = io::deployment_from_json(whole->document, words.database);
+  const auto deployment = io::deployment_from_json(whole->document, args.database);
   if (!deployment) return fail(deployment.error());
   return deployment->tolerance.beacon_m.value_or(survey::TrendOptions{}.limit_m);
 }
@@ -253,35 +253,35 @@ Json speeds_json(const std::vector<survey::CalibrationRecord>& records) {
 
 }  // namespace
 
-int history_trend(const HistoryWords& words, Session& session) {
-  auto history = io::History::open(words.database, false);
+int history_trend(const HistoryArgs& args, Session& session) {
+  auto history = io::History::open(args.database, false);
   if (!history) return session.fail(history.error());
-  const auto site = chosen_site(*history, words);
+  const auto site = chosen_site(*history, args);
   if (!site) return session.fail(site.error());
   const auto visits = history->calibrations(*site);
   if (!visits) return session.fail(visits.error());
   if (visits->empty())
-    return session.fail(Error{.file = words.database,
+    return session.fail(Error{.file = args.database,
                               .found = fmt::format("no calibration of {}", *site),
                               .expected = "some",
                               .advice = "octant history add DEPLOYMENT.json"});
-  const auto limit_m = drift_limit_m(*history, words, visits->back());
+  const auto limit_m = drift_limit_m(*history, args, visits->back());
   if (!limit_m) return session.fail(limit_m.error());
   std::vector<survey::CalibrationRecord> records;
   for (const io::Visit& v : *visits) records.push_back(record_of(v));
   survey::TrendOptions options;
   options.limit_m = *limit_m;
   const survey::SiteTrend trend = survey::site_trend(records, options);
-  const auto charts = charts_of(trend, words.beacon);
+  const auto charts = charts_of(trend, args.beacon);
   const bool known =
-      words.beacon.empty() || std::any_of(visits->begin(), visits->end(), [&](const io::Visit& v) {
+      args.beacon.empty() || std::any_of(visits->begin(), visits->end(), [&](const io::Visit& v) {
         return std::any_of(v.beacons.begin(), v.beacons.end(),
-                           [&](const auto& b) { return b.name == words.beacon; });
+                           [&](const auto& b) { return b.name == args.beacon; });
       });
   if (!known)
     return session.fail(
-        Error{.file = words.database,
-              .found = fmt::format("no beacon '{}' in the calibrations of {}", words.beacon, *site),
+        Error{.file = args.database,
+              .found = fmt::format("no beacon '{}' in the calibrations of {}", args.beacon, *site),
               .expected = "one of theirs",
               .advice = "octant history trend lists them"});
 
@@ -294,12 +294,12 @@ int history_trend(const HistoryWords& words, Session& session) {
   for (const QuantityTrend* q : charts) {
     list.push_back(quantity_json(*q));
     alarms += alarms_text(*q);
-    if (!words.beacon.empty()) text += chart_text(*q);
+    if (!args.beacon.empty()) text += chart_text(*q);
   }
-  if (words.beacon.empty()) text += overview_text(trend) + speed_text(records);
+  if (args.beacon.empty()) text += overview_text(trend) + speed_text(records);
   session.result(text + "\n" + (alarms.empty() ? fmt::format("{:<17}none\n", "alarm") : alarms) +
                  forecast_text(trend, last_s));
-  return session.finish({{"database", words.database},
+  return session.finish({{"database", args.database},
                          {"site", *site},
                          {"calibrations", records.size()},
                          {"limit_m", *limit_m},

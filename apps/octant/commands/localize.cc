@@ -22,27 +22,27 @@ namespace {
 struct LocalizeArgs {
   std::string deployment, output, csv, trusted_key;
   std::vector<std::string> runs;
-  MethodWords how;
-  FollowWords live;
+  MethodArgs how;
+  FollowArgs live;
 };
 
 /// Both files or none.
-Result<void> write_outputs(const LocalizeArgs& words, const Deployment& deployment,
+Result<void> write_outputs(const LocalizeArgs& args, const Deployment& deployment,
                            const std::vector<Fix>& fixes) {
-  if (!words.csv.empty()) {
-    if (auto written = io::write_file(words.csv, io::fixes_to_csv(fixes, names_of(deployment))); !written)
+  if (!args.csv.empty()) {
+    if (auto written = io::write_file(args.csv, io::fixes_to_csv(fixes, names_of(deployment))); !written)
       return written;
   }
-  auto written = io::write_file(words.output, io::fixes_to_tum(fixes));
-  if (!written && !words.csv.empty() && words.csv != "-") std::remove(words.csv.c_str());
+  auto written = io::write_file(args.output, io::fixes_to_tum(fixes));
+  if (!written && !args.csv.empty() && args.csv != "-") std::remove(args.csv.c_str());
   return written;
 }
 
-void warn_of_fixes(const LocalizeArgs& words, const Localization& found, const std::vector<Fix>& fixes,
+void warn_of_fixes(const LocalizeArgs& args, const Localization& found, const std::vector<Fix>& fixes,
                    Session& session) {
   if (found.ok == 0) session.warn("there is not a single fix; is this the right deployment for the run?");
   const auto another = [&](const Fix& fix) { return fix.vehicle != fixes.front().vehicle; };
-  if (words.output != "-" && std::any_of(fixes.begin(), fixes.end(), another))
+  if (args.output != "-" && std::any_of(fixes.begin(), fixes.end(), another))
     session.warn("TUM names no vehicle, and there are fixes of several: tell them apart by --csv");
   for (std::size_t i = 1; i < fixes.size(); ++i) {
     if (fixes[i].ok() && fixes[i - 1].ok() && fixes[i].time_s < fixes[i - 1].time_s) {
@@ -64,56 +64,56 @@ std::string fixes_text(const Localization& found) {
 }
 
 /// Live, a deployment is all that there is.
-int run_live(const LocalizeArgs& words, Session& session) {
-  if (!words.runs.empty() || !words.csv.empty() || (!words.output.empty() && words.output != "-") ||
+int run_live(const LocalizeArgs& args, Session& session) {
+  if (!args.runs.empty() || !args.csv.empty() || (!args.output.empty() && args.output != "-") ||
       session.options.json)
     return session.fail({"error", "usage", kUsage,
                          "--follow takes lines (--from) instead of runs, and its fixes go to standard output",
                          "leave RUN, -o, --csv and --json out"});
-  return follow(words.live, words.deployment, words.trusted_key, words.how.method, session);
+  return follow(args.live, args.deployment, args.trusted_key, args.how.method, session);
 }
 
-int run(const LocalizeArgs& words, Session& session) {
-  if (words.live.follow) return run_live(words, session);
-  if (words.runs.empty() || words.output.empty())
+int run(const LocalizeArgs& args, Session& session) {
+  if (args.live.follow) return run_live(args, session);
+  if (args.runs.empty() || args.output.empty())
     return session.fail(
         {"error", "usage", kUsage,
-         words.runs.empty() ? "RUN is required (run folders: the recordings)" : "--output is required",
+         args.runs.empty() ? "RUN is required (run folders: the recordings)" : "--output is required",
          "octant localize --help explains; --follow localizes as the data come"});
-  const int on_stdout = (words.output == "-") + (words.csv == "-") + session.options.json;
+  const int on_stdout = (args.output == "-") + (args.csv == "-") + session.options.json;
   if (on_stdout > 1)
     return session.fail(
         {"error", "usage", kUsage, "only one of -o -, --csv - and --json can have standard output", ""});
-  if (words.output == "-" || words.csv == "-") session.result_to_stderr();
-  CommandFiles files{.inputs = words.runs, .outputs = {words.output, words.csv}, .run_outputs = {}};
-  files.inputs.insert(files.inputs.end(), {words.deployment, words.trusted_key, words.how.map});
+  if (args.output == "-" || args.csv == "-") session.result_to_stderr();
+  CommandFiles files{.inputs = args.runs, .outputs = {args.output, args.csv}, .run_outputs = {}};
+  files.inputs.insert(files.inputs.end(), {args.deployment, args.trusted_key, args.how.map});
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  for (const auto& path : {words.output, words.csv})
+  for (const auto& path : {args.output, args.csv})
     if (auto fit = check_output(path); !fit) return session.fail(fit.error());
-  const auto deployment = read_trusted_deployment(words.deployment, words.trusted_key);
+  const auto deployment = read_trusted_deployment(args.deployment, args.trusted_key);
   if (!deployment) return session.fail(deployment.error());
-  warn_if_contradicted(*deployment, words.deployment, session);
+  warn_if_contradicted(*deployment, args.deployment, session);
   warn_if_overdue(*deployment, session);
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing,
+  const auto runs = read_runs(args.runs, names_of(*deployment), deployment->timing,
                               {.read_truth = false,
-                               .read_poses = looks_at_poses(words.how),
+                               .read_poses = looks_at_poses(args.how),
                                .constant_speed_mps = constant_speed_mps(deployment->medium)},
                               session);
   if (!runs) return session.fail(runs.error());
-  const auto input = method_input(words.how, *deployment);
+  const auto input = method_input(args.how, *deployment);
   if (!input) return session.fail(input.error());
-  auto located = localize_runs(*deployment, *runs, words.how.method, *input);
+  auto located = localize_runs(*deployment, *runs, args.how.method, *input);
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
   const std::vector<Fix> fixes = found.all();
-  warn_of_fixes(words, found, fixes, session);
+  warn_of_fixes(args, found, fixes, session);
   warn_outside_validity(*deployment, *runs, found, session);
-  if (auto written = write_outputs(words, *deployment, fixes); !written) return session.fail(written.error());
+  if (auto written = write_outputs(args, *deployment, fixes); !written) return session.fail(written.error());
 
   const auto left_out = left_out_by_beacon(*deployment, *runs, found);
   session.result(fixes_text(found) + integrity_text(found) + left_out_text(left_out));
-  for (const std::string& file : {words.output, words.csv})
+  for (const std::string& file : {args.output, args.csv})
     if (!file.empty() && file != "-") session.result(fmt::format("{:<17}{}\n", "written", file));
   return session.finish({{"status", found.ok > 0 ? "ok" : "no_fix"},
                          {"method", found.method},
@@ -134,22 +134,20 @@ int run(const LocalizeArgs& words, Session& session) {
 }  // namespace
 
 void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<LocalizeArgs>();
+  auto args = std::make_shared<LocalizeArgs>();
   CLI::App* command =
       add_command(app, common, "localize", "Tell where the vehicle was",
                   "octant localize hall/deployment.json hall/heldout -o hall/fixes.tum --csv hall/fixes.csv");
-  command->add_option("deployment", words->deployment, "Deployment file, from calibrate")
-      ->required()
-      ->type_name("DEPLOYMENT.json");
-  command->add_option("run", words->runs, "Run folders: the recordings")->type_name("RUN");
-  command->add_option("-o,--output", words->output, "Fixes to write, TUM format; - is standard output")
-      ->type_name("FIXES.tum");
-  command->add_option("--csv", words->csv, "Fixes with sigmas and reasons to write")->type_name("F.csv");
-  add_method_options(*command, words->how);
-  add_trust_option(*command, words->trusted_key);
-  add_follow_options(*command, words->live);
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json",
+                      "Deployment file, from calibrate");
+  add_option(*command, "run", args->runs, "RUN", "Run folders: the recordings");
+  add_option(*command, "-o,--output", args->output, "FIXES.tum",
+             "Fixes to write, TUM format; - is standard output");
+  add_option(*command, "--csv", args->csv, "F.csv", "Fixes with sigmas and reasons to write");
+  add_method_options(*command, args->how);
+  add_trust_option(*command, args->trusted_key);
+  add_follow_options(*command, args->live);
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

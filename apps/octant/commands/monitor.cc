@@ -16,11 +16,11 @@ namespace {
 struct MonitorArgs {
   std::string deployment;
   std::vector<std::string> runs;
-  DriftWords drift;
+  DriftArgs drift;
 };
 
-int run(const MonitorArgs& words, Session& session) {
-  const auto visit = revisit_files(words.deployment, words.runs, words.drift, session);
+int run(const MonitorArgs& args, Session& session) {
+  const auto visit = revisit_files(args.deployment, args.runs, args.drift, session);
   if (!visit) return session.fail(visit.error());
   if (visit->revisit.status == calib::SolveStatus::kInterrupted || interrupted())
     return session.interrupted();
@@ -44,20 +44,16 @@ int run(const MonitorArgs& words, Session& session) {
 }  // namespace
 
 void add_monitor(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<MonitorArgs>();
+  auto args = std::make_shared<MonitorArgs>();
   CLI::App* command = add_command(app, common, "monitor",
                                   "Ask an ordinary recording whether the calibration still holds: which "
                                   "beacon, receiver or speed no longer fits (exit 6)",
                                   "octant monitor hall/deployment.json hall/night");
-  command->add_option("deployment", words->deployment, "Deployment file, from calibrate or recalibrate")
-      ->required()
-      ->type_name("DEPLOYMENT.json");
-  command->add_option("run", words->runs, "Run folders; no reference trajectory is needed")
-      ->required()
-      ->type_name("RUN");
-  add_drift_options(*command, words->drift);
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json",
+                      "Deployment file, from calibrate or recalibrate");
+  add_required_option(*command, "run", args->runs, "RUN", "Run folders; no reference trajectory is needed");
+  add_drift_options(*command, args->drift);
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -11,7 +11,7 @@
 namespace octant::app {
 
 /// Words of `octant plan`; one of beacons, tolerance, stations and schedule says what is planned.
-struct PlanWords {
+struct PlanArgs {
   std::string input, scene, vehicle, output, csv, report;
   std::vector<std::string> runs;
   // --beacons, --tolerance
@@ -35,8 +35,8 @@ struct PlanWords {
 };
 
 // One file each.
-[[nodiscard]] int plan_beacons(const PlanWords& words, Session& session);
-[[nodiscard]] int plan_stations(const PlanWords& words, Session& session);
-[[nodiscard]] int plan_schedule(const PlanWords& words, Session& session);
+[[nodiscard]] int plan_beacons(const PlanArgs& args, Session& session);
+[[nodiscard]] int plan_stations(const PlanArgs& args, Session& session);
+[[nodiscard]] int plan_schedule(const PlanArgs& args, Session& session);
 
 }  // namespace octant::app

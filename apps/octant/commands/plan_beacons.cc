@@ -26,16 +26,16 @@ struct BeaconPlan {
   bool reached = true;  ///< the tolerance
 };
 
-survey::PlacementOptions options_of(const PlanWords& words, ProgressReporter& reporter, Session& session) {
+survey::PlacementOptions options_of(const PlanArgs& args, ProgressReporter& reporter, Session& session) {
   survey::PlacementOptions o;
-  o.goal = survey::placement_goal(words.goal).value_or(o.goal);
-  o.global = survey::global_algorithm(words.algorithm).value_or(o.global);
-  o.local = survey::local_algorithm(words.local).value_or(o.local);
+  o.goal = survey::placement_goal(args.goal).value_or(o.goal);
+  o.global = survey::global_algorithm(args.algorithm).value_or(o.global);
+  o.local = survey::local_algorithm(args.local).value_or(o.local);
   o.seed = session.options.seed;
-  o.keep = words.keep;
-  o.coverage = words.coverage;
-  o.evaluations = static_cast<std::size_t>(words.evaluations);
-  o.restarts = words.restarts;
+  o.keep = args.keep;
+  o.coverage = args.coverage;
+  o.evaluations = static_cast<std::size_t>(args.evaluations);
+  o.restarts = args.restarts;
   o.threads = session.threads();
   o.on_progress = [&reporter](double fraction) {
     reporter.show("placement", 0, 0.0, fraction);
@@ -44,27 +44,27 @@ survey::PlacementOptions options_of(const PlanWords& words, ProgressReporter& re
   return o;
 }
 
-Result<BeaconPlan> plan_of(const PlanWords& words, const SurveyInput& input,
+Result<BeaconPlan> plan_of(const PlanArgs& args, const SurveyInput& input,
                            const survey::PlacementOptions& options) {
   BeaconPlan plan;
-  if (words.tolerance_m && !words.beacons) {
-    auto smallest = survey::smallest_placement(input.model, input.scene, *words.tolerance_m,
-                                               static_cast<std::size_t>(words.most), options);
+  if (args.tolerance_m && !args.beacons) {
+    auto smallest = survey::smallest_placement(input.model, input.scene, *args.tolerance_m,
+                                               static_cast<std::size_t>(args.most), options);
     if (!smallest) return fail(smallest.error());
     plan.placement = std::move(smallest->placement);
     plan.reached = smallest->reached;
   } else {
     auto placement =
-        survey::place_beacons(input.model, input.scene, static_cast<std::size_t>(*words.beacons), options);
+        survey::place_beacons(input.model, input.scene, static_cast<std::size_t>(*args.beacons), options);
     if (!placement) return fail(placement.error());
     plan.placement = std::move(*placement);
-    plan.reached = !words.tolerance_m || plan.placement.figures.objective_m <= *words.tolerance_m;
+    plan.reached = !args.tolerance_m || plan.placement.figures.objective_m <= *args.tolerance_m;
   }
   const std::size_t own = plan.placement.beacons.size(),
-                    most = std::max<std::size_t>(own, static_cast<std::size_t>(words.proof));
-  const std::size_t kept = words.keep ? input.model.beacons.size() : 0;
+                    most = std::max<std::size_t>(own, static_cast<std::size_t>(args.proof));
+  const std::size_t kept = args.keep ? input.model.beacons.size() : 0;
   for (std::size_t n = std::max(kept + 1, most > kProofRows ? most - kProofRows + 1 : 1);
-       words.proof > 0 && n <= most && !plan.placement.interrupted; ++n) {
+       args.proof > 0 && n <= most && !plan.placement.interrupted; ++n) {
     if (n < static_cast<std::size_t>(input.model.unknowns.position) && n != own) continue;
     const auto row = n == own ? plan.placement : survey::place_beacons(input.model, input.scene, n, options);
     if (!row) return fail(row.error());
@@ -83,7 +83,7 @@ Json figures_json(const survey::LayoutFigures& f) {
           {"covered_fraction", f.covered_fraction}};
 }
 
-Json plan_json(const PlanWords& words, const BeaconPlan& plan, const Session& session) {
+Json plan_json(const PlanArgs& args, const BeaconPlan& plan, const Session& session) {
   Json beacons = Json::array(), proof = Json::array();
   for (const auto& b : plan.placement.beacons)
     beacons.push_back({{"id", b.beacon.name},
@@ -98,12 +98,12 @@ Json plan_json(const PlanWords& words, const BeaconPlan& plan, const Session& se
                      {"regular", figures_json(row.regular)},
                      {"random", figures_json(row.random)}});
   return {{"plan", "beacons"},
-          {"goal", words.goal},
-          {"algorithm", words.algorithm},
-          {"local", words.local},
+          {"goal", args.goal},
+          {"algorithm", args.algorithm},
+          {"local", args.local},
           {"seed", session.options.seed},
-          {"coverage", words.coverage},
-          {"tolerance_m", words.tolerance_m ? Json(*words.tolerance_m) : Json(nullptr)},
+          {"coverage", args.coverage},
+          {"tolerance_m", args.tolerance_m ? Json(*args.tolerance_m) : Json(nullptr)},
           {"reached", plan.reached},
           {"poses", plan.placement.cells},
           {"evaluations", plan.placement.evaluations},
@@ -118,7 +118,7 @@ std::string figure(const survey::LayoutFigures& f) {
                         : fmt::format("{:.1f} % covered", 100 * f.covered_fraction);
 }
 
-std::string plan_text(const PlanWords& words, const BeaconPlan& plan, const std::string& site,
+std::string plan_text(const PlanArgs& args, const BeaconPlan& plan, const std::string& site,
                       const Session& session) {
   const survey::Placement& p = plan.placement;
   std::string text = fmt::format("{}: {} beacons, {:.1f} s\n\n", site, p.beacons.size(), session.seconds());
@@ -131,8 +131,8 @@ std::string plan_text(const PlanWords& words, const BeaconPlan& plan, const std:
   text += fmt::format("{:<17}worst {}, 95 % {}, mean {}; {:.1f} % of {} poses covered\n", "expected error",
                       length_text(p.figures.worst_m), length_text(p.figures.p95_m),
                       length_text(p.figures.mean_m), 100 * p.figures.covered_fraction, p.cells);
-  text += fmt::format("{:<17}{}: NLopt {} and {}, seed {}, {} layouts looked at\n\n", "goal", words.goal,
-                      words.algorithm, words.local, session.options.seed, p.evaluations);
+  text += fmt::format("{:<17}{}: NLopt {} and {}, seed {}, {} layouts looked at\n\n", "goal", args.goal,
+                      args.algorithm, args.local, session.options.seed, p.evaluations);
   Table proof{"rrrrr", {{"beacons", "plan", "greedy", "regular", "random"}}};
   for (const auto& row : plan.proof)
     proof.rows.push_back({fmt::format("{}", row.beacons), figure(row.plan), figure(row.greedy),
@@ -140,22 +140,22 @@ std::string plan_text(const PlanWords& words, const BeaconPlan& plan, const std:
   return text + proof.text();
 }
 
-Result<std::string> new_site(const PlanWords& words, const BeaconPlan& plan, Session& session) {
-  const auto old = io::read_document(words.input);
+Result<std::string> new_site(const PlanArgs& args, const BeaconPlan& plan, Session& session) {
+  const auto old = io::read_document(args.input);
   if (!old) return fail(old.error());
   std::vector<io::SiteBeaconEntry> entries;
   for (const auto& b : plan.placement.beacons) {
     if (b.mount.empty()) continue;
-    entries.push_back({b.beacon.name, b.beacon.p_map_m, words.mount_sigma_m, {}});
+    entries.push_back({b.beacon.name, b.beacon.p_map_m, args.mount_sigma_m, {}});
     if (!b.beacon.axis.isZero()) entries.back().axis = b.beacon.axis;
   }
-  auto site = io::with_beacons(*old, words.input, entries, words.keep);
+  auto site = io::with_beacons(*old, args.input, entries, args.keep);
   if (!site) return fail(site.error());
   session.warn(site->warnings);
   return std::move(site->text);
 }
 
-Result<Json> write_plan_outputs(const PlanWords& words, const SurveyInput& input, const BeaconPlan& plan,
+Result<Json> write_plan_outputs(const PlanArgs& args, const SurveyInput& input, const BeaconPlan& plan,
                                 Session& session) {
   Json written = Json::array();
   const auto write = [&](const std::string& path, const std::string& content) -> Result<void> {
@@ -163,15 +163,15 @@ Result<Json> write_plan_outputs(const PlanWords& words, const SurveyInput& input
     if (path != "-") written.push_back(path);
     return {};
   };
-  if (!words.output.empty()) {
-    const auto site = new_site(words, plan, session);
+  if (!args.output.empty()) {
+    const auto site = new_site(args, plan, session);
     if (!site) return fail(site.error());
-    if (auto done = write(words.output, *site); !done) return fail(done.error());
+    if (auto done = write(args.output, *site); !done) return fail(done.error());
   }
-  if (!words.report.empty()) {
+  if (!args.report.empty()) {
     const survey::ProofSheetInput sheet{
         .name = input.model.name,
-        .settings = fmt::format("goal {}, NLopt {} and {}, seed {}", words.goal, words.algorithm, words.local,
+        .settings = fmt::format("goal {}, NLopt {} and {}, seed {}", args.goal, args.algorithm, args.local,
                                 session.options.seed),
         .created = created_now(),
         .program = "octant " OCTANT_VERSION,
@@ -179,49 +179,49 @@ Result<Json> write_plan_outputs(const PlanWords& words, const SurveyInput& input
         .placement = plan.placement,
         .floor_m = input.model.floor_m,
         .walls = input.model.walls,
-        .tolerance_m = words.tolerance_m};
-    if (auto done = write(words.report, survey::proof_sheet_html(sheet)); !done) return fail(done.error());
+        .tolerance_m = args.tolerance_m};
+    if (auto done = write(args.report, survey::proof_sheet_html(sheet)); !done) return fail(done.error());
   }
   return written;
 }
 
 }  // namespace
 
-int plan_beacons(const PlanWords& words, Session& session) {
-  if (words.output == "-" || words.report == "-") session.result_to_stderr();
+int plan_beacons(const PlanArgs& args, Session& session) {
+  if (args.output == "-" || args.report == "-") session.result_to_stderr();
   if (auto fit = check_no_overwriting(
-          {.inputs = {words.input, words.scene}, .outputs = {words.output, words.report}, .run_outputs = {}});
+          {.inputs = {args.input, args.scene}, .outputs = {args.output, args.report}, .run_outputs = {}});
       !fit)
     return session.fail(fit.error());
-  for (const auto& path : {words.output, words.report})
+  for (const auto& path : {args.output, args.report})
     if (auto fit = check_output(path); !path.empty() && !fit) return session.fail(fit.error());
-  const auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session,
-                                       words.keep ? BeaconPlaces::kStated : BeaconPlaces::kNone);
+  const auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
+                                       args.keep ? BeaconPlaces::kStated : BeaconPlaces::kNone);
   if (!input) return session.fail(input.error());
   if (auto fit = check_no_overwriting(
-          {.inputs = input->scene.imported, .outputs = {words.output, words.report}, .run_outputs = {}});
+          {.inputs = input->scene.imported, .outputs = {args.output, args.report}, .run_outputs = {}});
       !fit)
     return session.fail(fit.error());
   if (!input->site)
-    return session.fail(Error{.file = words.input,
+    return session.fail(Error{.file = args.input,
                               .found = "a deployment",
                               .expected = "a site file: beacons are planned before they are calibrated"});
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
-  const auto plan = plan_of(words, *input, options_of(words, reporter, session));
+  const auto plan = plan_of(args, *input, options_of(args, reporter, session));
   reporter.finish();
   if (!plan) return session.fail(plan.error());
   if (plan->placement.interrupted || interrupted()) return session.interrupted();
-  const auto written = write_plan_outputs(words, *input, *plan, session);
+  const auto written = write_plan_outputs(args, *input, *plan, session);
   if (!written) return session.fail(written.error());
-  session.result(plan_text(words, *plan, input->model.name, session));
+  session.result(plan_text(args, *plan, input->model.name, session));
   for (const auto& file : *written)
     session.result(fmt::format("{:<17}{}\n", "written", file.get<std::string>()));
-  Json object = plan_json(words, *plan, session);
+  Json object = plan_json(args, *plan, session);
   object["written"] = *written;
   if (plan->reached) return session.finish(object);
   return session.fail({"gate_failed", "gate_failed", kGateFailed,
                        fmt::format("{} beacons reach {}, the tolerance is {}", plan->placement.beacons.size(),
-                                   figure(plan->placement.figures), length_text(*words.tolerance_m)),
+                                   figure(plan->placement.figures), length_text(*args.tolerance_m)),
                        "allow more beacons (--most), more mounts, or a larger tolerance"},
                       object);
 }

@@ -38,7 +38,7 @@ Json schedule_plan_json(const survey::FloorSchedule& s, const survey::SurveyMode
 }
 
 std::string schedule_plan_text(const survey::FloorSchedule& s, const survey::SurveyModel& model,
-                               const PlanWords& words) {
+                               const PlanArgs& args) {
   std::string text =
       fmt::format("{}: {} beacons, heard up to {}\n\n", model.name, s.plan.beacons, length_text(s.reach_m));
   const auto line = [&](const char* name, const std::string& what) {
@@ -57,7 +57,7 @@ std::string schedule_plan_text(const survey::FloorSchedule& s, const survey::Sur
   text += "\n" + slots_text(s, model);
   line(
       "together",
-      words.trust_walls
+      args.trust_walls
           ? "beacons that no place on the floor hears both of; walls and beams are trusted to stop echoes too"
           : "beacons that no place on the floor is within reach of both of, walls or not: their echoes "
             "neither");
@@ -66,23 +66,23 @@ std::string schedule_plan_text(const survey::FloorSchedule& s, const survey::Sur
 
 }  // namespace
 
-int plan_schedule(const PlanWords& words, Session& session) {
-  const auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session);
+int plan_schedule(const PlanArgs& args, Session& session) {
+  const auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session);
   if (!input) return session.fail(input.error());
   const auto schedule = survey::floor_schedule(input->model, input->scene,
-                                               {.height_m = words.height_m,
-                                                .wall_reflection = words.wall_reflection,
-                                                .pulse_s = words.pulse_s,
-                                                .trust_walls = words.trust_walls,
-                                                .by_time = words.by_time,
+                                               {.height_m = args.height_m,
+                                                .wall_reflection = args.wall_reflection,
+                                                .pulse_s = args.pulse_s,
+                                                .trust_walls = args.trust_walls,
+                                                .by_time = args.by_time,
                                                 .threads = session.threads()});
   if (!schedule) {
     Error error = schedule.error();
-    if (error.file.empty()) error.file = words.input;
+    if (error.file.empty()) error.file = args.input;
     return session.fail(error);
   }
   session.warn(schedule->warnings);
-  session.result(schedule_plan_text(*schedule, input->model, words));
+  session.result(schedule_plan_text(*schedule, input->model, args));
   return session.finish(schedule_plan_json(*schedule, input->model, session));
 }
 

@@ -24,15 +24,15 @@ namespace {
 constexpr double kDegrees = 180 / M_PI;
 
 /// What is known before the stops, and how far the vehicle hears.
-struct Ground {
+struct KnownBefore {
   calib::Knowledge knowledge;
   calib::HearingModel hearing;
   std::optional<PoseAccuracy> measured_poses;  ///< where the recordings have a total station
 };
 
 /// A calibration of what was recorded so far, and of what it says about hearing.
-Result<Ground> ground_from_runs(const PlanWords& words, const Site& site, Session& session) {
-  auto runs = read_runs(words.runs, names_of(site), site.timing,
+Result<KnownBefore> known_from_runs(const PlanArgs& args, const Site& site, Session& session) {
+  auto runs = read_runs(args.runs, names_of(site), site.timing,
                         {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
   if (!runs) return fail(runs.error());
   auto problem = calib::make_problem(site, std::move(*runs));
@@ -51,36 +51,36 @@ Result<Ground> ground_from_runs(const PlanWords& words, const Site& site, Sessio
     session.warn("the recordings alone would not be exported: " + solution.message);
   auto knowledge = calib::knowledge_of(*problem, solution, session.threads());
   if (!knowledge) return fail(knowledge.error());
-  Ground ground{std::move(*knowledge), calib::hearing_of(solution, site), {}};
+  KnownBefore before{std::move(*knowledge), calib::hearing_of(solution, site), {}};
   for (const MeasurementLog& run : problem->runs)
-    if (!run.poses.empty()) ground.measured_poses = run.pose_accuracy;
-  return ground;
+    if (!run.poses.empty()) before.measured_poses = run.pose_accuracy;
+  return before;
 }
 
-Result<Ground> ground_of(const PlanWords& words, const SurveyInput& input, Session& session) {
-  if (!words.runs.empty() && !input.site)
+Result<KnownBefore> known_before(const PlanArgs& args, const SurveyInput& input, Session& session) {
+  if (!args.runs.empty() && !input.site)
     return fail({.code = Errc::kUsage,
-                 .file = words.input,
+                 .file = args.input,
                  .found = "recordings beside a deployment",
                  .expected = "a site file with recordings, or a deployment alone"});
-  if (!words.runs.empty()) return ground_from_runs(words, *input.site, session);
+  if (!args.runs.empty()) return known_from_runs(args, *input.site, session);
   auto knowledge = input.site ? calib::knowledge_of(*input.site) : calib::knowledge_of(*input.deployment);
   if (!knowledge) {
     Error error = knowledge.error();
-    if (error.file.empty()) error.file = words.input;
+    if (error.file.empty()) error.file = args.input;
     return fail(error);
   }
-  return Ground{std::move(*knowledge), {}, {}};
+  return KnownBefore{std::move(*knowledge), {}, {}};
 }
 
 /// Range and angle by the words, else by the recordings; walls and beams by the scene, with the beacons where
 /// the model has them.
-void complete_hearing(const PlanWords& words, const SurveyInput& input, survey::SurveyModel& model,
-                      Ground& ground) {
-  calib::HearingModel& hearing = ground.hearing;
-  hearing.range_m = words.range_m.value_or(std::min(hearing.range_m, survey::reach_m(model.hearing)));
-  if (words.hearing_deg) hearing.half_angle_rad = *words.hearing_deg / kDegrees;
-  if (words.range_m) model.hearing.range_m = *words.range_m;
+void complete_hearing(const PlanArgs& args, const SurveyInput& input, survey::SurveyModel& model,
+                      KnownBefore& before) {
+  calib::HearingModel& hearing = before.hearing;
+  hearing.range_m = args.range_m.value_or(std::min(hearing.range_m, survey::reach_m(model.hearing)));
+  if (args.hearing_deg) hearing.half_angle_rad = *args.hearing_deg / kDegrees;
+  if (args.range_m) model.hearing.range_m = *args.range_m;
   const auto names = input.site ? names_of(*input.site) : names_of(*input.deployment);
   std::vector<std::size_t> of_model(names.beacons.size(), model.beacons.size());
   for (std::size_t b = 0; b < names.beacons.size(); ++b)
@@ -103,13 +103,13 @@ Json known_json(const calib::BeaconKnowledge& k, const std::vector<std::string>&
 }
 
 std::string heard_words(const calib::Station& s, const std::vector<std::string>& names) {
-  std::string words;
+  std::string heard;
   for (std::size_t b = 0; b < names.size(); ++b)
-    if (s.arrivals[b] > 0) words += (words.empty() ? "" : " ") + names[b];
-  return words;
+    if (s.arrivals[b] > 0) heard += (heard.empty() ? "" : " ") + names[b];
+  return heard;
 }
 
-Json stations_plan_json(const PlanWords& words, const calib::StationPlan& plan,
+Json stations_plan_json(const PlanArgs& args, const calib::StationPlan& plan,
                         const std::vector<std::string>& names, double random_mean_m, const Session& session) {
   Json stations = Json::array(), beacons = Json::array();
   for (std::size_t i = 0; i < plan.stations.size(); ++i) {
@@ -135,7 +135,7 @@ Json stations_plan_json(const PlanWords& words, const calib::StationPlan& plan,
          {"sigma_before_m", plan.before.sigma_m[b] < 0 ? Json(nullptr) : Json(plan.before.sigma_m[b])},
          {"sigma_after_m", plan.after.sigma_m[b] < 0 ? Json(nullptr) : Json(plan.after.sigma_m[b])}});
   return {{"plan", "stations"},
-          {"criterion", words.criterion},
+          {"criterion", args.criterion},
           {"before", known_json(plan.before, names)},
           {"after", known_json(plan.after, names)},
           {"random_mean_sigma_m", random_mean_m},
@@ -192,56 +192,56 @@ std::string stations_plan_text(const calib::StationPlan& plan, const std::vector
 
 }  // namespace
 
-int plan_stations(const PlanWords& words, Session& session) {
-  if (words.csv == "-") session.result_to_stderr();
-  CommandFiles files{.inputs = words.runs, .outputs = {words.csv}, .run_outputs = {}};
-  files.inputs.insert(files.inputs.end(), {words.input, words.scene});
+int plan_stations(const PlanArgs& args, Session& session) {
+  if (args.csv == "-") session.result_to_stderr();
+  CommandFiles files{.inputs = args.runs, .outputs = {args.csv}, .run_outputs = {}};
+  files.inputs.insert(files.inputs.end(), {args.input, args.scene});
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  if (auto fit = check_output(words.csv); !words.csv.empty() && !fit) return session.fail(fit.error());
-  auto input = read_survey_input(words.input, words.scene, words.vehicle, {}, session,
-                                 words.runs.empty() ? BeaconPlaces::kStated : BeaconPlaces::kRecorded);
+  if (auto fit = check_output(args.csv); !args.csv.empty() && !fit) return session.fail(fit.error());
+  auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
+                                 args.runs.empty() ? BeaconPlaces::kStated : BeaconPlaces::kRecorded);
   if (!input) return session.fail(input.error());
-  auto ground = ground_of(words, *input, session);
-  if (!ground && ground.error().code == Errc::kInterrupted) return session.interrupted();
-  if (!ground) return session.fail(ground.error());
-  if (!words.runs.empty()) {
-    const calib::Knowledge& known = ground->knowledge;
-    if (auto ok = place_recorded(words.input, known.placed, known.state.beacon_p_map_m, *input, session); !ok)
+  auto before = known_before(args, *input, session);
+  if (!before && before.error().code == Errc::kInterrupted) return session.interrupted();
+  if (!before) return session.fail(before.error());
+  if (!args.runs.empty()) {
+    const calib::Knowledge& known = before->knowledge;
+    if (auto ok = place_recorded(args.input, known.placed, known.state.beacon_p_map_m, *input, session); !ok)
       return session.fail(ok.error());
   }
-  session.warn(ground->knowledge.warnings);
-  complete_hearing(words, *input, input->model, *ground);
+  session.warn(before->knowledge.warnings);
+  complete_hearing(args, *input, input->model, *before);
   const auto places =
-      survey::stop_places(input->model, input->scene, words.grid_m.value_or(0.0), words.clearance_m);
+      survey::stop_places(input->model, input->scene, args.grid_m.value_or(0.0), args.clearance_m);
   if (!places) return session.fail(places.error());
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::StationOptions options;
-  options.stations = *words.stations;
-  options.headings = words.headings;
-  options.criterion = words.criterion == "d" ? calib::StationCriterion::kD : calib::StationCriterion::kA;
-  options.stop.hearing = ground->hearing;
+  options.stations = *args.stations;
+  options.headings = args.headings;
+  options.criterion = args.criterion == "d" ? calib::StationCriterion::kD : calib::StationCriterion::kA;
+  options.stop.hearing = before->hearing;
   options.stop.vehicle = VehicleId(input->model.vehicle);
-  options.stop.firings = words.rounds;
+  options.stop.firings = args.rounds;
   options.stop.height_m = input->model.vehicle_z_m;
-  options.stop.measured_poses = ground->measured_poses;
+  options.stop.measured_poses = before->measured_poses;
   options.places_m = places->places_m;
   options.spacing_m = places->spacing_m;
   options.may_stop = places->may_stop;
   options.threads = session.threads();
   options.on_progress = [&](double fraction) {
-    reporter.show("stops", 0, 0.0, words.runs.empty() ? fraction : 0.5 + 0.5 * fraction);
+    reporter.show("stops", 0, 0.0, args.runs.empty() ? fraction : 0.5 + 0.5 * fraction);
     return !interrupted();
   };
-  const auto plan = calib::plan_stations(ground->knowledge, options);
+  const auto plan = calib::plan_stations(before->knowledge, options);
   reporter.finish();
   if (!plan) return session.fail(plan.error());
   if (plan->interrupted || interrupted()) return session.interrupted();
   const double random_mean_m =
-      calib::random_stations_mean_m(ground->knowledge, options, session.options.seed);
+      calib::random_stations_mean_m(before->knowledge, options, session.options.seed);
   const auto names = input->site ? names_of(*input->site).beacons : names_of(*input->deployment).beacons;
-  Json object = stations_plan_json(words, *plan, names, random_mean_m, session);
-  if (!words.csv.empty())
-    if (auto done = io::write_file(words.csv, plan_csv(*plan, names)); !done)
+  Json object = stations_plan_json(args, *plan, names, random_mean_m, session);
+  if (!args.csv.empty())
+    if (auto done = io::write_file(args.csv, plan_csv(*plan, names)); !done)
       return session.fail(done.error());
   session.result(stations_plan_text(*plan, names, random_mean_m, input->model.name));
   return session.finish(object);

@@ -20,8 +20,8 @@ namespace {
 struct RecalibrateArgs {
   std::string deployment, output;
   std::vector<std::string> runs;
-  ReportWords report;
-  DriftWords drift;
+  ReportArgs report;
+  DriftArgs drift;
 };
 
 calib::Provenance provenance_of(const SecondVisitFiles& visit, const Session& session) {
@@ -29,32 +29,32 @@ calib::Provenance provenance_of(const SecondVisitFiles& visit, const Session& se
 }
 
 /// Deployment and reports, all or none.
-Result<void> write_recalibration(const RecalibrateArgs& words, const Deployment& deployment,
+Result<void> write_recalibration(const RecalibrateArgs& args, const Deployment& deployment,
                                  const survey::ReportInput& input) {
-  auto files = report_files(words.report, input);
-  auto text = io::checked_deployment_json(words.output, deployment);
+  auto files = report_files(args.report, input);
+  auto text = io::checked_deployment_json(args.output, deployment);
   if (!text) return fail(text.error());
-  files.push_back({words.output, std::move(*text)});
+  files.push_back({args.output, std::move(*text)});
   return io::write_files(files);
 }
 
-Result<void> check_words(const RecalibrateArgs& words) {
-  CommandFiles files{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
-  files.inputs.push_back(words.deployment);
-  files.outputs.push_back(words.output);
+Result<void> check_args(const RecalibrateArgs& args) {
+  CommandFiles files{.inputs = args.runs, .outputs = args.report.paths, .run_outputs = {}};
+  files.inputs.push_back(args.deployment);
+  files.outputs.push_back(args.output);
   if (auto fit = check_no_overwriting(files); !fit) return fit;
-  if (auto fit = check_output(words.output); !fit) return fit;
-  return check_report(words.report);
+  if (auto fit = check_output(args.output); !fit) return fit;
+  return check_report(args.report);
 }
 
-int run(const RecalibrateArgs& words, Session& session) {
-  const int files_on_stdout = (words.output == "-") + on_stdout(words.report);
+int run(const RecalibrateArgs& args, Session& session) {
+  const int files_on_stdout = (args.output == "-") + on_stdout(args.report);
   if (files_on_stdout + session.options.json > 1)
     return session.fail(
         {"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
   if (files_on_stdout > 0) session.result_to_stderr();
-  if (auto fit = check_words(words); !fit) return session.fail(fit.error());
-  const auto visit = revisit_files(words.deployment, words.runs, words.drift, session);
+  if (auto fit = check_args(args); !fit) return session.fail(fit.error());
+  const auto visit = revisit_files(args.deployment, args.runs, args.drift, session);
   if (!visit) return session.fail(visit.error());
   if (visit->revisit.status == calib::SolveStatus::kInterrupted || interrupted())
     return session.interrupted();
@@ -65,37 +65,32 @@ int run(const RecalibrateArgs& words, Session& session) {
   survey::ReportInput input = report_input(now, session);
   input.changes = survey::changes_between(visit->before, now);
   input.changes->found = visit->revisit.comparison.changes;
-  if (!words.report.paths.empty()) survey::add_geometry(input, session.threads());
+  if (!args.report.paths.empty()) survey::add_geometry(input, session.threads());
   add_deployment_json(now, object);
   object["verdict"] = verdict_json(input);
-  if (auto written = write_recalibration(words, now, input); !written) return session.fail(written.error());
+  if (auto written = write_recalibration(args, now, input); !written) return session.fail(written.error());
   session.result(verdict_text(input) + "\n" + revisit_text(*visit));
-  if (words.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", words.output));
-  session.result(report_lines(words.report));
+  if (args.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", args.output));
+  session.result(report_lines(args.report));
   return session.finish(object);
 }
 
 }  // namespace
 
 void add_recalibrate(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<RecalibrateArgs>();
+  auto args = std::make_shared<RecalibrateArgs>();
   CLI::App* command = add_command(
       app, common, "recalibrate",
       "Update a calibration by a second visit: what changed is found and told anew, all else is carried over",
       "octant recalibrate hall/deployment.json hall/autumn -o hall/autumn.json");
-  command->add_option("deployment", words->deployment, "The earlier deployment")
-      ->required()
-      ->type_name("DEPLOYMENT.json");
-  command->add_option("run", words->runs, "Run folders of the second visit; a few stops or minutes do")
-      ->required()
-      ->type_name("RUN");
-  command->add_option("-o,--output", words->output, "Deployment file to write; - is standard output")
-      ->required()
-      ->type_name("NEW.json");
-  add_report_options(*command, words->report, false);
-  add_drift_options(*command, words->drift);
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json", "The earlier deployment");
+  add_required_option(*command, "run", args->runs, "RUN",
+                      "Run folders of the second visit; a few stops or minutes do");
+  add_required_option(*command, "-o,--output", args->output, "NEW.json",
+                      "Deployment file to write; - is standard output");
+  add_report_options(*command, args->report, false);
+  add_drift_options(*command, args->drift);
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

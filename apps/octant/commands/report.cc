@@ -21,10 +21,10 @@
 namespace octant::app {
 namespace {
 
-struct ReportArgs {
+struct ReportCommandArgs {
   std::string saved;
   std::vector<std::string> runs;
-  ReportWords report;
+  ReportArgs report;
   std::string site_sheet;
   std::string certificate;
   survey::CertificateInput certified;
@@ -38,13 +38,14 @@ std::string digest_of(const std::string& text) {
 }
 
 /// What was saved, whole; or what a deployment says, with its geometry.
-Result<survey::ReportInput> read_saved(const std::string& text, const ReportArgs& words, Session& session) {
+Result<survey::ReportInput> read_saved(const std::string& text, const ReportCommandArgs& args,
+                                       Session& session) {
   if (is_saved_report(text)) {
-    auto saved = report_from_json(text, words.saved);
+    auto saved = report_from_json(text, args.saved);
     if (saved) saved->command = session.command_line;
     return saved;
   }
-  const auto deployment = io::deployment_from_json(text, words.saved);
+  const auto deployment = io::deployment_from_json(text, args.saved);
   if (!deployment) return fail(deployment.error());
   survey::ReportInput input = report_input(*deployment, session);
   survey::add_geometry(input, session.threads());
@@ -72,56 +73,55 @@ Result<void> verify_with(const std::vector<std::string>& folders, survey::Report
 }
 
 /// As Markdown where its name says so, else as a page without a script.
-std::string certificate_page(const ReportArgs& words, const survey::ReportInput& input,
+std::string certificate_page(const ReportCommandArgs& args, const survey::ReportInput& input,
                              const std::string& digest) {
-  survey::CertificateInput certified = words.certified;
+  survey::CertificateInput certified = args.certified;
   certified.issued = created_now();
   certified.digest = digest;
   const survey::ReportDocument document = survey::certificate_document(input.plan.deployment, certified);
-  return words.certificate.ends_with(".md") ? survey::to_markdown(document) : survey::to_html(document, "");
+  return args.certificate.ends_with(".md") ? survey::to_markdown(document) : survey::to_html(document, "");
 }
 
-int run(const ReportArgs& words, Session& session) {
-  const int files_on_stdout =
-      on_stdout(words.report) + (words.site_sheet == "-") + (words.certificate == "-");
+int run(const ReportCommandArgs& args, Session& session) {
+  const int files_on_stdout = on_stdout(args.report) + (args.site_sheet == "-") + (args.certificate == "-");
   if (files_on_stdout + session.options.json > 1)
     return session.fail(
         {"error", "usage", kUsage,
          "only one of -o -, --site-sheet -, --certificate - and --json can have standard output", ""});
   if (files_on_stdout > 0) session.result_to_stderr();
-  CommandFiles of_command{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
-  of_command.inputs.insert(of_command.inputs.end(), {words.saved, words.report.since});
-  of_command.outputs.insert(of_command.outputs.end(), {words.site_sheet, words.certificate});
+  CommandFiles of_command{.inputs = args.runs, .outputs = args.report.paths, .run_outputs = {}};
+  of_command.inputs.insert(of_command.inputs.end(), {args.saved, args.report.since});
+  of_command.outputs.insert(of_command.outputs.end(), {args.site_sheet, args.certificate});
   if (auto fit = check_no_overwriting(of_command); !fit) return session.fail(fit.error());
-  if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
-  for (const std::string& file : {words.site_sheet, words.certificate})
+  if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
+  for (const std::string& file : {args.site_sheet, args.certificate})
     if (auto fit = check_output(file); !fit) return session.fail(fit.error());
 
-  const auto text = io::read_document(words.saved);
+  const auto text = io::read_document(args.saved);
   if (!text) return session.fail(text.error());
-  auto input = read_saved(*text, words, session);
+  auto input = read_saved(*text, args, session);
   if (!input) return session.fail(input.error());
-  if (auto verified = verify_with(words.runs, *input, session); !verified)
+  if (auto verified = verify_with(args.runs, *input, session); !verified)
     return session.fail(verified.error());
   if (interrupted()) return session.interrupted();
-  if (auto added = add_changes(*input, words.report.since); !added) return session.fail(added.error());
+  if (auto added = add_changes(*input, args.report.since); !added) return session.fail(added.error());
 
-  auto files = report_files(words.report, *input);
-  if (!words.site_sheet.empty())
-    files.push_back({words.site_sheet, survey::site_sheet_html(input->plan.deployment, digest_of(*text))});
-  if (!words.certificate.empty()) {
+  auto files = report_files(args.report, *input);
+  if (!args.site_sheet.empty())
+    files.push_back({args.site_sheet, survey::site_sheet_html(input->plan.deployment, digest_of(*text))});
+  if (!args.certificate.empty()) {
     if (input->outcome != survey::Outcome::kCalibrated)
       return session.fail(Error{.code = Errc::kUsage,
                                 .found = "--certificate of a calibration that exported nothing",
                                 .expected = "a deployment, or the report of a calibration that has one"});
-    files.push_back({words.certificate, certificate_page(words, *input, digest_of(*text))});
+    files.push_back({args.certificate, certificate_page(args, *input, digest_of(*text))});
   }
   if (auto written = io::write_files(files); !written) return session.fail(written.error());
-  session.result(changes_text(*input) + verdict_text(*input) + report_lines(words.report));
-  if (!words.site_sheet.empty() && words.site_sheet != "-")
-    session.result(fmt::format("{:<17}{}\n", "site sheet", words.site_sheet));
-  if (!words.certificate.empty() && words.certificate != "-")
-    session.result(fmt::format("{:<17}{}\n", "certificate", words.certificate));
+  session.result(changes_text(*input) + verdict_text(*input) + report_lines(args.report));
+  if (!args.site_sheet.empty() && args.site_sheet != "-")
+    session.result(fmt::format("{:<17}{}\n", "site sheet", args.site_sheet));
+  if (!args.certificate.empty() && args.certificate != "-")
+    session.result(fmt::format("{:<17}{}\n", "certificate", args.certificate));
   Json object = {{"verdict", verdict_json(*input)}};
   add_changes_json(*input, object);
   return session.finish(object);
@@ -130,45 +130,35 @@ int run(const ReportArgs& words, Session& session) {
 }  // namespace
 
 void add_report(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<ReportArgs>();
+  auto args = std::make_shared<ReportCommandArgs>();
   CLI::App* command = add_command(app, common, "report", "Make a report or a site sheet from saved results",
                                   "octant report hall/deployment.json hall/heldout -o hall/report.html");
-  command
-      ->add_option("saved", words->saved,
-                   "Deployment file, or what --report R.json kept (it knows more: residuals, weak "
-                   "directions, the track)")
-      ->required()
-      ->type_name("SAVED.json");
-  command->add_option("run", words->runs, "Run folders with truth.tum, to verify with")->type_name("RUN");
-  command
-      ->add_option("-o,--output,--report", words->report.paths,
-                   "Report to write: .html, .md or .json; may be given several times")
-      ->type_name("R")
+  add_required_option(*command, "saved", args->saved, "SAVED.json",
+                      "Deployment file, or what --report R.json kept (it knows more: residuals, weak "
+                      "directions, the track)");
+  add_option(*command, "run", args->runs, "RUN", "Run folders with truth.tum, to verify with");
+  add_option(*command, "-o,--output,--report", args->report.paths, "R",
+             "Report to write: .html, .md or .json; may be given several times")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_flag("--report-static", words->report.still,
+  command->add_flag("--report-static", args->report.still,
                     "Pages without the interactive layer: no script, and small");
-  command->add_option("--since", words->report.since, "Report what changed since this earlier deployment")
-      ->type_name("OLD.json");
-  command
-      ->add_option("--site-sheet", words->site_sheet,
-                   "Sheets to print: each beacon with coordinates, delay and a QR code")
-      ->type_name("S.html");
-  command
-      ->add_option("--certificate", words->certificate,
-                   "Calibration record with what ISO/IEC 17025 7.8 asks of one: .html or .md")
-      ->type_name("C.html");
+  add_option(*command, "--since", args->report.since, "OLD.json",
+             "Report what changed since this earlier deployment");
+  add_option(*command, "--site-sheet", args->site_sheet, "S.html",
+             "Sheets to print: each beacon with coordinates, delay and a QR code");
+  add_option(*command, "--certificate", args->certificate, "C.html",
+             "Calibration record with what ISO/IEC 17025 7.8 asks of one: .html or .md");
   const auto certified = [&](const char* name, std::string& value, const char* help) {
-    command->add_option(name, value, help)->type_name("TEXT");
+    add_option(*command, name, value, "TEXT", help);
   };
-  certified("--certificate-number", words->certified.number,
+  certified("--certificate-number", args->certified.number,
             "Its number; by default of the site and the digest");
-  certified("--organisation", words->certified.organisation, "Who calibrated: name and address");
-  certified("--operator", words->certified.operator_name, "Who did it");
-  certified("--customer", words->certified.customer, "For whom");
-  certified("--place", words->certified.place, "Where");
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  certified("--organisation", args->certified.organisation, "Who calibrated: name and address");
+  certified("--operator", args->certified.operator_name, "Who did it");
+  certified("--customer", args->certified.customer, "For whom");
+  certified("--place", args->certified.place, "Where");
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -10,7 +10,6 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/help/help.h"
 #include "io/schema/schema.h"
-#include "io/schema/schema_words.h"
 
 namespace octant::app {
 namespace {
@@ -61,7 +60,7 @@ int print_schema(const std::string& name, bool page, Session& session) {
         {"error", "usage", kUsage, "--page is no JSON", "leave out one of --page and --json"});
   if (page) return session.finish_document(io::schema_page(format, name));
   // It is one JSON object already, so --json changes nothing.
-  return session.finish_document(io::schema_with_words(format, name));
+  return session.finish_document(io::schema_of_file(format, name));
 }
 
 }  // namespace
@@ -72,7 +71,7 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
   CLI::App* command =
       add_command(app, common, "schema", "Print the JSON Schema of a file format, with a word on every key",
                   "octant schema deployment > deployment.schema.json");
-  command->add_option("format", *format, formats_in_words())->required()->type_name("FORMAT");
+  add_required_option(*command, "format", *format, "FORMAT", formats_in_words());
   command->add_flag("--page", *page, "Instead: a page of Markdown, a row for each key and column");
   command->callback([format, page, &action] {
     action = [format, page](Session& session) { return print_schema(*format, *page, session); };

@@ -18,82 +18,73 @@ struct SignArgs {
   std::string deployment, key, output, new_key;
 };
 
-int new_key(const SignArgs& words, Session& session) {
-  if (!words.deployment.empty() || !words.key.empty() || !words.output.empty())
+int new_key(const SignArgs& args, Session& session) {
+  if (!args.deployment.empty() || !args.key.empty() || !args.output.empty())
     return session.fail(
         {"error", "usage", kUsage, "--new-key makes a key and signs nothing", "octant sign --help explains"});
-  if (auto made = io::make_key(words.new_key); !made) return session.fail(made.error());
+  if (auto made = io::make_key(args.new_key); !made) return session.fail(made.error());
   session.result(fmt::format("{:<17}{}: keep it, and to yourself\n{:<17}{}.pub: for those who check\n",
-                             "secret key", words.new_key, "public key", words.new_key));
-  return session.finish({{"secret_key", words.new_key}, {"public_key", words.new_key + ".pub"}});
+                             "secret key", args.new_key, "public key", args.new_key));
+  return session.finish({{"secret_key", args.new_key}, {"public_key", args.new_key + ".pub"}});
 }
 
-int sign(const SignArgs& words, Session& session) {
-  if (!words.new_key.empty()) return new_key(words, session);
-  if (words.deployment.empty() || words.key.empty() || words.output.empty())
+int sign(const SignArgs& args, Session& session) {
+  if (!args.new_key.empty()) return new_key(args, session);
+  if (args.deployment.empty() || args.key.empty() || args.output.empty())
     return session.fail({"error", "usage", kUsage,
                          "expected DEPLOYMENT.json, --key KEY and -o SIGNED.json, or --new-key FILE",
                          "octant sign --help explains"});
-  if (words.output == "-" && session.options.json)
+  if (args.output == "-" && session.options.json)
     return session.fail(
         {"error", "usage", kUsage, "only one of -o - and --json can have standard output", ""});
-  if (words.output == "-") session.result_to_stderr();
-  CommandFiles files{.inputs = {words.deployment, words.key}, .outputs = {words.output}, .run_outputs = {}};
+  if (args.output == "-") session.result_to_stderr();
+  CommandFiles files{.inputs = {args.deployment, args.key}, .outputs = {args.output}, .run_outputs = {}};
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  if (auto fit = check_output(words.output); !fit) return session.fail(fit.error());
-  const auto text = io::read_document(words.deployment);
+  if (auto fit = check_output(args.output); !fit) return session.fail(fit.error());
+  const auto text = io::read_document(args.deployment);
   if (!text) return session.fail(text.error());
-  const auto signed_text = io::signed_deployment(*text, words.deployment, words.key);
+  const auto signed_text = io::signed_deployment(*text, args.deployment, args.key);
   if (!signed_text) return session.fail(signed_text.error());
-  if (auto written = io::write_file(words.output, *signed_text); !written)
+  if (auto written = io::write_file(args.output, *signed_text); !written)
     return session.fail(written.error());
-  session.result(fmt::format("{:<17}{}\n", "signed", words.output));
-  return session.finish({{"deployment", words.deployment}, {"written", words.output}});
+  session.result(fmt::format("{:<17}{}\n", "signed", args.output));
+  return session.finish({{"deployment", args.deployment}, {"written", args.output}});
 }
 
-int verify_signature(const SignArgs& words, Session& session) {
-  const auto text = io::read_document(words.deployment);
+int verify_signature(const SignArgs& args, Session& session) {
+  const auto text = io::read_document(args.deployment);
   if (!text) return session.fail(text.error());
-  if (auto genuine = io::check_signature(*text, words.deployment, words.key); !genuine)
+  if (auto genuine = io::check_signature(*text, args.deployment, args.key); !genuine)
     return session.fail(genuine.error());
   session.result(
-      fmt::format("{:<17}{} is as the owner of {} signed it\n", "genuine", words.deployment, words.key));
-  return session.finish({{"deployment", words.deployment}, {"key", words.key}, {"genuine", true}});
+      fmt::format("{:<17}{} is as the owner of {} signed it\n", "genuine", args.deployment, args.key));
+  return session.finish({{"deployment", args.deployment}, {"key", args.key}, {"genuine", true}});
 }
 
 }  // namespace
 
 void add_sign(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<SignArgs>();
+  auto args = std::make_shared<SignArgs>();
   CLI::App* command = add_command(app, common, "sign", "Sign a deployment, or make a key to sign with",
                                   "octant sign --new-key site.key\n  octant sign hall/deployment.json --key "
                                   "site.key -o hall/signed.json");
-  command->add_option("deployment", words->deployment, "Deployment file, from calibrate")
-      ->type_name("DEPLOYMENT.json");
-  command->add_option("--key", words->key, "Secret Ed25519 key, PEM")->type_name("KEY");
-  command->add_option("-o,--output", words->output, "Signed deployment to write; - is standard output")
-      ->type_name("SIGNED.json");
-  command
-      ->add_option("--new-key", words->new_key,
-                   "Instead: make a secret key, and FILE.pub for those who check")
-      ->type_name("FILE");
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return sign(*words, session); }; });
+  add_option(*command, "deployment", args->deployment, "DEPLOYMENT.json", "Deployment file, from calibrate");
+  add_option(*command, "--key", args->key, "KEY", "Secret Ed25519 key, PEM");
+  add_option(*command, "-o,--output", args->output, "SIGNED.json",
+             "Signed deployment to write; - is standard output");
+  add_option(*command, "--new-key", args->new_key, "FILE",
+             "Instead: make a secret key, and FILE.pub for those who check");
+  set_action(*command, args, action, sign);
 }
 
 void add_verify_signature(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<SignArgs>();
+  auto args = std::make_shared<SignArgs>();
   CLI::App* command = add_command(app, common, "verify-signature",
                                   "Tell whether a deployment is as the owner of a key signed it",
                                   "octant verify-signature hall/signed.json --key site.key.pub");
-  command->add_option("deployment", words->deployment, "Signed deployment")
-      ->required()
-      ->type_name("DEPLOYMENT.json");
-  command->add_option("--key,--trusted-key", words->key, "Public Ed25519 key, PEM")
-      ->required()
-      ->type_name("PUB");
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return verify_signature(*words, session); }; });
+  add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json", "Signed deployment");
+  add_required_option(*command, "--key,--trusted-key", args->key, "PUB", "Public Ed25519 key, PEM");
+  set_action(*command, args, action, verify_signature);
 }
 
 }  // namespace octant::app

@@ -21,21 +21,21 @@ namespace {
 struct VerifyArgs {
   std::string deployment, trusted_key;
   std::vector<std::string> runs;
-  ReportWords report;
-  MethodWords how;
+  ReportArgs report;
+  MethodArgs how;
   bool all_methods = false;
 };
 
 std::string gates_in_words(const survey::Evaluation& evaluation, const Localization& found) {
-  std::string words;
+  std::string missed;
   for (const auto& gate : evaluation.gates) {
     if (gate.pass) continue;
-    if (!words.empty()) words += "; ";
-    words += gate.name == "matched" ? unmatched_text(found)
-                                    : fmt::format("{}: {} is beyond the limit of {}", gate.name,
-                                                  length_text(gate.value), length_text(gate.limit));
+    if (!missed.empty()) missed += "; ";
+    missed += gate.name == "matched" ? unmatched_text(found)
+                                     : fmt::format("{}: {} is beyond the limit of {}", gate.name,
+                                                   length_text(gate.value), length_text(gate.limit));
   }
-  return words;
+  return missed;
 }
 
 /// One row a method: figures, or why it is not possible here.
@@ -87,25 +87,25 @@ Json located_json(const Deployment& deployment, const std::vector<MeasurementLog
           {"calibration", calibration_age_json(deployment)}};
 }
 
-int run(const VerifyArgs& words, Session& session) {
-  if (on_stdout(words.report) + session.options.json > 1)
+int run(const VerifyArgs& args, Session& session) {
+  if (on_stdout(args.report) + session.options.json > 1)
     return session.fail(
         {"error", "usage", kUsage, "only one of --report - and --json can have standard output", ""});
-  if (words.all_methods && !words.report.paths.empty())
+  if (args.all_methods && !args.report.paths.empty())
     return session.fail({"error", "usage", kUsage, "--all-methods is a table without a report", ""});
-  if (on_stdout(words.report) > 0) session.result_to_stderr();
-  CommandFiles files{.inputs = words.runs, .outputs = words.report.paths, .run_outputs = {}};
+  if (on_stdout(args.report) > 0) session.result_to_stderr();
+  CommandFiles files{.inputs = args.runs, .outputs = args.report.paths, .run_outputs = {}};
   files.inputs.insert(files.inputs.end(),
-                      {words.deployment, words.trusted_key, words.how.map, words.report.since});
+                      {args.deployment, args.trusted_key, args.how.map, args.report.since});
   if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  if (auto fit = check_report(words.report); !fit) return session.fail(fit.error());
-  const auto deployment = read_trusted_deployment(words.deployment, words.trusted_key);
+  if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
+  const auto deployment = read_trusted_deployment(args.deployment, args.trusted_key);
   if (!deployment) return session.fail(deployment.error());
-  warn_if_contradicted(*deployment, words.deployment, session);
+  warn_if_contradicted(*deployment, args.deployment, session);
   warn_if_overdue(*deployment, session);
-  const auto runs = read_runs(words.runs, names_of(*deployment), deployment->timing,
+  const auto runs = read_runs(args.runs, names_of(*deployment), deployment->timing,
                               {.read_truth = true,
-                               .read_poses = looks_at_poses(words.how),
+                               .read_poses = looks_at_poses(args.how),
                                .constant_speed_mps = constant_speed_mps(deployment->medium)},
                               session);
   if (!runs) return session.fail(runs.error());
@@ -116,10 +116,10 @@ int run(const VerifyArgs& words, Session& session) {
     none.fixes.resize(runs->size());
     return session.fail(verify_fixes(*deployment, *runs, none).error());
   }
-  const auto input = method_input(words.how, *deployment);
+  const auto input = method_input(args.how, *deployment);
   if (!input) return session.fail(input.error());
-  if (words.all_methods) return compare(*deployment, *runs, *input, session);
-  const auto located = localize_runs(*deployment, *runs, words.how.method, *input);
+  if (args.all_methods) return compare(*deployment, *runs, *input, session);
+  const auto located = localize_runs(*deployment, *runs, args.how.method, *input);
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
@@ -130,14 +130,14 @@ int run(const VerifyArgs& words, Session& session) {
   survey::ReportInput report = report_input(*deployment, session);
   report.kind = "Verification";
   add_verification(report, found, *evaluation);
-  if (auto added = add_changes(report, words.report.since); !added) return session.fail(added.error());
-  if (!words.report.paths.empty()) survey::add_geometry(report, session.threads());
-  if (auto written = io::write_files(report_files(words.report, report)); !written)
+  if (auto added = add_changes(report, args.report.since); !added) return session.fail(added.error());
+  if (!args.report.paths.empty()) survey::add_geometry(report, session.threads());
+  if (auto written = io::write_files(report_files(args.report, report)); !written)
     return session.fail(written.error());
   const auto left_out = left_out_by_beacon(*deployment, *runs, found);
   session.result(evaluation_text(*evaluation, found) + left_out_text(left_out) + due_line(*deployment) +
-                 changes_text(report) + report_lines(words.report));
-  Json object = result_head("verification", words.deployment, *deployment, *runs);
+                 changes_text(report) + report_lines(args.report));
+  Json object = result_head("verification", args.deployment, *deployment, *runs);
   object.update(evaluation_json(*evaluation));
   object.update(located_json(*deployment, *runs, found, left_out));
   add_changes_json(report, object);
@@ -150,22 +150,20 @@ int run(const VerifyArgs& words, Session& session) {
 }  // namespace
 
 void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<VerifyArgs>();
+  auto args = std::make_shared<VerifyArgs>();
   CLI::App* command =
       add_command(app, common, "verify",
                   "Localize held-out recordings and hold the fixes against truth.tum and the tolerance",
                   "octant verify hall/deployment.json hall/heldout");
-  command->add_option("deployment", words->deployment, "Deployment file, from calibrate")
-      ->required()
-      ->type_name("DEPLOYMENT.json");
-  command->add_option("run", words->runs, "Run folders with truth.tum")->required()->type_name("RUN");
-  command->add_flag("--all-methods", words->all_methods,
+  add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json",
+                      "Deployment file, from calibrate");
+  add_required_option(*command, "run", args->runs, "RUN", "Run folders with truth.tum");
+  command->add_flag("--all-methods", args->all_methods,
                     "Compare all methods on these runs, as a table; no gates");
-  add_method_options(*command, words->how);
-  add_trust_option(*command, words->trusted_key);
-  add_report_options(*command, words->report, true);
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  add_method_options(*command, args->how);
+  add_trust_option(*command, args->trusted_key);
+  add_report_options(*command, args->report, true);
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

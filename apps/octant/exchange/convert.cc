@@ -28,22 +28,22 @@ struct ConvertArgs {
   FiringSchedule schedule;
 };
 
-Result<MeasurementLog> from_counters(const ConvertArgs& words, const NameTable& names) {
-  const auto readings = io::read_counter_log(words.input, names);
+Result<MeasurementLog> from_counters(const ConvertArgs& args, const NameTable& names) {
+  const auto readings = io::read_counter_log(args.input, names);
   if (!readings) return fail(readings.error());
   MeasurementLog log;
-  log.arrivals = arrivals_of_counters(*readings, words.spread_s, words.clock_hz);
+  log.arrivals = arrivals_of_counters(*readings, args.spread_s, args.clock_hz);
   log.has_epochs = !log.arrivals.empty() && log.arrivals.front().epoch != kNoEpoch;
   std::stable_sort(log.arrivals.begin(), log.arrivals.end(),
                    [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
   return log;
 }
 
-Result<MeasurementLog> from_pulses(const ConvertArgs& words, const NameTable& names) {
-  const auto pulses = io::read_pulse_log(words.input);
+Result<MeasurementLog> from_pulses(const ConvertArgs& args, const NameTable& names) {
+  const auto pulses = io::read_pulse_log(args.input);
   if (!pulses) return fail(pulses.error());
   PulseSyncOptions options;
-  options.schedule = words.schedule;
+  options.schedule = args.schedule;
   options.schedule.beacons = static_cast<int>(names.beacons.size());
   PulseSync sync(options);
   MeasurementLog log;
@@ -53,10 +53,10 @@ Result<MeasurementLog> from_pulses(const ConvertArgs& words, const NameTable& na
       if (a.receiver.index() < names.receivers.size()) log.arrivals.push_back(a);
   if (log.arrivals.empty())
     return fail({.code = Errc::kBadInput,
-                 .file = words.input,
+                 .file = args.input,
                  .found = "no double pulse in the stream that could be beacon 0's",
-                 .expected = fmt::format("two pulses of {} s, {} s apart, every {} s", words.schedule.pulse_s,
-                                         words.schedule.double_s, cycle_s(options.schedule)),
+                 .expected = fmt::format("two pulses of {} s, {} s apart, every {} s", args.schedule.pulse_s,
+                                         args.schedule.double_s, cycle_s(options.schedule)),
                  .advice = "check --pulse-s, --double-s and --fire-s, and that the site file lists the "
                            "beacons in the order in which they fire"});
   std::stable_sort(log.arrivals.begin(), log.arrivals.end(),
@@ -65,10 +65,10 @@ Result<MeasurementLog> from_pulses(const ConvertArgs& words, const NameTable& na
 }
 
 /// What a log looks like, where --format does not say.
-std::string format_of(const ConvertArgs& words) {
-  if (words.format != "auto") return words.format;
-  if (!words.topics.empty() || io::is_bag(words.input)) return "bag";
-  return words.site.empty() ? "carmen" : "counters";
+std::string format_of(const ConvertArgs& args) {
+  if (args.format != "auto") return args.format;
+  if (!args.topics.empty() || io::is_bag(args.input)) return "bag";
+  return args.site.empty() ? "carmen" : "counters";
 }
 
 /// ", 12 of ignored beacons"; nothing where there are none.
@@ -77,49 +77,49 @@ std::string ignored_words(std::size_t rows) {
 }
 
 /// Any table, by --columns or, where its header has the names of tof.csv, by these.
-int convert_by_columns(const ConvertArgs& words, const std::optional<io::TableMapping>& own,
+int convert_by_columns(const ConvertArgs& args, const std::optional<io::TableMapping>& own,
                        Session& session) {
-  const bool is_file = !own && words.columns.find('=') == std::string::npos;
-  if (auto fit = check_no_overwriting({.inputs = {words.input, is_file ? words.columns : ""},
-                                       .outputs = {words.save_columns},
-                                       .run_outputs = {words.output}});
+  const bool is_file = !own && args.columns.find('=') == std::string::npos;
+  if (auto fit = check_no_overwriting({.inputs = {args.input, is_file ? args.columns : ""},
+                                       .outputs = {args.save_columns},
+                                       .run_outputs = {args.output}});
       !fit)
     return session.fail(fit.error());
   auto mapping = own       ? Result<io::TableMapping>(*own)
-                 : is_file ? io::read_mapping(words.columns)
-                           : io::mapping_from_words(words.columns);
+                 : is_file ? io::read_mapping(args.columns)
+                           : io::mapping_from_words(args.columns);
   if (!mapping) return session.fail(mapping.error());
-  mapping->ignore.insert(mapping->ignore.end(), words.ignore.begin(), words.ignore.end());
-  const auto table = io::convert_table(words.input, *mapping);
+  mapping->ignore.insert(mapping->ignore.end(), args.ignore.begin(), args.ignore.end());
+  const auto table = io::convert_table(args.input, *mapping);
   if (!table) return session.fail(table.error());
   session.warn(table->warnings);
   std::error_code made;
-  std::filesystem::create_directories(words.output, made);
-  std::vector<io::FileContent> files = {{words.output + "/tof.csv", table->csv}};
-  if (!words.save_columns.empty()) files.push_back({words.save_columns, io::mapping_to_yaml(*mapping)});
+  std::filesystem::create_directories(args.output, made);
+  std::vector<io::FileContent> files = {{args.output + "/tof.csv", table->csv}};
+  if (!args.save_columns.empty()) files.push_back({args.save_columns, io::mapping_to_yaml(*mapping)});
   if (auto written = io::write_files(files); !written) return session.fail(written.error());
-  session.result(fmt::format("{:<17}{}: {} arrivals{}\n", "run", words.output, table->rows,
+  session.result(fmt::format("{:<17}{}: {} arrivals{}\n", "run", args.output, table->rows,
                              ignored_words(table->ignored)));
   return session.finish(
-      {{"format", "table"}, {"run", words.output}, {"arrivals", table->rows}, {"ignored", table->ignored}});
+      {{"format", "table"}, {"run", args.output}, {"arrivals", table->rows}, {"ignored", table->ignored}});
 }
 
 /// What names come with: the log's own, no site file.
-int finish_import(const ConvertArgs& words, io::ImportedLog& log, std::vector<io::FileContent> others,
+int finish_import(const ConvertArgs& args, io::ImportedLog& log, std::vector<io::FileContent> others,
                   const std::string& format, Session& session) {
-  auto files = io::run_files(log, words.output, words.speed_mps);
+  auto files = io::run_files(log, args.output, args.speed_mps);
   if (!files) return session.fail(files.error());
   session.warn(log.warnings);
   std::error_code made;
-  std::filesystem::create_directories(words.output, made);
+  std::filesystem::create_directories(args.output, made);
   for (io::FileContent& other : others) files->push_back(std::move(other));
   if (auto written = io::write_files(*files); !written) return session.fail(written.error());
-  const bool distances = !log.arrivals.empty() && log.arrivals.front().is_distance && !words.speed_mps;
-  session.result(fmt::format("{:<17}{}: {} arrivals{}, {} odometry rows, {} poses{}\n", "run", words.output,
+  const bool distances = !log.arrivals.empty() && log.arrivals.front().is_distance && !args.speed_mps;
+  session.result(fmt::format("{:<17}{}: {} arrivals{}, {} odometry rows, {} poses{}\n", "run", args.output,
                              log.arrivals.size(), distances ? " (distance_m)" : "", log.odometry.size(),
                              log.poses.size(), ignored_words(log.ignored_rows())));
   return session.finish({{"format", format},
-                         {"run", words.output},
+                         {"run", args.output},
                          {"arrivals", log.arrivals.size()},
                          {"odometry", log.odometry.size()},
                          {"poses", log.poses.size()},
@@ -129,78 +129,77 @@ int finish_import(const ConvertArgs& words, io::ImportedLog& log, std::vector<io
 }
 
 /// A bag, by --topics or by what its topics look like.
-int convert_bag(const ConvertArgs& words, Session& session) {
-  const bool is_file = !words.topics.empty() && words.topics.find('=') == std::string::npos;
-  if (auto fit = check_no_overwriting({.inputs = {words.input, is_file ? words.topics : ""},
-                                       .outputs = {words.save_topics},
-                                       .run_outputs = {words.output}});
+int convert_bag(const ConvertArgs& args, Session& session) {
+  const bool is_file = !args.topics.empty() && args.topics.find('=') == std::string::npos;
+  if (auto fit = check_no_overwriting({.inputs = {args.input, is_file ? args.topics : ""},
+                                       .outputs = {args.save_topics},
+                                       .run_outputs = {args.output}});
       !fit)
     return session.fail(fit.error());
-  auto mapping = words.topics.empty() ? io::topics_by_type(words.input)
-                 : is_file            ? io::read_topics(words.topics)
-                                      : io::topics_from_words(words.topics);
+  auto mapping = args.topics.empty() ? io::topics_by_type(args.input)
+                 : is_file           ? io::read_topics(args.topics)
+                                     : io::topics_from_words(args.topics);
   if (!mapping) return session.fail(mapping.error());
-  mapping->ignore.insert(mapping->ignore.end(), words.ignore.begin(), words.ignore.end());
-  auto log = io::read_bag_log(words.input, *mapping);
+  mapping->ignore.insert(mapping->ignore.end(), args.ignore.begin(), args.ignore.end());
+  auto log = io::read_bag_log(args.input, *mapping);
   if (!log) return session.fail(log.error());
   std::vector<io::FileContent> others;
-  if (!words.save_topics.empty()) others.push_back({words.save_topics, io::topics_to_yaml(*mapping)});
-  return finish_import(words, *log, std::move(others), "bag", session);
+  if (!args.save_topics.empty()) others.push_back({args.save_topics, io::topics_to_yaml(*mapping)});
+  return finish_import(args, *log, std::move(others), "bag", session);
 }
 
 /// The log of a maker's kit.
-int convert_vendor(const ConvertArgs& words, const std::string& format, Session& session) {
-  if (auto fit =
-          check_no_overwriting({.inputs = {words.input}, .outputs = {}, .run_outputs = {words.output}});
+int convert_vendor(const ConvertArgs& args, const std::string& format, Session& session) {
+  if (auto fit = check_no_overwriting({.inputs = {args.input}, .outputs = {}, .run_outputs = {args.output}});
       !fit)
     return session.fail(fit.error());
-  const io::VendorLogOptions options{.ignore = words.ignore, .period_s = words.period_s};
-  auto log = format == "marvelmind"  ? io::read_marvelmind_log(words.input, options)
-             : format == "crazyflie" ? io::read_crazyflie_log(words.input, options)
-                                     : io::read_dwm1001_log(words.input, options);
+  const io::VendorLogOptions options{.ignore = args.ignore, .period_s = args.period_s};
+  auto log = format == "marvelmind"  ? io::read_marvelmind_log(args.input, options)
+             : format == "crazyflie" ? io::read_crazyflie_log(args.input, options)
+                                     : io::read_dwm1001_log(args.input, options);
   if (!log) return session.fail(log.error());
-  return finish_import(words, *log, {}, format, session);
+  return finish_import(args, *log, {}, format, session);
 }
 
-int run(const ConvertArgs& words, Session& session) {
-  if (!words.columns.empty()) return convert_by_columns(words, std::nullopt, session);
-  const std::string format = format_of(words);
-  if (words.format == "auto" && format == "carmen")
-    if (const auto own = io::mapping_of_header(words.input)) return convert_by_columns(words, own, session);
-  if (format == "bag") return convert_bag(words, session);
+int run(const ConvertArgs& args, Session& session) {
+  if (!args.columns.empty()) return convert_by_columns(args, std::nullopt, session);
+  const std::string format = format_of(args);
+  if (args.format == "auto" && format == "carmen")
+    if (const auto own = io::mapping_of_header(args.input)) return convert_by_columns(args, own, session);
+  if (format == "bag") return convert_bag(args, session);
   if (format == "marvelmind" || format == "crazyflie" || format == "dwm1001")
-    return convert_vendor(words, format, session);
-  if (format != "carmen" && words.site.empty())
+    return convert_vendor(args, format, session);
+  if (format != "carmen" && args.site.empty())
     return session.fail({"error", "usage", kUsage, fmt::format("--format {} needs --site", format),
                          "the site file names beacons and receivers"});
   if (auto fit = check_no_overwriting(
-          {.inputs = {words.input, words.site}, .outputs = {}, .run_outputs = {words.output}});
+          {.inputs = {args.input, args.site}, .outputs = {}, .run_outputs = {args.output}});
       !fit)
     return session.fail(fit.error());
   NameTable names;
   names.vehicles = {"robot"};
-  if (!words.site.empty()) {
-    const auto site = io::read_site(words.site);
+  if (!args.site.empty()) {
+    const auto site = io::read_site(args.site);
     if (!site) return session.fail(site.error());
     session.warn(site->warnings);
     names = names_of(*site);
     if (format == "pulses" && (names.beacons.size() < 3 || names.beacons.size() > 16))
       return session.fail(Error{.code = Errc::kBadInput,
-                                .file = words.site,
+                                .file = args.site,
                                 .found = fmt::format("{} beacons", names.beacons.size()),
                                 .expected = "3 to 16, in the order in which they fire"});
   }
-  auto log = format == "carmen"     ? io::read_carmen_log(words.input)
-             : format == "counters" ? from_counters(words, names)
-                                    : from_pulses(words, names);
+  auto log = format == "carmen"     ? io::read_carmen_log(args.input)
+             : format == "counters" ? from_counters(args, names)
+                                    : from_pulses(args, names);
   if (!log) return session.fail(log.error());
   session.warn(log->warnings);
   log->vehicle = VehicleId(0);
-  if (auto written = io::write_run(words.output, *log, names); !written) return session.fail(written.error());
-  session.result(fmt::format("{:<17}{}: {} arrivals, {} scans, {} odometry rows\n", "run", words.output,
+  if (auto written = io::write_run(args.output, *log, names); !written) return session.fail(written.error());
+  session.result(fmt::format("{:<17}{}: {} arrivals, {} scans, {} odometry rows\n", "run", args.output,
                              log->arrivals.size(), log->scans.size(), log->odometry.size()));
   return session.finish({{"format", format},
-                         {"run", words.output},
+                         {"run", args.output},
                          {"arrivals", log->arrivals.size()},
                          {"scans", log->scans.size()},
                          {"odometry", log->odometry.size()}});
@@ -209,92 +208,76 @@ int run(const ConvertArgs& words, Session& session) {
 }  // namespace
 
 /// Of tables, bags and kits.
-void add_mapping_options(CLI::App& command, ConvertArgs& words) {
-  command
-      .add_option("--columns", words.columns,
-                  "Any table: which of its columns is what, as "
-                  "time=timestamp_ms,beacon=anchor,tof=tof_us*1e-6 (or distance=..., epoch, receiver, "
-                  "vehicle, amplitude, temperature), or a file that --save-columns wrote; delimiter and "
-                  "decimal commas are found out")
-      ->type_name("MAPPING");
-  command
-      .add_option(
-          "--topics", words.topics,
-          "Bags: which topic is what, as range=/uwb/{receiver}/{beacon} (or range=/uwb@{beacon}, by "
-          "frame_id; range:B3=/kit/range_3), odometry=/odom, poses=/mocap/pose, "
-          "truth=/tf@map>base_link, time=recorded; or a file that --save-topics wrote; without it, all "
-          "Range by frame_id and the only odometry")
-      ->type_name("MAPPING");
-  command.add_option("--save-topics", words.save_topics, "Bags: the mapping to write, for the next time")
-      ->type_name("M.yaml");
+void add_mapping_options(CLI::App& command, ConvertArgs& args) {
+  add_option(command, "--columns", args.columns, "MAPPING",
+             "Any table: which of its columns is what, as "
+             "time=timestamp_ms,beacon=anchor,tof=tof_us*1e-6 (or distance=..., epoch, receiver, "
+             "vehicle, amplitude, temperature), or a file that --save-columns wrote; delimiter and "
+             "decimal commas are found out");
+  add_option(command, "--topics", args.topics, "MAPPING",
+             "Bags: which topic is what, as range=/uwb/{receiver}/{beacon} (or range=/uwb@{beacon}, by "
+             "frame_id; range:B3=/kit/range_3), odometry=/odom, poses=/mocap/pose, "
+             "truth=/tf@map>base_link, time=recorded; or a file that --save-topics wrote; without it, all "
+             "Range by frame_id and the only odometry");
+  add_option(command, "--save-topics", args.save_topics, "M.yaml",
+             "Bags: the mapping to write, for the next time");
   command
       .add_option(
-          "--speed-mps", words.speed_mps,
+          "--speed-mps", args.speed_mps,
           "Bags and kits: the speed that the device made distances with; they become times of flight, "
           "which media whose speed is not constant need [m/s]")
       ->check(CLI::PositiveNumber);
-  command.add_option("--period-s", words.period_s, "dwm1001: between lines that bear no time [s]")
+  command.add_option("--period-s", args.period_s, "dwm1001: between lines that bear no time [s]")
       ->check(CLI::PositiveNumber);
-  command
-      .add_option("--ignore", words.ignore,
-                  "Tables, bags and kits: beacons to leave out, a neighbour's; their rows are counted")
-      ->delimiter(',')
-      ->type_name("IDS");
-  command
-      .add_option("--save-columns", words.save_columns,
-                  "With --columns: the mapping to write, for the next time")
-      ->type_name("M.yaml");
+  add_option(command, "--ignore", args.ignore, "IDS",
+             "Tables, bags and kits: beacons to leave out, a neighbour's; their rows are counted")
+      ->delimiter(',');
+  add_option(command, "--save-columns", args.save_columns, "M.yaml",
+             "With --columns: the mapping to write, for the next time");
 }
 
-void add_counter_options(CLI::App& command, ConvertArgs& words) {
-  command.add_option("--site", words.site, "Site file that names beacons and receivers (counters, pulses)")
-      ->type_name("SITE.yaml");
-  command.add_option("--clock-hz", words.clock_hz, "Clock of the counter [Hz]")
+void add_counter_options(CLI::App& command, ConvertArgs& args) {
+  add_option(command, "--site", args.site, "SITE.yaml",
+             "Site file that names beacons and receivers (counters, pulses)");
+  command.add_option("--clock-hz", args.clock_hz, "Clock of the counter [Hz]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command
-      .add_option("--spread-s", words.spread_s,
+      .add_option("--spread-s", args.spread_s,
                   "Readings of one beacon agree within this; others are left out [s]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command.add_option("--fire-s", words.schedule.fire_s, "Between the firings of successive beacons [s]")
+  command.add_option("--fire-s", args.schedule.fire_s, "Between the firings of successive beacons [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command.add_option("--pulse-s", words.schedule.pulse_s, "Length of a pulse [s]")
+  command.add_option("--pulse-s", args.schedule.pulse_s, "Length of a pulse [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command
-      .add_option("--double-s", words.schedule.double_s, "Between the starts of beacon 0's two pulses [s]")
+  command.add_option("--double-s", args.schedule.double_s, "Between the starts of beacon 0's two pulses [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
 }
 
 void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<ConvertArgs>();
-  words->format = "auto";
+  auto args = std::make_shared<ConvertArgs>();
+  args->format = "auto";
   CLI::App* command =
       add_command(app, common, "convert", "Make a run folder of another program's or device's log",
                   "octant convert intel.clf -o intel");
-  command
-      ->add_option("input", words->input,
-                   "CARMEN log; ROS 2 bag (.mcap, .db3, or its folder); a kit's log; counter log (time_s, "
-                   "beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)")
-      ->required()
-      ->type_name("INPUT");
-  command->add_option("-o,--output", words->output, "Run folder to write")->required()->type_name("RUN");
-  command
-      ->add_option(
-          "--format", words->format,
-          "auto, bag, carmen, counters, pulses, marvelmind (the dashboard's CSV), crazyflie (the "
-          "client's CSV of two-way ranging) or dwm1001 (les or lec lines); auto: bag where it is one, "
-          "counters where --site is given, else carmen")
+  add_required_option(
+      *command, "input", args->input, "INPUT",
+      "CARMEN log; ROS 2 bag (.mcap, .db3, or its folder); a kit's log; counter log (time_s, "
+      "beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)");
+  add_required_option(*command, "-o,--output", args->output, "RUN", "Run folder to write");
+  add_option(*command, "--format", args->format, "FORMAT",
+             "auto, bag, carmen, counters, pulses, marvelmind (the dashboard's CSV), crazyflie (the "
+             "client's CSV of two-way ranging) or dwm1001 (les or lec lines); auto: bag where it is one, "
+             "counters where --site is given, else carmen")
       ->check(CLI::IsMember(
-          {"auto", "bag", "carmen", "counters", "pulses", "marvelmind", "crazyflie", "dwm1001"}))
-      ->type_name("FORMAT");
-  add_mapping_options(*command, *words);
-  add_counter_options(*command, *words);
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+          {"auto", "bag", "carmen", "counters", "pulses", "marvelmind", "crazyflie", "dwm1001"}));
+  add_mapping_options(*command, *args);
+  add_counter_options(*command, *args);
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -124,32 +124,32 @@ Result<std::string> to_tum(const io::ExportedContent& content) {
                .expected = "fixes (.csv, .tum) or a run with poses or truth"});
 }
 
-int run(const ExportArgs& words, Session& session) {
-  if (auto fit = check_no_overwriting({.inputs = words.inputs, .outputs = {words.output}, .run_outputs = {}});
+int run(const ExportArgs& args, Session& session) {
+  if (auto fit = check_no_overwriting({.inputs = args.inputs, .outputs = {args.output}, .run_outputs = {}});
       !fit)
     return session.fail(fit.error());
-  const bool mcap = words.output.ends_with(".mcap"), geojson = words.output.ends_with(".geojson"),
-             tum = words.output.ends_with(".tum");
+  const bool mcap = args.output.ends_with(".mcap"), geojson = args.output.ends_with(".geojson"),
+             tum = args.output.ends_with(".tum");
   if (!mcap && !geojson && !tum)
     return session.fail(Error{.code = Errc::kUsage,
-                              .found = "-o " + words.output,
+                              .found = "-o " + args.output,
                               .expected = "a name in .mcap, .geojson or .tum, which says what to write"});
   std::optional<io::EarthOrigin> origin;
   if (geojson) {
-    const auto read = io::origin_from_words(words.origin, words.north_deg);
+    const auto read = io::origin_from_words(args.origin, args.north_deg);
     if (!read) return session.fail(read.error());
     origin = *read;
   }
   io::ExportedContent content;
   std::optional<RunContext> context;
-  for (const std::string& path : words.inputs) {
+  for (const std::string& path : args.inputs) {
     const InputKind kind = kind_of_input(path);
     if (kind != InputKind::kDeployment && kind != InputKind::kSite) continue;
     const auto added = kind == InputKind::kSite ? add_site(path, content, context, session)
                                                 : add_deployment(path, content, context);
     if (!added) return session.fail(added.error());
   }
-  for (const std::string& path : words.inputs) {
+  for (const std::string& path : args.inputs) {
     const InputKind kind = kind_of_input(path);
     if (kind == InputKind::kRun) {
       if (auto added = add_run(path, context, content, session); !added) return session.fail(added.error());
@@ -163,13 +163,13 @@ int run(const ExportArgs& words, Session& session) {
                     : geojson ? Result<std::string>(io::to_geojson(content, *origin))
                               : to_tum(content);
   if (!text) return session.fail(text.error());
-  if (auto written = io::write_file(words.output, *text); !written) return session.fail(written.error());
+  if (auto written = io::write_file(args.output, *text); !written) return session.fail(written.error());
   std::size_t arrivals = 0, fixes = 0;
   for (const auto& run : content.runs) arrivals += run.log.arrivals.size();
   for (const auto& track : content.tracks) fixes += track.fixes.size();
-  session.result(fmt::format("{:<17}{}: {} beacons, {} arrivals, {} fixes\n", "written", words.output,
+  session.result(fmt::format("{:<17}{}: {} beacons, {} arrivals, {} fixes\n", "written", args.output,
                              content.beacons.size(), arrivals, fixes));
-  return session.finish({{"output", words.output},
+  return session.finish({{"output", args.output},
                          {"beacons", content.beacons.size()},
                          {"arrivals", arrivals},
                          {"fixes", fixes},
@@ -179,32 +179,23 @@ int run(const ExportArgs& words, Session& session) {
 }  // namespace
 
 void add_export(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<ExportArgs>();
+  auto args = std::make_shared<ExportArgs>();
   CLI::App* command = add_command(app, common, "export",
                                   "Write runs, fixes and beacons for other programs: MCAP, GeoJSON, TUM",
                                   "octant export hall/deployment.json hall/run hall/fixes.csv -o hall.mcap");
+  add_required_option(
+      *command, "inputs", args->inputs, "INPUT",
+      "Deployment (.json) or site file (.yaml), run folders, fixes (fixes.csv or a .tum trajectory)");
+  add_required_option(*command, "-o,--output", args->output, "OUT",
+                      "What to write: NAME.mcap (Foxglove, PlotJuggler; octant convert reads it again), "
+                      "NAME.geojson (maps, WGS 84) or NAME.tum (evo)");
+  add_option(*command, "--origin", args->origin, "PLACE",
+             "geojson: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE] in degrees and metres");
   command
-      ->add_option(
-          "inputs", words->inputs,
-          "Deployment (.json) or site file (.yaml), run folders, fixes (fixes.csv or a .tum trajectory)")
-      ->required()
-      ->type_name("INPUT");
-  command
-      ->add_option("-o,--output", words->output,
-                   "What to write: NAME.mcap (Foxglove, PlotJuggler; octant convert reads it again), "
-                   "NAME.geojson (maps, WGS 84) or NAME.tum (evo)")
-      ->required()
-      ->type_name("OUT");
-  command
-      ->add_option("--origin", words->origin,
-                   "geojson: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE] in degrees and metres")
-      ->type_name("PLACE");
-  command
-      ->add_option("--north-deg", words->north_deg,
+      ->add_option("--north-deg", args->north_deg,
                    "geojson: direction of north in the map, counter-clockwise from +x [deg]")
       ->capture_default_str();
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return run(*words, session); }; });
+  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

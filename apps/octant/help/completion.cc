@@ -97,10 +97,8 @@ void add_completion(CLI::App& app, CommonOptions& common, Action& action) {
   CLI::App* command =
       add_command(app, common, "completion", "Print the completion of commands and options for a shell",
                   "eval \"$(octant completion bash)\"");
-  command->add_option("shell", *shell, "bash, zsh or fish")
-      ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish"}))
-      ->type_name("SHELL");
+  add_required_option(*command, "shell", *shell, "SHELL", "bash, zsh or fish")
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
   command->callback([shell, &app, &action] {
     action = [shell, &app](Session& session) {
       const std::string text = *shell == "bash"  ? bash_completion(app)

@@ -9,17 +9,17 @@
 namespace octant::app {
 namespace {
 
-struct ExplainWords {
+struct ExplainArgs {
   std::vector<std::string> term;
   bool page = false;
 };
 
-int explain(const ExplainWords& words, Session& session) {
-  if (words.page) {
+int explain(const ExplainArgs& args, Session& session) {
+  if (args.page) {
     if (!session.options.json) return session.finish_document(glossary_page());
     return session.finish({{"page", glossary_page()}});
   }
-  if (words.term.empty()) {
+  if (args.term.empty()) {
     std::string all;
     Json list = Json::array();
     for (const GlossaryTerm& term : glossary()) {
@@ -30,7 +30,7 @@ int explain(const ExplainWords& words, Session& session) {
     return session.finish({{"terms", list}});
   }
   std::string wanted;
-  for (const std::string& word : words.term) wanted += (wanted.empty() ? "" : " ") + word;
+  for (const std::string& word : args.term) wanted += (wanted.empty() ? "" : " ") + word;
   const GlossaryTerm* term = find_term(wanted);
   if (term == nullptr) {
     std::vector<std::string> known;
@@ -47,14 +47,13 @@ int explain(const ExplainWords& words, Session& session) {
 }  // namespace
 
 void add_explain(CLI::App& app, CommonOptions& common, Action& action) {
-  auto words = std::make_shared<ExplainWords>();
+  auto args = std::make_shared<ExplainArgs>();
   CLI::App* command = add_command(app, common, "explain", "Explain a word of the outputs or an exit code",
                                   "octant explain variance factor\n  octant explain 6");
-  command->add_option("term", words->term, "A term, a reason, a grade or an exit code; left out: lists them")
-      ->type_name("TERM|CODE");
-  command->add_flag("--page", words->page, "All of them as a page of Markdown");
-  command->callback(
-      [words, &action] { action = [words](Session& session) { return explain(*words, session); }; });
+  add_option(*command, "term", args->term, "TERM|CODE",
+             "A term, a reason, a grade or an exit code; left out: lists them");
+  command->add_flag("--page", args->page, "All of them as a page of Markdown");
+  set_action(*command, args, action, explain);
 }
 
 }  // namespace octant::app

@@ -13,10 +13,13 @@ enum class GlossaryKind { kTerm, kGrade, kReason, kExit };
 /// A word of the program's outputs, in a paragraph.
 struct GlossaryTerm {
   GlossaryKind kind = GlossaryKind::kTerm;
-  std::string_view name;
-  std::string_view others;  ///< spellings that mean the same, comma between them
-  std::string_view text;
+  std::string name;
+  std::string others;  ///< spellings that mean the same, comma between them
+  std::string text;
 };
+
+/// Text of glossary.json, which octant_embed() puts into the program.
+[[nodiscard]] std::string_view glossary_data();
 
 /// All of them: terms, grades of a verdict, reasons why an arrival is left out, exit codes. By kind, then
 /// name.

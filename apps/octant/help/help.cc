@@ -151,26 +151,25 @@ std::string version_text() {
 }
 
 void add_help(CLI::App& app, CommonOptions& common, Action& action) {
-  struct HelpWords {
+  struct HelpArgs {
     std::vector<std::string> command;
     bool man = false;
   };
-  auto words = std::make_shared<HelpWords>();
+  auto args = std::make_shared<HelpArgs>();
   CLI::App* command = add_command(app, common, "help", "Explain a command", "octant help calibrate");
-  command->add_option("command", words->command, "Command, as in: history trend; left out: all")
-      ->type_name("COMMAND");
-  command->add_flag("--man", words->man, "Instead: all of it as a page for man");
-  command->callback([words, &app, &action] {
-    action = [words, &app](Session& session) {
-      if (words->man) {
+  add_option(*command, "command", args->command, "COMMAND", "Command, as in: history trend; left out: all");
+  command->add_flag("--man", args->man, "Instead: all of it as a page for man");
+  command->callback([args, &app, &action] {
+    action = [args, &app](Session& session) {
+      if (args->man) {
         if (!session.options.json) return session.finish_document(man_page(app));
         return session.finish({{"man", man_page(app)}});
       }
-      const CLI::App* asked = command_of(app, words->command);
+      const CLI::App* asked = command_of(app, args->command);
       if (asked == nullptr)
         return session.fail({"error", "usage", kUsage,
-                             fmt::format("unknown command '{}'{}", words->command.front(),
-                                         did_you_mean(words->command.front(), command_names(app))),
+                             fmt::format("unknown command '{}'{}", args->command.front(),
+                                         did_you_mean(args->command.front(), command_names(app))),
                              "octant help lists them all"});
       const std::string text = help_of(*asked);
       session.result(text);

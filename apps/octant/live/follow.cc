@@ -18,6 +18,7 @@
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/live/byte_source.h"
+#include "apps/octant/options.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/steps/trusted.h"
 #include "apps/octant/text/validity_words.h"
@@ -48,7 +49,7 @@ class BadLines {
     if (!known && kinds_.size() < kMostKinds) session.note(fmt::format("line {}: {}", line, what));
   }
   [[nodiscard]] std::size_t total() const { return total_; }
-  [[nodiscard]] std::string words() const {
+  [[nodiscard]] std::string text() const {
     std::string text;
     for (const auto& [what, count] : kinds_)
       text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
@@ -74,16 +75,16 @@ struct Engine {
 
 class FollowLoop {
  public:
-  FollowLoop(const FollowWords& words, std::string deployment, std::string trusted_key, FollowOptions options,
+  FollowLoop(const FollowArgs& args, std::string deployment, std::string trusted_key, FollowOptions options,
              Session& session)
-      : words_(words),
+      : args_(args),
         deployment_(std::move(deployment)),
         trusted_key_(std::move(trusted_key)),
         options_(options),
         session_(session) {}
 
   Result<void> start() {
-    if (!words_.origin.empty() || words_.format == "nmea") {
+    if (!args_.origin.empty() || args_.format == "nmea") {
       if (auto known = read_origin(); !known) return known;
     }
     auto engine = load();
@@ -108,7 +109,7 @@ class FollowLoop {
         engine_->follower.flush();
       if (!write_out()) return fail({.code = Errc::kOutput, .found = "standard output could not be written"});
       if (event == Event::kFailed)
-        return fail({.code = Errc::kBadInput, .file = words_.from, .found = source.why()});
+        return fail({.code = Errc::kBadInput, .file = args_.from, .found = source.why()});
     }
     return {};
   }
@@ -125,7 +126,7 @@ class FollowLoop {
       text += fmt::format("{:<17}{} times, as a clock was set back or had jumped ahead\n", "began anew",
                           c.restarts);
     if (c.dropped > 0) text += fmt::format("{:<17}{} arrivals without odometry\n", "dropped", c.dropped);
-    if (bad_.total() > 0) text += fmt::format("{:<17}{}: {}\n", "bad lines", bad_.total(), bad_.words());
+    if (bad_.total() > 0) text += fmt::format("{:<17}{}: {}\n", "bad lines", bad_.total(), bad_.text());
     if (options_.watch) text += fmt::format("{:<17}{}\n", "alarms", c.alarms);
     return text;
   }
@@ -149,15 +150,15 @@ class FollowLoop {
     auto engine = std::make_unique<Engine>(std::move(deployment), options_);
     Engine* e = engine.get();
     e->follower.on_fix = [this, e](const Fix& fix) {
-      out_ += words_.format == "nmea"  ? io::fix_as_nmea(fix, origin_)
-              : words_.format == "ros" ? io::fix_as_ros(fix, e->names)
-                                       : io::fix_as_json(fix, e->names);
+      out_ += args_.format == "nmea"  ? io::fix_as_nmea(fix, origin_)
+              : args_.format == "ros" ? io::fix_as_ros(fix, e->names)
+                                      : io::fix_as_json(fix, e->names);
     };
     e->follower.on_alarm = [this, e](const WatchAlarm& alarm) {
       const std::string text = io::alarm_as_json(alarm, e->names);
       session_.note(text.substr(0, text.size() - 1));
-      if (words_.format == "nmea") out_ += io::alarm_as_nmea(alarm, e->names);
-      if (words_.format == "json") out_ += text;
+      if (args_.format == "nmea") out_ += io::alarm_as_nmea(alarm, e->names);
+      if (args_.format == "json") out_ += text;
     };
     return engine;
   }
@@ -248,10 +249,10 @@ class FollowLoop {
   }
 
   Result<void> read_origin() {
-    auto origin = io::origin_from_words(words_.origin, words_.north_deg);
+    auto origin = io::origin_from_words(args_.origin, args_.north_deg);
     if (!origin) {
       Error error = origin.error();
-      if (words_.origin.empty()) error.found = "NMEA positions need to know where the map is on the earth";
+      if (args_.origin.empty()) error.found = "NMEA positions need to know where the map is on the earth";
       return fail(std::move(error));
     }
     origin_ = *origin;
@@ -259,7 +260,7 @@ class FollowLoop {
   }
 
   static constexpr std::size_t kMostWaiting = 1 << 16;
-  const FollowWords& words_;
+  const FollowArgs& args_;
   std::string deployment_, trusted_key_;
   FollowOptions options_;
   Session& session_;
@@ -279,66 +280,57 @@ class FollowLoop {
 
 }  // namespace
 
-void add_follow_options(CLI::App& command, FollowWords& words) {
+void add_follow_options(CLI::App& command, FollowArgs& args) {
   const std::string group = "Live";
   command
-      .add_flag("--follow", words.follow,
+      .add_flag("--follow", args.follow,
                 "Localize as the data come, until they end: arrivals and odometry as JSON lines (octant "
                 "schema live), "
                 "fixes on standard output; SIGHUP reads the deployment anew")
       ->group(group);
-  command
-      .add_option("--from", words.from,
-                  "Where lines come from: - (standard input), /dev/ttyUSB0[:115200], tcp:PORT, udp:PORT (of "
-                  "this machine)")
+  add_option(command, "--from", args.from, "SOURCE",
+             "Where lines come from: - (standard input), /dev/ttyUSB0[:115200], tcp:PORT, udp:PORT (of "
+             "this machine)")
       ->capture_default_str()
-      ->type_name("SOURCE")
       ->group(group);
-  command
-      .add_option("--format", words.format,
-                  "Of the fixes: json, nmea (0183) or ros (nav_msgs/Odometry as JSON)")
+  add_option(command, "--format", args.format, "F",
+             "Of the fixes: json, nmea (0183) or ros (nav_msgs/Odometry as JSON)")
       ->check(CLI::IsMember({"json", "nmea", "ros"}))
       ->capture_default_str()
-      ->type_name("F")
       ->group(group);
-  command
-      .add_option("--origin", words.origin, "nmea: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE]")
-      ->type_name("LAT,LON")
+  add_option(command, "--origin", args.origin, "LAT,LON",
+             "nmea: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE]")
       ->group(group);
-  command
-      .add_option("--north", words.north_deg,
-                  "nmea: direction of north in the map, degrees from +x towards +y")
+  add_option(command, "--north", args.north_deg, "DEG",
+             "nmea: direction of north in the map, degrees from +x towards +y")
       ->capture_default_str()
-      ->type_name("DEG")
+      ->group(group);
+  add_option(command, "--odometry", args.odometry, "RUN.yaml",
+             "How good the odometry is: a run.yaml, or a recording's folder, with a block odometry "
+             "(octant schema run); left out: as for a recording that says nothing of it")
       ->group(group);
   command
-      .add_option("--odometry", words.odometry,
-                  "How good the odometry is: a run.yaml, or a recording's folder, with a block odometry "
-                  "(octant schema run); left out: as for a recording that says nothing of it")
-      ->type_name("RUN.yaml")
-      ->group(group);
-  command
-      .add_flag("--watch", words.watch,
+      .add_flag("--watch", args.watch,
                 "Say which beacon or receiver no longer fits, with a stated rate of false alarms")
       ->group(group);
 }
 
-int follow(const FollowWords& words, const std::string& deployment, const std::string& trusted_key,
+int follow(const FollowArgs& args, const std::string& deployment, const std::string& trusted_key,
            Method method, Session& session) {
   session.result_to_stderr();
   FollowOptions options;
   options.method = method;
-  options.watch = words.watch;
-  if (!words.odometry.empty()) {
+  options.watch = args.watch;
+  if (!args.odometry.empty()) {
     std::vector<std::string> warnings;
-    const auto accuracy = io::read_odometry_accuracy(words.odometry, warnings);
+    const auto accuracy = io::read_odometry_accuracy(args.odometry, warnings);
     if (!accuracy) return session.fail(accuracy.error());
     session.warn(warnings);
     options.odometry = *accuracy;
   }
-  FollowLoop loop(words, deployment, trusted_key, options, session);
+  FollowLoop loop(args, deployment, trusted_key, options, session);
   if (auto started = loop.start(); !started) return session.fail(started.error());
-  auto source = ByteSource::open(words.from);
+  auto source = ByteSource::open(args.from);
   if (!source) return session.fail(source.error());
   struct sigaction hangup = {}, pipe = {};
   hangup.sa_handler = on_hangup;

@@ -12,7 +12,7 @@
 namespace octant::app {
 
 /// The words of `octant localize --follow`.
-struct FollowWords {
+struct FollowArgs {
   bool follow = false;
   std::string from = "-";       ///< ByteSource
   std::string format = "json";  ///< json, nmea, ros
@@ -21,12 +21,12 @@ struct FollowWords {
   bool watch = false;
   std::string odometry;  ///< run.yaml, or a folder with one: how good the odometry is
 };
-void add_follow_options(CLI::App& command, FollowWords& words);
+void add_follow_options(CLI::App& command, FollowArgs& args);
 
 /// Localizes what comes, until it ends or a signal says so: arrivals and odometry in as JSON lines, fixes out
 /// on standard output. Lines that say nothing sensible are counted and reported. SIGHUP reads the deployment
 /// anew; a bad one is reported, and the old one goes on.
-int follow(const FollowWords& words, const std::string& deployment, const std::string& trusted_key,
+int follow(const FollowArgs& args, const std::string& deployment, const std::string& trusted_key,
            Method method, Session& session);
 
 }  // namespace octant::app

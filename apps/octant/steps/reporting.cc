@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/help/glossary.h"
+#include "apps/octant/options.h"
 #include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/report_json.h"
 #include "io/deployment/deployment_json.h"
@@ -26,30 +27,28 @@ Form form_of(const std::string& path) {
 
 }  // namespace
 
-void add_report_options(CLI::App& command, ReportWords& words, bool with_since) {
-  auto* report = command
-                     .add_option("--report", words.paths,
-                                 "Report to write: a page (.html), Markdown (.md), or the content (.json) "
-                                 "from which `octant report` "
-                                 "makes the others later; may be given several times")
-                     ->type_name("R")
+void add_report_options(CLI::App& command, ReportArgs& args, bool with_since) {
+  auto* report = add_option(command, "--report", args.paths, "R",
+                            "Report to write: a page (.html), Markdown (.md), or the content (.json) "
+                            "from which `octant report` "
+                            "makes the others later; may be given several times")
                      ->expected(1)
                      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_flag("--report-static", words.still,
+  command.add_flag("--report-static", args.still,
                    "Pages without the interactive layer: no script, and small");
-  command.add_flag("--no-report", words.none, "None: verdict, table and next steps in the terminal only")
+  command.add_flag("--no-report", args.none, "None: verdict, table and next steps in the terminal only")
       ->excludes(report);
   if (with_since)
-    command.add_option("--since", words.since, "Report what changed since this earlier deployment")
-        ->type_name("OLD.json");
+    add_option(command, "--since", args.since, "OLD.json",
+               "Report what changed since this earlier deployment");
 }
 
-int on_stdout(const ReportWords& words) {
-  return static_cast<int>(std::count(words.paths.begin(), words.paths.end(), "-"));
+int on_stdout(const ReportArgs& args) {
+  return static_cast<int>(std::count(args.paths.begin(), args.paths.end(), "-"));
 }
 
-Result<void> check_report(const ReportWords& words) {
-  for (const auto& path : words.paths) {
+Result<void> check_report(const ReportArgs& args) {
+  for (const auto& path : args.paths) {
     if (form_of(path) == Form::kUnknown) {
       return fail({.code = Errc::kUsage,
                    .found = fmt::format("--report {}", path),
@@ -57,8 +56,8 @@ Result<void> check_report(const ReportWords& words) {
     }
     if (auto fit = check_output(path); !fit) return fit;
   }
-  if (words.since.empty()) return {};
-  const auto earlier = io::read_deployment(words.since);
+  if (args.since.empty()) return {};
+  const auto earlier = io::read_deployment(args.since);
   if (!earlier) return fail(earlier.error());
   return {};
 }
@@ -87,35 +86,35 @@ void add_words(survey::ReportInput& input) {
     if (term->kind != GlossaryKind::kExit) input.words.emplace_back(term->name, term->text);
 }
 
-std::vector<io::FileContent> report_files(const ReportWords& words, const survey::ReportInput& content) {
-  if (words.paths.empty()) return {};
+std::vector<io::FileContent> report_files(const ReportArgs& args, const survey::ReportInput& content) {
+  if (args.paths.empty()) return {};
   std::vector<io::FileContent> files;
   survey::ReportInput input = content;
   add_words(input);
-  for (const auto& path : words.paths) {
+  for (const auto& path : args.paths) {
     switch (form_of(path)) {
       case Form::kMarkdown: files.push_back({path, survey::report_markdown(input)}); break;
       case Form::kSaved: files.push_back({path, report_to_json(input)}); break;
-      default: files.push_back({path, survey::report_html(input, {.interactive = !words.still})});
+      default: files.push_back({path, survey::report_html(input, {.interactive = !args.still})});
     }
   }
   return files;
 }
 
-Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportWords& words,
+Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportArgs& args,
                                                const Session& session) {
   survey::ReportInput input = report_input(calibration, session);
-  if (!words.paths.empty()) add_stops(calibration, input);
+  if (!args.paths.empty()) add_stops(calibration, input);
   if (!calibration.deployment) return input;
-  if (auto added = add_changes(input, words.since); !added) return fail(added.error());
-  if (words.paths.empty()) return input;
+  if (auto added = add_changes(input, args.since); !added) return fail(added.error());
+  if (args.paths.empty()) return input;
   survey::add_geometry(input, session.threads());
   return input;
 }
 
-Result<void> write_calibration(const std::string& output, const ReportWords& words,
+Result<void> write_calibration(const std::string& output, const ReportArgs& args,
                                const Calibration& calibration, const survey::ReportInput& input) {
-  auto files = report_files(words, input);
+  auto files = report_files(args, input);
   if (calibration.exported()) {
     auto deployment = io::checked_deployment_json(output, *calibration.deployment);
     if (!deployment) return fail(deployment.error());
@@ -124,9 +123,9 @@ Result<void> write_calibration(const std::string& output, const ReportWords& wor
   return io::write_files(files);
 }
 
-std::string report_lines(const ReportWords& words) {
+std::string report_lines(const ReportArgs& args) {
   std::string text;
-  for (const auto& path : words.paths)
+  for (const auto& path : args.paths)
     if (path != "-") text += fmt::format("{:<17}{}\n", "report", path);
   return text;
 }

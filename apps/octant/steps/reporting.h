@@ -16,7 +16,7 @@
 namespace octant::app {
 
 /// What the user says of reports.
-struct ReportWords {
+struct ReportArgs {
   std::vector<std::string>
       paths;           ///< .html, .md, or .json to make others from later; - is a page on standard output
   std::string since;   ///< an earlier deployment, to say what changed
@@ -24,13 +24,13 @@ struct ReportWords {
   bool none = false;
 };
 /// --report, --report-static, --no-report and, where a deployment is judged, --since.
-void add_report_options(CLI::App& command, ReportWords& words, bool with_since);
+void add_report_options(CLI::App& command, ReportArgs& args, bool with_since);
 
 /// How many of the outputs go to standard output.
-[[nodiscard]] int on_stdout(const ReportWords& words);
+[[nodiscard]] int on_stdout(const ReportArgs& args);
 /// Before the long computation: endings that are understood, folders that exist, an earlier deployment that
 /// can be read.
-[[nodiscard]] Result<void> check_report(const ReportWords& words);
+[[nodiscard]] Result<void> check_report(const ReportArgs& args);
 
 /// What a calibration says, converged or refused.
 [[nodiscard]] survey::ReportInput report_input(const Calibration& calibration, const Session& session);
@@ -45,18 +45,17 @@ void add_verification(survey::ReportInput& input, const Localization& localizati
 /// The report of a calibration with all that the user asked for; of a refused one too. Errors: the earlier
 /// deployment.
 [[nodiscard]] Result<survey::ReportInput> calibration_report(const Calibration& calibration,
-                                                             const ReportWords& words,
-                                                             const Session& session);
+                                                             const ReportArgs& args, const Session& session);
 /// Deployment (where there is one) and reports, all or none.
-[[nodiscard]] Result<void> write_calibration(const std::string& output, const ReportWords& words,
+[[nodiscard]] Result<void> write_calibration(const std::string& output, const ReportArgs& args,
                                              const Calibration& calibration,
                                              const survey::ReportInput& input);
 
 /// The files of a report, not yet written: so that a command can write them together with its other outputs.
-[[nodiscard]] std::vector<io::FileContent> report_files(const ReportWords& words,
+[[nodiscard]] std::vector<io::FileContent> report_files(const ReportArgs& args,
                                                         const survey::ReportInput& input);
 /// "report           R.html", a line each, for people.
-[[nodiscard]] std::string report_lines(const ReportWords& words);
+[[nodiscard]] std::string report_lines(const ReportArgs& args);
 
 /// Adds what was heard and left out at each stop and on each stretch of a drive: on the map, and residuals by
 /// stop. Of very many those where most was left out, or whose residuals are largest.

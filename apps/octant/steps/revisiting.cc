@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/interrupt.h"
+#include "apps/octant/options.h"
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/changes_text.h"
@@ -75,44 +76,37 @@ std::string medium_text(const SecondVisitFiles& visit) {
 
 }  // namespace
 
-void add_drift_options(CLI::App& command, DriftWords& words) {
+void add_drift_options(CLI::App& command, DriftArgs& args) {
   const std::string group =
       "Drift since the earlier calibration (standard deviations; by default by the time that passed)";
-  command
-      .add_option("--drift-beacon-m", words.beacon_m,
-                  "Of each coordinate of a beacon; 0.001 and 0.0001 a month")
+  add_option(command, "--drift-beacon-m", args.beacon_m, "M",
+             "Of each coordinate of a beacon; 0.001 and 0.0001 a month")
       ->check(CLI::PositiveNumber)
-      ->type_name("M")
       ->group(group);
-  command.add_option("--drift-delay-s", words.delay_s, "Of a delay; 3e-6 and 3e-7 a month")
+  add_option(command, "--drift-delay-s", args.delay_s, "S", "Of a delay; 3e-6 and 3e-7 a month")
       ->check(CLI::PositiveNumber)
-      ->type_name("S")
       ->group(group);
-  command
-      .add_option("--drift-receiver-m", words.receiver_m,
-                  "Of each coordinate of a receiver; 0.0005 and 0.00005 a month")
+  add_option(command, "--drift-receiver-m", args.receiver_m, "M",
+             "Of each coordinate of a receiver; 0.0005 and 0.00005 a month")
       ->check(CLI::PositiveNumber)
-      ->type_name("M")
       ->group(group);
-  command
-      .add_option("--drift-speed-mps", words.speed_mps,
-                  "Of the speed at the same temperature; 0.3 and 0.03 a month")
+  add_option(command, "--drift-speed-mps", args.speed_mps, "V",
+             "Of the speed at the same temperature; 0.3 and 0.03 a month")
       ->check(CLI::PositiveNumber)
-      ->type_name("V")
       ->group(group);
 }
 
-Drift drift_between(const std::string& before, const std::string& now, const DriftWords& words) {
+Drift drift_between(const std::string& before, const std::string& now, const DriftArgs& args) {
   Drift drift = Drift::of_months(months_between(before, now));
-  drift.beacon_m = words.beacon_m.value_or(drift.beacon_m);
-  drift.delay_s = words.delay_s.value_or(drift.delay_s);
-  drift.receiver_m = words.receiver_m.value_or(drift.receiver_m);
-  drift.speed_mps = words.speed_mps.value_or(drift.speed_mps);
+  drift.beacon_m = args.beacon_m.value_or(drift.beacon_m);
+  drift.delay_s = args.delay_s.value_or(drift.delay_s);
+  drift.receiver_m = args.receiver_m.value_or(drift.receiver_m);
+  drift.speed_mps = args.speed_mps.value_or(drift.speed_mps);
   return drift;
 }
 
 Result<SecondVisitFiles> revisit_files(const std::string& path, const std::vector<std::string>& run_paths,
-                                       const DriftWords& drift, Session& session) {
+                                       const DriftArgs& drift, Session& session) {
   const ExitAtOnce nothing_written_yet;
   auto before = io::read_deployment(path);
   if (!before) return fail(before.error());

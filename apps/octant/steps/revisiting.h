@@ -18,12 +18,12 @@ namespace octant::app {
 
 /// --drift-...: standard deviations since the earlier calibration, where the user knows better than the time
 /// that passed.
-struct DriftWords {
+struct DriftArgs {
   std::optional<double> beacon_m, delay_s, receiver_m, speed_mps;
 };
-void add_drift_options(CLI::App& command, DriftWords& words);
+void add_drift_options(CLI::App& command, DriftArgs& args);
 /// @param before, now  ISO 8601
-[[nodiscard]] Drift drift_between(const std::string& before, const std::string& now, const DriftWords& words);
+[[nodiscard]] Drift drift_between(const std::string& before, const std::string& now, const DriftArgs& args);
 
 /// A visit and what it was held against.
 struct SecondVisitFiles {
@@ -36,7 +36,7 @@ struct SecondVisitFiles {
 /// the revisit.
 [[nodiscard]] Result<SecondVisitFiles> revisit_files(const std::string& deployment,
                                                      const std::vector<std::string>& runs,
-                                                     const DriftWords& drift, Session& session);
+                                                     const DriftArgs& drift, Session& session);
 /// Why nothing can be said of it; none where something can.
 [[nodiscard]] std::optional<Failure> failure_of(const calib::Revisit& revisit);
 

@@ -9,12 +9,12 @@
 
 namespace octant::app {
 
-struct CheckWords {
+struct CheckArgs {
   std::string site;
   std::vector<std::string> runs;
   bool strict = false;  ///< a single undetermined beacon is exit 5
 };
 /// All of `octant check` behind its words.
-int check_recordings(const CheckWords& words, Session& session);
+int check_recordings(const CheckArgs& args, Session& session);
 
 }  // namespace octant::app

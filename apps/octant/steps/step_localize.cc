@@ -118,11 +118,11 @@ Json integrity_json(const Localization& localization) {
   return object;
 }
 
-Result<MethodInput> method_input(const MethodWords& words, const Deployment& deployment) {
+Result<MethodInput> method_input(const MethodArgs& args, const Deployment& deployment) {
   MethodInput input;
-  input.kleeman_heading = words.heading;
-  if (words.map.empty()) return input;
-  const auto mapped = io::read_run(words.map, names_of(deployment), deployment.timing,
+  input.kleeman_heading = args.heading;
+  if (args.map.empty()) return input;
+  const auto mapped = io::read_run(args.map, names_of(deployment), deployment.timing,
                                    {.read_truth = false, .read_poses = true});
   if (!mapped) return fail(mapped.error());
   auto map = build_line_map(*mapped);

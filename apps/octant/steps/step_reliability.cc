@@ -68,11 +68,11 @@ Json groups_json(const std::vector<ResidualGroup>& groups, const char* from, con
 }
 
 /// Where a row stands and what it connects: "hall/run, tof.csv:41".
-struct Place {
+struct ArrivalOrigin {
   std::string run, beacon, receiver;
   int line = 0;
 };
-Place place_of(const calib::ArrivalReliability& a, const calib::Problem& problem) {
+ArrivalOrigin origin_of(const calib::ArrivalReliability& a, const calib::Problem& problem) {
   const MeasurementLog& run = problem.runs[a.run];
   return {run.path, problem.site.beacons[a.beacon.index()].name,
           problem.site.receivers[a.receiver.index()].name, run.arrivals[a.arrival].line};
@@ -179,7 +179,7 @@ Json reliability_json(const Calibration& calibration) {
   for (const auto& kind : r.kinds) kinds.push_back(component_json(kind));
   for (const std::size_t i : r.worst) {
     const auto& a = r.arrivals[i];
-    const Place at = place_of(a, calibration.problem);
+    const ArrivalOrigin at = origin_of(a, calibration.problem);
     worst.push_back({{"run", at.run},
                      {"line", at.line},
                      {"beacon", at.beacon},
@@ -238,7 +238,7 @@ std::string reliability_text(const Calibration& calibration) {
   for (std::size_t i = 0;
        i < r.worst.size() && i < 3 && std::abs(r.arrivals[r.worst[i]].w) > calib::kCriticalW; ++i) {
     const auto& a = r.arrivals[r.worst[i]];
-    const Place at = place_of(a, calibration.problem);
+    const ArrivalOrigin at = origin_of(a, calibration.problem);
     w += fmt::format("{}{}/tof.csv:{} {} {} w = {:.2f}", i == 0 ? "; worst: " : ", ", at.run, at.line,
                      at.beacon, at.receiver, a.w);
   }

@@ -126,16 +126,16 @@ struct LeftOutOfBeacon {
 [[nodiscard]] Json left_out_json(const std::vector<LeftOutOfBeacon>& beacons);
 
 /// --method and what some methods take beside deployment and run.
-struct MethodWords {
+struct MethodArgs {
   Method method = Method::kAuto;
   std::string map;  ///< a run with scans and measured poses, for a line map; empty: none
   KleemanHeading heading = KleemanHeading::kInterpolation;
 };
-[[nodiscard]] Result<MethodInput> method_input(const MethodWords& words, const Deployment& deployment);
+[[nodiscard]] Result<MethodInput> method_input(const MethodArgs& args, const Deployment& deployment);
 
 /// A line map starts from the run's first measured pose; no other method looks at poses.tum.
-[[nodiscard]] inline bool looks_at_poses(const MethodWords& words) {
-  return words.method == Method::kLineMap || !words.map.empty();
+[[nodiscard]] inline bool looks_at_poses(const MethodArgs& args) {
+  return args.method == Method::kLineMap || !args.map.empty();
 }
 
 /// Fixes of the vehicle that truth.tum follows against it. Errors: a run without truth.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/steps/trusted.h"
 
+#include "apps/octant/options.h"
 #include "io/deployment/deployment_json.h"
 #include "io/deployment/signature.h"
 #include "io/text/bounds.h"
@@ -9,11 +10,9 @@
 namespace octant::app {
 
 void add_trust_option(CLI::App& command, std::string& trusted_key) {
-  command
-      .add_option("--trusted-key", trusted_key,
-                  "Refuse a deployment that the owner of this public key did not sign")
-      ->envname("OCTANT_TRUSTED_KEY")
-      ->type_name("PUB");
+  add_option(command, "--trusted-key", trusted_key, "PUB",
+             "Refuse a deployment that the owner of this public key did not sign")
+      ->envname("OCTANT_TRUSTED_KEY");
 }
 
 Result<Deployment> read_trusted_deployment(const std::string& path, const std::string& trusted_key) {

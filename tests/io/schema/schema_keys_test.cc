@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/run/run_folder.h"
-#include "io/schema/schema_words.h"
+#include "io/schema/schema.h"
 #include "io/site/scene_yaml.h"
 #include "io/site/site_yaml.h"
 #include "tests/io/io_support.h"

@@ -3,10 +3,11 @@
 #include "io/schema/schema.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
-#include "io/schema/schema_words.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {
@@ -52,6 +53,37 @@ bool is_number(const nlohmann::json& key, const nlohmann::json& root) {
          type == nlohmann::json({"integer", "null"});
 }
 
+/// Unit that the ending of a key's name states, in words: "m/s" of speed_mps; empty if it states none.
+std::string unit_of_key(const std::string& key) {
+  using Unit = std::pair<std::string_view, std::string_view>;
+  static constexpr std::array<Unit, 23> kUnits = {{{"_m_per_sqrt_m", "m per root of m"},
+                                                   {"_rad_per_m", "rad/m"},
+                                                   {"_rad_per_sqrt_m", "rad per root of m"},
+                                                   {"_rad_per_s2", "rad/s2"},
+                                                   {"_rad_per_s", "rad/s"},
+                                                   {"_per_rad", "rad per rad"},
+                                                   {"_np_per_m", "Np/m"},
+                                                   {"_m_per_m", "m per m"},
+                                                   {"_mps2", "m/s2"},
+                                                   {"_mps", "m/s"},
+                                                   {"_degC", "degC"},
+                                                   {"_dbm", "dBm"},
+                                                   {"_ppm", "1e-6"},
+                                                   {"_rad", "rad"},
+                                                   {"_hz", "Hz"},
+                                                   {"_pa", "Pa"},
+                                                   {"_m2", "m2"},
+                                                   {"_s", "s"},
+                                                   {"_m", "m"},
+                                                   {"_v", "V"},
+                                                   {"_humidity", "fraction, 0 to 1"},
+                                                   {"_fraction", "fraction, 0 to 1"},
+                                                   {"_relative_sigma", "fraction of the amplitude"}}};
+  for (const auto& [ending, unit] : kUnits)
+    if (key.ends_with(ending)) return std::string(unit);
+  return "";
+}
+
 /// Every key below "properties", and every column, has a description and an example, a unit where it is a
 /// number or its name states one, and where it may be left out it says what holds then.
 void check_words(const nlohmann::json& node, const nlohmann::json& root, const std::string& where,
@@ -67,7 +99,7 @@ void check_words(const nlohmann::json& node, const nlohmann::json& root, const s
       const std::string description = key.value("description", ""), at = where + " " + name;
       EXPECT_FALSE(description.empty()) << at << " has no description";
       EXPECT_TRUE(key.contains("examples") && !key["examples"].empty()) << at << " has no example";
-      const std::string unit(unit_of_key(name.substr(0, name.find(','))));
+      const std::string unit = unit_of_key(name.substr(0, name.find(',')));
       EXPECT_EQ(key.value("x-unit", ""), unit.empty() && is_number(key, root) ? "1" : unit) << at;
       const bool column = std::string_view(list) == "columns";
       const bool needed = column ? key.value("required", false)
@@ -84,13 +116,27 @@ void check_words(const nlohmann::json& node, const nlohmann::json& root, const s
 
 TEST(Schema, EachKeyAndColumnIsExplained) {
   for (const char* format : kFormats) {
-    const auto json = nlohmann::json::parse(schema_with_words(format));
+    const auto json = nlohmann::json::parse(schema(format));
     std::size_t keys = 0;
     check_words(json, json, format, keys);
     EXPECT_GT(keys, 4U) << format;
   }
-  EXPECT_EQ(unit_of_key("speed_mps"), "m/s");
-  EXPECT_EQ(unit_of_key("name"), "");
+}
+
+TEST(Schema, ASiteHoldsTheKeysOfAScene) {
+  auto keys = nlohmann::ordered_json::parse(schema("scene"))["properties"];
+  EXPECT_EQ(keys.erase("octant_scene"), 1U);
+  EXPECT_GT(keys.size(), 10U);
+  EXPECT_EQ(nlohmann::ordered_json::parse(schema("site"))["properties"]["scene"]["properties"], keys);
+}
+
+TEST(Schema, OfAFileAloneHasItsColumnsAndNoKeys) {
+  const auto tof = nlohmann::json::parse(schema_of_file("run", "tof.csv"));
+  EXPECT_EQ(tof["title"], "tof.csv: Octant run file (run.yaml)");
+  EXPECT_FALSE(tof.contains("properties"));
+  EXPECT_EQ(tof["x-files"].size(), 1U);
+  EXPECT_EQ(tof["x-files"]["tof.csv"]["columns"]["tof_s"]["x-unit"], "s");
+  EXPECT_EQ(schema_of_file("run", "site.yaml"), schema_of_file("run", ""));
 }
 
 TEST(Schema, APageHasARowForEachKeyAndColumn) {

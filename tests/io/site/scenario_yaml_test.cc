@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "io/schema/schema_scenario.h"
+#include "io/schema/schema.h"
 #include "tests/support/worlds.h"
 
 namespace octant::io {
@@ -180,10 +180,10 @@ TEST(ScenarioYaml, UnknownKeysAreWarnings) {
 }
 
 TEST(ScenarioYaml, SchemaIsJsonAndKnowsTheBundledWorldsKeys) {
-  const auto schema = nlohmann::json::parse(scenario_schema());
+  const auto json = nlohmann::json::parse(schema("scenario"));
   for (const char* key : {"octant_scenario", "site", "hall_m", "range_m", "hearing_half_angle_rad", "path",
                           "heldout_path", "true_temperature_offset_degC", "true_delay_s", "quantum_s"}) {
-    EXPECT_TRUE(schema["properties"].contains(key)) << key;
+    EXPECT_TRUE(json["properties"].contains(key)) << key;
   }
 }
 

@@ -13,7 +13,7 @@
 namespace octant::app {
 
 /// What the user says to `octant history`; each of its commands takes its own part.
-struct HistoryWords {
+struct HistoryArgs {
   std::string database = "site.octant.db";
   std::vector<std::string> files;   ///< add
   std::string who, note;            ///< add
@@ -24,12 +24,12 @@ struct HistoryWords {
   std::string output;               ///< export
 };
 
-int history_trend(const HistoryWords& words, Session& session);
+int history_trend(const HistoryArgs& args, Session& session);
 
 /// A visit without its document and beacons.
 [[nodiscard]] Json visit_json(const io::Visit& visit);
 [[nodiscard]] Json visit_beacons_json(const io::Visit& visit);
 /// The one site of a history, or the one that was named. Errors: there are several, or none of this name.
-[[nodiscard]] Result<std::string> chosen_site(io::History& history, const HistoryWords& words);
+[[nodiscard]] Result<std::string> chosen_site(io::History& history, const HistoryArgs& args);
 
 }  // namespace octant::app

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include <CLI/App.hpp>
+
+namespace octant::app {
+
+class Session;
+
+/// What main() runs once the command line is parsed; a command's set-up puts it here.
+using Action = std::function<int(Session&)>;
+
+/// An option ("-o,--output") or, by a name without dashes, a positional argument. @param type  what --help
+/// shows for its value
+template <class T>
+CLI::Option* add_option(CLI::App& command, const std::string& name, T& value, const std::string& type,
+                        const std::string& help) {
+  return command.add_option(name, value, help)->type_name(type);
+}
+
+template <class T>
+CLI::Option* add_required_option(CLI::App& command, const std::string& name, T& value,
+                                 const std::string& type, const std::string& help) {
+  return add_option(command, name, value, type, help)->required();
+}
+
+/// Makes main() call `run` with the arguments where the command line names this command.
+template <class Args>
+void set_action(CLI::App& command, std::shared_ptr<Args> args, Action& action,
+                std::type_identity_t<int (*)(const Args&, Session&)> run) {
+  command.callback([args = std::move(args), &action, run] {
+    action = [args, run](Session& session) { return run(*args, session); };
+  });
+}
+
+}  // namespace octant::app

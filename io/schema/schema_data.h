@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: the files of io/schema/data as texts, which octant_embed() puts into the library.
+//
+// Readers, writers and schemas are written apart, on purpose. A key is one line in a reader (its range, its
+// unit and the words of its error are arguments there) and one object in a schema; a table of both would need
+// a function for each key that finds its place, and one for what keys ask of each other (one of two, needs a
+// third), and came out longer. That they agree is a test: tests/io/schema/schema_keys_test.cc.
+
+#include <string_view>
+
+namespace octant::io {
+
+[[nodiscard]] std::string_view batch_schema();
+[[nodiscard]] std::string_view columns_schema();
+[[nodiscard]] std::string_view defaults_schema();
+[[nodiscard]] std::string_view deployment_schema();
+[[nodiscard]] std::string_view fixes_schema();
+[[nodiscard]] std::string_view live_schema();
+[[nodiscard]] std::string_view run_schema();
+[[nodiscard]] std::string_view scenario_schema();
+[[nodiscard]] std::string_view scene_schema();
+/// Without the keys of its scene, which are those of scene_schema().
+[[nodiscard]] std::string_view site_schema();
+[[nodiscard]] std::string_view survey_schema();
+[[nodiscard]] std::string_view topics_schema();
+
+}  // namespace octant::io
