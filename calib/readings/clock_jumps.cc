@@ -107,9 +107,9 @@ std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, co
 /// The jump of which a step is what is left of it; null: it is one of its own.
 ClockStep* same_jump(const ClockStep& left, const MeasurementLog& run, std::vector<ClockStep>& jumps) {
   const auto is_same = [&](const ClockStep& jump) {
-    const auto [first, last] = std::minmax(jump.time_s, left.time_s);
+    const auto span = std::minmax(jump.time_s, left.time_s);
     const auto between = std::count_if(run.arrivals.begin(), run.arrivals.end(), [&](const Arrival& a) {
-      return a.time_s >= first && a.time_s < last;
+      return a.time_s >= span.first && a.time_s < span.second;
     });
     return between <= kSameJump;
   };
