@@ -14,14 +14,14 @@ namespace {
 
 class Calibrator {
  public:
-  Calibrator(CalibrationLog& log, const SolveOptions& options, Course& course)
-      : log_(log), options_(options), course_(course) {}
+  Calibrator(CalibrationLog& log, const SolveOptions& options, ProgressMonitor& monitor)
+      : log_(log), options_(options), monitor_(monitor) {}
 
   Result<Solution> run() {
     Result<Solution> solution = calibrated();
     if (!solution && solution.error().code == Errc::kInterrupted) solution = interrupted_solution();
     if (!solution) return solution;
-    solution->iterations = course_.iterations;
+    solution->iterations = monitor_.iterations;
     solution->seconds = std::chrono::duration<double>(Clock::now() - began_).count();
     return solution;
   }
@@ -43,7 +43,7 @@ class Calibrator {
     // their Schur complement (Triggs et al. 2000, section 6.1), with the noise as they show it.
     if (auto ok = adjust_with_noise_as_found(*sigma); !ok) return fail(ok.error());
     // The covariance is the inverse of the reduced normal matrix; what it says is the verdict.
-    if (!course_.report("covariance and verdict", 0.92)) return interrupted();
+    if (!monitor_.report("covariance and verdict", 0.92)) return interrupted();
     auto all = log_.findings(estimate_);
     if (!all) return fail(all.error());
     warnings_.insert(warnings_.end(), all->warnings.begin(), all->warnings.end());
@@ -61,13 +61,13 @@ class Calibrator {
       const auto sample = log_.next_sample();
       if (!sample) return fail(sample.error());
       if (sample->problem == nullptr) return found;
-      is_whole_ = sample->is_whole;
+      is_complete_ = sample->is_complete;
       // A part is so small that each rank is sooner done with it than it would hear of the others.
       SolveOptions options = options_;
-      if (!is_whole_) options.ranks = nullptr;
-      Course course(options);
-      found = approach(*sample->problem, options, course);
-      course_.iterations += course.iterations;
+      if (!is_complete_) options.ranks = nullptr;
+      ProgressMonitor monitor(options);
+      found = approach(*sample->problem, options, monitor);
+      monitor_.iterations += monitor.iterations;
       if (found.ok) return found;
     }
   }
@@ -88,9 +88,9 @@ class Calibrator {
     warnings_ = log_.problem().warnings;
     warnings_.insert(warnings_.end(), found.warnings.begin(), found.warnings.end());
     double sigma = agreeing_sigma(found.trajectories, found.estimate.state());
-    if (!is_whole_) {
+    if (!is_complete_) {
       follow_first_rank(found.estimate.x, sigma);
-      if (!course_.report("states of the whole log", 0.68)) return interrupted();
+      if (!monitor_.report("states of the whole log", 0.68)) return interrupted();
     }
     auto of_all = log_.place(found, sigma);
     estimate_ = std::move(found.estimate);
@@ -124,17 +124,17 @@ class Calibrator {
 
   CalibrationLog& log_;
   const SolveOptions& options_;
-  Course& course_;
+  ProgressMonitor& monitor_;
   Clock::time_point began_ = Clock::now();
-  bool is_whole_ = false;  ///< the log that the start is from
+  bool is_complete_ = false;  ///< the log that the start is from
   Estimate estimate_;
   std::vector<std::string> warnings_;
 };
 
 }  // namespace
 
-Result<Solution> calibrate(CalibrationLog& log, const SolveOptions& options, Course& course) {
-  return Calibrator(log, options, course).run();
+Result<Solution> calibrate(CalibrationLog& log, const SolveOptions& options, ProgressMonitor& monitor) {
+  return Calibrator(log, options, monitor).run();
 }
 
 }  // namespace octant::calib

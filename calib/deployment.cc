@@ -98,14 +98,14 @@ void add_hearing(const Solution& solution, Deployment& d) {
 void add_validity(const Problem& problem, const Solution& solution, Deployment& d) {
   std::vector<Eigen::Vector2d> places;
   double coldest = INFINITY, hottest = -INFINITY;
-  if (solution.whole) {
-    places = solution.whole->area_m;
-    coldest = solution.whole->coldest_degC;
-    hottest = solution.whole->hottest_degC;
+  if (solution.totals) {
+    places = solution.totals->area_m;
+    coldest = solution.totals->coldest_degC;
+    hottest = solution.totals->hottest_degC;
   }
   // Of a whole log the trajectories at hand are a part.
   const std::span<const Trajectory> all =
-      solution.whole ? std::span<const Trajectory>() : std::span<const Trajectory>(solution.trajectories);
+      solution.totals ? std::span<const Trajectory>() : std::span<const Trajectory>(solution.trajectories);
   for (const Trajectory& t : all) {
     for (const Node& node : t.nodes)
       if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
@@ -140,7 +140,7 @@ void add_noise(const Problem& problem, const Solution& solution, Deployment& d) 
     for (std::size_t k = 1; k < t.nodes.size(); ++k) {
       while (segment != t.segments.end() && segment->last_node <= k) ++segment;
       const bool is_gap =
-          solution.whole && t.moving && segment != t.segments.end() && segment->first_node == k;
+          solution.totals && t.moving && segment != t.segments.end() && segment->first_node == k;
       if (!t.nodes[k - 1].placed || !t.nodes[k].placed || is_gap ||
           !(t.nodes[k].time_s > t.nodes[k - 1].time_s))
         continue;

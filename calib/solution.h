@@ -90,7 +90,7 @@ struct Solution {
   std::vector<LeftOutPose> left_out_poses;
   std::vector<bool> beacon_mirrored;  ///< its mirror image is as good by all observations
   /// Counts over all of a log that was streamed, as the trajectories are only a part of it.
-  std::optional<WholeLog> whole;
+  std::optional<LogTotals> totals;
   std::vector<WeakDirection> weak;
   std::vector<std::string> undetermined;  ///< names of parameters
   std::vector<Contradiction>

@@ -22,9 +22,9 @@ namespace {
 
 Solution solve_held(const Problem& problem, const SolveOptions& options,
                     std::vector<Trajectory>* own_trajectories) {
-  Course course(options);
-  HeldLog log(problem, options, course, own_trajectories);
-  return *calibrate(log, options, course);  // there is nothing to be read that could be in error
+  ProgressMonitor monitor(options);
+  HeldLog log(problem, options, monitor, own_trajectories);
+  return *calibrate(log, options, monitor);  // there is nothing to be read that could be in error
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ double extent_m(const std::vector<Eigen::Vector2d>& area) {
   return largest;
 }
 
-void look_at_temperature(const Deployment& d, const MeasurementLog& run, OutsideValidity& out) {
+void check_temperature(const Deployment& d, const MeasurementLog& run, OutsideValidity& out) {
   if (d.medium.model == MediumModel::kConstant) return;
   const auto stated = stated_temperatures(run);
   out.reference_assumed = !stated && !run.arrivals.empty();
@@ -99,7 +99,7 @@ double distance_from_area_m(const std::vector<Eigen::Vector2d>& area, const Eige
 OutsideValidity outside_validity(const Deployment& d, const MeasurementLog& run,
                                  const std::vector<Fix>& fixes) {
   OutsideValidity out;
-  look_at_temperature(d, run, out);
+  check_temperature(d, run, out);
   const double margin_m = kAreaMargin * extent_m(d.validity_area_m);
   for (const Fix& fix : fixes) {
     if (!fix.ok()) continue;

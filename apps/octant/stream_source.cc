@@ -83,7 +83,7 @@ bool fits_for_sure(const std::vector<std::string>& folders, std::size_t memory_b
     arrivals += rows_of(folder, "tof.csv");
     odometry += rows_of(folder, "odometry.csv");
   }
-  return calib::memory_of_whole(arrivals, odometry) <= memory_bytes;
+  return calib::memory_of_held(arrivals, odometry) <= memory_bytes;
 }
 
 }  // namespace octant::app

@@ -20,7 +20,7 @@ namespace octant::calib {
 namespace {
 
 /// Residuals as Ceres wants them, over parameter blocks that cover their columns in order.
-void hand_over(const Residuals& from, const ParameterLayout& layout, const std::vector<int>& blocks,
+void hand_over(const SystemResiduals& from, const ParameterLayout& layout, const std::vector<int>& blocks,
                double* residuals, double** jacobians) {
   const Eigen::Index n = from.z.size();
   Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
@@ -172,7 +172,7 @@ class DistanceCost : public ceres::CostFunction {
   std::vector<int> blocks_;
 };
 
-struct Watch : ceres::IterationCallback {
+struct IterationWatch : ceres::IterationCallback {
   const AdjustOptions* options = nullptr;
   const EvaluationPoint* point = nullptr;
   bool interrupted = false;
@@ -206,9 +206,9 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
 /// anybody could see: a hundredth of the square of one sigma. It creeps along a valley that is bent, but is
 /// as good as at rest.
 bool crawls(const ceres::Solver::Summary& summary) {
-  constexpr double kUnseen = 0.005;
+  constexpr double kNegligibleGain = 0.005;
   if (summary.termination_type != ceres::NO_CONVERGENCE || summary.iterations.size() < 20) return false;
-  return summary.iterations[summary.iterations.size() / 2].cost - summary.final_cost < kUnseen;
+  return summary.iterations[summary.iterations.size() / 2].cost - summary.final_cost < kNegligibleGain;
 }
 
 double* address_of(const ParameterLayout& layout, int block, Eigen::VectorXd& x) {
@@ -237,7 +237,7 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   EvaluationPoint point(&observations, tiles, &layout, &x, options);
   point.state = layout.state_of(x);
   if (layout.size() == 0) {  // everything is held: only the vehicle states move
-    result.cost = observations.settle(point.state, options.loss);
+    result.cost = observations.solve_states(point.state, options.loss);
     result.converged = true;
     return result;
   }
@@ -274,15 +274,15 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
       if (const int b = block_of(layout, column); blocks.empty() || blocks.back() != b) blocks.push_back(b);
     add(new JointPriorCost(&layout, &x, blocks), blocks);
   }
-  Watch watch;
-  watch.options = &options;
-  watch.point = &point;
+  IterationWatch iteration_watch;
+  iteration_watch.options = &options;
+  iteration_watch.point = &point;
   ceres::Solver::Options ceres_options = solver_options(options, point.dense);
-  ceres_options.callbacks.push_back(&watch);
+  ceres_options.callbacks.push_back(&iteration_watch);
   ceres::Solver::Summary summary;
   ceres::Solve(ceres_options, &ceres_problem, &summary);
   result.converged = point.at_rest || summary.termination_type == ceres::CONVERGENCE || crawls(summary);
-  result.interrupted = watch.interrupted;
+  result.interrupted = iteration_watch.interrupted;
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cost = summary.final_cost;
   result.message =

@@ -40,7 +40,7 @@ struct AdjustResult {
 /// and a row of zeros, so that Ceres sees the cost, gradient and Gauss-Newton matrix of the full bundle
 /// adjustment.
 /// @param x  start and result, order of the layout
-/// @param trajectories  states and rejection marks; the states are left as settled at x
+/// @param trajectories  states and rejections; the states are left as solved at x
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout,
                     std::vector<Trajectory>& trajectories, Eigen::VectorXd& x, const AdjustOptions& options);
 

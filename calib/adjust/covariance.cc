@@ -15,7 +15,7 @@ namespace octant::calib {
 namespace {
 
 /// Below this eigenvalue of the matrix scaled to a unit diagonal a direction counts as unseen.
-constexpr double kUnseen = 1e-12;
+constexpr double kUnobservable = 1e-12;
 /// Lanczos: the largest variances stand out, and the space is then complete long before.
 constexpr Eigen::Index kMostSteps = 150;
 constexpr double kConverged = 1e-6;
@@ -24,7 +24,7 @@ constexpr double kNoInformation = 1e-12;
 
 /// What is left of the information on a parameter that nothing sees is rounding, and may be below zero: such
 /// a parameter stands by itself then, as good as unknown.
-void part_the_unseen(Eigen::MatrixXd& N) {
+void separate_unobservable(Eigen::MatrixXd& N) {
   for (Eigen::Index i = 0; i < N.rows(); ++i) {
     if (N(i, i) > 0) continue;
     N.row(i).setZero();
@@ -33,7 +33,7 @@ void part_the_unseen(Eigen::MatrixXd& N) {
   }
 }
 
-void part_the_unseen(Eigen::SparseMatrix<double>& N) {
+void separate_unobservable(Eigen::SparseMatrix<double>& N) {
   const Eigen::VectorXd before = N.diagonal();
   if ((before.array() > 0).all()) return;
   N.prune([&](Eigen::Index i, Eigen::Index j, double) { return i == j || (before[i] > 0 && before[j] > 0); });
@@ -46,10 +46,10 @@ Eigen::MatrixXd dense_inverse(const Eigen::MatrixXd& information, const Eigen::M
   Eigen::MatrixXd N = information;
   const double weight = datum.cols() > 0 ? information.diagonal().mean() : 0.0;
   if (datum.cols() > 0) N += weight * datum * datum.transpose();
-  part_the_unseen(N);
+  separate_unobservable(N);
   const Eigen::VectorXd inverse_scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const SymmetricEigen<Eigen::MatrixXd> eigen(inverse_scale.asDiagonal() * N * inverse_scale.asDiagonal());
-  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kUnseen);
+  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kUnobservable);
   Eigen::MatrixXd C = inverse_scale.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
                       eigen.eigenvectors().transpose() * inverse_scale.asDiagonal();
   if (datum.cols() > 0) C -= datum * datum.transpose() / weight;
@@ -69,17 +69,17 @@ class Covariance::Sparse {
  public:
   Sparse(Eigen::SparseMatrix<double> N, const Eigen::MatrixXd& datum) : datum_(datum) {
     if (datum.cols() > 0) pin(N);
-    part_the_unseen(N);
+    separate_unobservable(N);
     inverse_scale_ = Eigen::VectorXd(N.diagonal()).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const auto scale = inverse_scale_.asDiagonal();
     N = (scale * N * scale).eval();
     factor_ = SparseFactor::of(N);
-    if (!factor_ || factor_->condition() < kUnseen) {
+    if (!factor_ || factor_->condition() < kUnobservable) {
       Eigen::SparseMatrix<double> floor(N.rows(), N.cols());
       floor.setIdentity();
       factor_.reset();
-      for (double unseen = kUnseen; !factor_ && unseen < 1.0; unseen *= 10)
-        factor_ = SparseFactor::of(N + unseen * floor);
+      for (double floor_share = kUnobservable; !factor_ && floor_share < 1.0; floor_share *= 10)
+        factor_ = SparseFactor::of(N + floor_share * floor);
     }
     if (datum.cols() == 0 || !factor_) return;
     pinned_ = solve(datum);
@@ -205,13 +205,13 @@ std::vector<Covariance::Direction> Covariance::largest(const Eigen::VectorXd& we
     eigen.computeFromTridiagonal(diagonal.head(m + 1), beside.head(m));
     // |W C W y - theta y| of a Ritz vector y = Q s is beside_m |s_m|; what is left of theta is of its second
     // order.
-    bool settled = true;
+    bool converged = true;
     for (Eigen::Index k = m; k >= 0 && m - k < static_cast<Eigen::Index>(most); --k) {
-      settled =
-          settled && beside[m] * std::abs(eigen.eigenvectors()(m, k)) <= kConverged * eigen.eigenvalues()[k];
+      converged = converged &&
+                  beside[m] * std::abs(eigen.eigenvectors()(m, k)) <= kConverged * eigen.eigenvalues()[k];
       if (eigen.eigenvalues()[k] < least) break;
     }
-    if (!last && !settled) continue;
+    if (!last && !converged) continue;
     for (Eigen::Index k = m; k >= 0 && directions.size() < most && eigen.eigenvalues()[k] >= least; --k)
       directions.push_back(
           {eigen.eigenvalues()[k], (Q.leftCols(m + 1) * eigen.eigenvectors().col(k)).normalized()});

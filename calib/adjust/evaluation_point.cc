@@ -15,9 +15,9 @@
 namespace octant::calib {
 namespace {
 
-Residuals residuals_of(const ReducedSystem& system) {
+SystemResiduals system_residuals_of(const ReducedSystem& system) {
   constexpr double kLeastPivot = 1e-13, kLeastInformation = 1e-300;
-  Residuals out;
+  SystemResiduals out;
   // What is left of a parameter that nothing sees is rounding, which may be below zero: it takes no part.
   const Eigen::VectorXd diagonal = system.H.diagonal();
   const Eigen::VectorXd scale = diagonal.cwiseMax(0.0).cwiseSqrt();
@@ -43,14 +43,14 @@ Residuals residuals_of(const ReducedSystem& system) {
 }  // namespace
 
 void EvaluationPoint::PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) {
-  if (new_evaluation_point || !settled) {
+  if (new_evaluation_point || !is_solved) {
     state = layout->state_of(*x);
-    cost = observations->settle(state, options->loss);
-    settled = true;
+    cost = observations->solve_states(state, options->loss);
+    is_solved = true;
   }
   if (!evaluate_jacobians) return;
   if (dense) {
-    look();
+    evaluate_system();
     return;
   }
   std::vector<ReducedSystem> systems;
@@ -59,21 +59,21 @@ void EvaluationPoint::PrepareForEvaluation(bool evaluate_jacobians, bool new_eva
                          [](double before, const ReducedSystem& one) { return before + one.cost; });
   residuals.resize(systems.size());
   for_each_parallel(systems.size(), options->workers.threads, [&](std::size_t i) {
-    residuals[i] = residuals_of(systems[i]);
+    residuals[i] = system_residuals_of(systems[i]);
     systems[i] = {};
   });
 }
 
-void EvaluationPoint::look() {
+void EvaluationPoint::evaluate_system() {
   at_rest = reduced_at.size() > 0 && nothing_left_to_gain();
   if (at_rest) {
-    look_from_last();
+    move_last_residuals();
     return;
   }
   observations->reduce(state, options->loss, sum);
   cost = sum.cost;
   reduced_at = *x;
-  residuals.assign(1, residuals_of(sum));
+  residuals.assign(1, system_residuals_of(sum));
 }
 
 bool EvaluationPoint::nothing_left_to_gain() const {
@@ -95,8 +95,8 @@ bool EvaluationPoint::rays_are_the_same() const {
   return !moved(layout->beacon, kBeaconM) && !moved(layout->receiver, kReceiverM);
 }
 
-void EvaluationPoint::look_from_last() {
-  Residuals& r = residuals[0];
+void EvaluationPoint::move_last_residuals() {
+  SystemResiduals& r = residuals[0];
   r.z += r.R * (*x - reduced_at);
   r.rest = std::sqrt(std::max(0.0, 2.0 * cost - r.z.squaredNorm()));
   observations->commit();

@@ -13,23 +13,23 @@
 namespace octant::calib {
 
 /// A reduced system as residuals: H = R'R, g = R'z, and one row more so that half their squares are the cost.
-struct Residuals {
+struct SystemResiduals {
   Eigen::MatrixXd R;
   Eigen::VectorXd z;
   double rest = 0.0;
 };
 
 /// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate
-/// is settled, and where it is taken only its reduction is added.
+/// is solved, and where it is taken only its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
-  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* its_layout,
-                  const Eigen::VectorXd* its_x, const AdjustOptions& its_options)
+  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* layout_of_all,
+                  const Eigen::VectorXd* x_of_all, const AdjustOptions& options_of_all)
       : observations(all),
         tiles(all_tiles),
-        layout(its_layout),
-        x(its_x),
-        options(&its_options),
-        dense(tiles == nullptr || is_dense(*its_layout)) {}
+        layout(layout_of_all),
+        x(x_of_all),
+        options(&options_of_all),
+        dense(tiles == nullptr || is_dense(*layout_of_all)) {}
 
   SystemSum* observations;
   TileSum* tiles;  ///< the same, where each may be asked for its own
@@ -39,11 +39,11 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   bool dense;
   SharedState state;
   double cost = 0.0;
-  bool settled = false;
-  bool at_rest = false;              ///< the step that led here was the last worth taking
-  ReducedSystem sum;                 ///< dense
-  Eigen::VectorXd reduced_at;        ///< where that was formed
-  std::vector<Residuals> residuals;  ///< of the sum; else of each tile
+  bool is_solved = false;
+  bool at_rest = false;                    ///< the step that led here was the last worth taking
+  ReducedSystem sum;                       ///< dense
+  Eigen::VectorXd reduced_at;              ///< where that was formed
+  std::vector<SystemResiduals> residuals;  ///< of the sum; else of each tile
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
 
@@ -53,16 +53,16 @@ struct EvaluationPoint : ceres::EvaluationCallback {
 
  private:
   /// The system here, which is not even needed where nothing worth while is left to gain.
-  void look();
+  void evaluate_system();
 
   /// A step gains half of its square in the matrix. Steps of Gauss and Newton leave a few hundredths of the
   /// way behind where lever arms are as short as an octagon's, a tenth at most, and the square of that of the
-  /// gain. The matrix changes by some times what the foretold gain was off, which has to stay below what
+  /// gain. The matrix changes by some times what the predicted gain was off, which has to stay below what
   /// anybody reads in a covariance.
   [[nodiscard]] bool nothing_left_to_gain() const;
 
   /// The last system as it looks from here.
-  void look_from_last();
+  void move_last_residuals();
 };
 
 }  // namespace octant::calib

@@ -17,10 +17,10 @@ class SparseSum {
   explicit SparseSum(int size) : sum_(size, size) {}
   void add(int i, int j, double value) {
     elements_.emplace_back(i, j, value);
-    if (elements_.size() >= kPortion) take();
+    if (elements_.size() >= kPortion) add_elements();
   }
   [[nodiscard]] Eigen::SparseMatrix<double> result() {
-    take();
+    add_elements();
     sum_.makeCompressed();
     Eigen::SparseMatrix<double> result;
     result.swap(sum_);
@@ -29,7 +29,7 @@ class SparseSum {
 
  private:
   static constexpr std::size_t kPortion = 1'000'000;
-  void take() {
+  void add_elements() {
     Eigen::SparseMatrix<double> portion(sum_.rows(), sum_.cols());
     portion.setFromTriplets(elements_.begin(), elements_.end());
     sum_ += portion;
@@ -47,7 +47,7 @@ Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const 
                                                   const Workers& workers) {
   const SharedState state = layout.state_of(x);
   TileSum tiles(trajectories, layout, workers);
-  static_cast<void>(tiles.settle(state, loss));
+  static_cast<void>(tiles.solve_states(state, loss));
   std::vector<ReducedSystem> systems;
   tiles.reduce_each(state, loss, systems);
   tiles.share_states();
@@ -73,7 +73,7 @@ Information information_at(const Problem& problem, const ParameterLayout& layout
   Information info;
   const SharedState state = layout.state_of(x);
   TileSum tiles(trajectories, layout, workers);
-  static_cast<void>(tiles.settle(state, loss));
+  static_cast<void>(tiles.solve_states(state, loss));
   ReducedSystem sum;
   tiles.reduce(state, loss, sum);
   info.data_cost = sum.cost;

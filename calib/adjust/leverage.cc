@@ -79,14 +79,14 @@ LeverageSweep::LeverageSweep(const ParameterLayout& layout, const Covariance& C)
   for (const auto& columns : layout.beacon)
     for (const int c : columns)
       if (c >= 0) coordinates.push_back(c);
-  take_root(symmetric_root_of(*C.matrix()), coordinates);
+  set_root(symmetric_root_of(*C.matrix()), coordinates);
   lateness_total_.assign(layout.beacon.size(), 0.0);
   lateness_remaining_.assign(layout.beacon.size(), 0.0);
   lateness_shared_.setZero(static_cast<Eigen::Index>(layout.beacon.size()), root_.cols());
 }
 
 /// @param coordinates  rows of L that are coordinates of beacons
-void LeverageSweep::take_root(const Eigen::MatrixXd& L, const std::vector<int>& coordinates) {
+void LeverageSweep::set_root(const Eigen::MatrixXd& L, const std::vector<int>& coordinates) {
   root_ = L;
   beacon_root_.resize(static_cast<Eigen::Index>(coordinates.size()), root_.cols());
   for (std::size_t i = 0; i < coordinates.size(); ++i)
@@ -96,24 +96,24 @@ void LeverageSweep::take_root(const Eigen::MatrixXd& L, const std::vector<int>& 
 
 /// L of the parameters that a segment sees.
 void LeverageSweep::focus(const Trajectory& t, const Segment& segment, const SharedState& state) {
-  for (const int column : seen_) place_[static_cast<std::size_t>(column)] = -1;
-  seen_.clear();
+  for (const int column : touched_) place_[static_cast<std::size_t>(column)] = -1;
+  touched_.clear();
   std::vector<int> coordinates;
-  const auto take = [&](int column) {
+  const auto add_column = [&](int column) {
     if (column < 0 || place_[static_cast<std::size_t>(column)] >= 0) return false;
-    place_[static_cast<std::size_t>(column)] = static_cast<int>(seen_.size());
-    seen_.push_back(column);
+    place_[static_cast<std::size_t>(column)] = static_cast<int>(touched_.size());
+    touched_.push_back(column);
     return true;
   };
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
     if (!row.has_shared) return;
     for (const int column : layout_.beacon[row.beacon.index()])
-      if (take(column)) coordinates.push_back(place_[static_cast<std::size_t>(column)]);
+      if (add_column(column)) coordinates.push_back(place_[static_cast<std::size_t>(column)]);
     const RowEntries entries = row_entries(row, t.run, layout_, state);
     for (std::size_t i = 0; i < static_cast<std::size_t>(entries.count); ++i)
-      static_cast<void>(take(entries.column[i]));
+      static_cast<void>(add_column(entries.column[i]));
   });
-  take_root(pivoted_root_of(C_->block(seen_)), coordinates);
+  set_root(pivoted_root_of(C_->block(touched_)), coordinates);
 }
 
 double LeverageSweep::leverage_of(const std::vector<std::pair<int, double>>& entries) const {

@@ -28,7 +28,7 @@ namespace octant::calib {
   return rows;
 }
 
-/// One observation of a settled adjustment and its pull on the result.
+/// One observation of a solved adjustment and its pull on the result.
 struct RowLeverage {
   const Trajectory& trajectory;
   const ObservationRow& row;  ///< whitened
@@ -64,12 +64,12 @@ class LeverageSweep {
   /// @param C  joint covariance of the layout's parameters, not owned
   LeverageSweep(const ParameterLayout& layout, const Covariance& C);
 
-  /// Calls visit(RowLeverage) for every row in use of the placed segments, plain squares, at settled states.
+  /// Calls visit(RowLeverage) for every row in use of the placed segments, plain squares, at solved states.
   /// @param every  of long logs: only the first of so many of the segments [first, last)
   template <class Visitor>
   void sweep(const Trajectory& trajectory, const SharedState& state, std::size_t first, std::size_t last,
-             std::size_t every, Visitor&& visit) {
-    for (std::size_t s = first; s < last; s += every) {
+             std::size_t stride, Visitor&& visit) {
+    for (std::size_t s = first; s < last; s += stride) {
       const Segment& segment = trajectory.segments[s];
       if (!trajectory.nodes[segment.first_node].placed) continue;
       if (C_->matrix() == nullptr) focus(trajectory, segment, state);
@@ -100,7 +100,7 @@ class LeverageSweep {
   [[nodiscard]] std::size_t block_count() const { return carry_.size(); }
   [[nodiscard]] Segment part(const Trajectory& t, const Segment& segment, std::size_t block) const;
   void focus(const Trajectory& t, const Segment& segment, const SharedState& state);
-  void take_root(const Eigen::MatrixXd& L, const std::vector<int>& coordinates);
+  void set_root(const Eigen::MatrixXd& L, const std::vector<int>& coordinates);
   void forward(const Trajectory& t, const Segment& segment, const SharedState& state);
   void backward(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block);
   void assemble(const Trajectory& t, const Segment& segment, const SharedState& state, std::size_t block,
@@ -114,7 +114,7 @@ class LeverageSweep {
   const SharedState* state_ = nullptr;  ///< of the sweep at hand
   const Covariance* C_;
   std::vector<int> place_;    ///< of each parameter in L; -1: the segment at hand does not see it
-  std::vector<int> seen_;     ///< parameters that stand in L
+  std::vector<int> touched_;  ///< parameters that stand in L
   RowMatrix root_;            ///< L, parameters x rank
   Eigen::MatrixXd beacon_C_;  ///< beacon coordinates x parameters
   RowMatrix beacon_root_;     ///< rows of L of the beacon coordinates

@@ -22,7 +22,7 @@ inline void put_numbers(const Node& node, double* to) {
   std::copy(numbers, numbers + kNumbersOfNode, to);
 }
 
-inline void take_numbers(const double* from, Node& node) {
+inline void read_numbers(const double* from, Node& node) {
   node.T_map_vehicle.translation_m = {from[0], from[1], from[2]};
   node.T_map_vehicle.rotation = Eigen::Quaterniond(from[6], from[3], from[4], from[5]);
   node.cycle_offset_s = from[7];

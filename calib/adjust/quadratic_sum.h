@@ -19,12 +19,12 @@ class QuadraticSum : public SystemSum {
       : system_(system), at_(std::move(at)), x_(x) {
     system_.H.diagonal() *= 1.0 + damping;
   }
-  double settle(const SharedState& /*state*/, const RobustLoss& /*loss*/) override {
+  double solve_states(const SharedState& /*state*/, const RobustLoss& /*loss*/) override {
     const Eigen::VectorXd d = *x_ - at_;
     return system_.cost + d.dot(system_.gradient) + 0.5 * d.dot(system_.H * d);
   }
   void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) override {
-    sum.cost = settle(state, loss);
+    sum.cost = solve_states(state, loss);
     sum.gradient = system_.gradient + system_.H * (*x_ - at_);
     sum.H = system_.H;
   }

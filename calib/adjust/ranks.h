@@ -6,7 +6,7 @@
 
 namespace octant::calib {
 
-/// Processes that solve one problem together: all hold the same recordings, each settles and reduces its
+/// Processes that solve one problem together: all hold the same recordings, each solves for and reduces its
 /// share of the tiles, and what they found is added up. Whoever starts them (MPI) implements it; without it a
 /// process is alone.
 class Ranks {

@@ -51,8 +51,8 @@ double agreeing_sigma(std::vector<double> magnitude) {
   return sigma;
 }
 
-std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit,
-                          int threads) {
+std::size_t reject_outliers(std::vector<Trajectory>& trajectories, const SharedState& state, double limit,
+                            int threads) {
   std::atomic<std::size_t> changes{0};
   const auto decide = [&](double residual, Rejection now, std::size_t& changed) {
     const bool out = std::abs(residual) > (now == Rejection::kUsed ? limit : kReadmit * limit);

@@ -21,9 +21,9 @@ inline constexpr double kCauchyScale = 2.385;
 [[nodiscard]] double agreeing_sigma(std::vector<double> magnitudes);
 
 /// Marks arrivals and bearings beyond `limit` sigmas as rejected, late or early, and readmits those within
-/// 0.9 of it. Returns how many marks changed.
-std::size_t mark_rejected(std::vector<Trajectory>& trajectories, const SharedState& state, double limit,
-                          int threads = 1);
+/// 0.9 of it. Returns how many rejections changed.
+std::size_t reject_outliers(std::vector<Trajectory>& trajectories, const SharedState& state, double limit,
+                            int threads = 1);
 
 /// The noise of arrivals is another one: what a measured amplitude leaves of the walk is no noise of the
 /// times, and stays.

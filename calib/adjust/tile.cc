@@ -13,7 +13,7 @@
 #include "calib/chain/chain_reduction.h"
 #include "calib/lanes/stop_block.h"
 #include "models/support/parallel.h"
-#include "models/trajectory/settle.h"
+#include "models/trajectory/solve_states.h"
 
 namespace octant::calib {
 namespace {
@@ -65,7 +65,7 @@ void Tile::find_columns() {
     for (const PathColumns& path : chains_->paths()) touch(path);
   if (stops_) {
     std::vector<char> beacon(layout.beacon.size(), 0), receiver(layout.receiver.size(), 0);
-    stops_->mark_heard(beacon, receiver);
+    stops_->collect_heard(beacon, receiver);
     for (std::size_t b = 0; b < beacon.size(); ++b)
       for (std::size_t r = 0; beacon[b] != 0 && r < receiver.size(); ++r)
         if (receiver[r] != 0) touch(path_columns(layout, BeaconId(b), ReceiverId(r), t.run));
@@ -123,12 +123,12 @@ void Tile::rewind_general() {
   }
 }
 
-double Tile::settle(const SharedState& state, const RobustLoss& loss, int threads) {
+double Tile::solve_states(const SharedState& state, const RobustLoss& loss, int threads) {
   rewind_general();
   has_moved_ = true;
-  double cost = stops_ ? stops_->settle(state, loss) : 0.0;
-  settled_.assign(general_.size(), 0.0);
-  const SettleOptions single{.threads = threads},
+  double cost = stops_ ? stops_->solve_states(state, loss) : 0.0;
+  solved_costs_.assign(general_.size(), 0.0);
+  const StateSolveOptions single{.threads = threads},
       chain{.tolerance = is_plain(loss) ? kChainAtRest : kRobustChainAtRest,
             .left_behind = kLeftToReduction,
             .threads = threads};
@@ -137,8 +137,9 @@ double Tile::settle(const SharedState& state, const RobustLoss& loss, int thread
     if (!trajectory_->nodes[segment.first_node].placed)
       continue;  // a segment that no start could place says nothing
     const bool is_chain = segment.last_node - segment.first_node > 1;
-    settled_[i] = octant::settle(*trajectory_, segment, state, loss, is_chain ? chain : single).cost;
-    cost += settled_[i];
+    solved_costs_[i] =
+        octant::solve_states(*trajectory_, segment, state, loss, is_chain ? chain : single).cost;
+    cost += solved_costs_[i];
   }
   return cost;
 }
@@ -151,13 +152,13 @@ double Tile::reduce(const SharedState& state, const RobustLoss& loss, const std:
     const Segment& segment = trajectory_->segments[general_[i]];
     if (!trajectory_->nodes[segment.first_node].placed) continue;
     const double cost = chains_->reduce(segment, state, loss, place, threads, system);
-    off += cost - std::exchange(settled_[i], cost);
+    off += cost - std::exchange(solved_costs_[i], cost);
   }
   return off;
 }
 
 double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system) {
-  const double cost = settle(state, loss);
+  const double cost = solve_states(state, loss);
   if (system == nullptr) return cost;
   const auto n = static_cast<Eigen::Index>(columns_.size());
   system->H.setZero(n, n);
@@ -218,7 +219,7 @@ std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& l
           for (std::size_t i = t.segments[s].first_arrival;
                i < t.segments[s].last_arrival && (key.stop || !t.moving); ++i) {
             const auto beacon = static_cast<std::uint32_t>(t.arrivals[i].beacon.value);
-            if (key.stop) arrivals->tell(i, t.arrivals[i]);
+            if (key.stop) arrivals->add(i, t.arrivals[i]);
             key.lowest = std::min(key.lowest, beacon);
             key.beacons |= std::uint64_t{1} << (beacon % 64U);
             if (t.arrivals[i].rejection == Rejection::kUsed)
@@ -235,22 +236,22 @@ std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& l
 
 std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const ParameterLayout& layout,
                              int threads) {
-  struct Part {
+  struct TileContents {
     Trajectory* trajectory;
     const StopArrivals* arrivals;
     std::vector<std::size_t> stops{}, general{};
   };
   std::vector<std::unique_ptr<StopArrivals>> arrivals;
-  std::vector<Part> parts;
+  std::vector<TileContents> parts;
   std::vector<std::size_t> heard_in(layout.beacon.size(),
                                     0);  // the last part, counted from one, that heard each beacon
   for (Trajectory& t : trajectories) {
     std::size_t nodes = 0, beacons = 0;
-    StopArrivals* its = nullptr;
-    if (!t.arrivals.empty()) its = arrivals.emplace_back(std::make_unique<StopArrivals>(t)).get();
-    Part part{&t, its};
+    StopArrivals* of_trajectory = nullptr;
+    if (!t.arrivals.empty()) of_trajectory = arrivals.emplace_back(std::make_unique<StopArrivals>(t)).get();
+    TileContents part{&t, of_trajectory};
     const auto close = [&] {
-      if (nodes > 0) parts.push_back(std::exchange(part, {&t, its}));
+      if (nodes > 0) parts.push_back(std::exchange(part, {&t, of_trajectory}));
       nodes = beacons = 0;
     };
     const auto new_beacons = [&](const Segment& s) {
@@ -262,7 +263,7 @@ std::vector<Tile> make_tiles(std::vector<Trajectory>& trajectories, const Parame
         }
       return count;
     };
-    for (const SegmentKey& key : tile_order(t, layout, threads, its)) {
+    for (const SegmentKey& key : tile_order(t, layout, threads, of_trajectory)) {
       if (!is_dense(layout)) beacons += new_beacons(t.segments[key.segment]);
       (key.stop ? part.stops : part.general).push_back(key.segment);
       nodes += key.nodes;

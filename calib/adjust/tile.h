@@ -61,14 +61,14 @@ class Tile {
   /// Whether it holds a chain so long that threads share its work: such tiles are evaluated one by one.
   [[nodiscard]] bool is_long() const { return is_long_; }
 
-  /// Settles the states from where they were committed and returns the cost, of chains to the second order of
-  /// what their last step gains. The trajectory shows them once
-  /// they are committed and `rewind` was called.
-  double settle(const SharedState& state, const RobustLoss& loss, int threads = 1);
-  /// Adds gradient and lower triangle of H at the states of the last `settle`; `place` tells where each
+  /// Solves for the states from where they were committed and returns the cost, of chains to the second order
+  /// of what their last step gains. The trajectory shows them once they are committed and `rewind` was
+  /// called.
+  double solve_states(const SharedState& state, const RobustLoss& loss, int threads = 1);
+  /// Adds gradient and lower triangle of H at the states of the last `solve_states`; `place` tells where each
   /// column of the layout stands in the system.
-  /// @return by how much the cost of that `settle` was off: chains are not settled to the last, and what is
-  /// left to gain is foretold by this system better than by theirs
+  /// @return by how much the cost of that `solve_states` was off: chains are not solved to the last, and what
+  /// is left to gain is predicted by this system better than by theirs
   double reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
                 ReducedSystem& system, int threads = 1);
   /// Both, in the tile's own columns.
@@ -87,7 +87,7 @@ class Tile {
   std::vector<int> columns_, blocks_;
   std::vector<int> local_of_;                         ///< global column -> local, -1
   std::vector<std::size_t> stop_segments_, general_;  ///< those that the vector kernel takes, all others
-  std::vector<double> settled_;                       ///< cost of each of the latter
+  std::vector<double> solved_costs_;                  ///< cost of each of the latter
   bool is_long_ = false;
   bool has_moved_ = true;  ///< nodes of the general segments may not be where they were committed
   std::unique_ptr<StopBlock> stops_;

@@ -49,10 +49,10 @@ void TileSum::for_each_of_mine(Work&& work) {
   }
 }
 
-double TileSum::settle(const SharedState& state, const RobustLoss& loss) {
+double TileSum::solve_states(const SharedState& state, const RobustLoss& loss) {
   std::fill(costs_.begin(), costs_.end(), 0.0);
   for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t, int threads) {
-    costs_[i] = tile.settle(state, loss, threads);
+    costs_[i] = tile.solve_states(state, loss, threads);
   });
   if (workers_.ranks != nullptr) workers_.ranks->sum(costs_);
   return std::accumulate(costs_.begin(), costs_.end(), 0.0);
@@ -126,7 +126,7 @@ void TileSum::share_states() {
   for (const Trajectory& t : trajectories_) nodes += t.nodes.size();
   // Of each node one rank tells what it is, all others nothing.
   std::vector<double> values(nodes * kNumbersOfNode, 0.0);
-  std::vector<char> told(nodes, 0);
+  std::vector<char> received(nodes, 0);
   std::vector<std::size_t> first(trajectories_.size(), 0);
   for (std::size_t i = 1; i < first.size(); ++i) first[i] = first[i - 1] + trajectories_[i - 1].nodes.size();
   for (std::size_t share = 0; share < kShares; ++share)
@@ -135,7 +135,7 @@ void TileSum::share_states() {
       const std::size_t base = first[static_cast<std::size_t>(&t - trajectories_.data())];
       tiles_[i].for_each_segment([&](std::size_t s) {
         for (std::size_t k = t.segments[s].first_node; k < t.segments[s].last_node; ++k) {
-          told[base + k] = 1;
+          received[base + k] = 1;
           if (is_mine(share)) put_numbers(t.nodes[k], values.data() + (base + k) * kNumbersOfNode);
         }
       });
@@ -143,8 +143,8 @@ void TileSum::share_states() {
   workers_.ranks->sum(values);
   for (std::size_t i = 0; i < trajectories_.size(); ++i)
     for (std::size_t k = 0; k < trajectories_[i].nodes.size(); ++k)
-      if (told[first[i] + k] != 0)
-        take_numbers(values.data() + (first[i] + k) * kNumbersOfNode, trajectories_[i].nodes[k]);
+      if (received[first[i] + k] != 0)
+        read_numbers(values.data() + (first[i] + k) * kNumbersOfNode, trajectories_[i].nodes[k]);
 }
 
 }  // namespace octant::calib

@@ -13,15 +13,15 @@
 namespace octant::calib {
 
 /// What an adjustment asks of its observations: their cost, gradient and Gauss-Newton matrix, vehicle states
-/// settled.
+/// solved.
 class SystemSum {
  public:
   virtual ~SystemSum() = default;
-  /// Settles all states; returns the cost.
-  virtual double settle(const SharedState& state, const RobustLoss& loss) = 0;
-  /// Reduced system in all the layout's parameters at the states of the last `settle`.
+  /// Solves for all states; returns the cost.
+  virtual double solve_states(const SharedState& state, const RobustLoss& loss) = 0;
+  /// Reduced system in all the layout's parameters at the states of the last `solve_states`.
   virtual void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) = 0;
-  /// Makes the states of the last `settle` those to begin from.
+  /// Makes the states of the last `solve_states` those to begin from.
   virtual void commit() {}
 
  protected:
@@ -37,11 +37,11 @@ class TileSum : public SystemSum {
  public:
   TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const Workers& workers);
 
-  /// Settles all states from where they were committed; returns the cost. Where a tile belongs to another
+  /// Solves for all states from where they were committed; returns the cost. Where a tile belongs to another
   /// rank its states here stay as they were until `share_states`.
-  double settle(const SharedState& state, const RobustLoss& loss) override;
-  /// Reduced system of everything in all the layout's parameters, at the states of the last `settle`; commits
-  /// them.
+  double solve_states(const SharedState& state, const RobustLoss& loss) override;
+  /// Reduced system of everything in all the layout's parameters, at the states of the last `solve_states`;
+  /// commits them.
   void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) override;
   /// Reduces each tile to a system of its own (in Tile::columns), for sites few of whose parameters share an
   /// observation.
@@ -52,7 +52,7 @@ class TileSum : public SystemSum {
   void commit() override;
 
   [[nodiscard]] const std::vector<Tile>& tiles() const { return tiles_; }
-  /// The cost of each tile at the last `settle`.
+  /// The cost of each tile at the last `solve_states`.
   [[nodiscard]] const std::vector<double>& costs() const { return costs_; }
 
  private:

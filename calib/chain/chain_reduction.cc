@@ -33,7 +33,7 @@ class Joiner {
         columns_(static_cast<std::size_t>(system.H.cols())),
         width_((columns_ + kBorderPad) / kBorderPad * kBorderPad) {}
 
-  void take(const Stretch& stretch, const Remains& from) {
+  void add_stretch(const Stretch& stretch, const Remains& from) {
     const std::size_t m = from.columns.size(), gradient = m + (stretch.has_left ? n : 0);
     cost_ += from.cost + 0.5 * from.H.data()[gradient * from.width + gradient];
     for (std::size_t i = 0; i < m; ++i) {
@@ -48,7 +48,7 @@ class Joiner {
       U_.assign_zero(n * n);
       G_.assign_zero(2 * n * width_);
     }
-    if (stretch.has_left) take_left(from, gradient);
+    if (stretch.has_left) join_left(from, gradient);
     double* const D = D_.data() + (stretch.has_left ? n * n : 0);
     double* const G = G_.data() + (stretch.has_left ? n * width_ : 0);
     if (stretch.has_right) {
@@ -85,7 +85,7 @@ class Joiner {
 
  private:
   /// What a stretch adds to the end before it.
-  void take_left(const Remains& from, std::size_t gradient) {
+  void join_left(const Remains& from, std::size_t gradient) {
     for (std::size_t i = 0; i < n; ++i) {
       const double* row = from.H.data() + (from.left() + i) * from.width;
       for (std::size_t j = 0; j < n; ++j)
@@ -130,7 +130,7 @@ double reduce_segment(const ChainReduction& chain, const Segment& segment, const
     for_each_parallel(count, threads, [&](std::size_t i) {
       StretchReducer<N>(chain, segment, state, loss, place, columns).reduce(stretches[first + i], remains[i]);
     });
-    for (std::size_t i = 0; i < count; ++i) join.take(stretches[first + i], remains[i]);
+    for (std::size_t i = 0; i < count; ++i) join.add_stretch(stretches[first + i], remains[i]);
   }
   return join.finish();
 }

@@ -59,7 +59,7 @@ class StretchReducer {
     out.cost = 0.0;
     find_cursors();
     find_columns();
-    if (is_planar_) take_states();
+    if (is_planar_) copy_states();
     StretchWindow<N> window(memory_.window, stretch, out);
     window_ = &window;
     if (stretch.has_left) {
@@ -140,7 +140,7 @@ class StretchReducer {
     }
   }
 
-  void take_states() {
+  void copy_states() {
     std::vector<PlanarNode>& states = memory_.states;
     states.clear();
     const std::size_t end = stretch_->last + (stretch_->has_right ? 1 : 0);
@@ -186,7 +186,7 @@ class StretchReducer {
   }
 
   void add_planar(const ArrivalObservation& a, const PlanarInterval& interval) {
-    whitening_.take(a);
+    whitening_.set(a);
     const PlanarArrival row(a, interval.at(a.alpha), state_, whitening_);
     const double ux = row.direction[0], uy = row.direction[1], uz = row.direction[2];
     const Eigen::Vector3d direction_vehicle(row.cosine * ux + row.sine * uy, row.cosine * uy - row.sine * ux,
@@ -206,7 +206,7 @@ class StretchReducer {
     for (; arrival_ < segment_.last_arrival && t_.arrivals[arrival_].node == node; ++arrival_) {
       const ArrivalObservation& a = t_.arrivals[arrival_];
       if (a.rejection != Rejection::kUsed) continue;
-      whitening_.take(a);
+      whitening_.set(a);
       const SpatialInstant at(interval, a.alpha);
       const SpatialArrival row(a, interval, at, state_, whitening_);
       add_plain(a, row, row.direction, at.turned_back(interval, row.direction_first), row.by_node.data(),

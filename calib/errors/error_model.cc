@@ -183,9 +183,10 @@ class Estimator {
   /// dropped. Draws of coarse cells scatter less than those of fine ones, so that of tr(Z_m'M Z_l Z_l'M Z_m)
   /// and the same by draws of the other the former counts for more.
   void expect() {
-    constexpr std::size_t kPart = 150'000, kFewestDraws = 9,
+    constexpr std::size_t kDrawnNumbers = 150'000, kFewestDraws = 9,
                           kMostDraws = 24;  // multiples of three partitions
-    const std::size_t draws = std::clamp(kPart / sample_.rows.size() / 3 * 3, kFewestDraws, kMostDraws),
+    const std::size_t draws =
+                          std::clamp(kDrawnNumbers / sample_.rows.size() / 3 * 3, kFewestDraws, kMostDraws),
                       all = draws * static_cast<std::size_t>(size());
     const Drawn drawn = simulated((all + kDrawsAbreast - 1) / kDrawsAbreast, [&](std::size_t panel,
                                                                                  Lines& errors) {
@@ -227,18 +228,18 @@ class Estimator {
   }
 
   /// What a unit of each component's variance adds to those of the parameters: |Z'F L'|^2.
-  [[nodiscard]] Eigen::MatrixXd told_of_parameters() const {
+  [[nodiscard]] Eigen::MatrixXd influence_on_parameters() const {
     constexpr auto kWidth = static_cast<Eigen::Index>(kDrawsAbreast);
     const Eigen::Index p = sample_.L.rows();
-    Eigen::MatrixXd told(p, size());
+    Eigen::MatrixXd influence(p, size());
     for_each_panel(static_cast<std::size_t>((p + kWidth - 1) / kWidth), [&](std::size_t panel, Room& room) {
       const Eigen::Index first = static_cast<Eigen::Index>(panel) * kWidth,
                          width = std::min(kWidth, p - first);
       draws_.influence_times(sample_.L.middleRows(first, width).transpose(), room.lines);
-      told.middleRows(first, width) =
+      influence.middleRows(first, width) =
           components_.sums_of(room.lines, room.summing).leftCols(width).transpose();
     });
-    return told;
+    return influence;
   }
 
   /// The sandwich, and each parameter's growth by what is not known of the variances.
@@ -255,13 +256,13 @@ class Estimator {
     for (const Eigen::MatrixXd& part : parts)
       if (part.size() > 0) S += per_sample * part;
     Eigen::MatrixXd C = sample_.L * S * sample_.L.transpose();
-    const Eigen::MatrixXd told = per_sample * told_of_parameters();
+    const Eigen::MatrixXd influence = per_sample * influence_on_parameters();
     const Eigen::VectorXd held =
-        sample_.L.rowwise().squaredNorm() - told.leftCols(components_.whites()).rowwise().sum();
+        sample_.L.rowwise().squaredNorm() - influence.leftCols(components_.whites()).rowwise().sum();
     Eigen::VectorXd growth = Eigen::VectorXd::Ones(p);
     std::vector<double> behind;
     for (Eigen::Index i = 0; i < p; ++i) {
-      const Eigen::RowVectorXd variances = (told.row(i) * scatter_).array() + std::max(0.0, held[i]);
+      const Eigen::RowVectorXd variances = (influence.row(i) * scatter_).array() + std::max(0.0, held[i]);
       const double mean = variances.mean(), spread = (variances.array() - mean).square().mean();
       if (!(mean > 0) || !(spread > 0)) continue;
       const double nu = std::max(kFewestFreedoms, 2 * mean * mean / spread);

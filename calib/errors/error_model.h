@@ -78,7 +78,7 @@ struct ErrorSample;
 /// Residuals that pass as white (each sum against its simulated distribution, Bonferroni over all, one in ten
 /// thousand) leave all as it is.
 /// @param C  covariance under white noise; a site so large that it is no matrix is not modelled
-/// @param trajectories  settled, marked
+/// @param trajectories  solved, outliers rejected
 /// @param share_of_log  where they hold only a part of what C is of
 [[nodiscard]] ErrorModel error_model_of(const ParameterLayout& layout,
                                         const std::vector<Trajectory>& trajectories, const SharedState& state,

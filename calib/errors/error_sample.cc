@@ -70,8 +70,9 @@ class SampleBuilder {
     for (const Trajectory& t : trajectories_) all += t.arrivals.size() + t.bearings.size();
     for (const Trajectory& t : trajectories_) {
       const auto mine = static_cast<double>(t.arrivals.size() + t.bearings.size());
-      take(t, std::min(1.0, static_cast<double>(most_) / static_cast<double>(std::max<std::size_t>(all, 1))),
-           mine);
+      add_segments(
+          t, std::min(1.0, static_cast<double>(most_) / static_cast<double>(std::max<std::size_t>(all, 1))),
+          mine);
     }
     sample_.residual = Eigen::Map<const Eigen::VectorXd>(residual_.data(), std::ssize(residual_));
     const Eigen::Index rank = sample_.L.cols();
@@ -84,34 +85,34 @@ class SampleBuilder {
 
  private:
   /// All segments of a trajectory, or stretches of them that lie evenly.
-  void take(const Trajectory& t, double share, double observations) {
+  void add_segments(const Trajectory& t, double share, double observations) {
     const std::size_t segments = t.segments.size();
     if (share < kShareOfLongDrive && segments == 1 && is_long_chain(t.segments[0])) {
-      take_stretches(t, share);
+      add_stretches(t, share);
       return;
     }
     if (share >= 1.0 || segments < 4 * kStretches || observations < 1.0) {
-      take(t, 0, segments);
+      add_segments(t, 0, segments);
       return;
     }
     const std::size_t pitch = segments / kStretches;
     const auto length =
         std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(pitch)));
-    for (std::size_t i = 0; i < kStretches; ++i) take(t, i * pitch, i * pitch + length);
+    for (std::size_t i = 0; i < kStretches; ++i) add_segments(t, i * pitch, i * pitch + length);
   }
 
-  /// Stretches of a long drive, each settled for itself: neighbours have a part in residuals within a chain.
-  void take_stretches(const Trajectory& t, double share) {
+  /// Stretches of a long drive, each solved for itself: neighbours have a part in residuals within a chain.
+  void add_stretches(const Trajectory& t, double share) {
     const Segment& whole = t.segments[0];
     const double nodes = share * static_cast<double>(whole.last_node - whole.first_node) / kStretches;
     Trajectory some = pick_segments(
         t, spread_stretches(t, whole, kStretches, std::max<std::size_t>(2, static_cast<std::size_t>(nodes))));
     for (const Segment& s : some.segments)
-      if (some.nodes[s.first_node].placed) settle(some, s, state_, {});
-    take(some, 0, some.segments.size());
+      if (some.nodes[s.first_node].placed) solve_states(some, s, state_, {});
+    add_segments(some, 0, some.segments.size());
   }
 
-  void take(const Trajectory& t, std::size_t first, std::size_t last) {
+  void add_segments(const Trajectory& t, std::size_t first, std::size_t last) {
     const std::size_t rows = sample_.rows.size() + most_rows(t, first, last);  // the most of a sample
     if (rows > static_cast<std::size_t>(sample_.F.rows())) {  // many small stretches: few times
       const std::size_t room = std::max(rows, sample_.rows.size() * 3 / 2);

@@ -37,7 +37,7 @@ Kind kind_of(RowKind kind) {
 }
 
 /// Sums of one part of the observations.
-struct Part {
+struct ResidualSums {
   std::size_t observations = 0;
   double squares = 0.0, redundancy = 0.0;
   void add(double residual, double r) {
@@ -65,14 +65,14 @@ class Collector {
  public:
   Collector(const Problem& problem, const ParameterLayout& layout,
             const std::vector<Trajectory>& trajectories, const SharedState& state, const Covariance& C,
-            double noise_factor, int threads, std::size_t all_epochs, const WholeLog* whole)
+            double noise_factor, int threads, std::size_t all_epochs, const LogTotals* log)
       : threads_(threads),
         problem_(problem),
         layout_(layout),
         trajectories_(trajectories),
         state_(state),
         C_(C),
-        whole_(whole),
+        log_(log),
         sweep_(layout, C),
         variance_scale_(noise_factor * noise_factor),
         beacons_(problem.site.beacons.size()) {
@@ -81,14 +81,14 @@ class Collector {
       if (t.segments.size() == t.nodes.size()) epochs += t.segments.size();
       if (has_long_chain(t)) epochs += t.nodes.size();
     }
-    step_ = looked_at_every(epochs, all_epochs);
-    out_.every = step_ * (whole == nullptr ? 1 : whole->every);
+    step_ = sample_stride(epochs, all_epochs);
+    out_.stride = step_ * (log == nullptr ? 1 : log->stride);
   }
 
   Reliability run() {
     for (const Trajectory& t : trajectories_) {
       const bool stops = t.segments.size() == t.nodes.size();
-      if (out_.every > 1 && (stops || has_long_chain(t))) {
+      if (out_.stride > 1 && (stops || has_long_chain(t))) {
         const auto rows = stops ? sweep_spread_stops(sweep_, t, state_, step_, threads_)
                                 : sweep_spread_stretches(sweep_, t, state_, step_, threads_);
         make_room(rows.size());
@@ -100,7 +100,7 @@ class Collector {
     }
     shared_observations();
     arrivals();
-    const double share = share_looked_at();
+    const double share = sampled_share();
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
       const bool sampled = kind != kPrior && kind != kDistance;
       out_.redundancy_sum += kinds_[kind].redundancy * (sampled ? share : 1.0);
@@ -121,7 +121,7 @@ class Collector {
 
  private:
   struct OfBeacon {
-    Part part;
+    ResidualSums part;
     double sum_s = 0.0, squares_s2 = 0.0;
     std::size_t uncontrolled = 0;
     std::vector<double> mdb_s, influence_m;
@@ -191,11 +191,11 @@ class Collector {
   }
 
   /// Arrivals used over those looked at.
-  [[nodiscard]] double share_looked_at() const {
-    if (out_.every == 1 || kinds_[kTof].observations == 0) return 1.0;
-    std::size_t used = whole_ == nullptr ? 0 : whole_->used();
+  [[nodiscard]] double sampled_share() const {
+    if (out_.stride == 1 || kinds_[kTof].observations == 0) return 1.0;
+    std::size_t used = log_ == nullptr ? 0 : log_->used();
     for (const Trajectory& t : trajectories_)
-      for (std::size_t i = 0; whole_ == nullptr && i < t.arrivals.size(); ++i)
+      for (std::size_t i = 0; log_ == nullptr && i < t.arrivals.size(); ++i)
         used += t.arrivals[i].rejection == Rejection::kUsed;
     return static_cast<double>(used) / static_cast<double>(kinds_[kTof].observations);
   }
@@ -207,7 +207,7 @@ class Collector {
     constexpr std::size_t kAtOnce = 64;
     std::vector<LatenessInformation> late(layout_.beacon.size());
     std::vector<int> delays, beacons;
-    const auto take = [&] {
+    const auto solve_delays = [&] {
       const Eigen::MatrixXd moved = C_.columns(delays);
       for (std::size_t k = 0; k < delays.size(); ++k) {
         const double p = prior_weight(delays[k]),
@@ -231,9 +231,9 @@ class Collector {
       if (delay < 0) continue;
       delays.push_back(delay);
       beacons.push_back(static_cast<int>(b));
-      if (delays.size() == kAtOnce) take();
+      if (delays.size() == kAtOnce) solve_delays();
     }
-    take();
+    solve_delays();
     return late;
   }
   [[nodiscard]] double prior_weight(int column) const {
@@ -276,7 +276,7 @@ class Collector {
     order.resize(few);
     out_.worst = std::move(order);
     for (const ArrivalReliability& a : out_.arrivals) out_.beyond_critical += std::abs(a.w) > kCriticalW;
-    const Part& tof = kinds_[kTof];
+    const ResidualSums& tof = kinds_[kTof];
     if (tof.observations > 0) out_.mean_redundancy = tof.redundancy / static_cast<double>(tof.observations);
   }
 
@@ -298,7 +298,7 @@ class Collector {
     b.influence_median_m = median_of(sums.influence_m);
     b.influence_worst_m = largest_of(sums.influence_m);
     if (lateness_.empty())
-      lateness_ = out_.every > 1 || C_.matrix() == nullptr ? lateness_by_delays() : sweep_.lateness();
+      lateness_ = out_.stride > 1 || C_.matrix() == nullptr ? lateness_by_delays() : sweep_.lateness();
     const LatenessInformation& late = lateness_[index];
     if (late.total > 0 && late.remaining > kUnnoticed * late.total) {
       b.lateness_mdb_s = kDelta0 / std::sqrt(late.remaining);
@@ -308,15 +308,14 @@ class Collector {
   }
 
   void left_out() {
-    if (whole_ != nullptr) {
+    if (log_ != nullptr) {
       for (std::size_t b = 0; b < out_.beacons.size(); ++b) {
         BeaconReliability& beacon = out_.beacons[b];
-        beacon.used = whole_->count(b, Rejection::kUsed);
-        beacon.late = whole_->count(b, Rejection::kLate);
-        beacon.early = whole_->count(b, Rejection::kEarly);
-        beacon.other =
-            std::accumulate(whole_->of_beacon[b].begin(), whole_->of_beacon[b].end(), std::size_t{0}) -
-            beacon.used - beacon.late - beacon.early;
+        beacon.used = log_->count(b, Rejection::kUsed);
+        beacon.late = log_->count(b, Rejection::kLate);
+        beacon.early = log_->count(b, Rejection::kEarly);
+        beacon.other = std::accumulate(log_->of_beacon[b].begin(), log_->of_beacon[b].end(), std::size_t{0}) -
+                       beacon.used - beacon.late - beacon.early;
       }
       return;
     }
@@ -349,11 +348,11 @@ class Collector {
   const std::vector<Trajectory>& trajectories_;
   const SharedState& state_;
   const Covariance& C_;
-  const WholeLog* whole_;
+  const LogTotals* log_;
   std::size_t step_ = 1;
   LeverageSweep sweep_;
   double variance_scale_;
-  std::array<Part, kKinds> kinds_;
+  std::array<ResidualSums, kKinds> kinds_;
   std::vector<OfBeacon> beacons_;
   std::vector<LatenessInformation> lateness_;
   std::vector<GroupedResidual> by_beacon_, by_receiver_, by_distance_, by_temperature_, by_incidence_,
@@ -381,10 +380,10 @@ ErrorEllipse error_ellipse(const Eigen::Matrix3d& covariance_m2) {
 Reliability reliability_of(const Problem& problem, const ParameterLayout& layout,
                            const std::vector<Trajectory>& trajectories, const SharedState& state,
                            const Covariance& C, const std::vector<BeaconStatus>& beacon_status,
-                           double noise_factor, int threads, std::size_t all_epochs, const WholeLog* whole) {
+                           double noise_factor, int threads, std::size_t all_epochs, const LogTotals* log) {
   if (C.size() != layout.size() || !C.all_finite()) return {};
   Reliability out =
-      Collector(problem, layout, trajectories, state, C, noise_factor, threads, all_epochs, whole).run();
+      Collector(problem, layout, trajectories, state, C, noise_factor, threads, all_epochs, log).run();
   for (std::size_t b = 0; b < out.beacons.size() && b < beacon_status.size(); ++b) {
     if (beacon_status[b] != BeaconStatus::kCalibrated) continue;
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "calib/adjust/covariance.h"
+#include "calib/problem/log_totals.h"
 #include "calib/problem/parameters.h"
-#include "calib/problem/whole_log.h"
 #include "models/deployment.h"
 #include "models/trajectory/trajectory.h"
 
@@ -92,7 +92,7 @@ struct Reliability {
   bool ok = false;  ///< false: there is no covariance to judge by
   /// Of a long log only one epoch in so many was looked at for what concerns single arrivals (redundancy
   /// numbers, w, minimal detectable biases, residual groups, variance components); 1: all were.
-  std::size_t every = 1;
+  std::size_t stride = 1;
   std::vector<ArrivalReliability> arrivals;
   std::vector<std::size_t> worst;   ///< indices into arrivals, largest |w| first, at most kWorst
   std::size_t beyond_critical = 0;  ///< |w| > kCriticalW
@@ -114,7 +114,7 @@ inline constexpr std::size_t kAllEpochs = 6000;
 
 /// @param all_epochs    of more epochs than these only every so many-th is looked at
 /// @param whole         where the trajectories are only a part of the log: counts of all of it
-/// @param trajectories  settled at the solution's state, arrivals marked used or rejected
+/// @param trajectories  solved at the solution's state, arrivals marked used or rejected
 /// @param state         adjusted shared parameters
 /// @param C             joint covariance of the layout's parameters
 /// @param noise_factor  noise of the arrivals as found over the stated one
@@ -123,9 +123,9 @@ inline constexpr std::size_t kAllEpochs = 6000;
                                          const SharedState& state, const Covariance& C,
                                          const std::vector<BeaconStatus>& beacon_status, double noise_factor,
                                          int threads = 1, std::size_t all_epochs = kAllEpochs,
-                                         const WholeLog* whole = nullptr);
+                                         const LogTotals* log = nullptr);
 /// One in so many epochs is looked at.
-[[nodiscard]] inline std::size_t looked_at_every(std::size_t epochs, std::size_t all_epochs = kAllEpochs) {
+[[nodiscard]] inline std::size_t sample_stride(std::size_t epochs, std::size_t all_epochs = kAllEpochs) {
   return epochs > all_epochs ? (epochs + all_epochs - 1) / all_epochs : 1;
 }
 

@@ -33,25 +33,25 @@ SweptRow swept_row(const RowLeverage& l) {
 bool has_long_chain(const Trajectory& t) { return t.segments.size() == 1 && is_long_chain(t.segments[0]); }
 
 std::vector<SweptRow> sweep_spread_stops(const LeverageSweep& of_all, const Trajectory& t,
-                                         const SharedState& state, std::size_t every, int threads) {
-  const std::size_t stretch = 256 * every;
+                                         const SharedState& state, std::size_t stride, int threads) {
+  const std::size_t stretch = 256 * stride;
   std::vector<std::vector<SweptRow>> rows(chunk_count(t.segments.size(), stretch));
   for_each_chunk(t.segments.size(), stretch, threads,
                  [&](std::size_t chunk, std::size_t first, std::size_t last) {
                    LeverageSweep sweep = of_all;
-                   sweep.sweep(t, state, first, last, every,
+                   sweep.sweep(t, state, first, last, stride,
                                [&](const RowLeverage& l) { rows[chunk].push_back(swept_row(l)); });
                  });
   return joined(rows);
 }
 
 std::vector<SweptRow> sweep_spread_stretches(const LeverageSweep& of_all, const Trajectory& t,
-                                             const SharedState& state, std::size_t every, int threads) {
+                                             const SharedState& state, std::size_t stride, int threads) {
   constexpr std::size_t kMarginArrivals = 150, kLeastMargin = 48;
   const Segment& whole = t.segments[0];
   const std::size_t margin =
       std::max(kLeastMargin, kMarginArrivals * t.nodes.size() / std::max<std::size_t>(t.arrivals.size(), 1));
-  const std::size_t pitch = kStretchNodes * every, count = chunk_count(t.nodes.size(), pitch);
+  const std::size_t pitch = kStretchNodes * stride, count = chunk_count(t.nodes.size(), pitch);
   std::vector<std::vector<SweptRow>> rows(count);
   for_each_parallel(count, threads, [&](std::size_t i) {
     const std::size_t first = whole.first_node + i * pitch;

@@ -26,14 +26,14 @@ struct SweptRow {
 /// parameters alone: stretches of them are swept side by side.
 [[nodiscard]] std::vector<SweptRow> sweep_spread_stops(const LeverageSweep& sweep,
                                                        const Trajectory& trajectory, const SharedState& state,
-                                                       std::size_t every, int threads);
+                                                       std::size_t stride, int threads);
 
 /// Rows of evenly spread stretches of a long drive, one part in `every` of it, in their order: each stretch
 /// with margins that are swept but not returned, as beyond some hundred arrivals a state does not feel where
 /// the chain was cut.
 [[nodiscard]] std::vector<SweptRow> sweep_spread_stretches(const LeverageSweep& sweep,
                                                            const Trajectory& trajectory,
-                                                           const SharedState& state, std::size_t every,
+                                                           const SharedState& state, std::size_t stride,
                                                            int threads);
 
 }  // namespace octant::calib

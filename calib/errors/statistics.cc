@@ -40,7 +40,7 @@ namespace {
 constexpr double kBlindRad = 2 * std::numbers::pi;
 
 /// A measured pose, angles and all.
-bool is_whole(const Trajectory& t, const PoseObservation& p) {
+bool is_complete(const Trajectory& t, const PoseObservation& p) {
   return std::isfinite(p.position_sigma_m) && p.heading_sigma_rad < kBlindRad &&
          (t.motion == Motion::kPlanar || p.attitude_sigma_rad < kBlindRad);
 }
@@ -51,7 +51,7 @@ bool may_be_blind(const Trajectory& t, const Segment& s) {
   if (s.last_node - s.first_node != 1 || t.motion_prior) return false;
   if (!t.has_cycle_offset && std::any_of(t.poses.begin() + static_cast<std::ptrdiff_t>(s.first_pose),
                                          t.poses.begin() + static_cast<std::ptrdiff_t>(s.last_pose),
-                                         [&t](const PoseObservation& p) { return is_whole(t, p); }))
+                                         [&t](const PoseObservation& p) { return is_complete(t, p); }))
     return false;
   std::size_t used = 0;
   ReceiverId first;
@@ -88,9 +88,10 @@ std::size_t observed_directions(const Trajectory& t, const Segment& segment, con
       D(angles, angles) -
       D(angles, others) *
           Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(open).solve(D(others, angles));
-  const Eigen::VectorXd told =
+  const Eigen::VectorXd information =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(angular, Eigen::EigenvaluesOnly).eigenvalues();
-  return rank_of(open) + static_cast<std::size_t>((told.array() > 1.0 / (kBlindRad * kBlindRad)).count());
+  return rank_of(open) +
+         static_cast<std::size_t>((information.array() > 1.0 / (kBlindRad * kBlindRad)).count());
 }
 
 }  // namespace

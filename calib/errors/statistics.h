@@ -26,7 +26,7 @@ struct ObservationCounts {
 [[nodiscard]] CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,
                                                   ObservationCounts counts, double cost);
 
-/// Counts, redundancy, variance factor and its two-sided chi-square test, from settled trajectories.
+/// Counts, redundancy, variance factor and its two-sided chi-square test, from solved trajectories.
 /// @param cost  1/2 the weighted sum of squares of everything, priors included
 [[nodiscard]] CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,
                                                   const std::vector<Trajectory>& trajectories,

@@ -39,7 +39,7 @@ StopArrivals::StopArrivals(const Trajectory& t)
           t.arrivals.size())),  // NOLINT(modernize-avoid-c-arrays)
       speed_mps_(t.arrivals.front().model_speed_mps) {}
 
-void StopArrivals::tell(std::size_t i, const ArrivalObservation& a) {
+void StopArrivals::add(std::size_t i, const ArrivalObservation& a) {
   if (a.model_speed_mps != speed_mps_) own_speeds_ = true;
   tof_s_[i] = a.tof_s;
   path_[i] = a.rejection == Rejection::kUsed
@@ -205,7 +205,7 @@ void StopBlock::pack(const StopArrivals& arrivals) {
   }
 }
 
-void StopBlock::mark_heard(std::vector<char>& beacons, std::vector<char>& receivers) const {
+void StopBlock::collect_heard(std::vector<char>& beacons, std::vector<char>& receivers) const {
   for (const Group& g : groups_)
     for (const std::int32_t b : g.beacons) beacons[static_cast<std::size_t>(b)] = 1;
   for (const StopSlot& slot : slots_) receivers[first_receiver_ + slot.receiver] = 1;
@@ -274,14 +274,14 @@ StopPack StopBlock::pack_of(std::size_t p, const Group& group) const {
           group.beacons.data(),       poses_.empty() ? nullptr : &poses_[p]};
 }
 
-double StopBlock::settle(const SharedState& state, const RobustLoss& loss) {
+double StopBlock::solve_states(const SharedState& state, const RobustLoss& loss) {
   const StopTables tables = tables_at(state, loss);
   double cost = 0.0;
   states_ = committed_;
   for (const Group& g : groups_)
     for (std::size_t p = g.first; p < g.last; ++p) {
       StopOutcome outcome;
-      settle_stops(tables, pack_of(p, g), states_[p], outcome);
+      solve_stops(tables, pack_of(p, g), states_[p], outcome);
       for (std::size_t lane = 0; lane < epochs_in(p); ++lane) {
         if (outcome.converged.of[lane] == 1.0) {
           cost += outcome.cost.of[lane];
@@ -289,7 +289,8 @@ double StopBlock::settle(const SharedState& state, const RobustLoss& loss) {
         }
         const std::size_t epoch = p * kLanes + lane;
         show(epoch);
-        cost += octant::settle(*trajectory_, trajectory_->segments[epochs_[epoch].segment], state, loss).cost;
+        cost += octant::solve_states(*trajectory_, trajectory_->segments[epochs_[epoch].segment], state, loss)
+                    .cost;
         put(epoch, trajectory_->nodes[epochs_[epoch].node]);
       }
     }

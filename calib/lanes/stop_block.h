@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "calib/lanes/stop_reduction.h"
-#include "calib/lanes/stop_settle.h"
+#include "calib/lanes/stop_solve.h"
 #include "calib/problem/parameters.h"
 #include "models/trajectory/trajectory.h"
 
@@ -30,7 +30,7 @@ class StopArrivals {
   /// Room for all arrivals of a trajectory, at least one; they are told one by one, by any threads, or not at
   /// all.
   explicit StopArrivals(const Trajectory& trajectory);
-  void tell(std::size_t i, const ArrivalObservation& arrival);
+  void add(std::size_t i, const ArrivalObservation& arrival);
 
   /// Speed of the medium where it is the same for all arrivals.
   [[nodiscard]] double speed_mps() const { return speed_mps_; }
@@ -72,9 +72,9 @@ class StopBlock {
   StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const StopArrivals& arrivals,
             const ParameterLayout* layout);
 
-  /// Settles the epochs from where they were committed and returns their cost.
-  double settle(const SharedState& state, const RobustLoss& loss);
-  /// Adds the reduced system at the states of the last `settle` to the gradient and the lower triangle;
+  /// Solves for the epochs from where they were committed and returns their cost.
+  double solve_states(const SharedState& state, const RobustLoss& loss);
+  /// Adds the reduced system at the states of the last `solve_states` to the gradient and the lower triangle;
   /// `place` tells where each column of the layout stands in it (-1: nowhere).
   void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
               ReducedSystem& system);
@@ -82,7 +82,7 @@ class StopBlock {
   /// Back to the states committed last, which the trajectory then shows too.
   void rewind();
   /// Marks the beacons and receivers of the arrivals in use.
-  void mark_heard(std::vector<char>& beacons, std::vector<char>& receivers) const;
+  void collect_heard(std::vector<char>& beacons, std::vector<char>& receivers) const;
 
  private:
   struct Epoch {

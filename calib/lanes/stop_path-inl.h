@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // Eight stops side by side: their paths' residuals and derivatives, and the normal equations of their states.
-// Compiled once for each instruction set, within stop_settle.cc and stop_reduction.cc.
+// Compiled once for each instruction set, within stop_solve.cc and stop_reduction.cc.
 #if defined(OCTANT_CALIB_LANES_STOP_PATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OCTANT_CALIB_LANES_STOP_PATH_INL_H_
 #undef OCTANT_CALIB_LANES_STOP_PATH_INL_H_
@@ -78,7 +78,7 @@ struct Antenna {
 };
 
 /// One path in all lanes.
-struct Sight {
+struct PathSight {
   V residual, weight, distance, inverse_speed;
   V rho;   ///< of a robust loss; else it is the residual's square
   V v[3];  ///< of the residual by the place of the receiver: -(unit vector) / (c sigma)
@@ -86,12 +86,12 @@ struct Sight {
 
 /// The measurement equation (models/README.md) and its loss.
 template <bool kRobust>
-HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_t slot, std::size_t part,
-                      const Antenna& antenna, const Constants& constants) {
+HWY_INLINE PathSight sight_along(const StopTables& tables, const StopPack& pack, std::size_t slot,
+                                 std::size_t part, const Antenna& antenna, const Constants& constants) {
   const double* b = tables.beacon + std::ptrdiff_t{4} * pack.beacons[pack.slot[slot].beacon];
   const V tof_s = load(pack.tof_s[slot], part);
   const Mask heard = tof_s == tof_s;
-  Sight s;
+  PathSight s;
   s.inverse_speed = constants.inverse_speed;
   if (pack.model_speed_mps != nullptr)
     s.inverse_speed = 1.0 / (load(pack.model_speed_mps[slot], part) + tables.speed_offset_mps);
@@ -115,7 +115,7 @@ HWY_INLINE Sight look(const StopTables& tables, const StopPack& pack, std::size_
 }
 
 /// Normal equations of the states, one epoch a lane.
-struct Normal {
+struct StopNormal {
   V A[4][4];  ///< lower triangle
   V g[4];
   V bend;  ///< what the bend of the ranges over the heading adds to A[2][2] of the full Hessian
@@ -128,7 +128,7 @@ struct Normal {
   }
   /// Takes over another's in some lanes.
   template <int n>
-  HWY_INLINE void take_where(Mask lanes, const Normal& other) {
+  HWY_INLINE void assign_where(Mask lanes, const StopNormal& other) {
     for (int p = 0; p < n; ++p) {
       for (int q = 0; q <= p; ++q) A[p][q] = select(lanes, other.A[p][q], A[p][q]);
       g[p] = select(lanes, other.g[p], g[p]);
@@ -147,7 +147,7 @@ struct PlaneMoments {
 /// offset).
 template <bool kOffset>
 HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, const PlaneMoments& m,
-                             Normal& out) {
+                             StopNormal& out) {
   const V h0 = a.rx * m.v01 - a.ry * m.v00, h1 = a.rx * m.v11 - a.ry * m.v01;
   out.A[0][0] += m.v00;
   out.A[1][0] += m.v01;
@@ -170,7 +170,7 @@ HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, const
 }
 
 /// Adds measured poses; their cost is twice what it counts, as that of the paths so far.
-HWY_INLINE void add_poses(const StopPack& pack, std::size_t part, const View& view, Normal& out) {
+HWY_INLINE void add_poses(const StopPack& pack, std::size_t part, const View& view, StopNormal& out) {
   for (int p = 0; p < 3; ++p) {
     const V weight = load(pack.poses->weight[p], part);
     V off = view.state[p] - load(pack.poses->value[p], part);

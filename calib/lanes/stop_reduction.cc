@@ -14,7 +14,7 @@ namespace octant::calib {
 namespace HWY_NAMESPACE {
 
 /// Derivative of a residual by the speed of the medium.
-HWY_INLINE V by_speed_of(const Sight& s, const Constants& constants) {
+HWY_INLINE V by_speed_of(const PathSight& s, const Constants& constants) {
   return constants.k * s.distance * (s.inverse_speed * s.inverse_speed);
 }
 
@@ -47,7 +47,7 @@ struct Moments {
   }
 };
 
-HWY_INLINE Moments moments_of(const Sight& s, V by_speed) {
+HWY_INLINE Moments moments_of(const PathSight& s, V by_speed) {
   Moments m;
   m.w = s.weight;
   m.s = s.weight * by_speed;
@@ -89,7 +89,7 @@ struct IntoVehicle {
 };
 
 /// Products of the derivatives by beacon, -(v, k), and by receiver, (R'v, -k).
-HWY_INLINE void add_pair(const Moments& m, const Sight& s, const View& view, const Constants& constants,
+HWY_INLINE void add_pair(const Moments& m, const PathSight& s, const View& view, const Constants& constants,
                          double* pair) {
   const IntoVehicle R{view.cosine, view.sine};
   const V by_receiver[3] = {R.x(s.v[0], s.v[1]), R.y(s.v[0], s.v[1]), s.v[2]};
@@ -128,7 +128,7 @@ HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& 
 /// Of the states' normal equations. A direction that nothing observes (heading of a lone antenna) is held: it
 /// couples to nothing.
 template <int n>
-HWY_INLINE SmallCholesky<n, V> factor_of(const Normal& normal, double unobserved) {
+HWY_INLINE SmallCholesky<n, V> factor_of(const StopNormal& normal, double unobserved) {
   V largest = normal.A[0][0];
   for (int p = 1; p < n; ++p) largest = max(largest, normal.A[p][p]);
   const V floor = unobserved * (V(1.0) + largest);
@@ -140,8 +140,8 @@ HWY_INLINE SmallCholesky<n, V> factor_of(const Normal& normal, double unobserved
 
 /// Some rows of a block of taken += Y'Y, for the rows of Y that wait.
 template <std::size_t kHeld>
-HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t stride, std::size_t waiting,
-                           std::size_t part, double* block) {
+HWY_INLINE void add_schur_block(const Lanes* left, const Lanes* right, std::size_t stride,
+                                std::size_t waiting, std::size_t part, double* block) {
   constexpr std::size_t kColumns = StopSums::kBlock;
   V sum[kHeld][kColumns];
   for (auto& row : sum)
@@ -158,25 +158,25 @@ HWY_INLINE void take_block(const Lanes* left, const Lanes* right, std::size_t st
     add_lanes(sum[p][0], sum[p][1], sum[p][2], sum[p][3], block + p * kColumns);
 }
 
-void take_in_lanes(StopSums& sums) {
+void add_schur_in_lanes(StopSums& sums) {
   // As many rows as the registers hold: 32 of them with AVX-512, else 16.
   constexpr std::size_t kHeld = HWY_TARGET <= HWY_AVX3 ? 4 : 2, kBlock = StopSums::kBlock;
   const std::size_t states = sums.has_offset ? 4 : 3, stride = StopSums::kPacksAtOnce * states,
                     waiting = sums.waiting * states;
   const Lanes* rows = sums.rows.data();
   for (std::size_t part = 0; part < kLanes; part += lanes_at_once()) {
-    double* block = sums.taken.data();
+    double* block = sums.schur.data();
     for (std::size_t i = 0; i < sums.active.size(); i += kBlock)
       for (std::size_t j = i; j < sums.active.size(); j += kBlock, block += kBlock * kBlock)
         for (std::size_t r = 0; r < kBlock; r += kHeld)
-          take_block<kHeld>(rows + (i + r) * stride, rows + j * stride, stride, waiting, part,
-                            block + r * kBlock);
+          add_schur_block<kHeld>(rows + (i + r) * stride, rows + j * stride, stride, waiting, part,
+                                 block + r * kBlock);
   }
 }
 
 /// Y = L^-1 G of the active columns onto the rows that wait, and what the states take from the gradient.
 template <bool kOffset>
-HWY_INLINE void eliminate(const Normal& normal, double unobserved, std::size_t part, StopSums& sums) {
+HWY_INLINE void eliminate(const StopNormal& normal, double unobserved, std::size_t part, StopSums& sums) {
   constexpr int n = kOffset ? 4 : 3;
   const SmallCholesky<n, V> factor = factor_of<n>(normal, unobserved);
   V y[n];
@@ -186,7 +186,7 @@ HWY_INLINE void eliminate(const Normal& normal, double unobserved, std::size_t p
   const std::size_t count = sums.active.size();
   const std::size_t* const active = sums.active.data();
   Lanes* rows = sums.rows.data() + sums.waiting * n;
-  double* const taken_gradient = sums.taken_gradient.data();
+  double* const schur_gradient = sums.schur_gradient.data();
   for (std::size_t a = 0; a < count; a += 4) {
     V gradient[4];
     for (std::size_t i = 0; i < 4; ++i, rows += StopSums::kPacksAtOnce * n) {
@@ -200,7 +200,7 @@ HWY_INLINE void eliminate(const Normal& normal, double unobserved, std::size_t p
         gradient[i] += y[p] * Y[p];
       }
     }
-    add_lanes(gradient[0], gradient[1], gradient[2], gradient[3], taken_gradient + a);
+    add_lanes(gradient[0], gradient[1], gradient[2], gradient[3], schur_gradient + a);
   }
 }
 
@@ -223,7 +223,7 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
   const View view(states, part);
   Lanes* coupling = sums.coupling.data();
   for (std::size_t c = 0; c < 4 * columns; ++c) store(0.0, coupling[c], part);
-  Normal normal;
+  StopNormal normal;
   normal.clear();
   SpeedSums speed{0.0, 0.0, {0.0, 0.0, 0.0, 0.0}};
   for (std::size_t slot = 0; slot < pack.slots;) {
@@ -233,7 +233,7 @@ HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const 
     all.clear();
     for (; slot < pack.slots && pack.slot[slot].receiver == receiver; ++slot) {
       const std::size_t beacon = pack.slot[slot].beacon;
-      const Sight s = look<kRobust>(tables, pack, slot, part, antenna, constants);
+      const PathSight s = sight_along<kRobust>(tables, pack, slot, part, antenna, constants);
       const V by_speed = by_speed_of(s, constants);
       const Moments m = moments_of(s, by_speed);
       speed.curvature += m.s * by_speed;
@@ -286,12 +286,12 @@ HWY_AFTER_NAMESPACE();
 namespace octant::calib {
 
 HWY_EXPORT(reduce_stops_in_lanes);
-HWY_EXPORT(take_in_lanes);
+HWY_EXPORT(add_schur_in_lanes);
 
 namespace {
 
-void take_waiting(StopSums& sums) {
-  HWY_DYNAMIC_DISPATCH(take_in_lanes)(sums);
+void add_waiting_schur(StopSums& sums) {
+  HWY_DYNAMIC_DISPATCH(add_schur_in_lanes)(sums);
   sums.waiting = 0;
 }
 
@@ -300,7 +300,7 @@ void take_waiting(StopSums& sums) {
 void reduce_stops(const StopTables& tables, const StopPack& pack, const StopStates& states,
                   const StopLayout& layout, double unobserved, StopSums& sums) {
   HWY_DYNAMIC_DISPATCH(reduce_stops_in_lanes)(tables, pack, states, layout, unobserved, sums);
-  if (++sums.waiting == StopSums::kPacksAtOnce) take_waiting(sums);
+  if (++sums.waiting == StopSums::kPacksAtOnce) add_waiting_schur(sums);
 }
 
 void StopSums::clear(const StopLayout& layout, bool offset) {
@@ -312,8 +312,8 @@ void StopSums::clear(const StopLayout& layout, bool offset) {
   receiver.assign(kReceiver * receivers, 0.0);
   pair.assign(kPair * layout.beacons * receivers, 0.0);
   const std::size_t side = active.size() / kBlock;
-  taken.assign(side * (side + 1) / 2 * kBlock * kBlock, 0.0);
-  taken_gradient.assign(active.size(), 0.0);
+  schur.assign(side * (side + 1) / 2 * kBlock * kBlock, 0.0);
+  schur_gradient.assign(active.size(), 0.0);
   speed_curvature = speed_gradient = 0.0;
   coupling.resize(4 * (layout.columns() + 1));
   rows.resize(active.size() * kPacksAtOnce * (offset ? 4 : 3));
@@ -322,7 +322,7 @@ void StopSums::clear(const StopLayout& layout, bool offset) {
 
 void StopSums::finish(const StopLayout& layout, double sigma_s, std::vector<double>& H,
                       std::vector<double>& gradient) {
-  if (waiting > 0) take_waiting(*this);
+  if (waiting > 0) add_waiting_schur(*this);
   const std::size_t columns = layout.columns(), at_speed = layout.speed();
   const double k = 1.0 / sigma_s;
   H.assign(columns * columns, 0.0);
@@ -357,8 +357,8 @@ void StopSums::finish(const StopLayout& layout, double sigma_s, std::vector<doub
   element(at_speed, at_speed) = speed_curvature;
   gradient[at_speed] = speed_gradient;
   const std::size_t count = layout.active.size();
-  for (std::size_t i = 0; i < count; ++i) gradient[active[i]] -= taken_gradient[i];
-  const double* e = taken.data();
+  for (std::size_t i = 0; i < count; ++i) gradient[active[i]] -= schur_gradient[i];
+  const double* e = schur.data();
   for (std::size_t i = 0; i < count; i += kBlock)
     for (std::size_t j = i; j < count; j += kBlock)
       for (std::size_t r = i; r < i + kBlock; ++r)

@@ -37,8 +37,8 @@ struct StopSums {
   std::vector<double> receiver;  ///< receivers x kReceiver
   std::vector<double> pair;      ///< (beacons x receivers) x kPair
   std::vector<double>
-      taken;  ///< what the states take away from the active columns: blocks of the upper triangle
-  std::vector<double> taken_gradient;  ///< and from their gradient
+      schur;  ///< what the states take away from the active columns: blocks of the upper triangle
+  std::vector<double> schur_gradient;  ///< and from their gradient
   double speed_curvature = 0.0, speed_gradient = 0.0;
 
   bool has_offset = false;          ///< states of four instead of three

@@ -16,7 +16,8 @@ namespace octant::calib {
 /// What all arrivals of a log say of an estimate, and the states that the verdict looks at.
 struct LogFindings {
   Findings findings;
-  std::vector<Trajectory> trajectories;  ///< settled and marked; all, or every so many-th stop or stretch
+  std::vector<Trajectory>
+      trajectories;  ///< solved, outliers rejected; all, or every so many-th stop or stretch
   std::vector<std::string> warnings;
 };
 
@@ -32,7 +33,7 @@ class CalibrationLog {
 
   struct Sample {
     const Problem* problem = nullptr;  ///< null: there is no other one
-    bool is_whole = false;
+    bool is_complete = false;
   };
   /// What a start may be made from. Of a long log that is first a part, evenly spread stops and stretches: it
   /// tells all shared parameters to a fraction of the noise. To be asked for another one where that gave

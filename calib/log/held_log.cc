@@ -21,16 +21,16 @@ constexpr int kIterationsToRest = 4;
 }  // namespace
 
 Result<CalibrationLog::Sample> HeldLog::next_sample() {
-  if (is_whole_) return Sample{};
+  if (is_complete_) return Sample{};
   if (!part_ && is_long(problem_))
-    if (auto part = part_of(problem_, options_.threads)) return Sample{&part_.emplace(std::move(*part))};
-  is_whole_ = true;
+    if (auto part = subsample_of(problem_, options_.threads)) return Sample{&part_.emplace(std::move(*part))};
+  is_complete_ = true;
   return Sample{&problem_, true};
 }
 
 Result<double> HeldLog::place(Approach& start, double sigma) {
   part_.reset();
-  if (is_whole_) {
+  if (is_complete_) {
     trajectories_ = std::move(start.trajectories);
     start_headings_rad_ = std::move(start.start_headings_rad);
     return sigma;
@@ -50,9 +50,9 @@ Result<double> HeldLog::place(Approach& start, double sigma) {
 
 Result<CalibrationStatistics> HeldLog::adjust_inliers(Estimate& estimate) {
   for (int round = 0; round < kRejectionRounds; ++round) {
-    if (!course_.report_inliers(round)) return interrupted();
+    if (!monitor_.report_inliers(round)) return interrupted();
     const std::size_t changed =
-        mark_rejected(trajectories_, estimate.state(), options_.rejection_sigmas, options_.threads);
+        reject_outliers(trajectories_, estimate.state(), options_.rejection_sigmas, options_.threads);
     if (round > 0 && changed == 0) break;
     estimate.last.data_information.reset();
     if (!adjust_to_rest(estimate)) return interrupted();
@@ -61,7 +61,7 @@ Result<CalibrationStatistics> HeldLog::adjust_inliers(Estimate& estimate) {
 }
 
 bool HeldLog::adjust_to_rest(Estimate& estimate) {
-  AdjustOptions to_rest = course_.adjust_options(0.0, 1e-12);
+  AdjustOptions to_rest = monitor_.adjust_options(0.0, 1e-12);
   to_rest.max_iterations *= kIterationsToRest;
   estimate.last = adjust(problem_, estimate.layout, trajectories_, estimate.x, to_rest);
   return !estimate.last.interrupted;

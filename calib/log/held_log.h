@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calib/log/calibration_log.h"
-#include "calib/start/course.h"
+#include "calib/start/progress_monitor.h"
 
 namespace octant::calib {
 
@@ -17,9 +17,9 @@ class HeldLog : public CalibrationLog {
  public:
   /// All outlive it.
   /// @param own_trajectories  the problem's, where they may be taken; else null
-  HeldLog(const Problem& problem, const SolveOptions& options, Course& course,
+  HeldLog(const Problem& problem, const SolveOptions& options, ProgressMonitor& monitor,
           std::vector<Trajectory>* own_trajectories = nullptr)
-      : problem_(problem), options_(options), course_(course), own_trajectories_(own_trajectories) {}
+      : problem_(problem), options_(options), monitor_(monitor), own_trajectories_(own_trajectories) {}
 
   [[nodiscard]] const Problem& problem() const override { return problem_; }
   [[nodiscard]] Result<Sample> next_sample() override;
@@ -34,13 +34,13 @@ class HeldLog : public CalibrationLog {
 
   const Problem& problem_;
   const SolveOptions& options_;
-  Course& course_;
+  ProgressMonitor& monitor_;
   std::vector<Trajectory>* own_trajectories_;
   std::optional<Problem> part_;
-  bool is_whole_ = false;  ///< the last sample
+  bool is_complete_ = false;  ///< the last sample
   std::vector<Trajectory> trajectories_;
   std::vector<std::vector<double>> start_headings_rad_;
-  std::optional<CalibrationStatistics> statistics_;  ///< at the last states, marks and noise
+  std::optional<CalibrationStatistics> statistics_;  ///< at the last states, rejections and noise
 };
 
 }  // namespace octant::calib

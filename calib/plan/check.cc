@@ -10,7 +10,7 @@
 
 #include "calib/calibrator.h"
 #include "calib/errors/variances.h"
-#include "calib/log/thinned_log.h"
+#include "calib/log/subsampled_log.h"
 
 namespace octant::calib {
 namespace {
@@ -26,7 +26,7 @@ std::vector<bool> usable_beacons(const Site& site, const Variances& variances) {
   return usable;
 }
 
-constexpr double kUnseenM = 1e4;  ///< as calibrate's words have it: beyond it nothing is known
+constexpr double kUnobservableM = 1e4;  ///< as calibrate's words have it: beyond it nothing is known
 
 BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& s, const Variances& variances,
                                bool usable, double arrivals) {
@@ -40,7 +40,7 @@ BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& 
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < 3; ++i)
     sigma[static_cast<Eigen::Index>(i)] = variances.sigma(parameters::beacon_position(b, i));
-  if (sigma.maxCoeff() < kUnseenM) f.sigma_m = sigma;
+  if (sigma.maxCoeff() < kUnobservableM) f.sigma_m = sigma;
   if (variances.has(parameters::beacon_delay(b)))
     f.delay_sigma_s = variances.sigma(parameters::beacon_delay(b));
   return f;
@@ -49,18 +49,18 @@ BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& 
 void speed_forecast(Forecast& f) {
   const Solution& s = f.solution;
   if (s.beacon_status.empty()) return;
-  f.speed_mps = speed_mps(f.thinned.site.medium) + s.state.speed_offset(0);
+  f.speed_mps = speed_mps(f.subsampled.site.medium) + s.state.speed_offset(0);
   f.speed_sigma_mps = 0.0;
   const Variances variances(s);
   for (const ParameterId& id : {parameters::speed(), parameters::speed(1)})
     if (variances.has(id)) f.speed_sigma_mps = variances.sigma(id);
 }
 
-ThinOptions share_of(const ThinOptions& options, std::size_t rows, std::size_t all) {
+SubsampleOptions share_of(const SubsampleOptions& options, std::size_t rows, std::size_t all) {
   constexpr double kLeast = 0.05;
   const double share =
       std::max(kLeast, static_cast<double>(rows) / static_cast<double>(std::max<std::size_t>(all, 1)));
-  ThinOptions o = options;
+  SubsampleOptions o = options;
   o.instants = static_cast<std::size_t>(std::ceil(share * static_cast<double>(options.instants)));
   o.drive_arrivals = static_cast<std::size_t>(std::ceil(share * static_cast<double>(options.drive_arrivals)));
   return o;
@@ -68,29 +68,31 @@ ThinOptions share_of(const ThinOptions& options, std::size_t rows, std::size_t a
 
 }  // namespace
 
-Forecast forecast(const Problem& whole, const SolveOptions& options, const ThinOptions& thin_options) {
+Forecast forecast(const Problem& whole, const SolveOptions& options,
+                  const SubsampleOptions& subsample_options) {
   Forecast f;
   std::size_t rows = 0;
   for (const MeasurementLog& run : whole.runs) rows += run.arrivals.size() + run.bearings.size();
   std::vector<MeasurementLog> few;
   for (const MeasurementLog& run : whole.runs) {
-    const ThinOptions share = share_of(thin_options, run.arrivals.size() + run.bearings.size(), rows);
-    few.push_back(thin(run, whole.site, share));
+    const SubsampleOptions share =
+        share_of(subsample_options, run.arrivals.size() + run.bearings.size(), rows);
+    few.push_back(subsample(run, whole.site, share));
   }
-  auto thinned = make_problem(whole.site, std::move(few));
+  auto subsampled = make_problem(whole.site, std::move(few));
   // The whole had observations and kept its unit; what is left of it may still have lost its states by bad
   // luck.
-  f.thinned = thinned ? *thinned : whole;
-  f.thinned.warnings = whole.warnings;
-  const LogCounts all(whole), used(f.thinned);
+  f.subsampled = subsampled ? *subsampled : whole;
+  f.subsampled.warnings = whole.warnings;
+  const LogCounts all(whole), used(f.subsampled);
   f.arrivals = static_cast<std::size_t>(all.all_arrivals());
   f.arrivals_used = static_cast<std::size_t>(used.all_arrivals());
   f.states = all.states;
   f.states_used = used.states;
 
-  Course course(options);
-  ThinnedLog log(f.thinned, all, options, course);
-  f.solution = *calibrate(log, options, course);  // nothing is read that could be in error
+  ProgressMonitor monitor(options);
+  SubsampledLog log(f.subsampled, all, options, monitor);
+  f.solution = *calibrate(log, options, monitor);  // nothing is read that could be in error
   if (f.solution.status == SolveStatus::kInterrupted) return f;
   const Variances variances(f.solution);
   const std::vector<bool> usable = usable_beacons(whole.site, variances);

@@ -8,7 +8,7 @@
 
 #include "calib/calibrate.h"
 #include "calib/problem/log_health.h"
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 
 namespace octant::calib {
 
@@ -16,7 +16,7 @@ namespace octant::calib {
 struct BeaconForecast {
   std::string name;
   BeaconStatus status = BeaconStatus::kUndetermined;
-  std::size_t arrivals = 0;                   ///< in all runs, thinned or not
+  std::size_t arrivals = 0;                   ///< in all runs, subsampled or not
   std::optional<Eigen::Vector3d> position_m;  ///< where the quick adjustment has it; none: not found
   std::optional<Eigen::Vector3d> sigma_m;     ///< predicted for all the data; none: not found, or unseen
   double delay_sigma_s = 0.0;                 ///< predicted; 0: held fixed
@@ -24,32 +24,32 @@ struct BeaconForecast {
 
 /// Outcome of a calibration, predicted from a part of its data.
 struct Forecast {
-  /// The solution of the thinned runs, but covariance, beacon status, weak directions, undetermined
+  /// The solution of the subsampled runs, but covariance, beacon status, weak directions, undetermined
   /// parameters and status are judged as if every arrival had taken part. Indices of trajectories and
-  /// arrivals left out refer to `thinned`.
+  /// arrivals left out refer to `subsampled`.
   Solution solution;
-  Problem thinned;
+  Problem subsampled;
   std::vector<BeaconForecast> beacons;          ///< order of the site
   double speed_mps = 0.0;                       ///< of the first run; 0 without a solution
   std::optional<double> speed_sigma_mps;        ///< predicted; 0: held fixed
-  std::size_t arrivals = 0, arrivals_used = 0;  ///< of all, of the thinned runs
+  std::size_t arrivals = 0, arrivals_used = 0;  ///< of all, of the subsampled runs
   std::size_t states = 0, states_used = 0;      ///< vehicle states
-  [[nodiscard]] bool is_thinned() const { return arrivals_used < arrivals; }
+  [[nodiscard]] bool is_subsampled() const { return arrivals_used < arrivals; }
 };
 
-/// Calibrates a thinned problem (thin.h) and judges it with the information that all arrivals would bring:
-/// each beacon's arrivals weigh by how many there are of it for each one kept. Predicts the scatter that the
-/// data's noise causes, not the effect of errors that stay. Same words, same undetermined parameters as
-/// solve(). Seconds where solve() takes minutes.
+/// Calibrates a subsampled problem (subsample.h) and judges it with the information that all arrivals would
+/// bring: each beacon's arrivals weigh by how many there are of it for each one kept. Predicts the scatter
+/// that the data's noise causes, not the effect of errors that stay. Same words, same undetermined parameters
+/// as solve(). Seconds where solve() takes minutes.
 [[nodiscard]] Forecast forecast(const Problem& whole, const SolveOptions& options = {},
-                                const ThinOptions& thin_options = {});
+                                const SubsampleOptions& subsample_options = {});
 
 /// An adjusted log, or an evenly spread part of it.
 struct Adjusted {
   const Site& site;
   const SharedState& state;
   const std::vector<Trajectory>& trajectories;
-  double every = 1.0;  ///< one of so many stops is there
+  double stride = 1.0;  ///< one of so many stops is there
 };
 
 /// What an adjustment shows of the logs: receivers whose ranges fit the place of another one (exchanged

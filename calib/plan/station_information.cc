@@ -25,9 +25,9 @@ namespace {
 constexpr double kVagueExtents = 4.0;
 /// Audible with so much in hand over the threshold: a crossing at the very threshold comes infinitely late.
 constexpr double kAudible = 1.05;
-constexpr double kSure = 2.0;            ///< sigmas of a beacon's place by which it has to lie within hearing
-constexpr double kMostMargin = 0.1;      ///< of range and angle
-constexpr double kUnseenByStop = 1e-12;  ///< of a covariance scaled to a unit diagonal
+constexpr double kSure = 2.0;        ///< sigmas of a beacon's place by which it has to lie within hearing
+constexpr double kMostMargin = 0.1;  ///< of range and angle
+constexpr double kUnobservableByStop = 1e-12;  ///< of a covariance scaled to a unit diagonal
 constexpr double kPoseRank = 1e-9;  ///< of the rows' largest, below which a direction of the pose is unseen
 
 tl::unexpected<Error> bad(const std::string& file, std::string found, std::string expected,
@@ -82,7 +82,7 @@ Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& C) {
   const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const SymmetricEigen<Eigen::MatrixXd> eigen(scale.asDiagonal() * C * scale.asDiagonal());
   const Eigen::VectorXd inverse =
-      eigen.eigenvalues().unaryExpr([](double v) { return v > kUnseenByStop ? 1.0 / v : 0.0; });
+      eigen.eigenvalues().unaryExpr([](double v) { return v > kUnobservableByStop ? 1.0 / v : 0.0; });
   return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
          scale.asDiagonal();
 }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kGains = 1.0 + 1e-4;  ///< an exchange has to gain more than rounding
 constexpr double kFinestShare = 0.1;   ///< of the grid, at which the search around a stop ends
-constexpr double kUnseenByStations =
+constexpr double kUnobservableByStations =
     1e-10;                           ///< of the largest: a combination of beacons that the datum holds
 constexpr std::size_t kAtOnce = 16;  ///< candidates that a thread takes
 
@@ -77,9 +77,9 @@ class Gain {
     // det(C_bb - W'W) = det(C_bb) det(I - W C_bb^-1 W'), within what C_bb varies in.
     const SymmetricEigen<Eigen::MatrixXd> eigen(C_(beacons_, beacons_).eval());
     const Eigen::VectorXd& values = eigen.eigenvalues();
-    const auto seen = (values.array() > kUnseenByStations * values.maxCoeff()).count();
-    whitener_ = values.tail(seen).cwiseSqrt().cwiseInverse().asDiagonal() *
-                eigen.eigenvectors().rightCols(seen).transpose();
+    const auto observable = (values.array() > kUnobservableByStations * values.maxCoeff()).count();
+    whitener_ = values.tail(observable).cwiseSqrt().cwiseInverse().asDiagonal() *
+                eigen.eigenvectors().rightCols(observable).transpose();
     volume_ = true;
   }
 
@@ -124,12 +124,12 @@ class Planner {
     plan_.greedy = beacon_knowledge(k_, information_);
     for (int sweep = 0; sweep < options_.sweeps && !plan_.interrupted; ++sweep)
       if (!exchange_all(sweep)) break;
-    return tell();
+    return ranked_plan();
   }
 
   StationPlan assess(const std::vector<Eigen::Vector3d>& stops) {
     for (const Eigen::Vector3d& s : stops) add({s.head<2>(), s[2]});
-    return tell(/*best_first=*/false);
+    return ranked_plan(/*best_first=*/false);
   }
 
  private:
@@ -235,7 +235,7 @@ class Planner {
   }
 
   /// The stops in the order of their gain (or as they are), with what each brings.
-  StationPlan tell(bool best_first = true) {
+  StationPlan ranked_plan(bool best_first = true) {
     Eigen::MatrixXd information = k_.information;
     plan_.before = beacon_knowledge(k_, information);
     BeaconKnowledge known = plan_.before;

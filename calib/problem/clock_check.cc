@@ -24,7 +24,7 @@ constexpr double kStepSigmas = 8.0;
 constexpr std::size_t kOfMoment = 32, kBeaconsOfMoment = 4;  ///< arrivals of a drive
 
 /// Two arrivals in a row of one beacon at one receiver.
-struct Change {
+struct RangeStep {
   double from_s, to_s, range_m;  ///< by which the later range is longer
   BeaconId beacon;
   double moved_m;  ///< the most that the vehicle can have moved, noise included
@@ -59,7 +59,7 @@ class Travelled {
   std::vector<double> time_, way_;
 };
 
-std::vector<Change> changes_of(const Site& site, const MeasurementLog& run, VehicleId vehicle) {
+std::vector<RangeStep> range_steps_of(const Site& site, const MeasurementLog& run, VehicleId vehicle) {
   const Travelled travelled(run, vehicle);
   double array_m = 0.0;  // turning moves a receiver by up to twice its distance from the origin
   for (const SiteReceiver& r : site.receivers)
@@ -72,16 +72,16 @@ std::vector<Change> changes_of(const Site& site, const MeasurementLog& run, Vehi
     bool has_change = false;
   };
   std::map<std::pair<BeaconId, ReceiverId>, Last> last;
-  std::vector<Change> changes;
+  std::vector<RangeStep> changes;
   for (const Arrival& a : run.arrivals) {
     if (a.vehicle != vehicle) continue;
     Last& before = last[{a.beacon, a.receiver}];
     if (before.arrival != nullptr && a.time_s > before.arrival->time_s) {
       const double from_s = before.arrival->time_s,
                    change_m = stated_range_m(site, run, a) - stated_range_m(site, run, *before.arrival);
-      Change change{from_s, a.time_s, change_m, a.beacon, travelled.most_m(from_s, a.time_s) + noise_m};
+      RangeStep change{from_s, a.time_s, change_m, a.beacon, travelled.most_m(from_s, a.time_s) + noise_m};
       if (before.has_change) {
-        Change& earlier = changes[before.change];
+        RangeStep& earlier = changes[before.change];
         if (change.beyond() && earlier.beyond() && change.range_m * earlier.range_m < 0)
           earlier.returns = change.returns = true;
       }
@@ -96,11 +96,11 @@ std::vector<Change> changes_of(const Site& site, const MeasurementLog& run, Vehi
 
 /// Do most pairs of beacon and receiver jump by the same, and stay there, across the instant before time_s?
 /// @param by_m  about the jump; pairs between whose arrivals the vehicle can have moved as far say nothing
-bool step_at(const std::vector<Change>& changes, double time_s, double by_m, ClockStep& step) {
+bool step_at(const std::vector<RangeStep>& changes, double time_s, double by_m, ClockStep& step) {
   std::set<BeaconId> beacons;
   std::vector<double> changed_m, moved_m;
   std::size_t across = 0;
-  for (const Change& c : changes) {
+  for (const RangeStep& c : changes) {
     if (c.from_s >= time_s || c.to_s < time_s) continue;
     if (!c.beyond() && c.moved_m > std::abs(by_m)) continue;
     ++across;
@@ -139,8 +139,8 @@ std::vector<Offset> offsets_of(const Trajectory& original, const SharedState& st
     for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i)
       if (t.arrivals[i].rejection == Rejection::kUsed)
         beacons[t.arrivals[i].node].insert(t.arrivals[i].beacon);
-    (void)settle(t, s, state, RobustLoss{});
-    (void)settle(t, s, state, RobustLoss{kCauchyScale, kCauchyScale});
+    (void)solve_states(t, s, state, RobustLoss{});
+    (void)solve_states(t, s, state, RobustLoss{kCauchyScale, kCauchyScale});
     for (const auto& [node, heard] : beacons) {
       if (heard.size() < needed) continue;
       const Eigen::MatrixXd C = node_covariance(t, s, node, state);
@@ -268,12 +268,12 @@ std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& r
   std::vector<ClockStep> steps;
   if (site.timing.clock == Clock::kCycleOffset) return steps;  // a new offset each epoch is what it is about
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
-    const std::vector<Change> changes = changes_of(site, run, VehicleId(v));
-    std::vector<Change> near;  // a jump is looked for among what spans or touches it
+    const std::vector<RangeStep> changes = range_steps_of(site, run, VehicleId(v));
+    std::vector<RangeStep> near;  // a jump is looked for among what spans or touches it
     double done_s = -INFINITY, longest_s = 0.0;
-    for (const Change& c : changes) longest_s = std::max(longest_s, c.beyond() ? c.to_s - c.from_s : 0.0);
+    for (const RangeStep& c : changes) longest_s = std::max(longest_s, c.beyond() ? c.to_s - c.from_s : 0.0);
     std::size_t first = 0;
-    for (const Change& c : changes) {
+    for (const RangeStep& c : changes) {
       if (!c.beyond() || c.returns || c.from_s < done_s) continue;
       // The jump lies within (from, to]; the changes are in the order of their ends.
       while (first < changes.size() && changes[first].to_s < c.to_s) ++first;

@@ -21,7 +21,7 @@ namespace octant::calib {
 /// Where the fit of a stop is rough (echoes), steps below a tenth of a metre of sound's way say nothing.
 inline constexpr double kSmallestStepM = 0.1;
 
-/// Jumps that the beacons' geometry shows: each stop is settled with a clock offset of its own (four beacons
+/// Jumps that the beacons' geometry shows: each stop is solved with a clock offset of its own (four beacons
 /// or more), and the offsets of stops in a row are compared before and after.
 /// @param trajectories  with states near the truth; rejected arrivals take part, as a jump may be why they
 /// were  @param smallest_m  of sound's way

@@ -61,7 +61,7 @@ std::vector<std::string> flips_in_words(const MeasurementLog& run, const std::ve
 
 std::vector<std::string> report_flips(const Problem& problem, const std::vector<Trajectory>& trajectories,
                                       const std::vector<std::vector<double>>& before) {
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   for (std::size_t i = 0; i < trajectories.size(); ++i) {
     const Trajectory& t = trajectories[i];
     if (t.bearings.empty() && !has_heading(problem.site, t.vehicle, !t.poses.empty() || !t.odometry.empty()))
@@ -72,9 +72,9 @@ std::vector<std::string> report_flips(const Problem& problem, const std::vector<
       if (is_flipped(trajectories[i].nodes[k], before[i][k]))
         flipped.push_back(trajectories[i].nodes[k].epoch);
     for (std::string& words : flips_in_words(problem.runs[trajectories[i].run], flipped))
-      told.push_back(std::move(words));
+      reported.push_back(std::move(words));
   }
-  return told;
+  return reported;
 }
 
 }  // namespace octant::calib

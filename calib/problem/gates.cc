@@ -22,13 +22,13 @@ void gate_ranges(const Site& site, const SharedState& prior, Trajectory& t) {
   const Gates& gates = site.gates;
   if (t.has_cycle_offset || (gates.min_range_m <= 0 && std::isinf(gates.max_range_m))) return;
   std::vector<GatedArrival> arrivals;
-  std::vector<Rejection> marks;
+  std::vector<Rejection> rejections;
   for (const ArrivalObservation& a : t.arrivals) {
     arrivals.push_back({a.beacon, a.receiver, a.time_s, prior_range_m(t, a, prior)});
-    marks.push_back(a.rejection);
+    rejections.push_back(a.rejection);
   }
-  apply_range_gates(arrivals, {gates.min_range_m, gates.max_range_m}, speed_mps(site.medium), marks);
-  for (std::size_t i = 0; i < marks.size(); ++i) t.arrivals[i].rejection = marks[i];
+  apply_range_gates(arrivals, {gates.min_range_m, gates.max_range_m}, speed_mps(site.medium), rejections);
+  for (std::size_t i = 0; i < rejections.size(); ++i) t.arrivals[i].rejection = rejections[i];
 }
 
 /// Kleeman's inequality between all pairs of arrivals of an epoch at one receiver; the longer of a pair that

@@ -10,7 +10,7 @@ namespace octant::calib {
 /// doubt the rest: Chang's two range rules (Site::gates), and Kleeman's triangle inequality (eq. 5-6) between
 /// arrivals of one epoch at one receiver, for beacons whose places are known well enough. Tolerances cover
 /// noise, delays, speed and places at four sigmas. A mark is no sentence: an arrival that fits the final
-/// adjustment is used after all (mark_rejected).
+/// adjustment is used after all (reject_outliers).
 void apply_gates(const Site& site, std::vector<Trajectory>& trajectories, int threads = 1);
 
 /// Whether a rejection is a gate's, and so stands until the residual says otherwise.

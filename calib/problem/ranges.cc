@@ -49,8 +49,8 @@ namespace {
 constexpr double kVagueHeadingRad = 0.5;
 
 /// Whether anything but the bearings of one beacon tells the heading of a planar state.
-bool heading_is_told(const Trajectory& t, const Segment& segment, std::size_t node, BeaconId but,
-                     const std::vector<bool>& known) {
+bool heading_is_observable(const Trajectory& t, const Segment& segment, std::size_t node, BeaconId but,
+                           const std::vector<bool>& known) {
   if (!t.odometry.empty() || t.motion_prior) return true;
   for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
     if (t.poses[i].node == node && t.poses[i].heading_sigma_rad < kVagueHeadingRad) return true;
@@ -82,7 +82,7 @@ std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, Beacon
         if (b.reflector != beacon || !t.nodes[b.node].placed ||
             (b.alpha != 0.0 && !t.nodes[b.node + 1].placed))
           continue;
-        if (!heading_is_told(t, segment, b.node, beacon, known)) continue;
+        if (!heading_is_observable(t, segment, b.node, beacon, known)) continue;
         const Pose T = pose_at(t, b.node, b.alpha);
         rays.push_back({T.translation_m.head<2>(), wrap_angle(T.heading_rad() + b.bearing_rad), b.sigma_rad});
       }

@@ -25,9 +25,9 @@ template <class Visit>
 void for_each_spread_arrival(const std::vector<Trajectory>& trajectories, std::size_t enough, Visit&& visit) {
   std::size_t arrivals = 0;
   for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
-  const std::size_t every = arrivals / enough + 1;
+  const std::size_t stride = arrivals / enough + 1;
   for (const Trajectory& t : trajectories)
-    for (std::size_t i = 0; i < t.arrivals.size(); i += every) visit(t, t.arrivals[i]);
+    for (std::size_t i = 0; i < t.arrivals.size(); i += stride) visit(t, t.arrivals[i]);
 }
 
 /// Ranges of a beacon from the vehicle states placed so far, rejected arrivals included.

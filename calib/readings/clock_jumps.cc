@@ -9,7 +9,7 @@
 #include "calib/adjust/reject.h"
 #include "calib/problem/clock_check.h"
 #include "calib/problem/ranges.h"
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "calib/start/approach.h"
 #include "calib/start/start.h"
 
@@ -17,12 +17,12 @@ namespace octant::calib {
 namespace {
 
 /// Of a half, adjusted; and the stops that are held against it.
-constexpr ThinOptions kHalf = {.instants = 40, .per_beacon = 30, .per_pair = 4};
-constexpr ThinOptions kAllStops = {.instants = 400, .per_beacon = 0, .per_pair = 4};
+constexpr SubsampleOptions kHalf = {.instants = 40, .per_beacon = 30, .per_pair = 4};
+constexpr SubsampleOptions kAllStops = {.instants = 400, .per_beacon = 0, .per_pair = 4};
 /// Along a drive ranges weigh as if they were known to this alone: odometry carries the states across a jump.
 constexpr double kLooseRangeM = 0.3;
 /// Ranges from places that a half tells may be off by this where the other half stood elsewhere.
-constexpr double kOtherHalfSlackM = 0.1;
+constexpr double kOtherHalfUncertaintyM = 0.1;
 /// Such a jump is told by its significance; whether it explains the recording is seen afterwards.
 constexpr double kSmallestJumpM = 0.01;
 /// Arrivals between the times by which one jump is told twice, at most.
@@ -45,15 +45,15 @@ MeasurementLog half_of(const MeasurementLog& run, LogHalf half) {
 
 /// Trajectories of the run where the beacons are that `adjusted` tells.
 /// @param settle  bool(Trajectory&, const EpochFixModel&, const SharedState&): false leaves it out
-template <class Settle>
-std::vector<Trajectory> settled(Site site, const MeasurementLog& run, const Estimate& adjusted, int threads,
-                                Settle settle) {
-  MeasurementLog some = thin(run, site, kAllStops);
+template <class Solve>
+std::vector<Trajectory> solved_by(Site site, const MeasurementLog& run, const Estimate& adjusted, int threads,
+                                  Solve solve_states) {
+  MeasurementLog some = subsample(run, site, kAllStops);
   auto problem = make_problem(std::move(site), {std::move(some)}, threads);
   if (!problem) return {};
   const SharedState state = adjusted.state();
   const EpochFixModel model = search_model(*problem, state, adjusted.beacon_usable);
-  std::erase_if(problem->trajectories, [&](Trajectory& t) { return !settle(t, model, state); });
+  std::erase_if(problem->trajectories, [&](Trajectory& t) { return !solve_states(t, model, state); });
   return std::move(problem->trajectories);
 }
 
@@ -62,12 +62,12 @@ std::vector<Trajectory> stops_with_clocks(const Site& site, const MeasurementLog
                                           const Estimate& adjusted, int threads) {
   Site loose = site;
   loose.timing.clock = Clock::kCycleOffset;
-  return settled(std::move(loose), run, adjusted, threads,
-                 [&](Trajectory& t, const EpochFixModel& model, const SharedState&) {
-                   static_cast<void>(place_states(t, model, kOtherHalfSlackM, false, 0.0, threads));
-                   t.has_cycle_offset = false;  // what is looked for is no offset of the site's clock
-                   return true;
-                 });
+  return solved_by(std::move(loose), run, adjusted, threads,
+                   [&](Trajectory& t, const EpochFixModel& model, const SharedState&) {
+                     static_cast<void>(place_states(t, model, kOtherHalfUncertaintyM, false, 0.0, threads));
+                     t.has_cycle_offset = false;  // what is looked for is no offset of the site's clock
+                     return true;
+                   });
 }
 
 /// Drives of the run, by odometry and ranges that weigh little.
@@ -81,21 +81,21 @@ std::vector<Trajectory> drives_by_loose_ranges(const Site& site, const Measureme
       return false;
     for (ArrivalObservation& a : t.arrivals) a.sigma_s = std::max(a.sigma_s, loose_s);
     for (const Segment& segment : t.segments) {
-      reset_marks(t, segment, model);
-      static_cast<void>(settle(t, segment, state, RobustLoss{kCauchyScale, kCauchyScale}));
+      reset_rejections(t, segment, model);
+      static_cast<void>(solve_states(t, segment, state, RobustLoss{kCauchyScale, kCauchyScale}));
     }
     return true;
   };
-  return settled(site, run, adjusted, threads, by_odometry);
+  return solved_by(site, run, adjusted, threads, by_odometry);
 }
 
 /// What the run shows of the clock at the places that one half tells; nothing where it tells none.
 std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, const MeasurementLog& run,
                                 const SolveOptions& options) {
-  const auto problem = make_problem(site, {thin(half, site, kHalf)}, options.threads);
+  const auto problem = make_problem(site, {subsample(half, site, kHalf)}, options.threads);
   if (!problem) return {};
-  Course course(options);
-  const Approach found = approach(*problem, options, course, false);
+  ProgressMonitor monitor(options);
+  const Approach found = approach(*problem, options, monitor, false);
   if (!found.ok) return {};
   if (!run.has_epochs)
     return steps_along_drives(drives_by_loose_ranges(site, run, found.estimate, options.threads),

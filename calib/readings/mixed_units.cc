@@ -21,7 +21,8 @@ constexpr double kEarlySums = 0.05, kLateDifferences = 0.2;
 constexpr double kStatedSlack = 0.03;  ///< of the distance: stated places, speed and delays are rough
 constexpr double kWorstBreak = 0.25;   ///< of the distance: a bracket that is broken by more is as bad
 constexpr double kFarBetter = 0.3;     ///< of what metres for all break
-constexpr double kUntoldShare = 0.05;  ///< of it: a beacon that makes no more difference may be in or out
+constexpr double kIndifferentShare =
+    0.05;  ///< of it: a beacon that makes no more difference may be in or out
 constexpr std::size_t kMostShares = 8;
 
 /// What ranges from the same places say of the distance of two beacons.
@@ -146,7 +147,7 @@ std::vector<std::vector<bool>> beacons_in_unit_by_ranges(const Site& site,
   for (std::size_t b = 0; b < best.size() && all.size() < kMostShares; ++b) {
     std::vector<bool> other = best;
     other[b] = !other[b];
-    if (!shares.placed()[b] || shares.broken(other) > least + kUntoldShare * as_stated) continue;
+    if (!shares.placed()[b] || shares.broken(other) > least + kIndifferentShare * as_stated) continue;
     for (std::size_t k = 0, known = all.size(); k < known; ++k) {
       all.push_back(all[k]);
       all.back()[b] = !all.back()[b];

@@ -7,7 +7,7 @@
 
 #include "calib/adjust/adjust.h"
 #include "calib/adjust/reject.h"
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "calib/start/approach.h"
 
 namespace octant::calib {
@@ -64,15 +64,15 @@ constexpr std::size_t kInstantsAtLeast = 10, kDriveArrivalsAtLeast = 200, kStret
 
 std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, const Site& site,
                                    const LogShare& share) {
-  ThinOptions thin_options;
+  SubsampleOptions subsample_options;
   const std::size_t count = std::max<std::size_t>(1, runs.size());
-  thin_options.instants = std::max(kInstantsAtLeast, share.instants / count);
-  thin_options.per_beacon = share.per_beacon;
-  thin_options.per_pair = 4;
-  thin_options.drive_arrivals = std::max(kDriveArrivalsAtLeast, share.drive_arrivals / count);
-  thin_options.fewest_stretches = std::max(kStretchesAtLeast, share.stretches / count);
+  subsample_options.instants = std::max(kInstantsAtLeast, share.instants / count);
+  subsample_options.per_beacon = share.per_beacon;
+  subsample_options.per_pair = 4;
+  subsample_options.drive_arrivals = std::max(kDriveArrivalsAtLeast, share.drive_arrivals / count);
+  subsample_options.fewest_stretches = std::max(kStretchesAtLeast, share.stretches / count);
   std::vector<MeasurementLog> few;
-  for (const MeasurementLog& run : runs) few.push_back(thin(run, site, thin_options));
+  for (const MeasurementLog& run : runs) few.push_back(subsample(run, site, subsample_options));
   return few;
 }
 
@@ -84,13 +84,13 @@ ReadingScore score_of(const Site& site, const std::vector<MeasurementLog>& runs,
   const double n = score.arrivals;
   const auto problem = make_problem(site, runs, options.threads);
   if (!problem || n == 0) return score;
-  Course course(options);
-  Approach found = approach(*problem, options, course, search_again);
+  ProgressMonitor monitor(options);
+  Approach found = approach(*problem, options, monitor, search_again);
   if (!found.ok) return score;
   Estimate& it = found.estimate;
   score.noise = std::max(1.0, agreeing_sigma(found.trajectories, it.state()));
-  (void)mark_rejected(found.trajectories, it.state(), limit * score.noise, options.threads);
-  it.last = adjust(*problem, it.layout, found.trajectories, it.x, course.adjust_options(0.0, 1e-6));
+  (void)reject_outliers(found.trajectories, it.state(), limit * score.noise, options.threads);
+  it.last = adjust(*problem, it.layout, found.trajectories, it.x, monitor.adjust_options(0.0, 1e-6));
   score.disregarded = disregarded_places(problem->site, it.layout);
   judge_arrivals(it, found.trajectories, cap, n, score);
   return score;

@@ -35,10 +35,10 @@ constexpr double kFewer = 0.02;
 constexpr double kTie = 0.05;
 /// Parts of the recordings that are adjusted: a small one for each reading, a larger one for those few that
 /// explain it far better.
-constexpr LogShare kFirstLook = {16, 12, 600, 8}, kSecondLook = {40, 30, 1500, 16};
-constexpr double kWorthASecondLook = 0.8;  ///< of the loss as stated
-constexpr std::size_t kSecondLooks = 2;    ///< of each kind
-constexpr double kPlainSigmas = 8.0;       ///< by which a reading must explain more than what was stated
+constexpr LogShare kFirstShare = {16, 12, 600, 8}, kSecondShare = {40, 30, 1500, 16};
+constexpr double kWorthASecondTrial = 0.8;  ///< of the loss as stated
+constexpr std::size_t kSecondTrials = 2;    ///< of each kind
+constexpr double kPlainSigmas = 8.0;        ///< by which a reading must explain more than what was stated
 
 class Search {
  public:
@@ -56,7 +56,7 @@ class Search {
 
   /// What is blamed on a control point, or on anything.
   std::vector<Contradiction> other_culprits() {
-    look_as_stated();
+    score_as_stated();
     if (is_blamed(ContradictionKind::kControlPoint)) try_exchanged_points();
     if (is_blamed(ContradictionKind::kSpeed)) try_out(scales(), true);
     if (found_.empty()) try_out(jumped_clocks(site_, problem_.runs, options_));
@@ -64,7 +64,7 @@ class Search {
   }
 
   std::vector<Contradiction> run() {
-    look_as_stated();
+    score_as_stated();
     const bool jumps = ranges_show_a_jump(site_, problem_.runs);
     // What the ranges alone show has the first turn: beside such a jump every other look is long, and vain.
     if (jumps) try_out(jumped_clocks(site_, problem_.runs, options_));
@@ -102,9 +102,9 @@ class Search {
     return readings;
   }
 
-  void look_as_stated() {
-    first_ = few_of(problem_.runs, site_, kFirstLook);
-    second_ = few_of(problem_.runs, site_, kSecondLook);
+  void score_as_stated() {
+    first_ = few_of(problem_.runs, site_, kFirstShare);
+    second_ = few_of(problem_.runs, site_, kSecondShare);
     stated_first_ = score_of(site_, first_, options_, false);
     stated_ = score_of(site_, second_, options_, true);
   }
@@ -167,15 +167,15 @@ class Search {
     std::vector<std::pair<double, std::size_t>> ranking;
     for (std::size_t i = 0; i < readings.size() && !stopped(); ++i) {
       const double loss = score(readings[i], first_, false).loss;
-      if (plainly ? loss < stated_first_.loss : loss < kWorthASecondLook * stated_first_.loss)
+      if (plainly ? loss < stated_first_.loss : loss < kWorthASecondTrial * stated_first_.loss)
         ranking.emplace_back(loss, i);
     }
     std::stable_sort(ranking.begin(), ranking.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::map<ContradictionKind, std::size_t> looked_at;  // of each kind: of poses in a mirrored frame and
-                                                         // receivers wired so, each is to have its turn
+    std::map<ContradictionKind, std::size_t> tried;  // of each kind: of poses in a mirrored frame and
+                                                     // receivers wired so, each is to have its turn
     std::erase_if(ranking,
-                  [&](const auto& r) { return ++looked_at[readings[r.second].what.kind] > kSecondLooks; });
+                  [&](const auto& r) { return ++tried[readings[r.second].what.kind] > kSecondTrials; });
     std::sort(ranking.begin(), ranking.end(),
               [](const auto& a, const auto& b) { return a.second < b.second; });
     for (const auto& [loss, i] : ranking) {
@@ -211,7 +211,7 @@ class Search {
                     stops),
         0.0,
         "add a column epoch that numbers the stops: rows with the same epoch share one pose of the vehicle"};
-    const ReadingScore s = score_of(site_, few_of(runs, site_, kSecondLook), options_, true);
+    const ReadingScore s = score_of(site_, few_of(runs, site_, kSecondShare), options_, true);
     if (explains(s)) found_.push_back({what, s});
   }
 
@@ -239,22 +239,22 @@ class Search {
   /// The likeliest, and of other kinds those that are as likely; of one kind the first that is as good as
   /// any, which is the likelier mistake, and among those one that disregards the fewest stated places.
   std::vector<Contradiction> best() {
-    std::vector<Contradiction> told;
+    std::vector<Contradiction> reported;
     std::stable_sort(found_.begin(), found_.end(), [](const Tried& a, const Tried& b) {
       return a.score.disregarded < b.score.disregarded;
     });
     double least = INFINITY;
     for (const Tried& t : found_) least = std::min(least, t.score.loss);
     for (Tried& t : found_) {
-      const bool said = std::any_of(told.begin(), told.end(),
+      const bool said = std::any_of(reported.begin(), reported.end(),
                                     [&](const Contradiction& m) { return m.kind == t.what.kind; });
       if (said || t.score.loss > least + kTie) continue;
       t.what.found += fmt::format(" (so read {:.0f} % of the arrivals agree, as stated {:.0f} %)",
                                   100 * t.score.agreeing, 100 * agreeing_as_stated(t.score.noise));
       t.what.sigmas = std::sqrt(2 * t.score.arrivals * (stated_.loss - t.score.loss));
-      told.push_back(std::move(t.what));
+      reported.push_back(std::move(t.what));
     }
-    return told;
+    return reported;
   }
 
   const Problem& problem_;

@@ -68,7 +68,7 @@ class WiringList {
       add(order,
           fmt::format("the receivers of {} are wired in another order ({})", vehicle_.name, pairs(order)));
   }
-  std::vector<Wiring> take() { return std::move(list_); }
+  std::vector<Wiring> release() { return std::move(list_); }
 
  private:
   [[nodiscard]] Order as_stated() const {
@@ -140,7 +140,7 @@ std::vector<Wiring> wirings(const Site& site, VehicleId vehicle, const std::vect
       if (may_be(i) && may_be(j)) list.exchange(i, j);
   list.turns();
   if (list.size() <= kAllOrders) list.all_orders();
-  return list.take();
+  return list.release();
 }
 
 std::vector<bool> doubtful_receivers(const Site& site, const std::vector<Trajectory>& trajectories) {

@@ -35,7 +35,8 @@ constexpr int kRounds = 4;
 /// Arrivals of a drive that tell what changed as well as all do; the rest only makes it sharper.
 constexpr std::size_t kEnoughArrivals = 3'000;
 constexpr int kPassesOfAll = 2;
-constexpr double kSlackM = 0.05;  ///< by which ranges may be off while a drive is tracked by what was known
+constexpr double kRangeUncertaintyM =
+    0.05;  ///< by which ranges may be off while a drive is tracked by what was known
 constexpr std::size_t kFewestRanges = 10;  ///< that locate a beacon
 /// Of the air where no thermometer was read: some ten degrees.
 constexpr double kUnknownTemperature_mps = 6.0;
@@ -50,7 +51,7 @@ class SecondVisit {
         options_(options),
         known_(known_parameters(before)),
         began_(Clock::now()),
-        course_(options.solve) {}
+        monitor_(options.solve) {}
 
   Result<Revisit> run(std::vector<MeasurementLog> runs) {
     out_.medium = thermometer_of(before_, runs);
@@ -64,14 +65,14 @@ class SecondVisit {
     if (!problem) return fail(problem.error());
     problem_ = std::move(*problem);
     if (is_long(problem_) && has_stops_alone(problem_))
-      if (Result<Problem> part = part_of(problem_, options_.solve.threads)) problem_ = std::move(*part);
+      if (Result<Problem> part = subsample_of(problem_, options_.solve.threads)) problem_ = std::move(*part);
     out_.warnings = problem_.warnings;
     std::optional<Problem> part;
     if (std::vector<MeasurementLog> some = stretches_of(problem_.runs, kEnoughArrivals); !some.empty())
       if (auto made = make_problem(problem_.site, std::move(some), options_.solve.threads))
         part = std::move(*made);
     if ((start_from_known(part ? *part : problem_, room) || start(part ? *part : problem_)) &&
-        find_changes(room) && (!part || take_all()))
+        find_changes(room) && (!part || refine_on_all_arrivals()))
       conclude_visit();
     out_.seconds = std::chrono::duration<double>(Clock::now() - began_).count();
     return std::move(out_);
@@ -86,8 +87,8 @@ class SecondVisit {
     return false;
   }
 
-  void take_start(const Problem& problem, const SharedState& state, std::vector<bool> usable,
-                  std::vector<Trajectory> trajectories) {
+  void set_start(const Problem& problem, const SharedState& state, std::vector<bool> usable,
+                 std::vector<Trajectory> trajectories) {
     std::vector<bool> held;
     for (const bool in_use : usable) held.push_back(!in_use);
     layout_ = make_layout(problem, state, held);
@@ -105,7 +106,7 @@ class SecondVisit {
   /// States are placed by what was known: most of it still holds, and a beacon that hangs elsewhere
   /// altogether is then located by its ranges. False where that leads nowhere.
   bool start_from_known(const Problem& problem, const Eigen::VectorXd& room) {
-    if (!course_.report("initial values", 0.02)) return false;
+    if (!monitor_.report("initial values", 0.02)) return false;
     const SharedState state = shared_state(before_);
     std::vector<bool> usable;
     for (const DeploymentBeacon& b : before_.beacons)
@@ -114,12 +115,12 @@ class SecondVisit {
     const EpochFixModel model = search_model(problem, state, usable);
     std::size_t placed = 0;
     for (Trajectory& t : trajectories) {
-      static_cast<void>(place_states(t, model, kSlackM, false, 0.0, options_.solve.threads));
+      static_cast<void>(place_states(t, model, kRangeUncertaintyM, false, 0.0, options_.solve.threads));
       placed += static_cast<std::size_t>(
           std::count_if(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; }));
     }
     if (placed == 0) return false;
-    take_start(problem, state, std::move(usable), std::move(trajectories));
+    set_start(problem, state, std::move(usable), std::move(trajectories));
     if (!adjust_under(drifted() + Eigen::MatrixXd(room.asDiagonal()))) return false;
     locate_lost();
     return true;
@@ -197,7 +198,7 @@ class SecondVisit {
 
   /// Approximate states and parameters, by what the largest consensus of arrivals agrees on.
   bool start(const Problem& problem) {
-    Approach found = approach(problem, options_.solve, course_, false);
+    Approach found = approach(problem, options_.solve, monitor_, false);
     if (!found.ok) {
       out_.status = found.why_not.status;
       out_.message = found.why_not.message;
@@ -205,7 +206,7 @@ class SecondVisit {
       return false;
     }
     const SharedState state = found.estimate.state();
-    take_start(problem, state, std::move(found.estimate.beacon_usable), std::move(found.trajectories));
+    set_start(problem, state, std::move(found.estimate.beacon_usable), std::move(found.trajectories));
     const double factor = agreeing_sigma(fit_.trajectories, state);
     if (is_far_off(factor)) scale_noise(factor);
     return true;
@@ -252,7 +253,7 @@ class SecondVisit {
     Released released;
     const Eigen::MatrixXd prior = drifted();
     for (int round = 0; round < kRounds; ++round) {
-      if (!course_.report("what changed", 0.7 + 0.05 * round)) return stopped();
+      if (!monitor_.report("what changed", 0.7 + 0.05 * round)) return stopped();
       if (!adjust_under(prior + room)) return false;
       if (round == 0 && locate_lost()) {  // one that hangs metres away may have ended at its mirror image
         room = room_around(usual_room).asDiagonal();
@@ -278,10 +279,10 @@ class SecondVisit {
   }
 
   /// The whole drive from where a part of it has put the parameters: they are good to a fraction of the
-  /// noise, so that states are placed and settled once and one linearisation does, repeated where that has
+  /// noise, so that states are placed and solved once and one linearisation does, repeated where that has
   /// moved them.
-  bool take_all() {
-    if (!course_.report("the whole recording", 0.9)) return stopped();
+  bool refine_on_all_arrivals() {
+    if (!monitor_.report("the whole recording", 0.9)) return stopped();
     fit_.problem.runs.resize(problem_.runs.size());
     fit_.trajectories = problem_.trajectories;
     rescale_noise(fit_.trajectories, problem_.site.noise.tof_sigma_s, sigma_s_);
@@ -296,8 +297,8 @@ class SecondVisit {
       // and until then what changed stays what the part has shown.
       const bool last = pass + 1 == kPassesOfAll;
       const SharedState state = fit_.state();
-      settle_all(state, pass == 0 ? kCauchyScale : 0.0);
-      mark_rejected(fit_.trajectories, state, options_.solve.rejection_sigmas, options_.solve.threads);
+      solve_all_states(state, pass == 0 ? kCauchyScale : 0.0);
+      reject_outliers(fit_.trajectories, state, options_.solve.rejection_sigmas, options_.solve.threads);
       const Eigen::MatrixXd P =
           prior + released_covariance(known_, changed_parameters(out_.comparison, known_), before_.motion);
       set_joint_prior(fit_.layout = layout_, known_, P);
@@ -312,10 +313,10 @@ class SecondVisit {
     return true;
   }
 
-  void settle_all(const SharedState& state, double scale) {
+  void solve_all_states(const SharedState& state, double scale) {
     for (Trajectory& t : fit_.trajectories)
       for_each_parallel(t.segments.size(), options_.solve.threads, [&](std::size_t s) {
-        if (t.nodes[t.segments[s].first_node].placed) settle(t, t.segments[s], state, {scale, scale});
+        if (t.nodes[t.segments[s].first_node].placed) solve_states(t, t.segments[s], state, {scale, scale});
       });
   }
 
@@ -362,7 +363,7 @@ class SecondVisit {
   const RevisitOptions& options_;
   KnownParameters known_;
   Clock::time_point began_;
-  Course course_;
+  ProgressMonitor monitor_;
   Eigen::VectorXd drift_;
   Problem problem_;
   ParameterLayout layout_;  ///< without the joint prior

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 
 namespace octant::calib {
 namespace {

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kSampledRows = 40'000;
 constexpr double kAboutAsLarge = 0.5;  ///< logarithms of variances, from one model alone to the other alone
-constexpr double kUntold = 1e-9;       ///< of the information beside that of the prior
+constexpr double kUnobservableShare = 1e-9;  ///< of the information beside that of the prior
 
 /// Errors of a pair that hang together as exp(-t / time_s), and those that it keeps for good; variances as
 /// shares of the whole.
@@ -94,12 +94,12 @@ Eigen::MatrixXd correlated_covariance(const Fit& fit, const Eigen::MatrixXd& whi
 }
 
 /// Columns of the known parameters that are free, and of all others.
-struct Partition {
+struct KnownColumns {
   std::vector<int> known, of_known, others;
 };
 
-Partition partition_of(const ParameterLayout& layout, const KnownParameters& known) {
-  Partition p;
+KnownColumns known_columns_of(const ParameterLayout& layout, const KnownParameters& known) {
+  KnownColumns p;
   std::vector<bool> taken(static_cast<std::size_t>(layout.size()), false);
   const std::vector<int> columns = columns_of(layout, known);
   for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -137,13 +137,13 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& H) {
 void discount(const Eigen::MatrixXd& honest, Eigen::MatrixXd& N, Eigen::VectorXd& gradient) {
   const SymmetricEigen<Eigen::MatrixXd> eigen(N);
   const Eigen::VectorXd& l = eigen.eigenvalues();
-  const Eigen::Index seen = (l.array() > kUntold * std::max(1.0, l.maxCoeff())).count();
-  const Eigen::MatrixXd V = eigen.eigenvectors().rightCols(seen);
-  const Eigen::VectorXd told = l.tail(seen), sum = (told.array() + 1.0).matrix();
+  const Eigen::Index observable = (l.array() > kUnobservableShare * std::max(1.0, l.maxCoeff())).count();
+  const Eigen::MatrixXd V = eigen.eigenvectors().rightCols(observable);
+  const Eigen::VectorXd observed = l.tail(observable), sum = (observed.array() + 1.0).matrix();
   Eigen::MatrixXd M = sum.asDiagonal() * (V.transpose() * honest * V) * sum.asDiagonal();
   M.diagonal().array() -= 1.0;
   // Errors that keep together are worth no more than white ones.
-  const Eigen::VectorXd root = told.cwiseSqrt(), per = root.cwiseInverse();
+  const Eigen::VectorXd root = observed.cwiseSqrt(), per = root.cwiseInverse();
   const SymmetricEigen<Eigen::MatrixXd> ratio(per.asDiagonal() * (0.5 * (M + M.transpose())) *
                                               per.asDiagonal());
   const Eigen::VectorXd inverse = ratio.eigenvalues().cwiseMax(1.0).cwiseInverse();
@@ -171,7 +171,7 @@ VisitInformation visit_information(Fit& fit, const KnownParameters& known, const
   const Information information =
       information_at(fit.problem, fit.layout, fit.trajectories, fit.x, {}, workers);
   const Eigen::MatrixXd all = information.data + information.prior;
-  const Partition p = partition_of(fit.layout, known);
+  const KnownColumns p = known_columns_of(fit.layout, known);
   Eigen::MatrixXd N = information.data(p.known, p.known);
   Eigen::VectorXd pull = -information.data_gradient(p.known);  // N (theta_2 - x)
   if (!p.others.empty()) {

@@ -23,7 +23,7 @@ struct VisitInformation {
 /// All other parameters are eliminated with what is known of them. Where errors are correlated, by the
 /// residuals or because those of the first calibration were, estimates of white weights have the covariance G
 /// (P^-1 + M) G with G = (P^-1 + N)^-1, and the visit is worth N M^-1 N (Huber's sandwich turned inside out).
-/// @param fit  its states are settled here; with the joint prior of set_joint_prior
+/// @param fit  its states are solved here; with the joint prior of set_joint_prior
 /// @param P  covariance of that prior [SI]
 /// @param noise  of the first calibration
 /// @param known_white  a part of the same recording has shown that errors are white: that is not tested again

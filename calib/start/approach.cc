@@ -24,13 +24,13 @@ constexpr int kMaxStages = 12;
 /// An epoch with an arrival this far off (beside the robust scale) is searched again.
 constexpr double kSuspectSigmas = 2.0;
 /// Beacons at a stage of the graduated adjustment are off by about this share of its scale.
-constexpr double kSlackOfScale = 0.5;
+constexpr double kUncertaintyOfScale = 0.5;
 /// While the robust scale is beyond so many sigmas the headings of epochs are held near where the search
 /// found them.
 constexpr double kRoughScale = 10.0;
 /// Repeated searches, in sigmas by which beacons may be off; an improvement below two per cent counts as
 /// none.
-constexpr std::array<double, 5> kSearchSlacks = {0.0, 20.0, 8.0, 3.0, 0.0};
+constexpr std::array<double, 5> kSearchScales = {0.0, 20.0, 8.0, 3.0, 0.0};
 constexpr double kMuchBetter = 0.98;
 /// A stated place is believed unless another one is better by this, half a square of four sigmas.
 constexpr double kAsGoodAsStated = 8.0;
@@ -38,16 +38,16 @@ constexpr double kAsGoodAsStated = 8.0;
 constexpr double kSearchAgainScale = 30.0;
 /// From one stage of the graduated adjustment to the next.
 constexpr double kFiner = 5.0;
-/// What held paths leave of the start's slack in the residuals, and beacons then of it.
-constexpr double kShareOfHeld = 1.0 / 3, kLeftOfSlack = 0.5;
+/// What held paths leave of the start's uncertainty in the residuals, and beacons then of it.
+constexpr double kShareOfHeld = 1.0 / 3, kLeftOfUncertainty = 0.5;
 /// Sigmas to which the states of a path are held, of place [m] and attitude [rad], one after the other:
 /// beacons come first, then both together, before the states are free.
 constexpr double kHeldTo[] = {0.001, 0.01, 0.1};
 
 class Approacher {
  public:
-  Approacher(const Problem& problem, const SolveOptions& options, Course& course)
-      : problem_(problem), options_(options), course_(course) {}
+  Approacher(const Problem& problem, const SolveOptions& options, ProgressMonitor& monitor)
+      : problem_(problem), options_(options), monitor_(monitor) {}
 
   Approach run(bool search_again) {
     out_.ok = approach(search_again);
@@ -56,10 +56,10 @@ class Approacher {
 
  private:
   bool approach(bool search_again) {
-    if (!course_.report("initial values", 0.02)) return stop(interrupted_solution());
+    if (!monitor_.report("initial values", 0.02)) return stop(interrupted_solution());
     if (const auto missing = missing_scale(problem_)) return stop(refuse(*missing));
     start_ = initial_values(problem_, options_.threads);
-    take_start();
+    set_start();
     if (!placed_any_) return stop(unplaced());
     if (!graduated() || !mend_labels()) return stop(interrupted_solution());
     if (search_again && (!search_and_adjust() || !compare_images())) return stop(interrupted_solution());
@@ -85,8 +85,8 @@ class Approacher {
     WeakDirection direction;
     const NameTable site_names = names_of(problem_.site);
     std::vector<std::string> names;
-    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) {
-      if (it_.beacon_usable[b]) continue;
+    for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b) {
+      if (estimate_.beacon_usable[b]) continue;
       direction.parameters.push_back(owner_name(parameters::beacon_delay(b), site_names));
       names.push_back(problem_.site.beacons[b].name);
     }
@@ -109,41 +109,42 @@ class Approacher {
     return refuse(std::move(direction));
   }
 
-  void take_start() {
-    it_.beacon_usable = start_.beacon_found;
-    it_.beacon_mirrored.assign(it_.beacon_usable.size(), false);
+  void set_start() {
+    estimate_.beacon_usable = start_.beacon_found;
+    estimate_.beacon_mirrored.assign(estimate_.beacon_usable.size(), false);
     out_.trajectories = std::move(start_.trajectories);
-    std::vector<bool> held(it_.beacon_usable.size());
-    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) held[b] = !it_.beacon_usable[b];
-    it_.layout = make_layout(problem_, start_.state, held);
-    it_.layout.dense_limit = options_.dense_limit;
-    it_.x = it_.layout.vector_of(start_.state);
-    readmit_all(out_.trajectories, it_.beacon_usable);
+    std::vector<bool> held(estimate_.beacon_usable.size());
+    for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b) held[b] = !estimate_.beacon_usable[b];
+    estimate_.layout = make_layout(problem_, start_.state, held);
+    estimate_.layout.dense_limit = options_.dense_limit;
+    estimate_.x = estimate_.layout.vector_of(start_.state);
+    readmit_all(out_.trajectories, estimate_.beacon_usable);
     out_.start_headings_rad = epoch_headings_rad(out_.trajectories);
     for (const Trajectory& t : out_.trajectories)
       for (const Segment& s : t.segments) placed_any_ = placed_any_ || t.nodes[s.first_node].placed;
     out_.warnings = start_.warnings;
   }
 
-  [[nodiscard]] double sigma_m() const { return it_.sigma_m(problem_); }
+  [[nodiscard]] double sigma_m() const { return estimate_.sigma_m(problem_); }
 
   bool adjust_with(double scale, double function_tolerance) {
-    it_.last = adjust(problem_, it_.layout, out_.trajectories, it_.x,
-                      course_.adjust_options(scale, function_tolerance));
-    return !it_.last.interrupted;
+    estimate_.last = adjust(problem_, estimate_.layout, out_.trajectories, estimate_.x,
+                            monitor_.adjust_options(scale, function_tolerance));
+    return !estimate_.last.interrupted;
   }
 
-  /// Graduated robustness: from the slack of the start down to the noise, placing states anew on the way.
+  /// Graduated robustness: from the uncertainty of the start down to the noise, placing states anew on the
+  /// way.
   bool graduated() {
-    double scale = std::max(start_.slack_m / sigma_m(), kCauchyScale);
+    double scale = std::max(start_.uncertainty_m / sigma_m(), kCauchyScale);
     bool searched_again = false;
     if (scale > kRoughScale && std::any_of(out_.trajectories.begin(), out_.trajectories.end(), can_be_held)) {
       if (!fitted_to_paths(scale)) return false;
       scale = std::max(scale / kFiner, kCauchyScale);
     }
     for (int stage = 0;; ++stage) {
-      if (!course_.report(fmt::format("adjustment, robust scale {:.3g} sigma", scale),
-                          std::min(0.6, 0.1 + 0.1 * stage)))
+      if (!monitor_.report(fmt::format("adjustment, robust scale {:.3g} sigma", scale),
+                           std::min(0.6, 0.1 + 0.1 * stage)))
         return false;
       const bool last = scale <= kCauchyScale;
       const HeldHeadings held(scale > kRoughScale ? &out_.trajectories : nullptr);
@@ -152,7 +153,7 @@ class Approacher {
       if (last && (!lifted || stage > kMaxStages)) return true;
       scale = std::max(scale / kFiner, kCauchyScale);
       if (scale <= kSearchAgainScale && !searched_again) {
-        place_again(scale, kSlackOfScale * scale);
+        place_again(scale, kUncertaintyOfScale * scale);
         searched_again = true;
       }
     }
@@ -165,8 +166,8 @@ class Approacher {
       const HeldPaths held(out_.trajectories, held_to, held_to);
       return adjust_with(kShareOfHeld * scale, 1e-4);
     };
-    if (!course_.report("adjustment to the paths as found", 0.1) || !fit(0.01)) return false;
-    place_again(scale, kLeftOfSlack * scale);
+    if (!monitor_.report("adjustment to the paths as found", 0.1) || !fit(0.01)) return false;
+    place_again(scale, kLeftOfUncertainty * scale);
     return std::all_of(std::begin(kHeldTo), std::end(kHeldTo), fit);
   }
 
@@ -174,17 +175,17 @@ class Approacher {
   /// put back above.
   bool keep_above() {
     if (problem_.site.motion != Motion::kPlanar) return false;
-    const SharedState state = it_.layout.state_of(it_.x);
+    const SharedState state = estimate_.layout.state_of(estimate_.x);
     double plane_z_m = 0.0;
     for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m)
       plane_z_m += o.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
     bool lifted = false;
-    for (const auto& columns : it_.layout.beacon) {
+    for (const auto& columns : estimate_.layout.beacon) {
       const int z = columns[2];
-      if (z < 0 || std::isfinite(it_.layout.parameters[static_cast<std::size_t>(z)].prior_sigma) ||
-          it_.x[z] >= plane_z_m)
+      if (z < 0 || std::isfinite(estimate_.layout.parameters[static_cast<std::size_t>(z)].prior_sigma) ||
+          estimate_.x[z] >= plane_z_m)
         continue;
-      it_.x[z] = 2 * plane_z_m - it_.x[z];
+      estimate_.x[z] = 2 * plane_z_m - estimate_.x[z];
       lifted = true;
     }
     return lifted;
@@ -197,23 +198,26 @@ class Approacher {
     std::vector<Trajectory> trajectories;
     AdjustResult last;
   };
-  [[nodiscard]] Kept keep() const { return {it_.layout, it_.x, out_.trajectories, it_.last}; }
-  void restore(Kept kept) {
-    it_.layout = std::move(kept.layout);
-    it_.x = std::move(kept.x);
-    out_.trajectories = std::move(kept.trajectories);
-    it_.last = std::move(kept.last);
+  [[nodiscard]] Kept keep() const {
+    return {estimate_.layout, estimate_.x, out_.trajectories, estimate_.last};
   }
-  [[nodiscard]] Consensus consensus() const {
-    return consensus_of(problem_, it_.layout, it_.x, out_.trajectories, options_.rejection_sigmas);
+  void restore(Kept kept) {
+    estimate_.layout = std::move(kept.layout);
+    estimate_.x = std::move(kept.x);
+    out_.trajectories = std::move(kept.trajectories);
+    estimate_.last = std::move(kept.last);
+  }
+  [[nodiscard]] ConsensusCost consensus() const {
+    return consensus_cost_of(problem_, estimate_.layout, estimate_.x, out_.trajectories,
+                             options_.rejection_sigmas);
   }
 
   /// Exchanged or misplaced beacons, once the arrivals have told where they are.
   bool mend_labels() {
     const Kept before = keep();
-    LabelCheck check = check_labels(problem_, it_.layout, it_.x);
+    LabelCheck check = check_labels(problem_, estimate_.layout, estimate_.x);
     if (check.mended) {
-      if (!course_.report("adjustment with mended positions", 0.62)) return false;
+      if (!monitor_.report("adjustment with mended positions", 0.62)) return false;
       place_again(kCauchyScale, 0.0);
       if (!adjust_with(kCauchyScale, 1e-10)) return false;
     }
@@ -226,14 +230,14 @@ class Approacher {
   /// its stated place as well, all such beacons at once, then one by one, and the stated place is disregarded
   /// only where that is clearly worse.
   bool believe_stated(const Kept& before, LabelCheck& check) {
-    const auto better_than = [this](const Consensus& other) {
-      const double noise = agreeing_sigma(out_.trajectories, it_.layout.state_of(it_.x));
+    const auto better_than = [this](const ConsensusCost& other) {
+      const double noise = agreeing_sigma(out_.trajectories, estimate_.layout.state_of(estimate_.x));
       return consensus().total() < other.total() + kAsGoodAsStated * std::max(1.0, noise * noise);
     };
     std::vector<std::size_t> trusted;
     const std::vector<std::size_t> doubted = check.disregarded;
     Kept best = keep();
-    Consensus cost = consensus();
+    ConsensusCost cost = consensus();
     for (std::size_t trial = 0;
          trial <= doubted.size() && trusted.size() < doubted.size() && (trial == 0 || doubted.size() > 1);
          ++trial) {
@@ -243,9 +247,9 @@ class Approacher {
         restore(before);
       } else {
         wanted.push_back(doubted[trial - 1]);
-        it_.layout = before.layout;
+        estimate_.layout = before.layout;
       }
-      LabelCheck again = check_labels(problem_, it_.layout, before.x, wanted);
+      LabelCheck again = check_labels(problem_, estimate_.layout, before.x, wanted);
       if (!adjust_from_stated(wanted)) return false;
       if (better_than(cost)) {
         trusted = wanted;
@@ -261,14 +265,14 @@ class Approacher {
 
   /// With beacons back at their stated places.
   bool adjust_from_stated(const std::vector<std::size_t>& beacons) {
-    if (!course_.report("adjustment from stated positions", 0.63)) return false;
+    if (!monitor_.report("adjustment from stated positions", 0.63)) return false;
     double off_m = 0.0;
     for (const std::size_t b : beacons)
       for (std::size_t i = 0; i < 3; ++i) {
-        const int column = it_.layout.beacon[b][i];
+        const int column = estimate_.layout.beacon[b][i];
         if (column < 0 || !problem_.site.beacons[b].position_m[i]) continue;
-        it_.x[column] = *problem_.site.beacons[b].position_m[i];
-        const double prior_m = it_.layout.parameters[static_cast<std::size_t>(column)].prior_sigma;
+        estimate_.x[column] = *problem_.site.beacons[b].position_m[i];
+        const double prior_m = estimate_.layout.parameters[static_cast<std::size_t>(column)].prior_sigma;
         if (std::isfinite(prior_m)) off_m = std::max(off_m, prior_m);
       }
     place_again(kCauchyScale, off_m / sigma_m());
@@ -281,56 +285,58 @@ class Approacher {
   /// Beacons, or the whole site, of which the ranges leave a mirror image: it is adjusted too, and the better
   /// one by all observations is kept. Where both are equally good a beacon is undetermined.
   bool compare_images() {
-    if (!course_.report("mirror images", 0.67)) return false;
+    if (!monitor_.report("mirror images", 0.67)) return false;
     ArrivalWeights weights;  // made where there is an image, of which most sites have none
     const auto compare = [this, &weights](const Kept& here, Preference& preferred) {
       if (weights.empty()) weights = weights_by_place(problem_, here.trajectories);
       const double noise = agreeing_sigma(here.trajectories, here.layout.state_of(here.x));
-      preferred = prefer(
-          consensus_of(problem_, here.layout, here.x, here.trajectories, options_.rejection_sigmas, weights),
-          consensus_of(problem_, it_.layout, it_.x, out_.trajectories, options_.rejection_sigmas, weights),
-          noise);
+      preferred = prefer(consensus_cost_of(problem_, here.layout, here.x, here.trajectories,
+                                           options_.rejection_sigmas, weights),
+                         consensus_cost_of(problem_, estimate_.layout, estimate_.x, out_.trajectories,
+                                           options_.rejection_sigmas, weights),
+                         noise);
       if (preferred != Preference::kSecond) restore(here);
     };
-    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b) {
-      const std::array<int, 3>& columns = it_.layout.beacon[b];
-      if (!it_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) continue;
+    for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b) {
+      const std::array<int, 3>& columns = estimate_.layout.beacon[b];
+      if (!estimate_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) continue;
       const auto image =
-          mirror_image(problem_, it_.layout.state_of(it_.x), out_.trajectories, b, 3 * sigma_m());
+          mirror_image(problem_, estimate_.layout.state_of(estimate_.x), out_.trajectories, b, 3 * sigma_m());
       if (!image) continue;
       const Kept here = keep();
       for (std::size_t i = 0; i < 3; ++i)
-        if (columns[i] >= 0) it_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
+        if (columns[i] >= 0) estimate_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
       if (!adjust_with(kCauchyScale, 1e-8)) return false;
       // Bearings may have led it back to where it was: that is no second place.
-      const double apart_m =
-          (it_.layout.state_of(it_.x).beacon_p_map_m[b] - here.layout.state_of(here.x).beacon_p_map_m[b])
-              .norm();
+      const double apart_m = (estimate_.layout.state_of(estimate_.x).beacon_p_map_m[b] -
+                              here.layout.state_of(here.x).beacon_p_map_m[b])
+                                 .norm();
       Preference preferred;
       compare(here, preferred);
-      it_.beacon_mirrored[b] = preferred == Preference::kNeither && apart_m > tolerance_m(problem_);
+      estimate_.beacon_mirrored[b] = preferred == Preference::kNeither && apart_m > tolerance_m(problem_);
     }
     const Kept here = keep();
-    if (!reflect_site(problem_, it_.layout, it_.x, out_.trajectories)) return true;
-    const Eigen::VectorXd image = it_.x;
+    if (!reflect_site(problem_, estimate_.layout, estimate_.x, out_.trajectories)) return true;
+    const Eigen::VectorXd image = estimate_.x;
     if (!adjust_with(kCauchyScale, 1e-8)) return false;
     Preference preferred;
     compare(here, preferred);
     if (preferred != Preference::kNeither) return true;
-    for (std::size_t b = 0; b < it_.beacon_usable.size(); ++b)
-      for (const int column : {it_.layout.beacon[b][0], it_.layout.beacon[b][1]})
+    for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b)
+      for (const int column : {estimate_.layout.beacon[b][0], estimate_.layout.beacon[b][1]})
         if (column >= 0 && std::abs(image[column] - here.x[column]) > tolerance_m(problem_))
-          it_.beacon_mirrored[b] = true;
+          estimate_.beacon_mirrored[b] = true;
     return true;
   }
 
   /// States that fell into a wrong place while the beacons were off, which they may still be by so many
   /// sigmas of an arrival.
-  void place_again(double scale, double slack_sigmas) {
-    const EpochFixModel model = search_model(problem_, it_.layout.state_of(it_.x), it_.beacon_usable);
+  void place_again(double scale, double uncertainty_sigmas) {
+    const EpochFixModel model =
+        search_model(problem_, estimate_.layout.state_of(estimate_.x), estimate_.beacon_usable);
     for (Trajectory& t : out_.trajectories)
-      place_states(t, model, slack_sigmas * sigma_m(), true, kSuspectSigmas + scale, options_.threads);
-    readmit_all(out_.trajectories, it_.beacon_usable);
+      place_states(t, model, uncertainty_sigmas * sigma_m(), true, kSuspectSigmas + scale, options_.threads);
+    readmit_all(out_.trajectories, estimate_.beacon_usable);
   }
 
   /// Beacons and states hold each other in wrong places: a few flipped headings keep the beacons off, and
@@ -339,23 +345,23 @@ class Approacher {
   bool search_and_adjust() {
     double best = consensus().total();
     std::size_t failures = 0;
-    for (const double slack : kSearchSlacks) {
-      const Eigen::VectorXd x = it_.x;
+    for (const double uncertainty : kSearchScales) {
+      const Eigen::VectorXd x = estimate_.x;
       const std::vector<Trajectory> trajectories = out_.trajectories;
-      const AdjustResult last = it_.last;
-      if (!course_.report(fmt::format("search again, beacons trusted to {:.3g} sigma", slack), 0.65))
+      const AdjustResult last = estimate_.last;
+      if (!monitor_.report(fmt::format("search again, beacons trusted to {:.3g} sigma", uncertainty), 0.65))
         return false;
-      place_again(kCauchyScale, slack);
-      for (const double scale : {std::max(slack, kCauchyScale), kCauchyScale})
+      place_again(kCauchyScale, uncertainty);
+      for (const double scale : {std::max(uncertainty, kCauchyScale), kCauchyScale})
         if (!adjust_with(scale, scale > kCauchyScale ? 1e-4 : 1e-10)) return false;
       const double cost = consensus().total();
       const bool better = cost < best, much_better = cost < kMuchBetter * best;
       if (better) {
         best = cost;
       } else {
-        it_.x = x;
+        estimate_.x = x;
         out_.trajectories = trajectories;
-        it_.last = last;
+        estimate_.last = last;
       }
       if (!much_better && ++failures >= 2) break;
     }
@@ -364,10 +370,10 @@ class Approacher {
 
   const Problem& problem_;
   const SolveOptions& options_;
-  Course& course_;
+  ProgressMonitor& monitor_;
   Start start_;
   Approach out_;
-  Estimate& it_ = out_.estimate;
+  Estimate& estimate_ = out_.estimate;
   bool placed_any_ = false;
 };
 
@@ -380,8 +386,9 @@ Solution interrupted_solution() {
   return solution;
 }
 
-Approach approach(const Problem& problem, const SolveOptions& options, Course& course, bool search_again) {
-  return Approacher(problem, options, course).run(search_again);
+Approach approach(const Problem& problem, const SolveOptions& options, ProgressMonitor& monitor,
+                  bool search_again) {
+  return Approacher(problem, options, monitor).run(search_again);
 }
 
 }  // namespace octant::calib

@@ -8,7 +8,7 @@
 #include "calib/adjust/adjust.h"
 #include "calib/calibrate.h"
 #include "calib/problem/parameters.h"
-#include "calib/start/course.h"
+#include "calib/start/progress_monitor.h"
 
 namespace octant::calib {
 
@@ -38,12 +38,12 @@ struct Approach {
   std::vector<std::string> warnings;
 };
 
-/// Initial values; the adjustment with a loss whose scale goes from the slack of the start down to the noise,
-/// states searched again on the way; exchanged and misplaced beacons mended; states searched again with less
-/// and less trust in the beacons withdrawn.
+/// Initial values; the adjustment with a loss whose scale goes from the uncertainty of the start down to the
+/// noise, states searched again on the way; exchanged and misplaced beacons mended; states searched again
+/// with less and less trust in the beacons withdrawn.
 /// @param search_again  false: without that last search, which takes most of the time where arrivals do not
 /// agree
-[[nodiscard]] Approach approach(const Problem& problem, const SolveOptions& options, Course& course,
+[[nodiscard]] Approach approach(const Problem& problem, const SolveOptions& options, ProgressMonitor& monitor,
                                 bool search_again = true);
 
 /// A solution of which nothing came but the word that it was stopped.

@@ -18,14 +18,14 @@ constexpr double kHeightShare = 0.2;
 constexpr std::size_t kReceiversForBearing = 3;
 
 /// Range and horizontal bearing of one beacon from one epoch, in the vehicle frame.
-struct Sight {
+struct BeaconSight {
   BeaconId beacon;
   double range_m = 0.0;
   double bearing_rad = 0.0;
 };
 
 /// A plane wave over the array: range_i = range - o_i . u, solved for range and the horizontal u.
-bool sight_of(const std::vector<std::pair<Eigen::Vector3d, double>>& receivers, Sight& sight) {
+bool sight_of(const std::vector<std::pair<Eigen::Vector3d, double>>& receivers, BeaconSight& sight) {
   if (receivers.size() < kReceiversForBearing) return false;
   Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -42,7 +42,7 @@ bool sight_of(const std::vector<std::pair<Eigen::Vector3d, double>>& receivers, 
   return true;
 }
 
-std::vector<Sight> sights_of(const Trajectory& t, const Segment& segment, const SharedState& state) {
+std::vector<BeaconSight> sights_of(const Trajectory& t, const Segment& segment, const SharedState& state) {
   std::map<BeaconId, std::vector<std::pair<Eigen::Vector3d, double>>> heard;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
@@ -50,9 +50,9 @@ std::vector<Sight> sights_of(const Trajectory& t, const Segment& segment, const 
       heard[a.beacon].emplace_back(state.receiver_p_vehicle_m[a.receiver.index()],
                                    prior_range_m(t, a, state));
   }
-  std::vector<Sight> sights;
+  std::vector<BeaconSight> sights;
   for (const auto& [beacon, receivers] : heard) {
-    Sight sight{beacon, 0.0, 0.0};
+    BeaconSight sight{beacon, 0.0, 0.0};
     if (sight_of(receivers, sight)) sights.push_back(sight);
   }
   return sights;
@@ -65,11 +65,11 @@ ColdStart start_from_array(const Problem& problem, SharedState& state, std::vect
   ColdStart result;
   Trajectory* best_trajectory = nullptr;
   const Segment* best_segment = nullptr;
-  std::vector<Sight> best;
+  std::vector<BeaconSight> best;
   for (Trajectory& t : trajectories) {
     if (t.moving || t.has_cycle_offset) continue;  // an unknown offset hides the range
     for (const Segment& segment : t.segments) {
-      std::vector<Sight> sights = sights_of(t, segment, state);
+      std::vector<BeaconSight> sights = sights_of(t, segment, state);
       if (sights.size() <= best.size()) continue;
       best = std::move(sights);
       best_trajectory = &t;
@@ -80,7 +80,7 @@ ColdStart start_from_array(const Problem& problem, SharedState& state, std::vect
   double receiver_z_m = 0.0;
   for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m)
     receiver_z_m += o.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
-  for (const Sight& sight : best) {
+  for (const BeaconSight& sight : best) {
     const SiteBeacon& known = problem.site.beacons[sight.beacon.index()];
     const double above_m = known.position_m[2]
                                ? *known.position_m[2] - receiver_z_m
@@ -95,7 +95,7 @@ ColdStart start_from_array(const Problem& problem, SharedState& state, std::vect
   node.T_map_vehicle = Pose();
   node.placed = true;
   // Bearings of a small array are good to some degrees, heights are a guess.
-  result.slack_m = 0.1 * typical_range_m;
+  result.uncertainty_m = 0.1 * typical_range_m;
   result.ok = true;
   return result;
 }
@@ -121,8 +121,8 @@ ColdStart start_from_odometry(const Problem& problem, std::vector<Trajectory>& t
   // of the site.
   Eigen::AlignedBox2d box;
   for (const Node& node : longest->nodes) box.extend(node.T_map_vehicle.translation_m.head<2>());
-  result.slack_m = std::sqrt(distance_variance + heading_variance * box.diagonal().squaredNorm() / 9);
-  result.slack_m = std::min(result.slack_m, 0.1 * path_m);
+  result.uncertainty_m = std::sqrt(distance_variance + heading_variance * box.diagonal().squaredNorm() / 9);
+  result.uncertainty_m = std::min(result.uncertainty_m, 0.1 * path_m);
   result.ok = path_m > 0 && problem.site.motion == Motion::kPlanar;
   return result;
 }

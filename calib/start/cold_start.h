@@ -12,7 +12,7 @@ namespace octant::calib {
 /// A map frame made from the recordings alone, for sites of which no position is known.
 struct ColdStart {
   bool ok = false;
-  double slack_m = 0.0;  ///< how far ranges may be off in it
+  double uncertainty_m = 0.0;  ///< how far ranges may be off in it
 };
 
 /// One epoch becomes the origin of the map: an array of receivers sees range and bearing of each beacon it

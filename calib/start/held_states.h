@@ -43,8 +43,8 @@ class HeldHeadings : public HeldStates {
 /// Whether a trajectory is a drive in space by odometry alone, the path of which can be held.
 [[nodiscard]] bool can_be_held(const Trajectory& trajectory);
 
-/// Holds the paths of drives in space. Their heights and tilts are weakly told: states that are free settle
-/// towards beacons that are off, which then follow them into a tilted image of both.
+/// Holds the paths of drives in space. Their heights and tilts are weakly observable: states that are free
+/// settle towards beacons that are off, which then follow them into a tilted image of both.
 class HeldPaths : public HeldStates {
  public:
   /// @param place_m, attitude_rad  sigmas of each state

@@ -89,7 +89,7 @@ std::optional<Line> line_through(const std::vector<KnownPlace>& places) {
 }
 
 /// Odometry, or receivers that do not lie in a vertical plane by more than the noise of a range.
-bool tells_left_from_right(const Problem& problem, const std::vector<Trajectory>& trajectories) {
+bool distinguishes_left_from_right(const Problem& problem, const std::vector<Trajectory>& trajectories) {
   for (const Trajectory& t : trajectories)
     if (!t.odometry.empty()) return true;
   const double noise_m =
@@ -107,13 +107,13 @@ bool tells_left_from_right(const Problem& problem, const std::vector<Trajectory>
 
 }  // namespace
 
-Consensus consensus_of(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
-                       const std::vector<Trajectory>& trajectories, double rejection_sigmas,
-                       const ArrivalWeights& weights) {
+ConsensusCost consensus_cost_of(const Problem& problem, const ParameterLayout& layout,
+                                const Eigen::VectorXd& x, const std::vector<Trajectory>& trajectories,
+                                double rejection_sigmas, const ArrivalWeights& weights) {
   const SharedState state = layout.state_of(x);
   const double cap = 0.5 * rejection_sigmas * rejection_sigmas;
   const auto counts = [](Rejection r) { return r != Rejection::kBeaconUnusable && r != Rejection::kNoPose; };
-  Consensus cost;
+  ConsensusCost cost;
   cost.others = prior_cost(problem, layout, x);
   ObservationRow rows[6];
   for (std::size_t k = 0; k < trajectories.size(); ++k) {
@@ -147,7 +147,7 @@ ArrivalWeights weights_by_place(const Problem& problem, const std::vector<Trajec
   return weights;
 }
 
-Preference prefer(const Consensus& first, const Consensus& second, double noise) {
+Preference prefer(const ConsensusCost& first, const ConsensusCost& second, double noise) {
   const double scale = std::max(1.0, noise * noise), by_others = second.others - first.others,
                by_all = second.total() - first.total();
   if (std::abs(by_all) > scale * kDecidedByRanges ||
@@ -158,7 +158,8 @@ Preference prefer(const Consensus& first, const Consensus& second, double noise)
 
 bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x,
                   std::vector<Trajectory>& trajectories) {
-  if (problem.site.motion != Motion::kPlanar || tells_left_from_right(problem, trajectories)) return false;
+  if (problem.site.motion != Motion::kPlanar || distinguishes_left_from_right(problem, trajectories))
+    return false;
   const std::optional<Line> line = line_through(known_places(problem, layout, trajectories));
   if (!line) return false;
   const SharedState state = layout.state_of(x);

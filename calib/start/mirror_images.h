@@ -13,7 +13,7 @@ namespace octant::calib {
 
 /// What the final rejection will leave of a solution: squares up to its limit, and the priors. Lower is a
 /// larger consensus.
-struct Consensus {
+struct ConsensusCost {
   double arrivals = 0.0;
   double others = 0.0;  ///< bearings, measured poses, priors
   [[nodiscard]] double total() const { return arrivals + others; }
@@ -22,9 +22,10 @@ struct Consensus {
 using ArrivalWeights = std::vector<std::vector<double>>;
 
 /// @param weights  of the arrivals' squares; none: each counts in full
-[[nodiscard]] Consensus consensus_of(const Problem& problem, const ParameterLayout& layout,
-                                     const Eigen::VectorXd& x, const std::vector<Trajectory>& trajectories,
-                                     double rejection_sigmas, const ArrivalWeights& weights = {});
+[[nodiscard]] ConsensusCost consensus_cost_of(const Problem& problem, const ParameterLayout& layout,
+                                              const Eigen::VectorXd& x,
+                                              const std::vector<Trajectory>& trajectories,
+                                              double rejection_sigmas, const ArrivalWeights& weights = {});
 
 /// All arrivals of a pair at one place count as a few at most: a hundred echoes that one stand recorded are
 /// no more than one.
@@ -38,7 +39,7 @@ enum class Preference { kFirst, kSecond, kNeither };
 /// beyond four sigmas; ranges alone only where they differ by so much that errors common to a pair or to a
 /// place are no excuse.
 /// @param noise  of the arrivals over the stated one
-[[nodiscard]] Preference prefer(const Consensus& first, const Consensus& second, double noise);
+[[nodiscard]] Preference prefer(const ConsensusCost& first, const ConsensusCost& second, double noise);
 
 /// Turns a planar site into its mirror image: beacons in the layout and states without a measured pose are
 /// reflected in the line of all that is known, or in any line where that is less than two places. False (and

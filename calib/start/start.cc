@@ -59,7 +59,7 @@ class Starter {
 
   Start run() {
     ranges_by_beacon();
-    take_known_beacons();
+    set_known_beacons();
     spread();
     if (nothing_placed()) {
       start_cold();
@@ -91,7 +91,7 @@ class Starter {
     if (!cold.ok)
       cold = start_from_array(problem_, start_.state, start_.trajectories, start_.beacon_found,
                               typical_range_m_);
-    start_.slack_m = std::hypot(start_.slack_m, cold.slack_m);
+    start_.uncertainty_m = std::hypot(start_.uncertainty_m, cold.uncertainty_m);
   }
 
   void ranges_by_beacon() {
@@ -106,7 +106,7 @@ class Starter {
     typical_range_m_ = std::max(median(std::move(all)), 1e-3);
   }
 
-  void take_known_beacons() {
+  void set_known_beacons() {
     double worst_m = 0.0;
     for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
       const SiteBeacon& beacon = site_.beacons[b];
@@ -123,7 +123,8 @@ class Starter {
     double lever_m = 0.0;
     for (const SiteReceiver& r : site_.receivers) lever_m = std::max(lever_m, r.sigma_m.maxCoeff());
     lever_m = std::min(lever_m, 0.2 * typical_range_m_);
-    start_.slack_m = std::sqrt(worst_m * worst_m + speed_m * speed_m + delay_m * delay_m + lever_m * lever_m);
+    start_.uncertainty_m =
+        std::sqrt(worst_m * worst_m + speed_m * speed_m + delay_m * delay_m + lever_m * lever_m);
   }
 
   std::size_t place_all() {
@@ -131,7 +132,7 @@ class Starter {
     std::size_t placed = 0;
     if (std::count(start_.beacon_found.begin(), start_.beacon_found.end(), true) < 2) return 0;
     for (Trajectory& t : start_.trajectories)
-      placed += place_states(t, model, start_.slack_m, false, 0.0, threads_);
+      placed += place_states(t, model, start_.uncertainty_m, false, 0.0, threads_);
     return placed;
   }
 
@@ -150,7 +151,7 @@ class Starter {
     if (ranges.size() + rays.size() < 4) return false;
     const TrilaterationOptions options = trilateration_options(
         problem_, start_.state, b,
-        std::max(start_.slack_m, 3 * site_.noise.tof_sigma_s * speed_mps(site_.medium)));
+        std::max(start_.uncertainty_m, 3 * site_.noise.tof_sigma_s * speed_mps(site_.medium)));
     const Trilateration place = trilaterate(ranges, options, rays);
     if (!place.ok) return false;
     start_.state.beacon_p_map_m[b] = place.p_map_m;
@@ -184,9 +185,9 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
   if (epoch.first_pose < epoch.last_pose || (node.placed && !again))
     return false;  // a measured pose needs no search
   const Node before = node;
-  std::vector<Rejection> marks;
+  std::vector<Rejection> rejections;
   for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
-    marks.push_back(t.arrivals[i].rejection);
+    rejections.push_back(t.arrivals[i].rejection);
   const bool found = fix_epoch(t, epoch, model, options).ok();
   if (found) {
     node.placed = true;
@@ -195,8 +196,9 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
   }
   // The search looked at all arrivals; what a gate has left out stays out until the adjustment has settled.
   for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
-    t.arrivals[i].rejection =
-        is_gated(marks[i - epoch.first_arrival]) ? marks[i - epoch.first_arrival] : Rejection::kUsed;
+    t.arrivals[i].rejection = is_gated(rejections[i - epoch.first_arrival])
+                                  ? rejections[i - epoch.first_arrival]
+                                  : Rejection::kUsed;
   return found;
 }
 
@@ -222,21 +224,21 @@ EpochFixModel search_model(const Problem& problem, const SharedState& state,
   return model;
 }
 
-std::size_t place_states(Trajectory& t, const EpochFixModel& model, double slack_m, bool again,
+std::size_t place_states(Trajectory& t, const EpochFixModel& model, double uncertainty_m, bool again,
                          double suspect_sigmas, int threads) {
   std::size_t placed = 0;
   if (t.moving && (!t.odometry.empty() || t.motion_prior)) {
     const bool all = std::all_of(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; });
     if (all && (!again || !t.poses.empty())) return 0;
     TrackerOptions options;
-    options.range_slack_m = slack_m;
+    options.range_uncertainty_m = uncertainty_m;
     options.threads = threads;
     if (!place_drive(t, model, options)) return 0;
     for (Node& node : t.nodes) placed += !node.placed, node.placed = true;
     return placed + again;
   }
   EpochFixOptions options;
-  options.range_slack_m = slack_m;
+  options.range_uncertainty_m = uncertainty_m;
   options.max_sigma_m = INFINITY;
   constexpr std::size_t kSegmentsAtOnce = 16;
   std::atomic<std::size_t> epochs{0};

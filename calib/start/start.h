@@ -18,7 +18,7 @@ struct Start {
   std::vector<Trajectory> trajectories;  ///< nodes placed where a start was found
   std::vector<bool> beacon_found;        ///< position known well enough to begin with
   std::vector<bool> beacon_mirrored;     ///< a second position explains its ranges and bearings as well
-  double slack_m = 0.0;                  ///< how far predicted ranges may be off at the start
+  double uncertainty_m = 0.0;            ///< how far predicted ranges may be off at the start
   std::vector<std::string> warnings;
 };
 
@@ -40,7 +40,7 @@ struct Start {
 /// Places the states of a trajectory that have no initial value; with `again` also those of epochs in which
 /// an arrival is off by more than `suspect_sigmas`. States with a measured pose are left. Returns how many
 /// segments were placed anew.
-std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double slack_m, bool again,
+std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double uncertainty_m, bool again,
                          double suspect_sigmas = 0.0, int threads = 1);
 
 }  // namespace octant::calib

@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "calib/plan/check.h"
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "calib/readings/readings.h"
 
 namespace octant::calib {
@@ -119,11 +119,12 @@ std::vector<Finding> outcome_hints(const Problem& problem, const Solution& solut
   for (std::size_t i = 0; i < runs.size(); ++i) runs[i].path = problem.runs[i].path;
   std::size_t stops = 0;
   for (const Trajectory& t : solution.trajectories) stops += t.segments.size();
-  const std::size_t every = stops / kStops + 1;
-  if (every == 1) return suspicions(Adjusted{problem.site, solution.state, solution.trajectories, 1.0}, runs);
+  const std::size_t stride = stops / kStops + 1;
+  if (stride == 1)
+    return suspicions(Adjusted{problem.site, solution.state, solution.trajectories, 1.0}, runs);
   std::vector<Trajectory> few;
-  for (const Trajectory& t : solution.trajectories) few.push_back(some_segments(t, every));
-  return suspicions(Adjusted{problem.site, solution.state, few, static_cast<double>(every)}, runs);
+  for (const Trajectory& t : solution.trajectories) few.push_back(some_segments(t, stride));
+  return suspicions(Adjusted{problem.site, solution.state, few, static_cast<double>(stride)}, runs);
 }
 
 void explain(const Problem& problem, const Problem& adjusted, Solution& solution,

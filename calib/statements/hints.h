@@ -25,7 +25,7 @@ namespace octant::calib {
 /// Where the outcome looks as if the site file or a log were wrong as a whole, names what is (readings.h): as
 /// contradictions, in place of others, which are its consequences, and in the message of a refusal, in place
 /// of a measurement that would not help.
-/// @param adjusted  what the solution is of: the problem, or a thinned one
+/// @param adjusted  what the solution is of: the problem, or a subsampled one
 void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
              const SolveOptions& options);
 

@@ -70,7 +70,7 @@ class StopTest {
     for (ArrivalObservation& a : t.arrivals)
       a.rejection = a.time_s > from_s && a.time_s <= to_s ? Rejection::kUsed : Rejection::kNotNeeded;
     for (const double scale : {20.0, 2.385})
-      static_cast<void>(settle(t, t.segments[0], state_, {scale, scale}));
+      static_cast<void>(solve_states(t, t.segments[0], state_, {scale, scale}));
     SideCost result;
     std::set<std::size_t> beacons;
     for (const ArrivalObservation& a : t.arrivals) {

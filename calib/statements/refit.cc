@@ -19,7 +19,7 @@ namespace {
 
 /// A false statement bends everything by tens of sigmas: the first loss of an adjustment without it.
 constexpr double kCoarseScale = 20.0;
-constexpr int kMarkingRounds = 5;
+constexpr int kRefitRounds = 5;
 
 AdjustOptions alone(const SolveOptions& options, double scale, double function_tolerance) {
   AdjustOptions adjust;  // every rank for itself: they all hold the same, and it is little
@@ -52,10 +52,10 @@ void judge_fit(const SolveOptions& options, Fit& fit) {
   fit.noise_factor = s.redundancy >= 30 && squares > 0 ? std::sqrt(squares / s.redundancy) : 1.0;
 }
 
-bool mark_and_adjust(const SolveOptions& options, Fit& fit) {
-  for (int round = 0; round < kMarkingRounds; ++round) {
+bool reject_and_adjust_again(const SolveOptions& options, Fit& fit) {
+  for (int round = 0; round < kRefitRounds; ++round) {
     const std::size_t changed =
-        mark_rejected(fit.trajectories, fit.state(), options.rejection_sigmas, options.threads);
+        reject_outliers(fit.trajectories, fit.state(), options.rejection_sigmas, options.threads);
     if (round > 0 && changed == 0) break;
     fit.last = adjust(fit.problem, fit.layout, fit.trajectories, fit.x, alone(options, 0.0, 1e-10));
     if (!fit.x.allFinite()) return false;
@@ -77,10 +77,10 @@ Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& 
   fit.beacon_usable = estimate.beacon_usable;
   std::size_t arrivals = 0;
   for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
-  const std::size_t every = arrivals / kMostArrivals + 1;
+  const std::size_t stride = arrivals / kMostArrivals + 1;
   for (const Trajectory& t : trajectories)
-    fit.trajectories.push_back(every == 1 ? t : some_segments(t, every));
-  if (every > 1) mark_and_adjust(options, fit);
+    fit.trajectories.push_back(stride == 1 ? t : some_segments(t, stride));
+  if (stride > 1) reject_and_adjust_again(options, fit);
   judge_fit(options, fit);
   return fit;
 }
@@ -93,7 +93,7 @@ void adjust_anew(const SolveOptions& options, Fit& fit) {
                       alone(options, scale, scale > kCauchyScale ? 1e-4 : 1e-8));
     if (!fit.x.allFinite()) return;
   }
-  if (mark_and_adjust(options, fit)) judge_fit(options, fit);
+  if (reject_and_adjust_again(options, fit)) judge_fit(options, fit);
 }
 
 double variance_inflation(const Fit& fit, int threads) {

@@ -16,7 +16,7 @@ struct Fit {
   Problem problem;  ///< site as believed, no recordings
   ParameterLayout layout;
   Eigen::VectorXd x;
-  std::vector<Trajectory> trajectories;  ///< settled at x, marked
+  std::vector<Trajectory> trajectories;  ///< solved at x, outliers rejected
   AdjustResult last;
   std::vector<bool> beacon_usable;
   /// 1/2 the squares of everything at the noise that all fits of a comparison share, each arrival left out

@@ -109,7 +109,7 @@ class StatementTest {
     TileSum tiles(trajectories, wide, {options_.threads, nullptr});
     const Eigen::VectorXd x = wide.vector_of(now_.state());
     const SharedState state = wide.state_of(x);
-    static_cast<void>(tiles.settle(state, {}));
+    static_cast<void>(tiles.solve_states(state, {}));
     ReducedSystem data;
     tiles.reduce(state, {}, data);
     const double noise2 = std::max(1e-12, now_.noise_factor * now_.noise_factor);
@@ -280,19 +280,19 @@ class StatementTest {
 
   [[nodiscard]] Difference distance_difference(const Statement& s, const Fit& fit,
                                                const Eigen::MatrixXd& C) const {
-    const ControlDistance& told = site().distances[s.index];
+    const ControlDistance& taped = site().distances[s.index];
     const SharedState state = fit.state();
     const Eigen::Vector3d between =
-        state.beacon_p_map_m[told.from.index()] - state.beacon_p_map_m[told.to.index()];
+        state.beacon_p_map_m[taped.from.index()] - state.beacon_p_map_m[taped.to.index()];
     Eigen::VectorXd a = Eigen::VectorXd::Zero(C.rows());
     for (std::size_t i = 0; i < 3; ++i) {
       const double k = between[static_cast<Eigen::Index>(i)] / std::max(between.norm(), 1e-9);
-      if (const int c = fit.layout.beacon[told.from.index()][i]; c >= 0) a[c] += k;
-      if (const int c = fit.layout.beacon[told.to.index()][i]; c >= 0) a[c] -= k;
+      if (const int c = fit.layout.beacon[taped.from.index()][i]; c >= 0) a[c] += k;
+      if (const int c = fit.layout.beacon[taped.to.index()][i]; c >= 0) a[c] -= k;
     }
     Difference d;
-    d.v = Eigen::VectorXd::Constant(1, between.norm() - told.distance_m);
-    d.covariance = Eigen::MatrixXd::Constant(1, 1, a.dot(C * a) + told.sigma_m * told.sigma_m);
+    d.v = Eigen::VectorXd::Constant(1, between.norm() - taped.distance_m);
+    d.covariance = Eigen::MatrixXd::Constant(1, 1, a.dot(C * a) + taped.sigma_m * taped.sigma_m);
     d.length_m = std::abs(d.v[0]);
     return d;
   }

@@ -30,7 +30,7 @@ struct StatementFindings {
 /// Bonferroni over all that is tested, and by a length that matters. Of several the one whose release
 /// explains most is the culprit; it stays released and the search goes on.
 ///
-/// @param trajectories  settled at the estimate, marked
+/// @param trajectories  solved at the estimate, outliers rejected
 /// Empty for sites of more than ParameterLayout::dense_limit parameters, which are not tested.
 [[nodiscard]] StatementFindings test_statements(const Problem& problem, const SolveOptions& options,
                                                 const Estimate& estimate,

@@ -41,12 +41,12 @@ SharedState with_stated_receivers(const Adjusted& f) {
   return state;
 }
 
-struct Suspect {
+struct SuspectReceiver {
   ReceiverId receiver, fits;  ///< fits: whose place its ranges fit; not valid(): nobody's
   double sigmas = 0.0;
 };
 
-std::vector<Suspect> suspects(const Adjusted& f) {
+std::vector<SuspectReceiver> suspects(const Adjusted& f) {
   const Site& site = f.site;
   const SharedState stated = with_stated_receivers(f);
   std::vector<double> own(site.receivers.size(), 0.0), heard;
@@ -56,10 +56,10 @@ std::vector<Suspect> suspects(const Adjusted& f) {
     if (count[r] >= kArrivalsNeeded) heard.push_back(own[r]);
   }
   const double limit = std::max(kOffSigmas, 3 * median(heard));
-  std::vector<Suspect> found;
+  std::vector<SuspectReceiver> found;
   for (std::size_t r = 0; r < own.size(); ++r) {
     if (count[r] < kArrivalsNeeded || own[r] < limit) continue;
-    Suspect suspect{ReceiverId(r), {}, own[r]};
+    SuspectReceiver suspect{ReceiverId(r), {}, own[r]};
     double best = kBetter * own[r];
     for (std::size_t s = 0; s < own.size(); ++s) {
       if (s == r || site.receivers[s].vehicle != site.receivers[r].vehicle) continue;
@@ -75,12 +75,12 @@ std::vector<Suspect> suspects(const Adjusted& f) {
 
 std::vector<Finding> receiver_labels(const Adjusted& f) {
   const Site& site = f.site;
-  const std::vector<Suspect> found = suspects(f);
+  const std::vector<SuspectReceiver> found = suspects(f);
   const auto name = [&](ReceiverId r) { return site.receivers[r.index()].name; };
   std::vector<Finding> findings;
-  for (const Suspect& a : found) {
+  for (const SuspectReceiver& a : found) {
     const std::string& vehicle = site.vehicles[site.receivers[a.receiver.index()].vehicle.index()].name;
-    const auto partner = std::find_if(found.begin(), found.end(), [&](const Suspect& b) {
+    const auto partner = std::find_if(found.begin(), found.end(), [&](const SuspectReceiver& b) {
       return a.fits.valid() && b.receiver == a.fits && b.fits == a.receiver;
     });
     if (partner != found.end()) {
@@ -114,7 +114,7 @@ std::vector<Finding> suspicions(const Adjusted& f, std::vector<RunHealth>& runs)
           {"clock_step",
            fmt::format("{}: from {:.6g} s on times of flight are {:.4g} ms {}{}: a clock jumped there",
                        runs[i].path, s.time_s, 1e3 * std::abs(s.step_s), s.step_s > 0 ? "longer" : "shorter",
-                       f.every > 1.5 ? fmt::format(" (looking at every {:.0f}th stop)", f.every) : "")});
+                       f.stride > 1.5 ? fmt::format(" (looking at every {:.0f}th stop)", f.stride) : "")});
     }
   }
   return findings;
@@ -122,10 +122,10 @@ std::vector<Finding> suspicions(const Adjusted& f, std::vector<RunHealth>& runs)
 
 std::vector<Finding> suspicions(const Forecast& f, std::vector<RunHealth>& runs) {
   if (f.solution.beacon_status.empty()) return {};  // nothing was solved
-  const double every = f.is_thinned() ? static_cast<double>(f.states) /
-                                            static_cast<double>(std::max<std::size_t>(f.states_used, 1))
-                                      : 1.0;
-  return suspicions(Adjusted{f.thinned.site, f.solution.state, f.solution.trajectories, every}, runs);
+  const double stride = f.is_subsampled() ? static_cast<double>(f.states) /
+                                                static_cast<double>(std::max<std::size_t>(f.states_used, 1))
+                                          : 1.0;
+  return suspicions(Adjusted{f.subsampled.site, f.solution.state, f.solution.trajectories, stride}, runs);
 }
 
 }  // namespace octant::calib

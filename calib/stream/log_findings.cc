@@ -11,54 +11,54 @@
 
 #include "calib/errors/reliability.h"
 #include "calib/problem/flips.h"
-#include "calib/stream/trajectory_tape.h"
+#include "calib/stream/trajectory_buffer.h"
 #include "calib/verdict/validity.h"
 
 namespace octant::calib {
 
 FindingsGatherer::FindingsGatherer(const Problem& frame, const Estimate& estimate, std::size_t states)
     : frame_(frame), model_(trajectory_model(frame.site)), state_(estimate.state()) {
-  whole_.epochs = states;
-  whole_.every = looked_at_every(states);
-  whole_.of_beacon.assign(frame.site.beacons.size(), {});
+  totals_.epochs = states;
+  totals_.stride = sample_stride(states);
+  totals_.of_beacon.assign(frame.site.beacons.size(), {});
   findings_.arrivals.resize(frame.runs.size());
   for (const MeasurementLog& run : frame.runs) carried_.emplace_back(run.bearings.size(), false);
 }
 
-void FindingsGatherer::write(const PartFindings& part, std::vector<double>& numbers) const {
-  TapeWriter tape(numbers);
-  tape.put_count(part.trajectory.run);
-  tape.put_count(part.trajectory.vehicle.index());
-  write_counts(part, tape);
-  write_stateless(part, tape);
-  write_series(part.trajectory, tape);
-  tape.put_count(part.flipped.size());
-  for (const std::int64_t epoch : part.flipped) tape.put_integer(epoch);
-  write_bearings(part.trajectory, tape);
-  write_extent(part, tape);
-  write_trajectory(part.looked_at, part.log.arrivals, tape);
+void FindingsGatherer::write(const TrajectoryFindings& part, std::vector<double>& numbers) const {
+  BufferWriter buffer(numbers);
+  buffer.put_count(part.trajectory.run);
+  buffer.put_count(part.trajectory.vehicle.index());
+  write_counts(part, buffer);
+  write_stateless(part, buffer);
+  write_series(part.trajectory, buffer);
+  buffer.put_count(part.flipped.size());
+  for (const std::int64_t epoch : part.flipped) buffer.put_integer(epoch);
+  write_bearings(part.trajectory, buffer);
+  write_extent(part, buffer);
+  write_trajectory(part.sampled, part.log.arrivals, buffer);
 }
 
 void FindingsGatherer::read(const std::vector<double>& numbers) {
-  for (TapeReader tape(numbers); !tape.ended();) {
-    const std::size_t run = tape.count(), vehicle = tape.count();
+  for (BufferReader buffer(numbers); !buffer.ended();) {
+    const std::size_t run = buffer.count(), vehicle = buffer.count();
     OfTrajectory& of = of_trajectory_[{run, vehicle}];
     of.some.run = run;
     of.some.vehicle = VehicleId(vehicle);
-    read_counts(tape);
-    read_stateless(of, tape);
+    read_counts(buffer);
+    read_stateless(of, buffer);
     of.series.resize(state_.beacon_p_map_m.size() * state_.receiver_p_vehicle_m.size());
-    read_series(of.series, tape);
-    for (std::size_t n = tape.count(); n > 0; --n) of.flipped.push_back(tape.integer());
-    read_bearings(run, tape);
-    read_extent(tape);
-    read_trajectory(model_, tape, of.some, findings_.arrivals[run]);
+    read_series(of.series, buffer);
+    for (std::size_t n = buffer.count(); n > 0; --n) of.flipped.push_back(buffer.integer());
+    read_bearings(run, buffer);
+    read_extent(buffer);
+    read_trajectory(model_, buffer, of.some, findings_.arrivals[run]);
   }
 }
 
 void FindingsGatherer::count_stateless(std::size_t beacon, std::size_t arrivals) {
   counts_.rejected += arrivals;
-  whole_.of_beacon[beacon][static_cast<std::size_t>(Rejection::kNoPose)] += arrivals;
+  totals_.of_beacon[beacon][static_cast<std::size_t>(Rejection::kNoPose)] += arrivals;
 }
 
 GatheredFindings FindingsGatherer::findings(const Estimate& estimate) && {
@@ -78,8 +78,8 @@ GatheredFindings FindingsGatherer::findings(const Estimate& estimate) && {
   }
   leave_out_bearings_of_no_state();
   f.whiteness = whiteness_of(series);
-  whole_.area_m = convex_hull(std::move(whole_.area_m));
-  f.whole = std::move(whole_);
+  totals_.area_m = convex_hull(std::move(totals_.area_m));
+  f.totals = std::move(totals_);
   return std::move(findings_);
 }
 
@@ -98,75 +98,75 @@ void FindingsGatherer::leave_out_bearings_of_no_state() {
   }
 }
 
-void FindingsGatherer::write_counts(const PartFindings& part, TapeWriter& tape) const {
+void FindingsGatherer::write_counts(const TrajectoryFindings& part, BufferWriter& buffer) const {
   const ObservationCounts counts = count_observations(part.trajectory, state_);
-  for (const std::size_t count : {counts.used, counts.rejected, counts.states - part.told_before})
-    tape.put_count(count);
-  tape.put(counts.observations);
-  tape.put(counts.squares_s2);
+  for (const std::size_t count : {counts.used, counts.rejected, counts.states - part.counted_before})
+    buffer.put_count(count);
+  buffer.put(counts.observations);
+  buffer.put(counts.squares_s2);
 }
 
-void FindingsGatherer::write_stateless(const PartFindings& part, TapeWriter& tape) {
+void FindingsGatherer::write_stateless(const TrajectoryFindings& part, BufferWriter& buffer) {
   const std::vector<std::size_t>& stateless = part.trajectory.stateless_arrivals;
-  tape.put_count(stateless.size());
-  if (!stateless.empty()) tape.put_integer(part.log.arrivals[stateless.front()].line);
+  buffer.put_count(stateless.size());
+  if (!stateless.empty()) buffer.put_integer(part.log.arrivals[stateless.front()].line);
 }
 
-void FindingsGatherer::read_stateless(OfTrajectory& of, TapeReader& tape) {
-  const std::size_t count = tape.count();
+void FindingsGatherer::read_stateless(OfTrajectory& of, BufferReader& buffer) {
+  const std::size_t count = buffer.count();
   if (count == 0) return;
-  const auto line = static_cast<int>(tape.integer());
+  const auto line = static_cast<int>(buffer.integer());
   if (of.stateless == 0) of.stateless_line = line;
   of.stateless += count;
 }
 
-void FindingsGatherer::read_counts(TapeReader& tape) {
+void FindingsGatherer::read_counts(BufferReader& buffer) {
   ObservationCounts counts;
-  for (std::size_t* count : {&counts.used, &counts.rejected, &counts.states}) *count = tape.count();
-  counts.observations = tape.get();
-  counts.squares_s2 = tape.get();
+  for (std::size_t* count : {&counts.used, &counts.rejected, &counts.states}) *count = buffer.count();
+  counts.observations = buffer.get();
+  counts.squares_s2 = buffer.get();
   counts_.add(counts);
 }
 
-void FindingsGatherer::write_series(const Trajectory& t, TapeWriter& tape) const {
+void FindingsGatherer::write_series(const Trajectory& t, BufferWriter& buffer) const {
   const std::vector<PairSeries> series = pair_series(t, state_);
-  tape.put_count(static_cast<std::size_t>(
+  buffer.put_count(static_cast<std::size_t>(
       std::count_if(series.begin(), series.end(), [](const PairSeries& s) { return s.count > 0; })));
   for (std::size_t i = 0; i < series.size(); ++i) {
     if (series[i].count == 0) continue;
-    tape.put_count(i);
-    tape.put_count(series[i].count);
+    buffer.put_count(i);
+    buffer.put_count(series[i].count);
     for (const double number :
          {series[i].sum, series[i].squares, series[i].products, series[i].first, series[i].last})
-      tape.put(number);
+      buffer.put(number);
   }
 }
 
-void FindingsGatherer::read_series(std::vector<PairSeries>& series, TapeReader& tape) {
-  for (std::size_t n = tape.count(); n > 0; --n) {
-    PairSeries& pair = series[tape.count()];
+void FindingsGatherer::read_series(std::vector<PairSeries>& series, BufferReader& buffer) {
+  for (std::size_t n = buffer.count(); n > 0; --n) {
+    PairSeries& pair = series[buffer.count()];
     PairSeries s;
-    s.count = tape.count();
-    for (double* number : {&s.sum, &s.squares, &s.products, &s.first, &s.last}) *number = tape.get();
+    s.count = buffer.count();
+    for (double* number : {&s.sum, &s.squares, &s.products, &s.first, &s.last}) *number = buffer.get();
     pair.append(s);
   }
 }
 
 /// All bearings of a part, with what they are off by where they do not fit.
-void FindingsGatherer::write_bearings(const Trajectory& t, TapeWriter& tape) const {
-  tape.put_count(t.bearings.size());
+void FindingsGatherer::write_bearings(const Trajectory& t, BufferWriter& buffer) const {
+  buffer.put_count(t.bearings.size());
   for (std::size_t i = 0; i < t.bearings.size(); ++i) {
-    tape.put_count(t.bearings[i].bearing);
-    tape.put_count(static_cast<std::size_t>(t.bearings[i].rejection));
-    tape.put(misfit_rad(t, i, state_));
+    buffer.put_count(t.bearings[i].bearing);
+    buffer.put_count(static_cast<std::size_t>(t.bearings[i].rejection));
+    buffer.put(misfit_rad(t, i, state_));
   }
 }
 
-void FindingsGatherer::read_bearings(std::size_t run, TapeReader& tape) {
-  for (std::size_t n = tape.count(); n > 0; --n) {
-    const std::size_t bearing = tape.count();
-    const auto reason = static_cast<Rejection>(tape.count());
-    const double misfit_rad = tape.get();
+void FindingsGatherer::read_bearings(std::size_t run, BufferReader& buffer) {
+  for (std::size_t n = buffer.count(); n > 0; --n) {
+    const std::size_t bearing = buffer.count();
+    const auto reason = static_cast<Rejection>(buffer.count());
+    const double misfit_rad = buffer.get();
     carried_[run][bearing] = true;
     if (reason != Rejection::kUsed)
       findings_.findings.left_out.bearings.push_back({run, bearing, reason, misfit_rad});
@@ -174,7 +174,7 @@ void FindingsGatherer::read_bearings(std::size_t run, TapeReader& tape) {
 }
 
 /// Where states were, how warm it was, and what became of the arrivals.
-void FindingsGatherer::write_extent(const PartFindings& part, TapeWriter& tape) const {
+void FindingsGatherer::write_extent(const TrajectoryFindings& part, BufferWriter& buffer) const {
   std::vector<std::array<std::size_t, kRejections>> of_beacon(frame_.site.beacons.size());
   double coldest = INFINITY, hottest = -INFINITY;
   for (const ArrivalObservation& a : part.trajectory.arrivals) {
@@ -186,26 +186,26 @@ void FindingsGatherer::write_extent(const PartFindings& part, TapeWriter& tape) 
   for (const std::size_t a : part.trajectory.stateless_arrivals)
     ++of_beacon[part.log.arrivals[a].beacon.index()][static_cast<std::size_t>(Rejection::kNoPose)];
   for (const auto& counts : of_beacon)
-    for (const std::size_t count : counts) tape.put_count(count);
+    for (const std::size_t count : counts) buffer.put_count(count);
   std::vector<Eigen::Vector2d> places;
   for (const Node& n : part.trajectory.nodes)
     if (n.placed) places.emplace_back(n.T_map_vehicle.translation_m.head<2>());
   places = convex_hull(std::move(places));
-  tape.put_count(places.size());
-  for (const Eigen::Vector2d& p : places) tape.put(p.x()), tape.put(p.y());
-  tape.put(coldest);
-  tape.put(hottest);
+  buffer.put_count(places.size());
+  for (const Eigen::Vector2d& p : places) buffer.put(p.x()), buffer.put(p.y());
+  buffer.put(coldest);
+  buffer.put(hottest);
 }
 
-void FindingsGatherer::read_extent(TapeReader& tape) {
-  for (auto& counts : whole_.of_beacon)
-    for (std::size_t& count : counts) count += tape.count();
-  for (std::size_t n = tape.count(); n > 0; --n) {
-    const double x_m = tape.get();
-    whole_.area_m.emplace_back(x_m, tape.get());
+void FindingsGatherer::read_extent(BufferReader& buffer) {
+  for (auto& counts : totals_.of_beacon)
+    for (std::size_t& count : counts) count += buffer.count();
+  for (std::size_t n = buffer.count(); n > 0; --n) {
+    const double x_m = buffer.get();
+    totals_.area_m.emplace_back(x_m, buffer.get());
   }
-  whole_.coldest_degC = std::min(whole_.coldest_degC, tape.get());
-  whole_.hottest_degC = std::max(whole_.hottest_degC, tape.get());
+  totals_.coldest_degC = std::min(totals_.coldest_degC, buffer.get());
+  totals_.hottest_degC = std::max(totals_.hottest_degC, buffer.get());
 }
 
 }  // namespace octant::calib

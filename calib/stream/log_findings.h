@@ -11,8 +11,8 @@
 #include "calib/errors/statistics.h"
 #include "calib/errors/whiteness.h"
 #include "calib/log/calibration_log.h"
-#include "calib/problem/log_tape.h"
-#include "calib/problem/whole_log.h"
+#include "calib/problem/log_buffer.h"
+#include "calib/problem/log_totals.h"
 
 namespace octant::calib {
 
@@ -21,12 +21,12 @@ struct GatheredFindings : LogFindings {
 };
 
 /// What a reading of a part of a log has to say of one of its trajectories.
-struct PartFindings {
-  const Trajectory& trajectory;  ///< settled and marked
+struct TrajectoryFindings {
+  const Trajectory& trajectory;  ///< solved, outliers rejected
   const MeasurementLog& log;     ///< with the part's arrivals
-  Trajectory looked_at;          ///< the states that are looked at one by one
+  Trajectory sampled;            ///< the states that are looked at one by one
   std::vector<std::int64_t> flipped = {};
-  std::size_t told_before = 0;  ///< unknowns of states that another part counts
+  std::size_t counted_before = 0;  ///< unknowns of states that another part counts
 };
 
 /// Gathers the findings of a log part by part, stops and drives alike: what a part has to say is written as
@@ -40,10 +40,10 @@ class FindingsGatherer {
 
   [[nodiscard]] const SharedState& state() const { return state_; }
   /// Every so many-th stop, or stretch of a drive, is looked at.
-  [[nodiscard]] std::size_t every() const { return whole_.every; }
+  [[nodiscard]] std::size_t stride() const { return totals_.stride; }
 
   /// Appends a part's numbers; several threads may write side by side.
-  void write(const PartFindings& part, std::vector<double>& numbers) const;
+  void write(const TrajectoryFindings& part, std::vector<double>& numbers) const;
   /// Reads the numbers of all parts.
   void read(const std::vector<double>& numbers);
   /// Arrivals of a beacon that no state carries.
@@ -60,22 +60,22 @@ class FindingsGatherer {
     Trajectory some;
   };
 
-  void write_counts(const PartFindings& part, TapeWriter& tape) const;
-  static void write_stateless(const PartFindings& part, TapeWriter& tape);
-  void write_series(const Trajectory& t, TapeWriter& tape) const;
-  void write_bearings(const Trajectory& t, TapeWriter& tape) const;
-  void write_extent(const PartFindings& part, TapeWriter& tape) const;
+  void write_counts(const TrajectoryFindings& part, BufferWriter& buffer) const;
+  static void write_stateless(const TrajectoryFindings& part, BufferWriter& buffer);
+  void write_series(const Trajectory& t, BufferWriter& buffer) const;
+  void write_bearings(const Trajectory& t, BufferWriter& buffer) const;
+  void write_extent(const TrajectoryFindings& part, BufferWriter& buffer) const;
   void leave_out_bearings_of_no_state();
-  void read_counts(TapeReader& tape);
-  static void read_stateless(OfTrajectory& of, TapeReader& tape);
-  static void read_series(std::vector<PairSeries>& series, TapeReader& tape);
-  void read_bearings(std::size_t run, TapeReader& tape);
-  void read_extent(TapeReader& tape);
+  void read_counts(BufferReader& buffer);
+  static void read_stateless(OfTrajectory& of, BufferReader& buffer);
+  static void read_series(std::vector<PairSeries>& series, BufferReader& buffer);
+  void read_bearings(std::size_t run, BufferReader& buffer);
+  void read_extent(BufferReader& buffer);
 
   const Problem& frame_;
   TrajectoryModel model_;
   SharedState state_;
-  WholeLog whole_;
+  LogTotals totals_;
   ObservationCounts counts_;
   std::map<std::pair<std::size_t, std::size_t>, OfTrajectory> of_trajectory_;
   std::vector<std::vector<bool>> carried_;  ///< of each run, its bearings that some state carries

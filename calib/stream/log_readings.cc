@@ -5,10 +5,10 @@
 namespace octant::calib {
 
 Result<LogReadings::Placed> JoinedReadings::place(const Estimate& estimate, double suspect_sigmas,
-                                                  bool mark) {
+                                                  bool reject) {
   Placed all;
   for (const auto& some : all_) {
-    auto placed = some->place(estimate, suspect_sigmas, mark && all_.size() == 1);
+    auto placed = some->place(estimate, suspect_sigmas, reject && all_.size() == 1);
     if (!placed) return placed;
     all.residuals.insert(all.residuals.end(), placed->residuals.begin(), placed->residuals.end());
     all.ranges_m.insert(all.ranges_m.end(), placed->ranges_m.begin(), placed->ranges_m.end());
@@ -18,10 +18,10 @@ Result<LogReadings::Placed> JoinedReadings::place(const Estimate& estimate, doub
   return all;
 }
 
-Result<PassSum> JoinedReadings::pass(const Estimate& estimate, MarkPolicy marks) {
+Result<PassSum> JoinedReadings::pass(const Estimate& estimate, RejectionPolicy policy) {
   std::optional<PassSum> sum;
   for (const auto& some : all_) {
-    auto next = some->pass(estimate, marks);
+    auto next = some->pass(estimate, policy);
     if (!next) return next;
     if (sum) {
       sum->add(*next);
@@ -36,9 +36,9 @@ void JoinedReadings::accept() {
   for (const auto& some : all_) some->accept();
 }
 
-Result<void> JoinedReadings::tell(const Estimate& estimate, FindingsGatherer& gatherer) {
+Result<void> JoinedReadings::gather(const Estimate& estimate, FindingsGatherer& gatherer) {
   for (const auto& some : all_)
-    if (auto ok = some->tell(estimate, gatherer); !ok) return ok;
+    if (auto ok = some->gather(estimate, gatherer); !ok) return ok;
   return {};
 }
 

@@ -11,7 +11,7 @@
 
 #include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "calib/start/approach.h"
 #include "calib/stream/log_findings.h"
 #include "calib/stream/pass_sum.h"
@@ -30,12 +30,12 @@ class SpreadArrivals {
         prior_(std::move(prior)) {}
 
   /// Collects a range before its state has a place. @param number  of the arrival in the log
-  void look_at_range(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
-                     std::vector<double>& ranges_m) const {
+  void add_range(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
+                 std::vector<double>& ranges_m) const {
     if (number % every_range_ == 0) ranges_m.push_back(prior_range_m(t, a, prior_));
   }
-  void look_at_residual(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
-                        std::vector<double>& residuals) const {
+  void add_residual(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
+                    std::vector<double>& residuals) const {
     if (number % every_residual_ == 0 && a.rejection == Rejection::kUsed && t.nodes[a.node].placed)
       residuals.push_back(std::abs(arrival_residual(t, a, state_)));
   }
@@ -60,15 +60,16 @@ class LogReadings {
   };
   /// Places all states anew.
   /// @param mark  may reject, settle with plain squares and sum up as well
-  [[nodiscard]] virtual Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) = 0;
+  [[nodiscard]] virtual Result<Placed> place(const Estimate& estimate, double suspect_sigmas,
+                                             bool reject) = 0;
 
-  /// Settles all states at the estimate.
-  [[nodiscard]] virtual Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) = 0;
+  /// Solves for all states at the estimate.
+  [[nodiscard]] virtual Result<PassSum> pass(const Estimate& estimate, RejectionPolicy policy) = 0;
   /// The last pass was a step forward: the next one may be told from there.
   virtual void accept() {}
 
   /// Tells the gatherer all that is to be said of the arrivals at the end.
-  [[nodiscard]] virtual Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) = 0;
+  [[nodiscard]] virtual Result<void> gather(const Estimate& estimate, FindingsGatherer& gatherer) = 0;
 
  protected:
   LogReadings() = default;
@@ -80,10 +81,10 @@ class LogReadings {
 class JoinedReadings : public LogReadings {
  public:
   void add(std::unique_ptr<LogReadings> readings) { all_.push_back(std::move(readings)); }
-  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
-  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
+  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool reject) override;
+  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, RejectionPolicy policy) override;
   void accept() override;
-  [[nodiscard]] Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) override;
+  [[nodiscard]] Result<void> gather(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
   std::vector<std::unique_ptr<LogReadings>> all_;
@@ -108,7 +109,7 @@ struct ReadingTask {
   const Problem& frame;  ///< site and runs without arrivals
   const ArrivalSource& source;
   const SolveOptions& options;
-  Course& course;
+  ProgressMonitor& monitor;
   int workers = 1;
   std::size_t arrivals = 0;  ///< of the whole log, stops and drives, that a state carries
 };

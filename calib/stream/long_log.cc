@@ -54,9 +54,10 @@ bool has_stops_alone(const Problem& problem) {
   return std::all_of(problem.trajectories.begin(), problem.trajectories.end(), has_stops);
 }
 
-Result<Problem> part_of(const Problem& problem, int threads) {
+Result<Problem> subsample_of(const Problem& problem, int threads) {
   std::vector<MeasurementLog> runs;
-  for (const MeasurementLog& run : problem.runs) runs.push_back(thin(run, problem.site, kPartOfLongLog));
+  for (const MeasurementLog& run : problem.runs)
+    runs.push_back(subsample(run, problem.site, kLongLogSubsample));
   return make_problem(problem.site, std::move(runs), threads);
 }
 
@@ -110,7 +111,7 @@ Result<void> choose_for_rare_beacons(const ArrivalSource& source, const ChunkInd
   };
   std::vector<bool> rare(hearing.kept.size());
   for (std::size_t b = 0; b < rare.size(); ++b)
-    rare[b] = hearing.kept[b] < kPartOfLongLog.per_beacon && hearing.kept[b] < index.heard(run)[b];
+    rare[b] = hearing.kept[b] < kLongLogSubsample.per_beacon && hearing.kept[b] < index.heard(run)[b];
   if (std::find(rare.begin(), rare.end(), true) == rare.end()) return {};
   std::vector<std::size_t> blocks(index.blocks(run));
   for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = b;
@@ -133,7 +134,7 @@ Result<void> choose_for_rare_beacons(const ArrivalSource& source, const ChunkInd
          at != heard->end() && at->epoch == epoch; ++at)
       visit(at->beacon);
   };
-  choose_more(hearing, kPartOfLongLog.per_beacon, chosen);
+  choose_more(hearing, kLongLogSubsample.per_beacon, chosen);
   return {};
 }
 
@@ -158,11 +159,11 @@ Result<void> read_epochs(const ArrivalSource& source, const ChunkIndex& index, s
 
 }  // namespace
 
-Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site, const ArrivalSource& source,
-                                     const ChunkIndex& index, int threads) {
+Result<MeasurementLog> subsample_of_stops(std::size_t run, const Site& site, const ArrivalSource& source,
+                                          const ChunkIndex& index, int threads) {
   MeasurementLog few = without_lists(source.log(run));
   few.rejected = source.log(run).rejected;
-  std::vector<bool> chosen = evenly_chosen(index.states(run), kPartOfLongLog.instants);
+  std::vector<bool> chosen = evenly_chosen(index.states(run), kLongLogSubsample.instants);
   if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok) return fail(ok.error());
   GroupsHearing hearing;
   hearing.kept.assign(site.beacons.size(), 0);
@@ -180,10 +181,10 @@ Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site, const Ar
   for (const std::size_t b : StateBearings(bearings, index.kinds(run)).of_states_in(few.arrivals))
     few.bearings.push_back(bearings[b]);
   // All of these epochs, but not more of one pair within one than is good for anything.
-  ThinOptions all = kPartOfLongLog;
+  SubsampleOptions all = kLongLogSubsample;
   all.instants = index.states(run);
   all.per_beacon = 0;
-  return thin(few, site, all);
+  return subsample(few, site, all);
 }
 
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
@@ -200,7 +201,7 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
   readmit_all(trajectories, usable);
   {
     TileSum tiles(trajectories, layout, workers);
-    static_cast<void>(tiles.settle(state, {kCauchyScale, kCauchyScale}));
+    static_cast<void>(tiles.solve_states(state, {kCauchyScale, kCauchyScale}));
     tiles.commit();
     tiles.share_states();
   }
@@ -235,7 +236,7 @@ void place_all_drives(const Problem& problem, const SharedState& state, const st
     for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads,
                    [&](std::size_t, std::size_t first, std::size_t last) {
                      for (std::size_t s = first; s < last; ++s)
-                       settle(t, t.segments[s], state, {kCauchyScale, kCauchyScale});
+                       solve_states(t, t.segments[s], state, {kCauchyScale, kCauchyScale});
                    });
   }
 }

@@ -7,7 +7,7 @@
 #include "calib/adjust/ranks.h"
 #include "calib/problem/parameters.h"
 #include "calib/problem/problem.h"
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "calib/stream/chunks/chunk_index.h"
 
 namespace octant::calib {
@@ -19,15 +19,15 @@ namespace octant::calib {
 [[nodiscard]] bool has_stops_alone(const Problem& problem);
 
 /// How much of a long log that part is.
-inline constexpr ThinOptions kPartOfLongLog = {.instants = 600, .per_beacon = 200};
+inline constexpr SubsampleOptions kLongLogSubsample = {.instants = 600, .per_beacon = 200};
 
 /// A problem with evenly spread epochs of a long log, enough of each beacon (see thin).
-[[nodiscard]] Result<Problem> part_of(const Problem& problem, int threads = 1);
+[[nodiscard]] Result<Problem> subsample_of(const Problem& problem, int threads = 1);
 /// The same of the stops of a run that is not at hand. Reads the blocks in which those epochs lie; all blocks
 /// once more where a beacon is heard so seldom that they are not enough of it.
-[[nodiscard]] Result<MeasurementLog> part_of_stops(std::size_t run, const Site& site,
-                                                   const ArrivalSource& source, const ChunkIndex& index,
-                                                   int threads = 1);
+[[nodiscard]] Result<MeasurementLog> subsample_of_stops(std::size_t run, const Site& site,
+                                                        const ArrivalSource& source, const ChunkIndex& index,
+                                                        int threads = 1);
 
 /// Places all states of a long log whose shared parameters are known but for the noise, stops and drives.
 void place_all(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
@@ -35,14 +35,14 @@ void place_all(const Problem& problem, const ParameterLayout& layout, const Shar
                std::vector<Trajectory>& trajectories);
 
 /// Places all states of a long log whose shared parameters are known but for the noise: linear ranges,
-/// settled in lanes; epochs in which an arrival then disagrees by more than `suspect_sigmas` are searched as
+/// solved in lanes; epochs in which an arrival then disagrees by more than `suspect_sigmas` are searched as
 /// any other. Marks all arrivals used.
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
                      const std::vector<bool>& beacon_usable, double suspect_sigmas, const Workers& workers,
                      std::vector<Trajectory>& trajectories);
 
 /// Places all states of long drives whose shared parameters are known but for the noise, as `localize` does;
-/// those of measured poses are settled. Marks all arrivals used.
+/// those of measured poses are solved. Marks all arrivals used.
 void place_all_drives(const Problem& problem, const SharedState& state,
                       const std::vector<bool>& beacon_usable, int threads,
                       std::vector<Trajectory>& trajectories);

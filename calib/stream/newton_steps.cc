@@ -24,25 +24,25 @@ constexpr double kFirstDamping = 1e-3;
 
 class NewtonSteps {
  public:
-  NewtonSteps(LogReadings& readings, const Problem& frame, const SolveOptions& options, Course& course,
-              Estimate& estimate)
-      : readings_(readings), frame_(frame), options_(options), course_(course), estimate_(estimate) {}
+  NewtonSteps(LogReadings& readings, const Problem& frame, const SolveOptions& options,
+              ProgressMonitor& monitor, Estimate& estimate)
+      : readings_(readings), frame_(frame), options_(options), monitor_(monitor), estimate_(estimate) {}
 
   Result<PassSum> run(std::optional<PassSum> first) {
     double cost = INFINITY, damping = 0.0;
     Eigen::VectorXd x;  // where `sum` is of
     PassSum sum;
     bool careful = false;
-    MarkPolicy marks = MarkPolicy::kFirst;
-    int marked = 0;
+    RejectionPolicy policy = RejectionPolicy::kFirst;
+    int rejection_rounds = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
-      if (!course_.report_inliers(pass)) return interrupted();
-      Result<PassSum> next = first ? Result<PassSum>(std::move(*first)) : readings_.pass(estimate_, marks);
+      if (!monitor_.report_inliers(pass)) return interrupted();
+      Result<PassSum> next = first ? Result<PassSum>(std::move(*first)) : readings_.pass(estimate_, policy);
       if (!next) return next;
       first.reset();
-      ++course_.iterations;
+      ++monitor_.iterations;
       const double prior = prior_cost(frame_, estimate_.layout, estimate_.x);
-      if (next->counts.cost_before + prior > cost * (1 + kSameCost) && marks != MarkPolicy::kFirst &&
+      if (next->counts.cost_before + prior > cost * (1 + kSameCost) && policy != RejectionPolicy::kFirst &&
           damping < 1e6) {
         if (careful) {  // from where it was, a shorter step
           damping = std::max(kFirstDamping, 10 * damping);
@@ -52,7 +52,7 @@ class NewtonSteps {
           cost = INFINITY;
         }
         careful = true;
-        marks = MarkPolicy::kKept;
+        policy = RejectionPolicy::kKept;
         continue;
       }
       readings_.accept();
@@ -60,16 +60,19 @@ class NewtonSteps {
       x = estimate_.x;
       cost = sum.system.cost + prior;
       damping = damping < kFirstDamping ? 0.0 : damping / 10;
-      marked += marks != MarkPolicy::kKept;
+      rejection_rounds += policy != RejectionPolicy::kKept;
       const Step step = stepped(sum.system, x, damping);
       const double gain = damping > 0 ? stepped(sum.system, x, 0.0).gain : step.gain;
-      const bool settled = gain <= kNoStep * cost;
-      if (settled && (sum.counts.changed == 0 || marked >= kRejectionRounds) && marks != MarkPolicy::kKept)
+      const bool has_converged = gain <= kNoStep * cost;
+      if (has_converged && (sum.counts.changed == 0 || rejection_rounds >= kRejectionRounds) &&
+          policy != RejectionPolicy::kKept)
         return ended(std::move(sum), cost, true);
-      const bool may_mark = marked < kRejectionRounds && (!careful || settled);
-      if (settled && !may_mark) return ended(std::move(sum), cost, true);
-      marks = !may_mark ? MarkPolicy::kKept : settled ? MarkPolicy::kFirst : MarkPolicy::kSettled;
-      if (!settled) estimate_.x = step.x;
+      const bool may_reject = rejection_rounds < kRejectionRounds && (!careful || has_converged);
+      if (has_converged && !may_reject) return ended(std::move(sum), cost, true);
+      policy = !may_reject     ? RejectionPolicy::kKept
+               : has_converged ? RejectionPolicy::kFirst
+                               : RejectionPolicy::kConverged;
+      if (!has_converged) estimate_.x = step.x;
     }
     return ended(std::move(sum), cost, false);
   }
@@ -79,7 +82,7 @@ class NewtonSteps {
     estimate_.last = {};
     estimate_.last.converged = converged;
     estimate_.last.cost = cost;
-    estimate_.last.iterations = course_.iterations;
+    estimate_.last.iterations = monitor_.iterations;
     estimate_.last.message = converged ? "no step changes the cost any more"
                                        : fmt::format("no rest after {} readings of the log", kMostPasses);
     estimate_.last.data_information = sum.system.H;
@@ -106,15 +109,15 @@ class NewtonSteps {
   LogReadings& readings_;
   const Problem& frame_;
   const SolveOptions& options_;
-  Course& course_;
+  ProgressMonitor& monitor_;
   Estimate& estimate_;
 };
 
 }  // namespace
 
 Result<PassSum> newton_steps(LogReadings& readings, const Problem& frame, const SolveOptions& options,
-                             Course& course, std::optional<PassSum> first, Estimate& estimate) {
-  return NewtonSteps(readings, frame, options, course, estimate).run(std::move(first));
+                             ProgressMonitor& monitor, std::optional<PassSum> first, Estimate& estimate) {
+  return NewtonSteps(readings, frame, options, monitor, estimate).run(std::move(first));
 }
 
 }  // namespace octant::calib

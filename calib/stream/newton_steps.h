@@ -16,7 +16,7 @@ namespace octant::calib {
 /// @param first  of a reading at the estimate, if it is known
 /// @return the last reading
 [[nodiscard]] Result<PassSum> newton_steps(LogReadings& readings, const Problem& frame,
-                                           const SolveOptions& options, Course& course,
+                                           const SolveOptions& options, ProgressMonitor& monitor,
                                            std::optional<PassSum> first, Estimate& estimate);
 
 }  // namespace octant::calib

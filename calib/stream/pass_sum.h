@@ -15,7 +15,7 @@ namespace octant::calib {
 
 /// What is counted in one reading of a log, by piece, by rank and in all.
 struct PassCounts {
-  double cost_before = 0.0;  ///< with the marks as they were before the pass
+  double cost_before = 0.0;  ///< with the rejections as they were before the pass
   std::size_t changed = 0;   ///< marks
   ObservationCounts of_log;  ///< without residuals
   static constexpr int kSize = 6;
@@ -61,10 +61,10 @@ struct PassSum {
 };
 
 /// Which arrivals a pass rejects anew.
-enum class MarkPolicy {
-  kKept,    ///< none
-  kFirst,   ///< rejected at the states as they are, which are settled then
-  kSettled  ///< rejected at settled states, which are settled again where marks changed
+enum class RejectionPolicy {
+  kKept,      ///< none
+  kFirst,     ///< rejected at the states as they are, which are solved then
+  kConverged  ///< rejected at solved states, which are solved again where rejections changed
 };
 
 /// Takes what the parts of a log give in the order of the parts, whichever is ready first, so that no sum

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "calib/start/course.h"
+#include "calib/start/progress_monitor.h"
 #include "models/support/result.h"
 
 namespace octant::calib {
@@ -20,7 +20,7 @@ namespace octant::calib {
 /// course is to stop; what has not begun by then is left out.
 template <class Work>
 [[nodiscard]] Result<void> for_each_side_by_side(std::size_t first, std::size_t last, std::size_t workers,
-                                                 const Course& course, Work&& work) {
+                                                 const ProgressMonitor& monitor, Work&& work) {
   std::atomic<std::size_t> next{first};
   std::atomic<bool> stop{false};
   std::mutex mutex;
@@ -30,7 +30,7 @@ template <class Work>
     try {
       for (std::size_t k = next.fetch_add(1); k < last && !stop; k = next.fetch_add(1)) {
         Result<void> done = work(k, worker);
-        if (done && worker == 0 && !course.go_on()) done = interrupted();
+        if (done && worker == 0 && !monitor.go_on()) done = interrupted();
         if (done) continue;
         stop = true;
         const std::lock_guard lock(mutex);
@@ -48,7 +48,7 @@ template <class Work>
   for (std::thread& thread : others) thread.join();
   if (failure) std::rethrow_exception(failure);
   if (error) return fail(*error);
-  if (!course.go_on()) return interrupted();
+  if (!monitor.go_on()) return interrupted();
   return {};
 }
 

@@ -11,10 +11,10 @@
 #include "calib/adjust/reject.h"
 #include "calib/calibrator.h"
 #include "calib/problem/ranges.h"
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "calib/stream/chunks/chunk_passes.h"
-#include "calib/stream/drives/drive_part.h"
 #include "calib/stream/drives/drive_passes.h"
+#include "calib/stream/drives/drive_subsample.h"
 #include "calib/stream/long_log.h"
 #include "calib/stream/newton_steps.h"
 
@@ -22,7 +22,7 @@ namespace octant::calib {
 namespace {
 
 /// Rows, observations, tiles and marks of one arrival; rows, states and their systems of one odometry row.
-constexpr std::size_t kBytesOfWhole = 220, kBytesOfWholeStep = 850;
+constexpr std::size_t kBytesOfHeld = 220, kBytesOfHeldStep = 850;
 
 /// The log of a source, which is read again for each look at it: drives in pieces (drives/), all else in
 /// chunks (chunks/). One reading is one step of its adjustment (newton_steps.h).
@@ -30,24 +30,24 @@ class StreamedLog : public CalibrationLog {
  public:
   /// All outlive it.
   /// @param memory_bytes  bound of the process, by the size of what is read at once
-  StreamedLog(const Site& site, ArrivalSource& source, const SolveOptions& options, Course& course,
+  StreamedLog(const Site& site, ArrivalSource& source, const SolveOptions& options, ProgressMonitor& monitor,
               std::size_t memory_bytes)
       : site_(site),
         source_(source),
         options_(options),
-        course_(course),
+        monitor_(monitor),
         plan_(stream_plan(memory_bytes, options.threads)),
         chunks_(state_kinds(source, site), site.beacons.size(), plan_.chunk_arrivals),
         drives_(source, site) {}
 
   /// Its runs hold the arrivals of the sample, in the end those of every so many-th state.
   [[nodiscard]] const Problem& problem() const override { return frame_; }
-  [[nodiscard]] Problem taken_problem() && { return std::move(frame_); }
+  [[nodiscard]] Problem release_problem() && { return std::move(frame_); }
 
   /// Reads all of it once. Evenly spread stops and stretches of drives.
   Result<Sample> next_sample() override {
     if (is_scanned_) return Sample{};  // no more of it is ever at hand
-    if (!course_.report("first reading of the log", 0.01)) return interrupted();
+    if (!monitor_.report("first reading of the log", 0.01)) return interrupted();
     if (auto ok = scan(); !ok) return fail(ok.error());
     auto few = part();
     if (!few) return fail(few.error());
@@ -61,22 +61,22 @@ class StreamedLog : public CalibrationLog {
     const double suspect_sigmas = options_.rejection_sigmas * std::max(1.0, sigma);
     // Where the part's noise is as stated, the whole's will be, and the first rejection goes in one with the
     // placing.
-    const bool mark = !is_far_off(sigma);
-    auto placed = readings_.place(start.estimate, suspect_sigmas, mark);
+    const bool reject = !is_far_off(sigma);
+    auto placed = readings_.place(start.estimate, suspect_sigmas, reject);
     if (!placed) return fail(placed.error());
     frame_.typical_range_m =
         placed->ranges_m.empty() ? 1.0 : std::max(median(std::move(placed->ranges_m)), 1e-3);
     states_ = placed->states;
     const double of_all = agreeing_sigma(std::move(placed->residuals));
-    if (mark && is_far_off(of_all)) placed = readings_.place(start.estimate, suspect_sigmas, false);
+    if (reject && is_far_off(of_all)) placed = readings_.place(start.estimate, suspect_sigmas, false);
     if (!placed) return fail(placed.error());
     first_sum_ = std::move(placed->sum);
     return of_all;
   }
 
   Result<CalibrationStatistics> adjust_inliers(Estimate& estimate) override {
-    const auto last =
-        newton_steps(readings_, frame_, options_, course_, std::exchange(first_sum_, std::nullopt), estimate);
+    const auto last = newton_steps(readings_, frame_, options_, monitor_,
+                                   std::exchange(first_sum_, std::nullopt), estimate);
     if (!last) return fail(last.error());
     return statistics_of(frame_, estimate.layout, last->counts.of_log, estimate.last.cost);
   }
@@ -88,7 +88,7 @@ class StreamedLog : public CalibrationLog {
 
   Result<LogFindings> findings(const Estimate& estimate) override {
     FindingsGatherer gatherer(frame_, estimate, states_);
-    if (auto told = readings_.tell(estimate, gatherer); !told) return fail(told.error());
+    if (auto gathered = readings_.gather(estimate, gatherer); !gathered) return fail(gathered.error());
     GatheredFindings all = std::move(gatherer).findings(estimate);
     for (std::size_t run = 0; run < frame_.runs.size(); ++run)
       frame_.runs[run].arrivals = std::move(all.arrivals[run]);
@@ -99,8 +99,8 @@ class StreamedLog : public CalibrationLog {
   Result<void> scan() {
     is_scanned_ = true;
     const auto read = source_.scan([&](std::size_t run, const std::vector<Arrival>& block) {
-      chunks_.take(run, block);
-      if (!has_stops_alone(run)) drives_.take(run, block);
+      chunks_.add(run, block);
+      if (!has_stops_alone(run)) drives_.add(run, block);
       return true;
     });
     if (!read) return read;
@@ -109,7 +109,7 @@ class StreamedLog : public CalibrationLog {
     return {};
   }
 
-  /// Runs of stops alone are thinned by epochs, all others by stretches of time.
+  /// Runs of stops alone are subsampled by epochs, all others by stretches of time.
   [[nodiscard]] bool has_stops_alone(std::size_t run) const {
     const auto& kinds = chunks_.kinds(run);
     return std::all_of(kinds.begin(), kinds.end(), [](StateKind k) { return k == StateKind::kStops; });
@@ -119,8 +119,8 @@ class StreamedLog : public CalibrationLog {
   [[nodiscard]] Result<Problem> part() const {
     std::vector<MeasurementLog> runs;
     for (std::size_t run = 0; run < source_.runs(); ++run) {
-      auto few = has_stops_alone(run) ? part_of_stops(run, site_, source_, chunks_, options_.threads)
-                                      : part_of_drives(run, site_, source_, drives_);
+      auto few = has_stops_alone(run) ? subsample_of_stops(run, site_, source_, chunks_, options_.threads)
+                                      : subsample_of_drives(run, site_, source_, drives_);
       if (!few) return fail(few.error());
       runs.push_back(std::move(*few));
     }
@@ -141,8 +141,8 @@ class StreamedLog : public CalibrationLog {
       frame_.runs[run].arrivals = {};
       frame_.runs[run].bearings = source_.log(run).bearings;
     }
-    const ReadingTask task{frame_,  source_,       options_,
-                           course_, plan_.workers, chunks_.arrivals() + drives_.arrivals()};
+    const ReadingTask task{frame_,   source_,       options_,
+                           monitor_, plan_.workers, chunks_.arrivals() + drives_.arrivals()};
     if (chunks_.arrivals() > 0 || drives_.pieces().empty())
       readings_.add(std::make_unique<ChunkPasses>(task, chunks_));
     if (!drives_.pieces().empty()) readings_.add(std::make_unique<DrivePasses>(task, drives_));
@@ -151,7 +151,7 @@ class StreamedLog : public CalibrationLog {
   const Site& site_;
   ArrivalSource& source_;
   const SolveOptions& options_;
-  Course& course_;
+  ProgressMonitor& monitor_;
   StreamPlan plan_;
   ChunkIndex chunks_;
   DriveIndex drives_;
@@ -164,16 +164,16 @@ class StreamedLog : public CalibrationLog {
 
 }  // namespace
 
-std::size_t memory_of_whole(std::size_t arrivals, std::size_t odometry_rows) {
-  return arrivals * kBytesOfWhole + odometry_rows * kBytesOfWholeStep;
+std::size_t memory_of_held(std::size_t arrivals, std::size_t odometry_rows) {
+  return arrivals * kBytesOfHeld + odometry_rows * kBytesOfHeldStep;
 }
 
 std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_rows) {
   constexpr std::size_t kMega = std::size_t{1} << 20, kProgram = 20 * kMega;
-  constexpr std::size_t kLookedAt = 110'000, kBytesLookedAt = 1600;
+  constexpr std::size_t kSampledStates = 110'000, kBytesOfSampledState = 1600;
   constexpr std::size_t kOfDrives = 90 * kMega, kBytesOfStep = 115;  // rows, states, stretches looked at
   if (odometry_rows > 0) return kOfDrives + odometry_rows * kBytesOfStep;
-  return kProgram + std::min(arrivals, kLookedAt) * kBytesLookedAt + 7 * arrivals / 2;
+  return kProgram + std::min(arrivals, kSampledStates) * kBytesOfSampledState + 7 * arrivals / 2;
 }
 
 std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs,
@@ -190,11 +190,11 @@ std::optional<std::string> why_not_streamed(const Site& site, const std::vector<
 
 Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source,
                                            const SolveOptions& options, std::size_t memory_bytes) {
-  Course course(options);
-  StreamedLog log(site, source, options, course, memory_bytes);
-  auto solution = calibrate(log, options, course);
+  ProgressMonitor monitor(options);
+  StreamedLog log(site, source, options, monitor, memory_bytes);
+  auto solution = calibrate(log, options, monitor);
   if (!solution) return fail(solution.error());
-  StreamedCalibration done{std::move(log).taken_problem(), std::move(*solution)};
+  StreamedCalibration done{std::move(log).release_problem(), std::move(*solution)};
   done.problem.trajectories.clear();
   return done;
 }

@@ -103,7 +103,7 @@ void warn_of_noise(const Problem& problem, const Findings& findings, double nois
   warn_of_correlation(findings, solution);
 }
 
-std::string told_of(const AdjustResult& last) {
+std::string message_of(const AdjustResult& last) {
   return last.converged ? "converged" : "the adjustment did not converge: " + last.message;
 }
 
@@ -130,7 +130,7 @@ void contradict(const Problem& problem, const SolveOptions& options, const Estim
 void judge_anew(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                 std::vector<Trajectory>& trajectories, Solution& solution) {
   solution.status = estimate.last.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
-  solution.message = told_of(estimate.last);
+  solution.message = message_of(estimate.last);
   solution.covariance = {};
   solution.marginals = {};
   solution.beacon_status.clear();
@@ -156,7 +156,7 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   solution.statistics.chi2_p = chi_square_p(
       solution.statistics.variance_factor * solution.statistics.redundancy, solution.statistics.redundancy);
   solution.status = last.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
-  solution.message = told_of(last);
+  solution.message = message_of(last);
   solution.datum = datum_of(problem);
   judged.first = solution.warnings.size();
   // What the data do not determine is often what keeps the iteration from settling, and then that is the
@@ -167,8 +167,8 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   judged.second = solution.warnings.size();
   solution.reliability = reliability_of(problem, estimate.layout, trajectories, solution.state, C,
                                         solution.beacon_status, estimate.noise_factor, options.threads,
-                                        kAllEpochs, findings.whole ? &*findings.whole : nullptr);
-  const double share_of_log = findings.whole ? 1.0 / static_cast<double>(findings.whole->every) : 1.0;
+                                        kAllEpochs, findings.totals ? &*findings.totals : nullptr);
+  const double share_of_log = findings.totals ? 1.0 / static_cast<double>(findings.totals->stride) : 1.0;
   allow_for_correlation(estimate, C, trajectories, share_of_log, options.threads, solution);
   solution.left_out = std::move(findings.left_out.arrivals);
   solution.left_out_bearings = std::move(findings.left_out.bearings);
@@ -176,7 +176,7 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   solution.beacon_mirrored = estimate.beacon_mirrored;
   for (std::string& warning : bearings_in_doubt(problem, solution.left_out_bearings))
     solution.warnings.push_back(std::move(warning));
-  solution.whole = std::move(findings.whole);
+  solution.totals = std::move(findings.totals);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
   if (solution.status == SolveStatus::kConverged && !is_bent_by_a_clock(problem, solution))
     contradict(problem, options, estimate, trajectories, solution);
@@ -191,14 +191,14 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
 
 void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
               Findings findings, std::vector<Trajectory>& trajectories, Solution& solution) {
-  std::vector<Trajectory> as_whole = std::move(findings.as_whole);
+  std::vector<Trajectory> as_complete = std::move(findings.as_complete);
   std::pair<std::size_t, std::size_t> judged;
   conclude_as_is(problem, options, estimate, std::move(findings), trajectories, solution, judged);
-  if (as_whole.empty()) return;
+  if (as_complete.empty()) return;
   const auto begin = solution.warnings.begin();
   solution.warnings.erase(begin + static_cast<std::ptrdiff_t>(judged.first),
                           begin + static_cast<std::ptrdiff_t>(judged.second));
-  judge_anew(problem, options, estimate, as_whole, solution);
+  judge_anew(problem, options, estimate, as_complete, solution);
 }
 
 }  // namespace octant::calib

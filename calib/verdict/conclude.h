@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calib/errors/whiteness.h"
-#include "calib/problem/whole_log.h"
+#include "calib/problem/log_totals.h"
 #include "calib/start/approach.h"
 #include "calib/verdict/left_out.h"
 
@@ -19,15 +19,15 @@ struct Findings {
   Whiteness whiteness;
   std::vector<std::string> flips;  ///< epochs that were turned, in words
   LeftOutOfAll left_out;
-  std::optional<WholeLog> whole;  ///< where the trajectories at hand are only a part of the log
-  /// The trajectories of a thinned log with the accuracy of all that they stand for: covariance and verdict
-  /// are judged by them. Empty: the log is not thinned.
-  std::vector<Trajectory> as_whole;
+  std::optional<LogTotals> totals;  ///< where the trajectories at hand are only a part of the log
+  /// The trajectories of a subsampled log with the accuracy of all that they stand for: covariance and
+  /// verdict are judged by them. Empty: the log is not subsampled.
+  std::vector<Trajectory> as_complete;
 };
 
 /// The end of a calibration: covariance, verdict, reliability and what is to be said of them; fills the
 /// solution, which has warnings and iterations already.
-/// @param trajectories  settled at the estimate, marked; all of them, or every so many-th epoch
+/// @param trajectories  solved at the estimate, outliers rejected; all of them, or every so many-th epoch
 void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
               Findings findings, std::vector<Trajectory>& trajectories, Solution& solution);
 

@@ -73,7 +73,7 @@ Trajectory hearing_at(const Trajectory& t, std::size_t node, const Paths& paths,
 }
 
 /// Whether what is heard at a stop tells more than an arc.
-bool tells_a_place(const Trajectory& stop) {
+bool determines_a_place(const Trajectory& stop) {
   std::vector<std::size_t> beacons;
   for (const ArrivalObservation& a : stop.arrivals) beacons.push_back(a.beacon.index());
   for (const BearingObservation& b : stop.bearings) beacons.push_back(b.reflector.index());
@@ -99,8 +99,8 @@ std::optional<double> fix_shift_m(const ParameterLayout& layout, const Eigen::Ve
     for (std::size_t k = step / 2; k < t.nodes.size(); k += step) {
       if (!t.nodes[k].placed) continue;
       Trajectory stop = hearing_at(t, k, paths, here);
-      if (!tells_a_place(stop)) continue;
-      settle(stop, stop.segments.front(), there, {});
+      if (!determines_a_place(stop)) continue;
+      solve_states(stop, stop.segments.front(), there, {});
       const Pose &was = t.nodes[k].T_map_vehicle, &is = stop.nodes.front().T_map_vehicle;
       const double turn_m =
           t.motion == Motion::kPlanar ? lever_m * wrap_angle(is.heading_rad() - was.heading_rad()) : 0.0;

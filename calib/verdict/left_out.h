@@ -17,7 +17,7 @@ struct LeftOutOfAll {
   std::vector<LeftOutPose> poses;
 };
 
-/// @param trajectories  settled and marked at `state`
+/// @param trajectories  solved, outliers rejected at `state`
 [[nodiscard]] LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories,
                                        const SharedState& state);
 

@@ -174,7 +174,7 @@ class Judge {
     const Eigen::VectorXd with_it = C_.times(v);
     const double variance = v.dot(with_it);
     direction.consequence_m = INFINITY;
-    if (direction.sigma_m < typical_range_m(problem_) && variance > 0) {  // farther off nothing is foretold
+    if (direction.sigma_m < typical_range_m(problem_) && variance > 0) {  // farther off nothing is predicted
       const Eigen::VectorXd step = with_it / std::sqrt(variance);
       const std::optional<double> fix_m = fix_shift_m(layout_, x_, x_ + step, trajectories_);
       if (fix_m && *fix_m <= fix_limit_m_ && largest_beacon_shift_m(step) <= limit_m_) {

@@ -15,13 +15,13 @@
 namespace octant::calib {
 namespace {
 
-constexpr double kTold = 0.5;  ///< share of the tolerance from which a combination is worth telling
+constexpr double kWorthReporting = 0.5;  ///< share of the tolerance from which a combination is worth telling
 constexpr double kNamedPart =
     0.1;  ///< share of a combination's square that makes a kind of parameter a part of it
 constexpr double kParameterPart = 0.03;  ///< the same for a single parameter
 constexpr std::size_t kSegmentsMoved = 2000;
 /// What one came for first: "delays against speed of sound".
-constexpr std::array<ParameterTopic, kParameterTopics> kAsToldOf = {
+constexpr std::array<ParameterTopic, kParameterTopics> kReportOrder = {
     ParameterTopic::kHeight,   ParameterTopic::kPlace,       ParameterTopic::kDelay, ParameterTopic::kSpeed,
     ParameterTopic::kReceiver, ParameterTopic::kAttenuation, ParameterTopic::kGain,  ParameterTopic::kDrift};
 constexpr ParameterId kRiseTime = parameters::attenuation(2);
@@ -47,7 +47,7 @@ WeakDirection in_words(const ParameterLayout& layout, const NameTable& names, co
   const auto takes_part = [&](ParameterTopic topic) {
     return share[static_cast<std::size_t>(topic)] > kNamedPart;
   };
-  for (const ParameterTopic topic : kAsToldOf)
+  for (const ParameterTopic topic : kReportOrder)
     if (takes_part(topic)) parts.emplace_back(words_of(topic));
   for (std::size_t k = 0; k < kParameterTopics && w.remedy.empty(); ++k)  // topics stand cheapest first
     if (takes_part(static_cast<ParameterTopic>(k))) w.remedy = remedy_of(static_cast<ParameterTopic>(k));
@@ -80,7 +80,7 @@ double shift_at_robot_m(const ParameterLayout& layout, const Eigen::VectorXd& x,
         }
         continue;
       }
-      settle(moved, segment, there, {});
+      solve_states(moved, segment, there, {});
       for (std::size_t k = segment.first_node; k < segment.last_node; ++k) {
         squares += (moved.nodes[k].T_map_vehicle.translation_m - t.nodes[k].T_map_vehicle.translation_m)
                        .head<2>()
@@ -97,7 +97,7 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
                                            const std::vector<bool>& usable,
                                            const std::vector<Trajectory>& trajectories,
                                            const WeakDirectionOptions& options) {
-  std::vector<WeakDirection> told;
+  std::vector<WeakDirection> reported;
   // Metres: the speed over the typical range; what a share of the amplitude or of the absorption means in
   // metres is left open.
   Eigen::VectorXd metres = Eigen::VectorXd::Ones(layout.size());
@@ -111,17 +111,18 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
     for (const int column : {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2],
                              layout.column_of(parameters::beacon_delay(b))})
       if (!usable[b] && column >= 0) metres[column] = 0.0;
-  if (layout.size() == 0) return told;
-  for (const auto& [variance, v] : C.largest(metres, options.most, std::pow(kTold * options.limit_m, 2))) {
+  if (layout.size() == 0) return reported;
+  for (const auto& [variance, v] :
+       C.largest(metres, options.most, std::pow(kWorthReporting * options.limit_m, 2))) {
     const double sigma_m = std::sqrt(variance);
     WeakDirection w = in_words(layout, names, v);
     w.sigma_m = sigma_m;
     // The parameters move together with all that is correlated with the combination.
     const Eigen::VectorXd step = C.times(metres.cwiseProduct(v)) / sigma_m;
     w.consequence_m = shift_at_robot_m(layout, x, x + step, trajectories);
-    told.push_back(std::move(w));
+    reported.push_back(std::move(w));
   }
-  return told;
+  return reported;
 }
 
 }  // namespace octant::calib

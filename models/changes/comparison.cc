@@ -12,7 +12,7 @@
 namespace octant {
 namespace {
 
-constexpr double kUnseenPerMetre = 1e-3;
+constexpr double kUnobservablePerMetre = 1e-3;
 
 /// Variance of a parameter of which nothing earlier is believed.
 double released_variance(ParameterKind kind) {
@@ -103,7 +103,7 @@ Innovation with_motions(const Innovation& innovation, const Eigen::MatrixXd& T) 
   Eigen::MatrixXd moved = innovation.B * T;
   // What a kilometre would not show is not seen: rounding is no information.
   for (Eigen::Index k = 0; k < T.cols(); ++k)
-    if (moved.col(k).norm() < kUnseenPerMetre) moved.col(k).setZero();
+    if (moved.col(k).norm() < kUnobservablePerMetre) moved.col(k).setZero();
   out.B << innovation.B, moved;
   return out;
 }
@@ -154,10 +154,10 @@ Released by_indices_of(const Deployment& d, const Released& released, const Depl
 /// What the second visit alone said, of what it told; parameters that are held in the second deployment stay
 /// as they were.
 Innovation second_visit(const CommonParameters& common, const Deployment& before, const Deployment& now) {
-  std::vector<int> told;
+  std::vector<int> free;
   for (Eigen::Index i = 0; i < common.now.size(); ++i)
-    if (common.now.covariance(i, i) > 0) told.push_back(static_cast<int>(i));
-  const KnownParameters a = part_of_known(common.before, told), b = part_of_known(common.now, told);
+    if (common.now.covariance(i, i) > 0) free.push_back(static_cast<int>(i));
+  const KnownParameters a = part_of_known(common.before, free), b = part_of_known(common.now, free);
   Eigen::MatrixXd P = a.covariance;
   P.diagonal() += drift_variances(a, now.previous->drift);
   const Eigen::MatrixXd released =
@@ -165,10 +165,11 @@ Innovation second_visit(const CommonParameters& common, const Deployment& before
   const Innovation prior = innovation_of_difference(Eigen::VectorXd::Zero(a.size()), released);
   const Innovation posterior = innovation_of_difference(b.value - a.value, b.covariance);
   const Eigen::MatrixXd N = posterior.B.transpose() * posterior.B - prior.B.transpose() * prior.B;
-  const Innovation seen =
+  const Innovation innovation_seen =
       innovation_of_information(P, 0.5 * (N + N.transpose()), posterior.B.transpose() * posterior.y);
-  Innovation all{Eigen::MatrixXd::Zero(seen.B.rows(), common.before.size()), seen.y, seen.degrees_of_freedom};
-  all.B(Eigen::all, told) = seen.B;
+  Innovation all{Eigen::MatrixXd::Zero(innovation_seen.B.rows(), common.before.size()), innovation_seen.y,
+                 innovation_seen.degrees_of_freedom};
+  all.B(Eigen::all, free) = innovation_seen.B;
   return all;
 }
 
@@ -178,22 +179,22 @@ Comparison compare(const Deployment& before, const KnownParameters& known, const
   Comparison out;
   out.hypotheses = change_hypotheses(known);
   const Eigen::MatrixXd T = map_motions(known, before.motion);
-  Innovation seen = innovation;
+  Innovation innovation_seen = innovation;
   if (frame_is_held(before)) {
     ChangeHypothesis datum{ChangeKind::kDatum, 0, {}};
     for (Eigen::Index k = 0; k < T.cols(); ++k) datum.columns.push_back(static_cast<int>(known.size() + k));
     out.hypotheses.push_back(std::move(datum));
-    seen = with_motions(innovation, T);
+    innovation_seen = with_motions(innovation, T);
   } else {
-    seen = free_of(innovation, T);
+    innovation_seen = free_of(innovation, T);
   }
-  out.search = search_changes(seen, out.hypotheses);
+  out.search = search_changes(innovation_seen, out.hypotheses);
   for (const TestedChange& t : out.search.tested)
     if (t.held) out.changes.push_back(change_of(t, out.hypotheses[t.hypothesis], before));
   name_exchanges(before, out.changes);
   std::stable_sort(out.changes.begin(), out.changes.end(),
                    [](const Change& a, const Change& b) { return a.p < b.p; });
-  int freedoms = seen.degrees_of_freedom;
+  int freedoms = innovation_seen.degrees_of_freedom;
   if (freedoms > 0) out.p = chi_square_tail(out.search.chi2, freedoms);
   for (const TestedChange& t : out.search.tested) freedoms -= t.held ? t.degrees_of_freedom : 0;
   if (freedoms > 0) out.p_left = chi_square_tail(out.search.chi2_left, freedoms);

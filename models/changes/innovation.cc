@@ -12,7 +12,7 @@ namespace octant {
 namespace {
 
 /// Of the whole, which a direction must tell to count.
-constexpr double kUntold = 1e-9;
+constexpr double kUnobservableShare = 1e-9;
 
 /// L of C = L L', microseconds beside metres scaled alike first.
 class Root {
@@ -52,21 +52,21 @@ Innovation innovation_of_information(const Eigen::MatrixXd& P, const Eigen::Matr
   const Eigen::MatrixXd L = root.lower();
   const SymmetricEigen<Eigen::MatrixXd> eigen(L.transpose() * N * L);
   const Eigen::VectorXd& l = eigen.eigenvalues();
-  const double least = kUntold * std::max(l.maxCoeff(), 1.0);
-  const Eigen::Index seen = (l.array() > least).count();
-  const Eigen::MatrixXd V = eigen.eigenvectors().rightCols(seen);
-  const Eigen::ArrayXd told = l.tail(seen).array();
+  const double least = kUnobservableShare * std::max(l.maxCoeff(), 1.0);
+  const Eigen::Index observable = (l.array() > least).count();
+  const Eigen::MatrixXd V = eigen.eigenvectors().rightCols(observable);
+  const Eigen::ArrayXd information = l.tail(observable).array();
   Innovation out;
-  out.B = (told / (1.0 + told)).sqrt().matrix().asDiagonal() * (V.transpose() * root.inverse());
-  out.y = (V.transpose() * (L.transpose() * gradient)).array() / (told * (1.0 + told)).sqrt();
-  out.degrees_of_freedom = static_cast<int>(seen);
+  out.B = (information / (1.0 + information)).sqrt().matrix().asDiagonal() * (V.transpose() * root.inverse());
+  out.y = (V.transpose() * (L.transpose() * gradient)).array() / (information * (1.0 + information)).sqrt();
+  out.degrees_of_freedom = static_cast<int>(observable);
   return out;
 }
 
 Innovation free_of(const Innovation& innovation, const Eigen::MatrixXd& T) {
-  constexpr double kUnseen = 1e-3;
+  constexpr double kUnnoticed = 1e-3;
   const Eigen::MatrixXd BT = innovation.B * T;
-  if (BT.size() == 0 || BT.norm() < kUnseen) return innovation;
+  if (BT.size() == 0 || BT.norm() < kUnnoticed) return innovation;
   const Eigen::MatrixXd Q = PivotedQr(BT).basis();
   return {innovation.B - Q * (Q.transpose() * innovation.B),
           innovation.y - Q * (Q.transpose() * innovation.y),

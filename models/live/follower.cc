@@ -174,7 +174,7 @@ void Follower::fix_pose(Lane& lane) {
     fix_.time_s = lane.waiting.front().time_s;  // nothing to fix: no instant either
   fix_.vehicle = lane.waiting.front().vehicle;
   fix_.epoch = lane.waiting.front().epoch;
-  tell(lane.waiting);
+  report_fix(lane.waiting);
   std::optional<WatchAlarm> alarm;
   if (watch_ && fix_.ok()) alarm = watch_->observe_epoch(lane.waiting, fix_);
   if (alarm) {
@@ -217,10 +217,10 @@ void Follower::track_instant(Lane& lane, std::span<const Arrival> arrivals) {
   fix_.time_s = arrivals.front().time_s;
   fix_.vehicle = arrivals.front().vehicle;
   fix_.epoch = arrivals.front().epoch;
-  tell(arrivals);
+  report_fix(arrivals);
 }
 
-void Follower::tell(std::span<const Arrival> arrivals) {
+void Follower::report_fix(std::span<const Arrival> arrivals) {
   ++(fix_.ok() ? counts_.fixes : counts_.no_fix);
   const auto used = static_cast<std::size_t>(std::max(fix_.ok() ? fix_.arrivals_used : 0, 0));
   counts_.used += std::min(used, arrivals.size());

@@ -98,7 +98,7 @@ class Follower {
   void fix_pose(Lane& lane);
   void track_until(Lane& lane, const OdometryStep& step, double span_s);
   void track_instant(Lane& lane, std::span<const Arrival> arrivals);
-  void tell(std::span<const Arrival> arrivals);
+  void report_fix(std::span<const Arrival> arrivals);
 
   Deployment deployment_;
   FollowOptions options_;

@@ -10,15 +10,15 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kFirstLook = 400, kMostKept = 3'200;  ///< arrivals
-constexpr double kThought_s = 2.0;                          ///< that an estimate is given at least
+constexpr std::size_t kFirstEstimate = 400, kMostKept = 3'200;  ///< arrivals
+constexpr double kThought_s = 2.0;                              ///< that an estimate is given at least
 constexpr double kBetween_s = 10.0;          ///< from one estimate's beginning to the next's rows
 constexpr std::size_t kMostHeard = 100'000;  ///< arrivals, after which a clock that stands is not waited for
 
 }  // namespace
 
 LiveSpeed::LiveSpeed(const Deployment& calibrated)
-    : calibrated_(std::make_shared<const Deployment>(calibrated)), wanted_(kFirstLook) {}
+    : calibrated_(std::make_shared<const Deployment>(calibrated)), wanted_(kFirstEstimate) {}
 
 void LiveSpeed::hear(const Arrival& arrival) {
   now_s_ = arrival.time_s;
@@ -33,7 +33,7 @@ void LiveSpeed::move(const OdometryStep& step) {
   if (keeps_rows() && kept_.odometry.size() < 32 * kMostKept) kept_.odometry.push_back(step);
 }
 
-std::optional<RunSpeed> LiveSpeed::told() {
+std::optional<RunSpeed> LiveSpeed::new_estimate() {
   if (asked_ == nullptr) {
     if (kept_.arrivals.size() >= wanted_) begin();
     return std::nullopt;

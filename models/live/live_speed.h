@@ -29,7 +29,7 @@ class LiveSpeed {
   void move(const OdometryStep& step);
   /// Between two poses: begins an estimate, or looks at one, if it is time for that.
   /// @return an estimate that tells the speed, once
-  [[nodiscard]] std::optional<RunSpeed> told();
+  [[nodiscard]] std::optional<RunSpeed> new_estimate();
   [[nodiscard]] const Deployment& calibrated() const { return *calibrated_; }
 
  private:

@@ -44,9 +44,9 @@ TimedRange range_with_walk(const FlightTime& f, const AttenuationModel& a, doubl
     (excess_m > 0 ? high_m : low_m) = d_m;
     double next_m = d_m - excess_m / slope;
     if (!(next_m > low_m && next_m < high_m)) next_m = 0.5 * (low_m + high_m);
-    const bool settled = std::abs(next_m - d_m) < 1e-15 * high_m;
+    const bool converged = std::abs(next_m - d_m) < 1e-15 * high_m;
     d_m = next_m;
-    if (settled) break;
+    if (converged) break;
   }
   return {d_m, f.speed_mps / slope};
 }

@@ -62,7 +62,7 @@ class FixedChainStep {
       passed[half] = half == 0 ? eliminate(0, middle, true) : eliminate(count - 1, middle, false);
     });
     Passed all = passed[0];
-    if (halves == 2) all.take(passed[1]);
+    if (halves == 2) all.add(passed[1]);
     SmallCholesky<N> L;
     if (!all.is_definite || !factor(middle, all, L)) return false;
     L.backward(step_[middle]);
@@ -91,7 +91,7 @@ class FixedChainStep {
     Block D = Block::Zero();
     Vector rhs = Vector::Zero();
     bool is_definite = true;
-    void take(const Passed& other) {
+    void add(const Passed& other) {
       D += other.D;
       rhs += other.rhs;
       is_definite = is_definite && other.is_definite;

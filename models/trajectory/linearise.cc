@@ -52,7 +52,7 @@ void spread(const Trajectory& t, const InstantPose& at, const Eigen::Matrix<doub
 
 }  // namespace
 
-void InstantPose::take(const Trajectory& t, std::size_t node, double new_alpha) {
+void InstantPose::set(const Trajectory& t, std::size_t node, double new_alpha) {
   const Pose& A = t.nodes[node].T_map_vehicle;
   alpha = new_alpha;
   if (is_linear(t, alpha)) {
@@ -90,7 +90,7 @@ PathInput path_at(const Trajectory& t, const ArrivalObservation& a, const Shared
 int arrival_rows(const Trajectory& t, std::size_t index, const SharedState& state, InstantPose& at,
                  ObservationRow* rows) {
   const ArrivalObservation& a = t.arrivals[index];
-  at.take(t, a.node, a.alpha);
+  at.set(t, a.node, a.alpha);
   const PathInput in = path_at(t, a, state, at.T_map_vehicle);
   const PathOutput out = predict_arrival(in, t.motion);
 
@@ -130,7 +130,7 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   const BearingObservation& b = t.bearings[index];
   if (!b.reflector.valid() || t.motion != Motion::kPlanar) return 0;
   InstantPose at;
-  at.take(t, b.node, b.alpha);
+  at.set(t, b.node, b.alpha);
   const BearingOutput out =
       predict_bearing(at.T_map_vehicle, state.beacon_p_map_m[b.reflector.index()], Eigen::Vector3d::Zero());
   const double k = -1.0 / b.sigma_rad;
@@ -155,7 +155,7 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
 int pose_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
   const PoseObservation& p = t.poses[index];
   InstantPose at;
-  at.take(t, p.node, p.alpha);
+  at.set(t, p.node, p.alpha);
   const Pose& T = at.T_map_vehicle;
   int count = 0;
   auto add = [&](double misfit, double sigma, const Eigen::Matrix<double, 1, 6>& by_pose) {
@@ -366,7 +366,7 @@ double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const 
   if (a.alpha != 0.0 && t.motion == Motion::kPlanar && !a.two_way && !t.has_cycle_offset &&
       state.has_plain_paths()) {
     ArrivalWhitening whitening(state.speed_offset(t.run));
-    whitening.take(a);
+    whitening.set(a);
     const PlanarNode from(t.nodes[a.node].T_map_vehicle), to(t.nodes[a.node + 1].T_map_vehicle);
     return PlanarArrival(a, PlanarInterval(from, to).at(a.alpha), state, whitening).residual;
   }

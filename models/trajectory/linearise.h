@@ -51,7 +51,7 @@ struct ObservationRow {
 /// to the next while no node moves: those of one step of odometry share what that turns by.
 class InstantPose {
  public:
-  void take(const Trajectory& trajectory, std::size_t node, double alpha);
+  void set(const Trajectory& trajectory, std::size_t node, double alpha);
 
   double alpha = 0.0;
   Pose T_map_vehicle;

@@ -57,7 +57,7 @@ struct PlanarNode {
   PlanarNode() = default;
   explicit PlanarNode(const Pose& T)
       : x_m(T.translation_m.x()), y_m(T.translation_m.y()), heading(T.rotation) {}
-  PlanarNode(double x, double y, const PlanarTurn& its_heading) : x_m(x), y_m(y), heading(its_heading) {}
+  PlanarNode(double x, double y, const PlanarTurn& heading_in) : x_m(x), y_m(y), heading(heading_in) {}
 
   [[nodiscard]] PlanarNode moved(double dx_m, double dy_m, double turn_rad) const {
     PlanarTurn h = heading * PlanarTurn(turn_rad);
@@ -117,7 +117,7 @@ class ArrivalWhitening {
  public:
   /// @param speed_offset_mps  SharedState::speed_offset of the run
   explicit ArrivalWhitening(double speed_offset_mps) : speed_offset_mps_(speed_offset_mps) {}
-  void take(const ArrivalObservation& a) {
+  void set(const ArrivalObservation& a) {
     if (a.sigma_s == sigma_s_ && a.model_speed_mps == model_speed_mps_) return;
     sigma_s_ = a.sigma_s;
     model_speed_mps_ = a.model_speed_mps;

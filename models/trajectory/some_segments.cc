@@ -95,11 +95,11 @@ std::vector<Segment> with_chains_cut(const Trajectory& t) {
   return all;
 }
 
-Trajectory some_segments(const Trajectory& t, std::size_t every) {
-  if (every == 1) return t;
+Trajectory some_segments(const Trajectory& t, std::size_t stride) {
+  if (stride == 1) return t;
   const std::vector<Segment> all = with_chains_cut(t);
   std::vector<Segment> some;
-  for (std::size_t i = 0; i < all.size(); i += every) some.push_back(all[i]);
+  for (std::size_t i = 0; i < all.size(); i += stride) some.push_back(all[i]);
   return pick_segments(t, some);
 }
 

@@ -168,7 +168,7 @@ struct TrajectoryModel {
                                          const TrajectoryModel& model);
 
 /// Every so many-th segment of a trajectory with what belongs to it.
-[[nodiscard]] Trajectory some_segments(const Trajectory& trajectory, std::size_t every);
+[[nodiscard]] Trajectory some_segments(const Trajectory& trajectory, std::size_t stride);
 
 /// Makes a trajectory of the one state of a standing vehicle, from the arrivals and bearings of one of its
 /// epochs. What the trajectory held is overwritten, its memory is used again. Two-way ranging: the vehicle
@@ -202,8 +202,8 @@ struct RobustLoss {
   void evaluate(double residual, double& rho, double& weight) const;
 };
 
-/// Outcome of settling the states of one segment for given shared parameters.
-struct SettleResult {
+/// Outcome of solving for the states of one segment for given shared parameters.
+struct StateSolveResult {
   bool converged = false;
   int iterations = 0;
   double cost = 0.0;      ///< 1/2 sum of rho
@@ -212,8 +212,8 @@ struct SettleResult {
 
 /// Gauss-Newton (Levenberg-Marquardt) on the states of one segment, shared parameters held: a
 /// block-tridiagonal system. Writes nodes[first_node, last_node) of the trajectory.
-SettleResult settle(Trajectory& trajectory, const Segment& segment, const SharedState& state,
-                    const RobustLoss& loss, int max_iterations = 30);
+StateSolveResult solve_states(Trajectory& trajectory, const Segment& segment, const SharedState& state,
+                              const RobustLoss& loss, int max_iterations = 30);
 
 /// Covariance of a node's state, in a room of its own.
 using StateCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7>;

@@ -231,7 +231,7 @@ void Watch::update(Member& member, double time_s) noexcept {
     cross = controlled.col(0);
   }
   if (member.left_out.any) {
-    // Arrivals that the fix did not use are foretold by it: their errors and its own add up, and are
+    // Arrivals that the fix did not use are predicted by it: their errors and its own add up, and are
     // independent of the residuals of those that it used. a = c' P v ~ N(b A, A + g' N^-1 g).
     const Sums& s = member.left_out;
     const Signature variance =

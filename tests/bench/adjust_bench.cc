@@ -146,8 +146,8 @@ void report(benchmark::State& state, const Start& start, double cost) {
 void adjust_part(const Start& start, const std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
                  calib::AdjustOptions options) {
   constexpr std::size_t kStops = 1200;
-  const std::size_t every = std::max<std::size_t>(1, trajectories[0].segments.size() / kStops);
-  std::vector<Trajectory> part = {some_segments(trajectories[0], every)};
+  const std::size_t stride = std::max<std::size_t>(1, trajectories[0].segments.size() / kStops);
+  std::vector<Trajectory> part = {some_segments(trajectories[0], stride)};
   {
     options.function_tolerance = 1e-4;
     const calib::HeldHeadings held(&part);
@@ -186,10 +186,10 @@ void tiles_part(benchmark::State& state, int part) {
   std::optional<calib::TileSum> tiles;
   calib::ReducedSystem sum;
   tiles.emplace(trajectories, start.layout, workers);
-  double cost = tiles->settle(at, {});
+  double cost = tiles->solve_states(at, {});
   for (auto _ : state) {
     if (part == 0) tiles.emplace(trajectories, start.layout, workers);
-    if (part == 1) cost = tiles->settle(at, {});
+    if (part == 1) cost = tiles->solve_states(at, {});
     if (part == 2) tiles->reduce(at, {}, sum);
   }
   report(state, start, cost);
@@ -318,7 +318,7 @@ void adjust_per_arrival(benchmark::State& state, bool states_first) {
 
 constexpr auto kUnit = benchmark::kMillisecond;
 BENCHMARK_CAPTURE(tiles_part, make, 0)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
-BENCHMARK_CAPTURE(tiles_part, settle, 1)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
+BENCHMARK_CAPTURE(tiles_part, solve_states, 1)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
 BENCHMARK_CAPTURE(tiles_part, reduce, 2)->Args({100000, 1})->Unit(kUnit)->UseRealTime();
 /// Epochs, threads, from where.
 void sizes(benchmark::internal::Benchmark* b) {

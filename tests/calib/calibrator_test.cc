@@ -16,9 +16,9 @@ namespace {
 /// A held log that tells what it is asked, and may offer something else to start from.
 class WatchedLog : public calib::HeldLog {
  public:
-  WatchedLog(const calib::Problem& problem, const calib::SolveOptions& options, calib::Course& course,
-             const calib::Problem* offered = nullptr)
-      : HeldLog(problem, options, course), offered_(offered) {}
+  WatchedLog(const calib::Problem& problem, const calib::SolveOptions& options,
+             calib::ProgressMonitor& monitor, const calib::Problem* offered = nullptr)
+      : HeldLog(problem, options, monitor), offered_(offered) {}
 
   Result<Sample> next_sample() override {
     asked.emplace_back("sample");
@@ -69,9 +69,9 @@ TEST(Calibrator, AsksALogForItsStepsInTurn) {
     world.site.noise.tof_sigma_s = stated * 1e-5;
     const calib::Problem problem = problem_of(world);
     const calib::SolveOptions options;
-    calib::Course course(options);
-    WatchedLog log(problem, options, course);
-    const calib::Solution solution = must(calib::calibrate(log, options, course));
+    calib::ProgressMonitor monitor(options);
+    WatchedLog log(problem, options, monitor);
+    const calib::Solution solution = must(calib::calibrate(log, options, monitor));
     ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
     // Once before the inliers are known where it is grossly off, then where their squares say so.
     const Asked steps = stated == 1.0 ? Asked{"sample", "place", "adjust", "findings"}
@@ -80,7 +80,7 @@ TEST(Calibrator, AsksALogForItsStepsInTurn) {
                             : Asked{"sample", "place", "scale", "adjust", "scale", "adjust", "findings"};
     EXPECT_EQ(log.asked, steps) << stated;
     if (stated != 0.2) EXPECT_NEAR(solution.tof_sigma_s, 1e-5, 1e-6);
-    EXPECT_EQ(solution.iterations, course.iterations);
+    EXPECT_EQ(solution.iterations, monitor.iterations);
     EXPECT_EQ(solution.trajectories.size(), problem.trajectories.size());
   }
 }
@@ -93,9 +93,9 @@ TEST(Calibrator, StartsFromTheWholeWhereAPartGivesNoStart) {
   std::erase_if(one.arrivals, [](const Arrival& a) { return a.beacon.value != 1; });
   const calib::Problem of_one_beacon = must(calib::make_problem(world.site, {one}));
   const calib::SolveOptions options;
-  calib::Course course(options);
-  WatchedLog log(problem, options, course, &of_one_beacon);
-  const calib::Solution solution = must(calib::calibrate(log, options, course));
+  calib::ProgressMonitor monitor(options);
+  WatchedLog log(problem, options, monitor, &of_one_beacon);
+  const calib::Solution solution = must(calib::calibrate(log, options, monitor));
   ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
   EXPECT_EQ(log.asked, (Asked{"sample", "sample", "place", "adjust", "findings"}));
   const calib::Solution whole = calib::solve(problem, {});
@@ -110,11 +110,11 @@ TEST(Calibrator, ErrorsOfReadingAreErrorsAndAnInterruptionIsAnOutcome) {
   for (const char* step : {"sample", "place", "adjust", "findings"})
     for (const Errc code : {Errc::kBadInput, Errc::kInterrupted}) {
       const calib::SolveOptions options;
-      calib::Course course(options);
-      WatchedLog log(problem, options, course);
+      calib::ProgressMonitor monitor(options);
+      WatchedLog log(problem, options, monitor);
       log.fails_at = step;
       log.code = code;
-      const auto solution = calib::calibrate(log, options, course);
+      const auto solution = calib::calibrate(log, options, monitor);
       EXPECT_EQ(log.asked.back(), step);
       if (code == Errc::kInterrupted) {
         ASSERT_TRUE(solution);

@@ -180,7 +180,7 @@ bool written_run_reads(const std::string& name, std::string_view content) {
   return io::read_run_ids(run.string()).has_value();
 }
 
-void take_bearings(std::string_view input) { take_in_run("bearings.csv", input); }
+void group_bearings(std::string_view input) { take_in_run("bearings.csv", input); }
 void take_odometry(std::string_view input) { take_in_run("odometry.csv", input); }
 void take_scans(std::string_view input) { take_in_run("scans.csv", input); }
 void take_points(std::string_view input) { take_in_run("points.csv", input); }
@@ -303,7 +303,7 @@ const std::vector<Target>& targets() {
                                           {"scenario", take_scenario},
                                           {"run_yaml", take_run_yaml},
                                           {"tof", take_tof},
-                                          {"bearings", take_bearings},
+                                          {"bearings", group_bearings},
                                           {"odometry", take_odometry},
                                           {"scans", take_scans},
                                           {"points", take_points},

@@ -117,7 +117,8 @@ double off_m(const Fix& f, const Pose& truth) {
 /// Whether two poses at two places explain an epoch as well: then it is ambiguous, and a search that sees one
 /// of them alone has missed the other. The full search does not look within a few centimetres of a candidate.
 bool has_rival(const Trajectory& epoch, const EpochFixModel& model, const EpochFixOptions& options) {
-  const SearchProblem problem = make_search_problem(epoch, epoch.segments[0], model, options.range_slack_m);
+  const SearchProblem problem =
+      make_search_problem(epoch, epoch.segments[0], model, options.range_uncertainty_m);
   SearchOptions search;
   search.bounded = true;
   for (int k = 0; k < 2; ++k) {

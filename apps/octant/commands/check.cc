@@ -263,9 +263,9 @@ std::string forecast_verdict_text(const calib::Forecast& f) {
 
 std::string forecast_tables(const calib::Forecast& f, const std::string& site) {
   const std::string from =
-      f.is_thinned() ? fmt::format("a quick adjustment of {} of the {} arrivals, scaled to all of them",
-                                   f.arrivals_used, f.arrivals)
-                     : fmt::format("an adjustment of all {} arrivals", f.arrivals);
+      f.is_subsampled() ? fmt::format("a quick adjustment of {} of the {} arrivals, scaled to all of them",
+                                      f.arrivals_used, f.arrivals)
+                        : fmt::format("an adjustment of all {} arrivals", f.arrivals);
   std::string text =
       paragraph(fmt::format("{}: what a calibration would find (a forecast: sigmas predicted from {})",
                             site.empty() ? "site without a name" : site, from));
@@ -290,7 +290,7 @@ calib::Forecast forecast(const calib::Problem& problem, const CheckArgs& args, S
     return !interrupted();
   };
   calib::Forecast f = calib::forecast(problem, options);
-  calib::explain(problem, f.thinned, f.solution, options);
+  calib::explain(problem, f.subsampled, f.solution, options);
   return f;
 }
 

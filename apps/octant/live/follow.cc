@@ -192,7 +192,7 @@ class FollowLoop {
         next.epoch != kNoEpoch ? next.epoch != last_.epoch : next.time_s > last_.time_s + kPause_s;
     last_ = next;
     if (!begins_pose) return;
-    const auto found = speed_->told();
+    const auto found = speed_->new_estimate();
     if (!found) return;
     const double wanted_mps = found->differs() ? found->offset_mps : 0.0;
     if (std::abs(wanted_mps - offset_mps_) <= found->sigma_mps) return;

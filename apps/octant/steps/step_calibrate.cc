@@ -88,7 +88,7 @@ Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vect
       StreamSource::open(runs, names_of(site), site.timing, session, constant_speed_mps(site.medium));
   if (!source) return fail(source.error());
   const std::size_t rows = (*source)->rows_estimate(), steps = (*source)->odometry_rows(),
-                    needed_mb = calib::memory_of_whole(rows, steps) / kMega;
+                    needed_mb = calib::memory_of_held(rows, steps) / kMega;
   if (needed_mb <= memory_mb) return nullptr;
   const std::string much = fmt::format(
       "these recordings would take about {} MB of memory, more than --memory-mb {}", needed_mb, memory_mb);
@@ -220,7 +220,7 @@ std::vector<survey::LeftOutNote> left_out_by_reason(const Calibration& calibrati
     note.cause = cause_of(reason);
   };
   for (const auto& arrival : calibration.solution.left_out) count(arrival.reason, 1);
-  if (const auto& whole = calibration.solution.whole) {
+  if (const auto& whole = calibration.solution.totals) {
     for (const auto& of_beacon : whole->of_beacon)
       for (std::size_t reason = 0; reason < of_beacon.size(); ++reason)
         if (const auto r = static_cast<Rejection>(reason); r != Rejection::kUsed && of_beacon[reason] > 0)
@@ -273,7 +273,7 @@ Json arrivals_left_out(const Calibration& calibration) {
     const BeaconId beacon = calibration.problem.runs[left.run].arrivals[left.arrival].beacon;
     if (beacon.valid() && beacon.index() < beacons.size()) counts.add_of(beacons[beacon.index()].name);
   }
-  if (const auto& whole = calibration.solution.whole) {
+  if (const auto& whole = calibration.solution.totals) {
     for (std::size_t b = 0; b < whole->of_beacon.size(); ++b) {
       const auto& of_beacon = whole->of_beacon[b];
       const std::size_t out =

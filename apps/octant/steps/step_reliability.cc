@@ -192,7 +192,7 @@ Json reliability_json(const Calibration& calibration) {
   return {{"critical_w", calib::kCriticalW},
           {"beyond_critical", r.beyond_critical},
           {"expected_beyond_critical", 0.001 * static_cast<double>(r.arrivals.size())},
-          {"every", r.every},
+          {"every", r.stride},
           {"mean_redundancy_number", number(r.mean_redundancy)},
           {"redundancy", number(r.redundancy_sum)},
           {"worst", worst},
@@ -227,11 +227,11 @@ std::string reliability_text(const Calibration& calibration) {
     kinds += fmt::format("{}{} {:.3g}", kinds.empty() ? "" : ", ", kind.name, *kind.factor);
   }
   text += named_line("variances", kinds);
-  if (r.every > 1)
+  if (r.stride > 1)
     text += named_line("looked at",
                        fmt::format("redundancy, w, detectable biases, residual groups and variances are "
                                    "those of every {}th epoch; the adjustment used all",
-                                   r.every));
+                                   r.stride));
   std::string w =
       fmt::format("{} of {} beyond {:.2f} ({:.1f} expected)", r.beyond_critical, r.arrivals.size(),
                   calib::kCriticalW, 0.001 * static_cast<double>(r.arrivals.size()));

@@ -21,7 +21,7 @@ class ChunkIndex::Scanner {
   Scanner(std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals)
       : vehicles_(vehicles), beacons_(beacons), chunk_arrivals_(chunk_arrivals) {}
 
-  void take(ChunkIndex& index, std::size_t run, const std::vector<Arrival>& block) {
+  void add(ChunkIndex& index, std::size_t run, const std::vector<Arrival>& block) {
     while (index.runs_.size() <= run) begin_run(index);
     Run& r = index.runs_.back();
     const std::size_t b = r.first_state.size();
@@ -152,9 +152,7 @@ ChunkIndex::ChunkIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_
 ChunkIndex::ChunkIndex(ChunkIndex&&) noexcept = default;
 ChunkIndex::~ChunkIndex() = default;
 
-void ChunkIndex::take(std::size_t run, const std::vector<Arrival>& block) {
-  scanner_->take(*this, run, block);
-}
+void ChunkIndex::add(std::size_t run, const std::vector<Arrival>& block) { scanner_->add(*this, run, block); }
 
 void ChunkIndex::end(std::size_t runs) {
   scanner_->end(*this, runs);

@@ -32,12 +32,12 @@ using StateKinds = std::vector<std::vector<StateKind>>;
 /// ties its stops. Drives are none of it (drives/drive_index.h).
 class ChunkIndex {
  public:
-  /// Follows the rows of a source: take() of each block, then end(). Runs may be left out.
+  /// Follows the rows of a source: add() of each block, then end(). Runs may be left out.
   /// @param chunk_arrivals  a chunk ends with the block in which it has as many
   ChunkIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_arrivals);
   ChunkIndex(ChunkIndex&&) noexcept;
   ~ChunkIndex();
-  void take(std::size_t run, const std::vector<Arrival>& block);
+  void add(std::size_t run, const std::vector<Arrival>& block);
   void end(std::size_t runs);
 
   [[nodiscard]] const std::vector<Chunk>& chunks() const { return chunks_; }

@@ -13,7 +13,7 @@
 #include "calib/stream/long_log.h"
 #include "calib/stream/over_ranks.h"
 #include "calib/stream/side_by_side.h"
-#include "models/trajectory/settle.h"
+#include "models/trajectory/solve_states.h"
 #include "models/trajectory/stretches.h"
 
 namespace octant::calib {
@@ -60,7 +60,7 @@ ChunkPasses::ChunkPasses(const ReadingTask& task, const ChunkIndex& index)
 /// work(chunk, ChunkWork&), with the chunk loaded.
 template <class Do>
 Result<void> ChunkPasses::for_each_chunk_of_mine(Do&& work) {
-  return for_each_side_by_side(first_, last_, workers_.size(), task_.course,
+  return for_each_side_by_side(first_, last_, workers_.size(), task_.monitor,
                                [&](std::size_t k, std::size_t worker) -> Result<void> {
                                  if (auto ok = load(k, *workers_[worker]); !ok) return ok;
                                  work(k, *workers_[worker]);
@@ -106,7 +106,7 @@ bool ChunkPasses::is_as_before(std::size_t chunk, const ChunkWork& w) const {
     if (kept.states[i].count(t) != t.nodes.size()) return false;
     marks += t.arrivals.size() + t.bearings.size();
   }
-  return marks == kept.marks.size();
+  return marks == kept.rejections.size();
 }
 
 void ChunkPasses::restore(const ChunkStates& kept, const Estimate& estimate, ChunkWork& w) const {
@@ -116,32 +116,32 @@ void ChunkPasses::restore(const ChunkStates& kept, const Estimate& estimate, Chu
   for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
     Trajectory& t = w.trajectories[i];
     for (std::size_t k = 0; k < t.nodes.size(); ++k) kept.states[i].put(t, k, t.nodes[k]);
-    for (ArrivalObservation& a : t.arrivals) a.rejection = kept.marks[mark++];
-    for (BearingObservation& b : t.bearings) b.rejection = kept.marks[mark++];
+    for (ArrivalObservation& a : t.arrivals) a.rejection = kept.rejections[mark++];
+    for (BearingObservation& b : t.bearings) b.rejection = kept.rejections[mark++];
   }
 }
 
 void ChunkPasses::keep(const ChunkWork& w, ChunkStates& kept) const {
   kept.states.resize(w.trajectories.size());
-  kept.marks.clear();
+  kept.rejections.clear();
   for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
     const Trajectory& t = w.trajectories[i];
     kept.states[i].clear();
     kept.states[i].reserve(t, t.nodes.size());
     for (const Node& n : t.nodes) kept.states[i].add(t, n);
-    for (const ArrivalObservation& a : t.arrivals) kept.marks.push_back(a.rejection);
-    for (const BearingObservation& b : t.bearings) kept.marks.push_back(b.rejection);
+    for (const ArrivalObservation& a : t.arrivals) kept.rejections.push_back(a.rejection);
+    for (const BearingObservation& b : t.bearings) kept.rejections.push_back(b.rejection);
   }
 }
 
-Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double suspect_sigmas, bool mark) {
+Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double suspect_sigmas, bool reject) {
   const SharedState state = estimate.state();
   const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
   std::vector<std::vector<double>> residuals(kept_.size()), ranges(kept_.size());
   PassSummer summer(first_, kept_.size(), estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
-      spread.look_at_range(number, t, a, ranges[k]);
+      spread.add_range(number, t, a, ranges[k]);
     });
     apply_gates(task_.frame.site, w.trajectories, 1);
     place_all(task_.frame, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
@@ -153,11 +153,11 @@ Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double 
                                                       : NAN);
     }
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
-      spread.look_at_residual(number, t, a, residuals[k]);
+      spread.add_residual(number, t, a, residuals[k]);
     });
-    if (mark)
-      summer.take(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas,
-                  MarkPolicy::kFirst, w.system);
+    if (reject)
+      summer.add(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas,
+                 RejectionPolicy::kFirst, w.system);
     keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());
@@ -168,19 +168,19 @@ Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double 
   for (const ChunkStates& kept : kept_) states[0] += static_cast<double>(kept.start_heading_rad.size());
   sum_over(task_.options.ranks, states);
   placed.states = static_cast<std::size_t>(states[0]);
-  if (!mark) return placed;
+  if (!reject) return placed;
   std::vector<double> numbers = std::move(summer).numbers();
   sum_over(task_.options.ranks, numbers);
   placed.sum = PassSummer::sum_of(numbers, estimate.layout.size());
   return placed;
 }
 
-Result<PassSum> ChunkPasses::pass(const Estimate& estimate, MarkPolicy marks) {
+Result<PassSum> ChunkPasses::pass(const Estimate& estimate, RejectionPolicy policy) {
   const SharedState state = estimate.state();
   PassSummer summer(first_, kept_.size(), estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     restore(kept_[k], estimate, w);
-    summer.take(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas, marks, w.system);
+    summer.add(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas, policy, w.system);
     keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());
@@ -189,40 +189,41 @@ Result<PassSum> ChunkPasses::pass(const Estimate& estimate, MarkPolicy marks) {
   return PassSummer::sum_of(numbers, estimate.layout.size());
 }
 
-Result<void> ChunkPasses::tell(const Estimate& estimate, FindingsGatherer& gatherer) {
-  std::vector<std::vector<double>> tapes(kept_.size());
+Result<void> ChunkPasses::gather(const Estimate& estimate, FindingsGatherer& gatherer) {
+  std::vector<std::vector<double>> buffers(kept_.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     restore(kept_[k], estimate, w);
     const float* start_heading_rad = kept_[k].start_heading_rad.data();
     for (const Trajectory& t : w.trajectories) {
-      tell_trajectory(w, t, start_heading_rad, gatherer, tapes[k]);
+      gather_trajectory(w, t, start_heading_rad, gatherer, buffers[k]);
       start_heading_rad += t.nodes.size();
     }
   });
   if (!done) return done;
-  gatherer.read(in_order(task_.options.ranks, std::move(tapes)));
+  gatherer.read(in_order(task_.options.ranks, std::move(buffers)));
   return {};
 }
 
 /// @param start_heading_rad  of each of its states
-void ChunkPasses::tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
-                                  const FindingsGatherer& gatherer, std::vector<double>& tape) const {
-  const std::size_t before = w.chunk->states_before[t.vehicle.index()], every = gatherer.every();
-  const bool cut = every > 1 && std::any_of(t.segments.begin(), t.segments.end(), is_long_chain);
+void ChunkPasses::gather_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
+                                    const FindingsGatherer& gatherer, std::vector<double>& buffer) const {
+  const std::size_t before = w.chunk->states_before[t.vehicle.index()], stride = gatherer.stride();
+  const bool cut = stride > 1 && std::any_of(t.segments.begin(), t.segments.end(), is_long_chain);
   const std::vector<Segment> stretches = cut ? with_chains_cut(t) : std::vector<Segment>();
   const std::vector<Segment>& all = cut ? stretches : t.segments;
   std::vector<Segment> some;
-  for (std::size_t k = (every - before % every) % every; k < all.size(); k += every) some.push_back(all[k]);
-  PartFindings part{t, w.log, pick_segments(t, some)};
+  for (std::size_t k = (stride - before % stride) % stride; k < all.size(); k += stride)
+    some.push_back(all[k]);
+  TrajectoryFindings part{t, w.log, pick_segments(t, some)};
   // What a stretch's neighbours told of its ends is no part of the sample.
-  for (const Segment& s : part.looked_at.segments)
-    if (cut && part.looked_at.nodes[s.first_node].placed)
-      octant::settle(part.looked_at, s, gatherer.state(), {});
+  for (const Segment& s : part.sampled.segments)
+    if (cut && part.sampled.nodes[s.first_node].placed)
+      octant::solve_states(part.sampled, s, gatherer.state(), {});
   for (std::size_t k = 0; k < t.nodes.size(); ++k)
     if (!t.moving && t.motion == Motion::kPlanar &&
         is_flipped(t.nodes[k], static_cast<double>(start_heading_rad[k])))
       part.flipped.push_back(t.nodes[k].epoch);
-  gatherer.write(part, tape);
+  gatherer.write(part, buffer);
 }
 
 }  // namespace octant::calib

@@ -34,7 +34,7 @@ struct ChunkWork {
 struct ChunkStates {
   std::vector<KeptStates> states;
   std::vector<float> start_heading_rad;
-  std::vector<Rejection> marks;  ///< of the arrivals, then of the bearings
+  std::vector<Rejection> rejections;  ///< of the arrivals, then of the bearings
 };
 
 /// The states of a log but for drives, read again for each look at them, chunk by chunk on several threads.
@@ -45,10 +45,10 @@ class ChunkPasses : public LogReadings {
   ChunkPasses(const ReadingTask& task, const ChunkIndex& index);
 
   /// See place_all.
-  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
-  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
+  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool reject) override;
+  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, RejectionPolicy policy) override;
   /// Looked at one by one are every so many-th epoch or moment, and stretches of what hangs together.
-  [[nodiscard]] Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) override;
+  [[nodiscard]] Result<void> gather(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
   template <class Do>
@@ -57,8 +57,8 @@ class ChunkPasses : public LogReadings {
   [[nodiscard]] bool is_as_before(std::size_t chunk, const ChunkWork& w) const;
   void restore(const ChunkStates& kept, const Estimate& estimate, ChunkWork& w) const;
   void keep(const ChunkWork& w, ChunkStates& kept) const;
-  void tell_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
-                       const FindingsGatherer& gatherer, std::vector<double>& tape) const;
+  void gather_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
+                         const FindingsGatherer& gatherer, std::vector<double>& buffer) const;
 
   ReadingTask task_;
   const ChunkIndex& index_;

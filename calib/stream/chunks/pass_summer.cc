@@ -9,26 +9,26 @@
 
 namespace octant::calib {
 
-void PassSummer::take(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout,
-                      const SharedState& state, double limit, MarkPolicy marks, ReducedSystem& system) {
+void PassSummer::add(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout,
+                     const SharedState& state, double limit, RejectionPolicy policy, ReducedSystem& system) {
   Chunk& n = chunks_[chunk];
   std::size_t changed = 0;
-  if (marks == MarkPolicy::kFirst) changed = mark_rejected(trajectories, state, limit);
+  if (policy == RejectionPolicy::kFirst) changed = reject_outliers(trajectories, state, limit);
   auto tiles = std::make_unique<TileSum>(trajectories, layout, Workers{});
-  n.counts.cost_before = n.cost = tiles->settle(state, {});
-  if (marks == MarkPolicy::kSettled) {
+  n.counts.cost_before = n.cost = tiles->solve_states(state, {});
+  if (policy == RejectionPolicy::kConverged) {
     tiles->commit();
     tiles->share_states();
-    changed = mark_rejected(trajectories, state, limit);
+    changed = reject_outliers(trajectories, state, limit);
     if (changed > 0) {
       tiles = std::make_unique<TileSum>(trajectories, layout, Workers{});
-      n.cost = tiles->settle(state, {});
+      n.cost = tiles->solve_states(state, {});
     }
   }
   tiles->reduce(state, {}, system);
   tiles->share_states();
   // The costs of chains are known better now (Tile::reduce).
-  if (marks != MarkPolicy::kSettled || changed == 0) n.counts.cost_before = system.cost;
+  if (policy != RejectionPolicy::kConverged || changed == 0) n.counts.cost_before = system.cost;
   n.cost = system.cost;
   n.counts.changed = changed;
   for (const Trajectory& t : trajectories) n.counts.of_log.add(count_observations(t, state, 1, false));

@@ -20,10 +20,10 @@ class PassSummer {
     sum_.gradient.setZero(parameters);
   }
 
-  /// Settles the trajectories of a chunk with plain squares, marks them as asked, and reduces them.
+  /// Solves for the trajectories of a chunk with plain squares, marks them as asked, and reduces them.
   /// @param limit  sigmas beyond which an arrival is rejected  @param system  scratch
-  void take(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout,
-            const SharedState& state, double limit, MarkPolicy marks, ReducedSystem& system);
+  void add(std::size_t chunk, std::vector<Trajectory>& trajectories, const ParameterLayout& layout,
+           const SharedState& state, double limit, RejectionPolicy policy, ReducedSystem& system);
 
   /// All numbers one behind the other, to be added up over the ranks, and back.
   [[nodiscard]] std::vector<double> numbers() &&;
@@ -31,7 +31,7 @@ class PassSummer {
 
  private:
   struct Chunk {
-    double cost = 0.0;  ///< of settled states, as PassCounts know it with the marks as they were
+    double cost = 0.0;  ///< of solved states, as PassCounts know it with the rejections as they were
     PassCounts counts;
   };
   OrderedParts<ReducedSystem> systems_;

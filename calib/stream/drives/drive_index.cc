@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "calib/problem/problem.h"
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "models/trajectory/state_kind.h"
 
 namespace octant::calib {
@@ -73,7 +73,7 @@ DriveIndex::DriveIndex(const ArrivalSource& source, const Site& site)
   }
 }
 
-void DriveIndex::take(std::size_t run, const std::vector<Arrival>& rows) {
+void DriveIndex::add(std::size_t run, const std::vector<Arrival>& rows) {
   const std::size_t block = blocks_[run]++;
   for (const Arrival& a : rows) {
     group(groups_[run], block, a);

@@ -41,7 +41,7 @@ struct DriveChain {
   }
 };
 
-/// Arrivals of a vehicle within some seconds, as thin() groups them.
+/// Arrivals of a vehicle within some seconds, as subsample() groups them.
 struct DriveGroup {
   VehicleId vehicle;
   std::int64_t key = 0;  ///< which seconds
@@ -83,9 +83,9 @@ inline constexpr std::size_t kBytesOfStateInWork = 1200, kBytesOfDriveArrivalInW
 /// Where the arrivals of drives lie among the blocks of a source, and in which pieces they are worked on.
 class DriveIndex {
  public:
-  /// Follows the rows of a source: take() of each block, then end(). Runs may be left out.
+  /// Follows the rows of a source: add() of each block, then end(). Runs may be left out.
   DriveIndex(const ArrivalSource& source, const Site& site);
-  void take(std::size_t run, const std::vector<Arrival>& block);
+  void add(std::size_t run, const std::vector<Arrival>& block);
   void end(std::size_t piece_bytes);
 
   [[nodiscard]] const std::vector<DriveChain>& chains() const { return chains_; }

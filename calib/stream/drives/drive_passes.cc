@@ -16,7 +16,7 @@
 #include "calib/stream/side_by_side.h"
 #include "models/trajectory/node_step.h"
 #include "models/trajectory/odometry_path.h"
-#include "models/trajectory/settle.h"
+#include "models/trajectory/solve_states.h"
 #include "models/trajectory/stretches.h"
 
 namespace octant::calib {
@@ -122,15 +122,15 @@ Result<void> DrivePasses::for_each_piece(bool widened, Do&& work) {
     for (BearingObservation& b : w.t().bearings) b.bearing += *first_bearing;
     if (w.t().arrivals.size() != piece.arrivals || w.t().nodes.size() != piece.nodes)
       return fail(changed_while_read(w.log));
-    look_back(w);
+    extend_back(w);
     work(k, w);
     return {};
   };
-  return for_each_side_by_side(first_, last_, workers_.size(), task_.course, load);
+  return for_each_side_by_side(first_, last_, workers_.size(), task_.monitor, load);
 }
 
 /// What was heard at the begin of a piece was asked for before it (two-way ranging).
-void DrivePasses::look_back(DriveWork& w) const {
+void DrivePasses::extend_back(DriveWork& w) const {
   Trajectory& t = w.t();
   double asked_s = t.nodes.front().time_s, heard_s = asked_s;
   const auto is_asked_before = [&](const ArrivalObservation& a) {
@@ -167,8 +167,8 @@ void DrivePasses::restore(std::size_t piece, const Estimate& estimate, const std
   if (w.piece->open_left) put_end(ends[piece - 1], t.nodes.front());
   if (w.piece->open_right) put_end(ends[piece], t.nodes.back());
   std::size_t mark = 0;
-  for (ArrivalObservation& a : t.arrivals) a.rejection = pieces_[piece].marks[mark++];
-  for (BearingObservation& b : t.bearings) b.rejection = pieces_[piece].marks[mark++];
+  for (ArrivalObservation& a : t.arrivals) a.rejection = pieces_[piece].rejections[mark++];
+  for (BearingObservation& b : t.bearings) b.rejection = pieces_[piece].rejections[mark++];
 }
 
 /// The piece's own, from these on.
@@ -176,14 +176,15 @@ void DrivePasses::keep(std::size_t piece, const DriveWork& w, std::size_t first_
                        std::size_t first_arrival) {
   PieceStates& kept = pieces_[piece];
   kept.states.clear();
-  kept.marks.clear();
+  kept.rejections.clear();
   kept.states.reserve(w.t(), w.piece->nodes);
-  kept.marks.reserve(w.piece->arrivals);
+  kept.rejections.reserve(w.piece->arrivals);
   for (std::size_t k = 0; k < w.piece->nodes; ++k) kept.states.add(w.t(), w.t().nodes[first_node + k]);
   for (std::size_t i = 0; i < w.piece->arrivals; ++i)
-    kept.marks.push_back(w.t().arrivals[first_arrival + i].rejection);
+    kept.rejections.push_back(w.t().arrivals[first_arrival + i].rejection);
   for (const BearingObservation& b : w.t().bearings)
-    if (b.node >= first_node && b.node + 1 < first_node + w.piece->nodes) kept.marks.push_back(b.rejection);
+    if (b.node >= first_node && b.node + 1 < first_node + w.piece->nodes)
+      kept.rejections.push_back(b.rejection);
 }
 
 Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double /*suspect_sigmas*/,
@@ -204,13 +205,13 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
         t.arrivals.begin());
     for (std::size_t i = 0; i < w.piece->arrivals; ++i) {
       const ArrivalObservation& a = t.arrivals[first_arrival + i];
-      spread.look_at_range(w.piece->arrivals_before + i, t, a, ranges[k]);
-      spread.look_at_residual(w.piece->arrivals_before + i, t, a, residuals[k]);
+      spread.add_range(w.piece->arrivals_before + i, t, a, ranges[k]);
+      spread.add_residual(w.piece->arrivals_before + i, t, a, residuals[k]);
     }
     keep(k, w, first_node, first_arrival);
-    double* const its_ends = ends.data() + k * std::tuple_size_v<EndNumbers>;
-    put_numbers(t.nodes[first_node], its_ends);
-    put_numbers(t.nodes[first_node + w.piece->nodes - 1], its_ends + kNumbersOfNode);
+    double* const ends_of_piece = ends.data() + k * std::tuple_size_v<EndNumbers>;
+    put_numbers(t.nodes[first_node], ends_of_piece);
+    put_numbers(t.nodes[first_node + w.piece->nodes - 1], ends_of_piece + kNumbersOfNode);
   });
   if (!done) return fail(done.error());
   sum_over(task_.options.ranks, ends);
@@ -229,9 +230,9 @@ void DrivePasses::join_pieces(std::vector<double> numbers) {
   const std::vector<DrivePiece>& pieces = index_.pieces();
   std::vector<std::pair<Node, Node>> ends(pieces.size());
   for (std::size_t k = 0; k < pieces.size(); ++k) {
-    const double* const its_ends = numbers.data() + k * std::tuple_size_v<EndNumbers>;
-    take_numbers(its_ends, ends[k].first);
-    take_numbers(its_ends + kNumbersOfNode, ends[k].second);
+    const double* const ends_of_piece = numbers.data() + k * std::tuple_size_v<EndNumbers>;
+    read_numbers(ends_of_piece, ends[k].first);
+    read_numbers(ends_of_piece + kNumbersOfNode, ends[k].second);
   }
   const auto none = [&](std::size_t k) { return !ends[k].first.placed; };
   for (std::size_t k = 1; k < pieces.size(); ++k)
@@ -272,7 +273,7 @@ std::pair<Node, Node> DrivePasses::reach_by_odometry(std::size_t piece, bool for
     ends.second = node;
     if (is_mine(piece)) kept.states.add(like_[p.chain], node);
   }
-  for (Rejection& mark : kept.marks)
+  for (Rejection& mark : kept.rejections)
     if (mark == Rejection::kNoPose) mark = Rejection::kUsed;
   return ends;
 }
@@ -292,19 +293,21 @@ std::vector<Node> DrivePasses::ends_at(const Eigen::VectorXd& x) const {
   return ends;
 }
 
-/// Settles the states of a piece with plain squares, its ends held, marks arrivals as asked, and reduces it.
-void DrivePasses::settle(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
-                         MarkPolicy marks, PassCounts& counts, DriveWork& w, OpenChain& out) const {
+/// Solves for the states of a piece with plain squares, its ends held, marks arrivals as asked, and reduces
+/// it.
+void DrivePasses::solve_states(const DrivePiece& piece, const ParameterLayout& layout,
+                               const SharedState& state, RejectionPolicy policy, PassCounts& counts,
+                               DriveWork& w, OpenChain& out) const {
   Trajectory& t = w.t();
   const Segment& segment = t.segments.front();
-  const SettleOptions held{
+  const StateSolveOptions held{
       .tolerance = kPieceAtRest, .hold_first = piece.open_left, .hold_last = piece.open_right};
-  const auto mark = [&] { return mark_rejected(w.trajectory, state, task_.options.rejection_sigmas); };
-  if (marks == MarkPolicy::kFirst) counts.changed = mark();
-  counts.cost_before = octant::settle(t, segment, state, {}, held).cost;
-  if (marks == MarkPolicy::kSettled) {
+  const auto mark = [&] { return reject_outliers(w.trajectory, state, task_.options.rejection_sigmas); };
+  if (policy == RejectionPolicy::kFirst) counts.changed = mark();
+  counts.cost_before = octant::solve_states(t, segment, state, {}, held).cost;
+  if (policy == RejectionPolicy::kConverged) {
     counts.changed = mark();
-    if (counts.changed > 0) static_cast<void>(octant::settle(t, segment, state, {}, held));
+    if (counts.changed > 0) static_cast<void>(octant::solve_states(t, segment, state, {}, held));
   }
   std::vector<int> columns(static_cast<std::size_t>(layout.size()));
   std::iota(columns.begin(), columns.end(), 0);
@@ -313,7 +316,7 @@ void DrivePasses::settle(const DrivePiece& piece, const ParameterLayout& layout,
   ChainReduction(t, layout, {0}).reduce_open(segment, state, {}, columns, columns.size(), out);
 }
 
-Result<PassSum> DrivePasses::pass(const Estimate& estimate, MarkPolicy marks) {
+Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy policy) {
   const SharedState state = estimate.state();
   tried_.state = ends_at(estimate.x);
   JoinedEnds joined(*this, estimate.layout.size());
@@ -321,7 +324,8 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, MarkPolicy marks) {
   const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
     restore(k, estimate, tried_.state, w);
     OpenChain system;
-    if (w.t().nodes.front().placed) settle(*w.piece, estimate.layout, state, marks, counts[k], w, system);
+    if (w.t().nodes.front().placed)
+      solve_states(*w.piece, estimate.layout, state, policy, counts[k], w, system);
     counts[k].of_log = count_observations(w.t(), state, 1, false);
     if (w.piece->open_left && w.t().nodes.front().placed)  // told before
       counts[k].of_log.states -= static_cast<std::size_t>(block_size());
@@ -344,26 +348,27 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, MarkPolicy marks) {
   return sum;
 }
 
-Result<void> DrivePasses::tell(const Estimate& estimate, FindingsGatherer& gatherer) {
-  std::vector<std::vector<double>> tapes(pieces_.size());
+Result<void> DrivePasses::gather(const Estimate& estimate, FindingsGatherer& gatherer) {
+  std::vector<std::vector<double>> buffers(pieces_.size());
   const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
     restore(k, estimate, from_.state, w);
     const Trajectory& t = w.t();
     std::vector<Segment> some;
     for (std::size_t u = w.piece->first_unit; u < w.piece->last_unit; ++u) {
-      if (u % gatherer.every() != 0) continue;
+      if (u % gatherer.stride() != 0) continue;
       const std::size_t first = (u - w.piece->first_unit) * kUnitNodes;
       some.push_back(stretch_of(t, t.segments.front(), first, std::min(first + kUnitNodes, t.nodes.size())));
     }
-    PartFindings part{t, w.log, pick_segments(t, some)};
-    for (const Segment& s : part.looked_at.segments)
-      if (part.looked_at.nodes[s.first_node].placed) octant::settle(part.looked_at, s, gatherer.state(), {});
+    TrajectoryFindings part{t, w.log, pick_segments(t, some)};
+    for (const Segment& s : part.sampled.segments)
+      if (part.sampled.nodes[s.first_node].placed)
+        octant::solve_states(part.sampled, s, gatherer.state(), {});
     if (w.piece->open_left && t.nodes.front().placed)
-      part.told_before = static_cast<std::size_t>(block_size());
-    gatherer.write(part, tapes[k]);
+      part.counted_before = static_cast<std::size_t>(block_size());
+    gatherer.write(part, buffers[k]);
   });
   if (!done) return done;
-  gatherer.read(in_order(task_.options.ranks, std::move(tapes)));
+  gatherer.read(in_order(task_.options.ranks, std::move(buffers)));
   for (const DriveChain& chain : index_.chains())
     for (std::size_t b = 0; b < chain.stateless.size(); ++b) gatherer.count_stateless(b, chain.stateless[b]);
   return {};

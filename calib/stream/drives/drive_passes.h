@@ -14,7 +14,7 @@
 namespace octant::calib {
 
 /// The drives of a log, read again for each look at them, piece by piece on several threads. Pieces
-/// share the states at which they are cut. Each reading holds these, settles the states between them and
+/// share the states at which they are cut. Each reading holds these, solves for the states between them and
 /// eliminates them onto their two ends and the parameters; then the ends go, one after the other, which is a
 /// Gauss-Newton step of states and parameters together. Between the readings there remains where each state
 /// is (24 bytes in the plane) and what became of each arrival (one byte); ranks keep those of their own
@@ -23,17 +23,17 @@ class DrivePasses : public LogReadings {
  public:
   DrivePasses(const ReadingTask& task, const DriveIndex& index);
 
-  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool mark) override;
-  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, MarkPolicy marks) override;
+  [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool reject) override;
+  [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, RejectionPolicy policy) override;
   void accept() override { from_ = tried_; }
-  /// Looked at one by one are evenly spread stretches, each settled for itself (as error_sample does): what
+  /// Looked at one by one are evenly spread stretches, each solved for itself (as error_sample does): what
   /// its neighbours told of its ends is no part of the sample.
-  [[nodiscard]] Result<void> tell(const Estimate& estimate, FindingsGatherer& gatherer) override;
+  [[nodiscard]] Result<void> gather(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
   struct PieceStates {
     KeptStates states;
-    std::vector<Rejection> marks;  ///< of arrivals, then of bearings
+    std::vector<Rejection> rejections;  ///< of arrivals, then of bearings
   };
   /// The ends behind pieces and what they were linearised with.
   struct Ends {
@@ -48,15 +48,15 @@ class DrivePasses : public LogReadings {
   /// Unknowns of a state, of whichever chain: all vehicles of a site move and keep time alike.
   [[nodiscard]] int block_size() const { return like_.front().block_size(); }
   [[nodiscard]] bool is_mine(std::size_t piece) const { return piece >= first_ && piece < last_; }
-  void look_back(DriveWork& w) const;
+  void extend_back(DriveWork& w) const;
   void restore(std::size_t piece, const Estimate& estimate, const std::vector<Node>& ends,
                DriveWork& w) const;
   void keep(std::size_t piece, const DriveWork& w, std::size_t first_node, std::size_t first_arrival);
   void join_pieces(std::vector<double> numbers_of_ends);
   [[nodiscard]] std::pair<Node, Node> reach_by_odometry(std::size_t piece, bool forward, const Node& from);
   [[nodiscard]] std::vector<Node> ends_at(const Eigen::VectorXd& x) const;
-  void settle(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
-              MarkPolicy marks, PassCounts& counts, DriveWork& w, OpenChain& out) const;
+  void solve_states(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,
+                    RejectionPolicy policy, PassCounts& counts, DriveWork& w, OpenChain& out) const;
 
   ReadingTask task_;
   const DriveIndex& index_;

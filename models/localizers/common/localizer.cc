@@ -48,7 +48,7 @@ void Localizer::locate(const Observations& observations, Fix& fix) noexcept {
         fix.rejections[i] = knows(rows[i]) ? fix.rejections[--kept] : Rejection::kUnknownId;
     }
   };
-  if (marks_ == Marks::kArrivals) {
+  if (rejections_of_ == RejectionsOf::kArrivals) {
     fix.arrivals_rejected += static_cast<int>(observations.arrivals.size() - known_arrivals_.size());
     spread(observations.arrivals, known_arrivals_.size());
   } else {

@@ -52,9 +52,11 @@ class Localizer {
 
  protected:
   /// Which observations `fix.rejections` has an entry for.
-  enum class Marks { kArrivals, kBearings };
-  explicit Localizer(const Deployment& deployment, Marks marks = Marks::kArrivals)
-      : beacons_(deployment.beacons.size()), receivers_(deployment.receivers.size()), marks_(marks) {}
+  enum class RejectionsOf { kArrivals, kBearings };
+  explicit Localizer(const Deployment& deployment, RejectionsOf rejections_of = RejectionsOf::kArrivals)
+      : beacons_(deployment.beacons.size()),
+        receivers_(deployment.receivers.size()),
+        rejections_of_(rejections_of) {}
   Localizer(const Localizer&) = default;
   Localizer& operator=(const Localizer&) = default;
 
@@ -65,7 +67,7 @@ class Localizer {
   [[nodiscard]] bool knows(const Bearing& bearing) const noexcept;
 
   std::size_t beacons_, receivers_;
-  Marks marks_;
+  RejectionsOf rejections_of_;
   std::vector<Arrival> known_arrivals_;
   std::vector<Bearing> known_bearings_;
 };

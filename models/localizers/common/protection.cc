@@ -27,7 +27,7 @@ void add_planar_rows(const Trajectory& t, const Segment& segment, const SharedSt
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
     if (a.rejection != Rejection::kUsed) continue;
-    whitening.take(a);
+    whitening.set(a);
     const PlanarArrival row(a, at, state, whitening);
     const Eigen::RowVector3d by(row.by_x(), row.by_y(), row.by_heading);
     ByCalibration by_calibration;

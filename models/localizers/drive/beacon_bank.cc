@@ -26,16 +26,17 @@ Eigen::Matrix<double, kDof, 1> tangent_between(const Pose& a, const Pose& b) {
 }  // namespace
 
 template <int kDof>
-BeaconBankOf<kDof>::BeaconBankOf(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+BeaconBankOf<kDof>::BeaconBankOf(const EpochFixModel& model, double gate_sigmas, double range_uncertainty_m,
                                  const CalibrationPart* calibration, bool wanted)
     : model_(model), excluded_(model.beacon_usable.size(), 0) {
   if (!wanted) return;
-  const NodeCalibration room = Filter(model, gate_sigmas, range_slack_m, calibration).node_calibration_room();
+  const NodeCalibration room =
+      Filter(model, gate_sigmas, range_uncertainty_m, calibration).node_calibration_room();
   const auto columns = static_cast<std::size_t>(room.by_parameter.cols() + room.by_pair.cols() + 1);
   const std::size_t count = std::min({kMostBeacons, model.beacon_usable.size(), kMostColumns / columns});
   slots_.reserve(count);
   for (std::size_t i = 0; i < count; ++i)
-    slots_.push_back({BeaconId(), Filter(model, gate_sigmas, range_slack_m, calibration)});
+    slots_.push_back({BeaconId(), Filter(model, gate_sigmas, range_uncertainty_m, calibration)});
 }
 
 template <int kDof>
@@ -56,8 +57,8 @@ void BeaconBankOf<kDof>::start(const Filter& filter, const Trajectory& heard, co
 }
 
 template <int kDof>
-void BeaconBankOf<kDof>::set_range_slack(double range_slack_m) {
-  for (Slot& slot : slots_) slot.filter.set_range_slack(range_slack_m);
+void BeaconBankOf<kDof>::set_range_uncertainty(double range_uncertainty_m) {
+  for (Slot& slot : slots_) slot.filter.set_range_uncertainty(range_uncertainty_m);
 }
 
 template <int kDof>
@@ -82,7 +83,7 @@ typename BeaconBankOf<kDof>::Slot& BeaconBankOf<kDof>::slot_of(BeaconId beacon, 
     too_many_until_ = heard_ + kForgotten;
   longest_ago->beacon = beacon;
   longest_ago->heard = heard_;
-  longest_ago->filter.take_state(filter);
+  longest_ago->filter.copy_state(filter);
   return *longest_ago;
 }
 
@@ -104,7 +105,7 @@ Rejection BeaconBankOf<kDof>::update(Filter& filter, const Trajectory& t, const 
 template <int kDof>
 void BeaconBankOf<kDof>::exclude(Slot& slot, Filter& filter) {
   excluded_[slot.beacon.index()] = kGoodInARow;
-  filter.take_state(slot.filter);
+  filter.copy_state(slot.filter);
   // All others took its arrivals. They begin again where the one has the vehicle that never did, which owes
   // something to each of their beacons: no more than they and it disagree by, and than they know themselves.
   // Of both twice the sigma: their errors go together.

@@ -31,7 +31,7 @@ class BeaconBankOf {
   static constexpr int kGoodInARow = 10;
 
   /// @param wanted  false: no filters, no levels
-  BeaconBankOf(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+  BeaconBankOf(const EpochFixModel& model, double gate_sigmas, double range_uncertainty_m,
                const CalibrationPart* calibration, bool wanted = true);
 
   /// Begins anew, with a pose that owes nothing to the beacons.
@@ -40,7 +40,7 @@ class BeaconBankOf {
   using StartWithout = std::function<void(BeaconId, Filter&)>;
   /// Begins anew, with a pose that was found by these beacons.
   void start(const Filter& filter, const Trajectory& heard, const StartWithout& without);
-  void set_range_slack(double range_slack_m);
+  void set_range_uncertainty(double range_uncertainty_m);
   void predict(const Pose& step, const OdometryObservation& whole, double share);
   /// Corrects the drive's filter by an arrival, and all that may have it. Returns whether the drive's filter
   /// used it or why not.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "models/localizers/common/arrival_marks.h"
+#include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/common/protection.h"
 
 namespace octant {
@@ -20,7 +20,7 @@ struct DriveWithout {
 };
 
 DriveWithout drive_without(Trajectory& t, const Segment& segment, const SharedState& state, BeaconId beacon) {
-  set_marks(t, segment, beacon, Rejection::kUsed, Rejection::kBeaconFault);
+  set_rejections(t, segment, beacon, Rejection::kUsed, Rejection::kBeaconFault);
   DriveWithout out;
   ChainFactor factor = factor_chain(t, segment, state);
   out.determined = factor.ok;
@@ -30,7 +30,7 @@ DriveWithout drive_without(Trajectory& t, const Segment& segment, const SharedSt
     factor.solve(out.shift);
     out.covariance = chain_covariance(factor);
   }
-  set_marks(t, segment, beacon, Rejection::kBeaconFault, Rejection::kUsed);
+  set_rejections(t, segment, beacon, Rejection::kBeaconFault, Rejection::kUsed);
   return out;
 }
 

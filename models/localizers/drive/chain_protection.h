@@ -16,12 +16,12 @@ namespace octant {
 /// fix). With H_i and g_i the information and gradient of all states without the arrivals of beacon i,
 ///   shift = -H_i^-1 g_i
 /// whatever those arrivals are off by, and for however long, the drive without them is not. Linear, from
-/// where the drive was settled: shifts count up to some decimetres.
+/// where the drive was solved: shifts count up to some decimetres.
 ///
 /// 0 where the drive is lost without one of the beacons, or lies six sigmas off the drive without it: then
 /// that beacon, or those that were left, is at fault.
-/// @param trajectory  settled, no arrival marked kBeaconFault; marks change on the way and are left as they
-/// were
+/// @param trajectory  solved, no arrival marked kBeaconFault; rejections change on the way and are left as
+/// they were
 /// @param noise  covariance of the states by noise alone
 /// @param covariances  of the pose at each instant, calibration's part included: by as much as that widens
 /// the noise's, the drive without a beacon is widened too

@@ -63,9 +63,12 @@ struct DriveFilterOf<kDof>::Considered {
 };
 
 template <int kDof>
-DriveFilterOf<kDof>::DriveFilterOf(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+DriveFilterOf<kDof>::DriveFilterOf(const EpochFixModel& model, double gate_sigmas, double range_uncertainty_m,
                                    const CalibrationPart* calibration)
-    : model_(model), calibration_(calibration), gate_sigmas_(gate_sigmas), range_slack_m_(range_slack_m) {
+    : model_(model),
+      calibration_(calibration),
+      gate_sigmas_(gate_sigmas),
+      range_uncertainty_m_(range_uncertainty_m) {
   const std::size_t pairs = model.state.beacon_p_map_m.size() * model.state.receiver_p_vehicle_m.size();
   if (model.correlated.sigma_s > 0) recent_.resize(pairs);
   if (calibration == nullptr) return;
@@ -183,10 +186,10 @@ void DriveFilterOf<kDof>::correct(const Vector& gain, const Eigen::Matrix<double
 
 template <int kDof>
 double DriveFilterOf<kDof>::single_variance_s2(const ArrivalObservation& a, double speed_mps) const {
-  const double slack_s = range_slack_m_ * a.legs() / speed_mps;
+  const double uncertainty_s = range_uncertainty_m_ * a.legs() / speed_mps;
   // A pair's lasting bias is considered beside the noise where there is a calibration.
   const double pair_s = calibration_ ? model_.correlated.pair_sigma_s : 0.0;
-  return a.sigma_s * a.sigma_s + slack_s * slack_s - pair_s * pair_s;
+  return a.sigma_s * a.sigma_s + uncertainty_s * uncertainty_s - pair_s * pair_s;
 }
 
 template <int kDof>
@@ -213,8 +216,8 @@ bool DriveFilterOf<kDof>::fits(const Trajectory& trajectory, const ArrivalObserv
 }
 
 template <int kDof>
-void DriveFilterOf<kDof>::take_state(const DriveFilterOf& other) {
-  range_slack_m_ = other.range_slack_m_;
+void DriveFilterOf<kDof>::copy_state(const DriveFilterOf& other) {
+  range_uncertainty_m_ = other.range_uncertainty_m_;
   cross_ = other.cross_;
   pair_cross_ = other.pair_cross_;
   recent_ = other.recent_;

@@ -30,7 +30,7 @@ class DriveFilterOf {
   static constexpr Motion kMotion = kDof == 3 ? Motion::kPlanar : Motion::kSpatial;
 
   /// @param calibration  null: what calibration may be off by widens the gate only
-  DriveFilterOf(const EpochFixModel& model, double gate_sigmas, double range_slack_m,
+  DriveFilterOf(const EpochFixModel& model, double gate_sigmas, double range_uncertainty_m,
                 const CalibrationPart* calibration = nullptr);
 
   /// @param by  how the pose follows an error of each considered parameter; null: not at all
@@ -44,13 +44,13 @@ class DriveFilterOf {
   /// Whether an arrival is within the gate of what is expected now; nothing changes.
   [[nodiscard]] bool fits(const Trajectory& trajectory, const ArrivalObservation& arrival);
   /// Goes on with what another filter of the same model holds.
-  void take_state(const DriveFilterOf& other);
+  void copy_state(const DriveFilterOf& other);
 
   [[nodiscard]] const Pose& pose() const { return T_map_vehicle_; }
   [[nodiscard]] const Covariance& covariance() const { return covariance_; }
   /// Of the recent arrivals (exponentially forgotten over some thirty) too few could be used.
   [[nodiscard]] bool is_lost() const { return acceptance_ < 0.35; }
-  void set_range_slack(double range_slack_m) { range_slack_m_ = range_slack_m; }
+  void set_range_uncertainty(double range_uncertainty_m) { range_uncertainty_m_ = range_uncertainty_m; }
 
   /// Room for what `start` takes.
   [[nodiscard]] NodeCalibration node_calibration_room() const;
@@ -68,7 +68,7 @@ class DriveFilterOf {
 
   const EpochFixModel& model_;
   const CalibrationPart* calibration_;
-  double gate_sigmas_, range_slack_m_;
+  double gate_sigmas_, range_uncertainty_m_;
   Eigen::Matrix<double, kDof, Eigen::Dynamic> cross_,
       pair_cross_;            ///< covariance of the pose with theta and with each pair's bias
   Eigen::VectorXd by_theta_;  ///< C h_theta of an arrival

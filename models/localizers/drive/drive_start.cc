@@ -20,7 +20,7 @@ constexpr std::size_t kMinRanges = 8;
 constexpr double kClearMargin = 8.0;  ///< of the log likelihood; a window that is not clear can always grow
 constexpr double kWindowGrowth = 1.4;
 constexpr double kMaxHeadingSigma = 0.25;  ///< rad: within it the filter linearises safely
-constexpr double kStartInflation = 4.0;    ///< of the covariance of a stretch that was settled robustly
+constexpr double kStartInflation = 4.0;    ///< of the covariance of a stretch that was solved robustly
 constexpr double kMaxMeanCost = 2.0;  ///< of an arrival: 0.5 where all is well, the caps where nothing fits
 
 /// Whether the best pose of a search stands clear of the second, is tight, and explains the arrivals.
@@ -55,7 +55,7 @@ bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& mo
   if (t.motion == Motion::kSpatial) return place_stretch_in_space(t, window, model, options);
   const std::size_t anchor = window.first_node + (window.last_node - window.first_node) / 2;
   const RigidPath path = rigid_path(t, window, anchor);
-  SearchProblem problem = make_search_problem(t, window, model, options.range_slack_m, path);
+  SearchProblem problem = make_search_problem(t, window, model, options.range_uncertainty_m, path);
   if (problem.ranges.size() < kMinRanges || problem.groups() < 2) return false;
   thin_out(problem);
   SearchOptions search;
@@ -65,25 +65,25 @@ bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& mo
   search.max_pairs = 60;
   search.keep = 24;
   const SearchResult result = search_pose(problem, search);
-  const double scale_m = std::hypot(problem.median_sigma_m, options.range_slack_m);
+  const double scale_m = std::hypot(problem.median_sigma_m, options.range_uncertainty_m);
   if (!is_clear(problem, result, std::max(0.05 * problem.span_m, 2 * scale_m))) return false;
   const PlanarState& best = result.poses.front().state;
-  lay_stretch(t, window, model, options.range_slack_m, Pose::planar(best.x_m, best.y_m, best.heading_rad),
-              path);
+  lay_stretch(t, window, model, options.range_uncertainty_m,
+              Pose::planar(best.x_m, best.y_m, best.heading_rad), path);
   return true;
 }
 
-void lay_stretch(Trajectory& t, const Segment& window, const EpochFixModel& model, double slack_m,
+void lay_stretch(Trajectory& t, const Segment& window, const EpochFixModel& model, double uncertainty_m,
                  const Pose& T_map_anchor, const RigidPath& path) {
   lay_rigidly(t, window, T_map_anchor, path);
-  const WidenedArrivals widened(t, window, model, slack_m);
-  settle(t, window, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 10);
-  settle(t, window, model.state, {.late_scale = 2.5, .early_scale = 4.0}, 15);
+  const WidenedArrivals widened(t, window, model, uncertainty_m);
+  solve_states(t, window, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 10);
+  solve_states(t, window, model.state, {.late_scale = 2.5, .early_scale = 4.0}, 15);
 }
 
-double independent_slack_m(const Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                           double slack_m) {
-  if (slack_m == 0.0 || segment.first_arrival == segment.last_arrival) return slack_m;
+double independent_uncertainty_m(const Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                                 double uncertainty_m) {
+  if (uncertainty_m == 0.0 || segment.first_arrival == segment.last_arrival) return uncertainty_m;
   double path_m = 0.0, range_m = 0.0;
   for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
     path_m += t.odometry[i].T_before_after.translation_m.norm();
@@ -94,16 +94,16 @@ double independent_slack_m(const Trajectory& t, const Segment& segment, const Ep
   }
   const double arrivals = static_cast<double>(segment.last_arrival - segment.first_arrival);
   const double share = std::min(1.0, 0.5 * (range_m / arrivals) / std::max(path_m, 1e-9));
-  return slack_m *
+  return uncertainty_m *
          std::sqrt(std::max(
              1.0, share * arrivals / static_cast<double>(std::count(heard.begin(), heard.end(), 1))));
 }
 
 WidenedArrivals::WidenedArrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                                 double slack_m)
+                                 double uncertainty_m)
     : trajectory_(t), first_(segment.first_arrival) {
-  if (slack_m == 0.0) return;
-  const double wide_m = independent_slack_m(t, segment, model, slack_m);
+  if (uncertainty_m == 0.0) return;
+  const double wide_m = independent_uncertainty_m(t, segment, model, uncertainty_m);
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     ArrivalObservation& a = t.arrivals[i];
     sigma_s_.push_back(a.sigma_s);
@@ -117,8 +117,8 @@ WidenedArrivals::~WidenedArrivals() {
 }
 
 PoseCovariance start_covariance(Trajectory& t, const Segment& stretch, const EpochFixModel& model,
-                                double slack_m, std::size_t node) {
-  const WidenedArrivals widened(t, stretch, model, slack_m);
+                                double uncertainty_m, std::size_t node) {
+  const WidenedArrivals widened(t, stretch, model, uncertainty_m);
   const StateCovariance P = node_covariance(t, stretch, node, model.state);
   const int dof = pose_dof(t.motion);
   if (P.rows() >= dof && P.allFinite()) return kStartInflation * P.topLeftCorner(dof, dof);

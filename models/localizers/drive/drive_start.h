@@ -21,17 +21,18 @@ struct DriveStart {
   std::size_t first_node = 0, last_node = 0;  ///< [first, last) of the stretch
 };
 
-/// What the slack of roughly known beacons amounts to for arrivals that are counted as independent: those of
-/// one beacon share its error until its direction has changed, say over half of a range driven, so each of
-/// the n until then has sqrt(n) times the slack. Without it hundreds of equally wrong ranges would bend the
-/// odometry.
-[[nodiscard]] double independent_slack_m(const Trajectory& trajectory, const Segment& segment,
-                                         const EpochFixModel& model, double slack_m);
+/// What the uncertainty of roughly known beacons amounts to for arrivals that are counted as independent:
+/// those of one beacon share its error until its direction has changed, say over half of a range driven, so
+/// each of the n until then has sqrt(n) times the uncertainty. Without it hundreds of equally wrong ranges
+/// would bend the odometry.
+[[nodiscard]] double independent_uncertainty_m(const Trajectory& trajectory, const Segment& segment,
+                                               const EpochFixModel& model, double uncertainty_m);
 
 /// Widens the sigmas of a segment's arrivals by that, for as long as it lives.
 class WidenedArrivals {
  public:
-  WidenedArrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model, double slack_m);
+  WidenedArrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                  double uncertainty_m);
   ~WidenedArrivals();
   WidenedArrivals(const WidenedArrivals&) = delete;
   WidenedArrivals& operator=(const WidenedArrivals&) = delete;
@@ -50,12 +51,12 @@ class WidenedArrivals {
 
 /// Puts a stretch where its anchor's pose has it, and settles its states robustly.
 void lay_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
-                 double range_slack_m, const Pose& T_map_anchor, const RigidPath& path);
+                 double range_uncertainty_m, const Pose& T_map_anchor, const RigidPath& path);
 
 /// Covariance (of the pose, as Motion has it) with which a filter may begin at a node of a stretch that was
-/// placed: its marginal, inflated, because the stretch was settled robustly and its outliers are not marked.
+/// placed: its marginal, inflated, because the stretch was solved robustly and its outliers are not marked.
 [[nodiscard]] PoseCovariance start_covariance(Trajectory& trajectory, const Segment& stretch,
-                                              const EpochFixModel& model, double range_slack_m,
+                                              const EpochFixModel& model, double range_uncertainty_m,
                                               std::size_t node);
 
 /// Spans of the stretches that are tried.

@@ -18,7 +18,7 @@ namespace octant {
 namespace {
 
 constexpr std::size_t kDriveScratchBytes =
-    9u << 20;  ///< settling a window of all its nodes twice, and how it follows the calibration
+    9u << 20;  ///< solving for a window of all its nodes twice, and how it follows the calibration
 constexpr std::size_t kMaxNodes = 768, kMaxArrivals = 8192;  ///< of a window
 constexpr double kFilterWindowGrowth = 1.33;
 
@@ -74,9 +74,9 @@ class DriveTracker::CoreOf final : public Core {
   void observe_all(std::span<const Arrival> arrivals);
   /// Tries to find the place from the window, if it is time to.
   void search();
-  /// Starts a filter where the window's states, as they are settled, have its end.
+  /// Starts a filter where the window's states, as they are solved, have its end.
   void start_at_end(Filter& filter);
-  /// The same of the states as they are settled without a beacon. A filter that began with little known of
+  /// The same of the states as they are solved without a beacon. A filter that began with little known of
   /// its attitude instead would not be linear enough to judge another one.
   void start_without(BeaconId beacon, Filter& filter);
   [[nodiscard]] Segment window() const;
@@ -91,7 +91,7 @@ class DriveTracker::CoreOf final : public Core {
   NodeCalibration start_calibration_;  ///< how the place found follows the calibration
   bool placed_ = false;
   Trajectory t_;  ///< the stretch that the place is searched with; with a place: the instant alone
-  std::vector<Node> with_all_;  ///< its nodes, while they are settled without a beacon
+  std::vector<Node> with_all_;  ///< its nodes, while they are solved without a beacon
   double next_search_s_ = 0.0;  ///< span of the window at which to search
   OdometryStep row_;            ///< last row, and how long it took
   double row_s_ = 0.0;
@@ -106,8 +106,8 @@ DriveTracker::CoreOf<kDof>::CoreOf(const Deployment& deployment, const OdometryA
       options_(options),
       odometry_(odometry),
       trajectory_model_(trajectory_model(deployment)),
-      filter_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_),
-      bank_(model_, options.rejection_sigmas, options.range_slack_m, &calibration_, options.protect),
+      filter_(model_, options.rejection_sigmas, options.range_uncertainty_m, &calibration_),
+      bank_(model_, options.rejection_sigmas, options.range_uncertainty_m, &calibration_, options.protect),
       start_calibration_(filter_.node_calibration_room()),
       scratch_(kDriveScratchBytes) {
   t_.motion = Filter::kMotion;
@@ -157,7 +157,7 @@ void DriveTracker::CoreOf<kDof>::keep_recent_half() {
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::start(const Pose& T_map_vehicle, const PoseCovariance& covariance) {
   filter_.start(T_map_vehicle, covariance);
-  filter_.set_range_slack(options_.range_slack_m);
+  filter_.set_range_uncertainty(options_.range_uncertainty_m);
   bank_.start();
   placed_ = true;
 }
@@ -220,10 +220,10 @@ void DriveTracker::CoreOf<kDof>::search() {
   const Segment all = window();
   if (!place_stretch(t_, all, model_, options_)) return;
   start_at_end(filter_);
-  const double slack_m = independent_slack_m(t_, all, model_, options_.range_slack_m);
-  filter_.set_range_slack(slack_m);
+  const double uncertainty_m = independent_uncertainty_m(t_, all, model_, options_.range_uncertainty_m);
+  filter_.set_range_uncertainty(uncertainty_m);
   bank_.start(filter_, t_, [this](BeaconId beacon, Filter& filter) { start_without(beacon, filter); });
-  bank_.set_range_slack(slack_m);
+  bank_.set_range_uncertainty(uncertainty_m);
   placed_ = true;
 }
 
@@ -233,7 +233,8 @@ void DriveTracker::CoreOf<kDof>::start_at_end(Filter& filter) {
   const std::size_t now = t_.nodes.size() - 1;
   const ChainFactor chain = factor_chain(t_, all, model_.state);
   if (chain.ok) node_calibration(t_, all, model_.state, chain, calibration_, now, start_calibration_);
-  filter.start(t_.nodes[now].T_map_vehicle, start_covariance(t_, all, model_, options_.range_slack_m, now),
+  filter.start(t_.nodes[now].T_map_vehicle,
+               start_covariance(t_, all, model_, options_.range_uncertainty_m, now),
                chain.ok ? &start_calibration_ : nullptr);
 }
 
@@ -247,8 +248,8 @@ void DriveTracker::CoreOf<kDof>::start_without(BeaconId beacon, Filter& filter) 
   };
   mark(Rejection::kUsed, Rejection::kBeaconFault);
   {
-    const WidenedArrivals widened(t_, window(), model_, options_.range_slack_m);
-    settle(t_, window(), model_.state, {.late_scale = 2.5, .early_scale = 4.0}, 15);
+    const WidenedArrivals widened(t_, window(), model_, options_.range_uncertainty_m);
+    solve_states(t_, window(), model_.state, {.late_scale = 2.5, .early_scale = 4.0}, 15);
   }
   start_at_end(filter);
   mark(Rejection::kBeaconFault, Rejection::kUsed);

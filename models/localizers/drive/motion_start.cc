@@ -60,8 +60,8 @@ std::vector<Anchor> find_anchors(const Trajectory& t, const Segment& segment, co
       if (window.last_arrival - window.first_arrival < 2) continue;
       Trajectory piece = standing(t, window, first, last);
       EpochFixOptions search;
-      search.range_slack_m =
-          std::hypot(options.range_slack_m,
+      search.range_uncertainty_m =
+          std::hypot(options.range_uncertainty_m,
                      0.5 * t.motion_prior->speed_mps * (t.nodes[last - 1].time_s - t.nodes[first].time_s));
       search.rejection_sigmas = options.rejection_sigmas;
       search.max_sigma_m = INFINITY;
@@ -103,7 +103,7 @@ bool place_by_motion(Trajectory& t, const Segment& segment, const EpochFixModel&
         turning
             ? wrap_angle(after->T_map_vehicle.heading_rad() - before->T_map_vehicle.heading_rad()) / span_s
             : 0.0;
-    // Neighbouring windows jump about by their slack; the vehicle does not.
+    // Neighbouring windows jump about by their uncertainty; the vehicle does not.
     const double speed_mps = node.velocity.head<2>().norm();
     if (speed_mps > 2 * t.motion_prior->speed_mps)
       node.velocity.head<2>() *= 2 * t.motion_prior->speed_mps / speed_mps;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/localizers/common/arrival_marks.h"
+#include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/common/calibration_part.h"
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/localizer.h"
@@ -23,14 +23,14 @@
 #include "models/localizers/space/rough_path.h"
 #include "models/localizers/space/space_track.h"
 #include "models/trajectory/linearise.h"
-#include "models/trajectory/settle.h"
+#include "models/trajectory/solve_states.h"
 
 namespace octant {
 namespace {
 
-constexpr int kSegmentMarkRounds = 5;
+constexpr int kSegmentOutlierRounds = 5;
 /// Steps that gain less than this share of the cost are the last: before arrivals are marked, and after.
-constexpr double kNearlySettled = 1e-5, kSettled = 1e-10;
+constexpr double kNearlyConverged = 1e-5, kConverged = 1e-10;
 
 /// First arrival of the segment at or after a node.
 std::size_t arrival_from(const Trajectory& t, const Segment& segment, std::size_t node) {
@@ -43,7 +43,7 @@ std::size_t arrival_from(const Trajectory& t, const Segment& segment, std::size_
 }
 
 /// Part of an odometry step between two of its instants.
-Pose part_of(const Pose& step, double from, double to) {
+Pose subsample_of(const Pose& step, double from, double to) {
   return interpolate(Pose{}, step, from).inverse() * interpolate(Pose{}, step, to);
 }
 
@@ -56,13 +56,13 @@ std::size_t run_forward(Trajectory& t, const Segment& segment, Filter& filter, s
     double done = 0.0;
     while (next < segment.last_arrival && t.arrivals[next].node == node) {
       const double alpha = t.arrivals[next].alpha;
-      filter.predict(part_of(step.T_before_after, done, alpha), step, alpha - done);
+      filter.predict(subsample_of(step.T_before_after, done, alpha), step, alpha - done);
       done = alpha;
       for (; next < segment.last_arrival && t.arrivals[next].node == node && t.arrivals[next].alpha == alpha;
            ++next)
         t.arrivals[next].rejection = filter.update(t, t.arrivals[next]);
     }
-    filter.predict(part_of(step.T_before_after, done, 1.0), step, 1.0 - done);
+    filter.predict(subsample_of(step.T_before_after, done, 1.0), step, 1.0 - done);
     t.nodes[node + 1].T_map_vehicle = filter.pose();
     t.nodes[node + 1].placed = true;
     if (filter.is_lost()) return node + 1;
@@ -79,11 +79,11 @@ void run_backward(Trajectory& t, const Segment& segment, Filter& filter, std::si
     double done = 1.0;
     while (next > segment.first_arrival && t.arrivals[next - 1].node == node - 1) {
       const ArrivalObservation& a = t.arrivals[--next];
-      filter.predict(part_of(step.T_before_after, done, a.alpha), step, done - a.alpha);
+      filter.predict(subsample_of(step.T_before_after, done, a.alpha), step, done - a.alpha);
       done = a.alpha;
       static_cast<void>(filter.update(t, a));
     }
-    filter.predict(part_of(step.T_before_after, done, 0.0), step, done);
+    filter.predict(subsample_of(step.T_before_after, done, 0.0), step, done);
     t.nodes[node - 1].T_map_vehicle = filter.pose();
     t.nodes[node - 1].placed = true;
   }
@@ -95,7 +95,7 @@ template <int kDof>
 bool place_by_filter(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                      const TrackerOptions& options) {
   DriveFilterOf<kDof> filter(model, options.rejection_sigmas,
-                             independent_slack_m(t, segment, model, options.range_slack_m));
+                             independent_uncertainty_m(t, segment, model, options.range_uncertainty_m));
   std::size_t from = segment.first_node;
   bool placed = false;
   while (from + 2 <= segment.last_node) {
@@ -104,12 +104,12 @@ bool place_by_filter(Trajectory& t, const Segment& segment, const EpochFixModel&
     const Segment stretch = stretch_of(t, segment, start.first_node, start.last_node);
     if (!placed) {
       filter.start(t.nodes[start.first_node].T_map_vehicle,
-                   start_covariance(t, stretch, model, options.range_slack_m, start.first_node));
+                   start_covariance(t, stretch, model, options.range_uncertainty_m, start.first_node));
       run_backward(t, segment, filter, start.first_node);
       placed = true;
     }
     filter.start(t.nodes[start.last_node - 1].T_map_vehicle,
-                 start_covariance(t, stretch, model, options.range_slack_m, start.last_node - 1));
+                 start_covariance(t, stretch, model, options.range_uncertainty_m, start.last_node - 1));
     from = run_forward(t, segment, filter, start.last_node - 1);
     if (from + 1 >= segment.last_node) return true;
   }
@@ -120,7 +120,7 @@ bool place_by_filter(Trajectory& t, const Segment& segment, const EpochFixModel&
 
 /// In space, among beacons that are known roughly.
 bool goes_by_pieces(const Trajectory& t, const TrackerOptions& options) {
-  return t.motion == Motion::kSpatial && options.range_slack_m > 0 && !t.motion_prior;
+  return t.motion == Motion::kSpatial && options.range_uncertainty_m > 0 && !t.motion_prior;
 }
 
 /// Initial states of a whole segment.
@@ -136,20 +136,20 @@ bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& m
 /// out. Arrivals are judged by their own sigmas and left with those that they are weighed by.
 bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                     const TrackerOptions& options) {
-  reset_marks(t, segment, model);
-  const WidenedArrivals widened(t, segment, model, options.range_slack_m);
+  reset_rejections(t, segment, model);
+  const WidenedArrivals widened(t, segment, model, options.range_uncertainty_m);
   CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kChanging);
-  settle(t, segment, model.state, {.late_scale = 10.0, .early_scale = 15.0},
-         {.max_iterations = 15, .tolerance = kNearlySettled, .threads = options.threads});
-  SettleResult result =
-      settle(t, segment, model.state, {.late_scale = 2.5, .early_scale = 4.0},
-             {.max_iterations = 25, .tolerance = kNearlySettled, .threads = options.threads});
-  for (int round = 0; round < kSegmentMarkRounds; ++round) {
+  solve_states(t, segment, model.state, {.late_scale = 10.0, .early_scale = 15.0},
+               {.max_iterations = 15, .tolerance = kNearlyConverged, .threads = options.threads});
+  StateSolveResult result =
+      solve_states(t, segment, model.state, {.late_scale = 2.5, .early_scale = 4.0},
+                   {.max_iterations = 25, .tolerance = kNearlyConverged, .threads = options.threads});
+  for (int round = 0; round < kSegmentOutlierRounds; ++round) {
     sigmas.restore();
-    if (!mark_arrivals(t, segment, model, 0.0, options.rejection_sigmas) && round > 0) break;
+    if (!reject_arrivals(t, segment, model, 0.0, options.rejection_sigmas) && round > 0) break;
     sigmas.weigh();
-    result = settle(t, segment, model.state, RobustLoss{},
-                    {.max_iterations = 20, .tolerance = kSettled, .threads = options.threads});
+    result = solve_states(t, segment, model.state, RobustLoss{},
+                          {.max_iterations = 20, .tolerance = kConverged, .threads = options.threads});
   }
   sigmas.weigh();
   return std::isfinite(result.cost);
@@ -209,7 +209,7 @@ bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
   add_drive_calibration(t, segment, model.state, factor, calibration, model.correlated.pair_sigma_s, instants,
                         covariances);
   for (std::size_t i = 0; i < covariances.size(); ++i) fixes[before + i].covariance = covariances[i];
-  if (!options.protect || options.range_slack_m > 0.0)
+  if (!options.protect || options.range_uncertainty_m > 0.0)
     return true;  // beacons known roughly: nothing bounds them
   const std::vector<double> levels_m =
       chain_protection(t, segment, model.state, chain, instants, covariances);
@@ -275,7 +275,7 @@ void fix_each_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& 
                     std::vector<Fix>& fixes) {
   EpochFixOptions epoch_options;
   epoch_options.rejection_sigmas = options.rejection_sigmas;
-  epoch_options.range_slack_m = options.range_slack_m;
+  epoch_options.range_uncertainty_m = options.range_uncertainty_m;
   for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
     const Segment epoch = node_segment(t, segment, node);
     fixes.push_back(fix_epoch(t, epoch, model, epoch_options));
@@ -291,7 +291,8 @@ bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions
     if (!needs_tracking(t, segment)) continue;
     if (!place_segment(t, segment, model, options)) continue;
     const bool pieces = goes_by_pieces(t, options);
-    if (pieces) reset_marks(t, segment, model);  // settled among beacons that are off it would bend to them
+    if (pieces)
+      reset_rejections(t, segment, model);  // solved among beacons that are off it would bend to them
     any = pieces || smooth_segment(t, segment, model, options) || any;
   }
   return any;

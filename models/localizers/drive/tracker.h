@@ -17,7 +17,7 @@ struct TrackerOptions {
   double start_window_s =
       2.0;  ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
   double max_start_window_s = 120.0;
-  double range_slack_m = 0.0;  ///< as in EpochFixOptions
+  double range_uncertainty_m = 0.0;  ///< as in EpochFixOptions
   bool protect = false;  ///< protection levels. Of a filter: as many filters more as beacons are heard, and
                          ///< one whose beacon is at fault takes over; of a smoothed drive: as many solutions
                          ///< more (chain_protection.h; space_track.h)
@@ -26,7 +26,7 @@ struct TrackerOptions {
 };
 
 /// Initial states of a moving trajectory with odometry: stretches are placed as rigid pieces of the odometry
-/// path by a search over poses, joined, and settled robustly. Without odometry, but with a motion prior: by
+/// path by a search over poses, joined, and solved robustly. Without odometry, but with a motion prior: by
 /// short windows (motion_start.h). Sets nodes and marks arrivals. Returns false when no stretch could be
 /// placed.
 [[nodiscard]] bool place_drive(Trajectory& trajectory, const EpochFixModel& model,

@@ -10,7 +10,7 @@
 namespace octant {
 namespace {
 
-constexpr double kSettled_m = 1e-5, kSettled_rad = 1e-5;  // well below what is ever known
+constexpr double kConverged_m = 1e-5, kConverged_rad = 1e-5;  // well below what is ever known
 
 Error lacks(std::string found, std::string expected) {
   return {.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)};
@@ -86,10 +86,10 @@ FixStatus Kleeman::place(std::span<const Arrival> arrivals, double scale) noexce
     // A heading that was coarse until now is not settled by standing still.
     const bool same_heading =
         heading.known == w.heading.known && std::abs(w.heading.sigma_rad - heading.sigma_rad) < 1e-3;
-    if (moved_m < kSettled_m && turned_rad < kSettled_rad && same_heading) break;
+    if (moved_m < kConverged_m && turned_rad < kConverged_rad && same_heading) break;
   }
   // Arrivals on the edge of a gate may come and go for ever, and move nothing much. More than that is no fix.
-  if (status == FixStatus::kOk && (moved_m > 100 * kSettled_m || turned_rad > 1000 * kSettled_rad))
+  if (status == FixStatus::kOk && (moved_m > 100 * kConverged_m || turned_rad > 1000 * kConverged_rad))
     status = FixStatus::kNotConverged;
   return status;
 }

@@ -95,7 +95,7 @@ class Kleeman : public Localizer {
   [[nodiscard]] FixStatus place(std::span<const Arrival> arrivals, double scale) noexcept;
   void gather(std::span<const Arrival> arrivals, double scale) noexcept;
   [[nodiscard]] FixStatus solve_pass(bool first) noexcept;
-  void take_walk_out(HeardDistance& heard, double distance_m, double log_directivity) const noexcept;
+  void subtract_walk(HeardDistance& heard, double distance_m, double log_directivity) const noexcept;
   void earliest() noexcept;
   void centre() noexcept;
   void keep_agreeing(std::size_t beacon) noexcept;

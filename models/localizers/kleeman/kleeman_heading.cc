@@ -25,7 +25,7 @@ constexpr double kLouder = 3.0;  // sigmas of a difference between amplitudes th
 constexpr double kContradiction_rad = 1.0;  // a mean over headings so far apart is none of them
 
 /// Normal equation of the heading.
-struct Normal {
+struct HeadingNormal {
   double information = 0.0, gradient = 0.0, chi2 = 0.0;
   Eigen::RowVector2d coupling = Eigen::RowVector2d::Zero();
 };
@@ -44,7 +44,7 @@ class Differences {
     jj_ += weight * by_heading * by_heading;
     jk_ += weight * by_heading * by_position;
   }
-  void add_to(Normal& sum) const {
+  void add_to(HeadingNormal& sum) const {
     if (!(w_ > 0)) return;
     sum.chi2 += rr_ - r_ * r_ / w_;
     sum.gradient += rj_ - r_ * j_ / w_;
@@ -57,8 +57,8 @@ class Differences {
   Eigen::RowVector2d k_ = Eigen::RowVector2d::Zero(), jk_ = Eigen::RowVector2d::Zero();
 };
 
-Normal normal_equation(const HeadingInput& in, double heading_rad) {
-  Normal sum;
+HeadingNormal normal_equation(const HeadingInput& in, double heading_rad) {
+  HeadingNormal sum;
   for (std::size_t b = 0; b < in.beacon_p_map_m.size(); ++b) {
     Differences distances, amplitudes;
     for (const HeardDistance& h : in.heard) {
@@ -347,7 +347,7 @@ Heading heading_from_hearing(const HeadingInput& in) {
 Heading heading_from_differences(const HeadingInput& in, const Heading& start) {
   Heading heading;
   heading.rad = start.known ? start.rad : best_of_grid(in);
-  Normal normal;
+  HeadingNormal normal;
   for (int i = 0; i < kMaxSteps; ++i) {
     normal = normal_equation(in, heading.rad);
     if (!(normal.information * std::numbers::pi * std::numbers::pi > 1))

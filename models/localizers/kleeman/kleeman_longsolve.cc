@@ -146,7 +146,7 @@ bool Longsolve::quick(const Problem& problem, BeaconSet subset, const LongsolveM
 }
 
 /// The four steps of the paper.
-/// @param wanted  beacons that may be averaged; those that are too rough for it take part in settle() alone
+/// @param wanted  beacons that may be averaged; those that are too rough for it take part in resolve() alone
 LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet wanted, const Eigen::Vector2d& start,
                                 LongsolveMemory& memory) const noexcept {
   const BeaconSet subset = wanted & ~problem.distances.rough;
@@ -197,12 +197,12 @@ LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet wanted, const 
   fix.gain = average.gain;
   fix.triples = average.count;
   for (std::size_t b = 0; b < beacons_.size(); ++b) fix.averaged[b] = average.uses[b] > 0;
-  settle(problem, fix);
+  resolve(problem, fix);
   return fix;
 }
 
 /// What each beacon's distance has to say about the average, used in it or not.
-void Longsolve::settle(const Problem& problem, LongsolveFix& fix) const noexcept {
+void Longsolve::resolve(const Problem& problem, LongsolveFix& fix) const noexcept {
   const auto n = static_cast<int>(beacons_.size());
   Row length_m = Row::Zero(), by_offset = Row::Zero();
   std::array<Row, kKleemanBeacons> by;  // of each residual, by the distances

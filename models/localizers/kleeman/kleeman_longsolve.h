@@ -96,7 +96,7 @@ class Longsolve {
   [[nodiscard]] bool solve_triple(const Problem& problem, std::uint16_t triple, const Eigen::Vector2d& start,
                                   Solution& solution) const noexcept;
   void estimate_errors(const Eigen::Vector2d& at, LongsolveMemory& memory) const noexcept;
-  void settle(const Problem& problem, LongsolveFix& fix) const noexcept;
+  void resolve(const Problem& problem, LongsolveFix& fix) const noexcept;
   [[nodiscard]] bool acceptable(const Problem& problem, const LongsolveFix& fix) const noexcept;
   [[nodiscard]] bool ambiguous(const Problem& problem, const LongsolveFix& fix,
                                LongsolveMemory& memory) const noexcept;

@@ -67,7 +67,7 @@ void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
   }
 }
 
-void Kleeman::take_walk_out(HeardDistance& h, double distance_m, double log_directivity) const noexcept {
+void Kleeman::subtract_walk(HeardDistance& h, double distance_m, double log_directivity) const noexcept {
   if (!deployment_.attenuation || h.walk_known) return;
   const AttenuationModel& model = *deployment_.attenuation;
   const double amplitude =
@@ -89,7 +89,7 @@ void Kleeman::earliest() noexcept {
     for (const Eigen::Vector3d& b : beacon_p_map_m_)
       extent_m = std::max(extent_m, (b - beacon_p_map_m_.front()).norm());
     for (HeardDistance& h : w.heard) {
-      take_walk_out(h, extent_m / 2, 0.0);
+      subtract_walk(h, extent_m / 2, 0.0);
       walk_m = std::max(walk_m, (h.time_m - h.slant_m) / 2);
     }
   }
@@ -128,7 +128,7 @@ void Kleeman::centre() noexcept {
                                  *deployment_.attenuation)
                        .log_directivity
                  : 0.0;
-    take_walk_out(h, path.slant_m, log_directivity);
+    subtract_walk(h, path.slant_m, log_directivity);
     h.centred_m = h.slant_m + slant_distance_m(v.plan[h.beacon], w.solution.p_map_m) - path.slant_m;
   }
   for (std::size_t b = 0; b < beacon_p_map_m_.size(); ++b) {

@@ -51,8 +51,8 @@ struct SearchOptions {
   std::size_t keep = 10;  ///< candidates that are refined
   /// Where the pose may well be: the first to be held against others.
   std::optional<PlanarState> start{};
-  /// Among beacons that are known (no slack), of one epoch, nothing is looked for but poses whose score is
-  /// within the margin of the best, or below. Without bounds all that pairs propose is tried.
+  /// Among beacons that are known (no uncertainty), of one epoch, nothing is looked for but poses whose score
+  /// is within the margin of the best, or below. Without bounds all that pairs propose is tried.
   bool bounded = true;
   double margin = 2.0;
 };

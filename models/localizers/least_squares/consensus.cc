@@ -199,8 +199,8 @@ double Consensus::bearing_cost(const SearchBearing& b, const PlanarState& s,
   const double dx = b.p_reflector_map_m.x() - s.x_m - cosine * b.p_lever_m.x() + sine * b.p_lever_m.y();
   const double dy = b.p_reflector_map_m.y() - s.y_m - sine * b.p_lever_m.x() - cosine * b.p_lever_m.y();
   const double off = wrap_angle(std::atan2(dy, dx) - s.heading_rad - b.bearing_rad);
-  const double away2 =
-      (extra_m_ * extra_m_ + problem_.slack_m * problem_.slack_m) / std::max(dx * dx + dy * dy, 1e-6);
+  const double away2 = (extra_m_ * extra_m_ + problem_.uncertainty_m * problem_.uncertainty_m) /
+                       std::max(dx * dx + dy * dy, 1e-6);
   return std::min(0.5 * off * off / (b.sigma_rad * b.sigma_rad + away2), kBearingCap);
 }
 
@@ -260,8 +260,8 @@ void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, const 
   const double n2 = std::max(dx * dx + dy * dy, 1e-6);
   const double off =
       wrap_angle(b.bearing_rad + s.heading_rad - std::atan2(dy, dx));  // observed less predicted
-  const double variance =
-      b.sigma_rad * b.sigma_rad + (extra_m_ * extra_m_ + problem_.slack_m * problem_.slack_m) / n2;
+  const double variance = b.sigma_rad * b.sigma_rad +
+                          (extra_m_ * extra_m_ + problem_.uncertainty_m * problem_.uncertainty_m) / n2;
   const double w = 1.0 / variance / (1.0 + off * off / variance / (kEarlyScale * kEarlyScale));
   const double by_x = dy / n2, by_y = -dx / n2;
   const double row[4] = {by_x, by_y, -by_x * ly + by_y * lx - 1.0, 0.0};

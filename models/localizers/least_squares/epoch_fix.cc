@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "models/localizers/common/arrival_marks.h"
+#include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/least_squares/candidates.h"
@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kFirstGate =
     1.5;  ///< the search ends near the optimum, not at it: the first gate is wider by this
-constexpr int kMarkRounds = 8;
+constexpr int kOutlierRounds = 8;
 constexpr double kHeadingStepM = 0.05;
 constexpr int kMaxHeadings = 24;
 
@@ -61,8 +61,8 @@ Count count(const Trajectory& t, const Segment& segment, const EpochFixModel& mo
 
 /// Bearings that contradict the pose; they are neither late nor early, so their reason is of the side they
 /// are off to.
-bool mark_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& model, double slack_m,
-                   double sigmas) {
+bool reject_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& model, double uncertainty_m,
+                     double sigmas) {
   bool changed = false;
   ObservationRow row;
   for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
@@ -72,16 +72,16 @@ bool mark_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& m
         (model.state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m)
             .head<2>()
             .norm();
-    double variance = b.sigma_rad * b.sigma_rad + std::pow(slack_m / std::max(d, 1e-3), 2);
+    double variance = b.sigma_rad * b.sigma_rad + std::pow(uncertainty_m / std::max(d, 1e-3), 2);
     if (b.reflector.index() < model.beacon_covariance.size())
       variance +=
           model.beacon_covariance[b.reflector.index()].topLeftCorner<2, 2>().trace() / std::max(d * d, 1e-6);
     const double off = row.residual * b.sigma_rad / std::sqrt(variance);
-    const Rejection mark = std::abs(off) <= sigmas ? Rejection::kUsed
-                           : off > 0               ? Rejection::kLate
-                                                   : Rejection::kEarly;
-    changed = changed || mark != b.rejection;
-    b.rejection = mark;
+    const Rejection rejection = std::abs(off) <= sigmas ? Rejection::kUsed
+                                : off > 0               ? Rejection::kLate
+                                                        : Rejection::kEarly;
+    changed = changed || rejection != b.rejection;
+    b.rejection = rejection;
   }
   return changed;
 }
@@ -111,21 +111,23 @@ PlanarState start_at_measured_pose(const PoseObservation& measured, const Search
   return best;
 }
 
-/// Adjusts and marks in turn until the marks rest. Each arrival is judged by its own sigma and weighed by
-/// what it adds to the others of its pair.
-NodeAdjustment adjust_and_mark(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                               const EpochFixOptions& options, CorrelatedArrivals& sigmas) {
+/// Adjusts and marks in turn until the rejections rest. Each arrival is judged by its own sigma and weighed
+/// by what it adds to the others of its pair.
+NodeAdjustment adjust_and_reject(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                                 const EpochFixOptions& options, CorrelatedArrivals& sigmas) {
   const auto adjust = [&] {
     sigmas.weigh();
-    return adjust_node(t, segment, model.state, options.range_slack_m);
+    return adjust_node(t, segment, model.state, options.range_uncertainty_m);
   };
-  mark_arrivals(t, segment, model, options.range_slack_m, kFirstGate * options.rejection_sigmas);
-  mark_bearings(t, segment, model, options.range_slack_m, 2 * kFirstGate * options.rejection_sigmas);
+  reject_arrivals(t, segment, model, options.range_uncertainty_m, kFirstGate * options.rejection_sigmas);
+  reject_bearings(t, segment, model, options.range_uncertainty_m, 2 * kFirstGate * options.rejection_sigmas);
   NodeAdjustment adjustment = adjust();
-  for (int round = 0; round < kMarkRounds; ++round) {
+  for (int round = 0; round < kOutlierRounds; ++round) {
     sigmas.restore();
-    const bool arrivals = mark_arrivals(t, segment, model, options.range_slack_m, options.rejection_sigmas);
-    const bool bearings = mark_bearings(t, segment, model, options.range_slack_m, options.rejection_sigmas);
+    const bool arrivals =
+        reject_arrivals(t, segment, model, options.range_uncertainty_m, options.rejection_sigmas);
+    const bool bearings =
+        reject_bearings(t, segment, model, options.range_uncertainty_m, options.rejection_sigmas);
     if (!arrivals && !bearings) break;
     adjustment = adjust();
   }
@@ -162,7 +164,7 @@ double instant_of(const Trajectory& t, const Segment& segment) {
 
 /// Whether ranges alone may place the node at once.
 bool may_begin_closed(const Trajectory& t, const Segment& segment, const EpochFixOptions& options) {
-  return options.range_slack_m == 0.0 && t.motion == Motion::kPlanar && !t.has_cycle_offset &&
+  return options.range_uncertainty_m == 0.0 && t.motion == Motion::kPlanar && !t.has_cycle_offset &&
          segment.first_pose == segment.last_pose;
 }
 
@@ -203,7 +205,7 @@ bool is_beyond_doubt(const Trajectory& t, const Segment& segment, const Count& c
 /// Sets the node to the best pose of a planar search; returns whether another pose is as good.
 bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                   const EpochFixOptions& options, const std::optional<PlanarState>& start, bool& found) {
-  const SearchProblem problem = make_search_problem(t, segment, model, options.range_slack_m);
+  const SearchProblem problem = make_search_problem(t, segment, model, options.range_uncertainty_m);
   Node& node = t.nodes[segment.first_node];
   found = true;
   if (segment.first_pose != segment.last_pose) {
@@ -232,7 +234,7 @@ bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& mo
 
 }  // namespace
 
-void reset_marks(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
+void reset_rejections(Trajectory& t, const Segment& segment, const EpochFixModel& model) {
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
     t.arrivals[i].rejection =
         model.beacon_usable[t.arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
@@ -275,18 +277,18 @@ bool fix_in_closed_form(Trajectory& t, const Segment& segment, const EpochFixMod
                         const EpochFixOptions& options, CorrelatedArrivals& sigmas,
                         NodeAdjustment& adjustment, Count& c, std::optional<PlanarState>& start) {
   if (!may_begin_closed(t, segment, options)) return false;
-  static_cast<void>(mark_detours(t, segment, model.state, options.rejection_sigmas));
+  static_cast<void>(reject_detours(t, segment, model.state, options.rejection_sigmas));
   if (place_by_linear_ranges(t, segment, model.state, model.beacon_usable)) {
     Node& node = t.nodes[segment.first_node];
     node.placed = false;
     start = PlanarState{node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(),
                         node.T_map_vehicle.heading_rad(), 0.0};
-    adjustment = adjust_and_mark(t, segment, model, options, sigmas);
+    adjustment = adjust_and_reject(t, segment, model, options, sigmas);
     c = count(t, segment, model);
     if (is_beyond_doubt(t, segment, c, adjustment)) return true;
     sigmas.restore();
   }
-  reset_marks(t, segment, model);
+  reset_rejections(t, segment, model);
   c = count(t, segment, model);
   return false;
 }
@@ -300,7 +302,7 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
   fix.vehicle = t.vehicle;
   fix.epoch = node.epoch;
 
-  reset_marks(t, segment, model);
+  reset_rejections(t, segment, model);
   Count c = count(t, segment, model);
   // Position (and offset) at least; the heading may stay open.
   const int least = (t.motion == Motion::kPlanar ? 2 : 6) + (t.has_cycle_offset ? 1 : 0);
@@ -322,7 +324,7 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
   }
 
   if (search) {
-    adjustment = adjust_and_mark(t, segment, model, options, sigmas);
+    adjustment = adjust_and_reject(t, segment, model, options, sigmas);
     c = count(t, segment, model);
   }
   fix.T_map_vehicle = node.T_map_vehicle;

@@ -24,7 +24,7 @@ inline constexpr double kHearingCosine = -0.2;
 
 struct EpochFixOptions {
   /// Extra standard deviation of every predicted range, for beacons known only roughly [m].
-  double range_slack_m = 0.0;
+  double range_uncertainty_m = 0.0;
   double rejection_sigmas = 4.0;
   double max_sigma_m = 1.0;    ///< a horizontal sigma beyond this is poor geometry
   int max_candidates = 640;    ///< poses tried in the coarse search
@@ -62,11 +62,11 @@ struct EpochFixModel {
 /// Robust least-squares fix of one segment (a stationary epoch: one node) from nothing: a coarse search over
 /// poses that pairs of arrivals allow, the largest consensus under a one-sided loss, then a plain adjustment
 /// of the arrivals that agree. The result is the least-squares estimate of the arrivals used; its covariance
-/// is that of their noise (and the slack), with the shared parameters held. Where nothing tells the heading
-/// (one receiver on the axis, no bearings) the position is still a fix, and the heading's sigma is pi. Sets
-/// the node, marks the arrivals of the segment used or rejected; where the model states correlated noise,
-/// they are left with the sigmas that they were weighed by. The node counts as placed only if the fix is kOk;
-/// it holds the best pose found in any case.
+/// is that of their noise (and the uncertainty), with the shared parameters held. Where nothing tells the
+/// heading (one receiver on the axis, no bearings) the position is still a fix, and the heading's sigma is
+/// pi. Sets the node, marks the arrivals of the segment used or rejected; where the model states correlated
+/// noise, they are left with the sigmas that they were weighed by. The node counts as placed only if the fix
+/// is kOk; it holds the best pose found in any case.
 [[nodiscard]] Fix fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                             const EpochFixOptions& options = {});
 /// The same into a fix whose memory is used again.
@@ -99,6 +99,6 @@ class LeastSquaresLocalizer final : public Localizer {
 };
 
 /// All arrivals and bearings of a segment in use, but those of beacons that are not.
-void reset_marks(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model);
+void reset_rejections(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model);
 
 }  // namespace octant

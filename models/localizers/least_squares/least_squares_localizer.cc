@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "models/localizers/common/arrival_marks.h"
+#include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/protection.h"
 #include "models/localizers/common/trajectory_model.h"
@@ -88,7 +88,8 @@ LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOpti
 /// The fix once more from the arrivals that are in use now; false where they do not make one.
 bool LeastSquaresLocalizer::adjust_again(Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
   report_arrivals(trajectory, epoch.first_arrival, epoch.last_arrival, fix);
-  const NodeAdjustment adjustment = adjust_node(trajectory, epoch, model_.state, options_.range_slack_m);
+  const NodeAdjustment adjustment =
+      adjust_node(trajectory, epoch, model_.state, options_.range_uncertainty_m);
   fix.T_map_vehicle = trajectory.nodes[epoch.first_node].T_map_vehicle;
   fix.cost = adjustment.cost;
   if (!adjustment.converged || !pose_covariance(trajectory, adjustment.information, fix.covariance))
@@ -105,7 +106,7 @@ void LeastSquaresLocalizer::finish(Trajectory& trajectory, const Segment& epoch,
   constexpr int kMostExcluded = 2, kFewestBeacons = 4;
   if (!fix.ok()) return;
   calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
-  if (options_.range_slack_m > 0.0) return;  // beacons known roughly: their misfits are no faults
+  if (options_.range_uncertainty_m > 0.0) return;  // beacons known roughly: their misfits are no faults
   const BeaconErrors errors{model_.beacon_covariance,
                             std::hypot(model_.correlated.sigma_s, model_.correlated.pair_sigma_s)};
   bool made = true;
@@ -115,10 +116,10 @@ void LeastSquaresLocalizer::finish(Trajectory& trajectory, const Segment& epoch,
     if (!protection.at_fault.valid()) return;
     if (!options_.exclude_faulty_beacons || excluded == kMostExcluded || protection.beacons < kFewestBeacons)
       break;
-    set_marks(trajectory, epoch, protection.at_fault, Rejection::kUsed, Rejection::kBeaconFault);
+    set_rejections(trajectory, epoch, protection.at_fault, Rejection::kUsed, Rejection::kBeaconFault);
     made = adjust_again(trajectory, epoch, fix);
   }
-  if (set_marks(trajectory, epoch, BeaconId(), Rejection::kBeaconFault, Rejection::kUsed) &&
+  if (set_rejections(trajectory, epoch, BeaconId(), Rejection::kBeaconFault, Rejection::kUsed) &&
       !adjust_again(trajectory, epoch, fix))
     fix.status = FixStatus::kNoConsensus;
   fix.protection_level_m = 0.0;

@@ -32,7 +32,7 @@ bool takes_part(const ArrivalObservation& a, const std::vector<bool>& usable) {
 
 }  // namespace
 
-bool mark_detours(Trajectory& t, const Segment& s, const SharedState& state, double sigmas) {
+bool reject_detours(Trajectory& t, const Segment& s, const SharedState& state, double sigmas) {
   bool any = false;
   if (s.last_arrival - s.first_arrival > kMostCompared) return false;
   std::array<double, kMostCompared> ranges_m;

@@ -20,7 +20,7 @@ namespace octant {
 /// Marks kTriangle what came to a receiver over a detour: its range is longer than that of another receiver
 /// from the same beacon and their distance together (triangle inequality), by more than so many sigmas. One
 /// vehicle state, up to 200 arrivals. Returns whether there were any.
-[[nodiscard]] bool mark_detours(Trajectory& trajectory, const Segment& segment, const SharedState& state,
-                                double sigmas);
+[[nodiscard]] bool reject_detours(Trajectory& trajectory, const Segment& segment, const SharedState& state,
+                                  double sigmas);
 
 }  // namespace octant

@@ -14,7 +14,7 @@
 namespace octant {
 namespace {
 
-constexpr double kReadmitShare = 0.85;  ///< hysteresis, so that the marks come to rest
+constexpr double kReadmitShare = 0.85;  ///< hysteresis, so that the rejections come to rest
 
 struct NormalEquations {
   NodeBlock H;
@@ -39,7 +39,7 @@ void eliminate(const Bias& bias, NormalEquations& eq) {
 /// Rows of one beacon are not neighbours in the log, so with biases the arrivals are visited beacon by
 /// beacon.
 void add_biased_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state,
-                         double slack_m, NormalEquations& eq) {
+                         double uncertainty_m, NormalEquations& eq) {
   const int n = t.block_size();
   ObservationRow rows[2];
   for (std::size_t b = 0; b < state.beacon_p_map_m.size(); ++b) {
@@ -48,11 +48,10 @@ void add_biased_arrivals(const Trajectory& t, const Segment& segment, const Shar
       const ArrivalObservation& a = t.arrivals[i];
       if (a.beacon.index() != b || a.rejection != Rejection::kUsed) continue;
       arrival_rows(t, i, state, rows);
-      const double slack_s =
-          slack_m * (a.two_way ? 2.0 : 1.0) / (a.model_speed_mps + state.speed_offset(t.run));
+      const double uncertainty_s = uncertainty_m * a.legs() / (a.model_speed_mps + state.speed_offset(t.run));
       if (!bias.beacon.valid()) {
         bias.beacon = a.beacon;
-        bias.information = 1.0 / (slack_s * slack_s);
+        bias.information = 1.0 / (uncertainty_s * uncertainty_s);
       }
       const double by_bias = rows[0].by(kByDelay);
       eq.H.noalias() += rows[0].by_node.transpose() * rows[0].by_node;
@@ -75,7 +74,7 @@ void add_planar_arrivals(const Trajectory& t, const Segment& segment, const Shar
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
     if (a.rejection != Rejection::kUsed) continue;
-    whitening.take(a);
+    whitening.set(a);
     const PlanarArrival row(a, at, state, whitening);
     const double by[3] = {row.by_x(), row.by_y(), row.by_heading};
     for (int p = 0, e = 0; p < 3; ++p) {
@@ -94,18 +93,19 @@ void add_planar_arrivals(const Trajectory& t, const Segment& segment, const Shar
   eq.cost += 0.5 * squares;
 }
 
-/// Bearings of a beacon that is off by the slack are off by the slack over its distance.
+/// Bearings of a beacon that is off by the uncertainty are off by the uncertainty over its distance.
 double bearing_weight(const Trajectory& t, const BearingObservation& b, const SharedState& state,
-                      double slack_m) {
-  if (slack_m == 0.0) return 1.0;
+                      double uncertainty_m) {
+  if (uncertainty_m == 0.0) return 1.0;
   const double d2 = (state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m)
                         .head<2>()
                         .squaredNorm();
-  return b.sigma_rad * b.sigma_rad / (b.sigma_rad * b.sigma_rad + slack_m * slack_m / std::max(d2, 1e-6));
+  return b.sigma_rad * b.sigma_rad /
+         (b.sigma_rad * b.sigma_rad + uncertainty_m * uncertainty_m / std::max(d2, 1e-6));
 }
 
 NormalEquations normal_equations(const Trajectory& t, const Segment& segment, const SharedState& state,
-                                 double slack_m) {
+                                 double uncertainty_m) {
   const int n = t.block_size();
   NormalEquations eq{NodeBlock::Zero(n, n), NodeVector::Zero(n), 0.0};
   const auto add = [&](const ObservationRow& row, double w) {
@@ -114,28 +114,29 @@ NormalEquations normal_equations(const Trajectory& t, const Segment& segment, co
     eq.cost += 0.5 * w * row.residual * row.residual;
   };
   const auto weigh = [&](const ObservationRow& row) {
-    add(row, row.kind == RowKind::kBearing ? bearing_weight(t, t.bearings[row.index], state, slack_m) : 1.0);
+    add(row,
+        row.kind == RowKind::kBearing ? bearing_weight(t, t.bearings[row.index], state, uncertainty_m) : 1.0);
   };
   Segment others = segment;
   others.first_arrival = others.last_arrival;
-  if (slack_m == 0.0) {
+  if (uncertainty_m == 0.0) {
     const bool plain = n == 3 && has_planar_arrivals(t, segment, state);
     if (plain) add_planar_arrivals(t, segment, state, eq);
     for_each_row(t, plain ? others : segment, state, weigh);
     return eq;
   }
   for_each_row(t, others, state, weigh);
-  add_biased_arrivals(t, segment, state, slack_m, eq);
+  add_biased_arrivals(t, segment, state, uncertainty_m, eq);
   return eq;
 }
 
 }  // namespace
 
 NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedState& state,
-                           double range_slack_m, int max_iterations) {
+                           double range_uncertainty_m, int max_iterations) {
   NodeAdjustment out;
   Node& node = t.nodes[segment.first_node];
-  NormalEquations eq = normal_equations(t, segment, state, range_slack_m);
+  NormalEquations eq = normal_equations(t, segment, state, range_uncertainty_m);
   double lambda = 0.0;
   for (int k = 0; k < max_iterations && !out.converged; ++k) {
     NodeBlock A = eq.H;
@@ -149,7 +150,7 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
     const Node before = node;
     step_node(t, step, node);
     const double gain = -0.5 * eq.g.dot(step);
-    const NormalEquations next = normal_equations(t, segment, state, range_slack_m);
+    const NormalEquations next = normal_equations(t, segment, state, range_uncertainty_m);
     if (next.cost <= eq.cost * (1.0 + 1e-12) + 1e-20) {
       out.converged = gain <= 1e-10 * (1.0 + eq.cost) && lambda < 1e-3;
       eq = next;
@@ -166,17 +167,17 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
 }
 
 double allowed_residual_m(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model,
-                          double range_slack_m, double sigmas) {
-  const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
+                          double range_uncertainty_m, double sigmas) {
+  const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / a.legs();
   const double noise_m = a.sigma_s * speed;
-  double variance = noise_m * noise_m + range_slack_m * range_slack_m;
+  double variance = noise_m * noise_m + range_uncertainty_m * range_uncertainty_m;
   if (a.beacon.index() < model.beacon_covariance.size()) {
     const Pose T = pose_at(t, a.node, a.alpha);
     const Eigen::Vector3d v = T * model.state.receiver_p_vehicle_m[a.receiver.index()] -
                               model.state.beacon_p_map_m[a.beacon.index()];
     const double d = std::max(v.norm(), 1e-6);
     Eigen::Matrix<double, 5, 1> by;
-    by << -v / d, speed, -d / (speed * (a.two_way ? 2.0 : 1.0));
+    by << -v / d, speed, -d / (speed * a.legs());
     variance += std::max(0.0, by.dot(model.beacon_covariance[a.beacon.index()] * by));
   }
   return sigmas * std::sqrt(variance);
@@ -185,15 +186,15 @@ double allowed_residual_m(const Trajectory& t, const ArrivalObservation& a, cons
 namespace {
 
 /// Residual of each arrival in metres, and of its beacon the middle one (the lower of two: echoes are late).
-struct Residuals {
+struct NodeResiduals {
   std::pmr::vector<double> own_m{scratch()}, beacon_m{scratch()};
 };
 
-Residuals residuals_of(const Trajectory& t, const Segment& segment, const SharedState& state) {
-  Residuals out;
+NodeResiduals node_residuals_of(const Trajectory& t, const Segment& segment, const SharedState& state) {
+  NodeResiduals out;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
-    const double speed = (a.model_speed_mps + state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
+    const double speed = (a.model_speed_mps + state.speed_offset(t.run)) / a.legs();
     out.own_m.push_back(arrival_residual(t, a, state) * a.sigma_s * speed);
   }
   std::pmr::vector<double> same(scratch());
@@ -211,22 +212,22 @@ Residuals residuals_of(const Trajectory& t, const Segment& segment, const Shared
 /// Slack is a beacon's, so its arrivals may be off together by much and among themselves by little: the
 /// noise, and what the lever arm makes of a direction that is off.
 bool agrees_with_its_beacon(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model,
-                            double range_slack_m, double sigmas, double off_m) {
+                            double range_uncertainty_m, double sigmas, double off_m) {
   const Eigen::Vector3d& lever = model.state.receiver_p_vehicle_m[a.receiver.index()];
   const double d =
       (t.nodes[a.node].T_map_vehicle * lever - model.state.beacon_p_map_m[a.beacon.index()]).norm();
-  const double turned_m = lever.norm() * range_slack_m / std::max(d, range_slack_m);
+  const double turned_m = lever.norm() * range_uncertainty_m / std::max(d, range_uncertainty_m);
   return std::abs(off_m) <= allowed_residual_m(t, a, model, 1.5 * turned_m, sigmas);
 }
 
 }  // namespace
 
-bool mark_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model, double range_slack_m,
-                   double sigmas) {
+bool reject_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                     double range_uncertainty_m, double sigmas) {
   bool changed = false;
   // Along a drive a beacon's error shows from ever other sides: nothing that its arrivals have in common.
-  const bool common = range_slack_m > 0 && segment.last_node - segment.first_node == 1;
-  const Residuals residuals = common ? residuals_of(t, segment, model.state) : Residuals{};
+  const bool common = range_uncertainty_m > 0 && segment.last_node - segment.first_node == 1;
+  const NodeResiduals residuals = common ? node_residuals_of(t, segment, model.state) : NodeResiduals{};
   const bool plain =
       segment.last_node - segment.first_node == 1 && has_planar_arrivals(t, segment, model.state);
   const PlanarNode at = plain ? PlanarNode(t.nodes[segment.first_node].T_map_vehicle) : PlanarNode();
@@ -234,8 +235,8 @@ bool mark_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& m
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     ArrivalObservation& a = t.arrivals[i];
     if (a.rejection == Rejection::kBeaconUnusable) continue;
-    const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / (a.two_way ? 2.0 : 1.0);
-    if (plain) whitening.take(a);
+    const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / a.legs();
+    if (plain) whitening.set(a);
     const double noise_m = a.sigma_s * speed;
     const double residual_m = noise_m * (plain ? PlanarArrival(a, at, model.state, whitening).residual
                                                : arrival_residual(t, a, model.state));
@@ -243,11 +244,11 @@ bool mark_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& m
     const double within = sigmas * (was_used ? 1.0 : kReadmitShare);
     // What lies within its own noise needs no look at what else it may be off by.
     bool use = std::abs(residual_m) <= within * noise_m ||
-               std::abs(residual_m) <= allowed_residual_m(t, a, model, range_slack_m, within);
+               std::abs(residual_m) <= allowed_residual_m(t, a, model, range_uncertainty_m, within);
     if (use && common) {
       const double off_m =
           residuals.own_m[i - segment.first_arrival] - residuals.beacon_m[i - segment.first_arrival];
-      use = agrees_with_its_beacon(t, a, model, range_slack_m, within, off_m);
+      use = agrees_with_its_beacon(t, a, model, range_uncertainty_m, within, off_m);
     }
     a.rejection = use ? Rejection::kUsed : residual_m > 0 ? Rejection::kLate : Rejection::kEarly;
     changed = changed || use != was_used;

@@ -17,20 +17,22 @@ struct NodeAdjustment {
 };
 
 /// Plain least squares (Levenberg-Marquardt) on the node of a one-node segment, arrivals marked rejected left
-/// out. Where beacons are known only to range_slack_m, each has a bias of that sigma, eliminated beforehand:
-/// it is common to the beacon's arrivals, so that the heading still follows from what they differ by.
+/// out. Where beacons are known only to range_uncertainty_m, each has a bias of that sigma, eliminated
+/// beforehand: it is common to the beacon's arrivals, so that the heading still follows from what they differ
+/// by.
 [[nodiscard]] NodeAdjustment adjust_node(Trajectory& trajectory, const Segment& segment,
-                                         const SharedState& state, double range_slack_m,
+                                         const SharedState& state, double range_uncertainty_m,
                                          int max_iterations = 100);
 
-/// Largest residual, in metres, that an arrival may have at the given sigmas: noise, calibration and slack
-/// together.
+/// Largest residual, in metres, that an arrival may have at the given sigmas: noise, calibration and
+/// uncertainty together.
 [[nodiscard]] double allowed_residual_m(const Trajectory& trajectory, const ArrivalObservation& arrival,
-                                        const EpochFixModel& model, double range_slack_m, double sigmas);
+                                        const EpochFixModel& model, double range_uncertainty_m,
+                                        double sigmas);
 
 /// Marks the arrivals of the segment by their residuals at the node's state: out beyond `sigmas`, back in
 /// below 0.85 of it. Returns whether any mark has changed.
-bool mark_arrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
-                   double range_slack_m, double sigmas);
+bool reject_arrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                     double range_uncertainty_m, double sigmas);
 
 }  // namespace octant

@@ -222,8 +222,8 @@ Eigen::Matrix2d PairPlaces::place_by_turn(const PairPlace& place) const {
 void PairPlaces::add_least_costs(const PairPlace& place, const Eigen::Matrix2d& place_by_turn,
                                  std::size_t group, Sectors& sectors) {
   of_group_.setZero(sectors.cosine.size());
-  const Eigen::Vector2d pair_slack_m(limits_[place.pair[0]].noise_m + place.bend_m,
-                                     limits_[place.pair[1]].noise_m + place.bend_m);
+  const Eigen::Vector2d pair_margin_m(limits_[place.pair[0]].noise_m + place.bend_m,
+                                      limits_[place.pair[1]].noise_m + place.bend_m);
   for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
     const SearchRange& r = problem_.ranges[i];
     const Limit& limit = limits_[i];
@@ -231,12 +231,12 @@ void PairPlaces::add_least_costs(const PairPlace& place, const Eigen::Matrix2d& 
     const double distance_m = std::max(std::sqrt(v.squaredNorm() + limit.dz2_m2), 1e-6);
     const Eigen::Vector2d u = v / distance_m;
     const Eigen::RowVector2d by_turn = u.transpose() * place_by_turn + lever_by_turn(r, u);
-    const double slack_m = sectors.half_width_rad * by_turn.norm() +
-                           (u.transpose() * place.by_ranges).cwiseAbs() * pair_slack_m + place.bend_m;
+    const double margin_m = sectors.half_width_rad * by_turn.norm() +
+                            (u.transpose() * place.by_ranges).cwiseAbs() * pair_margin_m + place.bend_m;
     const double information = 0.5 / limit.variance_m2;
     late_m_ = r.range_m - distance_m - by_turn.x() * sectors.cosine - by_turn.y() * sectors.sine;
-    of_group_ += ((late_m_ - slack_m).max(0.0).square() * information).min(limit.caps.late) +
-                 ((late_m_ + slack_m).min(0.0).square() * information).min(limit.caps.early);
+    of_group_ += ((late_m_ - margin_m).max(0.0).square() * information).min(limit.caps.late) +
+                 ((late_m_ + margin_m).min(0.0).square() * information).min(limit.caps.early);
   }
   sectors.least += (of_group_.min(group_caps_[group]) - discord_.cost[group]).max(0.0);
 }
@@ -252,7 +252,7 @@ bool PairPlaces::bound_scores(const PairPlace& place, double bound, Sectors& sec
 }
 
 /// Splits the sectors within the bound and takes what the best part of each costs, since narrow sectors leave
-/// ranges less slack.
+/// ranges less uncertainty.
 bool PairPlaces::bound_finer_scores(const PairPlace& place, double bound) {
   const Eigen::Index within = (sectors_.least <= bound).count();
   if (sectors_.half_width_rad == 0.0 || within > kFewSectors) return true;

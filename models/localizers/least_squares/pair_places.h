@@ -63,9 +63,9 @@ class PairPlaces {
     Consensus::Caps caps;
 
     [[nodiscard]] double reach_m() const { return lever_m + noise_m; }
-    /// @param late_m  range less distance  @param slack_m  by how far a pose may lessen it
-    [[nodiscard]] double least_cost(double late_m, double slack_m) const {
-      const double off_m = std::max(std::abs(late_m) - slack_m, 0.0);
+    /// @param late_m  range less distance  @param margin_m  by how far a pose may lessen it
+    [[nodiscard]] double least_cost(double late_m, double margin_m) const {
+      const double off_m = std::max(std::abs(late_m) - margin_m, 0.0);
       return std::min(0.5 * off_m * off_m / variance_m2, late_m > 0 ? caps.late : caps.early);
     }
   };

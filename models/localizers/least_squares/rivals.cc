@@ -75,7 +75,7 @@ double excess_squared(const SearchRange& a, const SearchRange& b) {
 }
 
 /// The odd ones contradict all that agree with each other, two at least and more than they; else all are odd.
-void mark_odd(std::size_t first, std::size_t last, const std::pmr::vector<std::size_t>& against,
+void flag_odd(std::size_t first, std::size_t last, const std::pmr::vector<std::size_t>& against,
               std::pmr::vector<char>& is_odd) {
   const std::size_t count = last - first;
   std::size_t odd = 0;
@@ -130,7 +130,7 @@ Discord discord_of(const SearchProblem& problem, const Consensus& consensus) {
       }
     if (discord.cost[group] == 0.0) continue;
     discord.total += discord.cost[group];
-    mark_odd(first, last, against, discord.is_odd);
+    flag_odd(first, last, against, discord.is_odd);
   }
   return discord;
 }

@@ -21,12 +21,12 @@ double distance2(const PlanarState& a, const PlanarState& b, const Eigen::Matrix
   return d.dot(information * d);
 }
 
-constexpr double kSlack = 4.0;         ///< what a pose that is not settled yet may still gain, of its score
-constexpr double kShadowWidth = 30.0;  ///< from how many sigmas on a pose is settled without a beacon
+constexpr double kScoreMargin = 4.0;   ///< what a pose that is not solved yet may still gain, of its score
+constexpr double kShadowWidth = 30.0;  ///< from how many sigmas on a pose is solved without a beacon
 /// An outlier of fewer sigmas may bend the pose that it is held against; of more it cannot.
 constexpr double kOutlierSigmas = 3.5, kLargeSigmas = 50.0;
 
-struct Settling {
+struct Refinement {
   double width_m = 0.0;
   std::size_t without_group = Consensus::kNone;
   /// At the first width, and without the group: a score beyond it is given up, which is below any that a
@@ -39,7 +39,7 @@ bool is_near(const PlanarState& a, const PlanarState& b, double within_m, double
          std::abs(wrap_angle(a.heading_rad - b.heading_rad)) * lever_m < within_m;
 }
 
-/// Enters a settled pose if it is not there already.
+/// Enters a solved pose if it is not there already.
 void enter(Consensus& consensus, const PlanarState& state, const Eigen::Matrix4d& information,
            SearchResult& result) {
   const Candidate found{state, consensus.score(state)};
@@ -61,13 +61,13 @@ void enter(Consensus& consensus, const PlanarState& state, const Eigen::Matrix4d
 
 /// The first few steps of a candidate: whether it comes to a pose that is not known, and not given up.
 bool leads_to_new(const SearchProblem& problem, Consensus& consensus, PlanarState& state,
-                  const Settling& settling, const SearchResult& result) {
+                  const Refinement& refinement, const SearchResult& result) {
   for (int k = 0; k < 3; ++k) {
     consensus.refine(state, 1);
     for (const Candidate& known : result.poses)
-      if (is_near(known.state, state, settling.width_m, problem.lever_m)) return false;
+      if (is_near(known.state, state, refinement.width_m, problem.lever_m)) return false;
   }
-  return consensus.score(state) <= settling.give_up;
+  return consensus.score(state) <= refinement.give_up;
 }
 
 /// Whether a state, narrowed down to the noise without a beacon, is within a sigma of a pose that is known.
@@ -78,25 +78,25 @@ bool leads_back(const PlanarState& state, const SearchResult& result) {
 }
 
 /// Narrows a candidate down to the noise and enters it.
-void settle_into(const SearchProblem& problem, Consensus& consensus, PlanarState state,
-                 const Settling& settling, SearchResult& result) {
-  const bool bounded = std::isfinite(settling.give_up);
-  double extra = settling.width_m;
+void refine_into(const SearchProblem& problem, Consensus& consensus, PlanarState state,
+                 const Refinement& refinement, SearchResult& result) {
+  const bool bounded = std::isfinite(refinement.give_up);
+  double extra = refinement.width_m;
   for (bool first = true; extra > 0.5 * problem.median_sigma_m; first = false) {
     consensus.set_extra_sigma(extra);
-    if (bounded && first && settling.without_group == Consensus::kNone) {
-      if (!leads_to_new(problem, consensus, state, settling, result)) return;
+    if (bounded && first && refinement.without_group == Consensus::kNone) {
+      if (!leads_to_new(problem, consensus, state, refinement, result)) return;
     } else {
-      consensus.refine(state, 3, settling.without_group);
+      consensus.refine(state, 3, refinement.without_group);
     }
     extra *= 0.3;
   }
   consensus.set_extra_sigma(0.0);
-  if (settling.without_group != Consensus::kNone) {
-    consensus.refine(state, 2, settling.without_group);
+  if (refinement.without_group != Consensus::kNone) {
+    consensus.refine(state, 2, refinement.without_group);
     if (bounded && leads_back(state, result)) return;
-    consensus.refine(state, 4, settling.without_group);
-    if (bounded && (leads_back(state, result) || consensus.score(state) > settling.give_up)) return;
+    consensus.refine(state, 4, refinement.without_group);
+    if (bounded && (leads_back(state, result) || consensus.score(state) > refinement.give_up)) return;
   }
   const Eigen::Matrix4d information = consensus.refine(state, 10);
   enter(consensus, state, information, result);
@@ -123,7 +123,7 @@ double heading_width_m(const SearchProblem& problem, const SearchOptions& option
 }
 
 TopList top_list(const SearchProblem& problem, const SearchOptions& options, double width_m) {
-  return TopList(options.keep, 2 * width_m + 5 * std::hypot(problem.median_sigma_m, problem.slack_m),
+  return TopList(options.keep, 2 * width_m + 5 * std::hypot(problem.median_sigma_m, problem.uncertainty_m),
                  1.2 * 2 * std::numbers::pi / options.headings);
 }
 
@@ -131,7 +131,7 @@ TopList top_list(const SearchProblem& problem, const SearchOptions& options, dou
 void try_without_each_beacon(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
                              SearchResult& result) {
   const double fits = 0.5 * static_cast<double>(problem.ranges.size()) + 3.0;
-  if (!problem.common_bias || problem.slack_m != 0.0 || problem.groups() < 3 ||
+  if (!problem.common_bias || problem.uncertainty_m != 0.0 || problem.groups() < 3 ||
       !(result.poses.front().score > fits))
     return;
   const Candidate best = result.poses.front();
@@ -148,13 +148,13 @@ void try_without_each_beacon(const SearchProblem& problem, const SearchOptions& 
       if (distance2(best.state, state, information) < 1.0) continue;
       consensus.refine(state, 2, group);
       if (distance2(best.state, state, information) < 4.0 ||
-          consensus.score(state) > best.score + options.margin + kSlack)
+          consensus.score(state) > best.score + options.margin + kScoreMargin)
         continue;
     }
-    settle_into(problem, consensus, best.state,
+    refine_into(problem, consensus, best.state,
                 {.width_m = kShadowWidth * problem.median_sigma_m,
                  .without_group = group,
-                 .give_up = options.bounded ? best.score + options.margin + kSlack
+                 .give_up = options.bounded ? best.score + options.margin + kScoreMargin
                                             : std::numeric_limits<double>::infinity()},
                 result);
   }
@@ -206,7 +206,7 @@ class Exploration {
     consensus_.set_extra_sigma(std::hypot(width_m_, problem_.median_sigma_m));
     double lowest = std::numeric_limits<double>::infinity();
     for (const Candidate& pose : result_.poses) lowest = std::min(lowest, consensus_.score(pose.state));
-    std::pmr::vector<double> settled(scratch());  // scores of those that lowered the bound
+    std::pmr::vector<double> refined(scratch());  // scores of those that lowered the bound
     for (PairPlace& place : places_->within(pairs, bound())) {
       if (place.least_score > bound()) continue;
       if (place.is_flat) {
@@ -220,15 +220,15 @@ class Exploration {
       if (top.list().empty() || !(top.list().front().score < lowest)) continue;
       // The best so far may lower the bound for all that follow.
       lowest = top.list().front().score;
-      settled.push_back(lowest);
-      settle(top.list().front().state);
+      refined.push_back(lowest);
+      refine_at(top.list().front().state);
       if (until_found && !result_.poses.empty()) return;
       skip_known_ = skip_known_ || best_is_one_pose();
     }
     for (const Candidate& candidate : top.list())
       if (candidate.least_score <= bound() &&
-          std::find(settled.begin(), settled.end(), candidate.score) == settled.end())
-        settle(candidate.state);
+          std::find(refined.begin(), refined.end(), candidate.score) == refined.end())
+        refine_at(candidate.state);
   }
 
   /// Whether what agrees with the best pose tells it from all others.
@@ -240,16 +240,16 @@ class Exploration {
     return excludes_rivals(problem_, consensus_, discord_, best->state, 0);
   }
 
-  /// Of what is settled.
+  /// Of what is solved.
   [[nodiscard]] double bound() const {
     double best = std::numeric_limits<double>::infinity();
     for (const Candidate& pose : result_.poses) best = std::min(best, pose.score);
     return best + options_.margin;
   }
 
-  void settle(const PlanarState& state) {
-    settle_into(problem_, consensus_, state,
-                {.width_m = std::max(width_m_, problem_.median_sigma_m), .give_up = bound() + kSlack},
+  void refine_at(const PlanarState& state) {
+    refine_into(problem_, consensus_, state,
+                {.width_m = std::max(width_m_, problem_.median_sigma_m), .give_up = bound() + kScoreMargin},
                 result_);
   }
 
@@ -284,7 +284,7 @@ SearchResult search_within_bounds(const SearchProblem& problem, const SearchOpti
   if (options.start) {
     const double width_m = std::max(heading_width_m(problem, options), problem.median_sigma_m);
     const double misfit_m = 1.5 * consensus.middle_misfit_m(*options.start);
-    settle_into(problem, consensus, *options.start,
+    refine_into(problem, consensus, *options.start,
                 {.width_m = std::clamp(misfit_m, width_m, std::max(width_m, problem.span_m))}, result);
   }
   Exploration exploration(problem, options, consensus, discord, result);
@@ -324,7 +324,7 @@ SearchResult search_pose(const SearchProblem& problem, const SearchOptions& opti
   SearchResult result;
   if (problem.ranges.empty() && problem.bearings.empty()) return result;
   const bool by_pairs = !problem.has_offset && problem.groups() >= 2;
-  if (options.bounded && by_pairs && problem.common_bias && problem.slack_m == 0.0)
+  if (options.bounded && by_pairs && problem.common_bias && problem.uncertainty_m == 0.0)
     result = search_within_bounds(problem, options);
   // Where no two ranges go together the least bad pose is still told.
   if (!result.poses.empty()) return result;
@@ -340,7 +340,7 @@ SearchResult search_pose(const SearchProblem& problem, const SearchOptions& opti
   }
   width_m = std::max(width_m, problem.median_sigma_m);
   for (const Candidate& candidate : top.list())
-    settle_into(problem, consensus, candidate.state, {.width_m = width_m}, result);
+    refine_into(problem, consensus, candidate.state, {.width_m = width_m}, result);
   if (result.poses.empty()) return result;
   sort_by_score(result);
   try_without_each_beacon(problem, options, consensus, result);

@@ -44,7 +44,7 @@ void add_ranges(const Trajectory& trajectory, const Segment& segment, const Epoc
     }
     r.range_m = observed_range_m(trajectory, a, model.state);
     const double speed = a.model_speed_mps + model.state.speed_offset(trajectory.run);
-    r.sigma_m = std::hypot(a.sigma_s * speed / (a.two_way ? 2.0 : 1.0), drift(path, a.node));
+    r.sigma_m = std::hypot(a.sigma_s * speed / a.legs(), drift(path, a.node));
     if (model.state.attenuation && model.state.attenuation->directional() && !(a.log_amplitude_sigma > 0)) {
       // From how far off the axis is not known here.
       r.sigma_m = std::hypot(r.sigma_m, speed * off_axis_walk_sigma_s(r.range_m, *model.state.attenuation,
@@ -84,11 +84,12 @@ void add_bearings(const Trajectory& trajectory, const Segment& segment, const Ep
 }  // namespace
 
 SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& segment,
-                                  const EpochFixModel& model, double range_slack_m, const RigidPath& path) {
+                                  const EpochFixModel& model, double range_uncertainty_m,
+                                  const RigidPath& path) {
   SearchProblem problem;
   problem.has_offset = trajectory.has_cycle_offset;
   problem.common_bias = path.T_anchor_node.empty();
-  problem.slack_m = range_slack_m;
+  problem.uncertainty_m = range_uncertainty_m;
   add_ranges(trajectory, segment, model, path, problem);
   add_bearings(trajectory, segment, model, path, problem);
   // By the observation where the beacons are the same: a stable sort would take memory.
@@ -101,7 +102,7 @@ SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& s
     if (i == 0 || r.beacon != problem.ranges[i - 1].beacon) {
       problem.group_first.push_back(i);
       problem.group_bias_m.push_back(std::hypot(
-          range_slack_m, calibration_sigma_m(model, r.beacon, r.range_m, model.nominal_speed_mps)));
+          range_uncertainty_m, calibration_sigma_m(model, r.beacon, r.range_m, model.nominal_speed_mps)));
     }
     problem.span_m = std::max(problem.span_m, r.range_m);
     problem.lever_m = std::max(problem.lever_m, r.p_lever_m.head<2>().norm());
@@ -111,8 +112,7 @@ SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& s
   problem.group_first.push_back(problem.ranges.size());
   const ArrivalObservation& middle =
       trajectory.arrivals[problem.ranges[problem.ranges.size() / 2].observation];
-  problem.speed_mps =
-      (middle.model_speed_mps + model.state.speed_offset(trajectory.run)) / (middle.two_way ? 2.0 : 1.0);
+  problem.speed_mps = (middle.model_speed_mps + model.state.speed_offset(trajectory.run)) / middle.legs();
   std::nth_element(sigma.begin(), sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2), sigma.end());
   problem.median_sigma_m = sigma[sigma.size() / 2];
   return problem;

@@ -49,13 +49,13 @@ struct SearchProblem {
   std::pmr::vector<std::size_t> group_first{
       scratch()};  ///< first range of each beacon, and one past the last
   std::pmr::vector<double> group_bias_m{
-      scratch()};  ///< sigma of what each beacon's ranges are off by together: slack and calibration
+      scratch()};  ///< sigma of what each beacon's ranges are off by together: uncertainty and calibration
   std::pmr::vector<SearchBearing> bearings{scratch()};
   bool has_offset = false;
   /// Arrivals of one beacon share its error of position and an obstacle's detour: true within a stationary
   /// epoch.
   bool common_bias = true;
-  double slack_m = 0.0;
+  double uncertainty_m = 0.0;
   double speed_mps = 1.0;  ///< by which times became ranges, of the middle arrival
   double span_m = 1.0;     ///< longest range
   double lever_m = 0.0;    ///< longest horizontal lever arm
@@ -76,7 +76,7 @@ struct RigidPath {
 /// Reduces the usable arrivals and bearings of a segment. Two-way paths get the mean of both lever arms:
 /// their curvature is left to the adjustment that follows.
 [[nodiscard]] SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& segment,
-                                                const EpochFixModel& model, double range_slack_m,
+                                                const EpochFixModel& model, double range_uncertainty_m,
                                                 const RigidPath& path = {});
 
 }  // namespace octant

@@ -76,7 +76,7 @@ bool differs(const Pose& a, const Pose& b, double distance_m) {
 bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                    const EpochFixOptions& options, bool& found) {
   Node& node = t.nodes[segment.first_node];
-  const SearchProblem problem = make_search_problem(t, segment, model, options.range_slack_m);
+  const SearchProblem problem = make_search_problem(t, segment, model, options.range_uncertainty_m);
   found = segment.first_pose != segment.last_pose || (problem.groups() >= 3 && problem.ranges.size() >= 6);
   if (!found) return false;
   std::pmr::vector<Pose> starts(scratch());
@@ -88,28 +88,29 @@ bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& m
     for (std::size_t k = 0; k < positions.count; ++k)
       for (const Eigen::Quaterniond& q : coarse_rotations()) starts.push_back({positions.p_map_m[k], q});
   }
-  struct Settled {
+  struct SolvedPose {
     Node node;
     double cost;
   };
-  std::pmr::vector<Settled> settled(scratch());
-  settled.reserve(starts.size());
+  std::pmr::vector<SolvedPose> solved(scratch());
+  solved.reserve(starts.size());
   for (const Pose& start : starts) {
     node.T_map_vehicle = start;
     node.cycle_offset_s = 0.0;
-    settle(t, segment, model.state, {.late_scale = 30.0, .early_scale = 60.0}, 15);
-    const SettleResult result = settle(t, segment, model.state, {.late_scale = 3.0, .early_scale = 5.0}, 15);
-    if (std::isfinite(result.cost)) settled.push_back({node, result.cost});
+    solve_states(t, segment, model.state, {.late_scale = 30.0, .early_scale = 60.0}, 15);
+    const StateSolveResult result =
+        solve_states(t, segment, model.state, {.late_scale = 3.0, .early_scale = 5.0}, 15);
+    if (std::isfinite(result.cost)) solved.push_back({node, result.cost});
   }
-  if (settled.empty()) {
+  if (solved.empty()) {
     found = false;
     return false;
   }
-  const auto best = std::min_element(settled.begin(), settled.end(),
-                                     [](const Settled& a, const Settled& b) { return a.cost < b.cost; });
+  const auto best = std::min_element(
+      solved.begin(), solved.end(), [](const SolvedPose& a, const SolvedPose& b) { return a.cost < b.cost; });
   node = best->node;
-  const double apart = 10 * problem.median_sigma_m + options.range_slack_m;
-  return std::any_of(settled.begin(), settled.end(), [&](const Settled& s) {
+  const double apart = 10 * problem.median_sigma_m + options.range_uncertainty_m;
+  return std::any_of(solved.begin(), solved.end(), [&](const SolvedPose& s) {
     return s.cost < best->cost + options.ambiguity_margin &&
            differs(s.node.T_map_vehicle, best->node.T_map_vehicle, apart);
   });

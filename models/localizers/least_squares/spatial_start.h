@@ -30,7 +30,7 @@ inline constexpr std::size_t kCoarseRotations = 24;
 [[nodiscard]] bool differs(const Pose& a, const Pose& b, double distance_m);
 
 /// Start of a spatial fix (6 degrees of freedom): the origin by linear multilateration with the lever arms
-/// neglected, a coarse set of rotations, each settled under a one-sided loss; the best by its cost. Sets the
+/// neglected, a coarse set of rotations, each solved under a one-sided loss; the best by its cost. Sets the
 /// node; found is false where the arrivals are too few. Returns whether a distinct second pose is as good.
 [[nodiscard]] bool start_spatial(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                                  const EpochFixOptions& options, bool& found);

@@ -12,7 +12,7 @@ namespace {
 
 /// Line, ends and fit of a segment whose sums stand; the ends are those of the points given, brought onto the
 /// line.
-void settle(LineSegment& s, std::span<const Eigen::Vector2d> reach) {
+void refit_line(LineSegment& s, std::span<const Eigen::Vector2d> reach) {
   // Direction of largest scatter, in closed form.
   const Eigen::Matrix2d& S = s.scatter_m2;
   const double along_rad = 0.5 * std::atan2(2 * S(0, 1), S(0, 0) - S(1, 1));
@@ -67,7 +67,7 @@ LineSegment fit_segment(std::span<const Eigen::Vector2d> points) {
   s.count = static_cast<double>(points.size());
   for (const Eigen::Vector2d& p : points) s.centre_m += p / s.count;
   for (const Eigen::Vector2d& p : points) s.scatter_m2 += (p - s.centre_m) * (p - s.centre_m).transpose();
-  settle(s, points);
+  refit_line(s, points);
   return s;
 }
 
@@ -159,7 +159,7 @@ LineSegment transformed(const LineSegment& segment, const Pose& T) {
   s.centre_m = R * segment.centre_m + t;
   s.scatter_m2 = R * segment.scatter_m2 * R.transpose();
   const Eigen::Vector2d ends[] = {R * segment.from_m + t, R * segment.to_m + t};
-  settle(s, ends);
+  refit_line(s, ends);
   return s;
 }
 
@@ -184,7 +184,7 @@ LineSegment joined(const LineSegment& a, const LineSegment& b) {
   const Eigen::Vector2d between = a.centre_m - b.centre_m;
   s.scatter_m2 = a.scatter_m2 + b.scatter_m2 + a.count * b.count / s.count * between * between.transpose();
   const Eigen::Vector2d ends[] = {a.from_m, a.to_m, b.from_m, b.to_m};
-  settle(s, ends);
+  refit_line(s, ends);
   return s;
 }
 

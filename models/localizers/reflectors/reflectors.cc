@@ -50,7 +50,7 @@ Result<void> reflectors_fits(const Deployment& deployment) {
 }
 
 Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& options)
-    : Localizer(deployment, Marks::kBearings),
+    : Localizer(deployment, RejectionsOf::kBearings),
       options_(options),
       index_(deployment.beacons.size(), -1),
       sums_(3, deployment.beacons.size()) {
@@ -70,7 +70,7 @@ Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& op
 }
 
 void Reflectors::predict(const Pose& T_map_vehicle, double sigma_m, double sigma_rad) noexcept {
-  told_ = Prediction{
+  given_ = Prediction{
       {T_map_vehicle.translation_m.head<2>(), direction(T_map_vehicle.heading_rad())}, sigma_m, sigma_rad};
 }
 
@@ -84,7 +84,7 @@ void Reflectors::locate_known(const Observations& observations, Fix& fix) noexce
     search(bearings);
     fix.status = judge(bearings, best, information);
   }
-  told_.reset();
+  given_.reset();
   if (!fix.ok()) return;
   fix.covariance = information.ldlt().solve(Eigen::Matrix3d::Identity());
   fix.T_map_vehicle = Pose::planar(best.pose.p_map_m.x(), best.pose.p_map_m.y(), best.pose.heading_rad());
@@ -143,7 +143,7 @@ void Reflectors::begin(const Observations& observations, Fix& fix) noexcept {
       match_[i] = fix.rejections[i] == Rejection::kUsed ? -1 : -2;  // -2: never to be matched
     if (i < kMaxBearings) sights_[i] = direction(bearings[i].bearing_rad);
   }
-  prediction_ = told_;
+  prediction_ = given_;
   if (!prediction_ && last_fix_s_ && options_.speed_mps > 0) {
     const double gap_s = std::abs(fix.time_s - *last_fix_s_);
     prediction_ = Prediction{last_, std::hypot(last_sigma_.x(), options_.speed_mps * gap_s),
@@ -167,7 +167,7 @@ double Reflectors::off_rad(const ResectedPose& pose, std::size_t bearing,
   return angle_of(turn_between(turn_between(pose.ahead, sight_m), sights_[bearing]));
 }
 
-void Reflectors::look_at(std::size_t reflector, const ResectedPose& from) noexcept {
+void Reflectors::predict_sight(std::size_t reflector, const ResectedPose& from) noexcept {
   const Eigen::Vector2d sight = reflectors_[reflector].p_map_m - from.p_map_m;
   seen_[reflector] = {turn_between(from.ahead, sight), variance(reflectors_[reflector], sight),
                       sight.squaredNorm() > square(options_.range_m)};
@@ -195,7 +195,7 @@ double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> be
       match_[i] = -1;
       for (std::size_t k = first; k < last; ++k) {
         const Seen& seen = seen_[k];
-        if (seen.variance == 0.0) look_at(k, pose);
+        if (seen.variance == 0.0) predict_sight(k, pose);
         if (seen.used) continue;
         // An angle is no less than its sine, and beyond a quarter turn where the cosine is negative: few
         // reflectors are so near that the angle itself is asked for.

@@ -93,7 +93,7 @@ class Reflectors : public Localizer {
   bool refine(Hypothesis& hypothesis, std::span<const Bearing> bearings,
               Eigen::Matrix3d& information) noexcept;
   FixStatus judge(std::span<const Bearing> bearings, Hypothesis& best, Eigen::Matrix3d& information) noexcept;
-  void look_at(std::size_t reflector, const ResectedPose& from) noexcept;
+  void predict_sight(std::size_t reflector, const ResectedPose& from) noexcept;
   [[nodiscard]] double off_rad(const ResectedPose& pose, std::size_t bearing,
                                const Eigen::Vector2d& sight_m) const noexcept;
   [[nodiscard]] double variance(const Reflector& reflector, const Eigen::Vector2d& sight_m) const noexcept;
@@ -103,7 +103,7 @@ class Reflectors : public Localizer {
   std::vector<Reflector> reflectors_;
   std::vector<int> index_;  ///< of each beacon in reflectors_; -1: unusable
   double sigma_rad_ = 0.01;
-  std::optional<Prediction> prediction_, told_;
+  std::optional<Prediction> prediction_, given_;
   std::optional<double> last_fix_s_;
   ResectedPose last_;
   Eigen::Vector2d last_sigma_ = Eigen::Vector2d::Zero();  ///< m, rad

@@ -91,14 +91,14 @@ class Sides {
       if (p > 0) side = from[p - 1][side];
     }
     // Motion tells which pieces are on one side, the beacons' heights alone which side that is.
-    const bool tells = heights_tell();
+    const bool tells = heights_decide();
     if (count == steps_.size() && !(tells && gain > kWholeTrack)) return {};
     if (!tells && 2 * count > steps_.size()) turned.flip();
     return turned;
   }
 
   /// Whether the beacons are farther off their plane than that is known.
-  [[nodiscard]] bool heights_tell() const {
+  [[nodiscard]] bool heights_decide() const {
     constexpr double kSigmas = 3.0;
     double sum_m2 = 0.0;
     for (const double variance_m2 : setting_.off_plane_m2) sum_m2 += variance_m2;
@@ -124,7 +124,7 @@ class Sides {
     const Eigen::Vector3d start = place - setting_.plane.height_m(place) * setting_.plane.normal;
     SpaceFilter part(ranges_, setting_, first_ + begin, start, density_);
     part.linearise_at(about);
-    return part.settle(first_ + end);
+    return part.iterate(first_ + end);
   }
 
   SpaceRanges& ranges_;

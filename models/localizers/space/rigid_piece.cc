@@ -12,8 +12,8 @@
 
 namespace octant {
 
-RigidPiece::RigidPiece(const SearchProblem& problem, double slack_m)
-    : problem_(problem), prior_(slack_m > 0 ? 1.0 / square(slack_m) : 0.0) {
+RigidPiece::RigidPiece(const SearchProblem& problem, double uncertainty_m)
+    : problem_(problem), prior_(uncertainty_m > 0 ? 1.0 / square(uncertainty_m) : 0.0) {
   for (const SearchRange& r : problem.ranges) weight_.push_back(1.0 / r.sigma_m);
   begin();
 }
@@ -32,15 +32,15 @@ void RigidPiece::for_each_range(Visit&& visit) const {
       visit(i, group);
 }
 
-void RigidPiece::settle(Pose& T, const RobustLoss& loss, int iterations, double tolerance) {
+void RigidPiece::solve_pose(Pose& T, const RobustLoss& loss, int iterations, double tolerance) {
   at_.T = T;
-  Normal now = build(at_, loss);
+  PieceNormal now = build(at_, loss);
   double lambda = 1e-6;
   for (int i = 0; i < iterations; ++i) {
     Matrix6 A = now.H;
     A.diagonal() += lambda * now.H.diagonal() + Vector6::Constant(1e-9);
     const State tried = moved(-A.ldlt().solve(now.g), now);
-    Normal next = build(tried, loss);
+    PieceNormal next = build(tried, loss);
     if (!(next.cost < now.cost)) {
       lambda *= 10;
       if (lambda > 1e4) break;
@@ -77,8 +77,8 @@ Eigen::Vector3d RigidPiece::middle_m() const {
   return sum / static_cast<double>(problem_.ranges.size());
 }
 
-RigidPiece::Normal RigidPiece::build(const State& at, const RobustLoss& loss) const {
-  Normal out;
+RigidPiece::PieceNormal RigidPiece::build(const State& at, const RobustLoss& loss) const {
+  PieceNormal out;
   const std::size_t groups = problem_.groups();
   Vector6 off;
   off << at.T.translation_m - T_expected_.translation_m,
@@ -119,7 +119,7 @@ RigidPiece::Normal RigidPiece::build(const State& at, const RobustLoss& loss) co
   return out;
 }
 
-RigidPiece::State RigidPiece::moved(const Vector6& step, const Normal& by) const {
+RigidPiece::State RigidPiece::moved(const Vector6& step, const PieceNormal& by) const {
   State out = at_;
   out.T = retract(at_.T, step, Motion::kSpatial);
   for (std::size_t group = 0; group < out.off_m.size() && prior_ > 0; ++group)

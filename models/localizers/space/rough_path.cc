@@ -80,7 +80,7 @@ bool place_roughly(Trajectory& t, const Segment& segment, const EpochFixModel& m
       if (!start.found) start = first_placed(t, segment, {kFirstWindow_s, longest_s}, from, lay);
     if (!start.found) break;
     const bool first = pieces.empty();
-    pieces.push_back(rough_pose(t, (start.first_node + start.last_node) / 2, options.range_slack_m));
+    pieces.push_back(rough_pose(t, (start.first_node + start.last_node) / 2, options.range_uncertainty_m));
     if (first) take(follow_roughly(t, segment, model, options, start.first_node, false));
     const RoughPieces on = follow_roughly(t, segment, model, options, start.last_node - 1, true);
     take(on);

@@ -17,7 +17,8 @@ constexpr std::size_t kRecent = 20,
                       kLost = 14;  ///< so many of the latest arrivals rejected: the place is lost
 
 bool is_candidate(const SpaceRange& r) {
-  return r.mark == Rejection::kUsed || r.mark == Rejection::kLate || r.mark == Rejection::kEarly;
+  return r.rejection == Rejection::kUsed || r.rejection == Rejection::kLate ||
+         r.rejection == Rejection::kEarly;
 }
 
 }  // namespace
@@ -77,7 +78,7 @@ void SpaceFilter::smooth() {
   linearise_at(steps_);
 }
 
-double SpaceFilter::settle(std::size_t end) {
+double SpaceFilter::iterate(std::size_t end) {
   constexpr int kRounds = 3;
   bool whole = true;
   for (int round = 0; round < kRounds; ++round) {
@@ -152,8 +153,8 @@ bool SpaceFilter::update(SpaceRange& r, std::size_t k) {
   const double S = H.dot(now_.P * H) + r.variance_m2, squares = square(innovation) / S;
   const double limit = square(setting_.options.rejection_sigmas);
   likelihood_ -= 0.5 * (std::min(squares, limit) + std::log(S));
-  r.mark = squares <= limit ? Rejection::kUsed : innovation > 0 ? Rejection::kLate : Rejection::kEarly;
-  if (r.mark != Rejection::kUsed) return false;
+  r.rejection = squares <= limit ? Rejection::kUsed : innovation > 0 ? Rejection::kLate : Rejection::kEarly;
+  if (r.rejection != Rejection::kUsed) return false;
   correct(H, innovation, r.variance_m2, by_calibration(r, u));
   return true;
 }

@@ -38,7 +38,7 @@ class SpaceFilter {
   void smooth();
   /// Filters up to `end` and smooths, again and again, each time linearised where the track was before.
   /// @return the log likelihood of the arrivals; -infinity where the place was lost on the way
-  double settle(std::size_t end);
+  double iterate(std::size_t end);
   /// The next filter() linearises at these steps.
   void linearise_at(const std::vector<SpaceStep>& steps);
 

@@ -29,7 +29,7 @@ class PlaceSearch {
   [[nodiscard]] std::optional<Eigen::Vector3d> best() const {
     std::set<std::size_t> beacons;
     for (std::size_t i = first_; i < last_; ++i)
-      if (ranges_.all[i].mark == Rejection::kUsed) beacons.insert(ranges_.all[i].arrival.beacon.index());
+      if (ranges_.all[i].rejection == Rejection::kUsed) beacons.insert(ranges_.all[i].arrival.beacon.index());
     if (beacons.size() < 3) return std::nullopt;
     std::vector<std::pair<double, Eigen::Vector3d>> found;
     const double e = 0.4 * setting_.extent_m;
@@ -84,7 +84,7 @@ class PlaceSearch {
     double cost = 0.0;
     for (std::size_t i = first_; i < last_; ++i) {
       const SpaceRange& r = ranges_.all[i];
-      if (r.mark != Rejection::kUsed) continue;
+      if (r.rejection != Rejection::kUsed) continue;
       const Eigen::Vector3d d = p - r.p_beacon_m;
       const double length = std::max(1e-9, d.norm()), residual = length - r.distance.range_m;
       // Within the stretch the vehicle moves by some of its speed's sigma; errors that last do not average
@@ -183,8 +183,8 @@ SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle, SpaceS
       continue;
     SpaceRange r{a, arrival_range(a, d), d.beacons[a.beacon.index()].position_m, 0.0, Rejection::kUsed};
     if (d.beacons[a.beacon.index()].status == BeaconStatus::kUndetermined)
-      r.mark = Rejection::kBeaconUnusable;
-    if (!std::isfinite(r.distance.range_m)) r.mark = Rejection::kOutOfRange;
+      r.rejection = Rejection::kBeaconUnusable;
+    if (!std::isfinite(r.distance.range_m)) r.rejection = Rejection::kOutOfRange;
     // A receiver off the centre is somewhere on a sphere about it.
     r.variance_m2 =
         square(r.distance.sigma_m) + (d.receivers[a.receiver.index()].position_m - centre).squaredNorm() / 3;

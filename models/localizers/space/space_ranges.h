@@ -21,7 +21,7 @@ struct SpaceRange {
   ArrivalRange distance;
   Eigen::Vector3d p_beacon_m;
   double variance_m2 = 0.0;  ///< white, with what the attitude may put the receiver off
-  Rejection mark = Rejection::kUsed;
+  Rejection rejection = Rejection::kUsed;
 };
 
 struct SpaceInstant {

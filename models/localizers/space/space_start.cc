@@ -36,7 +36,7 @@ struct Placing {
 /// 1981).
 std::vector<Eigen::Vector3d> likely_places(const SearchProblem& problem, const Eigen::Vector3d& middle_m) {
   constexpr std::size_t kSamples = 40, kOfSample = 10, kKept = 4;
-  double size2 = square(problem.median_sigma_m + problem.slack_m);
+  double size2 = square(problem.median_sigma_m + problem.uncertainty_m);
   for (const SearchRange& r : problem.ranges)
     size2 += (r.p_lever_m - middle_m).squaredNorm() / static_cast<double>(problem.ranges.size());
   const double cap = std::max(2.0, std::log(problem.span_m / std::sqrt(size2)));
@@ -62,7 +62,7 @@ std::vector<Eigen::Vector3d> likely_places(const SearchProblem& problem, const E
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Eigen::Vector3d> places;
-  for (const auto& [its_cost, p] : found)
+  for (const auto& [cost_of_pose, p] : found)
     if (places.size() < kKept && std::all_of(places.begin(), places.end(), [&, &at = p](const auto& other) {
           return (at - other).squaredNorm() > size2;
         }))
@@ -99,7 +99,7 @@ std::vector<Basin> basins(const SearchProblem& problem, RigidPiece& piece, doubl
     for (const Eigen::Quaterniond& q : coarse_rotations()) {
       Basin basin{.T_map_anchor = {place - q * middle_m, q}};
       piece.begin();
-      piece.settle(basin.T_map_anchor, kWidePiece, 15, kNearEnough);
+      piece.solve_pose(basin.T_map_anchor, kWidePiece, 15, kNearEnough);
       basin.cost = piece.score();
       basin.beacons_off_m = piece.beacons_off_m();
       if (std::isfinite(basin.cost)) found.push_back(std::move(basin));
@@ -108,13 +108,13 @@ std::vector<Basin> basins(const SearchProblem& problem, RigidPiece& piece, doubl
 }
 
 /// Distinct poses, best first.
-std::vector<Placing> search(const SearchProblem& problem, double slack_m, double apart_m) {
-  RigidPiece piece(problem, slack_m);
+std::vector<Placing> search(const SearchProblem& problem, double uncertainty_m, double apart_m) {
+  RigidPiece piece(problem, uncertainty_m);
   std::vector<Placing> found;
   for (const Basin& basin : basins(problem, piece, apart_m)) {
     Placing p{.T_map_anchor = basin.T_map_anchor};
     piece.go_on(basin.beacons_off_m);
-    piece.settle(p.T_map_anchor, kNarrowPiece, 20);
+    piece.solve_pose(p.T_map_anchor, kNarrowPiece, 20);
     p.information = piece.information();
     p.cost = piece.score();
     if (std::isfinite(p.cost)) found.push_back(p);
@@ -126,9 +126,9 @@ bool is_tight(const Placing& p, const SearchProblem& problem) {
   const ObservedState<Matrix6> observed(p.information);
   if (!observed.all()) return false;
   const Matrix6 P = observed.covariance();
-  const bool rough = problem.slack_m > 0;
+  const bool rough = problem.uncertainty_m > 0;
   // Among roughly known beacons no place is better known than they are together, however long the piece.
-  const double most_m = rough ? std::max(kMostRoughShare * problem.span_m, 1.2 * problem.slack_m)
+  const double most_m = rough ? std::max(kMostRoughShare * problem.span_m, 1.2 * problem.uncertainty_m)
                               : std::max(kMostShare * problem.span_m, 2 * problem.median_sigma_m);
   return P.topLeftCorner<3, 3>().trace() < square(most_m) &&
          P.bottomRightCorner<3, 3>().trace() < square(rough ? kMostRoughAngleRad : kMostAngleRad);
@@ -185,11 +185,11 @@ void leave_one_image(const SearchProblem& problem, const RigidPath& path, double
 
 std::vector<LikelyPose> likely_poses(const Trajectory& t, const Segment& stretch, const EpochFixModel& model,
                                      const TrackerOptions& options, const RigidPath& path, double margin) {
-  SearchProblem problem = make_search_problem(t, stretch, model, options.range_slack_m, path);
+  SearchProblem problem = make_search_problem(t, stretch, model, options.range_uncertainty_m, path);
   if (problem.ranges.size() < kFewestRangesOfPiece || problem.groups() < kFewestBeaconsOfPiece) return {};
   thin_out(problem);
-  const double scale_m = std::hypot(problem.median_sigma_m, options.range_slack_m);
-  std::vector<Placing> found = search(problem, options.range_slack_m, 10 * scale_m);
+  const double scale_m = std::hypot(problem.median_sigma_m, options.range_uncertainty_m);
+  std::vector<Placing> found = search(problem, options.range_uncertainty_m, 10 * scale_m);
   if (found.empty()) return {};
   const double most = std::min(found.front().cost + margin,
                                kMostMeanCostOfPiece * static_cast<double>(problem.ranges.size()));

@@ -18,9 +18,9 @@ struct LikelyPose {
 };
 
 /// Poses of a stretch, best first, none that is less likely than the best by more than the margin: its
-/// odometry is a rigid piece of six degrees of freedom, settled under a one-sided loss from a coarse set of
-/// rotations, beside it beacons that are known roughly (range_slack_m) as unknowns. Empty where too little is
-/// heard, or nothing explains it.
+/// odometry is a rigid piece of six degrees of freedom, solved under a one-sided loss from a coarse set of
+/// rotations, beside it beacons that are known roughly (range_uncertainty_m) as unknowns. Empty where too
+/// little is heard, or nothing explains it.
 ///
 /// Beacons in one plane leave a mirror image of a path along it: left is the one below the beacons if that is
 /// above the floor (z = 0), as without odometry (space_track.h).

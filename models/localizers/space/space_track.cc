@@ -57,8 +57,8 @@ class SpaceTracker {
     const bool lost = end < ranges_.instants.size();
     if (end <= k + 1) return k;
     SpaceFilter track(ranges_, setting_, k, start, density);
-    track.settle(end);
-    take_sides(track, k, density, end);
+    track.iterate(end);
+    choose_sides(track, k, density, end);
     std::size_t kept = track.steps().size();
     while (lost && kept > 0 && !is_heard(k + kept - 1)) --kept;
     const std::vector<SpaceStep>& steps = track.steps();
@@ -71,7 +71,7 @@ class SpaceTracker {
   }
 
   /// Sides of the beacons' plane, as long as others are likelier over the whole track.
-  void take_sides(SpaceFilter& track, std::size_t k, double density, std::size_t end) {
+  void choose_sides(SpaceFilter& track, std::size_t k, double density, std::size_t end) {
     if (!setting_.plane.coplanar) return;
     for (int round = 0; round < kMostSides; ++round) {
       const std::vector<SpaceStep> was = track.steps();
@@ -79,10 +79,10 @@ class SpaceTracker {
       const std::vector<SpaceStep> about = likeliest_sides(ranges_, setting_, k, was, density);
       if (!about.empty()) {
         track.linearise_at(about);
-        if (track.settle(end) > before) continue;
+        if (track.iterate(end) > before) continue;
       }
       track.linearise_at(was);
-      track.settle(end);  // marks the arrivals again
+      track.iterate(end);  // marks the arrivals again
       return;
     }
   }
@@ -99,7 +99,7 @@ class SpaceTracker {
     std::set<BeaconId> beacons;
     double variance_m2 = 0.0;
     for (const SpaceRange& r : marked)
-      if (r.mark == Rejection::kUsed) {
+      if (r.rejection == Rejection::kUsed) {
         beacons.insert(r.arrival.beacon);
         variance_m2 = std::max(variance_m2, r.variance_m2);
       }
@@ -108,7 +108,7 @@ class SpaceTracker {
     bool all_determined = beacons.size() > kFewestBeacons;
     for (auto beacon = beacons.begin(); beacon != beacons.end() && all_determined; ++beacon) {
       for (SpaceRange& r : ranges)
-        if (r.arrival.beacon == *beacon) r.mark = Rejection::kBeaconFault;
+        if (r.arrival.beacon == *beacon) r.rejection = Rejection::kBeaconFault;
       SpaceFilter without(ranges_, setting_, k, start, density);
       without.linearise_at(steps);
       all_determined = without.filter(k + fixes.size()) == k + fixes.size();
@@ -153,7 +153,7 @@ class SpaceTracker {
 
   [[nodiscard]] bool is_heard(std::size_t k) const {
     for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i)
-      if (ranges_.all[i].mark == Rejection::kUsed) return true;
+      if (ranges_.all[i].rejection == Rejection::kUsed) return true;
     return false;
   }
 
@@ -171,8 +171,8 @@ class SpaceTracker {
     Fix fix = no_fix(k);
     fix.arrivals_rejected = 0;
     for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i) {
-      fix.rejections.push_back(ranges_.all[i].mark);
-      ++(ranges_.all[i].mark == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+      fix.rejections.push_back(ranges_.all[i].rejection);
+      ++(ranges_.all[i].rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
     }
     fix.T_map_vehicle.translation_m = belief.x.head<3>();
     const Eigen::MatrixXd M = belief.M.topRows<3>();

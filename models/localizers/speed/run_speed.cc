@@ -72,7 +72,7 @@ class SpeedSearch {
     if (!(range_m_ > 0.0)) return out;
     for (const double room : kRooms) {
       place(room * range_m_);
-      if (room == 0.0) mark();
+      if (room == 0.0) reject_outliers();
       if (!climb(room)) return counted(out);
     }
     counted(out);
@@ -95,24 +95,24 @@ class SpeedSearch {
     return state;
   }
 
-  void place(double slack_m) {
+  void place(double uncertainty_m) {
     model_.state = state_at(offset_mps_);
     for (Trajectory& t : trajectories_) {
       for (Node& node : t.nodes) node.placed = false;
       if (t.moving && (!t.odometry.empty() || t.motion_prior)) {
         TrackerOptions options;
-        options.range_slack_m = slack_m;
+        options.range_uncertainty_m = uncertainty_m;
         const bool found = place_drive(t, model_, options);
         for (Node& node : t.nodes) node.placed = found;
       } else {
         EpochFixOptions options;
-        options.range_slack_m = slack_m;
+        options.range_uncertainty_m = uncertainty_m;
         options.max_sigma_m = INFINITY;
         for (const Segment& segment : t.segments)
           for (std::size_t n = segment.first_node; n < segment.last_node; ++n)
             t.nodes[n].placed = fix_epoch(t, node_segment(t, segment, n), model_, options).ok();
       }
-      for (const Segment& segment : t.segments) reset_marks(t, segment, model_);
+      for (const Segment& segment : t.segments) reset_rejections(t, segment, model_);
     }
   }
 
@@ -123,13 +123,13 @@ class SpeedSearch {
   }
 
   /// Leaves out what does not agree at the offset found.
-  void mark() {
+  void reject_outliers() {
     const SharedState state = state_at(offset_mps_);
     const RobustLoss loss{kCauchySigmas, kCauchySigmas};
     for (Trajectory& t : trajectories_)
       for (const Segment& segment : t.segments) {
         if (!is_placed(t, segment)) continue;
-        static_cast<void>(settle(t, segment, state, loss));
+        static_cast<void>(solve_states(t, segment, state, loss));
         for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
           ArrivalObservation& a = t.arrivals[i];
           if (a.rejection != Rejection::kUsed) continue;
@@ -146,7 +146,7 @@ class SpeedSearch {
     double cost = 0.0;
     for (Trajectory& t : trajectories_)
       for (const Segment& segment : t.segments)
-        if (is_placed(t, segment)) cost += settle(t, segment, state, loss).cost;
+        if (is_placed(t, segment)) cost += solve_states(t, segment, state, loss).cost;
     return cost;
   }
 

@@ -38,7 +38,7 @@ inline constexpr double kSpeedKnownTo = 0.01;
 [[nodiscard]] bool speed_is_unknown(const Deployment& deployment, const MeasurementLog& run);
 
 /// One offset of the speed for a whole run. Poses are placed with room for a wrong speed in every range, all
-/// are settled at some speeds, and the parabola through their squares (the profile of the likelihood) tells
+/// are solved at some speeds, and the parabola through their squares (the profile of the likelihood) tells
 /// the offset; this is repeated with less and less room and under Cauchy's loss, at last by plain squares of
 /// the arrivals that agree. Some sixty stops, or the first three thousand arrivals of a drive.
 [[nodiscard]] RunSpeed estimate_run_speed(const Deployment& deployment, const MeasurementLog& run);

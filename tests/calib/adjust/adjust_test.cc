@@ -67,11 +67,11 @@ TEST(Adjust, StopsWhereTheLastStepIsForetoldAndNotBefore) {
       EXPECT_LE(result.cost - best, tolerance * best);
       if (result.message.find("predicted decrease") == std::string::npos) continue;
       // The matrix is that of the point before the last step, the states are those of x.
-      std::vector<Trajectory> settled = there;
-      const Eigen::MatrixXd H = calib::information_at(off.problem, off.layout, settled, x).data;
+      std::vector<Trajectory> solved = there;
+      const Eigen::MatrixXd H = calib::information_at(off.problem, off.layout, solved, x).data;
       for (std::size_t k = 0; k < there[0].nodes.size(); ++k)
         EXPECT_LT(
-            (there[0].nodes[k].T_map_vehicle.translation_m - settled[0].nodes[k].T_map_vehicle.translation_m)
+            (there[0].nodes[k].T_map_vehicle.translation_m - solved[0].nodes[k].T_map_vehicle.translation_m)
                 .norm(),
             2e-6)
             << k;
@@ -100,10 +100,10 @@ TEST(Adjust, OfADriveEndsWhereItsStatesRest) {
       EXPECT_LE(std::abs(result.cost - best), tolerance * best);
       without_matrix += !result.data_information;  // where rays turned in the last step
       const SharedState state = off.layout.state_of(x);
-      std::vector<Trajectory> settled = there;
+      std::vector<Trajectory> solved = there;
       double left = 0.0;  // that the states could still gain
-      for (const Segment& segment : settled[0].segments)
-        left += chain_cost(there[0], segment, state, {}) - settle(settled[0], segment, state, {}).cost;
+      for (const Segment& segment : solved[0].segments)
+        left += chain_cost(there[0], segment, state, {}) - solve_states(solved[0], segment, state, {}).cost;
       EXPECT_LE(left, tolerance * best);
     }
   }

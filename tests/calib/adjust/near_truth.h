@@ -28,7 +28,7 @@ struct NearTruth : AtTruth {
     here = layout.state_of(x);
     for (Trajectory& t : trajectories)
       for (int turn = 0; turn < 3; ++turn)  // to rest, far below what anybody reads
-        for (const Segment& s : t.segments) settle(t, s, here, {}, 100);
+        for (const Segment& s : t.segments) solve_states(t, s, here, {}, 100);
   }
 
   /// H = Js'Js - Js'Jx (Jx'Jx)^-1 Jx'Js and the gradient, of all rows at once.

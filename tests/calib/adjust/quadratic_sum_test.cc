@@ -17,16 +17,16 @@ TEST(QuadraticSum, IsTheParabolaThroughItsPoint) {
   Eigen::VectorXd x = at;
   calib::QuadraticSum sum(system, at, 0.0, &x);
   const SharedState none;
-  EXPECT_EQ(sum.settle(none, {}), 7.0);
+  EXPECT_EQ(sum.solve_states(none, {}), 7.0);
   const Eigen::Vector2d d(0.3, -0.7);
   x = at + d;
   const Eigen::Vector2d g = system.gradient + system.H * d;
-  EXPECT_NEAR(sum.settle(none, {}), 7.0 + d.x() - 2 * d.y() + 0.5 * d.dot(system.H * d), 1e-14);
+  EXPECT_NEAR(sum.solve_states(none, {}), 7.0 + d.x() - 2 * d.y() + 0.5 * d.dot(system.H * d), 1e-14);
   calib::ReducedSystem here;
   sum.reduce(none, {}, here);
   EXPECT_LT((here.gradient - g).norm(), 1e-14);
   EXPECT_EQ(here.H, system.H);
-  EXPECT_EQ(here.cost, sum.settle(none, {}));
+  EXPECT_EQ(here.cost, sum.solve_states(none, {}));
   // Damped, of its diagonal alone.
   calib::QuadraticSum damped(system, at, 0.1, &x);
   damped.reduce(none, {}, here);

@@ -86,10 +86,10 @@ TEST(MarkRejected, TellsLateFromEarlyBeyondTheLimit) {
       {3.9, Rejection::kUsed},   {-3.9, Rejection::kUsed}, {4.1, Rejection::kLate},
       {-4.1, Rejection::kEarly}, {1e4, Rejection::kLate},  {-100, Rejection::kEarly}};
   for (std::size_t i = 0; i < cases.size(); ++i) arrivals.put_off(i, cases[i].first);
-  EXPECT_EQ(calib::mark_rejected(arrivals.trajectories, arrivals.state, 4.0), 4U);
+  EXPECT_EQ(calib::reject_outliers(arrivals.trajectories, arrivals.state, 4.0), 4U);
   for (std::size_t i = 0; i < arrivals.all().size(); ++i)
     EXPECT_EQ(arrivals.all()[i].rejection, i < cases.size() ? cases[i].second : Rejection::kUsed) << i;
-  EXPECT_EQ(calib::mark_rejected(arrivals.trajectories, arrivals.state, 4.0), 0U) << "all stands as it was";
+  EXPECT_EQ(calib::reject_outliers(arrivals.trajectories, arrivals.state, 4.0), 0U) << "all stands as it was";
 }
 
 // Between 0.9 of the limit and the limit each stays what it is, so that marks do not come and go.
@@ -100,7 +100,7 @@ TEST(MarkRejected, ReadmitsOnlyWhatIsWellWithin) {
   arrivals.put_off(2, 3.5);
   arrivals.all()[1].rejection = Rejection::kLate;
   arrivals.all()[2].rejection = Rejection::kLate;
-  EXPECT_EQ(calib::mark_rejected(arrivals.trajectories, arrivals.state, 4.0), 1U);
+  EXPECT_EQ(calib::reject_outliers(arrivals.trajectories, arrivals.state, 4.0), 1U);
   EXPECT_EQ(arrivals.all()[0].rejection, Rejection::kUsed);
   EXPECT_EQ(arrivals.all()[1].rejection, Rejection::kLate);
   EXPECT_EQ(arrivals.all()[2].rejection, Rejection::kUsed);
@@ -115,7 +115,7 @@ TEST(MarkRejected, LeavesWhatHasNoPlaceAndBelievesGatesOnlyWhereTheResidualAgree
                                   : i % 3 == 0 ? Rejection::kOutOfRange
                                                : Rejection::kReflection;
   for (const std::size_t i : {5U, 6U, 7U}) arrivals.put_off(i, 50.0);
-  EXPECT_EQ(calib::mark_rejected(arrivals.trajectories, arrivals.state, 4.0), 3U);
+  EXPECT_EQ(calib::reject_outliers(arrivals.trajectories, arrivals.state, 4.0), 3U);
   EXPECT_EQ(arrivals.all()[0].rejection, Rejection::kBeaconUnusable);
   EXPECT_EQ(arrivals.all()[1].rejection, Rejection::kNoPose);
   for (const std::size_t i : {2U, 3U, 4U}) EXPECT_EQ(arrivals.all()[i].rejection, Rejection::kUsed) << i;
@@ -129,8 +129,8 @@ TEST(MarkRejected, DoesNotDependOnThreads) {
   s.path.epochs = 60;
   s.echo_fraction = 0.2;
   AtTruth one(s, 3), three(s, 3);
-  const std::size_t changed = calib::mark_rejected(one.trajectories, one.state, 4.0, 1);
-  EXPECT_EQ(calib::mark_rejected(three.trajectories, three.state, 4.0, 3), changed);
+  const std::size_t changed = calib::reject_outliers(one.trajectories, one.state, 4.0, 1);
+  EXPECT_EQ(calib::reject_outliers(three.trajectories, three.state, 4.0, 3), changed);
   EXPECT_GT(changed, 20U);
   for (std::size_t i = 0; i < one.trajectories[0].arrivals.size(); ++i) {
     const Rejection mark = one.trajectories[0].arrivals[i].rejection;

@@ -19,7 +19,7 @@ calib::ReducedSystem reduced(const NearTruth& near, const calib::Workers& worker
   std::vector<Trajectory> trajectories = near.trajectories;
   calib::TileSum tiles(trajectories, near.layout, workers);
   calib::ReducedSystem sum;
-  sum.cost = tiles.settle(near.here, {});
+  sum.cost = tiles.solve_states(near.here, {});
   tiles.reduce(near.here, {}, sum);
   sum.H = sum.H.selfadjointView<Eigen::Lower>();
   return sum;
@@ -57,7 +57,7 @@ TEST(TileSum, OfEachTileAddUpToTheWhole) {
   calib::TileSum tiles(trajectories, near.layout, {});
   EXPECT_GT(tiles.tiles().size(), 1U);
   calib::ReducedSystem sum;
-  sum.cost = tiles.settle(near.here, {});
+  sum.cost = tiles.solve_states(near.here, {});
   sum.H = Eigen::MatrixXd::Zero(near.layout.size(), near.layout.size());
   sum.gradient = Eigen::VectorXd::Zero(near.layout.size());
   std::vector<calib::ReducedSystem> systems;
@@ -81,7 +81,7 @@ TEST(TileSum, ARankKeepsTheStatesOfOthersUntilTheyAreShared) {
     for (Node& node : t.nodes) node.T_map_vehicle.translation_m += Eigen::Vector3d(0.02, -0.01, 0);
   std::vector<Trajectory> alone = near.trajectories;
   calib::TileSum tiles(alone, near.layout, {});
-  static_cast<void>(tiles.settle(near.here, {}));
+  static_cast<void>(tiles.solve_states(near.here, {}));
   tiles.commit();
   tiles.share_states();
   std::mutex mutex;
@@ -90,7 +90,7 @@ TEST(TileSum, ARankKeepsTheStatesOfOthersUntilTheyAreShared) {
     calib::Workers workers;
     workers.ranks = &rank;
     calib::TileSum of_rank(mine, near.layout, workers);
-    static_cast<void>(of_rank.settle(near.here, {}));
+    static_cast<void>(of_rank.solve_states(near.here, {}));
     of_rank.commit();
     of_rank.share_states();
     const std::lock_guard lock(mutex);

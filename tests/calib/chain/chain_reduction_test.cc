@@ -15,7 +15,7 @@
 #include "calib/stream/drives/end_chain.h"
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/node_step.h"
-#include "models/trajectory/settle.h"
+#include "models/trajectory/solve_states.h"
 #include "models/trajectory/stretches.h"
 #include "tests/support/worlds.h"
 
@@ -206,7 +206,7 @@ struct Pieces {
       first = last;
     }
   }
-  /// @param held  settles what is between the ends first
+  /// @param held  solves for what is between the ends first
   calib::EndChain joined(bool held) {
     std::vector<int> place(static_cast<std::size_t>(chain.layout.size()));
     std::iota(place.begin(), place.end(), 0);
@@ -216,8 +216,8 @@ struct Pieces {
       piece.has_left = k > 0;
       piece.has_right = k + 1 < parts.size();
       if (held)
-        settle(parts[k], parts[k].segments[0], chain.state, {},
-               {.hold_first = piece.has_left, .hold_last = piece.has_right});
+        solve_states(parts[k], parts[k].segments[0], chain.state, {},
+                     {.hold_first = piece.has_left, .hold_last = piece.has_right});
       calib::ChainReduction(parts[k], chain.layout, {0})
           .reduce_open(parts[k].segments[0], chain.state, {}, place, place.size(), piece);
       join.append(piece);
@@ -262,7 +262,7 @@ TEST_P(OpenChainsOf, EndsStepToWhereTheWholeRests) {
       pieces.parts[k + 1].nodes.front() = end;
     }
   }
-  settle(chain.t, chain.t.segments[0], chain.state, {});
+  solve_states(chain.t, chain.t.segments[0], chain.state, {});
   for (std::size_t k = 0; k < pieces.ends.size(); ++k) {
     const Node &here = pieces.parts[k].nodes.back(), &there = chain.t.nodes[pieces.ends[k]];
     EXPECT_LT((here.T_map_vehicle.translation_m - there.T_map_vehicle.translation_m).norm(), 1e-7) << k;

@@ -24,16 +24,16 @@ TEST(HeldLog, OffersAPartOfALongLogAndThenTheWhole) {
     const World world = hall(is_long ? 4100 : 40, 1);
     const calib::Problem problem = problem_of(world);
     const calib::SolveOptions options;
-    calib::Course course(options);
-    calib::HeldLog log(problem, options, course);
+    calib::ProgressMonitor monitor(options);
+    calib::HeldLog log(problem, options, monitor);
     auto sample = must(log.next_sample());
     if (is_long) {
-      EXPECT_FALSE(sample.is_whole);
+      EXPECT_FALSE(sample.is_complete);
       EXPECT_LT(sample.problem->runs[0].arrivals.size(), world.run.arrivals.size() / 4);
       sample = must(log.next_sample());
     }
     EXPECT_EQ(sample.problem, &problem);
-    EXPECT_TRUE(sample.is_whole);
+    EXPECT_TRUE(sample.is_complete);
     EXPECT_EQ(must(log.next_sample()).problem, nullptr);
   }
 }
@@ -44,10 +44,10 @@ TEST(HeldLog, AdjustsTheArrivalsThatAgree) {
   const World world = hall(60, 2);
   const calib::Problem problem = problem_of(world);
   const calib::SolveOptions options;
-  calib::Course course(options);
-  calib::HeldLog log(problem, options, course);
+  calib::ProgressMonitor monitor(options);
+  calib::HeldLog log(problem, options, monitor);
   const auto sample = must(log.next_sample());
-  calib::Approach start = calib::approach(*sample.problem, options, course);
+  calib::Approach start = calib::approach(*sample.problem, options, monitor);
   ASSERT_TRUE(start.ok);
   const double sigma = calib::agreeing_sigma(start.trajectories, start.estimate.state());
   EXPECT_EQ(must(log.place(start, sigma)), sigma) << "the states are those of the start";
@@ -63,7 +63,7 @@ TEST(HeldLog, AdjustsTheArrivalsThatAgree) {
   EXPECT_GE(second.arrivals, first.arrivals);
   const calib::LogFindings found = must(log.findings(estimate));
   EXPECT_EQ(found.findings.statistics.arrivals, second.arrivals);
-  EXPECT_TRUE(found.findings.as_whole.empty());
+  EXPECT_TRUE(found.findings.as_complete.empty());
   std::size_t used = 0;
   for (const Trajectory& t : found.trajectories)
     for (const ArrivalObservation& a : t.arrivals) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What is said of recordings before they are calibrated: their health, and the verdict foretold from a part
+// What is said of recordings before they are calibrated: their health, and the verdict predicted from a part
 // of them.
 #include "calib/plan/check.h"
 
@@ -160,7 +160,7 @@ TEST(Thin, KeepsEveryBeaconAndFewEpochsOfMany) {
       if (a.beacon == BeaconId(5) && a.epoch % 500 != 0) continue;
       big.arrivals.push_back(a);
     }
-  const MeasurementLog few = calib::thin(big, world.site);
+  const MeasurementLog few = calib::subsample(big, world.site);
   std::set<std::int64_t> epochs;
   std::vector<std::size_t> heard(world.site.beacons.size(), 0), all = heard;
   for (const Arrival& a : few.arrivals) {
@@ -178,7 +178,7 @@ TEST(Thin, KeepsEveryBeaconAndFewEpochsOfMany) {
   std::size_t in_them = 0;
   for (const Arrival& a : big.arrivals) in_them += epochs.contains(a.epoch);
   EXPECT_EQ(few.arrivals.size(), in_them);
-  EXPECT_EQ(calib::thin(world.run, world.site).arrivals.size(), world.run.arrivals.size())
+  EXPECT_EQ(calib::subsample(world.run, world.site).arrivals.size(), world.run.arrivals.size())
       << "small ones stay";
 }
 
@@ -188,14 +188,14 @@ TEST(Thin, ALongStandKeepsSomeOfEachPair) {
   stand.arrivals.clear();
   for (const Arrival& a : world.run.arrivals)
     for (int i = 0; i < 500; ++i) stand.arrivals.push_back(a);
-  EXPECT_EQ(calib::thin(stand, world.site).arrivals.size(), 16 * world.run.arrivals.size());
+  EXPECT_EQ(calib::subsample(stand, world.site).arrivals.size(), 16 * world.run.arrivals.size());
 }
 
 // A stretch is three seconds; who asks for few gets few, and nobody more than a site needs.
 TEST(Thin, ADriveKeepsAsFewStretchesAsAreAskedFor) {
   const World world = must(simulate(drive_scenario(300.0), 1));
   const auto kept = [&](std::size_t fewest) {
-    const MeasurementLog few = calib::thin(
+    const MeasurementLog few = calib::subsample(
         world.run, world.site, {.per_beacon = 0, .drive_arrivals = 1, .fewest_stretches = fewest});
     std::set<long> stretches;
     for (const Arrival& a : few.arrivals)
@@ -208,7 +208,7 @@ TEST(Thin, ADriveKeepsAsFewStretchesAsAreAskedFor) {
 
 TEST(Thin, OdometryOfADriveAddsUpToTheSameWay) {
   const World world = must(simulate(drive_scenario(900.0), 1));
-  const MeasurementLog few = calib::thin(world.run, world.site, {.drive_arrivals = 2000});
+  const MeasurementLog few = calib::subsample(world.run, world.site, {.drive_arrivals = 2000});
   EXPECT_LT(few.arrivals.size(), world.run.arrivals.size() / 2);
   EXPECT_LT(few.odometry.size(), world.run.odometry.size() / 2);
   const auto way = [](const MeasurementLog& run) {
@@ -231,13 +231,13 @@ TEST(Thin, OdometryOfADriveAddsUpToTheSameWay) {
   for (const Arrival& a : few.arrivals) EXPECT_EQ(rows_at(few, a.time_s), rows_at(world.run, a.time_s));
 }
 
-/// Predicted sigmas against those of the whole calibration: the thinned geometry is another sample of the
+/// Predicted sigmas against those of the whole calibration: the subsampled geometry is another sample of the
 /// same paths.
-void expect_like_calibrate(const World& world, const calib::ThinOptions& options) {
+void expect_like_calibrate(const World& world, const calib::SubsampleOptions& options) {
   const calib::Problem problem = problem_of(world);
   const auto forecast = calib::forecast(problem, {}, options);
   const auto whole = calib::solve(problem);
-  ASSERT_TRUE(forecast.is_thinned());
+  ASSERT_TRUE(forecast.is_subsampled());
   EXPECT_LT(forecast.arrivals_used, forecast.arrivals / 2);
   EXPECT_EQ(forecast.solution.status, calib::SolveStatus::kConverged) << forecast.solution.message;
   EXPECT_EQ(whole.status, calib::SolveStatus::kConverged);
@@ -267,7 +267,7 @@ TEST(Forecast, OfASmallRunIsTheCalibrationItself) {
   const World world = hall(60);
   const auto forecast = calib::forecast(problem_of(world));
   const auto whole = solution_of(world);
-  EXPECT_FALSE(forecast.is_thinned());
+  EXPECT_FALSE(forecast.is_subsampled());
   EXPECT_EQ(forecast.solution.covariance.matrix, whole.covariance.matrix);
   std::vector<calib::RunHealth> health = {calib::log_health(world.site, world.run)};
   EXPECT_THAT(calib::suspicions(forecast, health), IsEmpty());

@@ -56,7 +56,7 @@ TEST(Layout, VectorAndStateAreInverse) {
 
 /// Cost with the states settled anew, as a function of the shared parameters: what the tiles must be the
 /// derivative of.
-void expect_gradient_of_the_settled_cost(bool drive, const RobustLoss& loss) {
+void expect_gradient_of_the_solved_cost(bool drive, const RobustLoss& loss) {
   Scenario s = drive ? drive_scenario(10.0) : hall_scenario();
   s.path.epochs = 12;
   const World world = must(simulate(s, 3));
@@ -84,10 +84,10 @@ void expect_gradient_of_the_settled_cost(bool drive, const RobustLoss& loss) {
       << (drive ? "drive" : "epochs");
 }
 
-TEST(Tile, GradientIsThatOfTheSettledCost) {
+TEST(Tile, GradientIsThatOfTheSolvedCost) {
   for (const bool drive : {false, true})
     for (const RobustLoss& loss : {RobustLoss{5.0, 5.0}, RobustLoss{}})
-      expect_gradient_of_the_settled_cost(drive, loss);
+      expect_gradient_of_the_solved_cost(drive, loss);
 }
 
 TEST(Datum, IsToldInWords) {

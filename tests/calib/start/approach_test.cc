@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calib/start/course.h"
+#include "calib/start/progress_monitor.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
@@ -15,8 +15,8 @@ using ::testing::HasSubstr;
 
 calib::Approach approach_of(const World& world, const calib::SolveOptions& options = {},
                             bool search_again = true) {
-  calib::Course course(options);
-  return calib::approach(problem_of(world), options, course, search_again);
+  calib::ProgressMonitor monitor(options);
+  return calib::approach(problem_of(world), options, monitor, search_again);
 }
 
 /// Largest distance of a beacon from the truth.

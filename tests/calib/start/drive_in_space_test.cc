@@ -13,7 +13,7 @@ Scenario flight(double duration_s, double echoes) {
   s.site.motion = Motion::kSpatial;
   s.log_odometry = true;
   s.echo_fraction = echoes;
-  s.site.tolerance.beacon_m = 0.2;  // all stand at about one height, which is weakly told
+  s.site.tolerance.beacon_m = 0.2;  // all stand at about one height, which is weakly observable
   return s;
 }
 

@@ -111,8 +111,8 @@ TEST(MirrorImages, AWholeSiteIsReflectedInTheLineOfWhatIsKnown) {
   EXPECT_NEAR(layout.state_of(image).beacon_p_map_m[4].y(), 0.1 - solution.state.beacon_p_map_m[4].y(), 1e-6);
   EXPECT_NEAR(layout.state_of(image).beacon_p_map_m[4].x(), solution.state.beacon_p_map_m[4].x(), 1e-6);
   // Ranges see no difference, bearings do.
-  const calib::Consensus here = calib::consensus_of(problem, layout, x, solution.trajectories, 4.0);
-  const calib::Consensus there = calib::consensus_of(problem, layout, image, reflected, 4.0);
+  const calib::ConsensusCost here = calib::consensus_cost_of(problem, layout, x, solution.trajectories, 4.0);
+  const calib::ConsensusCost there = calib::consensus_cost_of(problem, layout, image, reflected, 4.0);
   EXPECT_NEAR(there.arrivals, here.arrivals, 1e-3 * here.arrivals);
   EXPECT_EQ(calib::prefer(here, there, 1.0), calib::Preference::kFirst);
 }
@@ -181,7 +181,7 @@ struct EchoedStop {
   [[nodiscard]] calib::Preference preferred(const calib::ArrivalWeights& weights) const {
     const calib::ParameterLayout layout = calib::make_layout(problem, here, std::vector<bool>(8, false));
     const auto consensus = [&](const SharedState& state) {
-      return calib::consensus_of(problem, layout, layout.vector_of(state), trajectories, 4.0, weights);
+      return calib::consensus_cost_of(problem, layout, layout.vector_of(state), trajectories, 4.0, weights);
     };
     return calib::prefer(consensus(here), consensus(there), 1.0);
   }

@@ -77,7 +77,7 @@ RC_GTEST_PROP(NodeNumbers, TakeWhatWasPut, ()) {
   node.placed = *rc::gen::arbitrary<bool>();
   double numbers[calib::kNumbersOfNode];
   calib::put_numbers(node, numbers);
-  calib::take_numbers(numbers, back);
+  calib::read_numbers(numbers, back);
   RC_ASSERT(back.placed == node.placed);
   RC_ASSERT(back.T_map_vehicle.translation_m == node.T_map_vehicle.translation_m);
   RC_ASSERT(back.T_map_vehicle.rotation.coeffs() == node.T_map_vehicle.rotation.coeffs());

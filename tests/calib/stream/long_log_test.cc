@@ -99,8 +99,8 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
                                  solution.beacon_status, 1.0, 2, all_epochs);
   };
   const calib::Reliability all = reliability(1000), some = reliability(60);
-  ASSERT_EQ(all.every, 1U);
-  ASSERT_EQ(some.every, 5U);
+  ASSERT_EQ(all.stride, 1U);
+  ASSERT_EQ(some.stride, 5U);
   EXPECT_NEAR(some.mean_redundancy, all.mean_redundancy, 0.02);
   EXPECT_NEAR(some.redundancy_sum, all.redundancy_sum, 0.03 * all.redundancy_sum);
   for (std::size_t b = 0; b < 8; ++b) {
@@ -136,7 +136,7 @@ TEST(LongLog, OfMeasuredPosesInSpaceIsCalibratedByWayOfAPart) {
   EXPECT_LT(errors.nees(), chi2_quantile(1 - 1e-4, dof));
   EXPECT_LT(solution.statistics.rejected, world.run.arrivals.size() / 1000);
   EXPECT_NEAR(solution.tof_sigma_s, s.site.noise.tof_sigma_s, 0.2 * s.site.noise.tof_sigma_s);
-  EXPECT_GT(solution.reliability.every, 1u);  // thousands of states tell the redundancy as well as all do
+  EXPECT_GT(solution.reliability.stride, 1u);  // thousands of states tell the redundancy as well as all do
 }
 
 // A part of a long drive finds the shared parameters, the whole of it ends at its own optimum.
@@ -194,8 +194,8 @@ TEST(LongDrive, ReliabilityOfSomeStretchesIsThatOfAll) {
                                  solution.beacon_status, 1.0, 2, all_epochs);
   };
   const calib::Reliability all = reliability(10'000), some = reliability(2'000);
-  ASSERT_EQ(all.every, 1U);
-  ASSERT_GT(some.every, 1U);
+  ASSERT_EQ(all.stride, 1U);
+  ASSERT_GT(some.stride, 1U);
   EXPECT_NEAR(some.redundancy_sum, all.redundancy_sum, 0.03 * all.redundancy_sum);
   std::vector<double> redundancy(world.run.arrivals.size(), NAN);
   for (const calib::ArrivalReliability& a : all.arrivals) redundancy[a.arrival] = a.redundancy;

@@ -15,8 +15,8 @@ calib::PassSum steps(OneResidual& readings, calib::Estimate& estimate,
                      std::optional<calib::PassSum> first = {}) {
   const calib::Problem frame;
   const calib::SolveOptions options;
-  calib::Course course(options);
-  return must(calib::newton_steps(readings, frame, options, course, std::move(first), estimate));
+  calib::ProgressMonitor monitor(options);
+  return must(calib::newton_steps(readings, frame, options, monitor, std::move(first), estimate));
 }
 
 // Beside a prior: the minimum of 1/2 (2 x - 6)^2 + 1/2 ((x - 1) / 0.5)^2 is where 8 x = 16.
@@ -57,7 +57,7 @@ TEST(NewtonSteps, GoOnWhileMarksChange) {
 TEST(NewtonSteps, BeginWithAReadingThatIsKnown) {
   OneResidual line([](double x, double& r, double& J) { r = x - 1, J = 1; });
   calib::Estimate estimate = at(1.0);
-  const auto first = must(line.pass(estimate, calib::MarkPolicy::kFirst));
+  const auto first = must(line.pass(estimate, calib::RejectionPolicy::kFirst));
   static_cast<void>(steps(line, estimate, first));
   EXPECT_EQ(line.passes, 1);
   EXPECT_EQ(estimate.x[0], 1.0);
@@ -69,8 +69,8 @@ TEST(NewtonSteps, StopWhereTheyAreAskedTo) {
   const calib::Problem frame;
   calib::SolveOptions options;
   options.on_progress = [](const calib::Progress&) { return false; };
-  calib::Course course(options);
-  const auto done = calib::newton_steps(line, frame, options, course, {}, estimate);
+  calib::ProgressMonitor monitor(options);
+  const auto done = calib::newton_steps(line, frame, options, monitor, {}, estimate);
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::kInterrupted);
   EXPECT_EQ(line.passes, 0);

@@ -18,14 +18,14 @@ class OneResidual : public calib::LogReadings {
   explicit OneResidual(std::function<void(double x, double& r, double& J)> residual)
       : residual_(std::move(residual)) {}
   Result<Placed> place(const calib::Estimate&, double, bool) override { return Placed{}; }
-  Result<calib::PassSum> pass(const calib::Estimate& estimate, calib::MarkPolicy marks) override {
+  Result<calib::PassSum> pass(const calib::Estimate& estimate, calib::RejectionPolicy policy) override {
     double r = 0.0, J = 0.0;
     residual_(estimate.x[0], r, J);
     calib::PassSum sum;
     sum.system.cost = sum.counts.cost_before = 0.5 * r * r;
     sum.system.gradient.setConstant(1, J * r);
     sum.system.H.setConstant(1, 1, J * J);
-    if (marks != calib::MarkPolicy::kKept && changes_left > 0) sum.counts.changed = 1, --changes_left;
+    if (policy != calib::RejectionPolicy::kKept && changes_left > 0) sum.counts.changed = 1, --changes_left;
     latest_cost_ = sum.system.cost;
     ++passes;
     return sum;
@@ -35,7 +35,7 @@ class OneResidual : public calib::LogReadings {
     never_worse = never_worse && latest_cost_ <= accepted_cost_;
     accepted_cost_ = latest_cost_;
   }
-  Result<void> tell(const calib::Estimate&, calib::FindingsGatherer&) override { return {}; }
+  Result<void> gather(const calib::Estimate&, calib::FindingsGatherer&) override { return {}; }
 
   int passes = 0, accepted = 0, changes_left = 0;
   bool never_worse = true;  ///< than what was accepted before

@@ -88,11 +88,11 @@ inline void expect_same_drive(const Site& site, const std::vector<MeasurementLog
   EXPECT_NEAR(s.problem.typical_range_m, problem.typical_range_m, 1e-9);
   std::size_t states = 0;
   for (const Trajectory& t : whole.trajectories) states += t.nodes.size();
-  ASSERT_TRUE(part.whole);
-  EXPECT_EQ(part.whole->epochs, states);
+  ASSERT_TRUE(part.totals);
+  EXPECT_EQ(part.totals->epochs, states);
   std::vector<std::size_t> left_out(calib::kRejections, 0), counted(calib::kRejections, 0);
   for (const calib::LeftOut& l : whole.left_out) ++left_out[static_cast<std::size_t>(l.reason)];
-  for (const auto& of_beacon : part.whole->of_beacon)
+  for (const auto& of_beacon : part.totals->of_beacon)
     for (std::size_t r = 1; r < calib::kRejections; ++r) counted[r] += of_beacon[r];
   EXPECT_EQ(counted, left_out);
   expect_same_bearings(whole, part);

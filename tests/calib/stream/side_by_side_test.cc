@@ -15,12 +15,12 @@ namespace {
 const calib::SolveOptions kNobodyListens;
 
 TEST(SideBySide, EachPartIsWorkedOnOnceByOneOfTheWorkers) {
-  const calib::Course course(kNobodyListens);
+  const calib::ProgressMonitor monitor(kNobodyListens);
   for (const std::size_t workers : {1U, 3U, 40U}) {
     std::vector<std::atomic<int>> times(25);
     std::atomic<bool> beyond{false};
     const Result<void> done = calib::for_each_side_by_side(
-        5, 25, workers, course, [&](std::size_t k, std::size_t worker) -> Result<void> {
+        5, 25, workers, monitor, [&](std::size_t k, std::size_t worker) -> Result<void> {
           ++times[k];
           if (worker >= workers) beyond = true;
           return {};
@@ -32,9 +32,9 @@ TEST(SideBySide, EachPartIsWorkedOnOnceByOneOfTheWorkers) {
 }
 
 TEST(SideBySide, OfNoPartsNothingIsDone) {
-  const calib::Course course(kNobodyListens);
+  const calib::ProgressMonitor monitor(kNobodyListens);
   int calls = 0;
-  EXPECT_TRUE(calib::for_each_side_by_side(7, 7, 3, course, [&](std::size_t, std::size_t) -> Result<void> {
+  EXPECT_TRUE(calib::for_each_side_by_side(7, 7, 3, monitor, [&](std::size_t, std::size_t) -> Result<void> {
     ++calls;
     return {};
   }));
@@ -42,11 +42,11 @@ TEST(SideBySide, OfNoPartsNothingIsDone) {
 }
 
 TEST(SideBySide, AnErrorEndsItAndComesOut) {
-  const calib::Course course(kNobodyListens);
+  const calib::ProgressMonitor monitor(kNobodyListens);
   for (const std::size_t workers : {1U, 3U}) {
     std::atomic<int> begun{0};
     const Result<void> done = calib::for_each_side_by_side(
-        0, 1000, workers, course, [&](std::size_t k, std::size_t) -> Result<void> {
+        0, 1000, workers, monitor, [&](std::size_t k, std::size_t) -> Result<void> {
           ++begun;
           if (k == 3) return fail({.code = Errc::kBadInput, .found = "a row is gone"});
           return {};
@@ -58,10 +58,10 @@ TEST(SideBySide, AnErrorEndsItAndComesOut) {
 }
 
 TEST(SideBySide, WhatIsThrownComesOutWhenAllHaveEnded) {
-  const calib::Course course(kNobodyListens);
+  const calib::ProgressMonitor monitor(kNobodyListens);
   for (const std::size_t workers : {1U, 3U})
     EXPECT_THROW(
-        static_cast<void>(calib::for_each_side_by_side(0, 50, workers, course,
+        static_cast<void>(calib::for_each_side_by_side(0, 50, workers, monitor,
                                                        [](std::size_t k, std::size_t) -> Result<void> {
                                                          if (k == 20) throw std::runtime_error("no memory");
                                                          return {};
@@ -73,9 +73,9 @@ TEST(SideBySide, StopsWhereItIsAskedTo) {
   int asked = 0;
   calib::SolveOptions options;
   options.on_progress = [&](const calib::Progress&) { return ++asked < 4; };
-  const calib::Course course(options);
+  const calib::ProgressMonitor monitor(options);
   int begun = 0;
-  const Result<void> done = calib::for_each_side_by_side(0, 1000, 1, course, [&](std::size_t, std::size_t) {
+  const Result<void> done = calib::for_each_side_by_side(0, 1000, 1, monitor, [&](std::size_t, std::size_t) {
     ++begun;
     return Result<void>();
   });
@@ -87,9 +87,9 @@ TEST(SideBySide, StopsWhereItIsAskedTo) {
 TEST(SideBySide, OfNoPartsAWishToStopCountsToo) {
   calib::SolveOptions options;
   options.on_progress = [](const calib::Progress&) { return false; };
-  const calib::Course course(options);
+  const calib::ProgressMonitor monitor(options);
   const Result<void> done =
-      calib::for_each_side_by_side(0, 0, 2, course, [](std::size_t, std::size_t) { return Result<void>(); });
+      calib::for_each_side_by_side(0, 0, 2, monitor, [](std::size_t, std::size_t) { return Result<void>(); });
   ASSERT_FALSE(done.has_value());
   EXPECT_EQ(done.error().code, Errc::kInterrupted);
 }

@@ -73,15 +73,15 @@ void expect_same(const calib::Problem& problem, const calib::Solution& whole,
   EXPECT_EQ(part.warnings, whole.warnings);
   EXPECT_EQ(part.beacon_status, whole.beacon_status);
   EXPECT_DOUBLE_EQ(s.problem.typical_range_m, problem.typical_range_m);
-  ASSERT_TRUE(part.whole);
+  ASSERT_TRUE(part.totals);
   std::vector<std::size_t> left_out(calib::kRejections, 0), counted(calib::kRejections, 0);
   for (const calib::LeftOut& l : whole.left_out) ++left_out[static_cast<std::size_t>(l.reason)];
-  for (std::size_t b = 0; b < part.whole->of_beacon.size(); ++b)
-    for (std::size_t r = 1; r < calib::kRejections; ++r) counted[r] += part.whole->of_beacon[b][r];
+  for (std::size_t b = 0; b < part.totals->of_beacon.size(); ++b)
+    for (std::size_t r = 1; r < calib::kRejections; ++r) counted[r] += part.totals->of_beacon[b][r];
   EXPECT_EQ(counted, left_out);
   // The epochs looked at are those that would be looked at of the whole.
   ASSERT_TRUE(part.reliability.ok);
-  EXPECT_EQ(part.reliability.every, whole.reliability.every);
+  EXPECT_EQ(part.reliability.stride, whole.reliability.stride);
   ASSERT_EQ(part.reliability.arrivals.size(), whole.reliability.arrivals.size());
   EXPECT_NEAR(part.reliability.redundancy_sum, whole.reliability.redundancy_sum,
               1e-6 * whole.reliability.redundancy_sum);
@@ -146,7 +146,7 @@ TEST(Streamed, EpochsMayHaveClockOffsets) {
   s.site.timing.delay_per = {};
   s.true_delay_s.reset();
   const World world = must(simulate(s, 15));
-  // A thousandth of the beacons' sigma: offsets are settled beside the poses, to the same share of the cost.
+  // A thousandth of the beacons' sigma: offsets are solved beside the poses, to the same share of the cost.
   expect_same(world, world.site, {.shift_m = 4e-7});
 }
 

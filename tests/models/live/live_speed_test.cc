@@ -31,7 +31,7 @@ std::pair<std::optional<RunSpeed>, std::size_t> first_told(LiveSpeed& speed, con
   for (const Arrival& a : run.arrivals) {
     speed.hear(a);
     ++heard;
-    if (auto told = speed.told()) return {told, heard};
+    if (auto new_estimate = speed.new_estimate()) return {new_estimate, heard};
   }
   return {std::nullopt, heard};
 }
@@ -39,10 +39,10 @@ std::pair<std::optional<RunSpeed>, std::size_t> first_told(LiveSpeed& speed, con
 TEST(LiveSpeed, SomeHundredArrivalsTellTheSpeedOfAStream) {
   const World world = faster_hall(5.0);
   LiveSpeed speed(world.truth);
-  const auto [told, heard] = first_told(speed, world.run);
-  ASSERT_TRUE(told);
-  EXPECT_TRUE(told->differs());
-  EXPECT_NEAR(told->offset_mps, 5.0, 5 * told->sigma_mps);
+  const auto [new_estimate, heard] = first_told(speed, world.run);
+  ASSERT_TRUE(new_estimate);
+  EXPECT_TRUE(new_estimate->differs());
+  EXPECT_NEAR(new_estimate->offset_mps, 5.0, 5 * new_estimate->sigma_mps);
   EXPECT_LT(heard, world.run.arrivals.size());
 }
 
@@ -54,11 +54,12 @@ TEST(LiveSpeed, IsToldAfterAsManyArrivalsMoreAsItIsMadeOf) {
   for (std::size_t i = 0; i < world.run.arrivals.size(); ++i) {
     if (i % 100 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     slow.hear(world.run.arrivals[i]);
-    if (const auto told = slow.told()) at_leisure.emplace_back(i + 1, told->offset_mps);
+    if (const auto new_estimate = slow.new_estimate())
+      at_leisure.emplace_back(i + 1, new_estimate->offset_mps);
   }
   for (std::size_t i = 0; i < world.run.arrivals.size(); ++i) {
     fast.hear(world.run.arrivals[i]);
-    if (const auto told = fast.told()) at_once.emplace_back(i + 1, told->offset_mps);
+    if (const auto new_estimate = fast.new_estimate()) at_once.emplace_back(i + 1, new_estimate->offset_mps);
   }
   EXPECT_EQ(at_leisure, at_once);
   ASSERT_FALSE(at_once.empty());
@@ -83,8 +84,8 @@ TEST(LiveSpeed, OfAFastStreamAnEstimateHasSecondsAndTheNextOneRests) {
     a.epoch = static_cast<decltype(a.epoch)>(i / n) * 1'000'000 + a.epoch;
     a.time_s = static_cast<double>(i) / kRate_per_s;
     speed.hear(a);
-    if (const auto told = speed.told()) {
-      EXPECT_NEAR(told->offset_mps, 5.0, 5 * told->sigma_mps);
+    if (const auto new_estimate = speed.new_estimate()) {
+      EXPECT_NEAR(new_estimate->offset_mps, 5.0, 5 * new_estimate->sigma_mps);
       told_s.push_back(a.time_s);
     }
   }
@@ -96,14 +97,14 @@ TEST(LiveSpeed, OfAFastStreamAnEstimateHasSecondsAndTheNextOneRests) {
 TEST(LiveSpeed, AClockThatStandsIsNotWaitedFor) {
   const World world = faster_hall(5.0);
   LiveSpeed speed(world.truth);
-  bool told = false;
-  for (std::size_t i = 0; i < 110'000 && !told; ++i) {
+  bool new_estimate = false;
+  for (std::size_t i = 0; i < 110'000 && !new_estimate; ++i) {
     Arrival a = world.run.arrivals[i % world.run.arrivals.size()];
     a.time_s = 0.0;
     speed.hear(a);
-    told = speed.told().has_value();
+    new_estimate = speed.new_estimate().has_value();
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(new_estimate);
 }
 
 TEST(LiveSpeed, AnEstimateThatRunsMayBeAbandoned) {
@@ -111,7 +112,7 @@ TEST(LiveSpeed, AnEstimateThatRunsMayBeAbandoned) {
   auto speed = std::make_unique<LiveSpeed>(world.truth);
   for (std::size_t i = 0; i < 420; ++i) {
     speed->hear(world.run.arrivals[i]);
-    EXPECT_FALSE(speed->told());
+    EXPECT_FALSE(speed->new_estimate());
   }
   speed.reset();  // waits for its thread
 }

@@ -138,9 +138,9 @@ Nees nees(const Deployment& d, const Noise3& noise, const TrackerOptions& option
 
 /// Fixes of one drive share its hall, so that two fixes of each of n drives count as n to 2 n independent
 /// ones: bounds of n.
-void expect_honest(const Nees& found, int drives, double slack) {
-  EXPECT_LT(found.mean, slack * test::chi2_quantile(0.9995, 2.0 * drives) / (2.0 * drives));
-  EXPECT_GT(found.mean, test::chi2_quantile(0.0005, 2.0 * drives) / (2.0 * drives) / slack);
+void expect_honest(const Nees& found, int drives, double uncertainty) {
+  EXPECT_LT(found.mean, uncertainty * test::chi2_quantile(0.9995, 2.0 * drives) / (2.0 * drives));
+  EXPECT_GT(found.mean, test::chi2_quantile(0.0005, 2.0 * drives) / (2.0 * drives) / uncertainty);
 }
 
 TEST(TrackerCalibration, SmoothedFixesStateTheCalibrationsShare) {

@@ -174,8 +174,8 @@ RC_GTEST_PROP(InterpolationJacobian, IsTheDerivativeOfPoseAt, ()) {
     return v;
   };
   InstantPose at;
-  at.take(t, 0, 0.3 * alpha);  // of another instant of the same step, of which something is kept
-  at.take(t, 0, alpha);
+  at.set(t, 0, 0.3 * alpha);  // of another instant of the same step, of which something is kept
+  at.set(t, 0, alpha);
   Eigen::MatrixXd both = Eigen::MatrixXd::Zero(6, 12);
   both.topLeftCorner(3, 3).diagonal().setConstant(1 - alpha);
   both.block(0, 6, 3, 3).diagonal().setConstant(alpha);

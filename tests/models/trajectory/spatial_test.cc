@@ -53,7 +53,7 @@ struct OneStep {
   }
   [[nodiscard]] SpatialArrival arrival() const {
     ArrivalWhitening whitening(state.speed_offset(0));
-    whitening.take(t.arrivals[0]);
+    whitening.set(t.arrivals[0]);
     const SpatialInterval i = interval();
     return {t.arrivals[0], i, SpatialInstant(i, t.arrivals[0].alpha), state, whitening};
   }

@@ -124,9 +124,9 @@ TEST_P(Rows, DerivativesByStatesAgreeWithNumericOnes) {
   EXPECT_LT((analytic - numeric).cwiseAbs().maxCoeff(), 2e-5 * analytic.cwiseAbs().maxCoeff());
 }
 
-TEST_P(Rows, SettleFindsTheLeastSquaresStates) {
+TEST_P(Rows, SolveStatesFindsTheLeastSquaresStates) {
   Drive drive(GetParam());
-  const SettleResult result = settle(drive.t, drive.t.segments[0], drive.state, {}, 100);
+  const StateSolveResult result = solve_states(drive.t, drive.t.segments[0], drive.state, {}, 100);
   EXPECT_TRUE(result.converged);
   ChainSystem system;
   build_chain_system(drive.t, drive.t.segments[0], drive.state, {}, system);
@@ -137,7 +137,7 @@ TEST_P(Rows, SettleFindsTheLeastSquaresStates) {
 
 TEST_P(Rows, NodeCovarianceIsTheBlockOfTheDenseInverse) {
   Drive drive(GetParam());
-  settle(drive.t, drive.t.segments[0], drive.state, {}, 100);
+  solve_states(drive.t, drive.t.segments[0], drive.state, {}, 100);
   ChainSystem system;
   build_chain_system(drive.t, drive.t.segments[0], drive.state, {}, system);
   const Eigen::Index n = drive.t.block_size(), K = 5;

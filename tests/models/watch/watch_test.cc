@@ -217,7 +217,7 @@ TEST(Watch, RejectedArrivalsCount) {
   EXPECT_EQ(alarm->kind, WatchKind::kBeaconLate);
 }
 
-// One by one, as a filter has them: the pose foretold to 5 mm and 5 mrad.
+// One by one, as a filter has them: the pose predicted to 5 mm and 5 mrad.
 TEST(Watch, InnovationsOfAFilterAreWatchedToo) {
   for (const bool wrong : {false, true}) {
     Rounds rounds(8);

@@ -47,7 +47,7 @@ calib::ChunkIndex scanned(MemorySource& source, std::size_t vehicles, std::size_
   calib::ChunkIndex index(calib::StateKinds(source.runs(), std::vector<StateKind>(vehicles, kind)), beacons,
                           chunk);
   static_cast<void>(source.scan([&](std::size_t run, const std::vector<Arrival>& block) {
-    index.take(run, block);
+    index.add(run, block);
     return true;
   }));
   index.end(source.runs());
@@ -132,7 +132,7 @@ TEST(ChunkIndex, DrivesAreNoneOfIt) {
   MemorySource source({log}, 50);
   calib::ChunkIndex index({{StateKind::kStops, StateKind::kDrive, StateKind::kStops}}, 5, 100);
   static_cast<void>(source.scan([&](std::size_t run, const std::vector<Arrival>& block) {
-    index.take(run, block);
+    index.add(run, block);
     return true;
   }));
   index.end(1);
@@ -146,7 +146,7 @@ TEST(ChunkIndex, DrivesAreNoneOfIt) {
   }
 }
 
-/// A part of a long log as thin() chooses it, the log at hand or not.
+/// A part of a long log as subsample() chooses it, the log at hand or not.
 TEST(LogPart, IsThatOfTheWholeLog) {
   Scenario s = hall_scenario();
   s.path.epochs = 1500;
@@ -159,12 +159,12 @@ TEST(LogPart, IsThatOfTheWholeLog) {
            (a.beacon.value == 6 && a.epoch != 700 && a.epoch != 1201);
   });
   const calib::Problem whole = must(calib::make_problem(world.site, {run, world.heldout}));
-  const calib::Problem expected = must(calib::part_of(whole));
+  const calib::Problem expected = must(calib::subsample_of(whole));
   MemorySource source({run, world.heldout}, 100);
   const calib::ChunkIndex index =
       scanned(source, world.site.vehicles.size(), world.site.beacons.size(), 1000);
   const auto stops_of = [&](std::size_t run) {
-    return must(calib::part_of_stops(run, world.site, source, index, 2));
+    return must(calib::subsample_of_stops(run, world.site, source, index, 2));
   };
   const calib::Problem part = must(calib::make_problem(world.site, {stops_of(0), stops_of(1)}));
   for (std::size_t r = 0; r < 2; ++r) {

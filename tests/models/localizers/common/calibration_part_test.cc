@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What a calibration leaves uncertain of a fix: against a fix that is settled anew for other parameters.
+// What a calibration leaves uncertain of a fix: against a fix that is solved anew for other parameters.
 #include "models/localizers/common/calibration_part.h"
 
 #include <cmath>
@@ -17,7 +17,7 @@
 namespace octant::test {
 namespace {
 
-/// A stop of a vehicle with three receivers, settled; of its beacons, delays and the speed little is known.
+/// A stop of a vehicle with three receivers, solved; of its beacons, delays and the speed little is known.
 struct Stop {
   Deployment d = with_receiver(with_receiver(with_receiver(hall(), {0.3, 0.0, 0.3}), {-0.2, 0.25, 0.3}),
                                {-0.2, -0.25, 0.3});
@@ -47,14 +47,14 @@ struct Stop {
     set_epoch(t, arrivals, {}, trajectory_model(d));
     t.nodes[0].T_map_vehicle = Pose::planar(7.1, 5.1, 0.5);
     t.nodes[0].placed = true;
-    settle();
+    solve_states();
   }
   static double unit(const ParameterId& id) {
     return id.kind == ParameterKind::kBeaconPosition || id.kind == ParameterKind::kReceiverPosition ? 1e-3
            : id.kind == ParameterKind::kSpeed                                                       ? 0.1
                                                                                                     : 3e-6;
   }
-  void settle() { octant::settle(t, t.segments[0], state, {}, 50); }
+  void solve_states() { octant::solve_states(t, t.segments[0], state, {}, 50); }
   /// The pose that is found where the parameters are off by so much.
   [[nodiscard]] Eigen::VectorXd pose_for(const Eigen::VectorXd& off) const {
     Stop other = *this;
@@ -62,7 +62,7 @@ struct Stop {
       const ParameterId& id = d.covariance.parameters[k];
       *value_in(other.state, id) += off[static_cast<Eigen::Index>(k)];
     }
-    for (int i = 0; i < 4; ++i) other.settle();
+    for (int i = 0; i < 4; ++i) other.solve_states();
     const Pose& T = other.t.nodes[0].T_map_vehicle;
     return Eigen::Vector3d(T.translation_m.x(), T.translation_m.y(), T.heading_rad());
   }
@@ -81,7 +81,7 @@ TEST(CalibrationPart, IsHowTheFixFollowsTheParameters) {
     by.col(k) = (stop.pose_for(e) - stop.pose_for(-e)) / (2 * step);
   }
   const Eigen::Matrix3d want = by * stop.d.covariance.matrix * by.transpose();
-  // Gauss and Newton leave the residuals' curvature out: noise of 3 mm at distances of metres; a settled
+  // Gauss and Newton leave the residuals' curvature out: noise of 3 mm at distances of metres; a solved
   // state is good to a ten-thousandth of its sigma. And the unknown heading's pi^2 is nothing beside it.
   EXPECT_LT((P - before - want).cwiseAbs().maxCoeff(), 0.02 * want.cwiseAbs().maxCoeff());
   EXPECT_GT(want(0, 0), 1e-7) << "a millimetre or so is no rounding";

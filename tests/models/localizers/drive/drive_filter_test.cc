@@ -141,7 +141,7 @@ TEST(DriveFilter, LeavesOutWhatIsBeyondTheGateAndSaysOnWhichSide) {
   // Slack widens it: 4 sigmas of 10 mm besides are 116 us.
   a.tof_s = exact_s + 1e-4;
   EXPECT_FALSE(filter.fits(hall.t, a));
-  filter.set_range_slack(0.01);
+  filter.set_range_uncertainty(0.01);
   EXPECT_TRUE(filter.fits(hall.t, a));
 }
 
@@ -258,7 +258,7 @@ TEST(DriveFilter, TakesOverWhatAnotherHolds) {
   a.start(kTruth, 0.01 * start_covariance());
   b.start(Pose(), start_covariance());
   for (std::size_t i = 0; i < 5; ++i) static_cast<void>(a.update(hall.t, hall.t.arrivals[i]));
-  b.take_state(a);
+  b.copy_state(a);
   for (std::size_t i = 5; i < hall.t.arrivals.size(); ++i)
     EXPECT_EQ(a.update(hall.t, hall.t.arrivals[i]), b.update(hall.t, hall.t.arrivals[i]));
   EXPECT_EQ(a.pose().translation_m, b.pose().translation_m);

@@ -68,17 +68,17 @@ TEST(DriveStart, OneBeaconDoesNotTell) {
 // Arrivals of a beacon share its slack until the direction has changed: over half a range driven.
 TEST(DriveStart, SlackOfSharedErrorsByHand) {
   StartWorld w(4.0);
-  EXPECT_EQ(independent_slack_m(w.t, w.segment(), w.model, 0.0), 0.0);
+  EXPECT_EQ(independent_uncertainty_m(w.t, w.segment(), w.model, 0.0), 0.0);
   for (OdometryObservation& o : w.t.odometry) o.T_before_after = Pose{};  // it stands: all arrivals share it
   std::vector<bool> heard(w.d.beacons.size());
   for (const ArrivalObservation& a : w.t.arrivals) heard[a.beacon.index()] = true;
   const auto beacons = static_cast<double>(std::count(heard.begin(), heard.end(), true));
   const auto arrivals = static_cast<double>(w.t.arrivals.size());
-  EXPECT_NEAR(independent_slack_m(w.t, w.segment(), w.model, 0.1), 0.1 * std::sqrt(arrivals / beacons),
+  EXPECT_NEAR(independent_uncertainty_m(w.t, w.segment(), w.model, 0.1), 0.1 * std::sqrt(arrivals / beacons),
               1e-12);
   for (OdometryObservation& o : w.t.odometry)
     o.T_before_after = Pose::planar(1e6, 0, 0);  // it flies: none do
-  EXPECT_EQ(independent_slack_m(w.t, w.segment(), w.model, 0.1), 0.1);
+  EXPECT_EQ(independent_uncertainty_m(w.t, w.segment(), w.model, 0.1), 0.1);
 }
 
 TEST(DriveStart, WidenedSigmasLastAsLongAsTheyAreAskedFor) {
@@ -86,7 +86,7 @@ TEST(DriveStart, WidenedSigmasLastAsLongAsTheyAreAskedFor) {
   const double before = w.t.arrivals[3].sigma_s;
   {
     const WidenedArrivals widened(w.t, w.segment(), w.model, 0.05);
-    const double wide_s = independent_slack_m(w.t, w.segment(), w.model, 0.05) / 343.7;
+    const double wide_s = independent_uncertainty_m(w.t, w.segment(), w.model, 0.05) / 343.7;
     EXPECT_NEAR(w.t.arrivals[3].sigma_s, std::hypot(before, wide_s), 1e-3 * wide_s);
   }
   EXPECT_EQ(w.t.arrivals[3].sigma_s, before);

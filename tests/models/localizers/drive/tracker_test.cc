@@ -58,7 +58,8 @@ TEST(Tracker, IsExactWithoutNoise) {
   const Drive w = drive(d, 20, 0.0, 0.0, 32);
   for (const Fix& fix : track(w.log, d)) {
     ASSERT_TRUE(fix.ok());
-    // settle() stops at a gain of 1e-13 in the cost: 1e-6 of a sigma (3 mm) over a stiff chain of 400 states.
+    // solve_states() stops at a gain of 1e-13 in the cost: 1e-6 of a sigma (3 mm) over a stiff chain of 400
+    // states.
     EXPECT_LT((fix.T_map_vehicle.translation_m - truth_at(w, fix.time_s).translation_m).norm(), 1e-7);
   }
 }

@@ -245,7 +245,7 @@ TEST(EpochFix, SlackKeepsTheHeading) {
     for (DeploymentBeacon& b : d.beacons)
       for (int i = 0; i < 3; ++i) b.position_m[i] += 0.3 * normal(random);
     EpochFixOptions options;
-    options.range_slack_m = 0.3;
+    options.range_uncertainty_m = 0.3;
     const Pose truth = random_pose(random);
     const Fix fix =
         LeastSquaresLocalizer(d, options).locate(hear(truth_deployment, truth, {.noise_s = 1e-5}, random));

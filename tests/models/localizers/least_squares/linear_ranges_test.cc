@@ -75,14 +75,14 @@ TEST(LinearRanges, DetoursAreLongerThanTheOtherReceiverAllows) {
   ASSERT_EQ(arrivals[4].beacon, arrivals[5].beacon);
   {
     Trajectory t = stop_of(d, arrivals);
-    EXPECT_FALSE(mark_detours(t, t.segments.front(), model.state, 4.0));
+    EXPECT_FALSE(reject_detours(t, t.segments.front(), model.state, 4.0));
   }
   // 0.2 m apart, so 0.25 m more are too many (four sigmas of 1e-5 s each are 19 mm); of one alone nothing is
   // known.
   arrivals[4].tof_s += 0.45 / 343.7;
   arrivals[6].tof_s += 0.1 / 343.7;
   Trajectory t = stop_of(d, arrivals);
-  EXPECT_TRUE(mark_detours(t, t.segments.front(), model.state, 4.0));
+  EXPECT_TRUE(reject_detours(t, t.segments.front(), model.state, 4.0));
   for (std::size_t i = 0; i < t.arrivals.size(); ++i)
     EXPECT_EQ(t.arrivals[i].rejection, i == 4 ? Rejection::kTriangle : Rejection::kUsed) << i;
 }

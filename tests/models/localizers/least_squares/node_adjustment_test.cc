@@ -32,7 +32,9 @@ struct Stop {
     t.nodes[0].T_map_vehicle = truth * Pose::planar(0.03, -0.02, 0.04);
     t.nodes[0].placed = true;
   }
-  NodeAdjustment adjust(double slack_m) { return adjust_node(t, t.segments[0], model.state, slack_m); }
+  NodeAdjustment adjust(double uncertainty_m) {
+    return adjust_node(t, t.segments[0], model.state, uncertainty_m);
+  }
 
   /// Residuals in metres at the node moved in the map's axes and about its own.
   [[nodiscard]] Eigen::VectorXd residuals_m(const Eigen::Vector3d& move) const {
@@ -50,14 +52,14 @@ struct Stop {
     return r;
   }
   /// Covariance of the ranges: noise, and what a beacon's have in common.
-  [[nodiscard]] Eigen::MatrixXd noise_m2(double slack_m) const {
+  [[nodiscard]] Eigen::MatrixXd noise_m2(double uncertainty_m) const {
     const auto n = static_cast<Eigen::Index>(t.arrivals.size());
     Eigen::MatrixXd V = Eigen::MatrixXd::Zero(n, n);
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = 0; j < n; ++j) {
         const auto &a = t.arrivals[static_cast<std::size_t>(i)], &b = t.arrivals[static_cast<std::size_t>(j)];
         if (i == j) V(i, i) += std::pow(a.sigma_s * a.model_speed_mps, 2);
-        if (a.beacon == b.beacon) V(i, j) += slack_m * slack_m;
+        if (a.beacon == b.beacon) V(i, j) += uncertainty_m * uncertainty_m;
       }
     return V;
   }
@@ -66,12 +68,12 @@ struct Stop {
 class NodeAdjustmentWith : public testing::TestWithParam<double> {};
 
 TEST_P(NodeAdjustmentWith, SlackIsGeneralisedLeastSquares) {
-  const double slack_m = GetParam();
+  const double uncertainty_m = GetParam();
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Stop stop(seed);
-    const NodeAdjustment found = stop.adjust(slack_m);
+    const NodeAdjustment found = stop.adjust(uncertainty_m);
     ASSERT_TRUE(found.converged) << seed;
-    const Eigen::MatrixXd W = stop.noise_m2(slack_m).inverse();
+    const Eigen::MatrixXd W = stop.noise_m2(uncertainty_m).inverse();
     Eigen::MatrixXd J(static_cast<Eigen::Index>(stop.t.arrivals.size()), 3);
     constexpr double kStep = 1e-5;
     for (int p = 0; p < 3; ++p)
@@ -112,7 +114,7 @@ TEST(NodeAdjustment, MarksBeyondTheLimitAndReadmitsWellWithin) {
   const double exact_s = a.tof_s - stop.residuals_m(Eigen::Vector3d::Zero())[2] / a.model_speed_mps;
   const auto mark_at = [&](double share) {
     a.tof_s = exact_s + share * limit_m / a.model_speed_mps;
-    return mark_arrivals(stop.t, stop.t.segments[0], stop.model, 0.0, 4.0);
+    return reject_arrivals(stop.t, stop.t.segments[0], stop.model, 0.0, 4.0);
   };
   EXPECT_FALSE(mark_at(0.99));
   EXPECT_EQ(a.rejection, Rejection::kUsed);

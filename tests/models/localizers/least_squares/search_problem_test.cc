@@ -27,8 +27,8 @@ struct Stop {
     std::mt19937_64 random(5);
     set_epoch(t, hear(d, kTruth, {}, random), {}, trajectory_model(d));
   }
-  [[nodiscard]] SearchProblem problem(double slack_m = 0.0) const {
-    return make_search_problem(t, t.segments[0], model, slack_m);
+  [[nodiscard]] SearchProblem problem(double uncertainty_m = 0.0) const {
+    return make_search_problem(t, t.segments[0], model, uncertainty_m);
   }
 };
 

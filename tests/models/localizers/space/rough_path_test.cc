@@ -60,8 +60,8 @@ void expect_placed(std::uint64_t seed, double echoes) {
   const EpochFixModel model = epoch_fix_model(f.said);
   ASSERT_EQ(f.trajectory.segments.size(), 1U);
   ASSERT_TRUE(place_roughly(f.trajectory, f.trajectory.segments[0], model,
-                            TrackerOptions{.range_slack_m = kSlack_m}));
-  // Heights among level beacons are weakly told: of them only the side of the beacons' plane.
+                            TrackerOptions{.range_uncertainty_m = kSlack_m}));
+  // Heights among level beacons are weakly observable: of them only the side of the beacons' plane.
   const Largest off = largest_off(f.trajectory, f.world.run.truth);
   EXPECT_LT(off.plane_m, 0.7) << "seed " << seed;
   EXPECT_LT(off.attitude_rad, 0.3) << "seed " << seed << ": a tilted image is beyond it";
@@ -81,7 +81,7 @@ TEST(RoughPath, HasNoKinksBetweenItsPieces) {
   Flight f = flight(1);
   const EpochFixModel model = epoch_fix_model(f.said);
   ASSERT_TRUE(place_roughly(f.trajectory, f.trajectory.segments[0], model,
-                            TrackerOptions{.range_slack_m = kSlack_m}));
+                            TrackerOptions{.range_uncertainty_m = kSlack_m}));
   const Trajectory& t = f.trajectory;
   for (const OdometryObservation& o : t.odometry) {
     const Pose step = t.nodes[o.node].T_map_vehicle.inverse() * t.nodes[o.node + 1].T_map_vehicle;
@@ -96,7 +96,7 @@ TEST(RoughPath, NothingHeardIsNoPath) {
   Segment unheard = f.trajectory.segments[0];
   unheard.last_arrival = unheard.first_arrival;
   EXPECT_FALSE(place_roughly(f.trajectory, unheard, epoch_fix_model(f.said),
-                             TrackerOptions{.range_slack_m = kSlack_m}));
+                             TrackerOptions{.range_uncertainty_m = kSlack_m}));
 }
 
 /// Two poses at the ends and the odometry between them share what they disagree by as their variances are.

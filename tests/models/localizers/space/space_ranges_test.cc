@@ -150,7 +150,7 @@ TEST(RangesInSpace, AreDistancesAndArrivalsOfOnePingOneInstant) {
   }
   for (const SpaceRange& r : ranges.all) {
     EXPECT_NEAR(r.distance.range_m, (p - r.p_beacon_m).norm(), 1e-9);
-    EXPECT_EQ(r.mark, r.arrival.beacon == BeaconId(2) ? Rejection::kBeaconUnusable : Rejection::kUsed);
+    EXPECT_EQ(r.rejection, r.arrival.beacon == BeaconId(2) ? Rejection::kBeaconUnusable : Rejection::kUsed);
     EXPECT_NEAR(r.variance_m2, std::pow(343.7 * 1e-5, 2), 1e-12);
   }
 }

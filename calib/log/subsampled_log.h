@@ -19,14 +19,15 @@ struct LogCounts {
   [[nodiscard]] double all_arrivals() const;
 };
 
-/// A thinned log (problem/thin.h), held, whose verdict is that of the whole: each observation there is as
-/// accurate as all those together that it stands for. All else is judged as it is: residuals of so few
+/// A subsampled log (problem/subsample.h), held, whose verdict is that of the whole: each observation there
+/// is as accurate as all those together that it stands for. All else is judged as it is: residuals of so few
 /// arrivals are not as good as those of all.
-class ThinnedLog : public HeldLog {
+class SubsampledLog : public HeldLog {
  public:
   /// All outlive it.
-  ThinnedLog(const Problem& thinned, const LogCounts& whole, const SolveOptions& options, Course& course)
-      : HeldLog(thinned, options, course), whole_(whole) {}
+  SubsampledLog(const Problem& subsampled, const LogCounts& whole, const SolveOptions& options,
+                ProgressMonitor& monitor)
+      : HeldLog(subsampled, options, monitor), whole_(whole) {}
 
   [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
 

@@ -15,9 +15,9 @@ namespace octant::calib {
 [[nodiscard]] inline auto interrupted() { return fail({.code = Errc::kInterrupted, .found = "interrupted"}); }
 
 /// How far a calibration has come: what it tells whoever listens, and whether he wants it to stop.
-class Course {
+class ProgressMonitor {
  public:
-  explicit Course(const SolveOptions& options) : options_(options) {}
+  explicit ProgressMonitor(const SolveOptions& options) : options_(options) {}
 
   /// A new stage; false: stop.
   bool report(const std::string& stage, double fraction) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to settle(): the chains that it moves, and their normal equations.
+// Private to solve_states(): the chains that it moves, and their normal equations.
 
 #include <algorithm>
 #include <vector>
@@ -13,7 +13,7 @@
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/node_step.h"
 #include "models/trajectory/planar.h"
-#include "models/trajectory/settle.h"
+#include "models/trajectory/solve_states.h"
 #include "models/trajectory/spatial.h"
 #include "models/trajectory/stretches.h"
 
@@ -128,7 +128,7 @@ class NodeChain {
       for (; a < part.last_arrival && t_.arrivals[a].node == node; ++a) {
         const ArrivalObservation& heard = t_.arrivals[a];
         if (heard.rejection != Rejection::kUsed) continue;
-        whitening.take(heard);
+        whitening.set(heard);
         const SpatialInstant at(interval, heard.alpha);
         const SpatialArrival row(heard, interval, at, state, whitening);
         double rho = row.residual * row.residual, w = 1.0;
@@ -274,7 +274,7 @@ class PlanarChain {
       for (; a < segment_.last_arrival && t_.arrivals[a].node == base + k; ++a) {
         const ArrivalObservation& heard = t_.arrivals[a];
         if (heard.rejection != Rejection::kUsed) continue;
-        whitening.take(heard);
+        whitening.set(heard);
         const PlanarArrival row(heard, interval.at(heard.alpha), state, whitening);
         double rho = row.residual * row.residual, w = 1.0;
         if (!plain) loss.evaluate(row.residual, rho, w);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/trajectory/settle.h"
+#include "models/trajectory/solve_states.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +11,14 @@
 #include "models/support/observed.h"
 #include "models/trajectory/chain_solver.h"
 #include "models/trajectory/linearise.h"
-#include "models/trajectory/settle_chains.h"
+#include "models/trajectory/state_chains.h"
 
 namespace octant {
 namespace {
 
 /// A state that is held makes no step and passes none on.
 template <int N>
-void hold_ends(const SettleOptions& options, FixedChainSystem<N>& system) {
+void hold_ends(const StateSolveOptions& options, FixedChainSystem<N>& system) {
   const std::size_t last = system.D.size() - 1;
   const auto hold = [&](std::size_t k) {
     system.D[k].setIdentity();
@@ -35,7 +35,7 @@ void hold_ends(const SettleOptions& options, FixedChainSystem<N>& system) {
 /// these.
 template <class Vector>
 bool is_last(const std::pmr::vector<Vector>& step, double gain, double cost, const RobustLoss& loss,
-             const SettleOptions& options) {
+             const StateSolveOptions& options) {
   if (gain < options.tolerance * (1.0 + cost)) return true;
   if (options.left_behind <= 0.0 || !is_plain(loss)) return false;
   double b = 0.0;
@@ -47,9 +47,9 @@ bool is_last(const std::pmr::vector<Vector>& step, double gain, double cost, con
 /// Levenberg-Marquardt: a point is built at once with its system, which the next step takes. There is one, as
 /// that of a long drive takes most of its memory: where a step is taken back it is built again.
 template <class Chain>
-SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLoss& loss,
-                          const SettleOptions& options) {
-  SettleResult result;
+StateSolveResult solve_chain(Chain chain, const SharedState& state, const RobustLoss& loss,
+                             const StateSolveOptions& options) {
+  StateSolveResult result;
   FixedChainSystem<Chain::kSize> system;
   typename FixedChainSystem<Chain::kSize>::Block alone;  // of a single state
   FixedChainStep<Chain::kSize> work;
@@ -70,7 +70,7 @@ SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLos
         continue;
       }
       gain = work.gain(system);
-      if (!(gain > kSettledToRounding * (1.0 + system.cost))) break;
+      if (!(gain > kConvergedToRounding * (1.0 + system.cost))) break;
       chain.move(work.step(), options.threads);
       if (lambda < 1e-3 && is_last(work.step(), gain, system.cost, loss, options)) {
         system.cost -= gain;  // so near that the quadratic cost is as good as the cost
@@ -102,21 +102,21 @@ SettleResult settle_chain(Chain chain, const SharedState& state, const RobustLos
 
 }  // namespace
 
-SettleResult settle(Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss,
-                    const SettleOptions& options) {
+StateSolveResult solve_states(Trajectory& t, const Segment& segment, const SharedState& state,
+                              const RobustLoss& loss, const StateSolveOptions& options) {
   if (PlanarChain::takes(t, segment, state))
-    return settle_chain(PlanarChain(t, segment), state, loss, options);
+    return solve_chain(PlanarChain(t, segment), state, loss, options);
   switch (t.block_size()) {
-    case 3: return settle_chain(NodeChain<3>(t, segment), state, loss, options);
-    case 4: return settle_chain(NodeChain<4>(t, segment), state, loss, options);
-    case 6: return settle_chain(NodeChain<6>(t, segment), state, loss, options);
-    default: return settle_chain(NodeChain<7>(t, segment), state, loss, options);
+    case 3: return solve_chain(NodeChain<3>(t, segment), state, loss, options);
+    case 4: return solve_chain(NodeChain<4>(t, segment), state, loss, options);
+    case 6: return solve_chain(NodeChain<6>(t, segment), state, loss, options);
+    default: return solve_chain(NodeChain<7>(t, segment), state, loss, options);
   }
 }
 
-SettleResult settle(Trajectory& t, const Segment& segment, const SharedState& state, const RobustLoss& loss,
-                    int max_iterations) {
-  return settle(t, segment, state, loss, SettleOptions{.max_iterations = max_iterations});
+StateSolveResult solve_states(Trajectory& t, const Segment& segment, const SharedState& state,
+                              const RobustLoss& loss, int max_iterations) {
+  return solve_states(t, segment, state, loss, StateSolveOptions{.max_iterations = max_iterations});
 }
 
 StateCovariance node_covariance(const Trajectory& t, const Segment& segment, std::size_t node,

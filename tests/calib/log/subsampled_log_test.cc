@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/log/thinned_log.h"
+#include "calib/log/subsampled_log.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "calib/calibrator.h"
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
@@ -26,19 +26,19 @@ TEST(LogCounts, AreOfEachBeacon) {
 }
 
 // Of a quarter of the epochs: values and residuals are those of the part, sigmas those of all, which are half
-// as large, and are foretold within a tenth.
-TEST(ThinnedLog, HasTheVerdictOfTheWhole) {
+// as large, and are predicted within a tenth.
+TEST(SubsampledLog, HasTheVerdictOfTheWhole) {
   Scenario s = hall_scenario();
   s.path.epochs = 480;
   const World world = must(simulate(s, 2));
   const calib::Problem whole = problem_of(world),
                        few = must(calib::make_problem(
-                           world.site, {calib::thin(world.run, world.site, {.instants = 120})}));
+                           world.site, {calib::subsample(world.run, world.site, {.instants = 120})}));
   const calib::SolveOptions options;
-  calib::Course course(options);
+  calib::ProgressMonitor monitor(options);
   const calib::LogCounts all(whole);
-  calib::ThinnedLog log(few, all, options, course);
-  const calib::Solution foretold = must(calib::calibrate(log, options, course)), part = calib::solve(few),
+  calib::SubsampledLog log(few, all, options, monitor);
+  const calib::Solution foretold = must(calib::calibrate(log, options, monitor)), part = calib::solve(few),
                         of_all = calib::solve(whole);
   ASSERT_EQ(foretold.status, calib::SolveStatus::kConverged) << foretold.message;
   EXPECT_EQ(foretold.statistics.arrivals, part.statistics.arrivals);
@@ -60,15 +60,15 @@ TEST(ThinnedLog, HasTheVerdictOfTheWhole) {
   EXPECT_NEAR(ratio / count, 1.0, 0.1);
 }
 
-// Nothing is thinned: nothing is weighed.
-TEST(ThinnedLog, OfAllIsTheLog) {
+// Nothing is subsampled: nothing is weighed.
+TEST(SubsampledLog, OfAllIsTheLog) {
   const World world = must(simulate(hall_scenario(), 3));
   const calib::Problem problem = problem_of(world);
   const calib::SolveOptions options;
-  calib::Course course(options);
+  calib::ProgressMonitor monitor(options);
   const calib::LogCounts all(problem);
-  calib::ThinnedLog log(problem, all, options, course);
-  const calib::Solution a = must(calib::calibrate(log, options, course)), b = calib::solve(problem);
+  calib::SubsampledLog log(problem, all, options, monitor);
+  const calib::Solution a = must(calib::calibrate(log, options, monitor)), b = calib::solve(problem);
   EXPECT_EQ(a.covariance.matrix, b.covariance.matrix);
 }
 

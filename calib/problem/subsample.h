@@ -14,7 +14,7 @@
 namespace octant::calib {
 
 /// How much of a recording a forecast looks at.
-struct ThinOptions {
+struct SubsampleOptions {
   std::size_t instants = 300;         ///< epochs or distinct times, evenly spread
   std::size_t per_beacon = 40;        ///< arrivals that each beacon keeps, if it has as many
   std::size_t per_pair = 16;          ///< arrivals of one beacon at one receiver within one epoch or stretch
@@ -27,10 +27,10 @@ struct DriveStretches {
   double length_s = 3.0;    ///< long against the time over which odometry ties states together
   std::size_t fewest = 30;  ///< that are kept
 };
-/// Number of stretches that hold about ThinOptions::drive_arrivals arrivals together. @param arrivals,
+/// Number of stretches that hold about SubsampleOptions::drive_arrivals arrivals together. @param arrivals,
 /// stretches  of the run
-[[nodiscard]] std::size_t stretches_kept(const Site& site, const ThinOptions& options, std::size_t arrivals,
-                                         std::size_t stretches);
+[[nodiscard]] std::size_t stretches_kept(const Site& site, const SubsampleOptions& options,
+                                         std::size_t arrivals, std::size_t stretches);
 /// Time from the request of a two-way range to its reply; 0 for one way.
 [[nodiscard]] double asked_before_s(const Site& site, const Arrival& arrival);
 /// In space a stretch is placed by its own shape among beacons that are known roughly, and of poses that are
@@ -41,21 +41,21 @@ struct DriveStretches {
 /// A smaller recording that tells the same: evenly spread epochs (or stretches of a drive, with their
 /// odometry row for row and the odometry between them summed up), and more of them where a beacon would have
 /// too little. Measured poses stay where arrivals do. A recording that is small already comes back as it is.
-[[nodiscard]] MeasurementLog thin(const MeasurementLog& run, const Site& site,
-                                  const ThinOptions& options = {});
+[[nodiscard]] MeasurementLog subsample(const MeasurementLog& run, const Site& site,
+                                       const SubsampleOptions& options = {});
 
 /// Odometry of all vehicles, by time: rows of the spans of time as they are, what lies between summed up to
 /// longer steps, of which a gap has some tens at most, however long it is.
 /// @param spans  begin and end, ascending
-[[nodiscard]] std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odometry,
-                                                         const std::vector<std::pair<double, double>>& spans);
+[[nodiscard]] std::vector<OdometryStep> subsampled_odometry(
+    const std::vector<OdometryStep>& odometry, const std::vector<std::pair<double, double>>& spans);
 
 /// Measured poses within such spans, and the next ones on either side.
 [[nodiscard]] std::vector<TimedPose> poses_near(const std::vector<TimedPose>& poses,
                                                 const std::vector<std::pair<double, double>>& spans);
 
-/// The choice of groups (epochs, instants, stretches) that thin() makes, by their numbers in the order of
-/// time. Evenly spread ones first:
+/// The choice of groups (epochs, instants, stretches) that subsample() makes, by their numbers in the order
+/// of time. Evenly spread ones first:
 [[nodiscard]] std::vector<bool> evenly_chosen(std::size_t groups, std::size_t budget);
 /// and then more for each beacon that the chosen ones hear too seldom, evenly again.
 struct GroupsHearing {

@@ -17,8 +17,8 @@ inline constexpr std::size_t kRejections = static_cast<std::size_t>(Rejection::k
 
 /// What is told of all epochs of a log of which only every so many-th is at hand as a trajectory, because the
 /// whole would not fit into memory.
-struct WholeLog {
-  std::size_t every = 1;
+struct LogTotals {
+  std::size_t stride = 1;
   std::size_t epochs = 0;
   /// Arrivals of each beacon by what became of them.
   std::vector<std::array<std::size_t, kRejections>> of_beacon;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/trajectory/settle.h"
+#include "models/trajectory/solve_states.h"
 
 #include <cmath>
 #include <random>
@@ -93,8 +93,8 @@ TEST(SpatialChain, SettlesWhereTheRowsHaveNoGradient) {
   for (const std::size_t nodes : {std::size_t{2}, std::size_t{50}, std::size_t{3000}})
     for (const RobustLoss& loss : {RobustLoss{}, RobustLoss{4.0, 5.0}}) {
       Drive drive = long_spatial_drive(nodes);
-      const SettleResult result =
-          settle(drive.t, drive.t.segments[0], drive.state, loss, {.max_iterations = 100});
+      const StateSolveResult result =
+          solve_states(drive.t, drive.t.segments[0], drive.state, loss, {.max_iterations = 100});
       EXPECT_TRUE(result.converged);
       if (is_plain(loss)) EXPECT_LE(result.iterations, 6) << "that is not Gauss-Newton";
       ChainSystem system;
@@ -107,8 +107,9 @@ TEST(SpatialChain, SettlesWhereTheRowsHaveNoGradient) {
 
 TEST(SpatialChain, DoesNotDependOnTheNumberOfThreads) {
   Drive one = long_spatial_drive(3000), three = one;
-  const SettleResult a = settle(one.t, one.t.segments[0], one.state, {2.0, 3.0}, {.threads = 1});
-  const SettleResult b = settle(three.t, three.t.segments[0], three.state, {2.0, 3.0}, {.threads = 3});
+  const StateSolveResult a = solve_states(one.t, one.t.segments[0], one.state, {2.0, 3.0}, {.threads = 1});
+  const StateSolveResult b =
+      solve_states(three.t, three.t.segments[0], three.state, {2.0, 3.0}, {.threads = 3});
   EXPECT_EQ(a.cost, b.cost);
   for (std::size_t k = 0; k < one.t.nodes.size(); ++k) {
     EXPECT_EQ(one.t.nodes[k].T_map_vehicle.translation_m, three.t.nodes[k].T_map_vehicle.translation_m);
@@ -130,8 +131,8 @@ TEST(SpatialChain, NoStepLeadsUphill) {
   double before = chain_cost(far.t, far.t.segments[0], far.state, {});
   for (int steps = 1; steps <= 30; ++steps) {
     Drive drive = far;
-    const SettleResult result =
-        settle(drive.t, drive.t.segments[0], drive.state, {}, {.max_iterations = steps});
+    const StateSolveResult result =
+        solve_states(drive.t, drive.t.segments[0], drive.state, {}, {.max_iterations = steps});
     const double cost = chain_cost(drive.t, drive.t.segments[0], drive.state, {});
     EXPECT_NEAR(result.cost, cost, 1e-9 * cost) << steps;
     EXPECT_LE(cost, before * (1 + 1e-9)) << steps;
@@ -142,8 +143,8 @@ TEST(SpatialChain, NoStepLeadsUphill) {
 TEST(PlanarChain, SettlesWhereTheRowsHaveNoGradient) {
   for (const std::size_t nodes : {std::size_t{2}, std::size_t{50}, std::size_t{9000}}) {
     Drive drive = long_plain_drive(nodes);
-    const SettleResult result =
-        settle(drive.t, drive.t.segments[0], drive.state, {}, {.max_iterations = 100});
+    const StateSolveResult result =
+        solve_states(drive.t, drive.t.segments[0], drive.state, {}, {.max_iterations = 100});
     EXPECT_TRUE(result.converged);
     ChainSystem system;
     build_chain_system(drive.t, drive.t.segments[0], drive.state, {}, system);
@@ -155,8 +156,9 @@ TEST(PlanarChain, SettlesWhereTheRowsHaveNoGradient) {
 
 TEST(PlanarChain, DoesNotDependOnTheNumberOfThreads) {
   Drive one = long_plain_drive(9000), three = one;
-  const SettleResult a = settle(one.t, one.t.segments[0], one.state, {2.0, 3.0}, {.threads = 1});
-  const SettleResult b = settle(three.t, three.t.segments[0], three.state, {2.0, 3.0}, {.threads = 3});
+  const StateSolveResult a = solve_states(one.t, one.t.segments[0], one.state, {2.0, 3.0}, {.threads = 1});
+  const StateSolveResult b =
+      solve_states(three.t, three.t.segments[0], three.state, {2.0, 3.0}, {.threads = 3});
   EXPECT_EQ(a.cost, b.cost);
   for (std::size_t k = 0; k < one.t.nodes.size(); ++k)
     EXPECT_EQ(one.t.nodes[k].T_map_vehicle.translation_m, three.t.nodes[k].T_map_vehicle.translation_m);
@@ -164,8 +166,8 @@ TEST(PlanarChain, DoesNotDependOnTheNumberOfThreads) {
 
 TEST(PlanarChain, LastStepTakenOnTrustCostsNothing) {
   Drive whole = long_plain_drive(3000), early = whole;
-  const SettleResult a = settle(whole.t, whole.t.segments[0], whole.state, {});
-  const SettleResult b = settle(early.t, early.t.segments[0], early.state, {}, {.tolerance = 1e-6});
+  const StateSolveResult a = solve_states(whole.t, whole.t.segments[0], whole.state, {});
+  const StateSolveResult b = solve_states(early.t, early.t.segments[0], early.state, {}, {.tolerance = 1e-6});
   EXPECT_LT(b.iterations, a.iterations);
   EXPECT_NEAR(a.cost, b.cost, 1e-6 * a.cost);
   ChainSystem system;
@@ -176,19 +178,19 @@ TEST(PlanarChain, LastStepTakenOnTrustCostsNothing) {
 /// The drive at rest, then its beacons moved: where its states rest now, and where one step leads.
 struct Moved {
   Drive drive;
-  SettleResult at_rest, one_step;
+  StateSolveResult at_rest, one_step;
   double cost = 0.0;  ///< where the one step leads
 };
 Moved move_beacons(double by_m, const RobustLoss& loss) {
   Moved out{long_plain_drive(3000), {}, {}};
   Drive& drive = out.drive;
-  settle(drive.t, drive.t.segments[0], drive.state, loss);
+  solve_states(drive.t, drive.t.segments[0], drive.state, loss);
   for (std::size_t b = 0; b < drive.state.beacon_p_map_m.size(); ++b)
     drive.state.beacon_p_map_m[b] +=
         by_m * Eigen::Vector3d(std::sin(1.0 + static_cast<double>(b)), std::cos(static_cast<double>(b)), 0.5);
   Drive whole = drive;
-  out.at_rest = settle(whole.t, whole.t.segments[0], whole.state, loss);
-  out.one_step = settle(drive.t, drive.t.segments[0], drive.state, loss, {.left_behind = 0.01});
+  out.at_rest = solve_states(whole.t, whole.t.segments[0], whole.state, loss);
+  out.one_step = solve_states(drive.t, drive.t.segments[0], drive.state, loss, {.left_behind = 0.01});
   out.cost = chain_cost(drive.t, drive.t.segments[0], drive.state, loss);
   return out;
 }

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/lanes/stop_settle.h"
+#include "calib/lanes/stop_solve.h"
 
 #include "models/support/observed.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "calib/lanes/stop_settle.cc"
+#define HWY_TARGET_INCLUDE "calib/lanes/stop_solve.cc"
 #include <hwy/foreach_target.h>  // compiles the rest of this file once for each instruction set
 #include <hwy/highway.h>
 
@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace octant::calib {
 namespace HWY_NAMESPACE {
 
-/// Steps and limits of `settle` in models/trajectory/settle.cc.
+/// Steps and limits of `solve_states` in models/trajectory/solve_states.cc.
 constexpr int kMaxIterations = 30;
 constexpr double kAtRest = 1e-13;
 /// With plain squares a step that gains less than this share of the cost is taken without looking again: what
@@ -24,14 +24,14 @@ constexpr double kLastStep = 1e-6;
 
 template <bool kOffset, bool kRobust>
 HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_t part, const View& view,
-                      const Constants& constants, Normal& out) {
+                      const Constants& constants, StopNormal& out) {
   out.clear();
   for (std::size_t slot = 0; slot < pack.slots;) {
     const std::size_t receiver = pack.slot[slot].receiver;
     const Antenna antenna(tables, receiver, view, constants);
     V v00 = 0.0, v01 = 0.0, v11 = 0.0, r0 = 0.0, r1 = 0.0, w0 = 0.0, w1 = 0.0, w = 0.0, r = 0.0;
     for (; slot < pack.slots && pack.slot[slot].receiver == receiver; ++slot) {
-      const Sight s = look<kRobust>(tables, pack, slot, part, antenna, constants);
+      const PathSight s = sight_along<kRobust>(tables, pack, slot, part, antenna, constants);
       if constexpr (kRobust)
         out.cost += s.rho;
       else
@@ -68,7 +68,7 @@ HWY_INLINE V bent(V diagonal, V bend, Mask stiff) {
 /// Solves (A + lambda diag A + floor) s = -g, A with the heading's bend.
 /// @return lanes where that is positive definite
 template <bool kOffset>
-HWY_INLINE Mask solve(const Normal& normal, V lambda, Mask stiff, V* step) {
+HWY_INLINE Mask solve(const StopNormal& normal, V lambda, Mask stiff, V* step) {
   constexpr int n = kOffset ? 4 : 3;
   const V one = 1.0;
   V largest = normal.A[0][0];
@@ -99,12 +99,12 @@ HWY_INLINE V next_damping(V lambda, Mask better) {
 }
 
 template <bool kOffset, bool kRobust>
-HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::size_t part,
-                            StopStates& states, StopOutcome& outcome) {
+HWY_INLINE void solve_part(const StopTables tables, const StopPack pack, std::size_t part, StopStates& states,
+                           StopOutcome& outcome) {
   constexpr int n = kOffset ? 4 : 3;
   const Constants constants(tables);
   View view(states, part);
-  Normal now, trial;
+  StopNormal now, trial;
   build<kOffset, kRobust>(tables, pack, part, view, constants, now);
   V lambda = 1e-8, rest = 0.0;  // rest: 1 where nothing is left to gain
   const V one = 1.0;
@@ -134,7 +134,7 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
     // Neither better nor much left to gain: at rest to rounding.
     rest = select(but_not(gain < 1e-12 * (one + now.cost), better), one, rest);
     for (int p = 0; p < 4; ++p) view.state[p] = select(better, moved.state[p], view.state[p]);
-    now.take_where<n>(better, trial);
+    now.assign_where<n>(better, trial);
     lambda = next_damping(lambda, better);
   }
   for (int i = 0; i < 4; ++i) store(view.state[i], states.value[i], part);
@@ -142,21 +142,21 @@ HWY_INLINE void settle_part(const StopTables tables, const StopPack pack, std::s
   store(only(abs(now.cost) < 1e300, rest), outcome.converged, part);
 }
 
-void settle_stops_in_lanes(const StopTables& tables, const StopPack& pack, StopStates& states,
-                           StopOutcome& outcome) {
+void solve_stops_in_lanes(const StopTables& tables, const StopPack& pack, StopStates& states,
+                          StopOutcome& outcome) {
   const bool robust = tables.late_scale > 0 && tables.early_scale > 0;
   for (std::size_t part = 0; part < kLanes; part += lanes_at_once()) {
     if (tables.has_offset) {
-      robust ? settle_part<true, true>(tables, pack, part, states, outcome)
-             : settle_part<true, false>(tables, pack, part, states, outcome);
+      robust ? solve_part<true, true>(tables, pack, part, states, outcome)
+             : solve_part<true, false>(tables, pack, part, states, outcome);
     } else {
-      robust ? settle_part<false, true>(tables, pack, part, states, outcome)
-             : settle_part<false, false>(tables, pack, part, states, outcome);
+      robust ? solve_part<false, true>(tables, pack, part, states, outcome)
+             : solve_part<false, false>(tables, pack, part, states, outcome);
     }
   }
 }
 
-const char* settle_target() { return hwy::TargetName(HWY_TARGET); }
+const char* solve_target() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace octant::calib
@@ -165,14 +165,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace octant::calib {
 
-HWY_EXPORT(settle_stops_in_lanes);
-HWY_EXPORT(settle_target);
+HWY_EXPORT(solve_stops_in_lanes);
+HWY_EXPORT(solve_target);
 
-void settle_stops(const StopTables& tables, const StopPack& pack, StopStates& states, StopOutcome& outcome) {
-  HWY_DYNAMIC_DISPATCH(settle_stops_in_lanes)(tables, pack, states, outcome);
+void solve_stops(const StopTables& tables, const StopPack& pack, StopStates& states, StopOutcome& outcome) {
+  HWY_DYNAMIC_DISPATCH(solve_stops_in_lanes)(tables, pack, states, outcome);
 }
 
-const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(settle_target)(); }
+const char* stop_kernel_target() { return HWY_DYNAMIC_DISPATCH(solve_target)(); }
 
 }  // namespace octant::calib
 #endif

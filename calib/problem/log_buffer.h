@@ -9,9 +9,9 @@
 namespace octant::calib {
 
 /// Numbers one behind the other, as ranks exchange them.
-class TapeWriter {
+class BufferWriter {
  public:
-  explicit TapeWriter(std::vector<double>& numbers) : numbers_(numbers) {}
+  explicit BufferWriter(std::vector<double>& numbers) : numbers_(numbers) {}
   void put(double number) { numbers_.push_back(number); }
   void put_count(std::size_t count) { numbers_.push_back(static_cast<double>(count)); }
   /// Any integer; a double holds only those of 53 bits.
@@ -25,9 +25,9 @@ class TapeWriter {
   std::vector<double>& numbers_;
 };
 
-class TapeReader {
+class BufferReader {
  public:
-  explicit TapeReader(const std::vector<double>& numbers) : numbers_(numbers) {}
+  explicit BufferReader(const std::vector<double>& numbers) : numbers_(numbers) {}
   [[nodiscard]] bool ended() const { return at_ >= numbers_.size(); }
   double get() { return numbers_.at(at_++); }
   std::size_t count() { return static_cast<std::size_t>(get()); }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,16 +28,16 @@ std::uint64_t pair_of(const Arrival& a) {
          static_cast<std::uint32_t>(a.receiver.value);
 }
 
-class Thinner {
+class Subsampler {
  public:
-  Thinner(const MeasurementLog& run, const Site& site, const ThinOptions& options)
+  Subsampler(const MeasurementLog& run, const Site& site, const SubsampleOptions& options)
       : run_(run),
         site_(site),
         options_(options),
         stretch_s_(stretches_of(site).length_s),
         drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())) {}
 
-  MeasurementLog thin() {
+  MeasurementLog subsample() {
     make_groups();
     const std::size_t budget = budgeted();
     if (groups_.size() <= budget && !crowded()) return run_;
@@ -74,18 +74,18 @@ class Thinner {
     // In the order of time, as without epochs the same time means the same instant: bearings between two
     // arrivals before the second of them, those of an arrival's time behind it.
     std::size_t b = 0;
-    const auto take_bearings = [&](double before_s) {
+    const auto group_bearings = [&](double before_s) {
       for (; b < run_.bearings.size() && run_.bearings[b].time_s < before_s; ++b)
         group(run_.bearings[b].vehicle, run_.bearings[b].epoch, run_.bearings[b].time_s)
             .bearings.push_back(b);
     };
     for (std::size_t a = 0; a < run_.arrivals.size(); ++a) {
-      take_bearings(run_.arrivals[a].time_s);
+      group_bearings(run_.arrivals[a].time_s);
       group(run_.arrivals[a].vehicle, run_.arrivals[a].epoch, run_.arrivals[a].time_s).arrivals.push_back(a);
       if (a + 1 == run_.arrivals.size() || run_.arrivals[a + 1].time_s != run_.arrivals[a].time_s)
-        take_bearings(std::nextafter(run_.arrivals[a].time_s, INFINITY));
+        group_bearings(std::nextafter(run_.arrivals[a].time_s, INFINITY));
     }
-    take_bearings(INFINITY);
+    group_bearings(INFINITY);
   }
 
   [[nodiscard]] std::size_t budgeted() const {
@@ -119,7 +119,7 @@ class Thinner {
     std::vector<std::pair<double, double>> spans;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       if (!chosen_[g]) continue;
-      take_some(groups_[g].arrivals, arrivals);
+      add_some(groups_[g].arrivals, arrivals);
       bearings.insert(bearings.end(), groups_[g].bearings.begin(), groups_[g].bearings.end());
       double asked_s = 0.0;  // before the first of them
       for (const std::size_t a : groups_[g].arrivals)
@@ -132,11 +132,11 @@ class Thinner {
     for (const std::size_t b : bearings) few.bearings.push_back(run_.bearings[b]);
     std::sort(spans.begin(), spans.end());
     few.poses = poses_near(run_.poses, spans);
-    if (drive_) few.odometry = thinned_odometry(run_.odometry, spans);
+    if (drive_) few.odometry = subsampled_odometry(run_.odometry, spans);
     return few;
   }
 
-  void take_some(const std::vector<std::size_t>& from, std::vector<std::size_t>& to) const {
+  void add_some(const std::vector<std::size_t>& from, std::vector<std::size_t>& to) const {
     std::vector<const Arrival*> rows;
     for (const std::size_t a : from) rows.push_back(&run_.arrivals[a]);
     for (const std::size_t i : some_of_pairs(rows, options_.per_pair)) to.push_back(from[i]);
@@ -144,7 +144,7 @@ class Thinner {
 
   const MeasurementLog& run_;
   const Site& site_;
-  const ThinOptions& options_;
+  const SubsampleOptions& options_;
   double stretch_s_;
   bool drive_;
   std::vector<Group> groups_;
@@ -194,7 +194,7 @@ GapSteps steps_of_gap(const VehicleRows& of, std::size_t row) {
 }
 
 /// Of one vehicle.
-void add_thinned(const VehicleRows& of, std::vector<OdometryStep>& few) {
+void add_subsampled(const VehicleRows& of, std::vector<OdometryStep>& few) {
   few.push_back(*of.rows.front());
   Pose sum;
   double sum_m = 0.0, sum_rad = 0.0;
@@ -217,12 +217,12 @@ void add_thinned(const VehicleRows& of, std::vector<OdometryStep>& few) {
 
 }  // namespace
 
-std::vector<OdometryStep> thinned_odometry(const std::vector<OdometryStep>& odometry,
-                                           const std::vector<std::pair<double, double>>& spans) {
+std::vector<OdometryStep> subsampled_odometry(const std::vector<OdometryStep>& odometry,
+                                              const std::vector<std::pair<double, double>>& spans) {
   std::set<VehicleId> vehicles;
   for (const OdometryStep& s : odometry) vehicles.insert(s.vehicle);
   std::vector<OdometryStep> few;
-  for (const VehicleId vehicle : vehicles) add_thinned(rows_of(odometry, vehicle, spans), few);
+  for (const VehicleId vehicle : vehicles) add_subsampled(rows_of(odometry, vehicle, spans), few);
   std::stable_sort(few.begin(), few.end(),
                    [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
   return few;
@@ -326,7 +326,7 @@ DriveStretches stretches_of(const Site& site) {
   return {};
 }
 
-std::size_t stretches_kept(const Site& site, const ThinOptions& options, std::size_t arrivals,
+std::size_t stretches_kept(const Site& site, const SubsampleOptions& options, std::size_t arrivals,
                            std::size_t stretches) {
   if (stretches == 0) return options.instants;
   const double each = static_cast<double>(arrivals) / static_cast<double>(stretches);
@@ -339,8 +339,8 @@ double asked_before_s(const Site& site, const Arrival& arrival) {
   return site.timing.ranging == Ranging::kTwoWay ? arrival.tof_s : 0.0;
 }
 
-MeasurementLog thin(const MeasurementLog& run, const Site& site, const ThinOptions& options) {
-  return Thinner(run, site, options).thin();
+MeasurementLog subsample(const MeasurementLog& run, const Site& site, const SubsampleOptions& options) {
+  return Subsampler(run, site, options).subsample();
 }
 
 }  // namespace octant::calib

@@ -12,9 +12,10 @@ namespace octant {
 
 /// Of a segment's arrivals from a beacon, or from all (no beacon), those marked `from` are marked `to`.
 /// Returns whether there were any.
-bool set_marks(Trajectory& trajectory, const Segment& segment, BeaconId beacon, Rejection from, Rejection to);
+bool set_rejections(Trajectory& trajectory, const Segment& segment, BeaconId beacon, Rejection from,
+                    Rejection to);
 
-/// Puts the marks of arrivals [first, last) into a fix, and how many of them are in use.
+/// Puts the rejections of arrivals [first, last) into a fix, and how many of them are in use.
 void report_arrivals(const Trajectory& trajectory, std::size_t first, std::size_t last, Fix& fix);
 
 }  // namespace octant

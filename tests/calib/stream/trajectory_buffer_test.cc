@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // What is written is what is read, of all kinds of trajectories.
-#include "calib/stream/trajectory_tape.h"
+#include "calib/stream/trajectory_buffer.h"
 
 #include <cmath>
 #include <limits>
@@ -15,12 +15,12 @@ namespace octant::test {
 namespace {
 
 RC_GTEST_PROP(Tape, ReadsWhatWasWritten, (std::vector<std::int64_t> integers, std::vector<double> numbers)) {
-  std::vector<double> tape;
-  calib::TapeWriter writer(tape);
+  std::vector<double> buffer;
+  calib::BufferWriter writer(buffer);
   writer.put_count(integers.size());
   for (const std::int64_t i : integers) writer.put_integer(i);
   for (const double x : numbers) writer.put(x);
-  calib::TapeReader reader(tape);
+  calib::BufferReader reader(buffer);
   RC_ASSERT(reader.count() == integers.size());
   for (const std::int64_t i : integers) RC_ASSERT(reader.integer() == i);
   for (const double x : numbers) RC_ASSERT(reader.get() == x);
@@ -28,18 +28,18 @@ RC_GTEST_PROP(Tape, ReadsWhatWasWritten, (std::vector<std::int64_t> integers, st
 }
 
 TEST(Tape, HoldsIntegersThatADoubleDoesNot) {
-  std::vector<double> tape;
-  calib::TapeWriter writer(tape);
+  std::vector<double> buffer;
+  calib::BufferWriter writer(buffer);
   const std::int64_t all[] = {std::numeric_limits<std::int64_t>::min(), -1, 0, (std::int64_t{1} << 53) + 1,
                               std::numeric_limits<std::int64_t>::max()};
   for (const std::int64_t i : all) writer.put_integer(i);
-  calib::TapeReader reader(tape);
+  calib::BufferReader reader(buffer);
   for (const std::int64_t i : all) EXPECT_EQ(reader.integer(), i);
 }
 
 TEST(Tape, ReadBeyondItsEndIsABugThatIsSaid) {
-  const std::vector<double> tape = {1.0};
-  calib::TapeReader reader(tape);
+  const std::vector<double> buffer = {1.0};
+  calib::BufferReader reader(buffer);
   EXPECT_FALSE(reader.ended());
   EXPECT_EQ(reader.get(), 1.0);
   EXPECT_TRUE(reader.ended());
@@ -119,13 +119,13 @@ void expect_read_as_written(const AtTruth& at) {
   for (std::size_t i = 0; i < t.arrivals.size(); i += 7) t.arrivals[i].rejection = Rejection::kLate;
   t.nodes[1].placed = false;
   std::vector<double> numbers;
-  calib::TapeWriter writer(numbers);
+  calib::BufferWriter writer(numbers);
   calib::write_trajectory(t, rows, writer);
   calib::write_trajectory(t, rows, writer);
   Trajectory back;
   back.vehicle = t.vehicle;
   std::vector<Arrival> read;
-  calib::TapeReader reader(numbers);
+  calib::BufferReader reader(numbers);
   for (std::size_t turn = 0; turn < 2; ++turn) {
     const std::size_t nodes = back.nodes.size(), arrivals = back.arrivals.size();
     calib::read_trajectory(calib::trajectory_model(at.problem.site), reader, back, read);

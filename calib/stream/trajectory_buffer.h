@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "calib/problem/log_tape.h"
+#include "calib/problem/log_buffer.h"
 #include "models/run.h"
 #include "models/trajectory/trajectory.h"
 
@@ -12,11 +12,11 @@ namespace octant::calib {
 
 /// Writes a trajectory with its states and the rows of its arrivals.
 /// @param rows  of the run, as far as they are at hand: what ArrivalObservation::arrival counts
-void write_trajectory(const Trajectory& trajectory, const std::vector<Arrival>& rows, TapeWriter& tape);
+void write_trajectory(const Trajectory& trajectory, const std::vector<Arrival>& rows, BufferWriter& buffer);
 
 /// Reads one behind what a trajectory and the rows hold already.
 /// @param model  of the site
-void read_trajectory(const TrajectoryModel& model, TapeReader& tape, Trajectory& to,
+void read_trajectory(const TrajectoryModel& model, BufferReader& buffer, Trajectory& to,
                      std::vector<Arrival>& rows);
 
 }  // namespace octant::calib

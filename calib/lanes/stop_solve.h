@@ -11,9 +11,9 @@ struct StopOutcome {
   Lanes converged;  ///< 1: at rest; 0: not, or singular: to be settled with care
 };
 
-/// Gauss-Newton steps (damped where the cost would rise) on the states of eight epochs, as `settle` does for
-/// one.
-void settle_stops(const StopTables& tables, const StopPack& pack, StopStates& states, StopOutcome& outcome);
+/// Gauss-Newton steps (damped where the cost would rise) on the states of eight epochs, as `solve_states`
+/// does for one.
+void solve_stops(const StopTables& tables, const StopPack& pack, StopStates& states, StopOutcome& outcome);
 
 /// Name of the vector instructions in use, chosen when the program runs.
 const char* stop_kernel_target();

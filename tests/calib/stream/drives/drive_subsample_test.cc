@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/drives/drive_part.h"
+#include "calib/stream/drives/drive_subsample.h"
 
 #include <gtest/gtest.h>
 
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "calib/stream/long_log.h"
 #include "tests/calib/memory_source.h"
 #include "tests/support/worlds.h"
@@ -12,17 +12,17 @@
 namespace octant::test {
 namespace {
 
-/// The part of a run that is not at hand against what thin() takes of it.
+/// The part of a run that is not at hand against what subsample() takes of it.
 void expect_the_part_of_thin(const Site& site, const MeasurementLog& run) {
-  const MeasurementLog expected = calib::thin(run, site, calib::kPartOfLongLog);
+  const MeasurementLog expected = calib::subsample(run, site, calib::kLongLogSubsample);
   MemorySource source(std::vector<MeasurementLog>{run}, 300);
   calib::DriveIndex index(source, site);
   static_cast<void>(source.scan([&](std::size_t r, const std::vector<Arrival>& block) {
-    index.take(r, block);
+    index.add(r, block);
     return true;
   }));
   index.end(1U << 20U);
-  const MeasurementLog part = must(calib::part_of_drives(0, site, source, index));
+  const MeasurementLog part = must(calib::subsample_of_drives(0, site, source, index));
   ASSERT_LT(part.arrivals.size(), run.arrivals.size());
   ASSERT_EQ(part.arrivals.size(), expected.arrivals.size());
   for (std::size_t i = 0; i < part.arrivals.size(); ++i)

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/log/thinned_log.h"
+#include "calib/log/subsampled_log.h"
 
 #include <cmath>
 #include <numeric>
@@ -48,7 +48,7 @@ void weigh_odometry(Trajectory& t, double factor) {
 
 /// Each observation as accurate as all those together that it stands for. Odometry between stops is complete
 /// as it is.
-void weigh_as_whole(std::vector<Trajectory>& trajectories, const LogCounts& whole, const LogCounts& few) {
+void weight_as_complete(std::vector<Trajectory>& trajectories, const LogCounts& whole, const LogCounts& few) {
   const double pose = sigma_factor(whole.poses, few.poses);
   const double drive = sigma_factor(whole.all_arrivals(), few.all_arrivals());
   for (Trajectory& t : trajectories) {
@@ -71,12 +71,12 @@ void weigh_as_whole(std::vector<Trajectory>& trajectories, const LogCounts& whol
 
 }  // namespace
 
-Result<LogFindings> ThinnedLog::findings(const Estimate& estimate) {
+Result<LogFindings> SubsampledLog::findings(const Estimate& estimate) {
   const LogCounts few(problem());
   auto all = HeldLog::findings(estimate);
   if (!all || few.all_arrivals() >= whole_.all_arrivals()) return all;
-  all->findings.as_whole = all->trajectories;
-  weigh_as_whole(all->findings.as_whole, whole_, few);
+  all->findings.as_complete = all->trajectories;
+  weight_as_complete(all->findings.as_complete, whole_, few);
   return all;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The parts of thinning one by one; what a thinned run tells of the whole: tests/calib/plan/check_test.cc.
-#include "calib/problem/thin.h"
+// The parts of thinning one by one; what a subsampled run tells of the whole: tests/calib/plan/check_test.cc.
+#include "calib/problem/subsample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,9 +63,9 @@ struct Heard {
       }
   }
   [[nodiscard]] static bool hears(std::size_t group, std::size_t beacon) {
-    std::size_t every = 1;
-    for (std::size_t i = 0; i < beacon; ++i) every *= 3;
-    return (group + 1) % every == 0;
+    std::size_t stride = 1;
+    for (std::size_t i = 0; i < beacon; ++i) stride *= 3;
+    return (group + 1) % stride == 0;
   }
   [[nodiscard]] std::size_t count(std::size_t beacon, bool all) const {
     std::size_t n = 0;
@@ -132,7 +132,7 @@ TEST(ThinnedOdometry, GoesTheSameWayThroughFewerRows) {
     SCOPED_TRACE(in_space ? "in space" : "in the plane");
     const std::vector<OdometryStep> rows = rows_of_a_drive(4000, 2, in_space);
     const std::vector<std::pair<double, double>> spans = {{10.0, 13.0}, {50.0, 53.0}, {120.0, 123.0}};
-    const std::vector<OdometryStep> few = calib::thinned_odometry(rows, spans);
+    const std::vector<OdometryStep> few = calib::subsampled_odometry(rows, spans);
     EXPECT_LT(few.size(), rows.size() / 3);
     EXPECT_TRUE(std::is_sorted(few.begin(), few.end(), [](const OdometryStep& a, const OdometryStep& b) {
       return a.time_s < b.time_s;
@@ -176,7 +176,7 @@ TEST(ThinnedOdometry, AGapOfAnyLengthBecomesAsManySteps) {
   for (const std::size_t rows : {20000U, 40000U, 200000U}) {
     const std::vector<OdometryStep> all = rows_of_a_drive(rows, 1, false);
     const double end_s = all.back().time_s;
-    const std::vector<OdometryStep> few = calib::thinned_odometry(all, {{0.0, 3.0}, {end_s - 3.0, end_s}});
+    const std::vector<OdometryStep> few = calib::subsampled_odometry(all, {{0.0, 3.0}, {end_s - 3.0, end_s}});
     sizes.push_back(few.size());
     // What odometry says of the whole is what its rows say, although the steps' ways are not their chords.
     const auto [place_m2, heading_rad2] = end_variance(few);
@@ -189,9 +189,9 @@ TEST(ThinnedOdometry, AGapOfAnyLengthBecomesAsManySteps) {
 }
 
 TEST(ThinnedOdometry, OfNothingOrOneRowIsThat) {
-  EXPECT_TRUE(calib::thinned_odometry({}, {{0.0, 1.0}}).empty());
+  EXPECT_TRUE(calib::subsampled_odometry({}, {{0.0, 1.0}}).empty());
   const std::vector<OdometryStep> one = rows_of_a_drive(1, 1, false);
-  EXPECT_EQ(calib::thinned_odometry(one, {}).size(), 1U);
+  EXPECT_EQ(calib::subsampled_odometry(one, {}).size(), 1U);
 }
 
 TEST(PosesNear, AreThoseWithinAndTheNextOnEitherSide) {
@@ -247,7 +247,7 @@ MeasurementLog log_of_instants(int instants) {
 
 TEST(Thin, KeepsInstantsWholeWithTheirBearingsAndPoses) {
   const MeasurementLog log = log_of_instants(3000);
-  const MeasurementLog few = calib::thin(log, of_beacons(3), {.instants = 90, .per_beacon = 10});
+  const MeasurementLog few = calib::subsample(log, of_beacons(3), {.instants = 90, .per_beacon = 10});
   std::map<double, int> arrivals;
   for (const Arrival& a : few.arrivals) ++arrivals[a.time_s];
   EXPECT_GE(few.arrivals.size(), 2 * 40U);
@@ -272,11 +272,11 @@ TEST(Thin, KeepsInstantsWholeWithTheirBearingsAndPoses) {
 }
 
 TEST(Thin, WhatIsSmallComesBackAsItIs) {
-  const MeasurementLog log = log_of_instants(20), few = calib::thin(log, of_beacons(3));
+  const MeasurementLog log = log_of_instants(20), few = calib::subsample(log, of_beacons(3));
   EXPECT_EQ(few.arrivals.size(), log.arrivals.size());
   EXPECT_EQ(few.bearings.size(), log.bearings.size());
   EXPECT_EQ(few.poses.size(), log.poses.size());
-  EXPECT_TRUE(calib::thin(MeasurementLog(), of_beacons(3)).arrivals.empty());
+  EXPECT_TRUE(calib::subsample(MeasurementLog(), of_beacons(3)).arrivals.empty());
 }
 
 TEST(WithoutLists, KeepsAllElse) {

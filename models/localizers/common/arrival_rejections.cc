@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/localizers/common/arrival_marks.h"
+#include "models/localizers/common/arrival_rejections.h"
 
 namespace octant {
 
-bool set_marks(Trajectory& t, const Segment& segment, BeaconId beacon, Rejection from, Rejection to) {
+bool set_rejections(Trajectory& t, const Segment& segment, BeaconId beacon, Rejection from, Rejection to) {
   bool any = false;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     ArrivalObservation& a = t.arrivals[i];

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/drives/drive_part.h"
+#include "calib/stream/drives/drive_subsample.h"
 
 #include <algorithm>
 #include <set>
 #include <utility>
 
-#include "calib/problem/thin.h"
+#include "calib/problem/subsample.h"
 #include "calib/stream/long_log.h"
 
 namespace octant::calib {
@@ -25,16 +25,16 @@ bool keep_some_of_pairs(std::size_t per_pair, std::vector<Arrival>& arrivals) {
 
 }  // namespace
 
-Result<MeasurementLog> part_of_drives(std::size_t run, const Site& site, const ArrivalSource& source,
-                                      const DriveIndex& index) {
+Result<MeasurementLog> subsample_of_drives(std::size_t run, const Site& site, const ArrivalSource& source,
+                                           const DriveIndex& index) {
   const MeasurementLog& log = source.log(run);
   const DriveGroups& of_run = index.groups(run);
   MeasurementLog few = without_lists(log);
   few.rejected = log.rejected;
   const std::size_t beacons = index.beacons(),
-                    budget = stretches_kept(site, kPartOfLongLog, of_run.arrivals, of_run.groups.size());
+                    budget = stretches_kept(site, kLongLogSubsample, of_run.arrivals, of_run.groups.size());
   const std::vector<bool> chosen =
-      chosen_groups(of_run.groups.size(), beacons, budget, kPartOfLongLog.per_beacon,
+      chosen_groups(of_run.groups.size(), beacons, budget, kLongLogSubsample.per_beacon,
                     [&](std::size_t g, const auto& visit) {
                       for (std::size_t b = 0; b < beacons; ++b)
                         for (std::uint32_t i = of_run.heard[g * beacons + b]; i > 0; --i) visit(b);
@@ -46,7 +46,7 @@ Result<MeasurementLog> part_of_drives(std::size_t run, const Site& site, const A
   for (std::size_t g = 0; g < chosen.size(); ++g) {
     if (!chosen[g]) continue;
     if (auto ok = index.read(source, run, of_run.groups[g], rows); !ok) return fail(ok.error());
-    crowded = keep_some_of_pairs(kPartOfLongLog.per_pair, rows) || crowded;
+    crowded = keep_some_of_pairs(kLongLogSubsample.per_pair, rows) || crowded;
     few.arrivals.insert(few.arrivals.end(), rows.begin(), rows.end());
     double asked_s = 0.0;  // before the first of them
     for (const Arrival& a : rows) asked_s = std::max(asked_s, asked_before_s(site, a));
@@ -63,7 +63,7 @@ Result<MeasurementLog> part_of_drives(std::size_t run, const Site& site, const A
   for (const Bearing& b : log.bearings)
     if (chosen_keys.count({b.vehicle, of_run.key_at(b.time_s)}) > 0) few.bearings.push_back(b);
   std::sort(spans.begin(), spans.end());
-  few.odometry = thinned_odometry(log.odometry, spans);
+  few.odometry = subsampled_odometry(log.odometry, spans);
   few.poses = poses_near(log.poses, spans);
   return few;
 }
