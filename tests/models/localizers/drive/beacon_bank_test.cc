@@ -15,7 +15,7 @@ namespace octant::test {
 namespace {
 
 /// The hall with beacons at all heights, flown through.
-Scenario flight_scenario(double duration_s) {
+Scenario flight_among_all_heights(double duration_s) {
   constexpr double kHeights[] = {2.5, 0.5, 2.6, 1.3, 3.4, 0.6, 2.4, 1.5};
   Scenario s = drive_scenario(duration_s);
   s.site.motion = Motion::kSpatial;
@@ -81,7 +81,7 @@ TEST(BeaconBank, ACreepingBeaconStaysWithinTheLevelInSpace) {
   int given = 0, faults = 0;
   for (const std::uint64_t seed : {1, 2, 4}) {
     const Levels levels =
-        levels_with(must(simulate(flight_scenario(60.0), seed)), BeaconId(seed), creeping_s);
+        levels_with(must(simulate(flight_among_all_heights(60.0), seed)), BeaconId(seed), creeping_s);
     EXPECT_EQ(levels.beyond, 0) << seed;
     EXPECT_LT(levels.largest_m, 1.0) << seed;
     given += levels.given;
@@ -94,8 +94,8 @@ TEST(BeaconBank, ACreepingBeaconStaysWithinTheLevelInSpace) {
 TEST(BeaconBank, ABeaconThatWasOffBeforeTheStartStaysWithinTheLevelInSpace) {
   int given = 0;
   for (const std::uint64_t seed : {1, 4, 8}) {
-    const Levels levels = levels_with(must(simulate(flight_scenario(30.0), seed)), BeaconId(seed % 8),
-                                      [](double) { return 200e-6; });
+    const Levels levels = levels_with(must(simulate(flight_among_all_heights(30.0), seed)),
+                                      BeaconId(seed % 8), [](double) { return 200e-6; });
     EXPECT_EQ(levels.beyond, 0) << seed;
     given += levels.given;
   }
@@ -104,8 +104,8 @@ TEST(BeaconBank, ABeaconThatWasOffBeforeTheStartStaysWithinTheLevelInSpace) {
 
 TEST(BeaconBank, BlamesNoGoodBeaconInSpace) {
   for (const std::uint64_t seed : {3, 5}) {
-    const Levels levels =
-        levels_with(must(simulate(flight_scenario(30.0), seed)), BeaconId(0), [](double) { return 0.0; });
+    const Levels levels = levels_with(must(simulate(flight_among_all_heights(30.0), seed)), BeaconId(0),
+                                      [](double) { return 0.0; });
     EXPECT_GT(levels.given, 2000) << seed;
     EXPECT_EQ(levels.beyond + levels.faults + levels.faults_of_others, 0) << seed;
     EXPECT_LT(levels.largest_m, 0.3) << seed;
