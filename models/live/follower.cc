@@ -60,9 +60,15 @@ Follower::Follower(Deployment deployment, const FollowOptions& options)
       const Method method = options_.method == Method::kAuto ? Method::kLeastSquares : options_.method;
       lane.localizer = make_localizer(method, deployment_);
     }
-    if (may_track()) lane.tracker = std::make_unique<DriveTracker>(deployment_, options_.odometry);
+    if (may_track()) lane.tracker = make_tracker();
   }
   if (options_.watch) watch_ = std::make_unique<Watch>(deployment_, options_.watching);
+}
+
+std::unique_ptr<DriveTracker> Follower::make_tracker() const {
+  TrackerOptions options;
+  options.protect = true;  // a robot that drives by these fixes asks how far they may be off
+  return std::make_unique<DriveTracker>(deployment_, options_.odometry, options);
 }
 
 bool Follower::may_track() const {
@@ -113,7 +119,7 @@ void Follower::begin_anew(Lane& lane) {
   lane.last_arrival_s = -std::numeric_limits<double>::infinity();
   lane.row_s.reset();
   lane.arrivals_behind = lane.odometry_behind = {};
-  if (lane.tracker) lane.tracker = std::make_unique<DriveTracker>(deployment_, options_.odometry);
+  if (lane.tracker) lane.tracker = make_tracker();
 }
 
 bool Follower::move(const OdometryStep& step) {

@@ -93,6 +93,7 @@ class Follower {
   };
   [[nodiscard]] Lane* lane_of(VehicleId vehicle);
   [[nodiscard]] bool may_track() const;
+  [[nodiscard]] std::unique_ptr<DriveTracker> make_tracker() const;
   [[nodiscard]] bool is_set_back(Lane& lane, Behind& behind, double time_s);
   void begin_anew(Lane& lane);
   void fix_pose(Lane& lane);

@@ -50,6 +50,7 @@ void expect_same(const std::vector<Fix>& live, const std::vector<Fix>& after) {
     EXPECT_EQ(live[i].status, after[i].status) << i;
     EXPECT_EQ(live[i].time_s, after[i].time_s) << i;
     EXPECT_EQ(live[i].rejections, after[i].rejections) << i;
+    EXPECT_EQ(live[i].protection_level_m, after[i].protection_level_m) << i;
     if (live[i].ok()) {
       EXPECT_TRUE(live[i].T_map_vehicle.translation_m == after[i].T_map_vehicle.translation_m) << i;
     }
@@ -86,7 +87,8 @@ TEST(Follower, OdometryMakesATrack) {
   options.odometry = w.log.odometry_accuracy;
   Live live(d, options);
   feed(live.follower, w.log);
-  expect_same(live.fixes, track(w.log, d, {.smooth = false}));
+  expect_same(live.fixes, track(w.log, d, {.protect = true, .smooth = false}));
+  EXPECT_EQ(integrity(live.fixes.back()), Integrity::kOk) << "its error is bounded";
   EXPECT_GT(live.follower.counts().fixes, 300u);
   EXPECT_EQ(live.follower.counts().dropped, 0u);
 }
@@ -100,13 +102,14 @@ TEST(Follower, OdometryInSpaceMakesATrackWithAttitude) {
   options.odometry = world.heldout.odometry_accuracy;
   Live live(world.truth, options);
   feed(live.follower, world.heldout);
-  expect_same(live.fixes, track(world.heldout, world.truth, {.smooth = false}));
+  expect_same(live.fixes, track(world.heldout, world.truth, {.protect = true, .smooth = false}));
   ASSERT_FALSE(live.fixes.empty());
   ASSERT_TRUE(live.fixes.back().ok());
   Pose truth;
   ASSERT_TRUE(interpolate_poses(world.heldout.truth, live.fixes.back().time_s, 1.0, truth));
   EXPECT_LT(truth.rotation.angularDistance(live.fixes.back().T_map_vehicle.rotation), 0.1);
   EXPECT_EQ(live.fixes.back().covariance.rows(), 6);
+  EXPECT_EQ(integrity(live.fixes.back()), Integrity::kOk) << "its error is bounded";
 }
 
 TEST(Follower, ADeploymentThatTakesOverGoesOnFromThePlace) {
