@@ -49,7 +49,7 @@ class SchemaWalk {
     const SchemaJson required = node.value("required", SchemaJson::array());
     if (node.contains("properties"))
       for (const auto& [name, key] : node["properties"].items()) {
-        const std::string below = path.empty() ? name : path + "." + name;
+        const std::string below = path.empty() ? name : fmt::format("{}.{}", path, name);
         visit_(below, key, std::find(required.begin(), required.end(), SchemaJson(name)) != required.end());
         walk(key, below);
       }
