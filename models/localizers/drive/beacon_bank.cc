@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "models/localizers/common/protection.h"
+#include "models/physics/plane.h"
 
 namespace octant {
 namespace {
@@ -21,6 +22,22 @@ Eigen::Matrix<double, kDof, 1> tangent_between(const Pose& a, const Pose& b) {
     off << p, log_rotation(a.rotation.conjugate() * b.rotation);
   }
   return off;
+}
+
+/// Beyond it a filter is not linear: what it takes for information may be its own error, and the more it
+/// hears the surer it is of that.
+constexpr double kLeastKnownTurn_rad = 0.2;
+
+/// Without one of so many beacons the pose is open: in space it turns about the line through two of them.
+/// With one more a fault is seen, but not whose it is.
+template <int kDof>
+constexpr std::ptrdiff_t kTooFewBeacons = kDof == 3 ? 1 : 3;
+
+template <class Filter>
+bool is_linear(const Filter& filter) {
+  const typename Filter::Covariance& P = filter.covariance();
+  const int turns = pose_dof(Filter::kMotion) - first_turn(Filter::kMotion);
+  return P.diagonal().tail(turns).maxCoeff() < square(kLeastKnownTurn_rad);
 }
 
 }  // namespace
@@ -119,14 +136,22 @@ void BeaconBankOf<kDof>::exclude(Slot& slot, Filter& filter) {
 
 template <int kDof>
 double BeaconBankOf<kDof>::protection_level_m(Filter& filter) {
+  const auto heard = std::count_if(slots_.begin(), slots_.end(), [this](const Slot& slot) {
+    return slot.beacon.valid() && heard_ - slot.heard < kRecent;
+  });
+  if (heard <= kTooFewBeacons<kDof>) return 0.0;
   double worst_m = 0.0, worst_sigmas = kAtFaultSigmas;
-  bool any = false, all_found = true;
+  bool all_found = true;
   Slot* at_fault = nullptr;
   for (Slot& slot : slots_) {
     if (!slot.beacon.valid()) continue;
-    any = true;
     if (slot.filter.is_lost()) {
       all_found = false;
+      continue;
+    }
+    if (!is_linear(slot.filter)) {
+      slot.beacon = BeaconId();
+      too_many_until_ = heard_ + kForgotten;
       continue;
     }
     const double off_m =
@@ -138,10 +163,10 @@ double BeaconBankOf<kDof>::protection_level_m(Filter& filter) {
       at_fault = &slot;
     }
   }
-  if (at_fault != nullptr) exclude(*at_fault, filter);
+  if (at_fault != nullptr && heard > kTooFewBeacons<kDof> + 1) exclude(*at_fault, filter);
   // After an exclusion the level is that of what was held against it: still true of the filter that takes
   // over, which is the one farthest off.
-  return any && all_found && heard_ >= too_many_until_
+  return all_found && heard_ >= too_many_until_
              ? octant::protection_level_m(horizontal_variance(filter.covariance()), worst_m)
              : 0.0;
 }

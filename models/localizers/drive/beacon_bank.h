@@ -27,7 +27,8 @@ class BeaconBankOf {
   using Filter = DriveFilterOf<kDof>;
   static constexpr std::size_t kMostBeacons = 16, kMostColumns = 4096;
   static constexpr std::size_t kForgotten =
-      1000;  ///< arrivals after which a beacon no longer counts as heard
+      1000;                                    ///< arrivals after which a beacon no longer counts as heard
+  static constexpr std::size_t kRecent = 200;  ///< of so many arrivals the last ones tell which are heard now
   static constexpr int kGoodInARow = 10;
 
   /// @param wanted  false: no filters, no levels
@@ -45,8 +46,9 @@ class BeaconBankOf {
   /// Corrects the drive's filter by an arrival, and all that may have it. Returns whether the drive's filter
   /// used it or why not.
   Rejection update(Filter& filter, const Trajectory& trajectory, const ArrivalObservation& arrival);
-  /// Horizontal protection level; 0: without one of the beacons the drive is lost. May put another filter's
-  /// state into the drive's, where a beacon is at fault.
+  /// Horizontal protection level; 0: without one of the beacons the drive is lost, or those heard now are too
+  /// few to be held against each other (it takes two in the plane, four in space). May put another filter's
+  /// state into the drive's, where a beacon is at fault and one more is heard.
   [[nodiscard]] double protection_level_m(Filter& filter);
 
  private:

@@ -3,7 +3,10 @@
 #include "models/localizers/drive/beacon_bank.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -109,6 +112,47 @@ TEST(BeaconBank, BlamesNoGoodBeaconInSpace) {
     EXPECT_GT(levels.given, 2000) << seed;
     EXPECT_EQ(levels.beyond + levels.faults + levels.faults_of_others, 0) << seed;
     EXPECT_LT(levels.largest_m, 0.3) << seed;
+  }
+}
+
+/// That hall with some of its beacons, heard everywhere.
+World flight_among(const std::vector<std::size_t>& beacons, std::uint64_t seed) {
+  Scenario s = flight_among_all_heights(30.0);
+  std::vector<SiteBeacon> some;
+  for (const std::size_t b : beacons) some.push_back(s.site.beacons[b]);
+  s.site.beacons = some;
+  s.range_m = 25.0;
+  return must(simulate(s, seed));
+}
+
+TEST(BeaconBank, WithoutOneOfThreeBeaconsInSpaceNothingIsSaid) {
+  for (const std::uint64_t seed : {5, 6}) {
+    const Levels levels = levels_with(flight_among({0, 3, 4}, seed), BeaconId(0), [](double) { return 0.0; });
+    EXPECT_EQ(levels.given + levels.faults + levels.faults_of_others, 0) << seed;
+  }
+}
+
+TEST(BeaconBank, WhereThreeAreLeftInSpaceNothingIsSaid) {
+  Scenario s = flight_among_all_heights(60.0);
+  s.range_m = 25.0;
+  World world = must(simulate(s, 4));
+  const double until_s = world.heldout.arrivals.front().time_s + 8.0;
+  std::erase_if(world.heldout.arrivals, [until_s](const Arrival& a) {
+    return a.time_s > until_s && a.beacon != BeaconId(0) && a.beacon != BeaconId(3) &&
+           a.beacon != BeaconId(4);
+  });
+  const Levels levels = levels_with(std::move(world), BeaconId(0), [](double) { return 0.0; });
+  EXPECT_GT(levels.given, 500) << "while all are heard";
+  EXPECT_LT(levels.given, 1500);
+  EXPECT_EQ(levels.beyond + levels.faults + levels.faults_of_others, 0);
+}
+
+TEST(BeaconBank, OfFourBeaconsInSpaceAFaultTakesTheLevelAndNoneIsBlamed) {
+  for (const std::uint64_t seed : {1, 4}) {
+    const Levels levels = levels_with(flight_among({0, 3, 4, 6}, seed), BeaconId(1), creeping_s);
+    EXPECT_GT(levels.given, 2000) << seed;
+    EXPECT_EQ(levels.beyond + levels.faults + levels.faults_of_others, 0) << seed;
+    EXPECT_GT(levels.largest_m, 0.15) << seed;
   }
 }
 
