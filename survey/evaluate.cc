@@ -45,9 +45,9 @@ ErrorOfFix error_of(const Pose& fix, const Pose& truth, const PoseAccuracy& accu
   const auto square = [](double x) { return x * x; };
   ErrorOfFix error;
   const Eigen::Vector3d offset_m = fix.translation_m - truth.translation_m;
+  error.tangent = tangent_between(truth, fix, motion);
   error.heading_rad = wrap_angle(fix.heading_rad() - truth.heading_rad());
   if (motion == Motion::kPlanar) {
-    error.tangent = Eigen::Vector3d(offset_m.x(), offset_m.y(), error.heading_rad);
     error.truth_covariance =
         Eigen::Vector3d(square(accuracy.position_sigma_m), square(accuracy.position_sigma_m),
                         square(accuracy.heading_sigma_rad))
@@ -55,8 +55,6 @@ ErrorOfFix error_of(const Pose& fix, const Pose& truth, const PoseAccuracy& accu
     error.position_m = offset_m.head<2>().norm();
     return error;
   }
-  error.tangent.resize(6);
-  error.tangent << offset_m, log_rotation(truth.rotation.conjugate() * fix.rotation);
   // Heading and attitude are about the map's axes, the tangent is in the vehicle frame.
   const Eigen::Matrix3d R = truth.rotation.toRotationMatrix();
   const Eigen::Vector3d about_map_rad2(square(accuracy.attitude_sigma_rad),

@@ -103,6 +103,17 @@ Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 6> map_motions_at(c
   return all.leftCols<3>();
 }
 
+PoseTangent tangent_between(const Pose& from, const Pose& to, Motion motion) {
+  const Eigen::Vector3d off_m = to.translation_m - from.translation_m;
+  PoseTangent tangent(pose_dof(motion));
+  if (motion == Motion::kPlanar) {
+    tangent << off_m.head<2>(), wrap_angle(to.heading_rad() - from.heading_rad());
+  } else {
+    tangent << off_m, log_rotation(from.rotation.conjugate() * to.rotation);
+  }
+  return tangent;
+}
+
 Pose retract(const Pose& pose, const Eigen::Ref<const Eigen::VectorXd>& delta, Motion motion) {
   if (motion == Motion::kPlanar) {
     return Pose::planar(pose.translation_m.x() + delta[0], pose.translation_m.y() + delta[1],

@@ -63,6 +63,13 @@ void add_vague_angles(Motion motion, Block& information) {
 [[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 6> map_motions_at(
     const Eigen::Vector3d& p_map_m, Motion motion);
 
+/// Tangent vector of a pose (see Motion).
+using PoseTangent = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 6, 1>;
+
+/// By which the second pose is off the first one: retract(from, tangent_between(from, to, motion), motion) is
+/// `to`, in the plane but for what is not of the plane.
+[[nodiscard]] PoseTangent tangent_between(const Pose& from, const Pose& to, Motion motion);
+
 /// Moves a pose by a tangent vector (see Motion).
 [[nodiscard]] Pose retract(const Pose& pose, const Eigen::Ref<const Eigen::VectorXd>& delta, Motion motion);
 

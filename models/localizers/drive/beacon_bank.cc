@@ -11,19 +11,6 @@
 namespace octant {
 namespace {
 
-/// Of b at a, as Motion has it.
-template <int kDof>
-Eigen::Matrix<double, kDof, 1> tangent_between(const Pose& a, const Pose& b) {
-  Eigen::Matrix<double, kDof, 1> off;
-  const Eigen::Vector3d p = b.translation_m - a.translation_m;
-  if constexpr (kDof == 3) {
-    off << p.template head<2>(), wrap_angle(b.heading_rad() - a.heading_rad());
-  } else {
-    off << p, log_rotation(a.rotation.conjugate() * b.rotation);
-  }
-  return off;
-}
-
 /// Beyond it a filter is not linear: what it takes for information may be its own error, and the more it
 /// hears the surer it is of that.
 constexpr double kLeastKnownTurn_rad = 0.2;
@@ -128,7 +115,7 @@ void BeaconBankOf<kDof>::exclude(Slot& slot, Filter& filter) {
   // Of both twice the sigma: their errors go together.
   for (Slot& other : slots_) {
     if (!other.beacon.valid() || other.beacon == slot.beacon) continue;
-    const typename Filter::Vector off = tangent_between<kDof>(filter.pose(), other.filter.pose());
+    const typename Filter::Vector off = tangent_between(filter.pose(), other.filter.pose(), Filter::kMotion);
     other.filter.start(filter.pose(),
                        filter.covariance() + 4.0 * (other.filter.covariance() + off * off.transpose()));
   }

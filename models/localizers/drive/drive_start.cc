@@ -76,9 +76,16 @@ bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& mo
 void lay_stretch(Trajectory& t, const Segment& window, const EpochFixModel& model, double uncertainty_m,
                  const Pose& T_map_anchor, const RigidPath& path) {
   lay_rigidly(t, window, T_map_anchor, path);
-  const WidenedArrivals widened(t, window, model, uncertainty_m);
-  solve_states(t, window, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 10);
-  solve_states(t, window, model.state, {.late_scale = 2.5, .early_scale = 4.0}, 15);
+  {
+    const WidenedArrivals widened(t, window, model, uncertainty_m);
+    solve_states(t, window, model.state, {.late_scale = 10.0, .early_scale = 15.0}, 10);
+  }
+  refine_stretch(t, window, model, uncertainty_m);
+}
+
+void refine_stretch(Trajectory& t, const Segment& stretch, const EpochFixModel& model, double uncertainty_m) {
+  const WidenedArrivals widened(t, stretch, model, uncertainty_m);
+  solve_states(t, stretch, model.state, {.late_scale = 2.5, .early_scale = 4.0}, 15);
 }
 
 double independent_uncertainty_m(const Trajectory& t, const Segment& segment, const EpochFixModel& model,

@@ -53,6 +53,10 @@ class WidenedArrivals {
 void lay_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
                  double range_uncertainty_m, const Pose& T_map_anchor, const RigidPath& path);
 
+/// Solves for the states of a stretch that lies about right: the last of what lay_stretch does.
+void refine_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
+                    double range_uncertainty_m);
+
 /// Covariance (of the pose, as Motion has it) with which a filter may begin at a node of a stretch that was
 /// placed: its marginal, inflated, because the stretch was solved robustly and its outliers are not marked.
 [[nodiscard]] PoseCovariance start_covariance(Trajectory& trajectory, const Segment& stretch,

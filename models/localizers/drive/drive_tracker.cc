@@ -247,10 +247,7 @@ void DriveTracker::CoreOf<kDof>::start_without(BeaconId beacon, Filter& filter) 
       if (a.beacon == beacon && a.rejection == from) a.rejection = to;
   };
   mark(Rejection::kUsed, Rejection::kBeaconFault);
-  {
-    const WidenedArrivals widened(t_, window(), model_, options_.range_uncertainty_m);
-    solve_states(t_, window(), model_.state, {.late_scale = 2.5, .early_scale = 4.0}, 15);
-  }
+  refine_stretch(t_, window(), model_, options_.range_uncertainty_m);
   start_at_end(filter);
   mark(Rejection::kBeaconFault, Rejection::kUsed);
   t_.nodes = with_all_;

@@ -111,8 +111,8 @@ PlanarState start_at_measured_pose(const PoseObservation& measured, const Search
   return best;
 }
 
-/// Adjusts and marks in turn until the rejections rest. Each arrival is judged by its own sigma and weighed
-/// by what it adds to the others of its pair.
+/// Adjusts and rejects in turn until no rejection changes. Each arrival is judged by its own sigma and
+/// weighed by what it adds to the others of its pair.
 NodeAdjustment adjust_and_reject(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                                  const EpochFixOptions& options, CorrelatedArrivals& sigmas) {
   const auto adjust = [&] {

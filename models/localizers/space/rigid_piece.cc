@@ -80,9 +80,7 @@ Eigen::Vector3d RigidPiece::middle_m() const {
 RigidPiece::PieceNormal RigidPiece::build(const State& at, const RobustLoss& loss) const {
   PieceNormal out;
   const std::size_t groups = problem_.groups();
-  Vector6 off;
-  off << at.T.translation_m - T_expected_.translation_m,
-      log_rotation(T_expected_.rotation.conjugate() * at.T.rotation);
+  const Vector6 off = tangent_between(T_expected_, at.T, Motion::kSpatial);
   out.H = expected_.asDiagonal();
   out.g = expected_.cwiseProduct(off);
   out.cost = 0.5 * off.dot(out.g);

@@ -168,5 +168,19 @@ RC_GTEST_PROP(Retract, SpatialTurnsInTheVehicleFrame, ()) {
   RC_ASSERT((log_rotation(T.rotation.conjugate() * moved.rotation) - delta.tail<3>()).norm() < 1e-14);
 }
 
+TEST(Pose, TheTangentBetweenTwoIsWhatRetractMovesBy) {
+  const Pose T{{1.0, 2.0, 0.5}, exp_rotation({0.2, -0.3, 0.7})};
+  Eigen::VectorXd delta(6);
+  delta << 0.1, -0.2, 0.3, 0.4, -0.1, 0.2;
+  EXPECT_LT((tangent_between(T, retract(T, delta, Motion::kSpatial), Motion::kSpatial) - delta).norm(),
+            1e-12);
+  // Over the cut of the angle.
+  const Pose planar = Pose::planar(1.0, 2.0, 3.1);
+  const Vector3d moved(0.1, -0.2, 0.3);
+  const PoseTangent back = tangent_between(planar, retract(planar, moved, Motion::kPlanar), Motion::kPlanar);
+  ASSERT_EQ(back.size(), 3);
+  EXPECT_LT((back - moved).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace octant
