@@ -141,13 +141,26 @@ class Checker {
     }
   }
 
-  bool moved(std::size_t b) {
+  /// The move that explains most. What is left out tells its time roughly, as the fit bends to both places;
+  /// the two places, once found, tell it well.
+  [[nodiscard]] std::optional<Move> likeliest_move(std::size_t b) const {
+    constexpr int kMostRounds = 4;
     std::optional<Move> best;
-    for (const double moment : times_of_change(fit_, b)) {
-      const Fit split = split_fit(options_, fit_, b, moment);
-      if (!split.ok || (best && split.cost >= best->cost)) continue;
-      best = move_of(options_, split, b, moment);
+    for (const double rough_s : times_of_change(fit_, b)) {
+      std::optional<double> time_s = rough_s;
+      for (int round = 0; round < kMostRounds && time_s; ++round) {
+        const Fit split = split_fit(options_, fit_, b, *time_s);
+        if (!split.ok || (best && split.cost >= best->cost)) break;
+        best = move_of(options_, split, b, *time_s);
+        time_s = best_time_of_change(split, b, options_.rejection_sigmas);
+        if (time_s == best->time_s) break;
+      }
     }
+    return best;
+  }
+
+  bool moved(std::size_t b) {
+    const std::optional<Move> best = likeliest_move(b);
     // Half of what was left out must come back, else the move is not what ails it.
     const double regained = 0.5 * 0.5 * options_.rejection_sigmas * options_.rejection_sigmas *
                             static_cast<double>(counts_[b].out());

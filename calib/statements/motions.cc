@@ -189,6 +189,36 @@ std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
   return times;
 }
 
+std::optional<double> best_time_of_change(const Fit& split, std::size_t b, double limit) {
+  const BeaconId earlier(b), later(split.problem.site.beacons.size() - 1);
+  const SharedState state = split.state();
+  // Of each arrival: its time, and by how much it costs more at the later place than at the earlier one.
+  std::vector<std::pair<double, double>> more_if_later;
+  for (const Trajectory& t : split.trajectories)
+    for (ArrivalObservation a : t.arrivals) {
+      if ((a.beacon != earlier && a.beacon != later) || !is_by_residual(a.rejection) ||
+          !t.nodes[a.node].placed)
+        continue;
+      const auto cost_at = [&](BeaconId place) {
+        a.beacon = place;
+        return std::min(std::pow(arrival_residual(t, a, state), 2), limit * limit);
+      };
+      const double at_earlier = cost_at(earlier);
+      more_if_later.emplace_back(a.time_s, cost_at(later) - at_earlier);
+    }
+  std::sort(more_if_later.begin(), more_if_later.end());
+  std::optional<double> change;
+  double sum = 0.0, most = -INFINITY;
+  for (std::size_t k = 0; k + kFewestOfBeacon < more_if_later.size(); ++k) {
+    sum += more_if_later[k].second;
+    const double here_s = more_if_later[k].first, next_s = more_if_later[k + 1].first;
+    if (k + 1 < kFewestOfBeacon || here_s == next_s || sum <= most) continue;
+    most = sum;
+    change = 0.5 * (here_s + next_s);
+  }
+  return change;
+}
+
 std::optional<StopMotion> motion_during(const Trajectory& t, const Segment& stop, const SharedState& state,
                                         double limit) {
   if (!may_have_moved(t, stop, state, limit)) return {};

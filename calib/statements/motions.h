@@ -25,6 +25,11 @@ struct Move {
 /// nothing is known.
 [[nodiscard]] Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t beacon, double time_s);
 
+/// When such a fit's beacon changed its place, by where its arrivals fit: at the earlier place before, at the
+/// later one after it, with the least sum of squares, each up to `limit` squared. None where too few are on
+/// either side.
+[[nodiscard]] std::optional<double> best_time_of_change(const Fit& split, std::size_t beacon, double limit);
+
 /// By how much and how surely the two halves of such a fit differ.
 [[nodiscard]] Move move_of(const SolveOptions& options, const Fit& split, std::size_t beacon, double time_s);
 

@@ -3,6 +3,7 @@
 // What the user stated against what the data say, and the recording against itself.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <random>
 
@@ -167,24 +168,45 @@ void take_over(const World& later, Other&& other, World& world) {
   }
 }
 
-TEST(Agreement, ABeaconThatMovedHalfWayIsNamed) {
+struct MovedBeacon {
+  World world;
+  double after_s = 0.0;  ///< of the recording's begin
+};
+
+/// B4 is moved along its rays (what is found of moves begins with arrivals that are left out) after some
+/// share of the recording.
+MovedBeacon with_moved_beacon(std::uint64_t seed, double by_m, double share) {
   Scenario s = without_noise(sixty_stops());
-  const World first = must(simulate(s, 12));
-  *s.site.beacons[4].position_m[1] +=
-      0.1;  // along its rays: what is found of moves begins with arrivals that are left out
-  const World second = must(simulate(s, 12));
-  World world = first;
+  MovedBeacon moved{must(simulate(s, seed))};
+  *s.site.beacons[4].position_m[1] += by_m;
+  const World later = must(simulate(s, seed));
+  World& world = moved.world;
   world.site.noise.tof_sigma_s = 1e-5;
-  const double half_s = 0.5 * (world.run.arrivals.front().time_s + world.run.arrivals.back().time_s);
+  const double first_s = world.run.arrivals.front().time_s, last_s = world.run.arrivals.back().time_s;
+  moved.after_s = share * (last_s - first_s);
   take_over(
-      second, [&](const Arrival& a) { return a.beacon.index() == 4 && a.time_s > half_s; }, world);
-  std::mt19937_64 engine(12);
+      later, [&](const Arrival& a) { return a.beacon.index() == 4 && a.time_s > first_s + moved.after_s; },
+      world);
+  std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal(0.0, 1e-5);
   for (Arrival& a : world.run.arrivals) a.tof_s += normal(engine);
-  const Contradiction c = only(solution_of(world));
-  EXPECT_EQ(c.kind, ContradictionKind::kBeacon);
-  EXPECT_EQ(c.subject, "B4");
-  EXPECT_THAT(c.found, HasSubstr("move"));
+  return moved;
+}
+
+TEST(Agreement, ABeaconThatMovedIsNamedAndWhen) {
+  for (const double by_m : {0.05, 0.1})
+    for (const double share : {0.3, 0.5, 0.72}) {
+      const MovedBeacon moved = with_moved_beacon(12, by_m, share);
+      const Contradiction c = only(solution_of(moved.world));
+      EXPECT_EQ(c.kind, ContradictionKind::kBeacon);
+      EXPECT_EQ(c.subject, "B4");
+      double found_s = 0.0;
+      const std::size_t at = c.found.find("some ");
+      ASSERT_NE(at, std::string::npos) << c.found;
+      ASSERT_EQ(std::sscanf(c.found.c_str() + at, "some %lf s into", &found_s), 1) << c.found;
+      // To the stops before and after it, at which the beacon was heard.
+      EXPECT_NEAR(found_s, moved.after_s, 20.0) << by_m << " m, " << share << ": " << c.found;
+    }
 }
 
 TEST(Agreement, ABeaconThatIsLateBehindAnObstacleIsNamedAndHarmsNothing) {
