@@ -8,6 +8,7 @@
 
 #include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
+#include "calib/start/refusals.h"
 
 namespace octant::calib {
 namespace {

@@ -7,13 +7,14 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calib/adjust/reject.h"
 #include "calib/problem/flips.h"
 #include "calib/start/held_states.h"
 #include "calib/start/label_check.h"
 #include "calib/start/mirror_images.h"
+#include "calib/start/place_search.h"
+#include "calib/start/refusals.h"
 #include "calib/start/start.h"
 #include "calib/verdict/observability.h"
 
@@ -57,56 +58,19 @@ class Approacher {
  private:
   bool approach(bool search_again) {
     if (!monitor_.report("initial values", 0.02)) return stop(interrupted_solution());
-    if (const auto missing = missing_scale(problem_)) return stop(refuse(*missing));
+    if (const auto missing = missing_scale(problem_)) return stop(refused(*missing));
     start_ = initial_values(problem_, options_.threads);
     set_start();
-    if (!placed_any_) return stop(unplaced());
+    if (!placed_any_) return stop(without_any_pose(problem_, estimate_.beacon_usable));
     if (!graduated() || !mend_labels()) return stop(interrupted_solution());
-    if (search_again && (!search_and_adjust() || !compare_images())) return stop(interrupted_solution());
+    if (search_again && (!search_and_adjust() || !look_behind_obstacles() || !compare_images()))
+      return stop(interrupted_solution());
     return true;
   }
 
   bool stop(Solution why) {
     out_.why_not = std::move(why);
     return false;
-  }
-
-  static Solution refuse(WeakDirection direction) {
-    Solution solution;
-    solution.status = SolveStatus::kUndetermined;
-    solution.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}",
-                                   direction.description, direction.remedy);
-    solution.undetermined = direction.parameters;
-    solution.weak.push_back(std::move(direction));
-    return solution;
-  }
-
-  Solution unplaced() {
-    WeakDirection direction;
-    const NameTable site_names = names_of(problem_.site);
-    std::vector<std::string> names;
-    for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b) {
-      if (estimate_.beacon_usable[b]) continue;
-      direction.parameters.push_back(owner_name(parameters::beacon_delay(b), site_names));
-      names.push_back(problem_.site.beacons[b].name);
-    }
-    if (names.empty()) {
-      // All beacons are known and still no pose came of them: too few are heard together.
-      for (std::size_t b = 0; b < problem_.site.beacons.size(); ++b)
-        direction.parameters.push_back(owner_name(parameters::beacon_delay(b), site_names));
-      names = site_names.beacons;
-      direction.description =
-          fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once",
-                      fmt::join(names, ", "));
-    } else {
-      direction.description = fmt::format("any pose of the vehicle, and with it the positions of beacons {}",
-                                          fmt::join(names, ", "));
-    }
-    direction.remedy =
-        "give approximate positions of three beacons that do not stand in line with the path, or measured "
-        "poses of the vehicle";
-    direction.blocking = true;
-    return refuse(std::move(direction));
   }
 
   void set_start() {
@@ -207,9 +171,9 @@ class Approacher {
     out_.trajectories = std::move(kept.trajectories);
     estimate_.last = std::move(kept.last);
   }
-  [[nodiscard]] ConsensusCost consensus() const {
+  [[nodiscard]] ConsensusCost consensus(double early_more = 0.0) const {
     return consensus_cost_of(problem_, estimate_.layout, estimate_.x, out_.trajectories,
-                             options_.rejection_sigmas);
+                             options_.rejection_sigmas, {}, early_more);
   }
 
   /// Exchanged or misplaced beacons, once the arrivals have told where they are.
@@ -280,6 +244,38 @@ class Approacher {
       if (!adjust_with(scale, 1e-4)) return false;
     place_again(kCauchyScale, 0.0);
     return adjust_with(kCauchyScale, 1e-10);
+  }
+
+  /// Those of a beacon's arrivals that do not fit: where as many are late as are direct, Cauchy's loss would
+  /// settle between both.
+  void leave_out(std::size_t b) {
+    const SharedState state = estimate_.state();
+    for (Trajectory& t : out_.trajectories)
+      for (ArrivalObservation& a : t.arrivals)
+        if (a.beacon.index() == b && a.rejection == Rejection::kUsed &&
+            std::abs(arrival_residual(t, a, state)) > options_.rejection_sigmas)
+          a.rejection = Rejection::kLate;
+  }
+
+  /// Beacons of whose arrivals many do not fit are adjusted from the place that more of them agree on as
+  /// well, where there is one, and the larger consensus is kept.
+  bool look_behind_obstacles() {
+    for (const std::size_t b : beacons_that_do_not_fit(estimate_.layout, estimate_.x, out_.trajectories,
+                                                       options_.rejection_sigmas)) {
+      const auto moved = with_beacon_of_larger_consensus(problem_, estimate_.layout, estimate_.x,
+                                                         out_.trajectories, b, options_.rejection_sigmas);
+      if (!moved) continue;
+      if (!monitor_.report(fmt::format("another place of beacon {}", problem_.site.beacons[b].name), 0.66))
+        return false;
+      const Kept here = keep();
+      const double cost = consensus(kEarlyIsRarer).total();
+      estimate_.x = *moved;
+      leave_out(b);
+      if (!adjust_with(kCauchyScale, 1e-10)) return false;
+      readmit_all(out_.trajectories, estimate_.beacon_usable);
+      if (!(consensus(kEarlyIsRarer).total() < cost)) restore(here);
+    }
+    return true;
   }
 
   /// Beacons, or the whole site, of which the ranges leave a mirror image: it is adjusted too, and the better
@@ -378,13 +374,6 @@ class Approacher {
 };
 
 }  // namespace
-
-Solution interrupted_solution() {
-  Solution solution;
-  solution.status = SolveStatus::kInterrupted;
-  solution.message = "interrupted";
-  return solution;
-}
 
 Approach approach(const Problem& problem, const SolveOptions& options, ProgressMonitor& monitor,
                   bool search_again) {

@@ -46,7 +46,4 @@ struct Approach {
 [[nodiscard]] Approach approach(const Problem& problem, const SolveOptions& options, ProgressMonitor& monitor,
                                 bool search_again = true);
 
-/// A solution of which nothing came but the word that it was stopped.
-[[nodiscard]] Solution interrupted_solution();
-
 }  // namespace octant::calib

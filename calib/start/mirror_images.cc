@@ -109,7 +109,7 @@ bool distinguishes_left_from_right(const Problem& problem, const std::vector<Tra
 
 ConsensusCost consensus_cost_of(const Problem& problem, const ParameterLayout& layout,
                                 const Eigen::VectorXd& x, const std::vector<Trajectory>& trajectories,
-                                double rejection_sigmas, const ArrivalWeights& weights) {
+                                double rejection_sigmas, const ArrivalWeights& weights, double early_more) {
   const SharedState state = layout.state_of(x);
   const double cap = 0.5 * rejection_sigmas * rejection_sigmas;
   const auto counts = [](Rejection r) { return r != Rejection::kBeaconUnusable && r != Rejection::kNoPose; };
@@ -118,10 +118,12 @@ ConsensusCost consensus_cost_of(const Problem& problem, const ParameterLayout& l
   ObservationRow rows[6];
   for (std::size_t k = 0; k < trajectories.size(); ++k) {
     const Trajectory& t = trajectories[k];
-    for (std::size_t i = 0; i < t.arrivals.size(); ++i)
-      if (counts(t.arrivals[i].rejection))
-        cost.arrivals += (weights.empty() ? 1.0 : weights[k][i]) *
-                         std::min(cap, 0.5 * std::pow(arrival_residual(t, t.arrivals[i], state), 2));
+    for (std::size_t i = 0; i < t.arrivals.size(); ++i) {
+      if (!counts(t.arrivals[i].rejection)) continue;
+      const double r = arrival_residual(t, t.arrivals[i], state);
+      cost.arrivals +=
+          (weights.empty() ? 1.0 : weights[k][i]) * std::min(cap + (r < 0 ? early_more : 0.0), 0.5 * r * r);
+    }
     for (std::size_t i = 0; i < t.bearings.size(); ++i)
       if (counts(t.bearings[i].rejection) && bearing_rows(t, i, state, rows) > 0)
         cost.others += std::min(cap, 0.5 * std::pow(rows[0].residual, 2));

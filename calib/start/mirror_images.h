@@ -18,14 +18,19 @@ struct ConsensusCost {
   double others = 0.0;  ///< bearings, measured poses, priors
   [[nodiscard]] double total() const { return arrivals + others; }
 };
+/// Early arrivals are so much rarer than late ones, as in the search of a fix (ln 20, consensus.cc): by this
+/// many more half squares a consensus may be short of each that it leaves out.
+inline constexpr double kEarlyIsRarer = 3.0;
 /// What arrivals count for, trajectory by trajectory.
 using ArrivalWeights = std::vector<std::vector<double>>;
 
 /// @param weights  of the arrivals' squares; none: each counts in full
+/// @param early_more  what an early arrival beyond the limit costs more than a late one
 [[nodiscard]] ConsensusCost consensus_cost_of(const Problem& problem, const ParameterLayout& layout,
                                               const Eigen::VectorXd& x,
                                               const std::vector<Trajectory>& trajectories,
-                                              double rejection_sigmas, const ArrivalWeights& weights = {});
+                                              double rejection_sigmas, const ArrivalWeights& weights = {},
+                                              double early_more = 0.0);
 
 /// All arrivals of a pair at one place count as a few at most: a hundred echoes that one stand recorded are
 /// no more than one.

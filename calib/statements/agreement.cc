@@ -22,6 +22,9 @@ constexpr double kManyLeftOut = 0.15, kBeyondOthers = 3.0;
 constexpr std::size_t kFewestLeftOut = 8;
 /// Early spurious arrivals exist, and are few.
 constexpr double kManyEarly = 0.10;
+/// Where more than this share of a beacon's arrivals is left out, and many of them early, it may as well be
+/// where those are direct.
+constexpr double kMostLeftOut = 0.5;
 /// A beacon is held to have moved at so many sigmas, and by this share of the tolerance.
 constexpr double kMovedSigmas = 6.0, kMovedMatters = 0.3;
 constexpr std::size_t kMostSplit = 3;
@@ -188,7 +191,8 @@ class Checker {
     const std::string& name = problem_.site.beacons[b].name;
     if (c.early >= kFewestLeftOut && places.early >= kFewestPlaces &&
         static_cast<double>(places.early) > kManyEarly * static_cast<double>(places.heard) &&
-        static_cast<double>(c.early) > kManyEarly * static_cast<double>(c.placed) && c.early > c.late) {
+        static_cast<double>(c.early) > kManyEarly * static_cast<double>(c.placed) &&
+        (c.early > c.late || c.share() > kMostLeftOut)) {
       const double expected = std::max(1.0, 0.01 * static_cast<double>(places.heard));
       out_.contradictions.push_back(
           {ContradictionKind::kBeacon, name, "to be heard along the straight path",
