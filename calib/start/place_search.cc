@@ -27,7 +27,8 @@ constexpr double kCoarseShare = 1.0 / 3, kNarrower = 3.0;
 constexpr int kStepsEachScale = 4;
 constexpr double kEarlyScale = 3.0;   ///< sound is late sooner than early
 constexpr std::size_t kEnough = 300;  ///< ranges, evenly spread, that are looked at
-constexpr double kManyDoNotFit = 0.3;
+/// Share of a beacon's arrivals, and how many times that of the beacon in the middle.
+constexpr double kManyDoNotFit = 0.2, kMoreThanOthers = 1.5;
 constexpr std::size_t kMostLost = 8;
 
 class PlaceSearch {
@@ -163,12 +164,13 @@ std::vector<std::size_t> beacons_that_do_not_fit(const ParameterLayout& layout, 
       placed[a.beacon.index()] += 1.0;
       off[a.beacon.index()] += std::abs(arrival_residual(t, a, state)) > rejection_sigmas ? 1.0 : 0.0;
     }
+  for (std::size_t b = 0; b < off.size(); ++b) off[b] /= std::max(placed[b], 1.0);
+  const double many = std::max(kManyDoNotFit, kMoreThanOthers * median(off));
   std::vector<std::pair<double, std::size_t>> lost;
   for (std::size_t b = 0; b < off.size(); ++b) {
-    const double share = off[b] / std::max(placed[b], 1.0);
     const std::array<int, 3>& columns = layout.beacon[b];
-    if (share >= kManyDoNotFit && *std::max_element(columns.begin(), columns.end()) >= 0)
-      lost.emplace_back(-share, b);
+    if (off[b] >= many && *std::max_element(columns.begin(), columns.end()) >= 0)
+      lost.emplace_back(-off[b], b);
   }
   std::sort(lost.begin(), lost.end());
   if (lost.size() > kMostLost) lost.resize(kMostLost);

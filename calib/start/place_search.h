@@ -38,8 +38,8 @@ struct PlacePrior {
                                                                       double sigma_m,
                                                                       double rejection_sigmas);
 
-/// Free beacons of whose arrivals at placed states a third or more are off by more than `rejection_sigmas`,
-/// the worst first, eight at most.
+/// Free beacons of whose arrivals at placed states many are off by more than `rejection_sigmas`, and more
+/// than of others, the worst first, eight at most.
 [[nodiscard]] std::vector<std::size_t> beacons_that_do_not_fit(const ParameterLayout& layout,
                                                                const Eigen::VectorXd& x,
                                                                const std::vector<Trajectory>& trajectories,

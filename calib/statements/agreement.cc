@@ -20,13 +20,17 @@ namespace {
 /// Of a beacon's arrivals, where others lose a third of that at most.
 constexpr double kManyLeftOut = 0.15, kBeyondOthers = 3.0;
 constexpr std::size_t kFewestLeftOut = 8;
+/// A beacon that moved may have been placed between both of its places, where few arrivals are left out.
+constexpr double kSomeLeftOut = 0.08, kBeyondOthersIfMoved = 2.0;
 /// Early spurious arrivals exist, and are few.
 constexpr double kManyEarly = 0.10;
 /// Where more than this share of a beacon's arrivals is left out, and many of them early, it may as well be
 /// where those are direct.
 constexpr double kMostLeftOut = 0.5;
-/// A beacon is held to have moved at so many sigmas, and by this share of the tolerance.
-constexpr double kMovedSigmas = 6.0, kMovedMatters = 0.3;
+/// A beacon is held to have moved at so many sigmas, fewer where most of what was left out comes back, and by
+/// this share of the tolerance.
+constexpr double kMovedSigmas = 6.0, kMovedSigmasIfRegained = 4.0, kMovedMatters = 0.3;
+constexpr double kRegained = 0.5, kMostRegained = 0.8;
 constexpr std::size_t kMostSplit = 3;
 /// Of a receiver's arrivals, where the other receivers of all vehicles lose a third of that at most.
 constexpr double kMostOfAReceiver = 0.5;
@@ -126,21 +130,24 @@ class Checker {
     return false;
   }
 
+  [[nodiscard]] bool is_suspect(const BeaconCounts& c, double share, double beyond_others) const {
+    return c.out() >= kFewestLeftOut && c.share() >= std::max(share, beyond_others * usual_);
+  }
+
   void beacons() {
     std::vector<std::size_t> suspects;
     for (std::size_t b = 0; b < counts_.size(); ++b) {
       const BeaconCounts& c = counts_[b];
       if (!fit_.beacon_usable[b] || said(problem_.site.beacons[b].name)) continue;
       if (c.bearings >= 10 && 2 * c.bearings_out > c.bearings) bearings_left_out(b);
-      if (c.out() < kFewestLeftOut || c.share() < std::max(kManyLeftOut, kBeyondOthers * usual_)) continue;
-      suspects.push_back(b);
+      if (is_suspect(c, kSomeLeftOut, kBeyondOthersIfMoved)) suspects.push_back(b);
     }
     std::sort(suspects.begin(), suspects.end(),
               [this](std::size_t a, std::size_t b) { return counts_[a].out() > counts_[b].out(); });
     for (std::size_t k = 0; k < suspects.size(); ++k) {
       const Places places = places_of(fit_, suspects[k]);
       if (k < kMostSplit && places.left_out >= kFewestPlaces && moved(suspects[k])) continue;
-      much_left_out(suspects[k], places);
+      if (is_suspect(counts_[suspects[k]], kManyLeftOut, kBeyondOthers)) much_left_out(suspects[k], places);
     }
   }
 
@@ -164,11 +171,13 @@ class Checker {
 
   bool moved(std::size_t b) {
     const std::optional<Move> best = likeliest_move(b);
-    // Half of what was left out must come back, else the move is not what ails it.
-    const double regained = 0.5 * 0.5 * options_.rejection_sigmas * options_.rejection_sigmas *
-                            static_cast<double>(counts_[b].out());
-    if (!best || fit_.cost - best->cost < regained || best->sigmas < kMovedSigmas * growth_ ||
-        best->by_m.norm() < kMovedMatters * tolerance_m(problem_))
+    if (!best || best->by_m.norm() < kMovedMatters * tolerance_m(problem_)) return false;
+    // What was left out must come back, else the move is not what ails it.
+    const double left_out =
+        0.5 * options_.rejection_sigmas * options_.rejection_sigmas * static_cast<double>(counts_[b].out());
+    const double regained = (fit_.cost - best->cost) / left_out;
+    if (regained < kRegained ||
+        best->sigmas < growth_ * (regained < kMostRegained ? kMovedSigmas : kMovedSigmasIfRegained))
       return false;
     const std::string& name = problem_.site.beacons[b].name;
     double first_s = INFINITY;

@@ -219,6 +219,25 @@ TEST(Agreement, ABeaconThatIsLateBehindAnObstacleIsNamedAndHarmsNothing) {
   EXPECT_LT(worst_beacon_m(world, solution), 0.02);
 }
 
+TEST(Agreement, ABeaconThatIsLateAtHalfOfTheStopsIsWhereItsDirectArrivalsHaveIt) {
+  int right = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    for (const std::size_t beacon : {1U, 4U, 5U}) {
+      World world = must(simulate(sixty_stops(), seed));
+      for (Arrival& a : world.run.arrivals)
+        if (a.beacon.index() == beacon && (a.epoch + static_cast<std::int64_t>(seed)) % 9 < 4)
+          a.tof_s += 0.3 / 343;
+      const calib::Solution solution = solution_of(world);
+      if (worst_beacon_m(world, solution) < 0.03) {
+        ++right;
+        continue;
+      }
+      // Where more of its late arrivals agree on a place than of the direct ones, these are early there.
+      EXPECT_EQ(only(solution).subject, "B" + std::to_string(beacon)) << "seed " << seed;
+    }
+  EXPECT_GE(right, 23) << "of 24; without another look 14";
+}
+
 /// Stops all over the hall, and as many again beside each other.
 World with_stops_beside_each_other(std::uint64_t seed) {
   Scenario s = hall_scenario();
