@@ -235,7 +235,7 @@ TEST(Agreement, ABeaconThatIsLateAtHalfOfTheStopsIsWhereItsDirectArrivalsHaveIt)
       // Where more of its late arrivals agree on a place than of the direct ones, these are early there.
       EXPECT_EQ(only(solution).subject, "B" + std::to_string(beacon)) << "seed " << seed;
     }
-  EXPECT_GE(right, 23) << "of 24; without another look 14";
+  EXPECT_GE(right, 23) << "of 24";
 }
 
 /// Stops all over the hall, and as many again beside each other.
