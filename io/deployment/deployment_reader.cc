@@ -23,12 +23,12 @@ const std::vector<std::pair<std::string, bool DelayPer::*>> kDelayPer = {{"beaco
                                                                          {"site", &DelayPer::site},
                                                                          {"none", nullptr}};
 
-double number_or(const JsonValue& value, double fallback) {
-  return value.present() ? value.number() : fallback;
+std::optional<double> optional_number(const JsonValue& value, NumberRange range = kAnyNumber) {
+  return value.present() ? std::optional<double>(value.number(range)) : std::nullopt;
 }
 
-std::optional<double> optional_number(const JsonValue& value) {
-  return value.present() ? std::optional<double>(value.number()) : std::nullopt;
+double number_or(const JsonValue& value, double fallback, NumberRange range = kAnyNumber) {
+  return optional_number(value, range).value_or(fallback);
 }
 
 void read_deployed_medium(const JsonValue& json, Deployment& d) {
@@ -37,11 +37,11 @@ void read_deployed_medium(const JsonValue& json, Deployment& d) {
   m.temperature_degC = json.at("reference_temperature_degC").number();
   m.relative_humidity = number_or(json.find("relative_humidity"), m.relative_humidity);
   m.pressure_pa = number_or(json.find("pressure_pa"), m.pressure_pa);
-  const double calibrated_mps = json.at("speed_mps").positive();
+  const double calibrated_mps = json.at("speed_mps").number(kPositive);
   m.speed_mps = number_or(json.find("constant_speed_mps"), calibrated_mps);
   // speed_mps is what other programs read; the model and its offset are what it comes from.
   d.speed_offset_mps = number_or(json.find("offset_mps"), calibrated_mps - speed_mps(m));
-  d.speed_sigma_mps = json.at("sigma_mps").not_negative();
+  d.speed_sigma_mps = json.at("sigma_mps").number(kNotNegative);
   const double offset_speed_mps = d.speed_mps(m.temperature_degC);
   if (!(std::abs(offset_speed_mps - calibrated_mps) <= 1e-9 * calibrated_mps)) {
     json.at("speed_mps")
@@ -69,7 +69,7 @@ void read_deployed_timing(const JsonValue& json, Timing& t) {
 }
 
 void read_deployed_noise(const JsonValue& json, Noise& n) {
-  n.tof_sigma_s = json.at("tof_sigma_s").positive();
+  n.tof_sigma_s = json.at("tof_sigma_s").number(kPositive);
   n.amplitude_relative_sigma = number_or(json.find("amplitude_relative_sigma"), n.amplitude_relative_sigma);
   n.pair_sigma_s = optional_number(json.find("pair_sigma_s"));
   n.bearing_sigma_rad = number_or(json.find("bearing_sigma_rad"), n.bearing_sigma_rad);
@@ -78,10 +78,7 @@ void read_deployed_noise(const JsonValue& json, Noise& n) {
 
 void read_correlated_noise(const JsonValue& json, CorrelatedNoise& c) {
   if (!json.present()) return;
-  const auto read = [&json](const char* key) {
-    const JsonValue value = json.find(key);
-    return value.present() ? value.not_negative() : 0.0;
-  };
+  const auto read = [&json](const char* key) { return number_or(json.find(key), 0.0, kNotNegative); };
   c = {read("sigma_s"), read("time_s"), read("pair_sigma_s")};
 }
 
@@ -107,8 +104,8 @@ void read_deployed_beacons(const JsonValue& json, Deployment& d) {
     if (!(b.covariance_m2.diagonal().minCoeff() >= 0.0))
       covariance.fail("with a negative variance", "a covariance");
     b.delay_s = item.at("delay_s").number();
-    b.delay_sigma_s = item.at("delay_sigma_s").not_negative();
-    if (const JsonValue gain = item.find("gain"); gain.present()) b.gain = gain.positive();
+    b.delay_sigma_s = item.at("delay_sigma_s").number(kNotNegative);
+    b.gain = number_or(item.find("gain"), b.gain, kPositive);
     b.status = item.at("status").choice<BeaconStatus>({{"calibrated", BeaconStatus::kCalibrated},
                                                        {"control_point", BeaconStatus::kControlPoint},
                                                        {"undetermined", BeaconStatus::kUndetermined}});
@@ -127,7 +124,7 @@ std::optional<Rail> read_deployed_rail(const JsonValue& json) {
   if (json.find("centre_m").present()) {
     rail.shape = Rail::Shape::kArc;
     rail.centre_m = point_of(json.at("centre_m"));
-    rail.radius_m = json.at("radius_m").positive();
+    rail.radius_m = json.at("radius_m").number(kPositive);
   } else {
     rail.from_m = point_of(json.at("from_m"));
     rail.to_m = point_of(json.at("to_m"));
@@ -151,8 +148,7 @@ void read_deployed_vehicles(const JsonValue& json, Deployment& d) {
       r.delay_s = entry.at("delay_s").number();
       r.delay_sigma_s = number_or(entry.find("delay_sigma_s"), 0.0);
       if (const JsonValue axis = entry.find("axis"); axis.present()) r.axis = axis.vector3();
-      if (const JsonValue cosine = entry.find("hearing_cosine"); cosine.present())
-        r.hearing_cosine = cosine.number();
+      r.hearing_cosine = optional_number(entry.find("hearing_cosine"));
       d.receivers.push_back(std::move(r));
     }
     SiteVehicle& read = d.vehicles.back();
@@ -160,9 +156,10 @@ void read_deployed_vehicles(const JsonValue& json, Deployment& d) {
     read.clock_drift = 1e-6 * number_or(item.find("clock_drift_ppm"), 0.0);
     read.clock_drift_sigma = 1e-6 * number_or(item.find("clock_drift_sigma_ppm"), 0.0);
     if (const JsonValue motion = item.find("motion"); motion.present())
-      read.motion = MotionPrior{motion.at("speed_mps").positive(), motion.at("acceleration_mps2").positive(),
-                                motion.at("turn_rate_rad_per_s").positive(),
-                                motion.at("turn_acceleration_rad_per_s2").positive()};
+      read.motion = MotionPrior{motion.at("speed_mps").number(kPositive),
+                                motion.at("acceleration_mps2").number(kPositive),
+                                motion.at("turn_rate_rad_per_s").number(kPositive),
+                                motion.at("turn_acceleration_rad_per_s2").number(kPositive)};
     read.rail = read_deployed_rail(item.find("rail"));
   }
   if (d.vehicles.empty()) json.fail("empty", "at least one vehicle");
@@ -211,7 +208,7 @@ void read_validity(const JsonValue& json, Deployment& d) {
     const std::vector<double> v = corner.numbers(2);
     d.validity_area_m.emplace_back(v[0], v[1]);
   }
-  if (const JsonValue reach = json.find("reach_m"); reach.present()) d.validity_reach_m = reach.positive();
+  d.validity_reach_m = optional_number(json.find("reach_m"), kPositive);
 }
 
 void read_provenance(const JsonValue& root, Deployment& d) {
@@ -242,7 +239,7 @@ void read_contradictions(const JsonValue& verdict, std::vector<Contradiction>& c
       return;
     }
     contradictions.push_back({*known, c.at("subject").text(), c.at("stated").text(), c.at("found").text(),
-                              c.at("sigmas").not_negative(), c.at("remedy").text()});
+                              c.at("sigmas").number(kNotNegative), c.at("remedy").text()});
   }
 }
 
@@ -257,8 +254,8 @@ Change read_change(const JsonValue& json) {
   }
   c.subject = json.at("subject").text();
   c.size = json.at("size").number();
-  c.sigma = json.at("sigma").not_negative();
-  c.p = json.at("p").not_negative();
+  c.sigma = json.at("sigma").number(kNotNegative);
+  c.p = json.at("p").number(kNotNegative);
   return c;
 }
 
@@ -268,9 +265,10 @@ void read_previous(const JsonValue& json, const ParameterLookup& lookup, Deploym
   previous.sha256 = json.at("sha256").text();
   previous.created = json.at("created").text();
   const JsonValue drift = json.at("drift");
-  previous.drift = {drift.at("beacon_m").not_negative(),   drift.at("delay_s").not_negative(),
-                    drift.at("receiver_m").not_negative(), drift.at("speed_mps").not_negative(),
-                    drift.at("log_gain").not_negative(),   drift.at("attenuation").not_negative()};
+  previous.drift = {
+      drift.at("beacon_m").number(kNotNegative),   drift.at("delay_s").number(kNotNegative),
+      drift.at("receiver_m").number(kNotNegative), drift.at("speed_mps").number(kNotNegative),
+      drift.at("log_gain").number(kNotNegative),   drift.at("attenuation").number(kNotNegative)};
   for (const std::string& name : json.at("released").texts())
     if (name == "datum") {
       previous.released.datum = true;
@@ -336,13 +334,13 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
     read_deployed_noise(root.at("noise"), d.noise);
     read_correlated_noise(root.at("noise").find("correlated"), d.correlated_noise);
     if (const JsonValue a = root.find("attenuation"); a.present()) {
-      d.attenuation =
-          AttenuationModel{a.at("amplitude_1m_v").positive(), a.at("absorption_np_per_m").number(),
-                           a.at("threshold_v").not_negative(), a.at("rise_time_s").not_negative()};
-      if (const JsonValue angle = a.find("half_power_angle_rad"); angle.present())
-        d.attenuation->half_power_angle_rad = angle.within(kLeastHalfPowerAngle_rad, kMostHalfPowerAngle_rad);
-      if (const JsonValue saturation = a.find("saturation_v"); saturation.present())
-        d.attenuation->saturation_v = saturation.positive();
+      AttenuationModel& model = d.attenuation.emplace();
+      model.amplitude_1m_v = a.at("amplitude_1m_v").number(kPositive);
+      model.absorption_np_per_m = a.at("absorption_np_per_m").number();
+      model.threshold_v = a.at("threshold_v").number(kNotNegative);
+      model.rise_time_s = a.at("rise_time_s").number(kNotNegative);
+      model.half_power_angle_rad = number_or(a.find("half_power_angle_rad"), 0.0, kHalfPowerAngle);
+      model.saturation_v = number_or(a.find("saturation_v"), model.saturation_v, kPositive);
     }
     read_deployed_beacons(root.at("beacons"), d);
     read_deployed_vehicles(root.at("vehicles"), d);

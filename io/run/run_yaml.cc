@@ -15,12 +15,6 @@
 namespace octant::io {
 namespace {
 
-constexpr NumberRange kRunTemperature{
-    .low = -100.0, .high = 100.0, .words = "degrees Celsius from -100 to 100 (20 degC are 293 K)"};
-constexpr NumberRange kRunHumidity{.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1 (50 % is 0.5)"};
-constexpr NumberRange kRunPressure{
-    .low = 1.0e4, .high = 1.0e7, .words = "pascals, such as 101325 (1013 hPa are 101300)"};
-
 void read_accuracy(const YamlNode& node, const char* name, bool observations, PoseAccuracy& accuracy,
                    YamlLog& log) {
   YamlMap map(node, name, log);
@@ -76,9 +70,9 @@ Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file,
   check_version(root, "octant_run", yaml);
   if (yaml.error) return fail(*yaml.error);
   header.vehicle = root.text("vehicle", "");
-  log.temperature_degC = root.optional_number("temperature_degC", kRunTemperature);
-  log.relative_humidity = root.optional_number("relative_humidity", kRunHumidity);
-  log.pressure_pa = root.optional_number("pressure_pa", kRunPressure);
+  log.temperature_degC = root.optional_number("temperature_degC", kCelsius);
+  log.relative_humidity = root.optional_number("relative_humidity", kRelativeHumidity);
+  log.pressure_pa = root.optional_number("pressure_pa", kPascals);
   header.range_max_m = root.number("range_max_m", header.range_max_m, kPositive);
   read_accuracy(root.block("poses"), "poses", true, log.pose_accuracy, yaml);
   read_accuracy(root.block("truth"), "truth", false, log.truth_accuracy, yaml);

@@ -18,12 +18,6 @@ namespace {
 
 constexpr std::size_t kHeadBytes = 65536;  // in which a deployment says that it is one
 
-constexpr NumberRange kTemperature{
-    .low = -100.0, .high = 100.0, .words = "degrees Celsius from -100 to 100 (20 degC are 293 K)"};
-constexpr NumberRange kHumidity{.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1 (50 % is 0.5)"};
-constexpr NumberRange kPressure{
-    .low = 1.0e4, .high = 1.0e7, .words = "pascals, such as 101325 (1013 hPa are 101300)"};
-
 void read_medium(const YamlNode& node, Site& site, YamlLog& log) {
   YamlMap map(node, "medium", log);
   site.medium_given = map.present();
@@ -44,9 +38,9 @@ void read_medium(const YamlNode& node, Site& site, YamlLog& log) {
     if (!map.has("relative_humidity")) assumed("relative_humidity", medium.relative_humidity);
     if (!map.has("pressure_pa")) assumed("pressure_pa", medium.pressure_pa);
   }
-  medium.temperature_degC = map.number("temperature_degC", medium.temperature_degC, kTemperature);
-  medium.relative_humidity = map.number("relative_humidity", medium.relative_humidity, kHumidity);
-  medium.pressure_pa = map.number("pressure_pa", medium.pressure_pa, kPressure);
+  medium.temperature_degC = map.number("temperature_degC", medium.temperature_degC, kCelsius);
+  medium.relative_humidity = map.number("relative_humidity", medium.relative_humidity, kRelativeHumidity);
+  medium.pressure_pa = map.number("pressure_pa", medium.pressure_pa, kPascals);
   if (medium.model == MediumModel::kConstant && !map.has("speed_mps")) {
     map.fail_missing("speed_mps", "the speed in m/s (sound in air 343, in sea water 1500, radio 299792458)");
   }

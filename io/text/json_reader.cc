@@ -197,33 +197,14 @@ std::vector<JsonValue> JsonValue::items() const {
   return values;
 }
 
-double JsonValue::number() const {
+double JsonValue::number(NumberRange range) const {
   if (json_ == nullptr) return 0.0;
-  if (json_->is_number()) {
-    const double value = json_->get<double>();
-    if (std::isfinite(value)) return value;
-  }
-  fail(kind_of(*json_), "a finite number");
-  return 0.0;
-}
-
-double JsonValue::not_negative() const {
-  const double value = number();
-  if (value < 0.0) fail(kind_of(*json_), "zero or a positive number");
-  return value;
-}
-
-double JsonValue::positive() const {
-  const double value = number();
-  if (json_ != nullptr && !(value > 0.0)) fail(kind_of(*json_), "a positive number");
-  return value;
-}
-
-double JsonValue::within(double low, double high) const {
-  const double value = number();
-  if (json_ != nullptr && !(value >= low && value <= high))
-    fail(kind_of(*json_), fmt::format("a number from {} to {}", low, high));
-  return value;
+  const double value = json_->is_number() ? json_->get<double>() : NAN;
+  if (!std::isfinite(value))
+    fail(kind_of(*json_), "a finite number");
+  else if (!range.contains(value))
+    fail(kind_of(*json_), range.words);
+  return std::isfinite(value) ? value : 0.0;
 }
 
 std::size_t JsonValue::count() const {

@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "io/text/number_range.h"
 #include "io/text/text.h"
 #include "models/support/result.h"
 
@@ -52,10 +53,7 @@ class JsonValue {
   [[nodiscard]] JsonValue find(const char* key) const;
   [[nodiscard]] std::vector<JsonValue> items() const;
 
-  [[nodiscard]] double number() const;
-  [[nodiscard]] double not_negative() const;
-  [[nodiscard]] double positive() const;
-  [[nodiscard]] double within(double low, double high) const;
+  [[nodiscard]] double number(NumberRange range = kAnyNumber) const;
   [[nodiscard]] std::size_t count() const;
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] std::string text() const;

@@ -3,6 +3,7 @@
 #include "io/yaml/yaml_reader.h"
 
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -72,7 +73,7 @@ double number_of(const YamlNode& node, const std::string& name, YamlLog& log, Nu
              std::string(range.words) + ", and a finite one");
     return fallback;
   }
-  if (value < range.low || value > range.high || (range.low_excluded && value == range.low)) {
+  if (!range.contains(value)) {
     log.fail(node, fmt::format("{} is {}", name, in_quotes(node.scalar())), range.words);
     return fallback;
   }

@@ -3,13 +3,13 @@
 #pragma once
 // Private to io/: typed access to a YAML document.
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "io/text/number_range.h"
 #include "io/text/text.h"
 #include "io/yaml/yaml_node.h"
 #include "models/site.h"
@@ -28,22 +28,6 @@ struct YamlLog {
   void fail(const YamlNode& where, std::string found, std::string expected, std::string advice = "");
   void warn(const YamlNode& where, const std::string& text);
 };
-
-/// Values a number may take; `words` names them in messages ("a positive number").
-struct NumberRange {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  bool low_excluded = false;
-  const char* words = "a number";
-};
-inline constexpr NumberRange kAnyNumber{};
-inline constexpr NumberRange kPositive{.low = 0.0, .low_excluded = true, .words = "a positive number"};
-inline constexpr NumberRange kNotNegative{.low = 0.0, .words = "zero or a positive number"};
-inline constexpr NumberRange kHalfPowerAngle{
-    .low = kLeastHalfPowerAngle_rad,
-    .high = kMostHalfPowerAngle_rad,
-    .words = "an angle off the axis from 0.02 to 2.8 rad (half of the beam width at -3 dB)"};
-inline constexpr NumberRange kFraction{.low = 0.0, .high = 1.0, .words = "a fraction from 0 to 1"};
 
 // Values of a node. `name` is its path in messages, e.g. "medium.sigma_mps". On failure they log and return
 // the fallback.

@@ -151,9 +151,10 @@ TEST(JsonReader, EachFaultIsNamedByPointerAndLine) {
               HasSubstr("a.json:2:6: /n is 'x'; expected a finite number"));
   EXPECT_THAT(error([](V v) { (void)v.at("c").count(); }),
               HasSubstr("a.json:3:6: /c is -1; expected a whole number"));
-  EXPECT_THAT(error([](V v) { (void)v.at("c").not_negative(); }), HasSubstr("zero or a positive number"));
-  EXPECT_THAT(error([](V v) { (void)v.at("c").positive(); }), HasSubstr("a positive number"));
-  EXPECT_THAT(error([](V v) { (void)v.at("c").within(0, 1); }), HasSubstr("a number from 0 to 1"));
+  EXPECT_THAT(error([](V v) { (void)v.at("c").number(kNotNegative); }),
+              HasSubstr("zero or a positive number"));
+  EXPECT_THAT(error([](V v) { (void)v.at("c").number(kPositive); }), HasSubstr("a positive number"));
+  EXPECT_THAT(error([](V v) { (void)v.at("c").number(kFraction); }), HasSubstr("a fraction from 0 to 1"));
   EXPECT_THAT(error([](V v) { (void)v.at("c").boolean(); }), HasSubstr("true or false"));
   EXPECT_THAT(error([](V v) { (void)v.at("v").vector3(); }), HasSubstr("a.json:5:2: /v/1 is null"));
   EXPECT_THAT(error([](V v) { (void)v.at("v").numbers(2); }),
