@@ -109,7 +109,7 @@ def main():
             runs = [process([options.build / "bin/octant", "survey", site, "--threads", "2", "-q", *words]) for _ in range(options.repeats)]
             print(f"| octant survey {' '.join(words)} | {min(r[0] for r in runs):.2f} s | {min(r[1] for r in runs):.2f} s (all threads) | {max(r[2] for r in runs):.0f} MB |")
     sides = {"NumPy, plain HDOP": numpy_hdop, "NumPy, plain HDOP in blocks": numpy_blocks}
-    for name in ("survey_scalar_hdop/real_time", "survey_plain_hdop/1/real_time", "survey_plain_hdop/2/real_time", "survey_million/maps/2/real_time",
+    for name in ("survey_scalar_hdop/real_time", "survey_million/maps/2/real_time",
                  "survey_million/integrity/2/real_time", "survey_million/one_failure/2/real_time", "survey_million/two_failures/2/real_time"):
         sides[name.removesuffix("/real_time")] = lambda name=name: bench(options.build, name)
     best = {side: (float("inf"), float("inf")) for side in sides}

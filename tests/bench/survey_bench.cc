@@ -8,7 +8,6 @@
 #include <benchmark/benchmark.h>
 
 #include "models/simulator/random.h"
-#include "survey/geometry/plain_hdop.h"
 #include "survey/map/survey.h"
 #include "tests/support/worlds.h"
 
@@ -78,14 +77,6 @@ BENCHMARK_CAPTURE(survey_million, two_failures, 2, true)
     ->Arg(2)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
-
-void survey_plain_hdop(benchmark::State& state) {
-  const auto places = forty();
-  for (auto _ : state)
-    benchmark::DoNotOptimize(
-        survey::plain_hdop(places, 0.3, {{0, 0}, 0.1, 1000, 1000}, static_cast<int>(state.range(0))).data());
-}
-BENCHMARK(survey_plain_hdop)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 /// The same in plain scalar C++, as a compiler sees it.
 void survey_scalar_hdop(benchmark::State& state) {
