@@ -45,7 +45,7 @@ Result<void> StreamSource::scan(const Visit& visit) {
     std::vector<Arrival> block;
     std::size_t arrivals = 0;
     for (;;) {
-      const auto more = streams_[run].next_piece(block);
+      const auto more = streams_[run].next(block);
       if (!more) return fail(more.error());
       if (!*more) break;
       arrivals += block.size();

@@ -28,7 +28,7 @@ class StreamSource : public ArrivalSource {
   [[nodiscard]] Result<void> scan(const Visit& visit) override;
   [[nodiscard]] Result<void> read(std::size_t run, std::size_t first, std::size_t last,
                                   std::vector<Arrival>& arrivals) const override {
-    return streams_[run].read_pieces(first, last, arrivals);
+    return streams_[run].read_blocks(first, last, arrivals);
   }
   /// A guess at the number of arrivals, rather too many; before scan().
   [[nodiscard]] std::size_t rows_estimate() const;

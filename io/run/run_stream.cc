@@ -9,52 +9,34 @@
 
 namespace octant::io {
 
-RunStream::RunStream(std::unique_ptr<RunReader> reader, std::size_t block_rows)
-    : reader_(std::move(reader)), block_rows_(std::max<std::size_t>(1, block_rows)) {}
+RunStream::RunStream(std::unique_ptr<RunReader> reader) : reader_(std::move(reader)) {}
 RunStream::RunStream(RunStream&&) noexcept = default;
 RunStream& RunStream::operator=(RunStream&&) noexcept = default;
 RunStream::~RunStream() = default;
 
 Result<RunStream> RunStream::open(const std::string& folder, const NameTable& names, const Timing& timing,
-                                  const ReadRunOptions& options, std::size_t block_rows) {
+                                  const ReadRunOptions& options) {
   auto reader = std::make_unique<RunReader>(folder, names, timing, options);
   if (auto ok = reader->begin(); !ok) return fail(ok.error());
   if (auto ok = reader->read_others(); !ok) return fail(ok.error());
-  return RunStream(std::move(reader), block_rows);
+  return RunStream(std::move(reader));
 }
 
 Result<bool> RunStream::next(std::vector<Arrival>& block) {
   block.clear();
-  while (!ended_ && block.size() < block_rows_) {
-    if (taken_ == held_.size()) {
-      taken_ = 0;
-      const auto more = reader_->next_arrivals(held_);
-      ended_ = !more || !*more;
-      if (!more) return more;
-      if (!ended_) continue;
-      if (auto ok = reader_->finish(); !ok) return fail(ok.error());
-    }
-    const auto from = held_.begin() + static_cast<std::ptrdiff_t>(taken_);
-    const std::size_t count = std::min(block_rows_ - block.size(), held_.size() - taken_);
-    block.insert(block.end(), from, from + static_cast<std::ptrdiff_t>(count));
-    taken_ += count;
-  }
-  return !block.empty();
-}
-
-Result<bool> RunStream::next_piece(std::vector<Arrival>& block) {
+  if (ended_) return false;
   const TofPosition begin = reader_->position();
-  auto more = reader_->next_arrivals(block);
-  if (more && *more) begins_.push_back(begin);
-  if (more && !*more) {
+  const auto more = reader_->next_arrivals(block);
+  ended_ = !more || !*more;
+  if (!ended_) begins_.push_back(begin);
+  if (more && ended_)
     if (auto ok = reader_->finish(); !ok) return fail(ok.error());
-  }
   return more;
 }
 
-std::size_t RunStream::pieces() const { return begins_.size(); }
+std::size_t RunStream::blocks() const { return begins_.size(); }
 
-Result<void> RunStream::read_pieces(std::size_t first, std::size_t last,
+Result<void> RunStream::read_blocks(std::size_t first, std::size_t last,
                                     std::vector<Arrival>& arrivals) const {
   if (first >= last) return {};
   return reader_->read_again(begins_[first], last < begins_.size() ? begins_[last] : reader_->position(),

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "io/text/bounds.h"
-#include "io/text/mapped_file.h"
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
 
@@ -143,12 +142,6 @@ void append_csv(std::string& text, const Fix& fix, const NameTable& names) {
 
 Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file) {
   return TumReader(text, file).read();
-}
-
-Result<std::vector<TimedPose>> read_tum(const std::string& path) {
-  const auto map = MappedFile::open(path);
-  if (!map) return fail(map.error());
-  return tum_from_text(map->text(), path);
 }
 
 std::string poses_to_tum(const std::vector<TimedPose>& poses) {

@@ -15,8 +15,7 @@ namespace octant::io {
 
 /// Reads `time_s x y z qx qy qz qw` rows, strictly increasing in time; # starts a comment. Quaternions are
 /// normalised. Errors name line and column.
-[[nodiscard]] Result<std::vector<TimedPose>> read_tum(const std::string& path);
-/// The same of a text that is in memory; `file` is for the messages.
+/// @param file  for messages
 [[nodiscard]] Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file);
 [[nodiscard]] std::string poses_to_tum(const std::vector<TimedPose>& poses);
 /// The fixes that are ok, as TUM.

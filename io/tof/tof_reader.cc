@@ -103,11 +103,6 @@ void TofReader::parse(std::size_t task, std::size_t slot) {
   parsers_[slot].parse(text_.substr(begin, end - begin), chunks_[slot]);
 }
 
-Result<bool> TofReader::next(std::vector<Arrival>& block) {
-  block.clear();
-  return append(block);
-}
-
 Result<bool> TofReader::append(std::vector<Arrival>& all) {
   const std::size_t before = all.size();
   auto more = append_as_written(all);

@@ -57,11 +57,9 @@ class TofReader {
   /// A guess at how many rows there are, rather too many.
   [[nodiscard]] std::size_t rows_estimate() const;
 
-  /// Puts the arrivals of some more rows, in the order of the file, in place of what `block` held: a piece's,
-  /// or some thousands; there may be none where rows were refused. False at the end. Errors: those of the
+  /// Puts the arrivals of some more rows, in the order of the file, behind what `all` holds: a piece's, or
+  /// some thousands; there may be none where rows were refused. False at the end. Errors: those of the
   /// rows; the rows before have been given out then.
-  [[nodiscard]] Result<bool> next(std::vector<Arrival>& block);
-  /// The same behind what `all` holds.
   [[nodiscard]] Result<bool> append(std::vector<Arrival>& all);
 
   /// Of the first row that has not been given out.

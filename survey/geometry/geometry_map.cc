@@ -129,19 +129,4 @@ void sigma_of_information(const Unknowns& unknowns, std::span<const double> info
                   sigma_m.data());
 }
 
-void sigma_of_layers(const Unknowns& unknowns, std::span<const BeaconLayer* const> layers,
-                     std::span<double> sigma_m) {
-  constexpr std::size_t kAtOnce = 256;
-  const auto entries = static_cast<std::size_t>(unknowns.entries());
-  double sum[28 * kAtOnce];
-  for (std::size_t first = 0; first < sigma_m.size(); first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, sigma_m.size() - first);
-    std::fill(sum, sum + entries * kAtOnce, 0.0);
-    for (const BeaconLayer* layer : layers)
-      for (std::size_t e = 0; e < entries; ++e)
-        add_to(layer->information.data() + e * sigma_m.size() + first, count, sum + e * kAtOnce);
-    sigma_of_packed(unknowns.count(), sum, nullptr, nullptr, kAtOnce, count, sigma_m.data() + first);
-  }
-}
-
 }  // namespace octant::survey

@@ -73,11 +73,8 @@ struct MapOptions {
 [[nodiscard]] BeaconLayer beacon_layer(const SurveyModel& model, const SurveyBeacon& beacon,
                                        const PoseList& poses, int threads = 1);
 
-/// Expected horizontal standard deviation at each pose with these beacons [m]; kNoFix where there is no fix.
-/// `sigma_m` has room for as many values as the layers have poses. Nothing is allocated.
-void sigma_of_layers(const Unknowns& unknowns, std::span<const BeaconLayer* const> layers,
-                     std::span<double> sigma_m);
-/// The same from information added up already (laid out as BeaconLayer::information).
+/// Expected horizontal standard deviation at each pose [m], of the sum of the layers' information (laid out
+/// as BeaconLayer::information); kNoFix where there is no fix. Nothing is allocated.
 void sigma_of_information(const Unknowns& unknowns, std::span<const double> information,
                           std::span<double> sigma_m);
 

@@ -30,39 +30,32 @@ bool same(const Arrival& a, const Arrival& b) {
          std::isnan(b.amplitude_v) && a.temperature_degC == b.temperature_degC && a.line == b.line;
 }
 
-TEST(RunStream, IsTheWholeRunWhateverTheBlocks) {
+TEST(RunStream, IsTheWholeRun) {
   const TemporaryFolder folder;
   folder.write("run/tof.csv", kHeader + rows(5000));
   folder.write("run/poses.tum", "");
   folder.write("run/bearings.csv", "time_s,reflector,bearing_rad,colour,vehicle\n1,B0,0.5,red,b\n");
   const auto whole = read_run(folder.path("run"), kNames, {}).value();
-  for (const std::size_t block_rows :
-       {std::size_t{1}, std::size_t{7}, std::size_t{1000}, std::size_t{1} << 16}) {
-    for (const int threads : {1, 2}) {
-      auto stream = RunStream::open(folder.path("run"), kNames, {}, {.threads = threads}, block_rows).value();
-      EXPECT_EQ(stream.log().bearings.size(), 1u);
-      std::vector<Arrival> all, block;
-      while (stream.next(block).value()) {
-        ASSERT_LE(block.size(), block_rows);
-        ASSERT_FALSE(block.empty());
-        all.insert(all.end(), block.begin(), block.end());
-      }
-      EXPECT_FALSE(stream.next(block).value()) << "the end stays the end";
-      EXPECT_TRUE(std::equal(all.begin(), all.end(), whole.arrivals.begin(), whole.arrivals.end(), same))
-          << block_rows;
-      const MeasurementLog& log = stream.log();
-      EXPECT_TRUE(log.arrivals.empty());
-      EXPECT_EQ(log.rows, 5000u);
-      EXPECT_EQ(log.rejected.size(), whole.rejected.size());
-      EXPECT_EQ(log.sha256, whole.sha256);
-      EXPECT_EQ(log.vehicle, VehicleId(1)) << "named by the rows alone";
-      EXPECT_THAT(log.warnings, testing::UnorderedElementsAreArray(whole.warnings));
-      EXPECT_TRUE(log.has_epochs);
-    }
+  for (const int threads : {1, 2}) {
+    auto stream = RunStream::open(folder.path("run"), kNames, {}, {.threads = threads}).value();
+    EXPECT_EQ(stream.log().bearings.size(), 1u);
+    std::vector<Arrival> all, block;
+    while (stream.next(block).value()) all.insert(all.end(), block.begin(), block.end());
+    EXPECT_FALSE(stream.next(block).value()) << "the end stays the end";
+    EXPECT_TRUE(block.empty());
+    EXPECT_TRUE(std::equal(all.begin(), all.end(), whole.arrivals.begin(), whole.arrivals.end(), same));
+    const MeasurementLog& log = stream.log();
+    EXPECT_TRUE(log.arrivals.empty());
+    EXPECT_EQ(log.rows, 5000u);
+    EXPECT_EQ(log.rejected.size(), whole.rejected.size());
+    EXPECT_EQ(log.sha256, whole.sha256);
+    EXPECT_EQ(log.vehicle, VehicleId(1)) << "named by the rows alone";
+    EXPECT_THAT(log.warnings, testing::UnorderedElementsAreArray(whole.warnings));
+    EXPECT_TRUE(log.has_epochs);
   }
 }
 
-TEST(RunStream, GivesAnyPieceAgain) {
+TEST(RunStream, GivesAnyBlockAgain) {
   const TemporaryFolder folder;
   // In quotes far behind, so that the last pieces are read the general way.
   folder.write("run/tof.csv",
@@ -74,8 +67,8 @@ TEST(RunStream, GivesAnyPieceAgain) {
     EXPECT_GE(stream.rows_estimate(), 40000u);
     std::vector<std::vector<Arrival>> pieces;
     std::vector<Arrival> block;
-    while (stream.next_piece(block).value()) pieces.push_back(block);
-    ASSERT_EQ(stream.pieces(), pieces.size());
+    while (stream.next(block).value()) pieces.push_back(block);
+    ASSERT_EQ(stream.blocks(), pieces.size());
     ASSERT_GT(pieces.size(), 5u);
     EXPECT_EQ(stream.log().sha256, whole.sha256);
     EXPECT_EQ(stream.log().rejected.size(), whole.rejected.size());
@@ -84,12 +77,12 @@ TEST(RunStream, GivesAnyPieceAgain) {
         std::vector<Arrival> expected, again;
         for (std::size_t i = first; i < last; ++i)
           expected.insert(expected.end(), pieces[i].begin(), pieces[i].end());
-        ASSERT_TRUE(stream.read_pieces(first, last, again).has_value());
+        ASSERT_TRUE(stream.read_blocks(first, last, again).has_value());
         EXPECT_TRUE(std::equal(expected.begin(), expected.end(), again.begin(), again.end(), same))
             << first << " to " << last;
       }
     std::vector<Arrival> all;
-    ASSERT_TRUE(stream.read_pieces(0, pieces.size(), all).has_value());
+    ASSERT_TRUE(stream.read_blocks(0, pieces.size(), all).has_value());
     EXPECT_TRUE(std::equal(all.begin(), all.end(), whole.arrivals.begin(), whole.arrivals.end(), same));
   }
 }
@@ -107,7 +100,7 @@ TEST(RunStream, SaysWhatReadRunSays) {
     folder.write("run/" + name, text);
     const auto whole = read_run(folder.path("run"), kNames, {});
     ASSERT_FALSE(whole.has_value());
-    auto stream = RunStream::open(folder.path("run"), kNames, {}, {}, 10);
+    auto stream = RunStream::open(folder.path("run"), kNames, {});
     std::string message = stream ? "" : stream.error().message();
     std::vector<Arrival> block;
     while (message.empty()) {

@@ -31,7 +31,6 @@ TEST(Tum, SaysWhatIsWrongAndWhere) {
   expect_error(parse("1 x 0 0 0 0 0 1\n"), 1, "p.tum:1:3: 'x'");
   expect_error(parse("1,0,0,0,0,0,0,1\n"), 1, "no commas");
   expect_error(parse("1 0 0 0 0 0 0 1\n\xFF\n"), 2, "0xFF");
-  expect_error(read_tum("/nowhere/p.tum"), 0, "No such file", "p.tum");
 }
 
 TEST(Tum, ReadsBackWhatItWrote) {
