@@ -83,7 +83,7 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
     message = fmt::format(
         "{} has no option '{}'{}", name, strange.front(),
         did_you_mean(strange.front().substr(0, strange.front().find('=')), option_names(command)));
-  return session.fail({"error", "usage", kUsage, message, fmt::format("{} --help explains", name)});
+  return session.fail_usage(message, fmt::format("{} --help explains", name));
 }
 
 int run(int argc, const char* const* argv, Session& session) {

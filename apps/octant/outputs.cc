@@ -66,6 +66,11 @@ tl::unexpected<Error> refused(const std::string& output, const std::string& what
 
 }  // namespace
 
+std::vector<std::string> with_files(std::vector<std::string> files, const std::vector<std::string>& more) {
+  files.insert(files.end(), more.begin(), more.end());
+  return files;
+}
+
 Result<void> check_no_overwriting(const CommandFiles& files) {
   std::map<std::string, std::string> taken;  // identity to what is said of it
   for (const std::string& input : files.inputs) {
@@ -88,6 +93,26 @@ Result<void> check_no_overwriting(const CommandFiles& files) {
     for (const std::string_view name : io::kRunFiles)
       if (auto free = take(folder, fs::path(folder) / name); !free) return free;
   return {};
+}
+
+std::optional<int> refuse_outputs(const std::vector<std::string>& inputs,
+                                  const std::vector<OutputOption>& outputs, Session& session) {
+  std::vector<std::string> options, paths;
+  int files_on_stdout = 0;
+  for (const auto& [option, path] : outputs) {
+    if (options.empty() || options.back() != option + " -") options.push_back(option + " -");
+    paths.push_back(path);
+    files_on_stdout += path == "-";
+  }
+  if (files_on_stdout + session.options.json > 1)
+    return session.fail_usage(
+        fmt::format("only one of {} and --json can have standard output", fmt::join(options, ", ")));
+  if (files_on_stdout > 0) session.result_to_stderr();
+  if (auto fit = check_no_overwriting({.inputs = inputs, .outputs = paths}); !fit)
+    return session.fail(fit.error());
+  for (const std::string& path : paths)
+    if (auto fit = check_output(path); !fit) return session.fail(fit.error());
+  return std::nullopt;
 }
 
 }  // namespace octant::app

@@ -2,24 +2,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/octant/session.h"
 #include "models/support/result.h"
 
 namespace octant::app {
 
 /// What a command reads and what it writes, as named on its command line; "-" and the empty word are no file.
 struct CommandFiles {
-  std::vector<std::string> inputs;       ///< files, and run folders with all that belongs to a run
-  std::vector<std::string> outputs;      ///< files
-  std::vector<std::string> run_outputs;  ///< folders that become runs
+  std::vector<std::string> inputs{};       ///< files, and run folders with all that belongs to a run
+  std::vector<std::string> outputs{};      ///< files
+  std::vector<std::string> run_outputs{};  ///< folders that become runs
 };
+[[nodiscard]] std::vector<std::string> with_files(std::vector<std::string> files,
+                                                  const std::vector<std::string>& more);
 
 /// Before anything is read: no output may be one of the inputs or another output. Files are told apart by
 /// what they are on the disk, through links and under whatever name; an output into an input's run folder
 /// under a name that a run gives meaning to is one of its files whether it lies there or not. Errors: kUsage,
 /// both names.
 [[nodiscard]] Result<void> check_no_overwriting(const CommandFiles& files);
+
+/// What an option ("-o") was given; empty: it was not.
+struct OutputOption {
+  std::string option, path;
+};
+
+/// Before anything is read: at most one of the outputs and --json has standard output (where a file has it,
+/// words go to standard error), none is written over an input or another output, and each can be written.
+/// @return exit code of the refusal
+[[nodiscard]] std::optional<int> refuse_outputs(const std::vector<std::string>& inputs,
+                                                const std::vector<OutputOption>& outputs, Session& session);
 
 }  // namespace octant::app

@@ -158,6 +158,10 @@ int Session::fail(const Error& error) {
   return print(end.object, end.exit);
 }
 
+int Session::fail_usage(const std::string& message, const std::string& advice) {
+  return fail({"error", "usage", kUsage, message, advice});
+}
+
 int Session::interrupted() {
   complain("interrupted, nothing was written");
   return print(interrupted_object(), kInterrupted);

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "io/text/json_values.h"
 #include "models/support/result.h"
 
 namespace octant::app {
@@ -92,6 +93,8 @@ class Session {
   /// Ends with a failure; keys of `result` are kept beside `status` and `error`.
   [[nodiscard]] int fail(const Failure& failure, Json result = Json::object());
   [[nodiscard]] int fail(const Error& error);
+  /// Ends with exit 2: what was typed makes no sense.
+  [[nodiscard]] int fail_usage(const std::string& message, const std::string& advice = "");
   [[nodiscard]] int interrupted();
 
   /// Threads to use.
@@ -123,10 +126,4 @@ class Session {
 [[nodiscard]] std::string quote_command(int argc, const char* const* argv);
 /// Now, or SOURCE_DATE_EPOCH, as ISO 8601 in UTC.
 [[nodiscard]] std::string created_now();
-/// A point as a JSON list.
-template <class Vector>
-[[nodiscard]] Json to_json(const Vector& v) {
-  return Json::array({v[0], v[1], v[2]});
-}
-
 }  // namespace octant::app

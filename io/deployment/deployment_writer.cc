@@ -10,6 +10,7 @@
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"
 #include "io/text/json_reader.h"
+#include "io/text/json_values.h"
 #include "models/support/utc_time.h"
 #include "models/validity.h"
 
@@ -17,13 +18,6 @@ namespace octant::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json array_of(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
-
-template <class T>
-Json value_or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
 
 Json medium_json(const Deployment& d) {
   return {{"model", std::string(to_string(d.medium.model))},
@@ -55,7 +49,7 @@ Json timing_json(const Timing& t) {
 Json noise_json(const Noise& n, const CorrelatedNoise& correlated) {
   Json json = {{"tof_sigma_s", n.tof_sigma_s},
                {"amplitude_relative_sigma", n.amplitude_relative_sigma},
-               {"pair_sigma_s", value_or_null(n.pair_sigma_s)},
+               {"pair_sigma_s", n.pair_sigma_s},
                {"bearing_sigma_rad", n.bearing_sigma_rad},
                {"range_sigma_m", n.range_sigma_m}};
   if (correlated.any()) {
@@ -80,9 +74,9 @@ Json beacons_json(const Deployment& d) {
   Json out = Json::array();
   for (const DeploymentBeacon& b : d.beacons) {
     Json covariance = Json::array();
-    for (int i = 0; i < 3; ++i) covariance.push_back(array_of(b.covariance_m2.row(i)));
+    for (int i = 0; i < 3; ++i) covariance.push_back(Eigen::Vector3d(b.covariance_m2.row(i)));
     out.push_back({{"id", b.name},
-                   {"position_m", array_of(b.position_m)},
+                   {"position_m", b.position_m},
                    {"covariance_m2", covariance},
                    {"delay_s", b.delay_s},
                    {"delay_sigma_s", b.delay_sigma_s},
@@ -93,10 +87,8 @@ Json beacons_json(const Deployment& d) {
 }
 
 Json rail_json(const Rail& rail) {
-  const auto point = [](const Eigen::Vector2d& p) { return Json::array({p.x(), p.y()}); };
-  if (rail.shape == Rail::Shape::kArc)
-    return {{"centre_m", point(rail.centre_m)}, {"radius_m", rail.radius_m}};
-  return {{"from_m", point(rail.from_m)}, {"to_m", point(rail.to_m)}};
+  if (rail.shape == Rail::Shape::kArc) return {{"centre_m", rail.centre_m}, {"radius_m", rail.radius_m}};
+  return {{"from_m", rail.from_m}, {"to_m", rail.to_m}};
 }
 
 Json vehicles_json(const Deployment& d) {
@@ -106,12 +98,12 @@ Json vehicles_json(const Deployment& d) {
     for (std::size_t i = 0; i < vehicle.receiver_count; ++i) {
       const DeploymentReceiver& r = d.receivers[vehicle.first_receiver + i];
       receivers.push_back({{"id", r.name},
-                           {"position_m", array_of(r.position_m)},
-                           {"sigma_m", array_of(r.sigma_m)},
+                           {"position_m", r.position_m},
+                           {"sigma_m", r.sigma_m},
                            {"delay_s", r.delay_s},
                            {"delay_sigma_s", r.delay_sigma_s},
-                           {"axis", r.axis ? array_of(*r.axis) : Json(nullptr)},
-                           {"hearing_cosine", r.hearing_cosine ? Json(*r.hearing_cosine) : Json(nullptr)}});
+                           {"axis", r.axis},
+                           {"hearing_cosine", r.hearing_cosine}});
     }
     Json json = {{"id", vehicle.name}, {"receivers", receivers}};
     if (d.timing.clock == Clock::kCycleOffset) {
@@ -150,15 +142,13 @@ Json statistics_json(const CalibrationStatistics& s) {
 }
 
 Json validity_json(const Deployment& d) {
-  Json area = Json::array();
-  for (const Eigen::Vector2d& p : d.validity_area_m) area.push_back(Json::array({p.x(), p.y()}));
-  Json json = {{"temperature_degC", value_or_null(d.validity_temperature_degC)}, {"area", area}};
+  Json json = {{"temperature_degC", d.validity_temperature_degC}, {"area", d.validity_area_m}};
   if (d.validity_reach_m)
     json["reach_m"] = *d.validity_reach_m;  // absent where there is none: older files keep their digest
   if (!d.validity_period.stated())
     return json;  // absent where nothing is stated: older files keep their digest
-  json["months"] = value_or_null(d.validity_period.months);
-  json["beacon_drift_m_per_month"] = value_or_null(d.validity_period.beacon_drift_m_per_month);
+  json["months"] = d.validity_period.months;
+  json["beacon_drift_m_per_month"] = d.validity_period.beacon_drift_m_per_month;
   const auto due = calibration_due(d);
   json["until"] = due ? Json(utc_text(due->at_s)) : Json(nullptr);
   return json;
@@ -219,8 +209,7 @@ Json content_of(const Deployment& d) {
   json["beacons"] = beacons_json(d);
   json["vehicles"] = vehicles_json(d);
   json["statistics"] = statistics_json(d.statistics);
-  json["tolerance"] = {{"beacon_m", value_or_null(d.tolerance.beacon_m)},
-                       {"fix_m", value_or_null(d.tolerance.fix_m)}};
+  json["tolerance"] = {{"beacon_m", d.tolerance.beacon_m}, {"fix_m", d.tolerance.fix_m}};
   json["validity"] = validity_json(d);
   json["inputs"] = Json::array();
   for (const InputDigest& input : d.inputs)

@@ -94,7 +94,7 @@ int end(const io::Batch& batch, const std::vector<SiteOutcome>& outcomes, const 
 }
 
 CommandFiles files_of(const BatchArgs& args, const io::Batch& batch) {
-  CommandFiles files{.inputs = {args.list}, .outputs = {}, .run_outputs = {}};
+  CommandFiles files{.inputs = {args.list}, .outputs = {}};
   for (const io::BatchSite& site : batch.sites) {
     files.inputs.push_back(site.site);
     files.inputs.insert(files.inputs.end(), site.runs.begin(), site.runs.end());
@@ -130,8 +130,8 @@ int run(const BatchArgs& args, Session& session) {
   if (!args.shard.empty()) {
     const auto given = shard_of(args.shard);
     if (!given)
-      return session.fail({"error", "usage", kUsage, fmt::format("--shard is '{}'", args.shard),
-                           "i/N with i from 1 to N, such as 1/10"});
+      return session.fail_usage(fmt::format("--shard is '{}'", args.shard),
+                                "i/N with i from 1 to N, such as 1/10");
     shard = *given;
   }
   const calib::Ranks* ranks = session.job != nullptr ? session.job->ranks() : nullptr;

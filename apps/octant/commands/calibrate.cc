@@ -69,16 +69,15 @@ void add_deployment_json(const Deployment& d, Json& object) {
   for (const auto& b : d.beacons) {
     const Eigen::Vector3d sigma_m = b.covariance_m2.diagonal().cwiseMax(0.0).cwiseSqrt();
     object["beacons"].push_back({{"id", b.name},
-                                 {"position_m", to_json(b.position_m)},
-                                 {"sigma_m", to_json(sigma_m)},
+                                 {"position_m", b.position_m},
+                                 {"sigma_m", sigma_m},
                                  {"delay_s", b.delay_s},
                                  {"delay_sigma_s", b.delay_sigma_s},
                                  {"status", to_string(b.status)}});
   }
   for (const auto& r : d.receivers) {
-    object["receivers"].push_back({{"vehicle", d.vehicles[r.vehicle.index()].name},
-                                   {"id", r.name},
-                                   {"position_m", to_json(r.position_m)}});
+    object["receivers"].push_back(
+        {{"vehicle", d.vehicles[r.vehicle.index()].name}, {"id", r.name}, {"position_m", r.position_m}});
   }
   if (d.attenuation) {
     object["attenuation"] = {{"amplitude_1m_v", d.attenuation->amplitude_1m_v},
@@ -132,7 +131,7 @@ Json calibration_json(const Calibration& calibration, const Session& session) {
   for (std::size_t b = 0; b < object["beacons"].size(); ++b) {
     Json& beacon = object["beacons"][b];
     const auto white = calib::white_sigma_m(calibration.solution, b);
-    beacon["white_sigma_m"] = white ? to_json(*white) : beacon["sigma_m"];
+    beacon["white_sigma_m"] = white ? Json(*white) : beacon["sigma_m"];
   }
   return object;
 }
@@ -151,16 +150,9 @@ std::string comparison_text(const Calibration& calibration, const survey::Report
 }
 
 int run(const CalibrateArgs& args, Session& session) {
-  const int files_on_stdout = (args.output == "-") + on_stdout(args.report);
-  if (files_on_stdout + session.options.json > 1)
-    return session.fail(
-        {"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
-  if (files_on_stdout > 0) session.result_to_stderr();
-  CommandFiles files{.inputs = args.runs, .outputs = args.report.paths, .run_outputs = {}};
-  files.inputs.insert(files.inputs.end(), {args.site, args.report.since});
-  files.outputs.push_back(args.output);
-  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  if (auto fit = check_output(args.output); !fit) return session.fail(fit.error());
+  if (const auto refused = refuse_outputs(with_files(args.runs, {args.site, args.report.since}),
+                                          report_outputs(args.report, {{"-o", args.output}}), session))
+    return *refused;
   if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
 
   auto calibration = calibrate_files(args.site, args.runs, args.options, session);

@@ -104,7 +104,7 @@ Json forecast_verdict_json(const calib::Forecast& f) {
           {"undetermined", s.undetermined},
           {"weak", weak_json(s.weak)},
           {"speed_mps", f.speed_mps > 0 ? Json(f.speed_mps) : Json(nullptr)},
-          {"speed_sigma_mps", f.speed_sigma_mps ? Json(*f.speed_sigma_mps) : Json(nullptr)},
+          {"speed_sigma_mps", f.speed_sigma_mps},
           {"datum", s.datum.description},
           {"arrivals", f.arrivals},
           {"arrivals_looked_at", f.arrivals_used},
@@ -118,8 +118,8 @@ Json beacons_json(const calib::Forecast& f) {
     list.push_back({{"id", b.name},
                     {"status", to_string(b.status)},
                     {"arrivals", b.arrivals},
-                    {"position_m", b.position_m ? to_json(*b.position_m) : Json(nullptr)},
-                    {"sigma_m", b.sigma_m ? to_json(*b.sigma_m) : Json(nullptr)},
+                    {"position_m", b.position_m},
+                    {"sigma_m", b.sigma_m},
                     {"delay_sigma_s", b.delay_sigma_s}});
   return list;
 }

@@ -22,12 +22,12 @@ Json rows_json(const survey::Changes& changes) {
   Json rows = Json::array();
   for (const survey::BeaconChange& c : changes.beacons) {
     rows.push_back({{"id", c.name},
-                    {"shift_m", to_json(c.shift_m)},
-                    {"sigma_m", to_json(c.sigma_m)},
-                    {"p", c.p ? Json(*c.p) : Json(nullptr)},
+                    {"shift_m", c.shift_m},
+                    {"sigma_m", c.sigma_m},
+                    {"p", c.p},
                     {"delay_change_s", c.delay_change_s},
                     {"delay_sigma_s", c.delay_sigma_s},
-                    {"delay_p", c.delay_p ? Json(*c.delay_p) : Json(nullptr)}});
+                    {"delay_p", c.delay_p}});
   }
   return rows;
 }
@@ -45,17 +45,16 @@ int run(const DiffArgs& args, Session& session) {
                               .found = "no beacon that " + args.before + " has too",
                               .expected = "two deployments of one site"});
   session.result(changes_text(changes));
-  return session.finish(
-      {{"since", changes.since},
-       {"derived", is_derived(*now, *before)},
-       {"changes", changes_json(changes.found)},
-       {"beacons", rows_json(changes)},
-       {"gone", changes.gone},
-       {"added", changes.added},
-       {"same_datum", changes.same_datum},
-       {"doubted_control_points", changes.doubted_control_points},
-       {"speed_change_mps", changes.speed_change_mps ? Json(*changes.speed_change_mps) : Json(nullptr)},
-       {"speed_sigma_mps", changes.speed_sigma_mps}});
+  return session.finish({{"since", changes.since},
+                         {"derived", is_derived(*now, *before)},
+                         {"changes", changes_json(changes.found)},
+                         {"beacons", rows_json(changes)},
+                         {"gone", changes.gone},
+                         {"added", changes.added},
+                         {"same_datum", changes.same_datum},
+                         {"doubted_control_points", changes.doubted_control_points},
+                         {"speed_change_mps", changes.speed_change_mps},
+                         {"speed_sigma_mps", changes.speed_sigma_mps}});
 }
 
 }  // namespace

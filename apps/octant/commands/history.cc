@@ -44,8 +44,8 @@ Result<io::Visit> graded_visit(const std::string& path, const HistoryArgs& args,
 }
 
 int add(const HistoryArgs& args, Session& session) {
-  CommandFiles files{.inputs = args.files, .outputs = {args.database}, .run_outputs = {}};
-  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
+  if (auto fit = check_no_overwriting({.inputs = args.files, .outputs = {args.database}}); !fit)
+    return session.fail(fit.error());
   std::vector<io::Visit> visits;
   for (const std::string& path : args.files) {
     auto visit = graded_visit(path, args, session);
@@ -192,19 +192,11 @@ std::string export_json(const std::vector<io::Visit>& visits) {
 int write_export(const HistoryArgs& args, Session& session) {
   const bool as_json = args.output.ends_with(".json");
   if (!as_json && !args.output.ends_with(".csv") && args.output != "-")
-    return session.fail(
-        {"error", "usage", kUsage,
-         fmt::format("-o {}: expected a name in .csv or .json, or - for CSV on standard output", args.output),
-         ""});
-  if (args.output == "-" && session.options.json)
-    return session.fail(
-        {"error", "usage", kUsage, "only one of -o - and --json can have standard output", ""});
-  if (args.output == "-") session.result_to_stderr();
-  CommandFiles files{.inputs = {args.database, args.database + "-wal", args.database + "-shm"},
-                     .outputs = {args.output},
-                     .run_outputs = {}};
-  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  if (auto fit = check_output(args.output); !fit) return session.fail(fit.error());
+    return session.fail_usage(
+        fmt::format("-o {}: expected a name in .csv or .json, or - for CSV on standard output", args.output));
+  if (const auto refused = refuse_outputs({args.database, args.database + "-wal", args.database + "-shm"},
+                                          {{"-o", args.output}}, session))
+    return *refused;
   auto history = io::History::open(args.database, false);
   if (!history) return session.fail(history.error());
   const auto chosen = chosen_visits(*history, args);
@@ -256,8 +248,8 @@ Json visit_beacons_json(const io::Visit& visit) {
   Json list = Json::array();
   for (const io::VisitBeacon& b : visit.beacons)
     list.push_back({{"id", b.name},
-                    {"position_m", to_json(b.position_m)},
-                    {"sigma_m", to_json(b.sigma_m)},
+                    {"position_m", b.position_m},
+                    {"sigma_m", b.sigma_m},
                     {"delay_s", b.delay_s},
                     {"delay_sigma_s", b.delay_sigma_s},
                     {"status", to_string(b.status)}});

@@ -174,7 +174,7 @@ Json quantity_json(const QuantityTrend& q) {
     points.push_back({{"date", utc_text(static_cast<std::int64_t>(p.measured.time_s))},
                       {"value", p.measured.value},
                       {"sigma", p.measured.sigma},
-                      {"foretold", p.foretold ? Json(*p.foretold) : Json(nullptr)},
+                      {"foretold", p.foretold},
                       {"deviation_sigmas", p.deviation_sigmas},
                       {"cusum_upper", p.upper},
                       {"cusum_lower", p.lower},

@@ -67,29 +67,22 @@ std::string fixes_text(const Localization& found) {
 int run_live(const LocalizeArgs& args, Session& session) {
   if (!args.runs.empty() || !args.csv.empty() || (!args.output.empty() && args.output != "-") ||
       session.options.json)
-    return session.fail({"error", "usage", kUsage,
-                         "--follow takes lines (--from) instead of runs, and its fixes go to standard output",
-                         "leave RUN, -o, --csv and --json out"});
+    return session.fail_usage(
+        "--follow takes lines (--from) instead of runs, and its fixes go to standard output",
+        "leave RUN, -o, --csv and --json out");
   return follow(args.live, args.deployment, args.trusted_key, args.how.method, session);
 }
 
 int run(const LocalizeArgs& args, Session& session) {
   if (args.live.follow) return run_live(args, session);
   if (args.runs.empty() || args.output.empty())
-    return session.fail(
-        {"error", "usage", kUsage,
-         args.runs.empty() ? "RUN is required (run folders: the recordings)" : "--output is required",
-         "octant localize --help explains; --follow localizes as the data come"});
-  const int on_stdout = (args.output == "-") + (args.csv == "-") + session.options.json;
-  if (on_stdout > 1)
-    return session.fail(
-        {"error", "usage", kUsage, "only one of -o -, --csv - and --json can have standard output", ""});
-  if (args.output == "-" || args.csv == "-") session.result_to_stderr();
-  CommandFiles files{.inputs = args.runs, .outputs = {args.output, args.csv}, .run_outputs = {}};
-  files.inputs.insert(files.inputs.end(), {args.deployment, args.trusted_key, args.how.map});
-  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  for (const auto& path : {args.output, args.csv})
-    if (auto fit = check_output(path); !fit) return session.fail(fit.error());
+    return session.fail_usage(
+        args.runs.empty() ? "RUN is required (run folders: the recordings)" : "--output is required",
+        "octant localize --help explains; --follow localizes as the data come");
+  if (const auto refused =
+          refuse_outputs(with_files(args.runs, {args.deployment, args.trusted_key, args.how.map}),
+                         {{"-o", args.output}, {"--csv", args.csv}}, session))
+    return *refused;
   const auto deployment = read_trusted_deployment(args.deployment, args.trusted_key);
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, args.deployment, session);

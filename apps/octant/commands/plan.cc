@@ -12,8 +12,8 @@ namespace {
 int run(const PlanArgs& args, Session& session) {
   const int asked =
       (args.beacons || args.tolerance_m ? 1 : 0) + (args.stations ? 1 : 0) + (args.schedule ? 1 : 0);
-  const auto usage = [&](const std::string& message, const std::string& advice = "octant plan --help") {
-    return session.fail({"error", "usage", kUsage, message, advice});
+  const auto usage = [&](const std::string& message) {
+    return session.fail_usage(message, "octant plan --help");
   };
   if (asked == 0)
     return usage("say what is to be planned: --beacons N or --tolerance M, --stations N, or --schedule");
@@ -23,7 +23,7 @@ int run(const PlanArgs& args, Session& session) {
     return usage("-o and --report go with --beacons or --tolerance");
   if (!args.stations && !args.csv.empty()) return usage("--csv goes with --stations");
   if ((args.output == "-") + (args.report == "-") + (args.csv == "-") + session.options.json > 1)
-    return usage("only one of -o -, --report -, --csv - and --json can have standard output", "");
+    return session.fail_usage("only one of -o -, --report -, --csv - and --json can have standard output");
   if (args.stations) return plan_stations(args, session);
   return args.schedule ? plan_schedule(args, session) : plan_beacons(args, session);
 }

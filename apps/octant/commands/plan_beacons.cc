@@ -87,8 +87,8 @@ Json plan_json(const PlanArgs& args, const BeaconPlan& plan, const Session& sess
   Json beacons = Json::array(), proof = Json::array();
   for (const auto& b : plan.placement.beacons)
     beacons.push_back({{"id", b.beacon.name},
-                       {"position_m", to_json(b.beacon.p_map_m)},
-                       {"axis", b.beacon.axis.isZero() ? Json(nullptr) : to_json(b.beacon.axis)},
+                       {"position_m", b.beacon.p_map_m},
+                       {"axis", b.beacon.axis.isZero() ? Json(nullptr) : Json(b.beacon.axis)},
                        {"mount", b.mount.empty() ? Json(nullptr) : Json(b.mount)},
                        {"kept", b.mount.empty()}});
   for (const auto& row : plan.proof)
@@ -103,7 +103,7 @@ Json plan_json(const PlanArgs& args, const BeaconPlan& plan, const Session& sess
           {"local", args.local},
           {"seed", session.options.seed},
           {"coverage", args.coverage},
-          {"tolerance_m", args.tolerance_m ? Json(*args.tolerance_m) : Json(nullptr)},
+          {"tolerance_m", args.tolerance_m},
           {"reached", plan.reached},
           {"poses", plan.placement.cells},
           {"evaluations", plan.placement.evaluations},
@@ -188,18 +188,14 @@ Result<Json> write_plan_outputs(const PlanArgs& args, const SurveyInput& input, 
 }  // namespace
 
 int plan_beacons(const PlanArgs& args, Session& session) {
-  if (args.output == "-" || args.report == "-") session.result_to_stderr();
-  if (auto fit = check_no_overwriting(
-          {.inputs = {args.input, args.scene}, .outputs = {args.output, args.report}, .run_outputs = {}});
-      !fit)
-    return session.fail(fit.error());
-  for (const auto& path : {args.output, args.report})
-    if (auto fit = check_output(path); !path.empty() && !fit) return session.fail(fit.error());
+  if (const auto refused =
+          refuse_outputs({args.input, args.scene}, {{"-o", args.output}, {"--report", args.report}}, session))
+    return *refused;
   const auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
                                        args.keep ? BeaconPlaces::kStated : BeaconPlaces::kNone);
   if (!input) return session.fail(input.error());
-  if (auto fit = check_no_overwriting(
-          {.inputs = input->scene.imported, .outputs = {args.output, args.report}, .run_outputs = {}});
+  if (auto fit =
+          check_no_overwriting({.inputs = input->scene.imported, .outputs = {args.output, args.report}});
       !fit)
     return session.fail(fit.error());
   if (!input->site)

@@ -193,11 +193,9 @@ std::string stations_plan_text(const calib::StationPlan& plan, const std::vector
 }  // namespace
 
 int plan_stations(const PlanArgs& args, Session& session) {
-  if (args.csv == "-") session.result_to_stderr();
-  CommandFiles files{.inputs = args.runs, .outputs = {args.csv}, .run_outputs = {}};
-  files.inputs.insert(files.inputs.end(), {args.input, args.scene});
-  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  if (auto fit = check_output(args.csv); !args.csv.empty() && !fit) return session.fail(fit.error());
+  if (const auto refused =
+          refuse_outputs(with_files(args.runs, {args.input, args.scene}), {{"--csv", args.csv}}, session))
+    return *refused;
   auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
                                  args.runs.empty() ? BeaconPlaces::kStated : BeaconPlaces::kRecorded);
   if (!input) return session.fail(input.error());

@@ -38,22 +38,11 @@ Result<void> write_recalibration(const RecalibrateArgs& args, const Deployment& 
   return io::write_files(files);
 }
 
-Result<void> check_args(const RecalibrateArgs& args) {
-  CommandFiles files{.inputs = args.runs, .outputs = args.report.paths, .run_outputs = {}};
-  files.inputs.push_back(args.deployment);
-  files.outputs.push_back(args.output);
-  if (auto fit = check_no_overwriting(files); !fit) return fit;
-  if (auto fit = check_output(args.output); !fit) return fit;
-  return check_report(args.report);
-}
-
 int run(const RecalibrateArgs& args, Session& session) {
-  const int files_on_stdout = (args.output == "-") + on_stdout(args.report);
-  if (files_on_stdout + session.options.json > 1)
-    return session.fail(
-        {"error", "usage", kUsage, "only one of -o -, --report - and --json can have standard output", ""});
-  if (files_on_stdout > 0) session.result_to_stderr();
-  if (auto fit = check_args(args); !fit) return session.fail(fit.error());
+  if (const auto refused = refuse_outputs(with_files(args.runs, {args.deployment}),
+                                          report_outputs(args.report, {{"-o", args.output}}), session))
+    return *refused;
+  if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
   const auto visit = revisit_files(args.deployment, args.runs, args.drift, session);
   if (!visit) return session.fail(visit.error());
   if (visit->revisit.status == calib::SolveStatus::kInterrupted || interrupted())

@@ -83,19 +83,13 @@ std::string certificate_page(const ReportCommandArgs& args, const survey::Report
 }
 
 int run(const ReportCommandArgs& args, Session& session) {
-  const int files_on_stdout = on_stdout(args.report) + (args.site_sheet == "-") + (args.certificate == "-");
-  if (files_on_stdout + session.options.json > 1)
-    return session.fail(
-        {"error", "usage", kUsage,
-         "only one of -o -, --site-sheet -, --certificate - and --json can have standard output", ""});
-  if (files_on_stdout > 0) session.result_to_stderr();
-  CommandFiles of_command{.inputs = args.runs, .outputs = args.report.paths, .run_outputs = {}};
-  of_command.inputs.insert(of_command.inputs.end(), {args.saved, args.report.since});
-  of_command.outputs.insert(of_command.outputs.end(), {args.site_sheet, args.certificate});
-  if (auto fit = check_no_overwriting(of_command); !fit) return session.fail(fit.error());
+  std::vector<OutputOption> outputs = {{"-o", ""}};
+  for (const std::string& path : args.report.paths) outputs.push_back({"-o", path});
+  outputs.insert(outputs.end(), {{"--site-sheet", args.site_sheet}, {"--certificate", args.certificate}});
+  if (const auto refused =
+          refuse_outputs(with_files(args.runs, {args.saved, args.report.since}), outputs, session))
+    return *refused;
   if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
-  for (const std::string& file : {args.site_sheet, args.certificate})
-    if (auto fit = check_output(file); !fit) return session.fail(fit.error());
 
   const auto text = io::read_document(args.saved);
   if (!text) return session.fail(text.error());

@@ -20,8 +20,7 @@ struct SignArgs {
 
 int new_key(const SignArgs& args, Session& session) {
   if (!args.deployment.empty() || !args.key.empty() || !args.output.empty())
-    return session.fail(
-        {"error", "usage", kUsage, "--new-key makes a key and signs nothing", "octant sign --help explains"});
+    return session.fail_usage("--new-key makes a key and signs nothing", "octant sign --help explains");
   if (auto made = io::make_key(args.new_key); !made) return session.fail(made.error());
   session.result(fmt::format("{:<17}{}: keep it, and to yourself\n{:<17}{}.pub: for those who check\n",
                              "secret key", args.new_key, "public key", args.new_key));
@@ -31,16 +30,10 @@ int new_key(const SignArgs& args, Session& session) {
 int sign(const SignArgs& args, Session& session) {
   if (!args.new_key.empty()) return new_key(args, session);
   if (args.deployment.empty() || args.key.empty() || args.output.empty())
-    return session.fail({"error", "usage", kUsage,
-                         "expected DEPLOYMENT.json, --key KEY and -o SIGNED.json, or --new-key FILE",
-                         "octant sign --help explains"});
-  if (args.output == "-" && session.options.json)
-    return session.fail(
-        {"error", "usage", kUsage, "only one of -o - and --json can have standard output", ""});
-  if (args.output == "-") session.result_to_stderr();
-  CommandFiles files{.inputs = {args.deployment, args.key}, .outputs = {args.output}, .run_outputs = {}};
-  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
-  if (auto fit = check_output(args.output); !fit) return session.fail(fit.error());
+    return session.fail_usage("expected DEPLOYMENT.json, --key KEY and -o SIGNED.json, or --new-key FILE",
+                              "octant sign --help explains");
+  if (const auto refused = refuse_outputs({args.deployment, args.key}, {{"-o", args.output}}, session))
+    return *refused;
   const auto text = io::read_document(args.deployment);
   if (!text) return session.fail(text.error());
   const auto signed_text = io::signed_deployment(*text, args.deployment, args.key);

@@ -69,7 +69,7 @@ Result<Json> write_survey_outputs(const SurveyArgs& args, const survey::Survey& 
 
 /// With what the survey itself names: plans that were imported, a file for each map.
 CommandFiles files_of(const SurveyArgs& args, const survey::Survey& survey) {
-  CommandFiles files{.inputs = survey.scene.imported, .outputs = {args.report, args.csv}, .run_outputs = {}};
+  CommandFiles files{.inputs = survey.scene.imported, .outputs = {args.report, args.csv}};
   files.inputs.insert(files.inputs.end(), {args.input, args.scene});
   if (args.maps.empty()) return files;
   const auto maps = map_files(survey, args.maps);
@@ -78,17 +78,9 @@ CommandFiles files_of(const SurveyArgs& args, const survey::Survey& survey) {
 }
 
 int run(const SurveyArgs& args, Session& session) {
-  const int on_stdout = (args.report == "-") + (args.csv == "-") + session.options.json;
-  if (on_stdout > 1)
-    return session.fail(
-        {"error", "usage", kUsage, "only one of -o -, --csv - and --json can have standard output", ""});
-  if (args.report == "-" || args.csv == "-") session.result_to_stderr();
-  if (auto fit = check_no_overwriting(
-          {.inputs = {args.input, args.scene}, .outputs = {args.report, args.csv}, .run_outputs = {}});
-      !fit)
-    return session.fail(fit.error());
-  for (const auto& path : {args.report, args.csv})
-    if (auto fit = check_output(path); !path.empty() && !fit) return session.fail(fit.error());
+  if (const auto refused =
+          refuse_outputs({args.input, args.scene}, {{"-o", args.report}, {"--csv", args.csv}}, session))
+    return *refused;
   const auto survey = look(args, session);
   if (!survey) return session.fail(survey.error());
   if (interrupted()) return session.interrupted();

@@ -88,16 +88,12 @@ Json located_json(const Deployment& deployment, const std::vector<MeasurementLog
 }
 
 int run(const VerifyArgs& args, Session& session) {
-  if (on_stdout(args.report) + session.options.json > 1)
-    return session.fail(
-        {"error", "usage", kUsage, "only one of --report - and --json can have standard output", ""});
   if (args.all_methods && !args.report.paths.empty())
-    return session.fail({"error", "usage", kUsage, "--all-methods is a table without a report", ""});
-  if (on_stdout(args.report) > 0) session.result_to_stderr();
-  CommandFiles files{.inputs = args.runs, .outputs = args.report.paths, .run_outputs = {}};
-  files.inputs.insert(files.inputs.end(),
-                      {args.deployment, args.trusted_key, args.how.map, args.report.since});
-  if (auto fit = check_no_overwriting(files); !fit) return session.fail(fit.error());
+    return session.fail_usage("--all-methods is a table without a report");
+  if (const auto refused = refuse_outputs(
+          with_files(args.runs, {args.deployment, args.trusted_key, args.how.map, args.report.since}),
+          report_outputs(args.report), session))
+    return *refused;
   if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
   const auto deployment = read_trusted_deployment(args.deployment, args.trusted_key);
   if (!deployment) return session.fail(deployment.error());

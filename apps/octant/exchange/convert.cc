@@ -150,8 +150,7 @@ int convert_bag(const ConvertArgs& args, Session& session) {
 
 /// The log of a maker's kit.
 int convert_vendor(const ConvertArgs& args, const std::string& format, Session& session) {
-  if (auto fit = check_no_overwriting({.inputs = {args.input}, .outputs = {}, .run_outputs = {args.output}});
-      !fit)
+  if (auto fit = check_no_overwriting({.inputs = {args.input}, .run_outputs = {args.output}}); !fit)
     return session.fail(fit.error());
   const io::VendorLogOptions options{.ignore = args.ignore, .period_s = args.period_s};
   auto log = format == "marvelmind"  ? io::read_marvelmind_log(args.input, options)
@@ -170,10 +169,9 @@ int run(const ConvertArgs& args, Session& session) {
   if (format == "marvelmind" || format == "crazyflie" || format == "dwm1001")
     return convert_vendor(args, format, session);
   if (format != "carmen" && args.site.empty())
-    return session.fail({"error", "usage", kUsage, fmt::format("--format {} needs --site", format),
-                         "the site file names beacons and receivers"});
-  if (auto fit = check_no_overwriting(
-          {.inputs = {args.input, args.site}, .outputs = {}, .run_outputs = {args.output}});
+    return session.fail_usage(fmt::format("--format {} needs --site", format),
+                              "the site file names beacons and receivers");
+  if (auto fit = check_no_overwriting({.inputs = {args.input, args.site}, .run_outputs = {args.output}});
       !fit)
     return session.fail(fit.error());
   NameTable names;

@@ -125,8 +125,7 @@ Result<std::string> to_tum(const io::ExportedContent& content) {
 }
 
 int run(const ExportArgs& args, Session& session) {
-  if (auto fit = check_no_overwriting({.inputs = args.inputs, .outputs = {args.output}, .run_outputs = {}});
-      !fit)
+  if (auto fit = check_no_overwriting({.inputs = args.inputs, .outputs = {args.output}}); !fit)
     return session.fail(fit.error());
   const bool mcap = args.output.ends_with(".mcap"), geojson = args.output.ends_with(".geojson"),
              tum = args.output.ends_with(".tum");

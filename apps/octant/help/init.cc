@@ -21,15 +21,14 @@ struct InitArgs {
 
 int init(const InitArgs& args, Session& session) {
   if (args.output == "-" && session.options.json)
-    return session.fail({"error", "usage", kUsage, "only one of -o - and --json can have standard output",
-                         "name a file by -o SITE.yaml"});
-  if (auto fit = check_no_overwriting({.inputs = {args.run}, .outputs = {args.output}, .run_outputs = {}});
-      !fit)
+    return session.fail_usage("only one of -o - and --json can have standard output",
+                              "name a file by -o SITE.yaml");
+  if (auto fit = check_no_overwriting({.inputs = {args.run}, .outputs = {args.output}}); !fit)
     return session.fail(fit.error());
   // It is to be filled in by hand, and so worth more than a template.
   if (args.output != "-" && std::filesystem::exists(args.output))
-    return session.fail({"error", "usage", kUsage, fmt::format("'{}' is there already", args.output),
-                         "name another file, or remove it first"});
+    return session.fail_usage(fmt::format("'{}' is there already", args.output),
+                              "name another file, or remove it first");
   io::RunIds ids{.beacons = {"B0", "B1", "B2", "B3"}, .vehicles = {{"robot", {"r0"}}}};
   if (!args.run.empty()) {
     auto found = io::read_run_ids(args.run);

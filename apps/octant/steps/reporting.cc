@@ -43,8 +43,10 @@ void add_report_options(CLI::App& command, ReportArgs& args, bool with_since) {
                "Report what changed since this earlier deployment");
 }
 
-int on_stdout(const ReportArgs& args) {
-  return static_cast<int>(std::count(args.paths.begin(), args.paths.end(), "-"));
+std::vector<OutputOption> report_outputs(const ReportArgs& args, std::vector<OutputOption> outputs) {
+  outputs.push_back({"--report", ""});
+  for (const std::string& path : args.paths) outputs.push_back({"--report", path});
+  return outputs;
 }
 
 Result<void> check_report(const ReportArgs& args) {

@@ -7,6 +7,7 @@
 
 #include <CLI/App.hpp>
 
+#include "apps/octant/outputs.h"
 #include "apps/octant/steps/steps.h"
 #include "io/text/atomic_file.h"
 #include "survey/report/report.h"
@@ -27,7 +28,9 @@ struct ReportArgs {
 void add_report_options(CLI::App& command, ReportArgs& args, bool with_since);
 
 /// How many of the outputs go to standard output.
-[[nodiscard]] int on_stdout(const ReportArgs& args);
+/// Behind those of `first`.
+[[nodiscard]] std::vector<OutputOption> report_outputs(const ReportArgs& args,
+                                                       std::vector<OutputOption> first = {});
 /// Before the long computation: endings that are understood, folders that exist, an earlier deployment that
 /// can be read.
 [[nodiscard]] Result<void> check_report(const ReportArgs& args);

@@ -166,9 +166,9 @@ Json evaluation_json(const survey::Evaluation& e) {
           {"matched", e.matched},
           {"position_rmse_m", figure(e.position_rmse_m)},
           {"position_p95_m", figure(e.position_p95_m)},
-          {"heading_rmse_rad", e.heading_rmse_rad ? Json(*e.heading_rmse_rad) : Json(nullptr)},
+          {"heading_rmse_rad", e.heading_rmse_rad},
           {"max_error_m", figure(e.max_error_m)},
-          {"nees_mean", e.nees_mean ? Json(*e.nees_mean) : Json(nullptr)},
+          {"nees_mean", e.nees_mean},
           {"gates", gates}};
 }
 

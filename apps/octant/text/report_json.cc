@@ -9,29 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/deployment/deployment_json.h"
-
-namespace nlohmann {
-
-template <class T>
-struct adl_serializer<std::optional<T>> {
-  static void to_json(json& j, const std::optional<T>& value) { j = value ? json(*value) : json(nullptr); }
-  static void from_json(const json& j, std::optional<T>& value) {
-    value = std::nullopt;
-    if (!j.is_null()) value = j.get<T>();
-  }
-};
-
-template <int N>
-struct adl_serializer<Eigen::Matrix<double, N, 1>> {
-  static void to_json(json& j, const Eigen::Matrix<double, N, 1>& v) {
-    j = std::vector<double>(v.data(), v.data() + N);
-  }
-  static void from_json(const json& j, Eigen::Matrix<double, N, 1>& v) {
-    v = Eigen::Map<const Eigen::Matrix<double, N, 1>>(j.get<std::array<double, N>>().data());
-  }
-};
-
-}  // namespace nlohmann
+#include "io/text/json_values.h"
 
 namespace octant {
 
@@ -101,42 +79,28 @@ void from_json(const json& j, NamedMap& map) {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconLoss, beacon, covered_fraction, median, p95, map)
 
-/// All but the deployment, which has a format of its own.
-void to_json(json& j, const ReportInput& r) {
-  j = {{"kind", r.kind},           {"outcome", r.outcome},       {"message", r.message},
-       {"tracks", r.plan.tracks},  {"fixes_m", r.plan.fixes_m},  {"maps", r.plan.maps},
-       {"beacons", r.beacons},     {"moved", r.moved},           {"weak", r.weak},
-       {"left_out", r.left_out},   {"residuals", r.residuals},   {"standardised", r.standardised},
-       {"looked_at", r.looked_at}, {"evaluation", r.evaluation}, {"no_loss", r.no_loss},
-       {"losses", r.losses},       {"loss_name", r.loss_name},   {"loss_unit", r.loss_unit},
-       {"changes", r.changes},     {"warnings", r.warnings},     {"command", r.command},
-       {"options", r.options},     {"stops", r.stops},           {"misses", r.misses}};
+/// All but the deployment, which has a format of its own: key(name, value) for each.
+template <class Input, class Key>
+void for_each_key(Input& r, const Key& key) {
+  key("kind", r.kind), key("outcome", r.outcome), key("message", r.message);
+  key("tracks", r.plan.tracks), key("fixes_m", r.plan.fixes_m), key("maps", r.plan.maps);
+  key("beacons", r.beacons), key("moved", r.moved), key("weak", r.weak), key("left_out", r.left_out);
+  key("stops", r.stops), key("misses", r.misses), key("residuals", r.residuals);
+  key("standardised", r.standardised), key("looked_at", r.looked_at), key("evaluation", r.evaluation);
+  key("no_loss", r.no_loss), key("losses", r.losses);
+  key("loss_name", r.loss_name), key("loss_unit", r.loss_unit), key("changes", r.changes);
+  key("warnings", r.warnings), key("command", r.command), key("options", r.options);
 }
+
+void to_json(json& j, const ReportInput& r) {
+  for_each_key(r, [&j](const char* name, const auto& value) { j[name] = value; });
+}
+
 void from_json(const json& j, ReportInput& r) {
-  j.at("kind").get_to(r.kind);
-  j.at("outcome").get_to(r.outcome);
-  j.at("message").get_to(r.message);
-  j.at("tracks").get_to(r.plan.tracks);
-  j.at("fixes_m").get_to(r.plan.fixes_m);
-  j.at("maps").get_to(r.plan.maps);
-  j.at("beacons").get_to(r.beacons);
-  if (j.contains("moved")) j.at("moved").get_to(r.moved);  // earlier ones had none, nor what follows
-  if (j.contains("stops")) j.at("stops").get_to(r.stops);
-  if (j.contains("misses")) j.at("misses").get_to(r.misses);
-  j.at("weak").get_to(r.weak);
-  j.at("left_out").get_to(r.left_out);
-  j.at("residuals").get_to(r.residuals);
-  j.at("standardised").get_to(r.standardised);
-  j.at("looked_at").get_to(r.looked_at);
-  j.at("evaluation").get_to(r.evaluation);
-  j.at("no_loss").get_to(r.no_loss);
-  j.at("losses").get_to(r.losses);
-  j.at("loss_name").get_to(r.loss_name);
-  j.at("loss_unit").get_to(r.loss_unit);
-  j.at("changes").get_to(r.changes);
-  j.at("warnings").get_to(r.warnings);
-  j.at("command").get_to(r.command);
-  j.at("options").get_to(r.options);
+  for_each_key(r, [&j](const std::string& name, auto& value) {
+    const bool newer = name == "moved" || name == "stops" || name == "misses";  // earlier files have none
+    if (!newer || j.contains(name)) j.at(name).get_to(value);
+  });
 }
 
 }  // namespace octant::survey

@@ -139,13 +139,12 @@ Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule
       {"coverage", survey.coverage},
       {"k_covered_fraction", survey.k_covered_fraction},
       {"mirror_fraction", survey.mirror_fraction}};
-  object["tolerance_m"] = survey.model.tolerance.fix_m ? Json(*survey.model.tolerance.fix_m) : Json(nullptr);
+  object["tolerance_m"] = survey.model.tolerance.fix_m;
   object["reach_m"] = std::isfinite(survey::reach_m(survey.model.hearing))
                           ? Json(survey::reach_m(survey.model.hearing))
                           : Json(nullptr);
   object["absorption_np_per_m"] = survey.model.hearing.absorption_np_per_m;
-  object["temperature_error_degC"] =
-      survey.temperature_error_degC ? Json(*survey.temperature_error_degC) : Json(nullptr);
+  object["temperature_error_degC"] = survey.temperature_error_degC;
   for (const FloorMap& map : survey.maps)
     if (is_number(map)) object[map.name] = spread_json(map.spread);
   Json heard = Json::object();

@@ -158,7 +158,7 @@ Json result_head(const std::string& kind, const std::string& deployment_path, co
           {"site", d.site},
           {"created", created_now()},
           {"deployment", {{"path", deployment_path}, {"digest", digest ? Json(*digest) : Json(nullptr)}}},
-          {"temperature_degC", range ? Json(*range) : Json(nullptr)},
+          {"temperature_degC", range},
           {"program", {{"name", "octant"}, {"version", OCTANT_VERSION}}}};
 }
 

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// How values stand in JSON, for every document: what is missing as null, a vector as a list of its numbers.
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+namespace nlohmann {
+
+template <class Value>
+struct adl_serializer<std::optional<Value>> {
+  template <class Json>
+  static void to_json(Json& j, const std::optional<Value>& value) {
+    j = value ? Json(*value) : Json(nullptr);
+  }
+  template <class Json>
+  static void from_json(const Json& j, std::optional<Value>& value) {
+    value = std::nullopt;
+    if (!j.is_null()) value = j.template get<Value>();
+  }
+};
+
+template <int N>
+struct adl_serializer<Eigen::Matrix<double, N, 1>> {
+  template <class Json>
+  static void to_json(Json& j, const Eigen::Matrix<double, N, 1>& v) {
+    j = std::vector<double>(v.data(), v.data() + N);
+  }
+  template <class Json>
+  static void from_json(const Json& j, Eigen::Matrix<double, N, 1>& v) {
+    v = Eigen::Map<const Eigen::Matrix<double, N, 1>>(j.template get<std::array<double, N>>().data());
+  }
+};
+
+}  // namespace nlohmann
