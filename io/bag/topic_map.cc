@@ -178,26 +178,23 @@ Result<TopicMapping> topics_from_words(std::string_view words) {
 }
 
 Result<TopicMapping> read_topics(const std::string& path) {
-  const Result<YamlNode> node = read_yaml(path);
-  if (!node) return fail(node.error());
-  YamlLog log(path);
-  YamlMap root(*node, "", log);
-  check_version(root, "octant_topics", log);
-  TopicMapping mapping;
-  for (const YamlNode& item : root.list("ranges")) {
-    YamlMap range(item, "ranges", log);
-    mapping.ranges.push_back({range.required_text("topic"), range.text("frame", ""), range.text("beacon", ""),
-                              range.text("receiver", ""), range.text("vehicle", "")});
-    range.finish();
-  }
-  mapping.odometry = pose_block(root, "odometry", log);
-  mapping.poses = pose_block(root, "poses", log);
-  mapping.truth = pose_block(root, "truth", log);
-  mapping.recorded_time = root.choice<bool>("time", {{"header", false}, {"recorded", true}}, false);
-  mapping.ignore = read_ignored(root, log);
-  root.finish();
-  if (log.error) return fail(*log.error);
-  if (const std::string fault = fault_of_topics(mapping); !fault.empty())
+  auto mapping = read_yaml_content<TopicMapping>(
+      path, "octant_topics", [](YamlMap& root, YamlLog& log, TopicMapping& topics) {
+        for (const YamlNode& item : root.list("ranges")) {
+          YamlMap range(item, "ranges", log);
+          topics.ranges.push_back({range.required_text("topic"), range.text("frame", ""),
+                                   range.text("beacon", ""), range.text("receiver", ""),
+                                   range.text("vehicle", "")});
+          range.finish();
+        }
+        topics.odometry = pose_block(root, "odometry", log);
+        topics.poses = pose_block(root, "poses", log);
+        topics.truth = pose_block(root, "truth", log);
+        topics.recorded_time = root.choice<bool>("time", {{"header", false}, {"recorded", true}}, false);
+        topics.ignore = read_ignored(root, log);
+      });
+  if (!mapping) return mapping;
+  if (const std::string fault = fault_of_topics(*mapping); !fault.empty())
     return fail({.file = path, .found = fault, .expected = "{beacon}, {receiver}, {vehicle} or *"});
   return mapping;
 }

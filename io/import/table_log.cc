@@ -294,27 +294,23 @@ std::optional<TableMapping> mapping_of_header(const std::string& path) {
 }
 
 Result<TableMapping> read_mapping(const std::string& path) {
-  const Result<YamlNode> node = read_yaml(path);
-  if (!node) return fail(node.error());
-  YamlLog log(path);
-  YamlMap root(*node, "", log);
-  check_version(root, "octant_columns", log);
-  TableMapping mapping;
-  YamlMap columns(root.block("columns"), "columns", log);
-  for (const TofColumn& column : kTofColumns) {
-    if (!columns.has(column.name)) continue;
-    auto rule = rule_of(column.name, columns.required_text(column.name));
-    if (!rule) {
-      columns.fail(column.name, rule.error().found, rule.error().expected);
-    } else {
-      mapping.columns.push_back(std::move(*rule));
-    }
-  }
-  mapping.ignore = read_ignored(root, log);
-  columns.finish();
-  root.finish();
-  if (log.error) return fail(*log.error);
-  if (auto whole = check_mapping(mapping); !whole) {
+  auto mapping = read_yaml_content<TableMapping>(
+      path, "octant_columns", [](YamlMap& root, YamlLog& log, TableMapping& table) {
+        YamlMap columns(root.block("columns"), "columns", log);
+        for (const TofColumn& column : kTofColumns) {
+          if (!columns.has(column.name)) continue;
+          auto rule = rule_of(column.name, columns.required_text(column.name));
+          if (!rule) {
+            columns.fail(column.name, rule.error().found, rule.error().expected);
+          } else {
+            table.columns.push_back(std::move(*rule));
+          }
+        }
+        table.ignore = read_ignored(root, log);
+        columns.finish();
+      });
+  if (!mapping) return mapping;
+  if (auto whole = check_mapping(*mapping); !whole) {
     Error error = whole.error();
     error.code = Errc::kBadInput;
     error.file = path;

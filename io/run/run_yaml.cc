@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "io/run/run_folder.h"
+#include "io/site/site_parts.h"
 #include "io/text/atomic_file.h"
 #include "io/tof/run_parts.h"
 #include "io/yaml/yaml_reader.h"
@@ -34,17 +35,6 @@ void read_accuracy(const YamlNode& node, const char* name, bool observations, Po
   accuracy.attitude_sigma_rad = map.number("attitude_sigma_rad", attitude, kNotNegative);
   if (observations) accuracy.max_gap_s = map.number("max_gap_s", accuracy.max_gap_s, kNotNegative);
   map.finish();
-}
-
-void read_odometry(const YamlNode& node, OdometryAccuracy& accuracy, YamlLog& log) {
-  YamlMap map(node, "odometry", log);
-  const auto take = [&](const char* key, double& value) { value = map.number(key, value, kNotNegative); };
-  take("distance_sigma_m_per_sqrt_m", accuracy.distance_sigma_m_per_sqrt_m);
-  take("heading_sigma_rad_per_sqrt_m", accuracy.heading_sigma_rad_per_sqrt_m);
-  take("heading_sigma_per_rad", accuracy.heading_sigma_per_rad);
-  take("floor_m", accuracy.floor_m);
-  take("floor_rad", accuracy.floor_rad);
-  if (map.present()) map.finish();
 }
 
 void write_accuracy(const char* name, const PoseAccuracy& a, bool observations, std::string& text) {
@@ -76,7 +66,9 @@ Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file,
   header.range_max_m = root.number("range_max_m", header.range_max_m, kPositive);
   read_accuracy(root.block("poses"), "poses", true, log.pose_accuracy, yaml);
   read_accuracy(root.block("truth"), "truth", false, log.truth_accuracy, yaml);
-  read_odometry(root.block("odometry"), log.odometry_accuracy, yaml);
+  YamlMap odometry(root.block("odometry"), "odometry", yaml);
+  read_odometry_keys(odometry, log.odometry_accuracy);
+  if (odometry.present()) odometry.finish();
   root.finish();
   if (yaml.error) return fail(*yaml.error);
   log.warnings.insert(log.warnings.end(), yaml.warnings.begin(), yaml.warnings.end());

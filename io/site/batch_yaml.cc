@@ -17,24 +17,16 @@ namespace fs = std::filesystem;
 
 class BatchReader {
  public:
-  BatchReader(const std::string& path, const std::string& output_folder) : log_(path) {
+  BatchReader(const std::string& path, const std::string& output_folder, YamlLog& log) : log_(log) {
     const fs::path parent = fs::path(path).parent_path();
     inputs_ = parent.empty() ? fs::path(".") : parent;
     outputs_ = output_folder.empty() ? inputs_ : fs::path(output_folder);
   }
 
-  Result<Batch> read(const YamlNode& node) {
-    Batch batch;
-    YamlMap root(node, "", log_);
-    check_version(root, "octant_batch", log_);
-    if (log_.error) return fail(*log_.error);
+  void read(YamlMap& root, Batch& batch) {
     const std::vector<YamlNode> items = root.list("sites");
     if (items.empty()) root.fail_missing("sites", "a list of sites");
     for (std::size_t i = 0; i < items.size() && !log_.error; ++i) batch.sites.push_back(site(items[i], i));
-    root.finish();
-    if (log_.error) return fail(*log_.error);
-    batch.warnings = std::move(log_.warnings);
-    return batch;
   }
 
  private:
@@ -71,7 +63,7 @@ class BatchReader {
     return (folder / name).string();
   }
 
-  YamlLog log_;
+  YamlLog& log_;
   fs::path inputs_, outputs_;
   std::map<std::string, std::string> written_;  // keys by the path they name
 };
@@ -79,9 +71,9 @@ class BatchReader {
 }  // namespace
 
 Result<Batch> read_batch(const std::string& path, const std::string& output_folder) {
-  const Result<YamlNode> node = read_yaml(path);
-  if (!node) return fail(node.error());
-  return BatchReader(path, output_folder).read(*node);
+  return read_yaml_content<Batch>(path, "octant_batch", [&](YamlMap& root, YamlLog& log, Batch& batch) {
+    if (!log.error) BatchReader(path, output_folder, log).read(root, batch);
+  });
 }
 
 }  // namespace octant::io

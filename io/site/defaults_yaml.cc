@@ -7,24 +7,17 @@
 namespace octant::io {
 
 Result<Defaults> read_defaults(const std::string& path) {
-  const Result<YamlNode> node = read_yaml(path);
-  if (!node) return fail(node.error());
-  YamlLog log(path);
-  YamlMap root(*node, "", log);
-  check_version(root, "octant_defaults", log);
-  Defaults defaults;
-  if (root.has("threads")) defaults.threads = root.integer("threads", 0, 0, 1024);
-  if (root.has("progress")) {
-    const std::vector<std::pair<std::string, std::string>> styles = {
-        {"auto", "auto"}, {"plain", "plain"}, {"json", "json"}, {"none", "none"}};
-    defaults.progress = root.choice<std::string>("progress", styles, "auto");
-  }
-  if (root.has("quiet")) defaults.quiet = root.boolean("quiet", false);
-  if (root.has("verbose")) defaults.verbose = root.boolean("verbose", false);
-  root.finish();
-  if (log.error) return fail(*log.error);
-  defaults.warnings = std::move(log.warnings);
-  return defaults;
+  const auto read = [](YamlMap& root, YamlLog&, Defaults& defaults) {
+    if (root.has("threads")) defaults.threads = root.integer("threads", 0, 0, 1024);
+    if (root.has("progress")) {
+      const std::vector<std::pair<std::string, std::string>> styles = {
+          {"auto", "auto"}, {"plain", "plain"}, {"json", "json"}, {"none", "none"}};
+      defaults.progress = root.choice<std::string>("progress", styles, "auto");
+    }
+    if (root.has("quiet")) defaults.quiet = root.boolean("quiet", false);
+    if (root.has("verbose")) defaults.verbose = root.boolean("verbose", false);
+  };
+  return read_yaml_content<Defaults>(path, "octant_defaults", read);
 }
 
 }  // namespace octant::io

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "io/site/site_parts.h"
 #include "io/text/bounds.h"
 #include "io/yaml/yaml_reader.h"
 
@@ -22,24 +23,6 @@ Interval interval(YamlMap& map, const char* key, Interval fallback, NumberRange 
   return {ends[0], ends[1]};
 }
 
-std::vector<Eigen::Vector2d> waypoints(YamlMap& map, YamlLog& log) {
-  std::vector<Eigen::Vector2d> points;
-  for (const YamlNode& item : map.list("waypoints_m")) {
-    const std::vector<double> p = numbers_of(item, map.path("waypoints_m"), log, 2);
-    if (p.size() == 2) points.emplace_back(p[0], p[1]);
-  }
-  return points;
-}
-
-std::vector<Eigen::Vector3d> stations(YamlMap& map, YamlLog& log) {
-  std::vector<Eigen::Vector3d> poses;
-  for (const YamlNode& item : map.list("stations")) {
-    const std::vector<double> p = numbers_of(item, map.path("stations"), log, 3);
-    if (p.size() == 3) poses.emplace_back(p[0], p[1], p[2]);
-  }
-  return poses;
-}
-
 /// Keys that are absent stay as they are in `path`.
 void read_path(const YamlNode& node, const char* name, YamlLog& log, Scenario::Path& path) {
   YamlMap map(node, name, log);
@@ -51,7 +34,7 @@ void read_path(const YamlNode& node, const char* name, YamlLog& log, Scenario::P
                                     {"drive", PathKind::kDrive}},
                                    path.kind);
   if (map.has("stations")) {
-    path.stations = stations(map, log);
+    path.stations = points_of<3>(map.block("stations"), map.path("stations"), log);
     if (!path.stations.empty()) path.epochs = static_cast<int>(path.stations.size());
   }
   path.epochs = map.integer("epochs", path.epochs, 1, 10'000'000);
@@ -63,7 +46,8 @@ void read_path(const YamlNode& node, const char* name, YamlLog& log, Scenario::P
   path.speed_mps = map.number("speed_mps", path.speed_mps, kPositive);
   path.turn_rate_rad_per_s = map.number("turn_rate_rad_per_s", path.turn_rate_rad_per_s, kPositive);
   path.odometry_period_s = map.number("odometry_period_s", path.odometry_period_s, kPositive);
-  if (map.has("waypoints_m")) path.waypoints_m = waypoints(map, log);
+  if (map.has("waypoints_m"))
+    path.waypoints_m = points_of<2>(map.block("waypoints_m"), map.path("waypoints_m"), log);
   map.finish();
 }
 
@@ -79,17 +63,9 @@ void read_accuracies(YamlMap& root, YamlLog& log, Scenario& scenario) {
     poses.finish();
   }
   YamlMap odometry(root.block("odometry"), "odometry", log);
-  OdometryAccuracy& odo = scenario.odometry_accuracy;
   scenario.log_odometry = odometry.present();
   if (scenario.log_odometry) {
-    odo.distance_sigma_m_per_sqrt_m =
-        odometry.number("distance_sigma_m_per_sqrt_m", odo.distance_sigma_m_per_sqrt_m, kNotNegative);
-    odo.heading_sigma_rad_per_sqrt_m =
-        odometry.number("heading_sigma_rad_per_sqrt_m", odo.heading_sigma_rad_per_sqrt_m, kNotNegative);
-    odo.heading_sigma_per_rad =
-        odometry.number("heading_sigma_per_rad", odo.heading_sigma_per_rad, kNotNegative);
-    odo.floor_m = odometry.number("floor_m", odo.floor_m, kNotNegative);
-    odo.floor_rad = odometry.number("floor_rad", odo.floor_rad, kNotNegative);
+    read_odometry_keys(odometry, scenario.odometry_accuracy);
     odometry.finish();
   }
 }
@@ -137,10 +113,9 @@ void read_sensors(YamlMap& root, YamlLog& log, Scenario& scenario) {
     scans.finish();
     scenario.scans = s;
   }
-  for (const YamlNode& item : root.list("walls_m")) {
-    const std::vector<double> w = numbers_of(item, root.path("walls_m"), log, 4);
-    if (w.size() == 4) scenario.walls_m.push_back({w[0], w[1], w[2], w[3]});
-  }
+  if (const YamlNode walls = root.block("walls_m"); walls.is_defined())
+    for (const Eigen::Vector4d& w : points_of<4>(walls, root.path("walls_m"), log))
+      scenario.walls_m.push_back({w[0], w[1], w[2], w[3]});
 }
 
 /// The held-out run goes like the calibration run, with a third of its epochs or half of its time.

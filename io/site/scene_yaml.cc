@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "io/import/plan_import.h"
+#include "io/site/site_parts.h"
 #include "io/text/atomic_file.h"
 #include "io/yaml/yaml_reader.h"
 
@@ -17,31 +18,10 @@ namespace {
 
 constexpr double kImportedSlack = 1.0;  ///< pixels that a beacon may stand in an occupied cell
 
-std::vector<Eigen::Vector2d> read_points(const YamlNode& node, const std::string& name, YamlLog& log) {
-  std::vector<Eigen::Vector2d> points;
-  for (const YamlNode& item : list_of(node, name, log)) {
-    const std::vector<double> p = numbers_of(item, fmt::format("{}[{}]", name, points.size()), log, 2);
-    if (p.size() != 2) return points;
-    points.emplace_back(p[0], p[1]);
-  }
-  return points;
-}
-
 std::vector<Eigen::Vector2d> required_points(YamlMap& map, YamlLog& log, const char* key = "points_m") {
   const YamlNode node = map.block(key);
   if (!node.is_defined()) map.fail_missing(key, "a list of [x, y]");
-  return node.is_defined() ? read_points(node, map.path(key), log) : std::vector<Eigen::Vector2d>{};
-}
-
-std::optional<Eigen::Vector3d> read_direction(YamlMap& map, YamlLog& log) {
-  const std::vector<double> n = map.numbers("axis", 3);
-  if (n.size() != 3 || log.error) return std::nullopt;
-  const Eigen::Vector3d axis(n[0], n[1], n[2]);
-  if (!(axis.norm() > 1e-9) || !axis.allFinite()) {
-    map.fail("axis", map.path("axis") + " has no length", "a direction, such as [0, 0, -1]");
-    return std::nullopt;
-  }
-  return axis.normalized();
+  return node.is_defined() ? points_of<2>(node, map.path(key), log) : std::vector<Eigen::Vector2d>{};
 }
 
 std::optional<std::size_t> read_pattern_name(YamlMap& map, const char* key, const Scene& scene) {
@@ -103,7 +83,7 @@ void read_mounts(YamlMap& root, Scene& scene, YamlLog& log) {
     } else {
       map.fail_missing("height_m", "[lowest, highest]");
     }
-    mount.axis = read_direction(map, log);
+    mount.axis = read_axis(map, "[0, 0, -1]", log);
     map.finish();
     scene.mounts.push_back(std::move(mount));
   }
@@ -148,7 +128,7 @@ void read_scene_beacons(YamlMap& root, Scene& scene, YamlLog& log) {
     SceneBeacon beacon;
     beacon.line = node.line();
     beacon.name = map.required_text("id");
-    beacon.axis = read_direction(map, log);
+    beacon.axis = read_axis(map, "[0, 0, -1]", log);
     beacon.pattern = read_pattern_name(map, "pattern", scene);
     map.finish();
     scene.beacons.push_back(std::move(beacon));
@@ -286,7 +266,7 @@ void read_imports(YamlMap& root, Scene& scene, YamlLog& log) {
 
 void read_block(YamlMap& root, Scene& scene, YamlLog& log) {
   if (const YamlNode floor = root.block("floor_m"); floor.is_defined()) {
-    scene.floor_m = read_points(floor, root.path("floor_m"), log);
+    scene.floor_m = points_of<2>(floor, root.path("floor_m"), log);
     scene.floor_line = floor.line();
   }
   read_walls(root, "walls", false, scene, log);

@@ -36,6 +36,31 @@ Coordinates read_coordinates(const YamlNode& node, const std::string& name, Numb
   return values;
 }
 
+void read_odometry_keys(YamlMap& odometry, OdometryAccuracy& accuracy) {
+  const auto read = [&](const char* key, double& value) {
+    value = odometry.number(key, value, kNotNegative);
+  };
+  read("distance_sigma_m_per_sqrt_m", accuracy.distance_sigma_m_per_sqrt_m);
+  read("heading_sigma_rad_per_sqrt_m", accuracy.heading_sigma_rad_per_sqrt_m);
+  read("heading_sigma_per_rad", accuracy.heading_sigma_per_rad);
+  read("floor_m", accuracy.floor_m);
+  read("floor_rad", accuracy.floor_rad);
+}
+
+std::optional<Eigen::Vector3d> read_axis(YamlMap& map, const char* example, YamlLog& log) {
+  const std::vector<double> numbers = map.numbers("axis", 3);
+  if (numbers.size() != 3 || log.error) return std::nullopt;
+  const Eigen::Vector3d axis(numbers[0], numbers[1], numbers[2]);
+  const double norm = axis.norm();
+  if (!(norm > 1e-9) || !std::isfinite(norm)) {
+    map.fail("axis", map.path("axis") + " has no length", fmt::format("a direction, such as {}", example));
+    return std::nullopt;
+  }
+  // A vector that is of unit length to the last digits is left alone, so that a written file reads back the
+  // same.
+  return std::abs(norm - 1.0) < 1e-14 ? axis : Eigen::Vector3d(axis / norm);
+}
+
 Coordinates read_sigmas(const YamlNode& node, const std::string& name, YamlLog& log) {
   if (!node.is_defined()) return {};
   if (node.is_sequence()) return read_coordinates(node, name, kNotNegative, log);

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "io/yaml/yaml_reader.h"
+#include "models/run.h"
 
 namespace octant::io {
 
@@ -33,6 +34,13 @@ using Coordinates = std::array<std::optional<double>, 3>;
                                            YamlLog& log);
 /// A number for all three axes, or [sx, sy, sz].
 [[nodiscard]] Coordinates read_sigmas(const YamlNode& node, const std::string& name, YamlLog& log);
+
+/// `axis`, a direction that need not be of unit length; none where there is no such key. @param example  in
+/// the message where it has no length
+[[nodiscard]] std::optional<Eigen::Vector3d> read_axis(YamlMap& map, const char* example, YamlLog& log);
+
+/// The block `odometry` of a run.yaml and of a scenario.
+void read_odometry_keys(YamlMap& odometry, OdometryAccuracy& accuracy);
 
 /// `beacons`; Site::timing has been read.
 void read_beacons(YamlMap& root, Site& site, YamlLog& log);

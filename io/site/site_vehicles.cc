@@ -33,20 +33,6 @@ void read_layout(const YamlNode& node, const std::string& name, VehicleId vehicl
   }
 }
 
-std::optional<Eigen::Vector3d> read_axis(YamlMap& map, YamlLog& log) {
-  const std::vector<double> numbers = map.numbers("axis", 3);
-  if (numbers.size() != 3 || log.error) return std::nullopt;
-  const Eigen::Vector3d axis(numbers[0], numbers[1], numbers[2]);
-  const double norm = axis.norm();
-  if (!(norm > 1e-9) || !std::isfinite(norm)) {
-    map.fail("axis", map.path("axis") + " has no length", "a direction, such as [1, 0, 0]");
-    return std::nullopt;
-  }
-  // A vector that is of unit length to the last digits is left alone, so that a written file reads back the
-  // same.
-  return std::abs(norm - 1.0) < 1e-14 ? axis : Eigen::Vector3d(axis / norm);
-}
-
 void read_receivers(YamlMap& vehicle_map, VehicleId vehicle, Site& site, YamlLog& log) {
   const YamlNode node = vehicle_map.block("receivers");
   if (!node.is_defined()) return;  // bearings and scans need none
@@ -69,7 +55,7 @@ void read_receivers(YamlMap& vehicle_map, VehicleId vehicle, Site& site, YamlLog
       map.fail_missing("position_m", "[x, y, z] in the vehicle frame");
     }
     receiver.sigma_m = read_receiver_sigma(map, log);
-    receiver.axis = read_axis(map, log);
+    receiver.axis = read_axis(map, "[1, 0, 0]", log);
     map.finish();
     site.receivers.push_back(std::move(receiver));
   }

@@ -9,6 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+#include <Eigen/Core>
+
 #include "io/text/number_range.h"
 #include "io/text/text.h"
 #include "io/yaml/yaml_node.h"
@@ -44,6 +47,19 @@ struct YamlLog {
                                             std::size_t size = 0);
 [[nodiscard]] std::vector<double> numbers_of(const YamlNode& node, const std::string& name, YamlLog& log,
                                              std::size_t size = 0, NumberRange range = kAnyNumber);
+
+/// Points of a list, each of N numbers; after an error those before it.
+template <int N>
+[[nodiscard]] std::vector<Eigen::Matrix<double, N, 1>> points_of(const YamlNode& node,
+                                                                 const std::string& name, YamlLog& log) {
+  std::vector<Eigen::Matrix<double, N, 1>> points;
+  for (const YamlNode& item : list_of(node, name, log)) {
+    const std::vector<double> p = numbers_of(item, fmt::format("{}[{}]", name, points.size()), log, N);
+    if (log.error) break;
+    points.push_back(Eigen::Map<const Eigen::Matrix<double, N, 1>>(p.data()));
+  }
+  return points;
+}
 
 /// A mapping and its keys. Each getter marks its key as known; finish() warns about the others.
 /// A key whose value is null counts as absent for blocks and lists; a scalar with a null value is an error.
@@ -128,6 +144,24 @@ class YamlMap {
 
 /// The `version_key: 1` at the head of a file. Errors: missing, or another version, with the line.
 void check_version(YamlMap& root, std::string_view version_key, YamlLog& log);
+
+/// A file of ours: after its version read(root, log, content). Keys that nobody asked for are warnings, where
+/// the content has any.
+template <class Content, class Read>
+[[nodiscard]] Result<Content> read_yaml_content(const std::string& path, std::string_view version_key,
+                                                const Read& read) {
+  const Result<YamlNode> node = read_yaml(path);
+  if (!node) return fail(node.error());
+  YamlLog log(path);
+  YamlMap root(*node, "", log);
+  check_version(root, version_key, log);
+  Content content;
+  read(root, log, content);
+  root.finish();
+  if (log.error) return fail(*log.error);
+  if constexpr (requires { content.warnings; }) content.warnings = std::move(log.warnings);
+  return content;
+}
 
 /// A site from the content of a site file, or from the `site:` block of another file (then octant_site may be
 /// left out). Warnings are in Site::warnings, lines are those of `file`.
