@@ -38,6 +38,16 @@ void add_schema(CLI::App& app, CommonOptions& common, Action& action);
 /// A command with the options that all have. @param example  shown by --help
 [[nodiscard]] CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name,
                                     const std::string& purpose, const std::string& example);
+/// The same with arguments of its own, with which main() calls `run` where the command line names it.
+template <class Args>
+[[nodiscard]] std::pair<CLI::App*, Args*> add_command(
+    CLI::App& app, CommonOptions& common, Action& action, const std::string& name, const std::string& purpose,
+    const std::string& example, std::type_identity_t<int (*)(const Args&, Session&)> run) {
+  auto args = std::make_shared<Args>();
+  CLI::App* command = add_command(app, common, name, purpose, example);
+  set_action(*command, args, action, run);
+  return {command, args.get()};
+}
 void add_common_options(CLI::App& app, CommonOptions& common);
 /// --method and what some of them take, of the commands that localize.
 void add_method_options(CLI::App& command, MethodArgs& args);

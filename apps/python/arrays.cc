@@ -10,14 +10,14 @@ namespace octant::python {
 
 namespace py = pybind11;
 
-py::dtype dtype_of(const std::vector<Column>& columns, std::size_t row_size) {
-  py::list names, formats, offsets;
-  for (const Column& column : columns) {
-    names.append(column.name);
-    formats.append(column.type);
-    offsets.append(column.offset);
-  }
-  return {names, formats, offsets, static_cast<py::ssize_t>(row_size)};
+void register_rows() {
+  PYBIND11_NUMPY_DTYPE(Arrival, time_s, tof_s, beacon, receiver, vehicle, epoch, amplitude_v,
+                       temperature_degC, line);
+  PYBIND11_NUMPY_DTYPE(OdometryStep, time_s, dx_m, dy_m, dheading_rad, vehicle, dz_m, turn_x_rad, turn_y_rad);
+  PYBIND11_NUMPY_DTYPE(Bearing, time_s, bearing_rad, reflector, vehicle, epoch, line);
+  PYBIND11_NUMPY_DTYPE(FixRow, time_s, epoch, vehicle, status, ok, x_m, y_m, z_m, heading_rad, qx, qy, qz, qw,
+                       sigma_x_m, sigma_y_m, sigma_heading_rad, protection_level_m, arrivals_used,
+                       arrivals_rejected);
 }
 
 FixRow row_of(const Fix& fix) {
@@ -30,20 +30,6 @@ FixRow row_of(const Fix& fix) {
   row.status = static_cast<std::int32_t>(fix.status);
   fill_row(fix, row);
   return row;
-}
-
-py::dtype dtype_of(const FixRow*) {
-#define OCTANT_COLUMN(name, type) \
-  { #name, type, offsetof(FixRow, name) }
-  return dtype_of({OCTANT_COLUMN(time_s, "f8"), OCTANT_COLUMN(epoch, "i8"), OCTANT_COLUMN(vehicle, "i4"),
-                   OCTANT_COLUMN(status, "i4"), OCTANT_COLUMN(ok, "?"), OCTANT_COLUMN(x_m, "f8"),
-                   OCTANT_COLUMN(y_m, "f8"), OCTANT_COLUMN(z_m, "f8"), OCTANT_COLUMN(heading_rad, "f8"),
-                   OCTANT_COLUMN(qx, "f8"), OCTANT_COLUMN(qy, "f8"), OCTANT_COLUMN(qz, "f8"),
-                   OCTANT_COLUMN(qw, "f8"), OCTANT_COLUMN(sigma_x_m, "f8"), OCTANT_COLUMN(sigma_y_m, "f8"),
-                   OCTANT_COLUMN(sigma_heading_rad, "f8"), OCTANT_COLUMN(protection_level_m, "f8"),
-                   OCTANT_COLUMN(arrivals_used, "i4"), OCTANT_COLUMN(arrivals_rejected, "i4")},
-                  sizeof(FixRow));
-#undef OCTANT_COLUMN
 }
 
 py::array poses_array(const std::vector<TimedPose>& poses) {

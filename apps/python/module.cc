@@ -324,6 +324,7 @@ void bind_values(py::module_& m) {
 PYBIND11_MODULE(_octant, m) {
   m.doc() = "Calibration and survey of time-of-flight beacon positioning; import octant instead.";
   m.attr("__version__") = OCTANT_VERSION;
+  register_rows();
   bind_values(m);
   bind_live(m);
   m.def(

@@ -29,9 +29,6 @@ enum class LocalAlgorithm { kNone, kBobyqa, kCobyla, kSbplx };
 [[nodiscard]] std::optional<PlacementGoal> placement_goal(const std::string& name);
 [[nodiscard]] std::optional<GlobalAlgorithm> global_algorithm(const std::string& name);
 [[nodiscard]] std::optional<LocalAlgorithm> local_algorithm(const std::string& name);
-[[nodiscard]] const char* to_string(PlacementGoal goal);
-[[nodiscard]] const char* to_string(GlobalAlgorithm algorithm);
-[[nodiscard]] const char* to_string(LocalAlgorithm algorithm);
 
 struct PlacementOptions {
   PlacementGoal goal = PlacementGoal::kWorst;

@@ -174,10 +174,9 @@ int run(const BatchArgs& args, Session& session) {
 }  // namespace
 
 void add_batch(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<BatchArgs>();
-  CLI::App* command =
-      add_command(app, common, "batch", "Calibrate many sites; one that fails does not stop the others",
-                  "octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10");
+  const auto [command, args] = add_command<BatchArgs>(
+      app, common, action, "batch", "Calibrate many sites; one that fails does not stop the others",
+      "octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10", run);
   add_required_option(*command, "sites", args->list, "SITES.yaml",
                       "List of sites, with their runs and outputs (octant schema batch)");
   add_option(*command, "-o,--output", args->folder, "DIR",
@@ -191,7 +190,6 @@ void add_batch(CLI::App& app, CommonOptions& common, Action& action) {
       "Example:\n  octant batch fleet/sites.yaml -o calibrated --shard $SLURM_ARRAY_TASK_ID/10\n\n"
       "Exit code: 0 if all sites are calibrated, else that of the first site in the list that is not (the "
       "table and --json tell each).");
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -185,10 +185,9 @@ int run(const CalibrateArgs& args, Session& session) {
 }  // namespace
 
 void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<CalibrateArgs>();
-  CLI::App* command = add_command(
-      app, common, "calibrate", "Find beacons, delays, speed and receivers from recordings",
-      "octant calibrate hall/site.yaml hall/run -o hall/deployment.json --report hall/report.html");
+  const auto [command, args] = add_command<CalibrateArgs>(
+      app, common, action, "calibrate", "Find beacons, delays, speed and receivers from recordings",
+      "octant calibrate hall/site.yaml hall/run -o hall/deployment.json --report hall/report.html", run);
   add_required_option(*command, "site", args->site, "SITE.yaml", "Site file: what is known beforehand");
   add_required_option(*command, "run", args->runs, "RUN", "Run folders: the recordings");
   add_required_option(*command, "-o,--output", args->output, "DEPLOYMENT.json",
@@ -203,7 +202,6 @@ void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
              "several times")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))
       ->capture_default_str();
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -365,15 +365,13 @@ int check_recordings(const CheckArgs& args, Session& session) {
 }
 
 void add_check(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<CheckArgs>();
-  CLI::App* command =
-      add_command(app, common, "check",
-                  "Tell what recordings are worth: their health, and what they can and cannot determine",
-                  "octant check hall/site.yaml hall/run");
+  const auto [command, args] = add_command<CheckArgs>(
+      app, common, action, "check",
+      "Tell what recordings are worth: their health, and what they can and cannot determine",
+      "octant check hall/site.yaml hall/run", check_recordings);
   add_required_option(*command, "site", args->site, "SITE.yaml", "Site file: what is known beforehand");
   add_required_option(*command, "run", args->runs, "RUN", "Run folders: the recordings");
   command->add_flag("--strict", args->strict, "A single undetermined beacon is exit 5");
-  set_action(*command, args, action, check_recordings);
 }
 
 }  // namespace octant::app

@@ -155,13 +155,12 @@ int run(const std::string& folder, Session& session) {
 }  // namespace
 
 void add_demo(CLI::App& app, CommonOptions& common, Action& action) {
-  auto folder = std::make_shared<std::string>("octant-demo");
-  CLI::App* command =
-      add_command(app, common, "demo",
-                  "Simulate a hall, calibrate it, localize in it, verify against truth, write a report",
-                  "octant demo -o /tmp/hall");
+  const auto [command, folder] = add_command<std::string>(
+      app, common, action, "demo",
+      "Simulate a hall, calibrate it, localize in it, verify against truth, write a report",
+      "octant demo -o /tmp/hall", run);
+  *folder = "octant-demo";
   add_option(*command, "-o,--output", *folder, "DIR", "Folder to make")->capture_default_str();
-  set_action(*command, folder, action, run);
 }
 
 }  // namespace octant::app

@@ -60,15 +60,13 @@ int run(const DiffArgs& args, Session& session) {
 }  // namespace
 
 void add_diff(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<DiffArgs>();
-  CLI::App* command =
-      add_command(app, common, "diff",
-                  "What changed between two deployments of a site, and whether it is more than chance",
-                  "octant diff hall/spring.json hall/autumn.json");
+  const auto [command, args] = add_command<DiffArgs>(
+      app, common, action, "diff",
+      "What changed between two deployments of a site, and whether it is more than chance",
+      "octant diff hall/spring.json hall/autumn.json", run);
   add_required_option(*command, "before", args->before, "A.json", "The earlier deployment");
   add_required_option(*command, "now", args->now, "B.json", "The later deployment");
   add_drift_options(*command, args->drift);
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

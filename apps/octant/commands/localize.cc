@@ -127,10 +127,9 @@ int run(const LocalizeArgs& args, Session& session) {
 }  // namespace
 
 void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<LocalizeArgs>();
-  CLI::App* command =
-      add_command(app, common, "localize", "Tell where the vehicle was",
-                  "octant localize hall/deployment.json hall/heldout -o hall/fixes.tum --csv hall/fixes.csv");
+  const auto [command, args] = add_command<LocalizeArgs>(
+      app, common, action, "localize", "Tell where the vehicle was",
+      "octant localize hall/deployment.json hall/heldout -o hall/fixes.tum --csv hall/fixes.csv", run);
   add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json",
                       "Deployment file, from calibrate");
   add_option(*command, "run", args->runs, "RUN", "Run folders: the recordings");
@@ -140,7 +139,6 @@ void add_localize(CLI::App& app, CommonOptions& common, Action& action) {
   add_method_options(*command, args->how);
   add_trust_option(*command, args->trusted_key);
   add_follow_options(*command, args->live);
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -44,16 +44,15 @@ int run(const MonitorArgs& args, Session& session) {
 }  // namespace
 
 void add_monitor(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<MonitorArgs>();
-  CLI::App* command = add_command(app, common, "monitor",
-                                  "Ask an ordinary recording whether the calibration still holds: which "
-                                  "beacon, receiver or speed no longer fits (exit 6)",
-                                  "octant monitor hall/deployment.json hall/night");
+  const auto [command, args] =
+      add_command<MonitorArgs>(app, common, action, "monitor",
+                               "Ask an ordinary recording whether the calibration still holds: which "
+                               "beacon, receiver or speed no longer fits (exit 6)",
+                               "octant monitor hall/deployment.json hall/night", run);
   add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json",
                       "Deployment file, from calibrate or recalibrate");
   add_required_option(*command, "run", args->runs, "RUN", "Run folders; no reference trajectory is needed");
   add_drift_options(*command, args->drift);
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -160,15 +160,15 @@ void add_schedule_options(CLI::App& command, PlanArgs& args) {
 }  // namespace
 
 void add_plan(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<PlanArgs>();
-  CLI::App* command = add_command(
-      app, common, "plan",
+  const auto [command, args] = add_command<PlanArgs>(
+      app, common, action, "plan",
       "Plan ahead: where to put beacons, where to stop for a calibration, who may fire together",
       "octant plan hall/site.yaml --stations 5 --range 12           a checklist of stops\n"
       "  octant plan hall/site.yaml hall/run --stations 3             the next ones after a recording\n"
       "  octant plan aisles/site.yaml --beacons 8 -o aisles/new.yaml  places for eight beacons\n"
       "  octant plan aisles/site.yaml --tolerance 0.02 --coverage 4   how many does it take?\n"
-      "  octant plan aisles/site.yaml --schedule                      firing order and cycle");
+      "  octant plan aisles/site.yaml --schedule                      firing order and cycle",
+      run);
   add_required_option(*command, "input", args->input, "SITE.yaml|DEPLOYMENT.json",
                       "Site file, or a deployment for stops and schedules");
   add_option(*command, "--scene", args->scene, "S.yaml",
@@ -177,7 +177,6 @@ void add_plan(CLI::App& app, CommonOptions& common, Action& action) {
   add_beacon_options(*command, *args);
   add_station_options(*command, *args);
   add_schedule_options(*command, *args);
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

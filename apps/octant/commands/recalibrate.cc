@@ -67,11 +67,10 @@ int run(const RecalibrateArgs& args, Session& session) {
 }  // namespace
 
 void add_recalibrate(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<RecalibrateArgs>();
-  CLI::App* command = add_command(
-      app, common, "recalibrate",
+  const auto [command, args] = add_command<RecalibrateArgs>(
+      app, common, action, "recalibrate",
       "Update a calibration by a second visit: what changed is found and told anew, all else is carried over",
-      "octant recalibrate hall/deployment.json hall/autumn -o hall/autumn.json");
+      "octant recalibrate hall/deployment.json hall/autumn -o hall/autumn.json", run);
   add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json", "The earlier deployment");
   add_required_option(*command, "run", args->runs, "RUN",
                       "Run folders of the second visit; a few stops or minutes do");
@@ -79,7 +78,6 @@ void add_recalibrate(CLI::App& app, CommonOptions& common, Action& action) {
                       "Deployment file to write; - is standard output");
   add_report_options(*command, args->report, false);
   add_drift_options(*command, args->drift);
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

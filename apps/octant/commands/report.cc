@@ -124,9 +124,9 @@ int run(const ReportCommandArgs& args, Session& session) {
 }  // namespace
 
 void add_report(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<ReportCommandArgs>();
-  CLI::App* command = add_command(app, common, "report", "Make a report or a site sheet from saved results",
-                                  "octant report hall/deployment.json hall/heldout -o hall/report.html");
+  const auto [command, args] = add_command<ReportCommandArgs>(
+      app, common, action, "report", "Make a report or a site sheet from saved results",
+      "octant report hall/deployment.json hall/heldout -o hall/report.html", run);
   add_required_option(*command, "saved", args->saved, "SAVED.json",
                       "Deployment file, or what --report R.json kept (it knows more: residuals, weak "
                       "directions, the track)");
@@ -152,7 +152,6 @@ void add_report(CLI::App& app, CommonOptions& common, Action& action) {
   certified("--operator", args->certified.operator_name, "Who did it");
   certified("--customer", args->certified.customer, "For whom");
   certified("--place", args->certified.place, "Where");
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -49,7 +49,13 @@ std::string format_named(const std::string& name) {
   return file == kFileNames.end() ? name : file->second;
 }
 
-int print_schema(const std::string& name, bool page, Session& session) {
+struct SchemaArgs {
+  std::string format;
+  bool page = false;
+};
+
+int print_schema(const SchemaArgs& args, Session& session) {
+  const auto& [name, page] = args;
   const std::string format = format_named(name);
   if (io::schema(format).empty())
     return session.fail_usage(
@@ -65,16 +71,11 @@ int print_schema(const std::string& name, bool page, Session& session) {
 }  // namespace
 
 void add_schema(CLI::App& app, CommonOptions& common, Action& action) {
-  auto format = std::make_shared<std::string>();
-  auto page = std::make_shared<bool>(false);
-  CLI::App* command =
-      add_command(app, common, "schema", "Print the JSON Schema of a file format, with a word on every key",
-                  "octant schema deployment > deployment.schema.json");
-  add_required_option(*command, "format", *format, "FORMAT", formats_in_words());
-  command->add_flag("--page", *page, "Instead: a page of Markdown, a row for each key and column");
-  command->callback([format, page, &action] {
-    action = [format, page](Session& session) { return print_schema(*format, *page, session); };
-  });
+  const auto [command, args] = add_command<SchemaArgs>(
+      app, common, action, "schema", "Print the JSON Schema of a file format, with a word on every key",
+      "octant schema deployment > deployment.schema.json", print_schema);
+  add_required_option(*command, "format", args->format, "FORMAT", formats_in_words());
+  command->add_flag("--page", args->page, "Instead: a page of Markdown, a row for each key and column");
 }
 
 }  // namespace octant::app

@@ -57,27 +57,25 @@ int verify_signature(const SignArgs& args, Session& session) {
 }  // namespace
 
 void add_sign(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<SignArgs>();
-  CLI::App* command = add_command(app, common, "sign", "Sign a deployment, or make a key to sign with",
-                                  "octant sign --new-key site.key\n  octant sign hall/deployment.json --key "
-                                  "site.key -o hall/signed.json");
+  const auto [command, args] =
+      add_command<SignArgs>(app, common, action, "sign", "Sign a deployment, or make a key to sign with",
+                            "octant sign --new-key site.key\n  octant sign hall/deployment.json --key "
+                            "site.key -o hall/signed.json",
+                            sign);
   add_option(*command, "deployment", args->deployment, "DEPLOYMENT.json", "Deployment file, from calibrate");
   add_option(*command, "--key", args->key, "KEY", "Secret Ed25519 key, PEM");
   add_option(*command, "-o,--output", args->output, "SIGNED.json",
              "Signed deployment to write; - is standard output");
   add_option(*command, "--new-key", args->new_key, "FILE",
              "Instead: make a secret key, and FILE.pub for those who check");
-  set_action(*command, args, action, sign);
 }
 
 void add_verify_signature(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<SignArgs>();
-  CLI::App* command = add_command(app, common, "verify-signature",
-                                  "Tell whether a deployment is as the owner of a key signed it",
-                                  "octant verify-signature hall/signed.json --key site.key.pub");
+  const auto [command, args] = add_command<SignArgs>(
+      app, common, action, "verify-signature", "Tell whether a deployment is as the owner of a key signed it",
+      "octant verify-signature hall/signed.json --key site.key.pub", verify_signature);
   add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json", "Signed deployment");
   add_required_option(*command, "--key,--trusted-key", args->key, "PUB", "Public Ed25519 key, PEM");
-  set_action(*command, args, action, verify_signature);
 }
 
 }  // namespace octant::app

@@ -59,15 +59,13 @@ int run(const SimulateArgs& args, Session& session) {
 }  // namespace
 
 void add_simulate(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<SimulateArgs>();
-  CLI::App* command = add_command(app, common, "simulate",
-                                  "Simulate a world with known truth: site, recordings, true deployment",
-                                  "octant simulate datasets/hall/scenario.yaml --seed 7 -o hall");
+  const auto [command, args] = add_command<SimulateArgs>(
+      app, common, action, "simulate", "Simulate a world with known truth: site, recordings, true deployment",
+      "octant simulate datasets/hall/scenario.yaml --seed 7 -o hall", run);
   add_required_option(*command, "scenario", args->scenario, "SCENARIO.yaml",
                       "Scenario file (octant schema scenario)");
   add_required_option(*command, "-o,--output", args->folder, "DIR",
                       "Folder to make; an older simulated world there is replaced");
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

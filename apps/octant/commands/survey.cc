@@ -101,11 +101,11 @@ int run(const SurveyArgs& args, Session& session) {
 }  // namespace
 
 void add_survey(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<SurveyArgs>();
-  CLI::App* command = add_command(app, common, "survey",
-                                  "What a geometry is worth: who is heard where, how well one is positioned, "
-                                  "what a beacon's failure costs",
-                                  "octant survey aisles/site.yaml -o aisles/survey.html --maps aisles/maps");
+  const auto [command, args] =
+      add_command<SurveyArgs>(app, common, action, "survey",
+                              "What a geometry is worth: who is heard where, how well one is positioned, "
+                              "what a beacon's failure costs",
+                              "octant survey aisles/site.yaml -o aisles/survey.html --maps aisles/maps", run);
   add_required_option(*command, "input", args->input, "SITE.yaml|DEPLOYMENT.json",
                       "Site file, or a deployment: then with the calibration's part");
   add_option(*command, "--scene", args->scene, "S.yaml",
@@ -125,7 +125,6 @@ void add_survey(CLI::App& app, CommonOptions& common, Action& action) {
       ->capture_default_str();
   add_option(*command, "--bins", args->bins, "N",
              "With --json: values of every map, so many bins along the longer side");
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

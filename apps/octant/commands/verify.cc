@@ -146,11 +146,10 @@ int run(const VerifyArgs& args, Session& session) {
 }  // namespace
 
 void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<VerifyArgs>();
-  CLI::App* command =
-      add_command(app, common, "verify",
-                  "Localize held-out recordings and hold the fixes against truth.tum and the tolerance",
-                  "octant verify hall/deployment.json hall/heldout");
+  const auto [command, args] = add_command<VerifyArgs>(
+      app, common, action, "verify",
+      "Localize held-out recordings and hold the fixes against truth.tum and the tolerance",
+      "octant verify hall/deployment.json hall/heldout", run);
   add_required_option(*command, "deployment", args->deployment, "DEPLOYMENT.json",
                       "Deployment file, from calibrate");
   add_required_option(*command, "run", args->runs, "RUN", "Run folders with truth.tum");
@@ -159,7 +158,6 @@ void add_verify(CLI::App& app, CommonOptions& common, Action& action) {
   add_method_options(*command, args->how);
   add_trust_option(*command, args->trusted_key);
   add_report_options(*command, args->report, true);
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

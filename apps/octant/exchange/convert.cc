@@ -257,11 +257,10 @@ void add_counter_options(CLI::App& command, ConvertArgs& args) {
 }
 
 void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<ConvertArgs>();
+  const auto [command, args] = add_command<ConvertArgs>(
+      app, common, action, "convert", "Make a run folder of another program's or device's log",
+      "octant convert intel.clf -o intel", run);
   args->format = "auto";
-  CLI::App* command =
-      add_command(app, common, "convert", "Make a run folder of another program's or device's log",
-                  "octant convert intel.clf -o intel");
   add_required_option(
       *command, "input", args->input, "INPUT",
       "CARMEN log; ROS 2 bag (.mcap, .db3, or its folder); a kit's log; counter log (time_s, "
@@ -275,7 +274,6 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
           {"auto", "bag", "carmen", "counters", "pulses", "marvelmind", "crazyflie", "dwm1001"}));
   add_mapping_options(*command, *args);
   add_counter_options(*command, *args);
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -178,10 +178,9 @@ int run(const ExportArgs& args, Session& session) {
 }  // namespace
 
 void add_export(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<ExportArgs>();
-  CLI::App* command = add_command(app, common, "export",
-                                  "Write runs, fixes and beacons for other programs: MCAP, GeoJSON, TUM",
-                                  "octant export hall/deployment.json hall/run hall/fixes.csv -o hall.mcap");
+  const auto [command, args] = add_command<ExportArgs>(
+      app, common, action, "export", "Write runs, fixes and beacons for other programs: MCAP, GeoJSON, TUM",
+      "octant export hall/deployment.json hall/run hall/fixes.csv -o hall.mcap", run);
   add_required_option(
       *command, "inputs", args->inputs, "INPUT",
       "Deployment (.json) or site file (.yaml), run folders, fixes (fixes.csv or a .tum trajectory)");
@@ -194,7 +193,6 @@ void add_export(CLI::App& app, CommonOptions& common, Action& action) {
       ->add_option("--north-deg", args->north_deg,
                    "geojson: direction of north in the map, counter-clockwise from +x [deg]")
       ->capture_default_str();
-  set_action(*command, args, action, run);
 }
 
 }  // namespace octant::app

@@ -47,13 +47,12 @@ int explain(const ExplainArgs& args, Session& session) {
 }  // namespace
 
 void add_explain(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<ExplainArgs>();
-  CLI::App* command = add_command(app, common, "explain", "Explain a word of the outputs or an exit code",
-                                  "octant explain variance factor\n  octant explain 6");
+  const auto [command, args] = add_command<ExplainArgs>(
+      app, common, action, "explain", "Explain a word of the outputs or an exit code",
+      "octant explain variance factor\n  octant explain 6", explain);
   add_option(*command, "term", args->term, "TERM|CODE",
              "A term, a reason, a grade or an exit code; left out: lists them");
   command->add_flag("--page", args->page, "All of them as a page of Markdown");
-  set_action(*command, args, action, explain);
 }
 
 }  // namespace octant::app

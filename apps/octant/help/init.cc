@@ -51,9 +51,9 @@ int init(const InitArgs& args, Session& session) {
 }  // namespace
 
 void add_init(CLI::App& app, CommonOptions& common, Action& action) {
-  auto args = std::make_shared<InitArgs>();
-  CLI::App* command = add_command(app, common, "init", "Write a commented site file to fill in",
-                                  "octant init hall/run -o hall.yaml\n  octant init --for uwb");
+  const auto [command, args] =
+      add_command<InitArgs>(app, common, action, "init", "Write a commented site file to fill in",
+                            "octant init hall/run -o hall.yaml\n  octant init --for uwb", init);
   add_option(*command, "run", args->run, "RUN", "Run folder: its beacons, vehicles and receivers are named");
   add_option(*command, "-o,--output", args->output, "SITE.yaml", "Site file to write; - is standard output")
       ->capture_default_str();
@@ -63,7 +63,6 @@ void add_init(CLI::App& app, CommonOptions& common, Action& action) {
              "Typical values of: ultrasound (the default), uwb or underwater (sound)")
       ->transform(CLI::CheckedTransformer(kinds, CLI::ignore_case).description(""));
   add_option(*command, "--name", args->name, "NAME", "Name of the site")->capture_default_str();
-  set_action(*command, args, action, init);
 }
 
 }  // namespace octant::app
