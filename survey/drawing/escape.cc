@@ -20,6 +20,16 @@ std::size_t markdown_mark(const std::string& text) {
   return item || rule ? at : std::string::npos;
 }
 
+/// What begins markup as an entity, all else as it is.
+void append_markup(char c, std::string& safe) {
+  switch (c) {
+    case '&': safe += "&amp;"; break;
+    case '<': safe += "&lt;"; break;
+    case '>': safe += "&gt;"; break;
+    default: safe += c;
+  }
+}
+
 }  // namespace
 
 std::string escape_xml(const std::string& text) {
@@ -27,9 +37,9 @@ std::string escape_xml(const std::string& text) {
   safe.reserve(text.size());
   for (const char c : text) {
     switch (c) {
-      case '&': safe += "&amp;"; break;
-      case '<': safe += "&lt;"; break;
-      case '>': safe += "&gt;"; break;
+      case '&':
+      case '<':
+      case '>': append_markup(c, safe); break;
       case '"': safe += "&quot;"; break;
       case '\'': safe += "&#39;"; break;
       default:
@@ -37,6 +47,12 @@ std::string escape_xml(const std::string& text) {
         safe += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
     }
   }
+  return safe;
+}
+
+std::string escape_markup(const std::string& text) {
+  std::string safe;
+  for (const char c : text) append_markup(c, safe);
   return safe;
 }
 
@@ -49,12 +65,8 @@ std::string escape_markdown(const std::string& text) {
     if (i == mark) safe += '\\';
     // HTML inside Markdown is HTML, so its characters go as entities; the rest is what Markdown gives a
     // meaning.
-    if (c == '&')
-      safe += "&amp;";
-    else if (c == '<')
-      safe += "&lt;";
-    else if (c == '>')
-      safe += "&gt;";
+    if (c == '&' || c == '<' || c == '>')
+      append_markup(c, safe);
     else if (c == '\n' || c == '\r')
       safe += ' ';
     else if (std::string("\\`*_[]|~#").find(c) != std::string::npos)

@@ -25,20 +25,7 @@ constexpr std::size_t kMostLineNames =
     40;  // of more walls or routes the names would hide the map; the pointer still tells them
 
 /// plotly.js reads labels as a kind of HTML, of which it knows few entities.
-std::string label(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&')
-      safe += "&amp;";
-    else if (c == '<')
-      safe += "&lt;";
-    else if (c == '>')
-      safe += "&gt;";
-    else
-      safe += c;
-  }
-  return safe;
-}
+std::string label(const std::string& text) { return escape_markup(text); }
 
 /// Rounded to a hundred thousandth of the figure's size: more digits only make the page longer.
 double rounded(double value, double size) {

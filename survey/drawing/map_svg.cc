@@ -13,6 +13,7 @@
 
 #include "survey/drawing/escape.h"
 #include "survey/drawing/palette.h"
+#include "survey/drawing/plan_frame.h"
 #include "survey/geometry/quantity.h"
 
 namespace octant::survey {
@@ -104,9 +105,7 @@ void draw_place(std::string& svg, const Survey& survey, const Frame& frame, bool
 }
 
 void draw_axes(std::string& svg, const Frame& frame) {
-  const double extent = (frame.high_m - frame.low_m).maxCoeff(),
-               power = std::pow(10.0, std::floor(std::log10(extent / 4)));
-  const double lead = extent / 4 / power, step = (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
+  const double step = round_down((frame.high_m - frame.low_m).maxCoeff() / 4);
   for (double k = std::ceil(frame.low_m.x() / step); k * step <= frame.high_m.x(); ++k)
     svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{:.6g}</text>", frame.x(k * step),
                        frame.bottom() + 14, k * step + 0.0);

@@ -34,6 +34,8 @@ std::string time_text(double time_s) {
   return fmt::format("{:.4g} {}", unit.per_si * time_s, unit.name);
 }
 
+std::string percent_text(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
+
 std::string time_symbol_text(double time_s) {
   const Unit unit = time_unit(std::abs(time_s));
   return fmt::format("{:.4g} {}", unit.per_si * time_s, unit.symbol);

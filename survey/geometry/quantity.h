@@ -22,6 +22,8 @@ struct Unit {
 [[nodiscard]] std::string length_text(double length_m);
 /// A time on its own, with its unit, in ASCII.
 [[nodiscard]] std::string time_text(double time_s);
+/// A share: "99.5 %".
+[[nodiscard]] std::string percent_text(double fraction);
 /// A time on its own, as printed: "12.3 µs".
 [[nodiscard]] std::string time_symbol_text(double time_s);
 

@@ -18,22 +18,17 @@ namespace {
 
 constexpr double kMarginM = 2.0;  ///< round beacons in a line, whose hull has no area
 
-/// What site and deployment have in common; the rest of the model comes from the scene.
+/// What site and deployment say, alike: what goes into the model as it is, and what the model's rest is made
+/// of with the scene.
 struct SiteOrDeployment {
-  std::string name;
-  std::size_t vehicle = 0;
-  Motion motion = Motion::kPlanar;
-  Medium medium;
-  Timing timing;
+  SurveyModel model;
+  Ranging ranging = Ranging::kOneWay;
   Noise noise;
   std::optional<AttenuationModel> attenuation;
-  double speed_mps = 343.0, speed_sigma_mps = 0.0, max_range_m = std::numeric_limits<double>::infinity();
+  double max_range_m = std::numeric_limits<double>::infinity();
   std::optional<double> heard_m;  ///< how far the calibration heard
-  Tolerance tolerance;
-  std::vector<SurveyBeacon> beacons;
-  std::vector<double> sigma_m;  ///< of each beacon's place
+  std::vector<double> sigma_m;    ///< of each beacon's place
   std::vector<std::string> left_out;
-  std::vector<SurveyReceiver> receivers;
   std::vector<double> hearing_cosine;  ///< of each receiver with an axis
   std::vector<Eigen::Vector2d> area_m;
 };
@@ -133,7 +128,7 @@ Result<void> apply_patterns(const SiteOrDeployment& common, const Scene& scene, 
 std::vector<Eigen::Vector2d> outline_of(const SiteOrDeployment& common) {
   if (common.area_m.size() >= 3 && std::abs(signed_area_m2(common.area_m)) > 1e-6) return common.area_m;
   std::vector<Eigen::Vector2d> places;
-  for (const SurveyBeacon& beacon : common.beacons) places.emplace_back(beacon.p_map_m.head<2>());
+  for (const SurveyBeacon& beacon : common.model.beacons) places.emplace_back(beacon.p_map_m.head<2>());
   Polygon hull = convex_hull(places);
   if (hull.size() >= 3 && signed_area_m2(hull) > 1e-6) return hull;
   Eigen::Vector2d low = places.front(), high = low;
@@ -151,19 +146,9 @@ void add_wall(const SceneWall& wall, SurveyModel& model) {
 
 Result<SurveyModel> assemble(const SiteOrDeployment& common, const Scene& scene, bool may_be_empty = false) {
   if (const auto checked = check_scene(scene); !checked) return fail(checked.error());
-  SurveyModel model;
-  model.name = common.name;
-  model.vehicle = common.vehicle;
-  model.motion = common.motion;
-  model.clock = common.timing.clock;
-  model.beacons = common.beacons;
-  model.receivers = common.receivers;
+  SurveyModel model = common.model;
   model.patterns = scene.patterns;
-  model.medium = common.medium;
-  model.speed_mps = common.speed_mps;
-  model.speed_sigma_mps = common.speed_sigma_mps;
-  model.tolerance = common.tolerance;
-  model.vehicle_z_m = common.motion == Motion::kSpatial ? scene.vehicle_z_m : 0.0;
+  model.vehicle_z_m = model.motion == Motion::kSpatial ? scene.vehicle_z_m : 0.0;
   if (model.beacons.empty() && !may_be_empty)
     return fail({.found = "not a single beacon has a place",
                  .expected = "beacons with position_m",
@@ -175,7 +160,7 @@ Result<SurveyModel> assemble(const SiteOrDeployment& common, const Scene& scene,
     model.warnings.push_back(fmt::format("beacon '{}' has no known place and is left out", name));
   model.unknowns = unknowns_of(model.motion, model.clock, model.receivers);
   // A path there and back is timed as a whole: half its time is the way.
-  const double by_time = model.speed_mps / (common.timing.ranging == Ranging::kTwoWay ? 2.0 : 1.0);
+  const double by_time = model.speed_mps / (common.ranging == Ranging::kTwoWay ? 2.0 : 1.0);
   model.noise = {by_time * std::hypot(common.noise.tof_sigma_s, common.noise.pair_sigma_s.value_or(0.0)),
                  scene.noise.sigma_m_per_m, scene.noise.sigma_m_per_sqrt_m};
   if (const auto applied = apply_acoustics(common, scene, model); !applied) return fail(applied.error());
@@ -190,7 +175,7 @@ Result<SurveyModel> assemble(const SiteOrDeployment& common, const Scene& scene,
 void add_receiver(const std::string& name, const Eigen::Vector3d& p,
                   const std::optional<Eigen::Vector3d>& axis, double hearing_cosine,
                   SiteOrDeployment& common) {
-  common.receivers.push_back({name, p, axis.value_or(Eigen::Vector3d::Zero())});
+  common.model.receivers.push_back({name, p, axis.value_or(Eigen::Vector3d::Zero())});
   common.hearing_cosine.push_back(hearing_cosine);
 }
 
@@ -232,24 +217,25 @@ namespace {
 
 SiteOrDeployment common_of(const Site& site, std::size_t vehicle) {
   SiteOrDeployment common;
-  common.name = site.name;
-  common.vehicle = vehicle;
-  common.motion = site.motion;
-  common.medium = site.medium;
-  common.timing = site.timing;
+  common.model.name = site.name;
+  common.model.vehicle = vehicle;
+  common.model.motion = site.motion;
+  common.model.medium = site.medium;
+  common.model.clock = site.timing.clock;
+  common.ranging = site.timing.ranging;
   common.noise = site.noise;
   if (site.attenuation) common.attenuation = site.attenuation->mean();
-  common.speed_mps = octant::speed_mps(site.medium);
-  common.speed_sigma_mps = site.speed_sigma_mps;
+  common.model.speed_mps = octant::speed_mps(site.medium);
+  common.model.speed_sigma_mps = site.speed_sigma_mps;
   common.max_range_m = site.gates.max_range_m;
-  common.tolerance = site.tolerance;
+  common.model.tolerance = site.tolerance;
   for (const SiteBeacon& beacon : site.beacons) {
     const auto& p = beacon.position_m;
     if (!p[0] || !p[1] || !p[2]) {
       common.left_out.push_back(beacon.name);
       continue;
     }
-    common.beacons.push_back({beacon.name, {*p[0], *p[1], *p[2]}});
+    common.model.beacons.push_back({beacon.name, {*p[0], *p[1], *p[2]}});
     common.sigma_m.push_back(std::max(beacon.sigma_m[0].value_or(1.0), beacon.sigma_m[1].value_or(1.0)));
   }
   if (vehicle < site.vehicles.size())
@@ -278,18 +264,19 @@ Result<SurveyModel> make_empty_survey_model(Site site, Scene scene, std::size_t 
 
 Result<SurveyModel> make_survey_model(const Deployment& d, const Scene& scene, std::size_t vehicle) {
   SiteOrDeployment common;
-  common.name = d.site;
-  common.vehicle = vehicle;
-  common.motion = d.motion;
-  common.medium = d.medium;
-  common.timing = d.timing;
+  common.model.name = d.site;
+  common.model.vehicle = vehicle;
+  common.model.motion = d.motion;
+  common.model.medium = d.medium;
+  common.model.clock = d.timing.clock;
+  common.ranging = d.timing.ranging;
   common.noise = d.noise;
   common.noise.tof_sigma_s =
       std::hypot(d.noise.tof_sigma_s, d.correlated_noise.sigma_s, d.correlated_noise.pair_sigma_s);
   common.attenuation = d.attenuation;
-  common.speed_mps = d.speed_mps(d.medium.temperature_degC);
-  common.speed_sigma_mps = d.speed_sigma_mps;
-  common.tolerance = d.tolerance;
+  common.model.speed_mps = d.speed_mps(d.medium.temperature_degC);
+  common.model.speed_sigma_mps = d.speed_sigma_mps;
+  common.model.tolerance = d.tolerance;
   common.area_m = d.validity_area_m;
   common.heard_m = d.validity_reach_m;
   for (const DeploymentBeacon& beacon : d.beacons) {
@@ -297,7 +284,7 @@ Result<SurveyModel> make_survey_model(const Deployment& d, const Scene& scene, s
       common.left_out.push_back(beacon.name);
       continue;
     }
-    common.beacons.push_back({beacon.name, beacon.position_m});
+    common.model.beacons.push_back({beacon.name, beacon.position_m});
     common.sigma_m.push_back(std::sqrt(beacon.covariance_m2.topLeftCorner<2, 2>().trace()));
   }
   if (vehicle < d.vehicles.size())

@@ -23,8 +23,6 @@ namespace {
 /// page can carry.
 constexpr std::size_t kDrawnBins = 44, kLiveBins = 44;
 
-std::string percent(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
-
 ReportTable figures(const Survey& s) {
   ReportTable table{"figures-table",
                     "Figures over the floor",
@@ -53,12 +51,12 @@ ReportTable failures(const Survey& s) {
   const auto row = [&](const std::string& name, const std::string& heard, const Loss& loss) {
     table.rows.push_back({{name},
                           {heard},
-                          {percent(static_cast<double>(loss.poses_out) / poses)},
-                          {percent(static_cast<double>(loss.poses_without_fix) / poses)},
+                          {percent_text(static_cast<double>(loss.poses_out) / poses)},
+                          {percent_text(static_cast<double>(loss.poses_without_fix) / poses)},
                           {loss.worst_sigma_m > 0 ? figure_text(loss.worst_sigma_m, "m") : "-"}});
   };
   for (const Loss& loss : s.failures)
-    row(s.model.beacons[loss.first].name, percent(s.heard_fraction[loss.first]), loss);
+    row(s.model.beacons[loss.first].name, percent_text(s.heard_fraction[loss.first]), loss);
   for (std::size_t i = 0; i < std::min<std::size_t>(5, s.double_failures.size()); ++i) {
     const Loss& loss = s.double_failures[i];
     row(s.model.beacons[loss.first].name + " and " + s.model.beacons[loss.second].name, "-", loss);
@@ -75,7 +73,7 @@ ReportTable routes(const Survey& s) {
     const Spread& v = route.maps.front().spread;
     table.rows.push_back({{route.name},
                           {std::to_string(route.poses.size())},
-                          {percent(route.covered_fraction)},
+                          {percent_text(route.covered_fraction)},
                           {figure_text(v.median, "m")},
                           {v.without > 0 ? "no fix" : figure_text(v.max, "m")}});
   }
@@ -157,11 +155,12 @@ ReportDocument survey_document(const Survey& s, const SurveyPageInput& input) {
   const SurveyVerdict v = survey_verdict(s);
   document.grade = to_string(v.grade);
   document.tone = tone_of(v.grade);
-  document.sentence = v.sentence + fmt::format(
-                                       " {} beacons or more are heard in {}, a mirror image fits in {}. "
-                                       "Looked at: {} beacons, {} cells of {:g} m.",
-                                       s.coverage, percent(s.k_covered_fraction), percent(s.mirror_fraction),
-                                       s.model.beacons.size(), s.grid.cells.size(), s.grid.cell_m);
+  document.sentence =
+      v.sentence + fmt::format(
+                       " {} beacons or more are heard in {}, a mirror image fits in {}. "
+                       "Looked at: {} beacons, {} cells of {:g} m.",
+                       s.coverage, percent_text(s.k_covered_fraction), percent_text(s.mirror_fraction),
+                       s.model.beacons.size(), s.grid.cells.size(), s.grid.cell_m);
   document.sections.push_back({"next", "What to do next", {ReportList{v.next, true}}});
   document.sections.push_back({"maps", "Maps", {maps(s)}});
   document.sections.push_back({"figures", "Figures over the floor", {figures(s)}});

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "survey/drawing/map_svg.h"
+#include "survey/geometry/quantity.h"
 
 namespace octant::survey {
 namespace {
@@ -15,15 +16,14 @@ constexpr double kNearlyAll = 0.99;
 /// A beacon's failure that takes this share of the floor out of tolerance is worth a word.
 constexpr double kMuchLost = 0.05;
 
-std::string share_text(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
-
 /// How much of the floor is inside, beyond, and without a fix.
 std::string parts_of(const Survey& s) {
   const double beyond = s.fix_fraction - s.covered_fraction, none = 1 - s.fix_fraction;
-  std::string text = fmt::format("{} of the floor is within the tolerance of {}",
-                                 share_text(s.covered_fraction), figure_text(*s.model.tolerance.fix_m, "m"));
-  if (beyond > 0) text += fmt::format(", {} beyond it", share_text(beyond));
-  if (none > 0) text += fmt::format(", {} without a fix", share_text(none));
+  std::string text =
+      fmt::format("{} of the floor is within the tolerance of {}", percent_text(s.covered_fraction),
+                  figure_text(*s.model.tolerance.fix_m, "m"));
+  if (beyond > 0) text += fmt::format(", {} beyond it", percent_text(beyond));
+  if (none > 0) text += fmt::format(", {} without a fix", percent_text(none));
   return text + ".";
 }
 
@@ -47,13 +47,13 @@ std::vector<std::string> steps_of(const Survey& s, Grade grade) {
     const double lost = static_cast<double>(worst.poses_out) / static_cast<double>(s.poses());
     if (lost > kMuchLost)
       steps.push_back(fmt::format("Mind {}: without it {} of the floor falls out of tolerance.",
-                                  s.model.beacons[worst.first].name, share_text(lost)));
+                                  s.model.beacons[worst.first].name, percent_text(lost)));
   }
   if (s.mirror_fraction > 1 - kNearlyAll)
     steps.push_back(
         fmt::format("Hang a beacon off the line of the others: in {} of the floor a mirror image "
                     "explains the ranges as well.",
-                    share_text(s.mirror_fraction)));
+                    percent_text(s.mirror_fraction)));
   if (steps.empty())
     steps.emplace_back(s.calibrated ? "Nothing needs to be done."
                                     : "Nothing: hang the beacons, record, and calibrate.");
@@ -73,7 +73,7 @@ SurveyVerdict survey_verdict(const Survey& s) {
   } else {
     v.sentence = fmt::format(
         "{} of the floor has a fix. The site states no tolerance (tolerance.fix_m) to hold that against.",
-        share_text(s.fix_fraction));
+        percent_text(s.fix_fraction));
   }
   v.next = steps_of(s, v.grade);
   return v;

@@ -4,18 +4,13 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "survey/geometry/quantity.h"
 #include "survey/report/report_sections.h"
 
 namespace octant::survey {
 namespace {
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
 
 double least_p(const BeaconChange& c) { return std::min(c.p.value_or(1.0), c.delay_p.value_or(1.0)); }
 
@@ -76,8 +71,10 @@ std::string doubt_sentence(const Changes& changes) {
       "Control point{} {} held where the site file has {}, and {} changed by more than chance. If {} "
       "knocked, the shifts of the "
       "others are those of the frame: measure {} again before anything is said to have moved.",
-      one ? "" : "s", joined(changes.doubted_control_points) + (one ? " is" : " are"), one ? "it" : "them",
-      one ? "its delay" : "their delays", one ? "it was" : "they were", one ? "it" : "them");
+      one ? "" : "s",
+      fmt::format("{} {}", fmt::join(changes.doubted_control_points, ", "), one ? "is" : "are"),
+      one ? "it" : "them", one ? "its delay" : "their delays", one ? "it was" : "they were",
+      one ? "it" : "them");
 }
 
 }  // namespace
@@ -105,8 +102,10 @@ std::optional<ReportSection> changes_section(const ReportInput& input) {
         "The datum is another one: a part of the differences is that of the frame, not of the beacons.",
         Tone::kAttention});
   if (!changes.gone.empty())
-    section.blocks.emplace_back(ReportText{"No longer there: " + joined(changes.gone) + "."});
-  if (!changes.added.empty()) section.blocks.emplace_back(ReportText{"New: " + joined(changes.added) + "."});
+    section.blocks.emplace_back(
+        ReportText{fmt::format("No longer there: {}.", fmt::join(changes.gone, ", "))});
+  if (!changes.added.empty())
+    section.blocks.emplace_back(ReportText{fmt::format("New: {}.", fmt::join(changes.added, ", "))});
   if (changes.speed_change_mps)
     section.blocks.emplace_back(
         ReportText{fmt::format("Speed at the same temperature: {:+.3f} m/s, sigma {:.3f} m/s.",

@@ -151,9 +151,7 @@ std::string health_text(const calib::RunHealth& h, bool has_truth) {
                                                           fmt::format("{:.1f}", l.longest_silence_s)});
     text += "\n" + table.text();
   }
-  std::string rejected;
-  for (const auto& [reason, count] : h.rejected)
-    rejected += fmt::format("{}{} {}", rejected.empty() ? "" : ", ", count, reason);
+  const std::string rejected = counts_in_words(h.rejected);
   text += "\n";
   add_line(text, "rejected rows", rejected.empty() ? "none" : rejected);
   add_line(text, "duplicate rows", fmt::format("{}", h.duplicates));

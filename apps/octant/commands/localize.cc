@@ -12,6 +12,7 @@
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/steps/trusted.h"
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/validity_words.h"
 #include "io/run/tum.h"
 #include "io/text/atomic_file.h"
@@ -55,9 +56,7 @@ void warn_of_fixes(const LocalizeArgs& args, const Localization& found, const st
 }
 
 std::string fixes_text(const Localization& found) {
-  std::string why;
-  for (const auto& [reason, count] : found.no_fix_reasons)
-    why += fmt::format("{}{} {}", why.empty() ? ": " : ", ", count, reason);
+  const std::string why = found.no_fix_reasons.empty() ? "" : ": " + counts_in_words(found.no_fix_reasons);
   return fmt::format("{:<17}{} ({}{}), {} times no fix{}\n{:<17}{} used, {} left out\n", "fixes", found.ok,
                      found.method, found.why.empty() ? "" : ": " + found.why, found.no_fix, why, "arrivals",
                      found.arrivals, found.rejected);

@@ -99,21 +99,17 @@ std::size_t Localization::degraded() const {
 std::string integrity_text(const Localization& localization) {
   std::string text =
       fmt::format("{} ok, {} degraded", localization.ok - localization.degraded(), localization.degraded());
-  for (const auto& [reason, count] : localization.degraded_reasons)
-    text += fmt::format("{} {} {}", &reason == &localization.degraded_reasons.begin()->first ? ":" : ",",
-                        count, reason);
+  if (!localization.degraded_reasons.empty()) text += ": " + counts_in_words(localization.degraded_reasons);
   if (!localization.no_levels.empty())
     text += fmt::format("; no protection levels: {}", localization.no_levels);
   return named_line("integrity", text);
 }
 
 Json integrity_json(const Localization& localization) {
-  Json reasons = Json::object();
-  for (const auto& [reason, count] : localization.degraded_reasons) reasons[reason] = count;
   Json object = {{"ok", localization.ok - localization.degraded()},
                  {"degraded", localization.degraded()},
                  {"no_fix", localization.no_fix},
-                 {"degraded_reasons", reasons}};
+                 {"degraded_reasons", localization.degraded_reasons}};
   if (!localization.no_levels.empty()) object["no_levels"] = localization.no_levels;
   return object;
 }
@@ -172,11 +168,7 @@ Json evaluation_json(const survey::Evaluation& e) {
           {"gates", gates}};
 }
 
-Json no_fix_json(const Localization& localization) {
-  Json reasons = Json::object();
-  for (const auto& [reason, count] : localization.no_fix_reasons) reasons[reason] = count;
-  return reasons;
-}
+Json no_fix_json(const Localization& localization) { return Json(localization.no_fix_reasons); }
 
 std::string unmatched_text(const Localization& localization) {
   if (localization.ok > 0)
@@ -184,12 +176,10 @@ std::string unmatched_text(const Localization& localization) {
         "none of the {} fixes has a reference at its time (poses of truth.tum at most 1 s apart around it, "
         "or truth.csv with its epoch)",
         localization.ok);
-  std::string why;
-  for (const auto& [reason, count] : localization.no_fix_reasons)
-    why += fmt::format("{}{} {}", why.empty() ? "" : ", ", count, reason);
   if (localization.no_fix == 0) return "there is no fix, as nothing was heard";
   return fmt::format("there is no fix to hold against the reference: {} of {} failed ({}, by {})",
-                     localization.no_fix, localization.no_fix, why, localization.method);
+                     localization.no_fix, localization.no_fix, counts_in_words(localization.no_fix_reasons),
+                     localization.method);
 }
 
 std::string evaluation_text(const survey::Evaluation& e, const Localization& localization) {

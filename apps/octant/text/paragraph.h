@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <iterator>
 #include <string>
 #include <string_view>
+
+#include <fmt/format.h>
 
 namespace octant::app {
 
@@ -22,5 +25,21 @@ inline constexpr std::size_t kTextColumns = 80;  ///< of a terminal that nobody 
 
 /// Columns that a text takes on a terminal: characters, not bytes.
 [[nodiscard]] std::size_t columns_of(std::string_view text);
+
+/// text_of(item) of each, with the separator between them.
+template <class Items, class TextOf>
+[[nodiscard]] std::string joined(const Items& items, std::string_view separator, const TextOf& text_of) {
+  std::string all;
+  for (const auto& item : items) {
+    if (&item != &*std::begin(items)) all += separator;
+    all += text_of(item);
+  }
+  return all;
+}
+/// "3 late, 2 early" of counts by reason.
+template <class Reasons>
+[[nodiscard]] std::string counts_in_words(const Reasons& counts) {
+  return joined(counts, ", ", [](const auto& c) { return fmt::format("{} {}", c.second, c.first); });
+}
 
 }  // namespace octant::app

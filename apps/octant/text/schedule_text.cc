@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/table.h"
 
 namespace octant::app {
@@ -41,8 +42,8 @@ Json schedule_json(const survey::FloorSchedule& s, const survey::SurveyModel& mo
 std::string slots_text(const survey::FloorSchedule& s, const survey::SurveyModel& model) {
   Table table{"rrl", {{"slot", "fires at", "beacons"}}};
   for (std::size_t g = 0; g < s.plan.groups.size(); ++g) {
-    std::string names;
-    for (const std::size_t b : s.plan.groups[g]) names += (names.empty() ? "" : " ") + model.beacons[b].name;
+    const std::string names =
+        joined(s.plan.groups[g], " ", [&model](std::size_t b) { return model.beacons[b].name; });
     table.rows.push_back(
         {fmt::format("{}", g + 1), time_text(static_cast<double>(g) * s.plan.slot_s), names});
   }

@@ -25,6 +25,7 @@ namespace {
 
 using survey::FloorMap;
 using survey::Loss;
+using survey::percent_text;
 using survey::Survey;
 
 Json spread_json(const survey::Spread& s) {
@@ -87,21 +88,19 @@ Result<void> write_map(const Survey& survey, const FloorMap& map, const std::str
   return write(folder, map.name + ".yaml", costmap.yaml, written);
 }
 
-std::string percent(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
-
 std::string losses_text(const Survey& survey) {
   if (survey.failures.empty()) return "";
   Table table{"lrrrr", {{"if gone", "heard in", "out of tolerance", "without a fix", "worst left"}}};
   const double poses = static_cast<double>(survey.poses());
   const auto row = [&](std::string names, std::string heard, const Loss& loss) {
     table.rows.push_back({std::move(names), std::move(heard),
-                          percent(static_cast<double>(loss.poses_out) / poses),
-                          percent(static_cast<double>(loss.poses_without_fix) / poses),
+                          percent_text(static_cast<double>(loss.poses_out) / poses),
+                          percent_text(static_cast<double>(loss.poses_without_fix) / poses),
                           loss.worst_sigma_m > 0 ? length_text(loss.worst_sigma_m) : "-"});
   };
   const auto& beacons = survey.model.beacons;
   for (std::size_t i = 0; i < std::min<std::size_t>(10, survey.failures.size()); ++i)
-    row(beacons[survey.failures[i].first].name, percent(survey.heard_fraction[survey.failures[i].first]),
+    row(beacons[survey.failures[i].first].name, percent_text(survey.heard_fraction[survey.failures[i].first]),
         survey.failures[i]);
   for (std::size_t i = 0; i < std::min<std::size_t>(3, survey.double_failures.size()); ++i) {
     const Loss& loss = survey.double_failures[i];
@@ -115,8 +114,8 @@ std::string routes_text(const Survey& survey) {
   Table table{"lrrrr", {{"route", "poses", "covered", "median", "worst"}}};
   for (const auto& route : survey.routes) {
     const survey::Spread& s = route.maps.front().spread;
-    table.rows.push_back({route.name, fmt::format("{}", route.poses.size()), percent(route.covered_fraction),
-                          survey::figure_text(s.median, "m"),
+    table.rows.push_back({route.name, fmt::format("{}", route.poses.size()),
+                          percent_text(route.covered_fraction), survey::figure_text(s.median, "m"),
                           s.without > 0 ? "no fix" : survey::figure_text(s.max, "m")});
   }
   return "\n" + table.text();
@@ -186,9 +185,9 @@ std::string survey_summary(const Survey& survey, const std::optional<survey::Flo
     line("dilution", fmt::format("HDOP median {:.2f}, 95 % {:.2f}, largest {:.3g}", hdop->spread.median,
                                  hdop->spread.p95, hdop->spread.max));
   std::string coverage =
-      fmt::format("{} hear {} beacons or more", percent(survey.k_covered_fraction), survey.coverage);
+      fmt::format("{} hear {} beacons or more", percent_text(survey.k_covered_fraction), survey.coverage);
   if (survey.find("mirror") != nullptr)
-    coverage += fmt::format("; a mirror image fits in {}", percent(survey.mirror_fraction));
+    coverage += fmt::format("; a mirror image fits in {}", percent_text(survey.mirror_fraction));
   line("coverage", coverage);
   const double reach = survey::reach_m(survey.model.hearing);
   line("reach", !std::isfinite(reach) ? "everywhere: nothing says how far a beacon is heard"
@@ -203,7 +202,7 @@ std::string survey_summary(const Survey& survey, const std::optional<survey::Flo
       std::min_element(survey.routes.begin(), survey.routes.end(),
                        [](const auto& a, const auto& b) { return a.covered_fraction < b.covered_fraction; });
   if (worst != survey.routes.end())
-    line("route", fmt::format("{}: {} of it covered{}", worst->name, percent(worst->covered_fraction),
+    line("route", fmt::format("{}: {} of it covered{}", worst->name, percent_text(worst->covered_fraction),
                               survey.routes.size() > 1 ? ", the least of all" : ""));
   if (schedule)
     line("cycle",
