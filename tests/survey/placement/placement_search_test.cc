@@ -155,7 +155,7 @@ TEST(PlacementSearch, RefiningGoesDownOnly) {
     options.evaluations = 200;
     SearchResult result;
     const auto better = refine_layout(mounts, {}, start, score, options, result);
-    EXPECT_LT(value(better), value(start)) << to_string(local);
+    EXPECT_LT(value(better), value(start)) << static_cast<int>(local);
     EXPECT_LE(result.evaluations, 202U) << "the budget";
     for (const MountPoint& p : better) {
       EXPECT_TRUE(p.along >= 0 && p.along <= 1 && p.across >= 0 && p.across <= 1);
