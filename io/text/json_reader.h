@@ -14,7 +14,6 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "io/text/number_range.h"
 #include "io/text/text.h"
 #include "models/support/result.h"
 

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include "io/text/number_range.h"
 #include "io/text/text.h"
 #include "io/yaml/yaml_node.h"
 #include "models/site.h"
