@@ -167,11 +167,9 @@ Eigen::MatrixXd information_of(const JointCovariance& joint, const ParameterLayo
 
 void fill_from_site(Knowledge& k, const SharedState& state) {
   const Site& site = k.problem.site;
-  std::vector<bool> held;
   for (const SiteBeacon& b : site.beacons) {
     const bool has_place = b.position_m[0] && b.position_m[1] && b.position_m[2];
     k.placed.push_back(has_place);
-    held.push_back(!has_place);
     if (!has_place)
       k.warnings.push_back(
           fmt::format("beacon {} has no position: the plan leaves it out; give an approximate one, or a "
@@ -182,7 +180,7 @@ void fill_from_site(Knowledge& k, const SharedState& state) {
   k.problem.typical_range_m = 0.5 * extent;
   k.problem.runs.resize(1);
   k.state = state;
-  k.layout = make_layout(k.problem, k.state, held);
+  k.layout = make_layout(k.problem, k.state, k.placed);
   k.information = with_vague_priors(k.problem, k.layout, k.state, kVagueExtents * extent);
   k.tof_sigma_s = site.noise.tof_sigma_s;
 }
@@ -287,7 +285,6 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
   k.problem.runs.resize(problem.runs.size());
   k.state = solution.state;
   k.tof_sigma_s = solution.tof_sigma_s > 0 ? solution.tof_sigma_s : problem.site.noise.tof_sigma_s;
-  std::vector<bool> held;
   const auto& known =
       solution.covariance.parameters.empty() ? solution.marginals.parameters : solution.covariance.parameters;
   std::vector<bool> has_free(problem.site.beacons.size(), false);
@@ -297,10 +294,9 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
     const SiteBeacon& b = problem.site.beacons[i];
     const bool found = b.is_control_point() || has_free[i];
     k.placed.push_back(found);
-    held.push_back(!found);
     if (!found) k.warnings.push_back(fmt::format("beacon {} was not found: the plan leaves it out", b.name));
   }
-  k.layout = make_layout(problem, k.state, held);
+  k.layout = make_layout(problem, k.state, k.placed);
   std::vector<Trajectory> trajectories = solution.trajectories;
   const Information information =
       information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state), {}, {.threads = threads});

@@ -60,7 +60,8 @@ void ParameterLayout::add(const SharedPrior& p) {
   if (p.id.kind == ParameterKind::kSpeed) speed.push_back(column);
 }
 
-ParameterLayout make_layout(const Problem& problem, const SharedState& state, const std::vector<bool>& held) {
+ParameterLayout make_layout(const Problem& problem, const SharedState& state,
+                            const std::vector<bool>& beacon_usable) {
   const Site& site = problem.site;
   ParameterLayout layout;
   layout.fixed = state;
@@ -73,7 +74,7 @@ ParameterLayout make_layout(const Problem& problem, const SharedState& state, co
   for (const SharedPrior& prior : shared_priors(site, problem.runs.size())) {
     const ParameterOwner owner = row_of(prior.id.kind).owner;
     const bool is_of_beacon = owner == ParameterOwner::kBeacon || owner == ParameterOwner::kPair;
-    if (!(is_of_beacon && held[prior.id.owner])) layout.add(prior);
+    if (!is_of_beacon || beacon_usable.empty() || beacon_usable[prior.id.owner]) layout.add(prior);
   }
   return layout;
 }

@@ -91,8 +91,9 @@ struct ParameterLayout {
   return layout.size() <= layout.dense_limit;
 }
 
-/// Free parameters of a problem. Beacons in `held` keep the position and delay they have in `state`.
+/// Free parameters of a problem.
+/// @param beacon_usable  all others keep the position and delay they have in `state`; empty: all are
 [[nodiscard]] ParameterLayout make_layout(const Problem& problem, const SharedState& state,
-                                          const std::vector<bool>& held);
+                                          const std::vector<bool>& beacon_usable = {});
 
 }  // namespace octant::calib

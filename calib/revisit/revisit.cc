@@ -89,9 +89,7 @@ class SecondVisit {
 
   void set_start(const Problem& problem, const SharedState& state, std::vector<bool> usable,
                  std::vector<Trajectory> trajectories) {
-    std::vector<bool> held;
-    for (const bool in_use : usable) held.push_back(!in_use);
-    layout_ = make_layout(problem, state, held);
+    layout_ = make_layout(problem, state, usable);
     fit_ = Fit();
     fit_.problem.site = problem.site;
     fit_.problem.runs.resize(problem.runs.size());

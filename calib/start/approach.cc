@@ -77,9 +77,7 @@ class Approacher {
     estimate_.beacon_usable = start_.beacon_found;
     estimate_.beacon_mirrored.assign(estimate_.beacon_usable.size(), false);
     out_.trajectories = std::move(start_.trajectories);
-    std::vector<bool> held(estimate_.beacon_usable.size());
-    for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b) held[b] = !estimate_.beacon_usable[b];
-    estimate_.layout = make_layout(problem_, start_.state, held);
+    estimate_.layout = make_layout(problem_, start_.state, estimate_.beacon_usable);
     estimate_.layout.dense_limit = options_.dense_limit;
     estimate_.x = estimate_.layout.vector_of(start_.state);
     readmit_all(out_.trajectories, estimate_.beacon_usable);

@@ -130,9 +130,7 @@ Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t b, double
   for (Trajectory& t : split.trajectories)
     for (ArrivalObservation& a : t.arrivals)
       if (a.beacon.index() == b && a.time_s > time_s) a.beacon = after;
-  std::vector<bool> held(split.beacon_usable.size());
-  for (std::size_t k = 0; k < held.size(); ++k) held[k] = !split.beacon_usable[k];
-  split.layout = make_layout(split.problem, state, held);
+  split.layout = make_layout(split.problem, state, split.beacon_usable);
   split.layout.dense_limit = fit.layout.dense_limit;
   for (Parameter& p : split.layout.parameters)  // as they are believed by now
     for (const Parameter& old : fit.layout.parameters)

@@ -84,9 +84,7 @@ ParameterLayout StatedSite::layout_without(const std::vector<Statement>& release
   std::sort(distances.rbegin(), distances.rend());
   for (const std::size_t d : distances)
     problem.site.distances.erase(problem.site.distances.begin() + static_cast<std::ptrdiff_t>(d));
-  std::vector<bool> held(beacon_usable_.size());
-  for (std::size_t b = 0; b < held.size(); ++b) held[b] = !beacon_usable_[b];
-  ParameterLayout layout = make_layout(problem, state, held);
+  ParameterLayout layout = make_layout(problem, state, beacon_usable_);
   layout.dense_limit = layout_.dense_limit;
   // Priors as the labels were mended.
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)

@@ -181,9 +181,7 @@ std::optional<std::string> why_not_streamed(const Site& site, const std::vector<
   Problem frame;
   frame.site = site;
   for (const MeasurementLog* run : runs) frame.runs.push_back(without_lists(*run));
-  if (const int size =
-          make_layout(frame, prior_state(site), std::vector<bool>(site.beacons.size(), false)).size();
-      size > dense_limit)
+  if (const int size = make_layout(frame, prior_state(site)).size(); size > dense_limit)
     return fmt::format("there are {} parameters, more than {}", size, dense_limit);
   return {};
 }

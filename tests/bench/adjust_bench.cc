@@ -104,7 +104,7 @@ const Start& start_of(int epochs, From from) {
   options.threads = 2;
   calib::Solution solution = calib::solve(s.problem, options);
   SharedState state = solution.state;
-  s.layout = calib::make_layout(s.problem, state, std::vector<bool>(state.beacon_p_map_m.size(), false));
+  s.layout = calib::make_layout(s.problem, state);
   Eigen::VectorXd best = s.layout.vector_of(state);
   if (from == From::kNear) {
     s.trajectories = solution.trajectories;

@@ -39,7 +39,7 @@ inline const DriveStart& drive_start(int seconds) {
   options.threads = 2;
   calib::Solution solution = calib::solve(s.problem, options);
   SharedState state = solution.state;
-  s.layout = calib::make_layout(s.problem, state, std::vector<bool>(state.beacon_p_map_m.size(), false));
+  s.layout = calib::make_layout(s.problem, state);
   s.trajectories = solution.trajectories;
   Eigen::VectorXd best = s.layout.vector_of(state);
   calib::AdjustOptions to_the_end;

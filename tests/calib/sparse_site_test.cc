@@ -147,8 +147,7 @@ TEST(SparseSite, FreeNetworkHasTheSameCovarianceInBothWays) {
   const calib::Solution solution = calib::solve(problem);
   calib::Problem all_free = problem;
   for (SiteBeacon& b : all_free.site.beacons) b.sigma_m.fill(1e4);
-  const calib::ParameterLayout layout =
-      calib::make_layout(all_free, solution.state, std::vector<bool>(16, false));
+  const calib::ParameterLayout layout = calib::make_layout(all_free, solution.state);
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   std::vector<Trajectory> trajectories = solution.trajectories;
   const calib::Information information = calib::information_at(all_free, layout, trajectories, x);
@@ -181,8 +180,7 @@ TEST(SparseSite, BeaconsBeyondTheDenseLimitAreAsGoodAsTheirCovarianceSays) {
   ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
   ASSERT_GT(solution.marginals.parameters.size(), static_cast<std::size_t>(calib::kDenseLimit));
   ASSERT_TRUE(solution.covariance.parameters.empty());
-  const calib::ParameterLayout layout =
-      calib::make_layout(problem, solution.state, std::vector<bool>(168, false));
+  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state);
   std::vector<Trajectory> trajectories = solution.trajectories;
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   const Eigen::SparseMatrix<double> N = calib::sparse_information_at(problem, layout, trajectories, x);

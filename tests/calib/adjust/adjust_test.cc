@@ -29,8 +29,7 @@ Off off_by(double off_m, const Scenario& scenario) {
   calib::Solution solution = calib::solve(off.problem, {});
   EXPECT_EQ(solution.status, calib::SolveStatus::kConverged);
   off.trajectories = std::move(solution.trajectories);
-  off.layout =
-      calib::make_layout(off.problem, solution.state, std::vector<bool>(world.site.beacons.size(), false));
+  off.layout = calib::make_layout(off.problem, solution.state);
   for (std::size_t b = 0; b < solution.state.beacon_p_map_m.size(); ++b)
     solution.state.beacon_p_map_m[b] += off_m * Eigen::Vector3d(std::sin(2.0 * static_cast<double>(b)),
                                                                 std::cos(3.0 * static_cast<double>(b)), 0.5);

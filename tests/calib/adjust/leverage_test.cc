@@ -27,8 +27,7 @@ struct Stops {
     s.path.epochs = 6;
     const World world = must(simulate(s, 1));
     problem = problem_of(world);
-    layout = calib::make_layout(problem, prior_state(world.site),
-                                std::vector<bool>(world.site.beacons.size(), false));
+    layout = calib::make_layout(problem, prior_state(world.site));
     state = layout.state_of(layout.vector_of(prior_state(world.site)));
     t = make_trajectory(world.run, 0, VehicleId(std::size_t{0}), calib::trajectory_model(world.site));
     for (std::size_t k = 0; k < t.nodes.size(); ++k) {

@@ -22,7 +22,7 @@ struct NearTruth : AtTruth {
   SharedState here;
 
   explicit NearTruth(const Scenario& scenario) : AtTruth(scenario, 5) {
-    layout = calib::make_layout(problem, state, std::vector<bool>(8, false));
+    layout = calib::make_layout(problem, state);
     x = layout.vector_of(state);
     for (Eigen::Index i = 0; i < x.size(); ++i) x[i] += 1e-3 * std::sin(3.0 * static_cast<double>(i));
     here = layout.state_of(x);

@@ -33,8 +33,7 @@ calib::Problem taped_hall() {
 }
 
 calib::ParameterLayout layout_of(const calib::Problem& problem) {
-  return calib::make_layout(problem, prior_state(problem.site),
-                            std::vector<bool>(problem.site.beacons.size(), false));
+  return calib::make_layout(problem, prior_state(problem.site));
 }
 
 /// The layout's vector, every column off its prior.

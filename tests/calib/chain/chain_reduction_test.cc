@@ -49,7 +49,7 @@ struct Chain {
     problem.site = s.site;
     problem.runs.resize(1);
     state = prior_state(problem.site);
-    layout = calib::make_layout(problem, state, std::vector<bool>(state.beacon_p_map_m.size(), false));
+    layout = calib::make_layout(problem, state);
     t.motion = kind.motion;
     t.moving = true;
     t.has_cycle_offset = kind.cycle_offset;

@@ -24,8 +24,7 @@ std::ptrdiff_t chains_of(const calib::ErrorSample& sample) {
 TEST(ErrorSample, StretchesOfALongDriveLeaveWhatTheyShould) {
   const calib::Problem problem = problem_of(must(simulate(drive_scenario(260.0), 4)));
   const calib::Solution solution = calib::solve(problem);
-  const calib::ParameterLayout layout =
-      calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state);
   const calib::Covariance C = internal_covariance(layout, solution);
   const calib::ErrorSample sample =
       calib::error_sample(layout, solution.trajectories, solution.state, C, 1000);

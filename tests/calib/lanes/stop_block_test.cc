@@ -68,8 +68,7 @@ Sides sides_of(const Scenario& scenario, double rough_m, bool measured = false) 
   Sides out{problem_of(world), {}, shared_state(world.truth), {}, {}};
   out.state.speed_offset_mps[0] += 0.05;
   for (Eigen::Vector3d& p : out.state.beacon_p_map_m) p += Eigen::Vector3d(0.01, -0.02, 0.015);
-  out.layout =
-      calib::make_layout(out.problem, out.state, std::vector<bool>(world.site.beacons.size(), false));
+  out.layout = calib::make_layout(out.problem, out.state);
   out.fast = out.problem.trajectories;
   Random draws(3);
   for (Trajectory& t : out.fast)

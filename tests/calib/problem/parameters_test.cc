@@ -37,8 +37,7 @@ calib::Problem rich_problem(std::size_t runs = 2) {
 }
 
 calib::ParameterLayout layout_of(const calib::Problem& problem) {
-  return calib::make_layout(problem, prior_state(problem.site),
-                            std::vector<bool>(problem.site.beacons.size(), false));
+  return calib::make_layout(problem, prior_state(problem.site));
 }
 
 /// All numbers that a state holds, one behind the other.
@@ -148,12 +147,12 @@ TEST(Parameters, AreMetresOrPureNumbersInside) {
 
 TEST(Parameters, OfHeldBeaconsAreNone) {
   const calib::Problem problem = rich_problem();
-  std::vector<bool> held(8, false);
-  held[4] = true;
+  std::vector<bool> usable(8, true);
+  usable[4] = false;
   SharedState state = prior_state(problem.site);
   state.beacon_p_map_m[4] = {1.0, 2.0, 3.0};
   state.beacon_delay_s[4] = 7e-5;
-  const calib::ParameterLayout layout = calib::make_layout(problem, state, held);
+  const calib::ParameterLayout layout = calib::make_layout(problem, state, usable);
   for (const calib::Parameter& p : layout.parameters)
     EXPECT_NE(beacon_of(p.id), std::optional<std::size_t>(4));
   for (std::size_t r = 0; r < 8; ++r) EXPECT_EQ(layout.column_of(parameters::pair_bias(4, r)), -1);

@@ -42,7 +42,7 @@ TEST(Layout, VectorAndStateAreInverse) {
   const World world = must(simulate(s, 2));
   const calib::Problem problem = problem_of(world);
   const SharedState prior = prior_state(problem.site);
-  const calib::ParameterLayout layout = calib::make_layout(problem, prior, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout = calib::make_layout(problem, prior);
   Eigen::VectorXd x = layout.vector_of(prior);
   for (Eigen::Index i = 0; i < x.size(); ++i) x[i] += 0.01 * std::sin(static_cast<double>(i));
   const SharedState state = layout.state_of(x);
@@ -62,8 +62,7 @@ void expect_gradient_of_the_solved_cost(bool drive, const RobustLoss& loss) {
   const World world = must(simulate(s, 3));
   const calib::Problem problem = problem_of(world);
   calib::Solution solution = calib::solve(problem);
-  const calib::ParameterLayout layout =
-      calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state);
   Eigen::VectorXd x = layout.vector_of(solution.state);
   for (Eigen::Index i = 0; i < x.size(); ++i) x[i] += 2e-3 * std::sin(3.0 * static_cast<double>(i));
   std::vector<Trajectory> trajectories = solution.trajectories;

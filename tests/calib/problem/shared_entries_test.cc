@@ -40,7 +40,7 @@ struct Stop {
     problem.site = site;
     problem.runs.resize(1);
     state = prior_state(site);
-    layout = calib::make_layout(problem, state, std::vector<bool>(site.beacons.size(), false));
+    layout = calib::make_layout(problem, state);
     state = layout.state_of(layout.vector_of(state));
     t.vehicle = VehicleId(vehicle);
     t.has_cycle_offset = true;

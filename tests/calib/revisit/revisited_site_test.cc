@@ -18,7 +18,7 @@ calib::ParameterLayout layout_of(const Site& site) {
   calib::Problem problem;
   problem.site = site;
   problem.runs.resize(1);
-  return calib::make_layout(problem, prior_state(site), std::vector<bool>(site.beacons.size(), false));
+  return calib::make_layout(problem, prior_state(site));
 }
 
 TEST(RevisitedSite, BeginsWhereTheDeploymentEnded) {

@@ -13,7 +13,7 @@ TEST(LabelCheck, AFarBeaconLosesItsPriorUnlessItIsTrusted) {
   const World world = must(simulate(hall_scenario(), 1));
   const calib::Problem problem = problem_of(world);
   const SharedState state = prior_state(problem.site);
-  const calib::ParameterLayout layout = calib::make_layout(problem, state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout = calib::make_layout(problem, state);
   Eigen::VectorXd x = layout.vector_of(state);
   x[layout.beacon[1][0]] += 3.0;  // ten of its sigmas
   const auto prior_sigma = [](const calib::ParameterLayout& l) {

@@ -102,8 +102,7 @@ TEST(MirrorImages, AWholeSiteIsReflectedInTheLineOfWhatIsKnown) {
   const World world = must(simulate(two_control_points(true), 3));
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem);
-  const calib::ParameterLayout layout =
-      calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state);
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   Eigen::VectorXd image = x;
   std::vector<Trajectory> reflected = solution.trajectories;
@@ -121,7 +120,7 @@ TEST(MirrorImages, ASiteThatIsKnownOrHeardByAnArrayIsNotReflected) {
   for (const Scenario& scenario : {straight_line(true), hall_scenario()}) {
     const calib::Problem problem = problem_of(must(simulate(scenario, 1)));
     const SharedState state = prior_state(problem.site);
-    const calib::ParameterLayout layout = calib::make_layout(problem, state, std::vector<bool>(8, false));
+    const calib::ParameterLayout layout = calib::make_layout(problem, state);
     Eigen::VectorXd x = layout.vector_of(state);
     std::vector<Trajectory> trajectories = problem.trajectories;
     EXPECT_FALSE(calib::reflect_site(problem, layout, x, trajectories));
@@ -179,7 +178,7 @@ struct EchoedStop {
     t.arrivals.insert(heard, 100, echo);
   }
   [[nodiscard]] calib::Preference preferred(const calib::ArrivalWeights& weights) const {
-    const calib::ParameterLayout layout = calib::make_layout(problem, here, std::vector<bool>(8, false));
+    const calib::ParameterLayout layout = calib::make_layout(problem, here);
     const auto consensus = [&](const SharedState& state) {
       return calib::consensus_cost_of(problem, layout, layout.vector_of(state), trajectories, 4.0, weights);
     };

@@ -25,7 +25,7 @@ struct Stated {
   explicit Stated(Site site, std::vector<bool> usable = std::vector<bool>(8, true))
       : problem(problem_of(std::move(site))),
         state(prior_state(problem.site)),
-        layout(calib::make_layout(problem, state, unusable(usable))),
+        layout(calib::make_layout(problem, state, usable)),
         stated(problem, layout, usable) {}
 
   static calib::Problem problem_of(Site site) {
@@ -34,10 +34,6 @@ struct Stated {
     problem.runs.resize(1);
     problem.typical_range_m = 9.0;
     return problem;
-  }
-  static std::vector<bool> unusable(std::vector<bool> usable) {
-    usable.flip();
-    return usable;
   }
   [[nodiscard]] std::size_t count(What what) const {
     const auto all = stated.all();

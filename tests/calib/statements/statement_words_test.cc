@@ -29,7 +29,7 @@ struct Disbelieved {
 
   Disbelieved(Site site, std::vector<Statement> released)
       : problem(problem_of(std::move(site))),
-        layout(calib::make_layout(problem, prior_state(problem.site), std::vector<bool>(8, false))),
+        layout(calib::make_layout(problem, prior_state(problem.site))),
         stated(problem, layout, std::vector<bool>(8, true)),
         culprits(std::move(released)) {
     const SharedState state = prior_state(problem.site);

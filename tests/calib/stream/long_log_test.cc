@@ -91,8 +91,7 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
   const World world = must(simulate(long_hall(300), 3));
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem, {});
-  const calib::ParameterLayout layout =
-      calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state);
   const calib::Covariance C = internal_covariance(layout, solution);
   const auto reliability = [&](std::size_t all_epochs) {
     return calib::reliability_of(problem, layout, solution.trajectories, solution.state, C,
@@ -153,7 +152,7 @@ TEST(LongDrive, IsCalibratedByWayOfAPart) {
   EXPECT_LT(errors.nees(), chi2_quantile(1 - 1e-4, dof));
   EXPECT_GT(errors.nees(), chi2_quantile(1e-4, dof));
   // Nothing is left to gain from there.
-  calib::ParameterLayout layout = calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  calib::ParameterLayout layout = calib::make_layout(problem, solution.state);
   std::vector<Trajectory> trajectories = solution.trajectories;
   Eigen::VectorXd x = layout.vector_of(solution.state);
   calib::AdjustOptions options;
@@ -186,8 +185,7 @@ TEST(LongDrive, ReliabilityOfSomeStretchesIsThatOfAll) {
   const World world = must(simulate(drive_scenario(260.0), 3));
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem, {});
-  const calib::ParameterLayout layout =
-      calib::make_layout(problem, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout = calib::make_layout(problem, solution.state);
   const calib::Covariance C = internal_covariance(layout, solution);
   const auto reliability = [&](std::size_t all_epochs) {
     return calib::reliability_of(problem, layout, solution.trajectories, solution.state, C,

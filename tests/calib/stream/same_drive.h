@@ -28,8 +28,7 @@ inline calib::StreamedCalibration streamed_drive(const Site& site, const std::ve
 /// Largest difference of the parameters, in sigmas of the whole's.
 inline double largest_in_sigmas(const calib::Problem& problem, const calib::Solution& whole,
                                 const calib::Solution& part) {
-  const calib::ParameterLayout layout =
-      calib::make_layout(problem, whole.state, std::vector<bool>(whole.state.beacon_p_map_m.size(), false));
+  const calib::ParameterLayout layout = calib::make_layout(problem, whole.state);
   Eigen::VectorXd si(layout.size());
   for (int i = 0; i < layout.size(); ++i) si[i] = layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
   const Eigen::VectorXd sigma = whole.covariance.matrix.diagonal().cwiseSqrt();

@@ -115,7 +115,7 @@ struct Net {
   Eigen::MatrixXd N;
 
   explicit Net(calib::Problem p) : problem(std::move(p)), state(hall_state()) {
-    layout = calib::make_layout(problem, state, std::vector<bool>(8, false));
+    layout = calib::make_layout(problem, state);
     N = calib::prior_information(problem, layout, layout.vector_of(state));
     for (int c = 0; c < layout.size(); ++c)  // all else is known
       if (layout.parameters[static_cast<std::size_t>(c)].id.kind != ParameterKind::kBeaconPosition)

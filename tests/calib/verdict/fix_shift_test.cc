@@ -37,8 +37,7 @@ TEST(FixShift, IsThatOfAMovedMap) {
   const calib::Solution solution = calib::solve(problem);
   calib::Problem all_free = problem;
   for (SiteBeacon& b : all_free.site.beacons) b.sigma_m.fill(1.0);
-  const calib::ParameterLayout layout =
-      calib::make_layout(all_free, solution.state, std::vector<bool>(8, false));
+  const calib::ParameterLayout layout = calib::make_layout(all_free, solution.state);
   const Eigen::VectorXd x = layout.vector_of(solution.state);
   EXPECT_LT(calib::fix_shift_m(layout, x, x, solution.trajectories).value(), 1e-6);
   Eigen::VectorXd y = x;
