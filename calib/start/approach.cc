@@ -109,7 +109,7 @@ class Approacher {
                            std::min(0.6, 0.1 + 0.1 * stage)))
         return false;
       const bool last = scale <= kCauchyScale;
-      const HeldHeadings held(scale > kRoughScale ? &out_.trajectories : nullptr);
+      const HeldStates held = HeldStates::headings(scale > kRoughScale ? &out_.trajectories : nullptr);
       if (!adjust_with(scale, last ? 1e-10 : 1e-4)) return false;
       const bool lifted = keep_above();
       if (last && (!lifted || stage > kMaxStages)) return true;
@@ -125,7 +125,7 @@ class Approacher {
   /// that are better known these are laid again, and both are brought together.
   bool fitted_to_paths(double scale) {
     const auto fit = [&](double held_to) {
-      const HeldPaths held(out_.trajectories, held_to, held_to);
+      const HeldStates held = HeldStates::paths(out_.trajectories, held_to);
       return adjust_with(kShareOfHeld * scale, 1e-4);
     };
     if (!monitor_.report("adjustment to the paths as found", 0.1) || !fit(0.01)) return false;
@@ -340,9 +340,7 @@ class Approacher {
     double best = consensus().total();
     std::size_t failures = 0;
     for (const double uncertainty : kSearchScales) {
-      const Eigen::VectorXd x = estimate_.x;
-      const std::vector<Trajectory> trajectories = out_.trajectories;
-      const AdjustResult last = estimate_.last;
+      const Kept before = keep();
       if (!monitor_.report(fmt::format("search again, beacons trusted to {:.3g} sigma", uncertainty), 0.65))
         return false;
       place_again(kCauchyScale, uncertainty);
@@ -353,9 +351,7 @@ class Approacher {
       if (better) {
         best = cost;
       } else {
-        estimate_.x = x;
-        out_.trajectories = trajectories;
-        estimate_.last = last;
+        restore(before);
       }
       if (!much_better && ++failures >= 2) break;
     }

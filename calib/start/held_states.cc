@@ -53,23 +53,27 @@ void HeldStates::hold(Trajectory& t, const PoseObservation& like) {
   t.poses = std::move(all);
 }
 
-HeldHeadings::HeldHeadings(std::vector<Trajectory>* trajectories)
-    : HeldStates(trajectories, stands_in_the_plane,
-                 {.T_map_vehicle = {},
-                  .position_sigma_m = INFINITY,
-                  .heading_sigma_rad = kHeadingHeldToRad,
-                  .attitude_sigma_rad = INFINITY}) {}
+HeldStates HeldStates::headings(std::vector<Trajectory>* trajectories) {
+  return {trajectories,
+          stands_in_the_plane,
+          {.T_map_vehicle = {},
+           .position_sigma_m = INFINITY,
+           .heading_sigma_rad = kHeadingHeldToRad,
+           .attitude_sigma_rad = INFINITY}};
+}
+
+HeldStates HeldStates::paths(std::vector<Trajectory>& trajectories, double sigma) {
+  return {&trajectories,
+          can_be_held,
+          {.T_map_vehicle = {},
+           .position_sigma_m = sigma,
+           .heading_sigma_rad = sigma,
+           .attitude_sigma_rad = sigma}};
+}
 
 bool can_be_held(const Trajectory& t) {
   return t.moving && t.motion == Motion::kSpatial && !t.odometry.empty() && t.poses.empty() &&
          !t.motion_prior;
 }
-
-HeldPaths::HeldPaths(std::vector<Trajectory>& trajectories, double place_m, double attitude_rad)
-    : HeldStates(&trajectories, can_be_held,
-                 {.T_map_vehicle = {},
-                  .position_sigma_m = place_m,
-                  .heading_sigma_rad = attitude_rad,
-                  .attitude_sigma_rad = attitude_rad}) {}
 
 }  // namespace octant::calib

@@ -150,7 +150,7 @@ void adjust_part(const Start& start, const std::vector<Trajectory>& trajectories
   std::vector<Trajectory> part = {some_segments(trajectories[0], stride)};
   {
     options.function_tolerance = 1e-4;
-    const calib::HeldHeadings held(&part);
+    const calib::HeldStates held = calib::HeldStates::headings(&part);
     calib::adjust(start.problem, start.layout, part, x, options);
   }
   options.function_tolerance = kTolerance;
