@@ -157,17 +157,6 @@ double Tile::reduce(const SharedState& state, const RobustLoss& loss, const std:
   return off;
 }
 
-double Tile::evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system) {
-  const double cost = solve_states(state, loss);
-  if (system == nullptr) return cost;
-  const auto n = static_cast<Eigen::Index>(columns_.size());
-  system->H.setZero(n, n);
-  system->gradient.setZero(n);
-  system->cost = cost + reduce(state, loss, local_of_, *system);
-  system->H = system->H.selfadjointView<Eigen::Lower>();
-  return system->cost;
-}
-
 namespace {
 
 /// What decides where a segment goes. Stops that hear the same beacons go together: what they have in common

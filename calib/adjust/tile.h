@@ -71,8 +71,6 @@ class Tile {
   /// is left to gain is predicted by this system better than by theirs
   double reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
                 ReducedSystem& system, int threads = 1);
-  /// Both, in the tile's own columns.
-  double evaluate(const SharedState& state, const RobustLoss& loss, ReducedSystem* system);
   /// Makes the states of the last evaluation the start of the next ones (a step was accepted).
   void commit();
   /// Back to the states committed last.

@@ -12,6 +12,7 @@
 
 #include "calib/adjust/tile.h"
 #include "models/simulator/random.h"
+#include "tests/calib/adjust/evaluated_tile.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
@@ -94,10 +95,10 @@ void expect_same(Sides& s, const RobustLoss& loss) {
   // Under a redescending loss states come to rest slowly, beyond the steps of one evaluation.
   for (calib::Tile* tile : {&fast, &general})
     for (int again = 0; again < 4; ++again) {
-      tile->evaluate(s.state, loss, nullptr);
+      evaluated(*tile, s.state, loss);
       tile->commit();
     }
-  const double cost = fast.evaluate(s.state, loss, &a), expected = general.evaluate(s.state, loss, &b);
+  const double cost = evaluated(fast, s.state, loss, &a), expected = evaluated(general, s.state, loss, &b);
   // Both stop where a step would gain a part in 1e13 of the cost.
   EXPECT_NEAR(cost, expected, 1e-10 * expected);
   EXPECT_NEAR(a.cost, cost, 1e-12 * cost);
@@ -210,8 +211,8 @@ TEST(StopBlock, EpochsOutOfReachAreLeftToTheGeneralPath) {
       Eigen::Vector3d(30.0, -20.0, 0.0);  // far outside the hall
   s.general[0].nodes[3].T_map_vehicle = s.fast[0].nodes[3].T_map_vehicle;
   calib::Tile fast = only_tile(s.fast, s.layout), general = only_tile(s.general, s.layout);
-  const double cost = fast.evaluate(s.state, {2.385, 2.385}, nullptr),
-               expected = general.evaluate(s.state, {2.385, 2.385}, nullptr);
+  const double cost = evaluated(fast, s.state, {2.385, 2.385}),
+               expected = evaluated(general, s.state, {2.385, 2.385});
   EXPECT_NEAR(cost, expected, 1e-6 * expected);
 }
 

@@ -7,6 +7,7 @@
 #include "calib/adjust/tile.h"
 #include "calib/problem/parameters.h"
 #include "calib/verdict/datum.h"
+#include "tests/calib/adjust/evaluated_tile.h"
 #include "tests/calib/calib_support.h"
 #include "tests/support/numeric.h"
 
@@ -69,10 +70,10 @@ void expect_gradient_of_the_solved_cost(bool drive, const RobustLoss& loss) {
   calib::ReducedSystem system;
   std::vector<calib::Tile> tiles = calib::make_tiles(trajectories, layout);
   ASSERT_EQ(tiles.size(), 1u);
-  tiles[0].evaluate(layout.state_of(x), loss, &system);
+  evaluated(tiles[0], layout.state_of(x), loss, &system);
   tiles[0].commit();
   const auto cost = [&](const Eigen::VectorXd& y) {
-    return Eigen::VectorXd::Constant(1, tiles[0].evaluate(layout.state_of(y), loss, nullptr));
+    return Eigen::VectorXd::Constant(1, evaluated(tiles[0], layout.state_of(y), loss));
   };
   const Eigen::MatrixXd numeric = numeric_jacobian(cost, x, 1e-5);
   Eigen::VectorXd analytic = Eigen::VectorXd::Zero(x.size());
